@@ -1,0 +1,50 @@
+# Flags and helper functions that every target of the project shares.
+#
+# Same inputs, same bits: floating-point operations are never contracted into fused ones, and no flag
+# names the architecture of the machine that builds.
+function(slewlab_flags target)
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wconversion
+                                           -Wno-sign-conversion -ffp-contract=off)
+  target_include_directories(${target} PUBLIC ${CMAKE_SOURCE_DIR})
+endfunction()
+
+# slewlab_library(NAME SOURCES a.cpp b.cpp LINK PUBLIC x PRIVATE y)
+function(slewlab_library target)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  add_library(${target} STATIC ${ARG_SOURCES})
+  slewlab_flags(${target})
+  target_link_libraries(${target} ${ARG_LINK})
+endfunction()
+
+# slewlab_program(NAME SOURCES a.cpp LINK x y)
+function(slewlab_program target)
+  cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
+  add_executable(${target} ${ARG_SOURCES})
+  slewlab_flags(${target})
+  target_link_libraries(${target} PRIVATE ${ARG_LINK})
+  set_target_properties(${target} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
+endfunction()
+
+# slewlab_test(NAME LABELS physics SOURCES a_test.cpp LINK x y [TIMEOUT 60] [WHOLE])
+# One build line per test program. Every TEST in it becomes a ctest case, unless WHOLE is given (then the
+# program is one case: for programs whose set-up is worth sharing).
+function(slewlab_test target)
+  cmake_parse_arguments(ARG "WHOLE" "TIMEOUT" "LABELS;SOURCES;LINK" ${ARGN})
+  if(NOT ARG_TIMEOUT)
+    set(ARG_TIMEOUT 120)
+  endif()
+  add_executable(${target} ${ARG_SOURCES})
+  slewlab_flags(${target})
+  target_link_libraries(${target} PRIVATE ${ARG_LINK} GTest::gtest_main GTest::gtest)
+  target_compile_definitions(${target} PRIVATE SLEWLAB_SOURCE_DIR="${CMAKE_SOURCE_DIR}"
+                                               SLEWLAB_BINARY_DIR="${CMAKE_BINARY_DIR}")
+  set_target_properties(${target} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+  if(ARG_WHOLE)
+    add_test(NAME ${target} COMMAND ${target})
+    set_tests_properties(${target} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT}
+                                              SKIP_REGULAR_EXPRESSION "\\[  SKIPPED \\]")
+  else()
+    gtest_discover_tests(${target} DISCOVERY_MODE PRE_TEST
+                         PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT})
+  endif()
+endfunction()
