@@ -1,0 +1,69 @@
+// What a crane is made of, as plain numbers in SI units. The YAML of config/cranes maps onto this one to one.
+//
+// Every angle of the drive is kept at the shaft where it is measured or specified; sim/model/drive_line.h
+// refers it to the slew axis. Valid machines include a rigid boom (element_count 0), no load (mass 0) and a
+// single motor group.
+#pragma once
+
+#include <vector>
+
+namespace slewlab::sim {
+
+inline constexpr double kGravity = 9.81;  // [m/s^2], thesis Table 4.2
+inline constexpr int kMaximumGroupCount = 8;
+
+struct DriveParameters {
+  int group_count = 2;              // motor groups, each with its own encoder and torque command
+  int motors_per_group = 3;         // motors, brakes and gearboxes merged in one group
+  double motor_inertia = 0.0;       // [kg m^2] of one motor, on the fast axis
+  double brake_inertia = 0.0;       // [kg m^2] of one brake, on the fast axis
+  double gearbox_inertia = 0.0;     // [kg m^2] of one gearbox, on the fast axis
+  double gearbox_ratio = 1.0;       // motor turns per turn of the gearbox's outgoing shaft
+  double pinion_ratio = 1.0;        // turns of the pinion per turn of the slew ring
+  double gearbox_stiffness = 0.0;   // [Nm/rad] of one gearbox, on its outgoing shaft
+  double gear_damping_ratio = 0.0;  // share of critical damping, in contact only, see drive_line.h
+  double gearbox_play = 0.0;        // [rad] whole play of one gearbox, on its outgoing shaft
+  double pinion_play = 0.0;         // [rad] whole play between pinion and ring, as rotation of the pinion
+};
+
+struct HouseParameters {
+  double inertia = 0.0;        // [kg m^2] about the slew axis
+  double sensor_radius = 0.0;  // [m] of the lateral accelerometer on the house, from the slew axis
+};
+
+struct BoomStation {
+  double position = 0.0;     // share of the boom's length from the pivot, 0 ... 1
+  double half_width = 0.0;   // [m] from the centre line to the middle of the chords, across (w_y)
+  double half_height = 0.0;  // [m] the same in the luffing plane (w_z); enters the polar inertia only
+};
+
+struct BoomParameters {
+  int element_count = 6;              // beam elements; 0 is a rigid boom
+  double length = 0.0;                // [m]
+  double mass = 0.0;                  // [kg] spread evenly over the length
+  double angle = 0.0;                 // [rad] above the horizontal
+  double pivot_radius = 0.0;          // [m] from the slew axis to the pivot
+  double chord_outer_diameter = 0.0;  // [m]
+  double chord_inner_diameter = 0.0;  // [m]
+  double youngs_modulus = 0.0;        // [N/m^2]
+  double shear_modulus = 0.0;         // [N/m^2]
+  double torsion_constant = 0.0;      // [m^4] I_t of the whole section
+  double damping_ratio = 0.0;         // share of critical damping at the clamped boom's first two bending modes
+  std::vector<BoomStation> profile;   // rising positions, first 0, last 1; linear in between
+};
+
+struct LoadParameters {
+  double mass = 0.0;           // [kg]; 0 is no load
+  double rope_length = 0.0;    // [m] from the tip to the top of the rod
+  double rod_length = 0.0;     // [m] of the load as a uniform rod; 0 is a point load
+  double damping_ratio = 0.0;  // share of critical damping of each swinging mode
+};
+
+struct CraneParameters {
+  DriveParameters drive;
+  HouseParameters house;
+  BoomParameters boom;
+  LoadParameters load;
+};
+
+}  // namespace slewlab::sim
