@@ -5,7 +5,6 @@
 #include <gtest/gtest.h>
 
 #include <cstdlib>
-#include <thread>
 
 namespace slewlab::msgs {
 namespace {
@@ -27,22 +26,17 @@ TEST(LcmBus, CarriesBytesBetweenTwoParties) {
   EXPECT_FALSE(right->handle_one(milliseconds{0}));
 }
 
-// LCM keeps 30 messages unless told otherwise and drops the newest beyond that.
-TEST(LcmBus, AThousandWaitingMessagesAreAllThere) {
+// LCM keeps 30 messages unless told otherwise and drops the newest beyond that. A hundred small ones fit into the
+// socket's own buffer (208 KiB by default, under 1 KiB each), so that none is lost there on a busy machine.
+TEST(LcmBus, AHundredWaitingMessagesAreAllThere) {
   const ReservedPort port;
   const auto left = open_lcm_bus(bus_url(port.number()));
   const auto right = open_lcm_bus(bus_url(port.number()));
   std::vector<int> heard;
-  right->subscribe("A", [&](Bytes bytes) { heard.push_back(bytes[0] | bytes[1] << 8); });
-  bool done = false;
-  right->subscribe("DONE", [&](Bytes) { done = true; });
-  for (int i = 0; i < 1000; ++i) {
-    left->publish("A", std::vector<std::uint8_t>{static_cast<std::uint8_t>(i), static_cast<std::uint8_t>(i >> 8)});
-  }
-  left->publish("DONE", kByte);
-  while (!done) ASSERT_TRUE(right->handle_one(kPatience));
-  ASSERT_EQ(heard.size(), 1000u);
-  for (int i = 0; i < 1000; ++i) EXPECT_EQ(heard[i], i);
+  right->subscribe("A", [&](Bytes bytes) { heard.push_back(bytes[0]); });
+  for (int i = 0; i < 100; ++i) left->publish("A", std::vector<std::uint8_t>{static_cast<std::uint8_t>(i)});
+  while (heard.size() < 100) ASSERT_TRUE(right->handle_one(kPatience));
+  for (int i = 0; i < 100; ++i) EXPECT_EQ(heard[i], i);
 }
 
 TEST(LcmBus, BusesOnTwoPortsDoNotHearEachOther) {
