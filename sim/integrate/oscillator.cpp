@@ -1,0 +1,90 @@
+#include "sim/integrate/oscillator.h"
+
+#include <cmath>
+
+namespace slewlab::sim {
+
+namespace {
+
+// Powers of h below which the closed forms lose digits to cancellation and the series is exact instead.
+constexpr double kSeriesLimit = 1.0;
+constexpr int kSeriesTerms = 24;  // 1/24! is below the rounding of a double
+
+void by_series(double square, double damping_rate, double h, double& s0, double& s1, double* integral) {
+  s0 = 0.0;
+  s1 = 0.0;
+  for (int j = 0; j < 4; ++j) integral[j] = 0.0;
+  double previous = 0.0;  // coefficient n times h^n of S
+  double current = h;
+  for (int n = 1; n <= kSeriesTerms; ++n) {
+    s0 += current;
+    s1 += current * n / h;
+    double term = current;
+    for (int j = 0; j < 4; ++j) {
+      term *= h / (n + j + 1);
+      integral[j] += term;
+    }
+    const double next = -(damping_rate * h * n * current + square * h * h * previous) / ((n + 1.0) * n);
+    previous = current;
+    current = next;
+  }
+}
+
+}  // namespace
+
+OscillatorResponse oscillator_response(double square, double damping_rate, double h) {
+  double s0 = 0.0;  // S(h)
+  double s1 = 0.0;  // S'(h)
+  double integral[4];
+  if (std::fmax(std::sqrt(square), damping_rate) * h < kSeriesLimit) {
+    by_series(square, damping_rate, h, s0, s1, integral);
+  } else {
+    const double a = 0.5 * damping_rate;
+    const double below = square - a * a;  // > 0: underdamped
+    if (std::fabs(below) * h * h < 1e-8) {
+      const double decay = std::exp(-a * h);
+      s0 = decay * h;
+      s1 = decay * (1.0 - a * h);
+    } else if (below > 0.0) {
+      const double frequency = std::sqrt(below);
+      const double decay = std::exp(-a * h);
+      const double sine = std::sin(frequency * h);
+      s0 = decay * sine / frequency;
+      s1 = decay * (std::cos(frequency * h) - a / frequency * sine);
+    } else {
+      const double b = std::sqrt(-below);
+      const double slow = square / (a + b);
+      const double fast = a + b;
+      const double slow_decay = std::exp(-slow * h);
+      const double fast_decay = std::exp(-fast * h);
+      s0 = (slow_decay - fast_decay) / (2.0 * b);
+      s1 = (fast * fast_decay - slow * slow_decay) / (2.0 * b);
+    }
+    // S'' + d S' + w2 S = 0, integrated once, twice, ...
+    integral[0] = (1.0 - s1 - damping_rate * s0) / square;
+    integral[1] = (h - s0 - damping_rate * integral[0]) / square;
+    integral[2] = (0.5 * h * h - integral[0] - damping_rate * integral[1]) / square;
+    integral[3] = (h * h * h / 6.0 - integral[1] - damping_rate * integral[2]) / square;
+  }
+  return {.qq = s1 + damping_rate * s0,
+          .qv = s0,
+          .vq = -square * s0,
+          .vv = s1,
+          .q = {integral[0], integral[1], integral[2], integral[3]},
+          .v = {s0, integral[0], integral[1], integral[2]}};
+}
+
+HermiteResponse hermite_response(const OscillatorResponse& response, double h) {
+  HermiteResponse result;
+  const auto fill = [h](const double* r, double* value, double* rate) {
+    value[0] = r[0] - 6.0 * r[2] / (h * h) + 12.0 * r[3] / (h * h * h);
+    value[1] = 6.0 * r[2] / (h * h) - 12.0 * r[3] / (h * h * h);
+    rate[0] = r[1] - 4.0 * r[2] / h + 6.0 * r[3] / (h * h);
+    rate[1] = -2.0 * r[2] / h + 6.0 * r[3] / (h * h);
+  };
+  fill(response.q, result.q_value, result.q_rate);
+  fill(response.v, result.v_value, result.v_rate);
+  return result;
+}
+
+}  // namespace slewlab::sim

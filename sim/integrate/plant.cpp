@@ -1,0 +1,707 @@
+#include "sim/integrate/plant.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "sim/integrate/oscillator.h"
+#include "sim/model/boom.h"
+#include "sim/model/drive_line.h"
+
+namespace slewlab::sim {
+
+namespace {
+
+// Times below which a split would not move the state [s].
+constexpr double kShortestSplit = 1e-12;
+// Sweeps over the frictions of a step; motors and house act on each other through soft gears, so each sweep
+// gains two to four digits.
+constexpr int kFrictionSweeps = 12;
+
+void size_step(ModalStep& step, int count) {
+  const auto n = static_cast<std::size_t>(count);
+  for (auto* column : {&step.qq, &step.qv, &step.vq, &step.vv, &step.q_torque[0], &step.q_torque[1],
+                       &step.q_rate[0], &step.q_rate[1], &step.v_torque[0], &step.v_torque[1],
+                       &step.v_rate[0], &step.v_rate[1], &step.q_tip[0], &step.q_tip[1], &step.v_tip[0],
+                       &step.v_tip[1], &step.q_uniform, &step.v_uniform}) {
+    column->assign(n, 0.0);
+  }
+}
+
+void discretise(const PlantModel& model, double h, ModalStep& step) {
+  step.length = h;
+  for (auto& row : step.house) row[0] = row[1] = 0.0;
+  step.house_angle_to_torque = step.house_speed_to_torque = 0.0;
+  step.house_acceleration_to_torque = model.house_per_house_torque;
+  for (std::size_t k = 0; k < static_cast<std::size_t>(model.padded_count); ++k) {
+    const OscillatorResponse r = oscillator_response(model.square[k], model.damping_rate[k], h);
+    const HermiteResponse hermite = hermite_response(r, h);
+    step.qq[k] = r.qq;
+    step.qv[k] = r.qv;
+    step.vq[k] = r.vq;
+    step.vv[k] = r.vv;
+    const double house = model.house[k];
+    for (int end = 0; end < 2; ++end) {
+      step.q_torque[end][k] = house * hermite.q_value[end];
+      step.q_rate[end][k] = house * hermite.q_rate[end];
+      step.v_torque[end][k] = house * hermite.v_value[end];
+      step.v_rate[end][k] = house * hermite.v_rate[end];
+      step.q_tip[end][k] = model.tip[k] * r.q[end];
+      step.v_tip[end][k] = model.tip[k] * r.v[end];
+    }
+    step.q_uniform[k] = model.uniform[k] * r.q[0];
+    step.v_uniform[k] = model.uniform[k] * r.v[0];
+    const double q_end[2] = {step.q_torque[1][k], step.q_rate[1][k]};
+    const double v_end[2] = {step.v_torque[1][k], step.v_rate[1][k]};
+    for (int j = 0; j < 2; ++j) {
+      step.house[0][j] += house * q_end[j];
+      step.house[1][j] += house * v_end[j];
+      step.house[2][j] += model.house_acceleration_q[k] * q_end[j] + model.house_acceleration_v[k] * v_end[j];
+    }
+    step.house_angle_to_torque += house * house * r.q[0];
+    step.house_speed_to_torque += house * house * r.v[0];
+    step.house_acceleration_to_torque +=
+        house * (model.house_acceleration_q[k] * r.q[0] + model.house_acceleration_v[k] * r.v[0]);
+  }
+  step.house[2][0] += model.house_per_house_torque;
+}
+
+LoadStep discretise_load(const PlantModel& model, double h) {
+  LoadStep step{};
+  if (!model.has_load) return step;
+  const LoadOnSpring& load = model.load;
+  const Eigen::Vector2d damping_in = load.modes.transpose() * load.damping.col(0);
+  const Eigen::Vector2d decay = (load.modes.transpose() * load.damping * load.modes).diagonal();
+  for (int j = 0; j < 2; ++j) {
+    const OscillatorResponse r =
+        oscillator_response(load.frequency(j) * load.frequency(j), decay(j), h);
+    step.qq[j] = r.qq;
+    step.qv[j] = r.qv;
+    step.vq[j] = r.vq;
+    step.vv[j] = r.vv;
+    const double displacement_in = load.modes(0, j) * load.rope_stiffness;
+    step.q_in[j][0] = displacement_in * (r.q[0] - r.q[1] / h);
+    step.q_in[j][1] = displacement_in * r.q[1] / h;
+    step.q_in[j][2] = damping_in(j) * (r.q[0] - r.q[1] / h);
+    step.q_in[j][3] = damping_in(j) * r.q[1] / h;
+    step.v_in[j][0] = displacement_in * (r.v[0] - r.v[1] / h);
+    step.v_in[j][1] = displacement_in * r.v[1] / h;
+    step.v_in[j][2] = damping_in(j) * (r.v[0] - r.v[1] / h);
+    step.v_in[j][3] = damping_in(j) * r.v[1] / h;
+    step.q_force[j] = r.q[0];
+    step.v_force[j] = r.v[0];
+  }
+  return step;
+}
+
+// Four running sums, so that the compiler may use packed arithmetic without changing the order of additions.
+double dot(const double* a, const double* b, int count) {
+  double s0 = 0.0, s1 = 0.0, s2 = 0.0, s3 = 0.0;
+  for (int k = 0; k < count; k += 4) {
+    s0 += a[k] * b[k];
+    s1 += a[k + 1] * b[k + 1];
+    s2 += a[k + 2] * b[k + 2];
+    s3 += a[k + 3] * b[k + 3];
+  }
+  return (s0 + s1) + (s2 + s3);
+}
+
+struct House {
+  double angle, speed, acceleration;
+};
+
+// What pushes during a step or a part of it, on the slew axis.
+struct Push {
+  GroupArray motor;  // motors and ports, held
+  double house;      // ports on the house, held
+  double tip;        // ports on the tip, held
+  double uniform;    // ports along the boom, held
+  double load;
+  double rod;
+  FrictionLevels friction;
+  bool has_friction;
+};
+
+struct Trial {
+  GroupArray torque, rate;  // T, T' at the end; 0 where there is no contact
+  GroupArray angle, speed;  // motors at the end
+  GroupArray friction;      // on motors
+  double house_friction;
+  double torque_sum, rate_sum;
+  House house;
+};
+
+struct Start {
+  GroupArray torque, rate;  // T, T' at the start
+  double torque_sum, rate_sum;
+};
+
+Start start_of(const PlantModel& model, const PlantState& state, const Push& push) {
+  Start start{};
+  for (int i = 0; i < model.group_count; ++i) {
+    if (state.contact[i] == 0) continue;
+    const GearContact& gear = model.gear[i];
+    start.torque[i] = gear.stiffness * (state.motor_angle[i] - state.house_angle -
+                                        state.contact[i] * gear.half_play) +
+                      gear.damping * (state.motor_speed[i] - state.house_speed);
+    start.torque_sum += start.torque[i];
+  }
+  const double house_acceleration =
+      state.modal_house_acceleration +
+      model.house_per_house_torque * (start.torque_sum + push.house) +
+      model.house_per_tip_force * (state.rope_force + push.tip) +
+      model.house_per_uniform_force * push.uniform;
+  for (int i = 0; i < model.group_count; ++i) {
+    if (state.contact[i] == 0) continue;
+    const GearContact& gear = model.gear[i];
+    start.rate[i] =
+        gear.stiffness * (state.motor_speed[i] - state.house_speed) +
+        gear.damping * ((push.motor[i] - start.torque[i]) / model.group_inertia[i] - house_acceleration);
+    start.rate_sum += start.rate[i];
+  }
+  return start;
+}
+
+// Solves the end of the step for given frictions: the gears' torques, the motors and the house.
+void solve_end(const PlantModel& model, const ModalStep& step, const PlantState& state, const Push& push,
+               const Start& start, const House& free_house, Trial& trial) {
+  const double h = step.length;
+  double inverse[kMaximumGroupCount][2][2];
+  double right[kMaximumGroupCount][2];
+  double torque_right = 0.0, rate_right = 0.0;
+  // Sum over groups of inverse * [k c 0; 0 k c]: how T and T' answer the house's angle, speed, acceleration.
+  double answer[2][3] = {};
+  for (int i = 0; i < model.group_count; ++i) {
+    const GearContact& gear = model.gear[i];
+    const double inertia = model.group_inertia[i];
+    const double motor = push.motor[i] + trial.friction[i];
+    // Double integral and integral of the Hermite polynomial's start terms.
+    trial.angle[i] = state.motor_angle[i] + h * state.motor_speed[i] +
+                     (0.5 * h * h * motor - h * h * (0.35 * start.torque[i] + h / 20.0 * start.rate[i])) / inertia;
+    trial.speed[i] = state.motor_speed[i] +
+                     (h * motor - h * (0.5 * start.torque[i] + h / 12.0 * start.rate[i])) / inertia;
+    trial.torque[i] = trial.rate[i] = 0.0;
+    if (state.contact[i] == 0) continue;
+    const double k = gear.stiffness, c = gear.damping;
+    const double e00 = 1.0 + (0.15 * k * h * h + 0.5 * c * h) / inertia;
+    const double e01 = -(k * h * h * h / 30.0 + c * h * h / 12.0) / inertia;
+    const double e10 = (0.5 * k * h + c) / inertia;
+    const double e11 = 1.0 - k * h * h / (12.0 * inertia);
+    const double determinant = e00 * e11 - e01 * e10;
+    inverse[i][0][0] = e11 / determinant;
+    inverse[i][0][1] = -e01 / determinant;
+    inverse[i][1][0] = -e10 / determinant;
+    inverse[i][1][1] = e00 / determinant;
+    right[i][0] = k * (trial.angle[i] - state.contact[i] * gear.half_play) + c * trial.speed[i];
+    right[i][1] = k * trial.speed[i] + c * motor / inertia;
+    torque_right += inverse[i][0][0] * right[i][0] + inverse[i][0][1] * right[i][1];
+    rate_right += inverse[i][1][0] * right[i][0] + inverse[i][1][1] * right[i][1];
+    for (int row = 0; row < 2; ++row) {
+      answer[row][0] += inverse[i][row][0] * k;
+      answer[row][1] += inverse[i][row][0] * c + inverse[i][row][1] * k;
+      answer[row][2] += inverse[i][row][1] * c;
+    }
+  }
+  // House without the end torques; friction on the house is held over the step.
+  House house = free_house;
+  if (push.has_friction) {
+    house.angle += step.house_angle_to_torque * trial.house_friction;
+    house.speed += step.house_speed_to_torque * trial.house_friction;
+    house.acceleration += step.house_acceleration_to_torque * trial.house_friction;
+  }
+  double system[2][2], side[2];
+  for (int row = 0; row < 2; ++row) {
+    side[row] = (row == 0 ? torque_right : rate_right) -
+                (answer[row][0] * house.angle + answer[row][1] * house.speed + answer[row][2] * house.acceleration);
+    for (int column = 0; column < 2; ++column) {
+      system[row][column] = (row == column ? 1.0 : 0.0) + answer[row][0] * step.house[0][column] +
+                            answer[row][1] * step.house[1][column] + answer[row][2] * step.house[2][column];
+    }
+  }
+  const double determinant = system[0][0] * system[1][1] - system[0][1] * system[1][0];
+  trial.torque_sum = (system[1][1] * side[0] - system[0][1] * side[1]) / determinant;
+  trial.rate_sum = (system[0][0] * side[1] - system[1][0] * side[0]) / determinant;
+  trial.house = {house.angle + step.house[0][0] * trial.torque_sum + step.house[0][1] * trial.rate_sum,
+                 house.speed + step.house[1][0] * trial.torque_sum + step.house[1][1] * trial.rate_sum,
+                 house.acceleration + step.house[2][0] * trial.torque_sum + step.house[2][1] * trial.rate_sum};
+  for (int i = 0; i < model.group_count; ++i) {
+    if (state.contact[i] == 0) continue;
+    const double k = model.gear[i].stiffness, c = model.gear[i].damping;
+    const double inertia = model.group_inertia[i];
+    const double r0 = right[i][0] - k * trial.house.angle - c * trial.house.speed;
+    const double r1 = right[i][1] - k * trial.house.speed - c * trial.house.acceleration;
+    trial.torque[i] = inverse[i][0][0] * r0 + inverse[i][0][1] * r1;
+    trial.rate[i] = inverse[i][1][0] * r0 + inverse[i][1][1] * r1;
+    trial.angle[i] -= h * h * (0.15 * trial.torque[i] - h / 30.0 * trial.rate[i]) / inertia;
+    trial.speed[i] -= h * (0.5 * trial.torque[i] - h / 12.0 * trial.rate[i]) / inertia;
+  }
+}
+
+// Projected Gauss-Seidel: each friction takes what would stop its body within the step, up to its level.
+void solve_with_friction(const PlantModel& model, const ModalStep& step, const PlantState& state,
+                         const Push& push, const Start& start, const House& free_house, Trial& trial) {
+  for (int sweep = 0; sweep < kFrictionSweeps; ++sweep) {
+    solve_end(model, step, state, push, start, free_house, trial);
+    double change = 0.0;
+    for (int i = 0; i < model.group_count; ++i) {
+      const double level = push.friction.motor[i];
+      const double wanted = trial.friction[i] - trial.speed[i] * model.group_inertia[i] / step.length;
+      const double taken = std::clamp(wanted, -level, level);
+      change = std::max(change, std::fabs(taken - trial.friction[i]) - 1e-12 * level);
+      trial.friction[i] = taken;
+    }
+    const double wanted = trial.house_friction - trial.house.speed / step.house_speed_to_torque;
+    const double taken = std::clamp(wanted, -push.friction.house_positive, push.friction.house_negative);
+    const double level = push.friction.house_positive + push.friction.house_negative;
+    change = std::max(change, std::fabs(taken - trial.house_friction) - 1e-12 * level);
+    trial.house_friction = taken;
+    if (change <= 0.0) return;
+  }
+  solve_end(model, step, state, push, start, free_house, trial);
+}
+
+// First pass over the modes: where they are at the end without the end torques. Returns the house's part.
+House advance_free(const PlantModel& model, const ModalStep& step, const PlantState& state, const Push& push,
+                   const Start& start, PlantWorkspace& workspace) {
+  const int count = model.padded_count;
+  const double torque = start.torque_sum, rate = start.rate_sum;
+  const double force = state.rope_force + push.tip, force_rate = state.rope_force_rate;
+  const double* q0 = state.q.data();
+  const double* v0 = state.v.data();
+  double* q = workspace.q.data();
+  double* v = workspace.v.data();
+  const double* qq = step.qq.data();
+  const double* qv = step.qv.data();
+  const double* q_torque = step.q_torque[0].data();
+  const double* q_rate = step.q_rate[0].data();
+  const double* q_tip = step.q_tip[0].data();
+  const double* q_tip_rate = step.q_tip[1].data();
+  for (int k = 0; k < count; ++k) {
+    q[k] = qq[k] * q0[k] + qv[k] * v0[k] + q_torque[k] * torque + q_rate[k] * rate + q_tip[k] * force +
+           q_tip_rate[k] * force_rate;
+  }
+  const double* vq = step.vq.data();
+  const double* vv = step.vv.data();
+  const double* v_torque = step.v_torque[0].data();
+  const double* v_rate = step.v_rate[0].data();
+  const double* v_tip = step.v_tip[0].data();
+  const double* v_tip_rate = step.v_tip[1].data();
+  for (int k = 0; k < count; ++k) {
+    v[k] = vq[k] * q0[k] + vv[k] * v0[k] + v_torque[k] * torque + v_rate[k] * rate + v_tip[k] * force +
+           v_tip_rate[k] * force_rate;
+  }
+  if (push.house != 0.0) {
+    for (int k = 0; k < count; ++k) {
+      q[k] += (q_torque[k] + step.q_torque[1][k]) * push.house;
+      v[k] += (v_torque[k] + step.v_torque[1][k]) * push.house;
+    }
+  }
+  if (push.uniform != 0.0) {
+    for (int k = 0; k < count; ++k) {
+      q[k] += step.q_uniform[k] * push.uniform;
+      v[k] += step.v_uniform[k] * push.uniform;
+    }
+  }
+  return {dot(model.house.data(), q, count), dot(model.house.data(), v, count),
+          dot(model.house_acceleration_q.data(), q, count) + dot(model.house_acceleration_v.data(), v, count) +
+              model.house_per_house_torque * push.house +
+              model.house_per_tip_force * (force + step.length * force_rate) +
+              model.house_per_uniform_force * push.uniform};
+}
+
+// Value and slope of the gear deflection on the cubic through both ends of the step; `at` is a share of it.
+struct Deflection {
+  double start, start_rate, end, end_rate, length;
+
+  double value(double at) const {
+    const double at2 = at * at, at3 = at2 * at;
+    return start * (2 * at3 - 3 * at2 + 1) + length * start_rate * (at3 - 2 * at2 + at) +
+           end * (3 * at2 - 2 * at3) + length * end_rate * (at3 - at2);
+  }
+  double rate(double at) const {
+    const double at2 = at * at;
+    return (end - start) * 6.0 * (at - at2) / length + start_rate * (3 * at2 - 4 * at + 1) +
+           end_rate * (3 * at2 - 2 * at);
+  }
+};
+
+// > 0 where the group's contact would change: teeth of flank `contact` that would pull, or free teeth that
+// have met flank `side` and push.
+double change_measure(const GearContact& gear, int contact, int side, double deflection, double rate) {
+  const double depth = side * deflection - gear.half_play;
+  const double push = depth + gear.damping / gear.stiffness * side * rate;
+  return contact != 0 ? -push : std::min(depth, push);
+}
+
+// The first share of the step at which the group's contact changes, 2 when it does not.
+double first_change(const GearContact& gear, int contact, int side, const Deflection& d) {
+  const auto measure = [&](double at) {
+    return change_measure(gear, contact, side, d.value(at), d.rate(at));
+  };
+  double after = 1.0;
+  if (change_measure(gear, contact, side, d.end, d.end_rate) <= 0.0) {
+    // Both ends keep the contact; it may still have changed where the deflection turns inside the step.
+    const double towards = contact != 0 ? -side : side;
+    if (!(towards * d.start_rate > 0.0 && towards * d.end_rate < 0.0)) return 2.0;
+    double low = 0.0, high = 1.0;
+    for (int i = 0; i < 50; ++i) {
+      const double middle = 0.5 * (low + high);
+      (towards * d.rate(middle) > 0.0 ? low : high) = middle;
+    }
+    after = high;
+    if (measure(after) <= 0.0) return 2.0;
+  }
+  double before = 0.0;
+  if (measure(before) > 0.0) return 0.0;
+  for (int i = 0; i < 60; ++i) {
+    const double middle = 0.5 * (before + after);
+    (measure(middle) > 0.0 ? after : before) = middle;
+  }
+  return after;
+}
+
+struct Change {
+  double at = 2.0;
+  int group = -1;
+  int contact = 0;  // the new one
+};
+
+Change earliest_change(const PlantModel& model, const PlantState& state, const Trial& trial, double length) {
+  Change change;
+  for (int i = 0; i < model.group_count; ++i) {
+    const GearContact& gear = model.gear[i];
+    const Deflection d{state.motor_angle[i] - state.house_angle, state.motor_speed[i] - state.house_speed,
+                       trial.angle[i] - trial.house.angle, trial.speed[i] - trial.house.speed, length};
+    if (state.contact[i] != 0) {
+      const double at = first_change(gear, state.contact[i], state.contact[i], d);
+      if (at < change.at) change = {at, i, 0};
+      continue;
+    }
+    for (const int side : {-1, 1}) {
+      const double at = first_change(gear, 0, side, d);
+      if (at < change.at) change = {at, i, side};
+    }
+  }
+  return change;
+}
+
+void change_contact(PlantState& state, int group, int contact) {
+  state.contact[group] = contact;
+  ++state.contact_changes;
+  if (contact == 0) return;
+  if (state.last_flank[group] != 0 && state.last_flank[group] != contact) ++state.play_crossings[group];
+  state.last_flank[group] = contact;
+}
+
+void rope_forces(const PlantModel& model, PlantState& state) {
+  if (!model.has_load) return;
+  const LoadOnSpring& load = model.load;
+  const double y = load.modes(0, 0) * state.load_q[0] + load.modes(0, 1) * state.load_q[1];
+  const double y_rate = load.modes(0, 0) * state.load_v[0] + load.modes(0, 1) * state.load_v[1];
+  const double rod_rate = load.modes(1, 0) * state.load_v[0] + load.modes(1, 1) * state.load_v[1];
+  state.rope_force_rate = load.rope_stiffness * (y_rate - state.tip_velocity);
+  state.rope_force = load.rope_stiffness * (y - state.tip_displacement) +
+                     load.damping(0, 0) * (y_rate - state.tip_velocity) + load.damping(0, 1) * rod_rate;
+}
+
+// Second pass: takes the trial's end for the state.
+void accept(const PlantModel& model, const ModalStep& step, const LoadStep& load_step, const Push& push,
+            const Trial& trial, PlantWorkspace& workspace, PlantState& state) {
+  const int count = model.padded_count;
+  double* q = workspace.q.data();
+  double* v = workspace.v.data();
+  {
+    const double* q_torque = step.q_torque[1].data();
+    const double* q_rate = step.q_rate[1].data();
+    const double* v_torque = step.v_torque[1].data();
+    const double* v_rate = step.v_rate[1].data();
+    for (int k = 0; k < count; ++k) {
+      q[k] += q_torque[k] * trial.torque_sum + q_rate[k] * trial.rate_sum;
+      v[k] += v_torque[k] * trial.torque_sum + v_rate[k] * trial.rate_sum;
+    }
+  }
+  if (push.has_friction) {
+    for (int k = 0; k < count; ++k) {
+      q[k] += (step.q_torque[0][k] + step.q_torque[1][k]) * trial.house_friction;
+      v[k] += (step.v_torque[0][k] + step.v_torque[1][k]) * trial.house_friction;
+    }
+  }
+  if (push.uniform != 0.0) {
+    state.supplied_work +=
+        push.uniform * (dot(model.uniform.data(), q, count) - dot(model.uniform.data(), state.q.data(), count));
+  }
+  state.q.swap(workspace.q);
+  state.v.swap(workspace.v);
+
+  for (int i = 0; i < model.group_count; ++i) {
+    state.supplied_work += (push.motor[i] + trial.friction[i]) * (trial.angle[i] - state.motor_angle[i]);
+    state.motor_angle[i] = trial.angle[i];
+    state.motor_speed[i] = trial.speed[i];
+    state.gear_torque[i] = trial.torque[i];
+    state.motor_friction[i] = trial.friction[i];
+  }
+  state.other_house_torque = push.house + trial.house_friction;
+  state.supplied_work += state.other_house_torque * (trial.house.angle - state.house_angle);
+  state.house_angle = trial.house.angle;
+  state.house_speed = trial.house.speed;
+  state.other_tip_force = push.tip;
+  state.other_uniform_force = push.uniform;
+
+  const double tip = dot(model.tip.data(), state.q.data(), count);
+  const double tip_velocity = dot(model.tip.data(), state.v.data(), count);
+  state.supplied_work += push.tip * (tip - state.tip_displacement);
+  state.modal_house_acceleration = dot(model.house_acceleration_q.data(), state.q.data(), count) +
+                                   dot(model.house_acceleration_v.data(), state.v.data(), count);
+  if (model.has_load) {
+    double before = 0.0, after = 0.0;
+    for (int j = 0; j < 2; ++j) {
+      const double in[4] = {state.tip_displacement, tip, state.tip_velocity, tip_velocity};
+      const double force = model.load.modes(0, j) * push.load + model.load.modes(1, j) * push.rod;
+      before += force * state.load_q[j];
+      double load_q = load_step.qq[j] * state.load_q[j] + load_step.qv[j] * state.load_v[j] +
+                      load_step.q_force[j] * force;
+      double load_v = load_step.vq[j] * state.load_q[j] + load_step.vv[j] * state.load_v[j] +
+                      load_step.v_force[j] * force;
+      for (int n = 0; n < 4; ++n) {
+        load_q += load_step.q_in[j][n] * in[n];
+        load_v += load_step.v_in[j][n] * in[n];
+      }
+      state.load_q[j] = load_q;
+      state.load_v[j] = load_v;
+      after += force * load_q;
+    }
+    state.supplied_work += after - before;
+  }
+  state.tip_displacement = tip;
+  state.tip_velocity = tip_velocity;
+  rope_forces(model, state);
+}
+
+// Advances by step.length with the contacts as they stand; the end is left in `trial` and the workspace.
+void attempt(const PlantModel& model, const ModalStep& step, const PlantState& state, const Push& push,
+             Start& start, PlantWorkspace& workspace, Trial& trial) {
+  start = start_of(model, state, push);
+  const House free_house = advance_free(model, step, state, push, start, workspace);
+  trial.friction.fill(0.0);
+  trial.house_friction = 0.0;
+  if (push.has_friction) {
+    trial.friction = state.motor_friction;
+    trial.house_friction = state.other_house_torque - push.house;
+    solve_with_friction(model, step, state, push, start, free_house, trial);
+  } else {
+    solve_end(model, step, state, push, start, free_house, trial);
+  }
+}
+
+}  // namespace
+
+PlantModel make_plant_model(const CraneParameters& crane, double step) {
+  GroupArray inertia{};
+  std::array<GearContact, kMaximumGroupCount> gear{};
+  inertia.fill(group_inertia(crane.drive));
+  gear.fill(gear_contact(crane));
+  return make_plant_model(crane, step, inertia, gear);
+}
+
+PlantModel make_plant_model(const CraneParameters& crane, double step, const GroupArray& group_inertia,
+                            const std::array<GearContact, kMaximumGroupCount>& gear) {
+  const int groups = crane.drive.group_count;
+  if (!(step > 0.0)) throw std::invalid_argument("the plant's step must be greater than 0 s");
+  if (groups < 1 || groups > kMaximumGroupCount) {
+    throw std::invalid_argument("the number of motor groups must be 1 ... 8");
+  }
+  for (int i = 0; i < groups; ++i) {
+    if (!(group_inertia[i] > 0.0)) throw std::invalid_argument("a motor group needs an inertia above 0");
+    if (!(gear[i].stiffness > 0.0)) throw std::invalid_argument("gearboxes need a stiffness above 0");
+  }
+  if (!(driven_inertia(crane) > 0.0)) throw std::invalid_argument("house and boom have no inertia");
+
+  PlantModel model;
+  model.parameters = crane;
+  model.step = step;
+  model.group_count = groups;
+  model.ratio = total_ratio(crane.drive);
+  model.gear = gear;
+  model.group_inertia = group_inertia;
+  model.modes = free_house_modes(crane);
+  model.mode_count = static_cast<int>(model.modes.frequency.size());
+  model.padded_count = (model.mode_count + 3) / 4 * 4;
+  const auto padded = [&](const std::vector<double>& values) {
+    std::vector<double> result = values;
+    result.resize(static_cast<std::size_t>(model.padded_count), 0.0);
+    return result;
+  };
+  model.house = padded(model.modes.house);
+  model.tip = padded(model.modes.tip);
+  model.middle = padded(model.modes.middle);
+  model.uniform = padded(model.modes.uniform_load);
+  model.damping_rate = padded(model.modes.damping_rate);
+  model.square = padded(model.modes.frequency);
+  for (double& value : model.square) value *= value;
+  for (std::size_t k = 0; k < model.house.size(); ++k) {
+    model.house_acceleration_q.push_back(-model.house[k] * model.square[k]);
+    model.house_acceleration_v.push_back(-model.house[k] * model.damping_rate[k]);
+    model.house_per_house_torque += model.house[k] * model.house[k];
+    model.house_per_tip_force += model.house[k] * model.tip[k];
+    model.house_per_uniform_force += model.house[k] * model.uniform[k];
+  }
+  model.has_load = crane.load.mass > 0.0;
+  if (model.has_load) model.load = load_on_spring(crane.load);
+  size_step(model.full, model.padded_count);
+  discretise(model, step, model.full);
+  model.load_step = discretise_load(model, step);
+  return model;
+}
+
+PlantWorkspace make_plant_workspace(const PlantModel& model) {
+  PlantWorkspace workspace;
+  size_step(workspace.partial, model.padded_count);
+  workspace.q.assign(static_cast<std::size_t>(model.padded_count), 0.0);
+  workspace.v = workspace.q;
+  return workspace;
+}
+
+PlantState make_plant_state(const PlantModel& model) {
+  PlantState state;
+  state.q.assign(static_cast<std::size_t>(model.padded_count), 0.0);
+  state.v = state.q;
+  return state;
+}
+
+void refresh(const PlantModel& model, PlantState& state) {
+  const int count = model.padded_count;
+  state.house_angle = dot(model.house.data(), state.q.data(), count);
+  state.house_speed = dot(model.house.data(), state.v.data(), count);
+  state.tip_displacement = dot(model.tip.data(), state.q.data(), count);
+  state.tip_velocity = dot(model.tip.data(), state.v.data(), count);
+  state.modal_house_acceleration = dot(model.house_acceleration_q.data(), state.q.data(), count) +
+                                   dot(model.house_acceleration_v.data(), state.v.data(), count);
+  rope_forces(model, state);
+  for (int i = 0; i < model.group_count; ++i) {
+    state.gear_torque[i] =
+        contact_torque(model.gear[i], gear_deflection(state, i), state.motor_speed[i] - state.house_speed);
+    state.contact[i] = state.gear_torque[i] > 0.0 ? 1 : state.gear_torque[i] < 0.0 ? -1 : 0;
+    if (state.contact[i] != 0) state.last_flank[i] = state.contact[i];
+  }
+}
+
+void step(const PlantModel& model, PlantWorkspace& workspace, const PlantInput& input, PlantState& state) {
+  Push push;
+  push.has_friction = input.friction.house_positive > 0.0 || input.friction.house_negative > 0.0;
+  for (int i = 0; i < model.group_count; ++i) {
+    push.motor[i] = input.motor_torque[i] * model.parameters.drive.motors_per_group * model.ratio +
+                    input.ports.motor_torque[i];
+    push.has_friction = push.has_friction || input.friction.motor[i] > 0.0;
+  }
+  push.friction = input.friction;
+  push.house = input.ports.house_torque;
+  push.tip = input.ports.tip_force;
+  push.uniform = input.ports.uniform_force;
+  push.load = input.ports.load_force;
+  push.rod = input.ports.rod_moment;
+
+  Start start;
+  Trial trial;
+  attempt(model, model.full, state, push, start, workspace, trial);
+  Change change = earliest_change(model, state, trial, model.step);
+  if (change.group < 0) {
+    accept(model, model.full, model.load_step, push, trial, workspace, state);
+    ++state.step_count;
+    return;
+  }
+
+  double remaining = model.step;
+  for (int split = 0; change.group >= 0 && split < kMaximumSplits; ++split) {
+    const double until = std::min(change.at, 1.0) * remaining;
+    if (until > kShortestSplit) {
+      discretise(model, until, workspace.partial);
+      attempt(model, workspace.partial, state, push, start, workspace, trial);
+      accept(model, workspace.partial, discretise_load(model, until), push, trial, workspace, state);
+      remaining -= until;
+    }
+    change_contact(state, change.group, change.contact);
+    if (remaining <= kShortestSplit) break;
+    discretise(model, remaining, workspace.partial);
+    attempt(model, workspace.partial, state, push, start, workspace, trial);
+    change = earliest_change(model, state, trial, remaining);
+  }
+  if (remaining > kShortestSplit) {
+    accept(model, workspace.partial, discretise_load(model, remaining), push, trial, workspace, state);
+    if (change.group >= 0) ++state.unsplit_steps;
+  }
+  ++state.step_count;
+}
+
+PlantReadings read(const PlantModel& model, const PlantState& state) {
+  PlantReadings readings;
+  double gear_torque = 0.0;
+  for (int i = 0; i < model.group_count; ++i) {
+    readings.shaft_speed[i] = state.motor_speed[i] * model.ratio;
+    readings.shaft_position[i] = state.motor_angle[i] * model.ratio;
+    gear_torque += state.gear_torque[i];
+  }
+  const double house_torque = gear_torque + state.other_house_torque;
+  const double tip_force = state.rope_force + state.other_tip_force;
+  double house = 0.0, middle = 0.0, tip = 0.0;
+  for (std::size_t k = 0; k < static_cast<std::size_t>(model.padded_count); ++k) {
+    const double acceleration = -model.square[k] * state.q[k] - model.damping_rate[k] * state.v[k] +
+                                model.house[k] * house_torque + model.tip[k] * tip_force +
+                                model.uniform[k] * state.other_uniform_force;
+    house += model.house[k] * acceleration;
+    middle += model.middle[k] * acceleration;
+    tip += model.tip[k] * acceleration;
+  }
+  readings.house_acceleration = model.parameters.house.sensor_radius * house;
+  readings.pivot_acceleration = model.parameters.boom.pivot_radius * house;
+  readings.middle_acceleration = middle;
+  readings.tip_acceleration = tip;
+  readings.slew_angle = state.house_angle;
+  return readings;
+}
+
+double rope_angle(const PlantModel& model, const PlantState& state) {
+  if (!model.has_load) return 0.0;
+  const double y = model.load.modes(0, 0) * state.load_q[0] + model.load.modes(0, 1) * state.load_q[1];
+  return (y - state.tip_displacement) / model.parameters.load.rope_length;
+}
+
+double rod_angle(const PlantModel& model, const PlantState& state) {
+  if (!model.has_load) return 0.0;
+  return model.load.modes(1, 0) * state.load_q[0] + model.load.modes(1, 1) * state.load_q[1];
+}
+
+double gear_deflection(const PlantState& state, int group) {
+  return state.motor_angle[static_cast<std::size_t>(group)] - state.house_angle;
+}
+
+void shear_forces(const PlantModel& model, const PlantState& state, double* shear) {
+  for (Eigen::Index e = 0; e < model.modes.shear.rows(); ++e) {
+    double force = 0.0;
+    for (int k = 0; k < model.mode_count; ++k) force += model.modes.shear(e, k) * state.q[static_cast<std::size_t>(k)];
+    shear[e] = force;
+  }
+}
+
+double modal_energy(const PlantModel& model, const PlantState& state, int mode) {
+  const auto k = static_cast<std::size_t>(mode);
+  return 0.5 * (state.v[k] * state.v[k] + model.square[k] * state.q[k] * state.q[k]);
+}
+
+double mechanical_energy(const PlantModel& model, const PlantState& state) {
+  double energy = 0.0;
+  for (int k = 0; k < model.mode_count; ++k) energy += modal_energy(model, state, k);
+  for (int i = 0; i < model.group_count; ++i) {
+    energy += 0.5 * model.group_inertia[i] * state.motor_speed[i] * state.motor_speed[i];
+    const double depth = std::fabs(gear_deflection(state, i)) - model.gear[i].half_play;
+    if (depth > 0.0) energy += 0.5 * model.gear[i].stiffness * depth * depth;
+  }
+  if (model.has_load) {
+    const Eigen::Vector2d position(model.parameters.load.rope_length * rope_angle(model, state),
+                                   rod_angle(model, state));
+    energy += 0.5 * position.dot(model.load.stiffness * position);
+    energy += 0.5 * (state.load_v[0] * state.load_v[0] + state.load_v[1] * state.load_v[1]);
+  }
+  return energy;
+}
+
+}  // namespace slewlab::sim

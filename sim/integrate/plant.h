@@ -1,0 +1,183 @@
+// The crane at a fixed step: exact modes, Hermite contact torque, contact changes found inside the step.
+//
+// State: motor groups (double integrators on the slew axis), the boom on its free house in modal coordinates,
+// the load on its rope. One step of length h:
+//
+// - Every mode q'' + d q' + w^2 q = f(t) is advanced exactly for a force that is a cubic polynomial of time.
+// - The gears' torque over the step is the cubic Hermite polynomial through its values T and rates T' at both
+//   ends. The end values depend linearly on the end state, so they come from a 2x2 solve per group and one 2x2
+//   solve for the house (all groups push on one house): linear cost in groups and in elements.
+// - A change of contact (gear.h: teeth push, never pull) is located inside the step on the cubic Hermite
+//   interpolant of the gear deflection; the step is split there. Splits are bounded (kMaximumSplits).
+// - Rope force: linear in time over the step; the rope is a soft spring (load.h). The load's two modes are
+//   advanced exactly for a tip that moves linearly between the step's ends.
+// - Torques of the motors are held over the step; port forces of effects too. Friction on motors and house
+//   (brake, dragging brake, slew bearing) is a torque that opposes motion up to a level and holds at rest: it
+//   is found with the step's end speed, so that sticking is exact and nothing chatters.
+//
+// Order of accuracy: the contact phases are of fourth order in h, the splits keep at least second order across
+// impacts. step() allocates nothing, locks nothing, throws nothing. Same inputs, same bits.
+//
+// Source: thesis 3.6 for the equations; the scheme is this project's (docs/model.md derives it).
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "sim/model/crane.h"
+
+namespace slewlab::sim {
+
+inline constexpr int kMaximumSplits = 16;  // contact changes inside one step before the rest runs unsplit
+
+using GroupArray = std::array<double, kMaximumGroupCount>;
+
+// Responses of every mode to the step's start state, to contact torque on the house and to force at the tip.
+// One entry per mode, padded with modes at rest to a multiple of four.
+struct ModalStep {
+  std::vector<double> qq, qv, vq, vv;                      // free response
+  std::vector<double> q_torque[2], q_rate[2];              // to T, T' at start [0] and end [1], on the house
+  std::vector<double> v_torque[2], v_rate[2];              // the same for the modal velocity
+  std::vector<double> q_tip[2], v_tip[2];                  // to tip force [0] and its rate [1]
+  std::vector<double> q_uniform, v_uniform;                // to a uniform force along the boom
+  // House rotation, speed and acceleration (rows) at the step's end, for T and T' at the end (columns).
+  double house[3][2] = {};
+  // House rotation, speed and acceleration at the end for a torque held on the house.
+  double house_angle_to_torque = 0.0, house_speed_to_torque = 0.0, house_acceleration_to_torque = 0.0;
+  double length = 0.0;                                     // [s]
+};
+
+// How the load's modes answer a tip that moves linearly over the step.
+struct LoadStep {
+  double qq[2], qv[2], vq[2], vv[2];
+  double q_in[2][4], v_in[2][4];  // to tip displacement at start, end; tip velocity at start, end
+  double q_force[2], v_force[2];  // to a held modal force
+};
+
+// Constant for one crane and one step length.
+struct PlantModel {
+  CraneParameters parameters;
+  double step = 0.0;  // [s]
+  int group_count = 0;
+  int mode_count = 0;    // modes of the boom on its free house
+  int padded_count = 0;  // the same rounded up to a multiple of four
+  double ratio = 1.0;    // motor turns per turn of the crane
+  std::array<GearContact, kMaximumGroupCount> gear;  // per group, slew axis
+  GroupArray group_inertia{};                        // [kg m^2] per group, slew axis
+  FreeHouseModes modes;
+  // Rows that give the house's acceleration from the modal state, and its share per force.
+  std::vector<double> house, tip, middle;                 // padded shapes
+  std::vector<double> square, damping_rate;               // padded w^2 and d
+  std::vector<double> house_acceleration_q, house_acceleration_v;
+  std::vector<double> uniform;
+  double house_per_house_torque = 0.0;  // [1/(kg m^2)] sum house^2
+  double house_per_tip_force = 0.0;     // [1/(kg m)] sum house tip
+  double house_per_uniform_force = 0.0; // [1/kg] sum house uniform
+  LoadOnSpring load;
+  bool has_load = false;
+  ModalStep full;  // for the whole step
+  LoadStep load_step;
+};
+
+// Forces that effects add, held over the step. All zero costs nothing and changes no bits.
+struct PortForces {
+  GroupArray motor_torque{};    // [Nm] on each group, slew axis
+  double house_torque = 0.0;    // [Nm] on the house
+  double tip_force = 0.0;       // [N] lateral, on the tip
+  double uniform_force = 0.0;   // [N/m] lateral, evenly along the boom
+  double load_force = 0.0;      // [N] lateral, on the lower end of the rope
+  double rod_moment = 0.0;      // [Nm] on the rod
+};
+
+// Torques that oppose motion up to a level and hold at rest, found implicitly within the step.
+struct FrictionLevels {
+  GroupArray motor{};         // [Nm] of each group, slew axis
+  double house_positive = 0;  // [Nm] of the slew bearing against positive speed
+  double house_negative = 0;  // [Nm] against negative speed
+};
+
+struct PlantInput {
+  GroupArray motor_torque{};  // [Nm] per motor of each group, on the fast axis, held over the step
+  FrictionLevels friction;    // all zero: no friction is solved for
+  PortForces ports;
+};
+
+struct PlantState {
+  std::int64_t step_count = 0;  // the time is step_count * model.step
+  GroupArray motor_angle{};     // [rad] slew axis
+  GroupArray motor_speed{};     // [rad/s] slew axis
+  std::vector<double> q, v;     // modal coordinates of boom and house [m sqrt(kg)], and their rates
+  std::array<double, 2> load_q{}, load_v{};  // modal coordinates of the load
+
+  // Derived from the above at the end of each step; kept because the next step starts with them.
+  std::array<int, kMaximumGroupCount> contact{};  // -1, 0, +1: flank in contact
+  GroupArray gear_torque{};        // [Nm] on the house
+  double house_angle = 0.0;        // [rad]
+  double house_speed = 0.0;        // [rad/s]
+  double modal_house_acceleration = 0.0;  // [rad/s^2] share of the modes, without torques and forces
+  double tip_displacement = 0.0;   // [m]
+  double tip_velocity = 0.0;       // [m/s]
+  double rope_force = 0.0;         // [N] on the tip
+  double rope_force_rate = 0.0;    // [N/s]
+  double other_house_torque = 0.0; // [Nm] friction and ports on the house during the last step
+  double other_tip_force = 0.0;    // [N] ports on the tip during the last step
+  double other_uniform_force = 0.0;
+  GroupArray motor_friction{};     // [Nm] on each group during the last step, slew axis
+
+  std::array<std::int64_t, kMaximumGroupCount> play_crossings{};  // changes of the flank since the start
+  std::array<int, kMaximumGroupCount> last_flank{};               // -1 or +1; 0 before the first contact
+  std::int64_t contact_changes = 0;                               // contacts made or lost since the start
+  std::int64_t unsplit_steps = 0;  // steps in which kMaximumSplits was reached
+  double supplied_work = 0.0;      // [J] by motors, friction and ports since the start
+};
+
+// Room that step() works in, sized once.
+struct PlantWorkspace {
+  ModalStep partial;
+  std::vector<double> q, v;  // trial end state
+};
+
+// Throws std::invalid_argument when the crane cannot be built (no groups, no inertia, step <= 0).
+PlantModel make_plant_model(const CraneParameters& crane, double step);
+// As make_plant_model, with each group's inertia and gears given (uneven drives).
+PlantModel make_plant_model(const CraneParameters& crane, double step, const GroupArray& group_inertia,
+                            const std::array<GearContact, kMaximumGroupCount>& gear);
+PlantWorkspace make_plant_workspace(const PlantModel& model);
+
+// At rest, gears in the middle of their play, load hanging straight.
+PlantState make_plant_state(const PlantModel& model);
+
+// Recomputes what a state derives from its angles, speeds and modes: call it after setting those by hand.
+void refresh(const PlantModel& model, PlantState& state);
+
+// Advances the state by model.step.
+void step(const PlantModel& model, PlantWorkspace& workspace, const PlantInput& input, PlantState& state);
+
+// What can be measured at the end of a step; accelerations with the forces of that step.
+struct PlantReadings {
+  GroupArray shaft_speed{};     // [rad/s] motor, fast axis
+  GroupArray shaft_position{};  // [rad]
+  double house_acceleration = 0.0;   // [m/s^2] at the house's sensor
+  double pivot_acceleration = 0.0;   // [m/s^2]
+  double middle_acceleration = 0.0;  // [m/s^2]
+  double tip_acceleration = 0.0;     // [m/s^2]
+  double slew_angle = 0.0;           // [rad]
+};
+PlantReadings read(const PlantModel& model, const PlantState& state);
+
+// beta_1, beta_2 [rad].
+double rope_angle(const PlantModel& model, const PlantState& state);
+double rod_angle(const PlantModel& model, const PlantState& state);
+
+// [rad] motor minus house, play included; positive when the motor leads.
+double gear_deflection(const PlantState& state, int group);
+
+// [N] mean shear force of each element, written to `shear` (element_count values).
+void shear_forces(const PlantModel& model, const PlantState& state, double* shear);
+
+// [J] of mode k, and of the whole crane: kinetic, elastic (boom, gears, rope) and gravitational.
+double modal_energy(const PlantModel& model, const PlantState& state, int mode);
+double mechanical_energy(const PlantModel& model, const PlantState& state);
+
+}  // namespace slewlab::sim

@@ -1,0 +1,189 @@
+#include "sim/model/crane.h"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+
+#include "sim/model/boom.h"
+#include "sim/model/drive_line.h"
+
+namespace slewlab::sim {
+
+namespace {
+
+// House and boom, order [theta_h, nodes from the second on].
+struct HouseAndBoom {
+  Eigen::MatrixXd mass;
+  Eigen::MatrixXd stiffness;
+  Eigen::MatrixXd damping;
+};
+
+HouseAndBoom assemble_house_and_boom(const CraneParameters& crane) {
+  if (crane.boom.element_count == 0) {
+    return {.mass = Eigen::MatrixXd::Constant(1, 1, driven_inertia(crane)),
+            .stiffness = Eigen::MatrixXd::Zero(1, 1),
+            .damping = Eigen::MatrixXd::Zero(1, 1)};
+  }
+  const BoomMatrices boom = assemble_boom(crane.boom);
+  const Eigen::Vector3d pivot = pivot_motion(crane.boom);
+  HouseAndBoom result{.mass = merge_pivot(boom.mass, pivot),
+                      .stiffness = merge_pivot(boom.stiffness, pivot),
+                      .damping = {}};
+  result.mass(0, 0) += crane.house.inertia;
+  result.damping = boom_damping_coefficient(crane.boom) * result.stiffness;
+  return result;
+}
+
+}  // namespace
+
+double driven_inertia(const CraneParameters& crane) {
+  return crane.house.inertia + rigid_boom_inertia(crane.boom);
+}
+
+GearContact gear_contact(const CraneParameters& crane) {
+  return gear_contact(crane.drive, driven_inertia(crane));
+}
+
+CraneMatrices assemble_crane(const CraneParameters& crane, GearState gears) {
+  const HouseAndBoom boom = assemble_house_and_boom(crane);
+  const int groups = crane.drive.group_count;
+  const int boom_size = static_cast<int>(boom.mass.rows());
+  const bool has_load = crane.load.mass > 0.0;
+  const bool has_rod = has_load && crane.load.rod_length > 0.0;
+
+  CraneMatrices result;
+  CraneIndices& at = result.at;
+  at.group_count = groups;
+  at.house = groups;
+  at.size = groups + boom_size;
+  if (crane.boom.element_count > 0) {
+    at.tip = at.size - 3;
+    at.tip_twist = at.size - 1;
+  }
+  if (has_load) at.rope = at.size++;
+  if (has_rod) at.rod = at.size++;
+
+  result.mass = Eigen::MatrixXd::Zero(at.size, at.size);
+  result.stiffness = Eigen::MatrixXd::Zero(at.size, at.size);
+  result.damping = Eigen::MatrixXd::Zero(at.size, at.size);
+  result.mass.block(at.house, at.house, boom_size, boom_size) = boom.mass;
+  result.stiffness.block(at.house, at.house, boom_size, boom_size) = boom.stiffness;
+  result.damping.block(at.house, at.house, boom_size, boom_size) = boom.damping;
+
+  const GearContact gear = gear_contact(crane);
+  result.mass.topLeftCorner(groups + 1, groups + 1) +=
+      drive_mass_matrix(groups, group_inertia(crane.drive), 0.0);
+  if (gears == GearState::kClosed) {
+    result.stiffness.topLeftCorner(groups + 1, groups + 1) += drive_stiffness_matrix(groups, gear.stiffness);
+    result.damping.topLeftCorner(groups + 1, groups + 1) += drive_stiffness_matrix(groups, gear.damping);
+  }
+
+  if (has_load) {
+    // (3.18), (3.19) on [y_b, beta_1, beta_2]; the damping acts on the rope's rotation against the tip and
+    // on the rod's, so beta_1 = (y_1 - y_b) / L_wr brings LoadOnSpring's matrix over.
+    const int lines = has_rod ? 3 : 2;
+    Eigen::MatrixXd place = Eigen::MatrixXd::Zero(lines, at.size);
+    if (at.tip >= 0) {
+      place(0, at.tip) = 1.0;
+    } else {
+      place(0, at.house) = tip_radius(crane.boom);
+    }
+    place(1, at.rope) = 1.0;
+    if (has_rod) place(2, at.rod) = 1.0;
+    Eigen::Matrix3d damping = Eigen::Matrix3d::Zero();
+    const Eigen::Matrix2d scale = Eigen::Vector2d(crane.load.rope_length, 1.0).asDiagonal();
+    damping.bottomRightCorner<2, 2>() = scale * load_on_spring(crane.load).damping * scale;
+    const auto add = [&](Eigen::MatrixXd& matrix, const Eigen::Matrix3d& load) {
+      matrix += place.transpose() * load.topLeftCorner(lines, lines) * place;
+    };
+    add(result.mass, load_mass_matrix(crane.load));
+    add(result.stiffness, load_stiffness_matrix(crane.load));
+    add(result.damping, damping);
+  }
+  return result;
+}
+
+FreeHouseModes free_house_modes(const CraneParameters& crane) {
+  const HouseAndBoom assembled = assemble_house_and_boom(crane);
+  const int size = static_cast<int>(assembled.mass.rows());
+  const int elements = crane.boom.element_count;
+  const BoomParameters& boom = crane.boom;
+
+  // The rigid rotation is known; the solver's lowest mode only approximates it.
+  Eigen::VectorXd rigid = Eigen::VectorXd::Zero(size);
+  rigid(0) = 1.0;
+  for (int node = 1; node <= elements; ++node) {
+    const double x = boom.length * node / elements;
+    rigid(3 * node - 2) = boom.pivot_radius + x * std::cos(boom.angle);
+    rigid(3 * node - 1) = std::cos(boom.angle);
+    rigid(3 * node) = std::sin(boom.angle);
+  }
+  rigid /= std::sqrt(rigid.dot(assembled.mass * rigid));
+
+  Eigen::MatrixXd shapes(size, size);
+  Eigen::VectorXd squares = Eigen::VectorXd::Zero(size);
+  shapes.col(0) = rigid;
+  if (size > 1) {
+    const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(assembled.stiffness,
+                                                                           assembled.mass);
+    squares.tail(size - 1) = solver.eigenvalues().tail(size - 1);
+    shapes.rightCols(size - 1) = solver.eigenvectors().rightCols(size - 1);
+  }
+
+  const double damping = elements > 0 ? boom_damping_coefficient(boom) : 0.0;
+  FreeHouseModes modes;
+  modes.shear = Eigen::MatrixXd::Zero(elements, size);
+  std::vector<double> rigidity;
+  if (elements > 0) rigidity = assemble_boom(boom).element_rigidity;
+  const double h = elements > 0 ? boom.length / elements : 0.0;
+
+  for (int k = 0; k < size; ++k) {
+    Eigen::VectorXd shape = shapes.col(k);
+    // Node values [y, phi, psi] with the pivot node written out (3.16).
+    const auto write_nodes = [&] {
+      Eigen::VectorXd nodes(3 * (elements + 1));
+      nodes.head<3>() = pivot_motion(boom) * shape(0);
+      nodes.tail(size - 1) = shape.tail(size - 1);
+      return nodes;
+    };
+    Eigen::VectorXd nodes = write_nodes();
+    const double tip = elements > 0 ? nodes(3 * elements) : tip_radius(boom) * shape(0);
+    const double scale = shape.cwiseAbs().maxCoeff();
+    const double side = std::abs(tip) > 1e-9 * scale ? tip : shape(0);
+    if (side < 0.0) {
+      shape = -shape;
+      nodes = write_nodes();
+    }
+    double integral = 0.0;
+    double middle = 0.0;
+    for (int e = 0; e < elements; ++e) {
+      const double y1 = nodes(3 * e), phi1 = nodes(3 * e + 1);
+      const double y2 = nodes(3 * e + 3), phi2 = nodes(3 * e + 4);
+      // Cubic shape functions of the element: its integral, its third derivative, its value at half length.
+      integral += h * (0.5 * (y1 + y2) + h * (phi1 - phi2) / 12.0);
+      modes.shear(e, k) = rigidity[static_cast<std::size_t>(e)] / (h * h * h) *
+                          (12.0 * (y1 - y2) + 6.0 * h * (phi1 + phi2));
+      const double s = 0.5 * elements - e;
+      if (s >= 0.0 && (s < 1.0 || (s == 1.0 && e + 1 == elements))) {
+        const double s2 = s * s, s3 = s2 * s;
+        middle = (1 - 3 * s2 + 2 * s3) * y1 + h * (s - 2 * s2 + s3) * phi1 + (3 * s2 - 2 * s3) * y2 +
+                 h * (s3 - s2) * phi2;
+      }
+    }
+    if (elements == 0) {
+      middle = (boom.pivot_radius + 0.5 * boom.length * std::cos(boom.angle)) * shape(0);
+      integral = boom.length * middle;
+    }
+    if (k == 0) modes.shear.col(0).setZero();
+    modes.frequency.push_back(std::sqrt(std::max(0.0, squares(k))));
+    modes.damping_rate.push_back(damping * squares(k));
+    modes.house.push_back(shape(0));
+    modes.tip.push_back(elements > 0 ? nodes(3 * elements) : tip_radius(boom) * shape(0));
+    modes.middle.push_back(middle);
+    modes.tip_twist.push_back(elements > 0 ? nodes(3 * elements + 2) : std::sin(boom.angle) * shape(0));
+    modes.uniform_load.push_back(integral);
+  }
+  return modes;
+}
+
+}  // namespace slewlab::sim
