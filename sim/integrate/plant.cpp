@@ -393,15 +393,19 @@ void change_contact(PlantState& state, int group, int contact) {
   state.last_flank[group] = contact;
 }
 
-void rope_forces(const PlantModel& model, PlantState& state) {
+// The rope's force on the tip and its rate. The damping's share of the rate is its change over the last
+// `length` seconds; with 0 it counts as steady.
+void rope_forces(const PlantModel& model, double length, PlantState& state) {
   if (!model.has_load) return;
   const LoadOnSpring& load = model.load;
   const double y = load.modes(0, 0) * state.load_q[0] + load.modes(0, 1) * state.load_q[1];
   const double y_rate = load.modes(0, 0) * state.load_v[0] + load.modes(0, 1) * state.load_v[1];
   const double rod_rate = load.modes(1, 0) * state.load_v[0] + load.modes(1, 1) * state.load_v[1];
+  const double damping = load.damping(0, 0) * (y_rate - state.tip_velocity) + load.damping(0, 1) * rod_rate;
   state.rope_force_rate = load.rope_stiffness * (y_rate - state.tip_velocity);
-  state.rope_force = load.rope_stiffness * (y - state.tip_displacement) +
-                     load.damping(0, 0) * (y_rate - state.tip_velocity) + load.damping(0, 1) * rod_rate;
+  if (length > 0.0) state.rope_force_rate += (damping - state.rope_damping_force) / length;
+  state.rope_damping_force = damping;
+  state.rope_force = load.rope_stiffness * (y - state.tip_displacement) + damping;
 }
 
 // Second pass: takes the trial's end for the state.
@@ -474,7 +478,7 @@ void accept(const PlantModel& model, const ModalStep& step, const LoadStep& load
   }
   state.tip_displacement = tip;
   state.tip_velocity = tip_velocity;
-  rope_forces(model, state);
+  rope_forces(model, step.length, state);
 }
 
 // Advances by step.length with the contacts as they stand; the end is left in `trial` and the workspace.
@@ -576,7 +580,7 @@ void refresh(const PlantModel& model, PlantState& state) {
   state.tip_velocity = dot(model.tip.data(), state.v.data(), count);
   state.modal_house_acceleration = dot(model.house_acceleration_q.data(), state.q.data(), count) +
                                    dot(model.house_acceleration_v.data(), state.v.data(), count);
-  rope_forces(model, state);
+  rope_forces(model, 0.0, state);
   for (int i = 0; i < model.group_count; ++i) {
     state.gear_torque[i] =
         contact_torque(model.gear[i], gear_deflection(state, i), state.motor_speed[i] - state.house_speed);

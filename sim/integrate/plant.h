@@ -120,6 +120,7 @@ struct PlantState {
   double tip_velocity = 0.0;       // [m/s]
   double rope_force = 0.0;         // [N] on the tip
   double rope_force_rate = 0.0;    // [N/s]
+  double rope_damping_force = 0.0; // [N] share of rope_force
   double other_house_torque = 0.0; // [Nm] friction and ports on the house during the last step
   double other_tip_force = 0.0;    // [N] ports on the tip during the last step
   double other_uniform_force = 0.0;
