@@ -1,0 +1,42 @@
+// Loads a YAML file into a tree: `include:` files laid underneath, `--set` values laid on top.
+//
+//   include: base.yaml          # or a list; later files lie over earlier ones, this file over all
+//   load: null                  # takes away what the base has
+//
+// A map is merged key by key, a value with unit and source and a list are replaced whole. Paths are
+// relative to the file that names them. Duplicate keys, include cycles (with their chain), anchors and
+// aliases are problems.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/input_error.h"
+#include "common/yaml_node.h"
+
+namespace slewlab::common {
+
+// One `--set key.path=value`. The value is YAML; a bare value keeps the unit that stands in the file, and
+// its source becomes "command line". A list's entries count from 0: moves.0.time=5.
+struct Override {
+  std::string key;
+  std::string value;
+};
+
+// Splits "key.path=value". Throws InputError where there is no '=' or no key.
+Override parse_override(std::string_view option);
+
+// Loads the file. Problems are added to `problems`; the tree holds what could be read.
+YamlNode load_yaml_file(const std::filesystem::path& file, const std::vector<Override>& overrides,
+                        InputProblems& problems);
+
+// Parses a text as if it stood in a file of that name; no includes.
+YamlNode parse_yaml_text(std::string_view text, const std::string& file_name, InputProblems& problems);
+
+// The path that a file reference means: relative to the file in which it stands, or to the working
+// directory where it was given on the command line.
+std::filesystem::path resolve_path(const YamlNode& reference);
+
+}  // namespace slewlab::common

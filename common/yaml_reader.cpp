@@ -1,0 +1,296 @@
+#include "common/yaml_reader.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "common/yaml_file.h"
+
+namespace slewlab::common {
+namespace {
+
+const YamlNode kNothing{};
+
+std::string with_unit(double number, Unit unit) {
+  std::string text = shortest(number);
+  if (unit != Unit::none) text += ' ' + std::string(name_of(unit));
+  return text;
+}
+
+std::string describe(Range range, Unit unit) {
+  const bool has_lowest = std::isfinite(range.lowest);
+  const bool has_highest = std::isfinite(range.highest);
+  if (has_lowest && has_highest) {
+    return "a number from " + shortest(range.lowest) + " to " + with_unit(range.highest, unit);
+  }
+  if (has_lowest) {
+    return (range.lowest_allowed ? "a number of at least " : "a number above ") + with_unit(range.lowest, unit);
+  }
+  if (has_highest) return "a number of at most " + with_unit(range.highest, unit);
+  return unit == Unit::none ? "a finite number" : "a finite number in " + std::string(name_of(unit));
+}
+
+bool inside(double number, Range range) {
+  if (!std::isfinite(number) || number > range.highest) return false;
+  return range.lowest_allowed ? number >= range.lowest : number > range.lowest;
+}
+
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  std::vector<std::size_t> row(b.size() + 1);
+  std::iota(row.begin(), row.end(), std::size_t{0});
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    std::size_t diagonal = row[0];
+    row[0] = i + 1;
+    for (std::size_t j = 0; j < b.size(); ++j) {
+      const std::size_t changed = diagonal + (a[i] == b[j] ? 0 : 1);
+      diagonal = row[j + 1];
+      row[j + 1] = std::min({changed, row[j] + 1, row[j + 1] + 1});
+    }
+  }
+  return row.back();
+}
+
+std::string joined(const std::vector<std::string>& names) {
+  std::string text;
+  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
+  return text;
+}
+
+}  // namespace
+
+std::optional<std::string> nearest_name(std::string_view name, const std::vector<std::string>& known) {
+  std::optional<std::string> nearest;
+  std::size_t least = std::max<std::size_t>(2, name.size() / 3) + 1;
+  for (const std::string& candidate : known) {
+    const std::size_t distance = edit_distance(name, candidate);
+    if (distance < least) {
+      least = distance;
+      nearest = candidate;
+    }
+  }
+  return nearest;
+}
+
+YamlReader::YamlReader(const YamlNode& node, std::string path, InputProblems& problems)
+    : node_(&node), path_(std::move(path)), problems_(&problems), quiet_(node.kind != YamlNode::Kind::map) {
+  const bool unread = node.kind == YamlNode::Kind::null && node.mark.file.empty();
+  if (quiet_ && !unread) {
+    problems_->push_back({node.mark, path_, excerpt(node), "a map of keys and values"});
+  }
+}
+
+std::string YamlReader::path_of(std::string_view key) const {
+  if (key.empty()) return path_;
+  return path_.empty() ? std::string(key) : path_ + '.' + std::string(key);
+}
+
+void YamlReader::report_at(const SourceMark& mark, std::string_view key, std::string found,
+                           std::string expected) {
+  problems_->push_back({mark, path_of(key), std::move(found), std::move(expected)});
+}
+
+void YamlReader::report(std::string_view key, std::string found, std::string expected) {
+  if (quiet_) return;
+  const YamlNode* entry = node_->find(key);
+  report_at(entry != nullptr ? entry->mark : node_->mark, key, std::move(found), std::move(expected));
+}
+
+const YamlNode* YamlReader::ask(std::string_view key) {
+  if (std::find(asked_.begin(), asked_.end(), key) == asked_.end()) asked_.emplace_back(key);
+  const YamlNode* entry = node_->find(key);
+  return entry != nullptr && entry->kind != YamlNode::Kind::null ? entry : nullptr;
+}
+
+const YamlNode* YamlReader::need(std::string_view key, std::string_view expected) {
+  const YamlNode* entry = ask(key);
+  if (entry == nullptr) report(key, "nothing: the key is missing", std::string(expected));
+  return entry;
+}
+
+bool YamlReader::has(std::string_view key) { return ask(key) != nullptr; }
+
+const YamlNode* YamlReader::sourced(const YamlNode& entry, std::string_view key, std::optional<Unit> unit,
+                                    const std::string& expected, GivenUnit& given) {
+  const std::string form = unit ? "{value: " + expected + ", unit: " + std::string(name_of(*unit)) + ", source: ...}"
+                                : "{value: " + expected + ", source: ...}";
+  if (entry.kind != YamlNode::Kind::map) {
+    report_at(entry.mark, key, excerpt(entry), form);
+    return nullptr;
+  }
+  for (const YamlEntry& part : entry.entries) {
+    if (part.key == "value" || part.key == "source" || (unit && part.key == "unit")) continue;
+    report_at(part.mark, key, "the unknown key '" + part.key + "'", form);
+  }
+  const YamlNode* value = entry.find("value");
+  if (value == nullptr) {
+    report_at(entry.mark, key, excerpt(entry) + " but no 'value'", form);
+    return nullptr;
+  }
+  const YamlNode* source = entry.find("source");
+  if (source == nullptr || source->kind != YamlNode::Kind::scalar || source->scalar.empty()) {
+    report_at(entry.mark, key, excerpt(*value) + " without a source",
+              "source: the thesis's table or equation, a data sheet, or \"chosen: why\"");
+  }
+  if (!unit) return value;
+  const YamlNode* spelling = entry.find("unit");
+  if (spelling == nullptr || spelling->kind != YamlNode::Kind::scalar) {
+    report_at(entry.mark, key, excerpt(*value) + " without a unit", "unit: one of " + spellings_of(*unit));
+    return nullptr;
+  }
+  const std::optional<double> known = factor_to_si(*unit, spelling->scalar);
+  if (!known) {
+    const std::optional<Unit> other = unit_of(spelling->scalar);
+    report_at(spelling->mark, key,
+              "the unit '" + spelling->scalar + "'" + (other ? ", which measures something else" : ", which is unknown"),
+              "one of " + spellings_of(*unit));
+    return nullptr;
+  }
+  given = {spelling->scalar, *known};
+  return value;
+}
+
+std::optional<double> YamlReader::read_number(const YamlNode& value, std::string_view key, Unit unit,
+                                              Range range, const GivenUnit& given) {
+  double number = 0.0;
+  if (value.kind != YamlNode::Kind::scalar || value.quoted || !parse_number(value.scalar, number)) {
+    report_at(value.mark, key, excerpt(value), describe(range, unit));
+    return std::nullopt;
+  }
+  number *= given.factor;
+  if (!inside(number, range)) {
+    std::string found = excerpt(value);
+    if (std::isfinite(number)) {
+      found += given.spelling == "-" ? "" : ' ' + given.spelling;
+      if (given.factor != 1.0) found += ", that is " + with_unit(number, unit);
+    }
+    report_at(value.mark, key, found, describe(range, unit));
+    return std::nullopt;
+  }
+  return number;
+}
+
+double YamlReader::number(std::string_view key, Unit unit, Range range) {
+  const YamlNode* entry = need(key, describe(range, unit));
+  GivenUnit given;
+  const YamlNode* value = entry == nullptr ? nullptr : sourced(*entry, key, unit, "a number", given);
+  return value == nullptr ? 0.0 : read_number(*value, key, unit, range, given).value_or(0.0);
+}
+
+std::optional<double> YamlReader::optional_number(std::string_view key, Unit unit, Range range) {
+  if (!has(key)) return std::nullopt;
+  return number(key, unit, range);
+}
+
+int YamlReader::integer(std::string_view key, int lowest, int highest) {
+  const std::string expected =
+      "a whole number from " + std::to_string(lowest) + " to " + std::to_string(highest);
+  const YamlNode* entry = need(key, expected);
+  GivenUnit given;
+  const YamlNode* value =
+      entry == nullptr ? nullptr : sourced(*entry, key, Unit::none, "a whole number", given);
+  if (value == nullptr) return lowest;
+  double number = 0.0;
+  const bool is_number =
+      value->kind == YamlNode::Kind::scalar && !value->quoted && parse_number(value->scalar, number);
+  number *= given.factor;
+  if (!is_number || number != std::floor(number) || !inside(number, between(lowest, highest))) {
+    report_at(value->mark, key, excerpt(*value), expected);
+    return lowest;
+  }
+  return static_cast<int>(number);
+}
+
+std::vector<double> YamlReader::numbers(std::string_view key, Unit unit, Range range, std::size_t fewest,
+                                        std::size_t most) {
+  const std::string expected = "a list of " +
+                               (fewest == most ? std::to_string(fewest)
+                                               : std::to_string(fewest) + " to " + std::to_string(most)) +
+                               " numbers";
+  const YamlNode* entry = need(key, expected);
+  GivenUnit given;
+  const YamlNode* value = entry == nullptr ? nullptr : sourced(*entry, key, unit, expected, given);
+  if (value == nullptr) return {};
+  if (value->kind != YamlNode::Kind::sequence || value->items.size() < fewest || value->items.size() > most) {
+    report_at(value->mark, key, excerpt(*value), expected);
+    return {};
+  }
+  std::vector<double> result;
+  for (const YamlNode& item : value->items) {
+    result.push_back(read_number(item, key, unit, range, given).value_or(0.0));
+  }
+  return result;
+}
+
+bool YamlReader::flag(std::string_view key) { return choice(key, {"false", "true"}) == 1; }
+
+std::size_t YamlReader::choice(std::string_view key, std::initializer_list<std::string_view> choices) {
+  std::string expected;
+  for (const std::string_view choice : choices) {
+    expected += (expected.empty() ? "" : " or ") + std::string(choice);
+  }
+  const YamlNode* entry = need(key, expected);
+  GivenUnit given;
+  const YamlNode* value = entry == nullptr ? nullptr : sourced(*entry, key, std::nullopt, expected, given);
+  if (value == nullptr) return 0;
+  const auto found = std::find(choices.begin(), choices.end(), value->scalar);
+  if (value->kind != YamlNode::Kind::scalar || found == choices.end()) {
+    report_at(value->mark, key, excerpt(*value), expected);
+    return 0;
+  }
+  return static_cast<std::size_t>(found - choices.begin());
+}
+
+std::string YamlReader::text(std::string_view key) {
+  const YamlNode* entry = need(key, "a text");
+  if (entry == nullptr) return {};
+  if (entry->kind != YamlNode::Kind::scalar || entry->scalar.empty()) {
+    report_at(entry->mark, key, excerpt(*entry), "a text");
+    return {};
+  }
+  return entry->scalar;
+}
+
+std::string YamlReader::optional_text(std::string_view key) { return has(key) ? text(key) : std::string{}; }
+
+std::filesystem::path YamlReader::file(std::string_view key) {
+  const YamlNode* entry = need(key, "the name of a file");
+  if (entry == nullptr) return {};
+  if (entry->kind != YamlNode::Kind::scalar || entry->scalar.empty()) {
+    report_at(entry->mark, key, excerpt(*entry), "the name of a file");
+    return {};
+  }
+  return resolve_path(*entry);
+}
+
+YamlReader YamlReader::map(std::string_view key) {
+  const YamlNode* entry = need(key, "a map of keys and values");
+  return YamlReader(entry == nullptr ? kNothing : *entry, path_of(key), *problems_);
+}
+
+std::vector<YamlReader> YamlReader::list(std::string_view key) {
+  std::vector<YamlReader> readers;
+  const YamlNode* entry = ask(key);
+  if (entry == nullptr) return readers;
+  if (entry->kind != YamlNode::Kind::sequence) {
+    report_at(entry->mark, key, excerpt(*entry), "a list");
+    return readers;
+  }
+  for (std::size_t i = 0; i < entry->items.size(); ++i) {
+    readers.emplace_back(entry->items[i], path_of(key) + '.' + std::to_string(i), *problems_);
+  }
+  return readers;
+}
+
+const YamlNode* YamlReader::raw(std::string_view key) { return ask(key); }
+
+void YamlReader::finish() {
+  if (quiet_) return;
+  for (const YamlEntry& entry : node_->entries) {
+    if (std::find(asked_.begin(), asked_.end(), entry.key) != asked_.end()) continue;
+    const std::optional<std::string> nearest = nearest_name(entry.key, asked_);
+    report_at(entry.mark, entry.key, "a key that is not known here",
+              nearest ? "'" + *nearest + "' (or one of " + joined(asked_) + ")" : "one of " + joined(asked_));
+  }
+}
+
+}  // namespace slewlab::common

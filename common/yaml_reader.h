@@ -1,0 +1,102 @@
+// Reads typed values out of a YAML tree and collects every problem with file, line, key, what was found
+// and what is allowed.
+//
+// Form of a value in a file:
+//   motor_torque_rated: {value: 400, unit: N m, source: "chosen: ..."}   number(), numbers()
+//   boom_elements: {value: 6, unit: "-", source: "thesis 4.2"}           integer()
+//   shape: {value: s_curve, source: "thesis 4.5"}                        choice(), flag(): no unit
+//   description: any text                                                text()
+// A reader asked for a key that is missing or wrong records the problem and answers with a harmless value
+// (0, the first choice, an empty list), so that one pass finds all problems. finish() reports the keys
+// nobody asked for. What was read may only be used when `problems` is empty.
+#pragma once
+
+#include <filesystem>
+#include <initializer_list>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/input_error.h"
+#include "common/unit.h"
+#include "common/yaml_node.h"
+
+namespace slewlab::common {
+
+// What a number may be, in SI.
+struct Range {
+  double lowest = -std::numeric_limits<double>::infinity();
+  double highest = std::numeric_limits<double>::infinity();
+  bool lowest_allowed = true;  // whether the lowest itself is allowed
+};
+
+constexpr Range any_number() { return {}; }
+constexpr Range positive() { return {0.0, std::numeric_limits<double>::infinity(), false}; }
+constexpr Range not_negative() { return {0.0, std::numeric_limits<double>::infinity(), true}; }
+constexpr Range between(double lowest, double highest) { return {lowest, highest, true}; }
+
+class YamlReader {
+ public:
+  // `path` is the key path of the node, empty for the root. Reports a node that is no map.
+  YamlReader(const YamlNode& node, std::string path, InputProblems& problems);
+
+  // Whether the key is there and not null. Counts as asked for.
+  bool has(std::string_view key);
+
+  double number(std::string_view key, Unit unit, Range range);
+  std::optional<double> optional_number(std::string_view key, Unit unit, Range range);
+  int integer(std::string_view key, int lowest, int highest);
+  std::vector<double> numbers(std::string_view key, Unit unit, Range range, std::size_t fewest,
+                              std::size_t most);
+  bool flag(std::string_view key);
+  // Answers with the index of the choice.
+  std::size_t choice(std::string_view key, std::initializer_list<std::string_view> choices);
+  std::string text(std::string_view key);
+  std::string optional_text(std::string_view key);
+  // A file named relative to the file in which the key stands.
+  std::filesystem::path file(std::string_view key);
+
+  // A map below the key; where it is missing or no map, a reader that answers everything quietly.
+  YamlReader map(std::string_view key);
+  // The entries of a list of maps; an absent key is an empty list.
+  std::vector<YamlReader> list(std::string_view key);
+  // A part kept as it is, for a reader elsewhere; nullptr where it is absent.
+  const YamlNode* raw(std::string_view key);
+
+  // Records a problem with the value of a key.
+  void report(std::string_view key, std::string found, std::string expected);
+  // Reports the keys that were not asked for.
+  void finish();
+
+  const YamlNode& node() const { return *node_; }
+
+ private:
+  // The unit as the file spells it, and its factor to SI.
+  struct GivenUnit {
+    std::string spelling = "-";
+    double factor = 1.0;
+  };
+
+  const YamlNode* ask(std::string_view key);
+  const YamlNode* need(std::string_view key, std::string_view expected);
+  // The value of {value, unit, source} after its form was checked; nullptr after a problem.
+  const YamlNode* sourced(const YamlNode& entry, std::string_view key, std::optional<Unit> unit,
+                          const std::string& expected, GivenUnit& given);
+  std::optional<double> read_number(const YamlNode& value, std::string_view key, Unit unit, Range range,
+                                    const GivenUnit& given);
+  std::string path_of(std::string_view key) const;
+  void report_at(const SourceMark& mark, std::string_view key, std::string found, std::string expected);
+
+  const YamlNode* node_;
+  std::string path_;
+  InputProblems* problems_;
+  bool quiet_;  // stands in for a map that could not be read
+  std::vector<std::string> asked_;
+};
+
+// The known name that differs from `name` least, where one is near enough to be meant.
+std::optional<std::string> nearest_name(std::string_view name, const std::vector<std::string>& known);
+
+}  // namespace slewlab::common

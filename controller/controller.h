@@ -1,0 +1,88 @@
+// The slewing controller of thesis 3.5 as a pure function of settings, state and input: ramp, PI per motor
+// group, play compensation, droop, limits, emergency stop. It knows nothing of messages or of the crane.
+// A step allocates nothing and throws nothing.
+//
+// Speeds are requested on the slew axis; the PI works on the fast axis: shaft speed = slewing speed *
+// total_ratio. All torques are per motor of a group.
+//
+// Emergency stop: while pressed, and from then on, the speed follows a linear ramp to zero. The stop is
+// latched: it ends only when the speed stands at zero, the button is released, the speed request is back
+// at zero and the operator acknowledges, in this order or together; a request that is still there never
+// sets the crane moving by itself. The motors hold it at zero speed; the disk brakes serve at power loss
+// only (thesis 2.5) and are asked for only where a measurement is unusable.
+//
+// A shaft speed that is no finite number, or a wrong number of groups, cannot be controlled by: torque
+// goes to zero at once, drives are disabled, the brakes are asked for, and the mode is
+// waiting_for_acknowledgement.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <limits>
+
+#include "controller/limits.h"
+#include "controller/play_compensation.h"
+#include "controller/ramp.h"
+#include "controller/speed_control.h"
+
+namespace slewlab::controller {
+
+inline constexpr int kMaximumGroups = 8;
+
+using PerGroup = std::array<double, kMaximumGroups>;
+
+struct ControllerSettings {
+  double period = 0.01;      // [s] between two steps
+  int group_count = 2;       // motor groups
+  double total_ratio = 1.0;  // [-] turns of the motor per turn of the crane
+  double rated_torque = 0.0; // [N m] per motor, T100
+  RampSettings ramp;
+  SpeedControlSettings speed_control;
+  PlayCompensationSettings play_compensation;
+  TorqueLimits limits;
+  double speed_filter_time = 0.0;  // [s] time constant on the measured speed; 0 is off
+};
+
+enum class Mode : std::int8_t {
+  stopped = 0,
+  running = 1,
+  emergency_stop = 2,
+  waiting_for_acknowledgement = 3,
+};
+
+struct ControllerState {
+  Mode mode = Mode::stopped;
+  bool unusable_measurement = false;  // why the controller waits: drives stay disabled until acknowledged
+  bool started = false;               // a first measurement was taken
+  RampState ramp;
+  std::array<SpeedControlState, kMaximumGroups> speed_control{};
+  PerGroup filtered_speed{};   // [rad/s]
+  PerGroup commanded_torque{}; // [N m] per motor, of the step before
+};
+
+struct ControllerInput {
+  std::int64_t simulated_time = 0;  // [ns]
+  int group_count = 0;
+  PerGroup shaft_speed{};      // [rad/s] on the fast axis
+  double speed_request = 0.0;  // [-] -1 ... 1 of top speed
+  bool emergency_stop = false;
+  bool acknowledge = false;
+};
+
+struct ControllerOutput {
+  int group_count = 0;
+  PerGroup motor_torque{};  // [N m] per motor of each group
+  bool enable = false;
+  bool brake = false;
+  Mode mode = Mode::stopped;
+  double ramped_speed = 0.0;    // [rad/s] on the slew axis
+  double average_torque = 0.0;  // [N m] mean of the groups before the play compensation
+  double offset_torque = 0.0;   // [N m] half the difference that the play compensation asks for
+  PerGroup proportional_torque{};  // [N m] per motor
+  PerGroup integral_torque{};      // [N m] per motor
+};
+
+void step(const ControllerSettings& settings, ControllerState& state, const ControllerInput& input,
+          ControllerOutput& output);
+
+}  // namespace slewlab::controller

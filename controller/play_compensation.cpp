@@ -1,0 +1,29 @@
+#include "controller/play_compensation.h"
+
+#include <cmath>
+
+namespace slewlab::controller {
+
+HalfTorques evaluate_play_map(const PlayCompensationSettings& settings, double average) {
+  const double size = std::abs(average);
+  const PlayMapPoint* const points = settings.points.data();
+  const int last = settings.point_count - 1;
+  HalfTorques torques{points[last].half_1, points[last].half_2};
+  for (int i = 0; i < last; ++i) {
+    if (size >= points[i + 1].average) continue;
+    const double share = (size - points[i].average) / (points[i + 1].average - points[i].average);
+    torques.half_1 = points[i].half_1 + share * (points[i + 1].half_1 - points[i].half_1);
+    torques.half_2 = points[i].half_2 + share * (points[i + 1].half_2 - points[i].half_2);
+    break;
+  }
+  if (average < 0.0) return {-torques.half_2, -torques.half_1};
+  return torques;
+}
+
+int half_of_group(int group, int group_count) {
+  const int half = group_count / 2;
+  if (group < half) return 1;
+  return group >= group_count - half ? 2 : 0;
+}
+
+}  // namespace slewlab::controller

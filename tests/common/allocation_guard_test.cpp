@@ -1,0 +1,59 @@
+#include "tests/common/allocation_guard.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <vector>
+
+namespace slewlab::tests {
+namespace {
+
+// Hides a pointer from the optimiser, which may otherwise remove a pair of new and delete.
+void keep(void* pointer) { asm volatile("" : : "g"(pointer) : "memory"); }
+
+TEST(AllocationGuard, CountsOperatorNew) {
+  const AllocationGuard guard;
+  const auto owned = std::make_unique<double>(1.0);
+  keep(owned.get());
+  EXPECT_EQ(guard.count(), 1);
+}
+
+TEST(AllocationGuard, CountsAGrowingVector) {
+  std::vector<double> values;
+  values.reserve(2);
+  values.assign(2, 0.0);
+  const AllocationGuard guard;
+  values.back() = 1.0;
+  EXPECT_EQ(guard.count(), 0);
+  values.push_back(2.0);
+  keep(values.data());
+  EXPECT_EQ(guard.count(), 1);
+}
+
+#if SLEWLAB_COUNTS_MALLOC
+TEST(AllocationGuard, CountsTheCFunctions) {
+  const AllocationGuard guard;
+  void* block = std::malloc(16);
+  keep(block);
+  block = std::realloc(block, 32);
+  keep(block);
+  void* const zeroed = std::calloc(2, 8);
+  keep(zeroed);
+  void* const aligned = std::aligned_alloc(64, 64);
+  keep(aligned);
+  std::free(block);
+  std::free(zeroed);
+  std::free(aligned);
+  EXPECT_EQ(guard.count(), 4);
+}
+#endif
+
+TEST(AllocationGuard, CountsNothingWhereNothingIsTaken) {
+  const AllocationGuard guard;
+  volatile double sum = 0.0;
+  for (int i = 0; i < 100; ++i) sum = sum + i;
+  EXPECT_EQ(guard.count(), 0);
+}
+
+}  // namespace
+}  // namespace slewlab::tests

@@ -1,0 +1,79 @@
+#include "controller/controller_file.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace slewlab::controller {
+namespace {
+
+const std::string kFolder = SLEWLAB_SOURCE_DIR "/config/controllers/";
+
+std::string complaint(const std::vector<common::Override>& overrides, const std::string& name = "thesis.yaml") {
+  try {
+    load_controller_file(kFolder + name, overrides);
+  } catch (const common::InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(ControllerFile, ThesisValues) {
+  const ControllerSettings settings = load_controller_file(kFolder + "thesis.yaml").settings;
+  EXPECT_EQ(settings.group_count, 2);
+  EXPECT_NEAR(settings.total_ratio, 215.4 * 12.7, 1e-9);  // thesis 2.10
+  EXPECT_EQ(settings.ramp.shape, RampShape::s_curve);
+  EXPECT_EQ(settings.ramp.acceleration_time, 9.4 - 5.0);  // thesis 3.5
+  EXPECT_TRUE(settings.play_compensation.enabled);
+  EXPECT_EQ(settings.speed_control.droop, 0.0);
+  // Table 4.2: 0.0156 rad/s^2 accelerating, 0.0336 rad/s^2 braking; within 5 %, the thesis's tolerance.
+  const RampSettings& ramp = settings.ramp;
+  EXPECT_NEAR(ramp.top_speed / (ramp.acceleration_time * (1.0 - ramp.curved_share)), 0.0156, 0.05 * 0.0156);
+  EXPECT_NEAR(ramp.top_speed / ramp.emergency_stop_time, 0.0336, 0.05 * 0.0336);
+}
+
+TEST(ControllerFile, VariantsChangeWhatTheySay) {
+  const ControllerFile thesis = load_controller_file(kFolder + "thesis.yaml");
+  const ControllerFile without = load_controller_file(kFolder + "thesis_without_play_compensation.yaml");
+  EXPECT_FALSE(without.settings.play_compensation.enabled);
+  EXPECT_EQ(without.settings.ramp.acceleration_time, thesis.settings.ramp.acceleration_time);
+  EXPECT_NE(without.canonical_text, thesis.canonical_text);
+  const ControllerSettings linear = load_controller_file(kFolder + "thesis_linear_ramp.yaml").settings;
+  EXPECT_EQ(linear.ramp.shape, RampShape::linear);
+  // The same largest acceleration as the S-curve's.
+  EXPECT_NEAR(linear.ramp.top_speed / linear.ramp.acceleration_time, 0.05 / (4.4 * 0.7), 1e-6);
+}
+
+TEST(ControllerFile, OverridesFromTheCommandLine) {
+  const ControllerFile file =
+      load_controller_file(kFolder + "thesis.yaml", {{"ramp.curved_share", "0.2"}, {"speed_control.droop", "2"}});
+  EXPECT_EQ(file.settings.ramp.curved_share, 0.2);
+  EXPECT_EQ(file.settings.speed_control.droop, 2.0);
+}
+
+TEST(ControllerFile, BadValuesAreExplained) {
+  EXPECT_EQ(complaint({{"ramp.curved_share", "0.6"}}),
+            "--set ramp.curved_share=0.6: key 'ramp.curved_share': found 0.6, expected a number from 0 to 0.5");
+  EXPECT_EQ(complaint({{"ramp.shape", "round"}}),
+            "--set ramp.shape=round: key 'ramp.shape': found round, expected s_curve or linear");
+  EXPECT_EQ(complaint({{"motor_torque_rated", "-400"}}),
+            "--set motor_torque_rated=-400: key 'motor_torque_rated': found -400 N m, expected a number above 0 N m");
+  EXPECT_NE(complaint({{"ramp.top_sped", "1"}}).find("expected 'top_speed' (or one of"), std::string::npos);
+}
+
+TEST(ControllerFile, PlayMapMustJoinItsMirrorImageAndRise) {
+  EXPECT_NE(complaint({{"play_compensation.half_2", "[-5, -10, -10, 3, 24, 100]"}})
+                .find("expected -0.1 first, the opposite of 'half_1'"),
+            std::string::npos);
+  EXPECT_NE(complaint({{"play_compensation.average", "[0, 18, 18, 48, 57, 100]"}}).find("expected numbers that rise"),
+            std::string::npos);
+  EXPECT_NE(complaint({{"play_compensation.half_1", "[10, 46]"}}).find("as many numbers as 'average' has: 6"),
+            std::string::npos);
+}
+
+TEST(ControllerFile, AnotherKindOfFileIsRefused) {
+  EXPECT_NE(complaint({{"kind", "crane"}}).find("key 'kind': found crane, expected controller"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace slewlab::controller
