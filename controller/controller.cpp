@@ -22,7 +22,7 @@ void step_mode_and_ramp(const ControllerSettings& settings, ControllerState& sta
 
   if (state.mode == Mode::emergency_stop || state.mode == Mode::waiting_for_acknowledgement) {
     step_emergency_stop(settings.ramp, state.ramp, settings.period);
-    const bool at_zero = state.ramp.duration <= 0.0;
+    const bool at_zero = !state.ramp.moving;
     if (at_zero && !input.emergency_stop) {
       const bool acknowledged = input.acknowledge && speed_request == 0.0;
       state.mode = acknowledged ? Mode::stopped : Mode::waiting_for_acknowledgement;
@@ -31,7 +31,7 @@ void step_mode_and_ramp(const ControllerSettings& settings, ControllerState& sta
   }
 
   step_ramp(settings.ramp, state.ramp, settings.period, speed_request * settings.ramp.top_speed);
-  const bool moving = state.ramp.target != 0.0 || state.ramp.duration > 0.0;
+  const bool moving = state.ramp.target != 0.0 || state.ramp.moving;
   state.mode = moving ? Mode::running : Mode::stopped;
 }
 

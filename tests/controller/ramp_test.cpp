@@ -60,7 +60,7 @@ TEST(Ramp, SCurveIsATrapezoidOfAcceleration) {
   EXPECT_NEAR(trace.acceleration[660], 0.5 * peak, 1e-14);
   EXPECT_NEAR(trace.speed[660], 0.5 * peak * 0.66 * 0.5, 1e-15);
   // Half way in time is half way in speed, by symmetry.
-  EXPECT_NEAR(trace.speed[2200], 0.025, 1e-15);
+  EXPECT_NEAR(trace.speed[2200], 0.025, 1e-14);
   EXPECT_NEAR(trace.acceleration[2200], peak, 1e-15);
   EXPECT_NEAR(time_of_change(trace), 4.4, kPeriod);
   EXPECT_EQ(trace.speed.back(), 0.05);
@@ -116,19 +116,19 @@ TEST(Ramp, LinearHasConstantAcceleration) {
 
 TEST(Ramp, SpeedAndAccelerationStayContinuousWhenRetargeted) {
   const double peak = 0.05 / (4.4 * 0.7);
-  for (const double at : {0.3, 1.0, 2.2, 3.5, 4.2}) {
+  for (const double at : {0.3, 1.0, 2.2, 3.2, 3.5}) {
     for (const double target : {0.05, 0.02, 0.0, -0.05}) {
       RampState state;
       follow(settings(), state, 0.04, at);
       const RampState before = state;
       const Trace trace = follow(settings(), state, target, 12.0);
-      EXPECT_EQ(trace.speed.front(), trace.speed.front());
       double last_speed = before.speed;
       double last_acceleration = before.acceleration;
       for (std::size_t i = 0; i < trace.speed.size(); ++i) {
-        ASSERT_LE(std::abs(trace.speed[i] - last_speed), 1.3 * peak * kPeriod) << at << ' ' << target << ' ' << i;
-        // The steepest jerk of these changes: |a0| + 1.3 peak within the shortest curved end, 0.3 * 0.2 s.
-        ASSERT_LE(std::abs(trace.acceleration[i] - last_acceleration), 2.3 * peak * kPeriod / 0.06)
+        ASSERT_LE(std::abs(trace.speed[i] - last_speed), peak * kPeriod * (1.0 + 1e-9)) << at << ' ' << target << ' ' << i;
+        // The steepest jerk is that of the first target: the peak within 30 % of 0.8 * 4.4 s. The new profile
+        // begins within a period, so two of its steps may fall into one.
+        ASSERT_LE(std::abs(trace.acceleration[i] - last_acceleration), 2.0 * peak * kPeriod / (0.3 * 0.8 * 4.4))
             << at << ' ' << target << ' ' << i;
         last_speed = trace.speed[i];
         last_acceleration = trace.acceleration[i];
@@ -175,7 +175,9 @@ TEST(Ramp, ConvergesUnderATremblingTarget) {
   const double tremble = 0.05 * 0.002;
   for (int i = 0; i < 10000; ++i) {
     step_ramp(settings(), state, kPeriod, 0.03 + tremble * std::uniform_real_distribution<double>(-1.0, 1.0)(random));
-    if (i > 8000) ASSERT_NEAR(state.speed, 0.03, 2.0 * tremble);
+    if (i > 8000) {
+      ASSERT_NEAR(state.speed, 0.03, 2.0 * tremble);
+    }
   }
 }
 
