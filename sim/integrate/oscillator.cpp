@@ -1,6 +1,8 @@
 #include "sim/integrate/oscillator.h"
 
+#include <array>
 #include <cmath>
+#include <cstddef>
 
 namespace slewlab::sim {
 
@@ -10,24 +12,36 @@ namespace {
 constexpr double kSeriesLimit = 1.0;
 constexpr int kSeriesTerms = 24;  // 1/24! is below the rounding of a double
 
+// 1/n, because the series divides by small integers only and a division costs five multiplications.
+constexpr std::array<double, kSeriesTerms + 6> kReciprocal = [] {
+  std::array<double, kSeriesTerms + 6> table{};
+  for (std::size_t n = 1; n < table.size(); ++n) table[n] = 1.0 / static_cast<double>(n);
+  return table;
+}();
+
 void by_series(double square, double damping_rate, double h, double& s0, double& s1, double* integral) {
   s0 = 0.0;
   s1 = 0.0;
   for (int j = 0; j < 4; ++j) integral[j] = 0.0;
   double previous = 0.0;  // coefficient n times h^n of S
   double current = h;
+  const double first = damping_rate * h;
+  const double second = square * h * h;
   for (int n = 1; n <= kSeriesTerms; ++n) {
+    const auto at = static_cast<std::size_t>(n);
     s0 += current;
-    s1 += current * n / h;
+    s1 += current * n;
     double term = current;
-    for (int j = 0; j < 4; ++j) {
-      term *= h / (n + j + 1);
+    for (std::size_t j = 0; j < 4; ++j) {
+      term *= h * kReciprocal[at + j + 1];
       integral[j] += term;
     }
-    const double next = -(damping_rate * h * n * current + square * h * h * previous) / ((n + 1.0) * n);
+    const double next = -(first * n * current + second * previous) * kReciprocal[at + 1] * kReciprocal[at];
     previous = current;
     current = next;
+    if (std::fabs(current) + std::fabs(previous) < 1e-18 * h) break;
   }
+  s1 /= h;
 }
 
 }  // namespace

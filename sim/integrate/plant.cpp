@@ -28,12 +28,36 @@ void size_step(ModalStep& step, int count) {
   }
 }
 
+void discretise_gears(const PlantModel& model, double h, ModalStep& step) {
+  for (int i = 0; i < model.group_count; ++i) {
+    const double k = model.gear[i].stiffness, c = model.gear[i].damping;
+    const double mobility = 1.0 / model.group_inertia[i];
+    const double e00 = 1.0 + (0.15 * k * h * h + 0.5 * c * h) * mobility;
+    const double e01 = -(k * h * h * h / 30.0 + c * h * h / 12.0) * mobility;
+    const double e10 = (0.5 * k * h + c) * mobility;
+    const double e11 = 1.0 - k * h * h / 12.0 * mobility;
+    const double determinant = e00 * e11 - e01 * e10;
+    GearStep& gear = step.gear[i];
+    gear.reciprocal_inertia = mobility;
+    gear.inverse[0][0] = e11 / determinant;
+    gear.inverse[0][1] = -e01 / determinant;
+    gear.inverse[1][0] = -e10 / determinant;
+    gear.inverse[1][1] = e00 / determinant;
+    for (int row = 0; row < 2; ++row) {
+      gear.answer[row][0] = gear.inverse[row][0] * k;
+      gear.answer[row][1] = gear.inverse[row][0] * c + gear.inverse[row][1] * k;
+      gear.answer[row][2] = gear.inverse[row][1] * c;
+    }
+  }
+}
+
 void discretise(const PlantModel& model, double h, ModalStep& step) {
   step.length = h;
+  discretise_gears(model, h, step);
   for (auto& row : step.house) row[0] = row[1] = 0.0;
   step.house_angle_to_torque = step.house_speed_to_torque = 0.0;
   step.house_acceleration_to_torque = model.house_per_house_torque;
-  for (std::size_t k = 0; k < static_cast<std::size_t>(model.padded_count); ++k) {
+  for (std::size_t k = 0; k < static_cast<std::size_t>(model.mode_count); ++k) {
     const OscillatorResponse r = oscillator_response(model.square[k], model.damping_rate[k], h);
     const HermiteResponse hermite = hermite_response(r, h);
     step.qq[k] = r.qq;
@@ -94,16 +118,21 @@ LoadStep discretise_load(const PlantModel& model, double h) {
   return step;
 }
 
-// Four running sums, so that the compiler may use packed arithmetic without changing the order of additions.
-double dot(const double* a, const double* b, int count) {
-  double s0 = 0.0, s1 = 0.0, s2 = 0.0, s3 = 0.0;
-  for (int k = 0; k < count; k += 4) {
-    s0 += a[k] * b[k];
-    s1 += a[k + 1] * b[k + 1];
-    s2 += a[k + 2] * b[k + 2];
-    s3 += a[k + 3] * b[k + 3];
-  }
-  return (s0 + s1) + (s2 + s3);
+// Two doubles that one instruction of every x86-64 and every 64-bit ARM handles. The sums below keep one such
+// pair, so the order of additions is fixed by this text and not by the compiler.
+using Pair [[gnu::vector_size(16), gnu::may_alias]] = double;
+static_assert(__STDCPP_DEFAULT_NEW_ALIGNMENT__ >= 16, "std::vector<double> must start where a Pair may");
+
+const Pair& pair_at(const double* values, int k) { return *reinterpret_cast<const Pair*>(values + k); }
+const Pair& pair_at(const std::vector<double>& values, int k) { return pair_at(values.data(), k); }
+Pair& pair_at(std::vector<double>& values, int k) { return *reinterpret_cast<Pair*>(values.data() + k); }
+
+double total(const Pair& sum) { return sum[0] + sum[1]; }
+
+double dot(const std::vector<double>& a, const std::vector<double>& b) {
+  Pair sum{};
+  for (int k = 0; k < static_cast<int>(a.size()); k += 2) sum += pair_at(a, k) * pair_at(b, k);
+  return total(sum);
 }
 
 struct House {
@@ -156,7 +185,8 @@ Start start_of(const PlantModel& model, const PlantState& state, const Push& pus
     const GearContact& gear = model.gear[i];
     start.rate[i] =
         gear.stiffness * (state.motor_speed[i] - state.house_speed) +
-        gear.damping * ((push.motor[i] - start.torque[i]) / model.group_inertia[i] - house_acceleration);
+        gear.damping *
+            ((push.motor[i] - start.torque[i]) * model.full.gear[i].reciprocal_inertia - house_acceleration);
     start.rate_sum += start.rate[i];
   }
   return start;
@@ -166,40 +196,27 @@ Start start_of(const PlantModel& model, const PlantState& state, const Push& pus
 void solve_end(const PlantModel& model, const ModalStep& step, const PlantState& state, const Push& push,
                const Start& start, const House& free_house, Trial& trial) {
   const double h = step.length;
-  double inverse[kMaximumGroupCount][2][2];
   double right[kMaximumGroupCount][2];
   double torque_right = 0.0, rate_right = 0.0;
-  // Sum over groups of inverse * [k c 0; 0 k c]: how T and T' answer the house's angle, speed, acceleration.
   double answer[2][3] = {};
   for (int i = 0; i < model.group_count; ++i) {
-    const GearContact& gear = model.gear[i];
-    const double inertia = model.group_inertia[i];
+    const GearStep& gear = step.gear[i];
+    const double mobility = gear.reciprocal_inertia;
     const double motor = push.motor[i] + trial.friction[i];
     // Double integral and integral of the Hermite polynomial's start terms.
     trial.angle[i] = state.motor_angle[i] + h * state.motor_speed[i] +
-                     (0.5 * h * h * motor - h * h * (0.35 * start.torque[i] + h / 20.0 * start.rate[i])) / inertia;
+                     h * h * (0.5 * motor - 0.35 * start.torque[i] - h * (1.0 / 20.0) * start.rate[i]) * mobility;
     trial.speed[i] = state.motor_speed[i] +
-                     (h * motor - h * (0.5 * start.torque[i] + h / 12.0 * start.rate[i])) / inertia;
+                     h * (motor - 0.5 * start.torque[i] - h * (1.0 / 12.0) * start.rate[i]) * mobility;
     trial.torque[i] = trial.rate[i] = 0.0;
     if (state.contact[i] == 0) continue;
-    const double k = gear.stiffness, c = gear.damping;
-    const double e00 = 1.0 + (0.15 * k * h * h + 0.5 * c * h) / inertia;
-    const double e01 = -(k * h * h * h / 30.0 + c * h * h / 12.0) / inertia;
-    const double e10 = (0.5 * k * h + c) / inertia;
-    const double e11 = 1.0 - k * h * h / (12.0 * inertia);
-    const double determinant = e00 * e11 - e01 * e10;
-    inverse[i][0][0] = e11 / determinant;
-    inverse[i][0][1] = -e01 / determinant;
-    inverse[i][1][0] = -e10 / determinant;
-    inverse[i][1][1] = e00 / determinant;
-    right[i][0] = k * (trial.angle[i] - state.contact[i] * gear.half_play) + c * trial.speed[i];
-    right[i][1] = k * trial.speed[i] + c * motor / inertia;
-    torque_right += inverse[i][0][0] * right[i][0] + inverse[i][0][1] * right[i][1];
-    rate_right += inverse[i][1][0] * right[i][0] + inverse[i][1][1] * right[i][1];
+    const double k = model.gear[i].stiffness, c = model.gear[i].damping;
+    right[i][0] = k * (trial.angle[i] - state.contact[i] * model.gear[i].half_play) + c * trial.speed[i];
+    right[i][1] = k * trial.speed[i] + c * motor * mobility;
+    torque_right += gear.inverse[0][0] * right[i][0] + gear.inverse[0][1] * right[i][1];
+    rate_right += gear.inverse[1][0] * right[i][0] + gear.inverse[1][1] * right[i][1];
     for (int row = 0; row < 2; ++row) {
-      answer[row][0] += inverse[i][row][0] * k;
-      answer[row][1] += inverse[i][row][0] * c + inverse[i][row][1] * k;
-      answer[row][2] += inverse[i][row][1] * c;
+      for (int column = 0; column < 3; ++column) answer[row][column] += gear.answer[row][column];
     }
   }
   // House without the end torques; friction on the house is held over the step.
@@ -218,22 +235,22 @@ void solve_end(const PlantModel& model, const ModalStep& step, const PlantState&
                             answer[row][1] * step.house[1][column] + answer[row][2] * step.house[2][column];
     }
   }
-  const double determinant = system[0][0] * system[1][1] - system[0][1] * system[1][0];
-  trial.torque_sum = (system[1][1] * side[0] - system[0][1] * side[1]) / determinant;
-  trial.rate_sum = (system[0][0] * side[1] - system[1][0] * side[0]) / determinant;
+  const double scale = 1.0 / (system[0][0] * system[1][1] - system[0][1] * system[1][0]);
+  trial.torque_sum = (system[1][1] * side[0] - system[0][1] * side[1]) * scale;
+  trial.rate_sum = (system[0][0] * side[1] - system[1][0] * side[0]) * scale;
   trial.house = {house.angle + step.house[0][0] * trial.torque_sum + step.house[0][1] * trial.rate_sum,
                  house.speed + step.house[1][0] * trial.torque_sum + step.house[1][1] * trial.rate_sum,
                  house.acceleration + step.house[2][0] * trial.torque_sum + step.house[2][1] * trial.rate_sum};
   for (int i = 0; i < model.group_count; ++i) {
     if (state.contact[i] == 0) continue;
+    const GearStep& gear = step.gear[i];
     const double k = model.gear[i].stiffness, c = model.gear[i].damping;
-    const double inertia = model.group_inertia[i];
     const double r0 = right[i][0] - k * trial.house.angle - c * trial.house.speed;
     const double r1 = right[i][1] - k * trial.house.speed - c * trial.house.acceleration;
-    trial.torque[i] = inverse[i][0][0] * r0 + inverse[i][0][1] * r1;
-    trial.rate[i] = inverse[i][1][0] * r0 + inverse[i][1][1] * r1;
-    trial.angle[i] -= h * h * (0.15 * trial.torque[i] - h / 30.0 * trial.rate[i]) / inertia;
-    trial.speed[i] -= h * (0.5 * trial.torque[i] - h / 12.0 * trial.rate[i]) / inertia;
+    trial.torque[i] = gear.inverse[0][0] * r0 + gear.inverse[0][1] * r1;
+    trial.rate[i] = gear.inverse[1][0] * r0 + gear.inverse[1][1] * r1;
+    trial.angle[i] -= h * h * (0.15 * trial.torque[i] - h * (1.0 / 30.0) * trial.rate[i]) * gear.reciprocal_inertia;
+    trial.speed[i] -= h * (0.5 * trial.torque[i] - h * (1.0 / 12.0) * trial.rate[i]) * gear.reciprocal_inertia;
   }
 }
 
@@ -266,45 +283,32 @@ House advance_free(const PlantModel& model, const ModalStep& step, const PlantSt
   const int count = model.padded_count;
   const double torque = start.torque_sum, rate = start.rate_sum;
   const double force = state.rope_force + push.tip, force_rate = state.rope_force_rate;
-  const double* q0 = state.q.data();
-  const double* v0 = state.v.data();
-  double* q = workspace.q.data();
-  double* v = workspace.v.data();
-  const double* qq = step.qq.data();
-  const double* qv = step.qv.data();
-  const double* q_torque = step.q_torque[0].data();
-  const double* q_rate = step.q_rate[0].data();
-  const double* q_tip = step.q_tip[0].data();
-  const double* q_tip_rate = step.q_tip[1].data();
-  for (int k = 0; k < count; ++k) {
-    q[k] = qq[k] * q0[k] + qv[k] * v0[k] + q_torque[k] * torque + q_rate[k] * rate + q_tip[k] * force +
-           q_tip_rate[k] * force_rate;
-  }
-  const double* vq = step.vq.data();
-  const double* vv = step.vv.data();
-  const double* v_torque = step.v_torque[0].data();
-  const double* v_rate = step.v_rate[0].data();
-  const double* v_tip = step.v_tip[0].data();
-  const double* v_tip_rate = step.v_tip[1].data();
-  for (int k = 0; k < count; ++k) {
-    v[k] = vq[k] * q0[k] + vv[k] * v0[k] + v_torque[k] * torque + v_rate[k] * rate + v_tip[k] * force +
-           v_tip_rate[k] * force_rate;
-  }
-  if (push.house != 0.0) {
-    for (int k = 0; k < count; ++k) {
-      q[k] += (q_torque[k] + step.q_torque[1][k]) * push.house;
-      v[k] += (v_torque[k] + step.v_torque[1][k]) * push.house;
+  // Held torque and force on the house and along the boom are rare; a step without them skips their loops.
+  const bool has_held = push.house != 0.0 || push.uniform != 0.0;
+  Pair angle{}, speed{}, acceleration_q{}, acceleration_v{};
+  for (int k = 0; k < count; k += 2) {
+    const Pair q0 = pair_at(state.q, k), v0 = pair_at(state.v, k);
+    Pair q = pair_at(step.qq, k) * q0 + pair_at(step.qv, k) * v0 + pair_at(step.q_torque[0], k) * torque +
+             pair_at(step.q_rate[0], k) * rate + pair_at(step.q_tip[0], k) * force +
+             pair_at(step.q_tip[1], k) * force_rate;
+    Pair v = pair_at(step.vq, k) * q0 + pair_at(step.vv, k) * v0 + pair_at(step.v_torque[0], k) * torque +
+             pair_at(step.v_rate[0], k) * rate + pair_at(step.v_tip[0], k) * force +
+             pair_at(step.v_tip[1], k) * force_rate;
+    if (has_held) {
+      q += (pair_at(step.q_torque[0], k) + pair_at(step.q_torque[1], k)) * push.house +
+           pair_at(step.q_uniform, k) * push.uniform;
+      v += (pair_at(step.v_torque[0], k) + pair_at(step.v_torque[1], k)) * push.house +
+           pair_at(step.v_uniform, k) * push.uniform;
     }
+    pair_at(workspace.q, k) = q;
+    pair_at(workspace.v, k) = v;
+    angle += pair_at(model.house, k) * q;
+    speed += pair_at(model.house, k) * v;
+    acceleration_q += pair_at(model.house_acceleration_q, k) * q;
+    acceleration_v += pair_at(model.house_acceleration_v, k) * v;
   }
-  if (push.uniform != 0.0) {
-    for (int k = 0; k < count; ++k) {
-      q[k] += step.q_uniform[k] * push.uniform;
-      v[k] += step.v_uniform[k] * push.uniform;
-    }
-  }
-  return {dot(model.house.data(), q, count), dot(model.house.data(), v, count),
-          dot(model.house_acceleration_q.data(), q, count) + dot(model.house_acceleration_v.data(), v, count) +
-              model.house_per_house_torque * push.house +
+  return {total(angle), total(speed),
+          total(acceleration_q) + total(acceleration_v) + model.house_per_house_torque * push.house +
               model.house_per_tip_force * (force + step.length * force_rate) +
               model.house_per_uniform_force * push.uniform};
 }
@@ -411,28 +415,29 @@ void rope_forces(const PlantModel& model, double length, PlantState& state) {
 // Second pass: takes the trial's end for the state.
 void accept(const PlantModel& model, const ModalStep& step, const LoadStep& load_step, const Push& push,
             const Trial& trial, PlantWorkspace& workspace, PlantState& state) {
-  const int count = model.padded_count;
-  double* q = workspace.q.data();
-  double* v = workspace.v.data();
-  {
-    const double* q_torque = step.q_torque[1].data();
-    const double* q_rate = step.q_rate[1].data();
-    const double* v_torque = step.v_torque[1].data();
-    const double* v_rate = step.v_rate[1].data();
-    for (int k = 0; k < count; ++k) {
-      q[k] += q_torque[k] * trial.torque_sum + q_rate[k] * trial.rate_sum;
-      v[k] += v_torque[k] * trial.torque_sum + v_rate[k] * trial.rate_sum;
+  const double house_friction = push.has_friction ? trial.house_friction : 0.0;
+  Pair tip_sum{}, tip_velocity_sum{}, acceleration_q{}, acceleration_v{};
+  for (int k = 0; k < model.padded_count; k += 2) {
+    Pair q = pair_at(workspace.q, k) + pair_at(step.q_torque[1], k) * trial.torque_sum +
+             pair_at(step.q_rate[1], k) * trial.rate_sum;
+    Pair v = pair_at(workspace.v, k) + pair_at(step.v_torque[1], k) * trial.torque_sum +
+             pair_at(step.v_rate[1], k) * trial.rate_sum;
+    if (house_friction != 0.0) {
+      q += (pair_at(step.q_torque[0], k) + pair_at(step.q_torque[1], k)) * house_friction;
+      v += (pair_at(step.v_torque[0], k) + pair_at(step.v_torque[1], k)) * house_friction;
     }
+    pair_at(workspace.q, k) = q;
+    pair_at(workspace.v, k) = v;
+    tip_sum += pair_at(model.tip, k) * q;
+    tip_velocity_sum += pair_at(model.tip, k) * v;
+    acceleration_q += pair_at(model.house_acceleration_q, k) * q;
+    acceleration_v += pair_at(model.house_acceleration_v, k) * v;
   }
-  if (push.has_friction) {
-    for (int k = 0; k < count; ++k) {
-      q[k] += (step.q_torque[0][k] + step.q_torque[1][k]) * trial.house_friction;
-      v[k] += (step.v_torque[0][k] + step.v_torque[1][k]) * trial.house_friction;
-    }
-  }
+  const double tip = total(tip_sum);
+  const double tip_velocity = total(tip_velocity_sum);
+  state.modal_house_acceleration = total(acceleration_q) + total(acceleration_v);
   if (push.uniform != 0.0) {
-    state.supplied_work +=
-        push.uniform * (dot(model.uniform.data(), q, count) - dot(model.uniform.data(), state.q.data(), count));
+    state.supplied_work += push.uniform * (dot(model.uniform, workspace.q) - dot(model.uniform, state.q));
   }
   state.q.swap(workspace.q);
   state.v.swap(workspace.v);
@@ -451,11 +456,7 @@ void accept(const PlantModel& model, const ModalStep& step, const LoadStep& load
   state.other_tip_force = push.tip;
   state.other_uniform_force = push.uniform;
 
-  const double tip = dot(model.tip.data(), state.q.data(), count);
-  const double tip_velocity = dot(model.tip.data(), state.v.data(), count);
   state.supplied_work += push.tip * (tip - state.tip_displacement);
-  state.modal_house_acceleration = dot(model.house_acceleration_q.data(), state.q.data(), count) +
-                                   dot(model.house_acceleration_v.data(), state.v.data(), count);
   if (model.has_load) {
     double before = 0.0, after = 0.0;
     for (int j = 0; j < 2; ++j) {
@@ -529,7 +530,7 @@ PlantModel make_plant_model(const CraneParameters& crane, double step, const Gro
   model.group_inertia = group_inertia;
   model.modes = free_house_modes(crane);
   model.mode_count = static_cast<int>(model.modes.frequency.size());
-  model.padded_count = (model.mode_count + 3) / 4 * 4;
+  model.padded_count = (model.mode_count + 1) / 2 * 2;
   const auto padded = [&](const std::vector<double>& values) {
     std::vector<double> result = values;
     result.resize(static_cast<std::size_t>(model.padded_count), 0.0);
@@ -573,13 +574,12 @@ PlantState make_plant_state(const PlantModel& model) {
 }
 
 void refresh(const PlantModel& model, PlantState& state) {
-  const int count = model.padded_count;
-  state.house_angle = dot(model.house.data(), state.q.data(), count);
-  state.house_speed = dot(model.house.data(), state.v.data(), count);
-  state.tip_displacement = dot(model.tip.data(), state.q.data(), count);
-  state.tip_velocity = dot(model.tip.data(), state.v.data(), count);
-  state.modal_house_acceleration = dot(model.house_acceleration_q.data(), state.q.data(), count) +
-                                   dot(model.house_acceleration_v.data(), state.v.data(), count);
+  state.house_angle = dot(model.house, state.q);
+  state.house_speed = dot(model.house, state.v);
+  state.tip_displacement = dot(model.tip, state.q);
+  state.tip_velocity = dot(model.tip, state.v);
+  state.modal_house_acceleration =
+      dot(model.house_acceleration_q, state.q) + dot(model.house_acceleration_v, state.v);
   rope_forces(model, 0.0, state);
   for (int i = 0; i < model.group_count; ++i) {
     state.gear_torque[i] =

@@ -33,8 +33,15 @@ inline constexpr int kMaximumSplits = 16;  // contact changes inside one step be
 
 using GroupArray = std::array<double, kMaximumGroupCount>;
 
+// How one group's end torque and its rate answer the step: [T; T'] = inverse * (free values minus the house's).
+struct GearStep {
+  double inverse[2][2] = {};
+  double answer[2][3] = {};  // to the house's angle, speed, acceleration
+  double reciprocal_inertia = 0.0;  // [1/(kg m^2)]
+};
+
 // Responses of every mode to the step's start state, to contact torque on the house and to force at the tip.
-// One entry per mode, padded with modes at rest to a multiple of four.
+// One entry per mode, padded with a mode at rest to an even number.
 struct ModalStep {
   std::vector<double> qq, qv, vq, vv;                      // free response
   std::vector<double> q_torque[2], q_rate[2];              // to T, T' at start [0] and end [1], on the house
@@ -45,6 +52,7 @@ struct ModalStep {
   double house[3][2] = {};
   // House rotation, speed and acceleration at the end for a torque held on the house.
   double house_angle_to_torque = 0.0, house_speed_to_torque = 0.0, house_acceleration_to_torque = 0.0;
+  std::array<GearStep, kMaximumGroupCount> gear;
   double length = 0.0;                                     // [s]
 };
 
@@ -61,7 +69,7 @@ struct PlantModel {
   double step = 0.0;  // [s]
   int group_count = 0;
   int mode_count = 0;    // modes of the boom on its free house
-  int padded_count = 0;  // the same rounded up to a multiple of four
+  int padded_count = 0;  // the same rounded up to an even number
   double ratio = 1.0;    // motor turns per turn of the crane
   std::array<GearContact, kMaximumGroupCount> gear;  // per group, slew axis
   GroupArray group_inertia{};                        // [kg m^2] per group, slew axis
