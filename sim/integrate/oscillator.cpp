@@ -55,10 +55,14 @@ OscillatorResponse oscillator_response(double square, double damping_rate, doubl
   } else {
     const double a = 0.5 * damping_rate;
     const double below = square - a * a;  // > 0: underdamped
-    if (std::fabs(below) * h * h < 1e-8) {
+    if (std::fabs(below) * h * h < 1e-2) {
+      // Near critical damping sine and hyperbolic sine share this series; it avoids their 0/0.
+      const double x = below * h * h;
       const double decay = std::exp(-a * h);
-      s0 = decay * h;
-      s1 = decay * (1.0 - a * h);
+      const double sine = h * (1.0 - x / 6.0 * (1.0 - x / 20.0 * (1.0 - x / 42.0 * (1.0 - x / 72.0))));
+      const double cosine = 1.0 - x / 2.0 * (1.0 - x / 12.0 * (1.0 - x / 30.0 * (1.0 - x / 56.0)));
+      s0 = decay * sine;
+      s1 = decay * (cosine - a * sine);
     } else if (below > 0.0) {
       const double frequency = std::sqrt(below);
       const double decay = std::exp(-a * h);
