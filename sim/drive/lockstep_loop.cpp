@@ -1,0 +1,229 @@
+#include "sim/drive/lockstep_loop.h"
+
+#include <algorithm>
+
+#include "msgs/codec.h"
+
+namespace slewlab::sim {
+namespace {
+
+using ByteBuffer = std::vector<std::uint8_t>;
+
+// Waits that bring messages but never the one that is awaited end as a time-out would.
+constexpr int kIdleMessagesPerResend = 100;
+
+void require_multiple(std::int64_t value, std::int64_t of, const char* what) {
+  if (of <= 0 || value <= 0 || value % of != 0) {
+    throw std::invalid_argument(std::string(what) + " of " + std::to_string(value) +
+                                " ns is not a multiple of " + std::to_string(of) + " ns");
+  }
+}
+
+class Lockstep {
+ public:
+  Lockstep(const LockstepSettings& settings, DrivenPlant& plant, msgs::Bus& bus, msgs::LogWriter& log,
+           const LockstepHooks& hooks)
+      : settings_(settings), plant_(plant), bus_(bus), log_(log), hooks_(hooks) {
+    require_multiple(settings.controller_period, settings.plant_step, "a controller period");
+    require_multiple(settings.sensors_period, settings.plant_step, "a sensors period");
+    require_multiple(settings.truth_period, settings.plant_step, "a truth period");
+    require_multiple(settings.status_period, settings.plant_step, "a status period");
+    require_multiple(settings.live_period, settings.plant_step, "a live period");
+    bus_.subscribe(msgs::kTorqueChannel, [this](msgs::Bytes bytes) { receive_torque(bytes); });
+    bus_.subscribe(msgs::kControllerStateChannel, [this](msgs::Bytes bytes) { receive_state(bytes); });
+  }
+
+  LockstepCounts run() {
+    const std::int64_t steps_per_period = settings_.controller_period / settings_.plant_step;
+    output();
+    while (counts_.simulated_time < settings_.duration && !stop_asked()) {
+      if (!exchange()) break;
+      plant_.command(torque_);
+      for (std::int64_t i = 0; i < steps_per_period; ++i) {
+        plant_.step();
+        counts_.simulated_time += settings_.plant_step;
+        output();
+      }
+      ++counts_.cycles;
+      if (hooks_.after_cycle) hooks_.after_cycle(counts_);
+    }
+    return counts_;
+  }
+
+ private:
+  bool stop_asked() const { return hooks_.stop && hooks_.stop(); }
+
+  template <class Message>
+  void set_head(Message& message, std::int64_t sequence) {
+    message.sequence = sequence;
+    message.simulated_time = counts_.simulated_time;
+    message.configuration_hash = settings_.configuration_hash;
+  }
+
+  void log(const char* channel, const ByteBuffer& bytes) {
+    log_.append(channel, counts_.simulated_time / 1000, bytes);
+  }
+
+  // ENCODER and its answer; false if asked to stop before the answer came.
+  bool exchange() {
+    operator_bytes_.clear();
+    const auto& moves = settings_.operator_moves;
+    while (next_move_ < moves.size() && moves[next_move_].time <= counts_.simulated_time) {
+      send_operator(moves[next_move_++]);
+    }
+    // The controller is told where the joystick stands before it is asked for the first time.
+    if (operator_sequence_ < 0) send_operator(OperatorMove{});
+
+    set_head(encoder_, counts_.cycles);
+    encoder_.operator_sequence = operator_sequence_;
+    plant_.read_encoder(encoder_);
+    msgs::encode(encoder_, encoder_bytes_);
+    log(msgs::kEncoderChannel, encoder_bytes_);
+
+    have_torque_ = false;
+    have_state_ = false;
+    send_question();
+    std::chrono::milliseconds patience = settings_.first_resend;
+    int idle_messages = 0;
+    while (!answered()) {
+      const bool heard = bus_.handle_one(patience);
+      if (stop_asked()) return false;
+      if (heard && ++idle_messages < kIdleMessagesPerResend) continue;
+      idle_messages = 0;
+      patience = std::min(2 * patience, settings_.longest_resend);
+      ++counts_.resends;
+      send_question();
+      if (hooks_.while_waiting) hooks_.while_waiting(counts_);
+    }
+    if (torque_.state_follows) log(msgs::kControllerStateChannel, state_bytes_);
+    log(msgs::kTorqueChannel, torque_bytes_);
+    return true;
+  }
+
+  void send_operator(const OperatorMove& move) {
+    set_head(operator_, ++operator_sequence_);
+    operator_.speed_request = move.speed_request;
+    operator_.emergency_stop = move.emergency_stop;
+    operator_.acknowledge = move.acknowledge;
+    operator_bytes_.emplace_back();
+    msgs::encode(operator_, operator_bytes_.back());
+    log(msgs::kOperatorChannel, operator_bytes_.back());
+  }
+
+  // OPERATOR too: the controller waits for it if it was lost. The newest one is sent with every repetition even
+  // where it is older than this period, for a controller that has only just come up.
+  void send_question() {
+    if (!operator_bytes_.empty()) newest_operator_bytes_ = operator_bytes_.back();
+    const bool repetition = asked_ == counts_.cycles;
+    asked_ = counts_.cycles;
+    if (operator_bytes_.empty() && repetition) bus_.publish(msgs::kOperatorChannel, newest_operator_bytes_);
+    for (const ByteBuffer& bytes : operator_bytes_) bus_.publish(msgs::kOperatorChannel, bytes);
+    bus_.publish(msgs::kEncoderChannel, encoder_bytes_);
+  }
+
+  bool answered() const { return have_torque_ && (have_state_ || !torque_.state_follows); }
+
+  void receive_torque(msgs::Bytes bytes) {
+    if (msgs::decode(bytes, incoming_torque_) != msgs::DecodeStatus::ok) {
+      ++counts_.undecodable;
+      return;
+    }
+    if (incoming_torque_.configuration_hash != settings_.configuration_hash) {
+      ++counts_.foreign_answers;
+      return;
+    }
+    if (incoming_torque_.answered_sequence != counts_.cycles || have_torque_) {
+      ++counts_.stale_answers;
+      return;
+    }
+    if (incoming_torque_.group_count != settings_.group_count) {
+      throw LockstepError("the controller answered ENCODER " + std::to_string(counts_.cycles) + " with torques for " +
+                          std::to_string(incoming_torque_.group_count) + " motor groups; the crane has " +
+                          std::to_string(settings_.group_count));
+    }
+    std::swap(torque_, incoming_torque_);
+    torque_bytes_.assign(bytes.begin(), bytes.end());
+    have_torque_ = true;
+  }
+
+  void receive_state(msgs::Bytes bytes) {
+    if (msgs::decode(bytes, state_) != msgs::DecodeStatus::ok) {
+      ++counts_.undecodable;
+      return;
+    }
+    if (have_state_ || state_.answered_sequence != counts_.cycles ||
+        state_.configuration_hash != settings_.configuration_hash) {
+      return;
+    }
+    state_bytes_.assign(bytes.begin(), bytes.end());
+    have_state_ = true;
+  }
+
+  void output() {
+    const std::int64_t time = counts_.simulated_time;
+    const bool live = time % settings_.live_period == 0;
+    if (time % settings_.sensors_period == 0) {
+      set_head(sensors_, sensors_sequence_++);
+      plant_.read_sensors(sensors_);
+      output(msgs::kSensorsChannel, sensors_, live);
+    }
+    if (time % settings_.truth_period == 0) {
+      set_head(truth_, truth_sequence_++);
+      plant_.read_truth(truth_);
+      output(msgs::kTruthChannel, truth_, live);
+    }
+    if (time % settings_.status_period == 0) {
+      set_head(status_, status_sequence_++);
+      plant_.read_status(status_);
+      output(msgs::kPlantStatusChannel, status_, live);
+    }
+  }
+
+  template <class Message>
+  void output(const char* channel, const Message& message, bool live) {
+    msgs::encode(message, output_bytes_);
+    log(channel, output_bytes_);
+    if (live) bus_.publish(channel, output_bytes_);
+  }
+
+  const LockstepSettings& settings_;
+  DrivenPlant& plant_;
+  msgs::Bus& bus_;
+  msgs::LogWriter& log_;
+  const LockstepHooks& hooks_;
+
+  LockstepCounts counts_;
+  std::size_t next_move_ = 0;
+  std::int64_t operator_sequence_ = -1;
+  std::int64_t asked_ = -1;  // the newest ENCODER that went out
+  std::int64_t sensors_sequence_ = 0;
+  std::int64_t truth_sequence_ = 0;
+  std::int64_t status_sequence_ = 0;
+  bool have_torque_ = false;
+  bool have_state_ = false;
+
+  msgs::Encoder encoder_{};
+  msgs::Operator operator_{};
+  msgs::Torque torque_{};
+  msgs::Torque incoming_torque_{};
+  msgs::ControllerState state_{};
+  msgs::Sensors sensors_{};
+  msgs::Truth truth_{};
+  msgs::PlantStatus status_{};
+
+  std::vector<ByteBuffer> operator_bytes_;  // of the moves that belong to this period
+  ByteBuffer newest_operator_bytes_;
+  ByteBuffer encoder_bytes_;
+  ByteBuffer torque_bytes_;
+  ByteBuffer state_bytes_;
+  ByteBuffer output_bytes_;
+};
+
+}  // namespace
+
+LockstepCounts run_lockstep(const LockstepSettings& settings, DrivenPlant& plant, msgs::Bus& bus,
+                            msgs::LogWriter& log, const LockstepHooks& hooks) {
+  return Lockstep(settings, plant, bus, log, hooks).run();
+}
+
+}  // namespace slewlab::sim
