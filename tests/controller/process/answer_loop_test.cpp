@@ -39,14 +39,14 @@ class AnswerLoopTest : public testing::Test {
   template <class Message>
   void send(const char* channel, const Message& message) {
     std::vector<std::uint8_t> bytes;
-    encode(message, bytes);
+    msgs::encode(message, bytes);
     plant_->publish(channel, bytes);
     controller_->drain();
     plant_->drain();
   }
   msgs::Torque torque(std::size_t index) {
     msgs::Torque message;
-    EXPECT_EQ(decode(torques_.at(index), message), msgs::DecodeStatus::ok);
+    EXPECT_EQ(msgs::decode(torques_.at(index), message), msgs::DecodeStatus::ok);
     return message;
   }
 
