@@ -38,6 +38,11 @@ double swing_angle(double speed, double rope_length) {
   return std::acos(1.0 - speed * speed / (2.0 * kGravity * rope_length));
 }
 
+double quasi_static_slewing_moment(double inertia, double acceleration, double load_mass, double arm,
+                                   double sidelead) {
+  return inertia * acceleration + load_mass * kGravity * arm * std::sin(sidelead);
+}
+
 LoadOnSpring load_on_spring(const LoadParameters& load) {
   LoadOnSpring result;
   const double m = load.mass;

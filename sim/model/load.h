@@ -25,6 +25,12 @@ Eigen::Matrix3d load_stiffness_matrix(const LoadParameters& load);
 // (3.29) [rad] largest rope angle after the rope's top is brought to `speed` [m/s] at once.
 double swing_angle(double speed, double rope_length);
 
+// (4.1) [Nm] quasi-static slewing moment: inertia and load at one acceleration [rad/s^2] and one sidelead angle
+// [rad]. The print takes the rope length for `arm` [m]; the side force of the load acts at the tip radius
+// (erratum E7).
+double quasi_static_slewing_moment(double inertia, double acceleration, double load_mass, double arm,
+                                   double sidelead);
+
 // The load seen from the boom tip, in the absolute displacement y_1 [m] of the rope's lower end and beta_2.
 // With y_1 = y_b + L_wr beta_1 the rows of (3.18) say M (y_1'' + L_l/2 beta_2'') = -M g (y_1 - y_b) / L_wr:
 // the rope is a spring from tip to load, and the tip feels no mass of the load at all.
