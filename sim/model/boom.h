@@ -53,8 +53,9 @@ Eigen::Matrix2d torsion_stiffness(double torsional_rigidity, double length);
 Matrix6d element_mass(double mass_per_length, double polar_mass_per_length, double length);
 Matrix6d element_stiffness(double bending_rigidity, double torsional_rigidity, double length);
 
-// (3.15) a_1 [s] of stiffness-proportional damping that gives the ratio at both frequencies in the mean:
-// 2 zeta / (w1 + w2). The print has a plus where a minus belongs (erratum E2).
+// (3.15) a_1 [s] of Rayleigh damping that, with a_0 = a_1 w1 w2, has the ratio at both frequencies:
+// 2 zeta / (w1 + w2). The print has a plus where a minus belongs (erratum E2). The thesis drops a_0: what is
+// left is zeta w_i / (w1 + w2) at each of the two, so low modes are damped less than high ones.
 double stiffness_damping_coefficient(double damping_ratio, double first_frequency, double second_frequency);
 double stiffness_damping_coefficient_as_printed(double damping_ratio, double first_frequency,
                                                 double second_frequency);
@@ -77,7 +78,7 @@ Eigen::MatrixXd merge_pivot(const Eigen::MatrixXd& boom_matrix, const Eigen::Vec
 // Natural frequencies [rad/s] of the clamped boom, lateral bending only, rising.
 std::vector<double> clamped_bending_frequencies(const BoomParameters& boom);
 
-// a_1 [s] of this boom: its damping ratio at the first two bending modes of the clamped boom.
+// a_1 [s] of this boom, from its damping ratio and the first two bending modes of the clamped boom.
 double boom_damping_coefficient(const BoomParameters& boom);
 
 // [m] from the slew axis to the tip, level.
