@@ -25,6 +25,7 @@ namespace {
 constexpr double kScaleSpeed = 0.01;  // [rad/s] slewing speed that tolerances are a share of; a tenth of full
 // [rad/s] turns a tolerance in speed into one in angle where nothing vibrates faster: the gears swing at 5 Hz.
 constexpr double kScaleFrequency = 2.0 * std::numbers::pi * 5.0;
+constexpr double kArithmetic = 1e-14;         // relative accuracy that the arithmetic can hold
 constexpr double kContactNoise = 1e-13;       // [rad] depth that rounding alone can make
 constexpr long kMostSteps = 50'000'000;       // in one call of advance()
 constexpr int kChannels = kMaximumGroupCount + 3;
@@ -401,8 +402,16 @@ void require(const Reference& r, int flag, const char* what) {
                            " at " + std::to_string(r.now) + " s; " + r.complaint);
 }
 
-int give_weights(N_Vector, N_Vector weights, void* user) {
-  N_VScale(1.0, static_cast<Reference*>(user)->weights.get(), weights);
+// The angles of the slewing itself grow without bound: they cannot be asked for more digits than there are.
+int give_weights(N_Vector state, N_Vector weights, void* user) {
+  const Reference& r = *static_cast<Reference*>(user);
+  N_VScale(1.0, r.weights.get(), weights);
+  const double* y = N_VGetArrayPointer(state);
+  double* values = N_VGetArrayPointer(weights);
+  for (int i = 0; i <= r.group_count; ++i) {
+    const int n = i < r.group_count ? i : r.q();
+    values[n] /= 1.0 + kArithmetic * std::fabs(y[n]) * values[n];
+  }
   return 0;
 }
 
@@ -465,6 +474,7 @@ void make_integrator(Reference& r) {
     const bool linear = !r.extra.forces && !r.extra.gears;
     if (linear) require(r, ARKStepSetLinear(r.integrator, 0), "ARKStepSetLinear");
     require(r, ARKStepRootInit(r.integrator, roots, contact_functions), "ARKStepRootInit");
+    ARKStepSetMaxNonlinIters(r.integrator, 10);
     ARKStepSetNoInactiveRootWarn(r.integrator);
     ARKStepSetMaxNumSteps(r.integrator, kMostSteps);
   }
@@ -506,15 +516,21 @@ void change_contact(Reference& r, int group, int contact) {
   r.last_flank[group] = contact;
 }
 
-// Sets every contact that differs from the law; true when one did.
+// Sets every contact that differs from the law; true when one did. Teeth that touch and approach each other count
+// as closed: a root function that starts at zero would not be seen to rise.
 bool put_contacts_right(Reference& r) {
-  double values[2 * kMaximumGroupCount];
-  contact_functions(r.now, r.state.get(), values, &r);
+  Motion motion;
+  observe(r, r.now, N_VGetArrayPointer(r.state.get()), motion);
   bool changed = false;
   for (int i = 0; i < r.group_count; ++i) {
+    const GearContact gear = gear_now(r, motion, i);
+    const double deflection = deflection_of(r, motion, i), rate = deflection_rate_of(r, motion, i);
     int contact = 0;
-    if (values[2 * i] > (r.contact[i] == 1 ? -kContactNoise : kContactNoise)) contact = 1;
-    if (values[2 * i + 1] > (r.contact[i] == -1 ? -kContactNoise : kContactNoise)) contact = -1;
+    for (const int side : {1, -1}) {
+      const bool stays = r.contact[i] == side || side * rate > 0.0;
+      const double value = contact_function(gear, side, deflection, rate);
+      if (value > (stays ? -kContactNoise : kContactNoise)) contact = side;
+    }
     if (contact == r.contact[i]) continue;
     change_contact(r, i, contact);
     changed = true;
@@ -601,8 +617,11 @@ void set_state(Reference& r, const PlantState& state, double time) {
     y[r.load_q() + j] = state.load_q[j];
     y[r.load_v() + j] = state.load_v[j];
   }
+  const ReferenceCounts before = r.count;
   put_contacts_right(r);
   restart(r);
+  r.count.contact_changes = before.contact_changes;
+  r.count.restarts = before.restarts;
 }
 
 void advance(Reference& r, const GroupArray& motor_torque, double until) {

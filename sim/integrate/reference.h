@@ -6,8 +6,8 @@
 // torque of the motors is held between the calls of advance(). Nothing of the fixed step is used.
 //
 // - kBdf: CVODE, variable order BDF. The judge.
-// - kDirk: ARKODE, a singly diagonal implicit Runge-Kutta method of fifth order. A one-step method, which
-//   contact changes cost no order: for many long runs.
+// - kDirk: ARKODE, a singly diagonal implicit Runge-Kutta method of fifth order: a second opinion by a method of
+//   another kind. One-step, so contact changes cost it no order; the cheaper one at 1e-11 and below.
 //
 // A contact counts as closed while min(depth, depth + c/k rate) > 0, which is contact_torque() != 0; these are
 // the functions whose roots are found. The held torque's share of each motor's motion is written in closed
@@ -77,6 +77,7 @@ struct ReferenceGears {
   GroupArray offset_rate{};      // [rad/s]
 };
 
+// The Jacobian knows nothing of an extra: a law with rates far above 1e4 1/s makes the steps short, not wrong.
 struct ReferenceExtra {
   std::vector<double> start;  // values of its states at time 0
   std::vector<double> scale;  // of each state: its error is held to tolerance times this
