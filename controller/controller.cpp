@@ -35,6 +35,17 @@ void step_mode_and_ramp(const ControllerSettings& settings, ControllerState& sta
   state.mode = moving ? Mode::running : Mode::stopped;
 }
 
+// With play compensation the groups share one integral, their mean. The compensation moves the groups apart by
+// their play, and integrals of their own would take that for an error to be worked off: they would cancel
+// the offset and the torques would leave the map of Table 3.4. The proportional parts stay each group's own
+// and damp the motion of the groups against each other.
+void share_integral(const ControllerSettings& settings, ControllerState& state) {
+  double mean = 0.0;
+  for (int i = 0; i < settings.group_count; ++i) mean += state.speed_control[i].integral_torque;
+  mean /= settings.group_count;
+  for (int i = 0; i < settings.group_count; ++i) state.speed_control[i].integral_torque = mean;
+}
+
 // Everything starts anew from standstill once the operator has acknowledged.
 void let_go(const ControllerSettings& settings, ControllerState& state, ControllerOutput& output) {
   state = ControllerState{};
@@ -76,11 +87,11 @@ void step(const ControllerSettings& settings, ControllerState& state, const Cont
                            reference - state.filtered_speed[i], settings.rated_torque, settings.rated_torque);
     controlled[i] = control.torque;
     output.proportional_torque[i] = control.proportional_torque;
-    output.integral_torque[i] = state.speed_control[i].integral_torque;
     average += control.torque;
   }
   average /= groups;
   state.started = true;
+  if (settings.play_compensation.enabled) share_integral(settings, state);
 
   HalfTorques added{};  // [N m] per motor
   if (settings.play_compensation.enabled) {
@@ -97,6 +108,7 @@ void step(const ControllerSettings& settings, ControllerState& state, const Cont
     state.commanded_torque[i] = limited_torque(settings.limits, settings.period, state.commanded_torque[i],
                                                controlled[i] + offset);
     output.motor_torque[i] = state.commanded_torque[i];
+    output.integral_torque[i] = state.speed_control[i].integral_torque;
   }
 
   output.group_count = groups;

@@ -5,6 +5,9 @@
 // Speeds are requested on the slew axis; the PI works on the fast axis: shaft speed = slewing speed *
 // total_ratio. All torques are per motor of a group.
 //
+// Play compensation: T_i = PI_i + (map_i(a) - a), a the mean of the groups' PI torques; the groups then share
+// one integral (see share_integral in controller.cpp).
+//
 // Emergency stop: while pressed, and from then on, the speed follows a linear ramp to zero. The stop is
 // latched: it ends only when the speed stands at zero, the button is released, the speed request is back
 // at zero and the operator acknowledges, in this order or together; a request that is still there never

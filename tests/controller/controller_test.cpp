@@ -82,9 +82,9 @@ TEST(Controller, PlayCompensationTensionsTheGearsAtStandstill) {
   input.group_count = 2;
   ControllerOutput output;
   for (int i = 0; i < 100; ++i) step(settings, state, input, output);
-  EXPECT_NEAR(output.motor_torque[0], 40.0, 1e-9);
-  EXPECT_NEAR(output.motor_torque[1], -40.0, 1e-9);
-  EXPECT_NEAR(output.offset_torque, 40.0, 1e-9);
+  EXPECT_NEAR(output.motor_torque[0], 0.1 * settings.rated_torque, 1e-9);
+  EXPECT_NEAR(output.motor_torque[1], -0.1 * settings.rated_torque, 1e-9);
+  EXPECT_NEAR(output.offset_torque, 0.1 * settings.rated_torque, 1e-9);
   EXPECT_EQ(output.average_torque, 0.0);
 }
 
@@ -102,9 +102,43 @@ TEST(Controller, PlayCompensationMapsTheAverageOfTheGroups) {
     step(settings, state, input, output);
     const HalfTorques expected = evaluate_play_map(settings.play_compensation, average / 100.0);
     EXPECT_NEAR(output.average_torque, torque, 1e-9);
-    EXPECT_NEAR(output.motor_torque[0], expected.half_1 * 400.0, 1e-9) << average;
-    EXPECT_NEAR(output.motor_torque[1], expected.half_2 * 400.0, 1e-9) << average;
+    EXPECT_NEAR(output.motor_torque[0], expected.half_1 * settings.rated_torque, 1e-9) << average;
+    EXPECT_NEAR(output.motor_torque[1], expected.half_2 * settings.rated_torque, 1e-9) << average;
   }
+}
+
+// The offset moves the groups apart by their play: one shaft a little forward, one back, then both at rest. The
+// torques must stay on the map, not drift back as two integrals of their own would let them.
+TEST(Controller, OffsetStaysWhenTheGroupsHaveMovedApart) {
+  const ControllerSettings settings = thesis();
+  ControllerState state;
+  ControllerInput input;
+  input.group_count = 2;
+  ControllerOutput output;
+  for (int i = 0; i < 400; ++i) {
+    const bool moving = i >= 100 && i < 200;
+    input.shaft_speed[0] = moving ? 0.7 : 0.0;  // [rad/s]
+    input.shaft_speed[1] = -input.shaft_speed[0];
+    step(settings, state, input, output);
+  }
+  EXPECT_NEAR(output.motor_torque[0], 0.1 * settings.rated_torque, 1e-9);
+  EXPECT_NEAR(output.motor_torque[1], -0.1 * settings.rated_torque, 1e-9);
+}
+
+// Each group's own proportional part remains: it damps the motion of the groups against each other.
+TEST(Controller, GroupsAreDampedAgainstEachOther) {
+  const ControllerSettings settings = thesis();
+  ControllerState state;
+  ControllerInput input;
+  input.group_count = 2;
+  ControllerOutput output;
+  for (int i = 0; i < 100; ++i) step(settings, state, input, output);
+  input.shaft_speed[0] = 0.01;
+  input.shaft_speed[1] = -0.01;
+  step(settings, state, input, output);
+  const double damping = settings.speed_control.proportional_gain * 0.01;
+  EXPECT_NEAR(output.motor_torque[0], 0.1 * settings.rated_torque - damping, 0.01 * damping);
+  EXPECT_NEAR(output.motor_torque[1], -0.1 * settings.rated_torque + damping, 0.01 * damping);
 }
 
 TEST(Controller, OneGroupGetsNoPlayCompensation) {
