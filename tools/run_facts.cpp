@@ -12,7 +12,7 @@ namespace slewlab::tools {
 
 std::string run_facts(const sim::Scenario& scenario, const controller::ControllerSettings& controller,
                       const RunOutcome& outcome) {
-  constexpr double kSecondsPerNanosecond = 1e-9;
+  constexpr double kNanosecondsPerSecond = 1e9;
   const sim::CraneParameters& crane = scenario.crane.parameters;
 
   nlohmann::ordered_json modes = nlohmann::ordered_json::array();
@@ -34,9 +34,9 @@ std::string run_facts(const sim::Scenario& scenario, const controller::Controlle
   facts["play_compensation"] = controller.play_compensation.enabled;
   facts["half_play"] = sim::gear_contact(crane).half_play;
   facts["tip_radius"] = crane.boom.pivot_radius + crane.boom.length * std::cos(crane.boom.angle);
-  facts["plant_step"] = static_cast<double>(scenario.plant_step) * kSecondsPerNanosecond;
-  facts["controller_period"] = static_cast<double>(scenario.controller_period) * kSecondsPerNanosecond;
-  facts["duration"] = static_cast<double>(scenario.duration) * kSecondsPerNanosecond;
+  facts["plant_step"] = static_cast<double>(scenario.plant_step) / kNanosecondsPerSecond;
+  facts["controller_period"] = static_cast<double>(scenario.controller_period) / kNanosecondsPerSecond;
+  facts["duration"] = static_cast<double>(scenario.duration) / kNanosecondsPerSecond;
   facts["modes"] = std::move(modes);
   facts["simulated_time"] = outcome.simulated_time;
   facts["wall_time"] = outcome.wall_time;
