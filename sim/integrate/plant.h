@@ -25,13 +25,12 @@
 #include <cstdint>
 #include <vector>
 
+#include "sim/integrate/plant_ports.h"
 #include "sim/model/crane.h"
 
 namespace slewlab::sim {
 
 inline constexpr int kMaximumSplits = 16;  // contact changes inside one step before the rest runs unsplit
-
-using GroupArray = std::array<double, kMaximumGroupCount>;
 
 // How one group's end torque and its rate answer the step: [T; T'] = inverse * (free values minus the house's).
 struct GearStep {
@@ -88,29 +87,6 @@ struct PlantModel {
   LoadStep load_step;
 };
 
-// Forces that effects add, held over the step. All zero costs nothing and changes no bits.
-struct PortForces {
-  GroupArray motor_torque{};    // [Nm] on each group, slew axis
-  double house_torque = 0.0;    // [Nm] on the house
-  double tip_force = 0.0;       // [N] lateral, on the tip
-  double uniform_force = 0.0;   // [N/m] lateral, evenly along the boom
-  double load_force = 0.0;      // [N] lateral, on the lower end of the rope
-  double rod_moment = 0.0;      // [Nm] on the rod
-};
-
-// Torques that oppose motion up to a level and hold at rest, found implicitly within the step.
-struct FrictionLevels {
-  GroupArray motor{};         // [Nm] of each group, slew axis
-  double house_positive = 0;  // [Nm] of the slew bearing against positive speed
-  double house_negative = 0;  // [Nm] against negative speed
-};
-
-struct PlantInput {
-  GroupArray motor_torque{};  // [Nm] per motor of each group, on the fast axis, held over the step
-  FrictionLevels friction;    // all zero: no friction is solved for
-  PortForces ports;
-};
-
 struct PlantState {
   std::int64_t step_count = 0;  // the time is step_count * model.step
   GroupArray motor_angle{};     // [rad] slew axis
@@ -163,16 +139,6 @@ void refresh(const PlantModel& model, PlantState& state);
 // Advances the state by model.step.
 void step(const PlantModel& model, PlantWorkspace& workspace, const PlantInput& input, PlantState& state);
 
-// What can be measured at the end of a step; accelerations with the forces of that step.
-struct PlantReadings {
-  GroupArray shaft_speed{};     // [rad/s] motor, fast axis
-  GroupArray shaft_position{};  // [rad]
-  double house_acceleration = 0.0;   // [m/s^2] at the house's sensor
-  double pivot_acceleration = 0.0;   // [m/s^2]
-  double middle_acceleration = 0.0;  // [m/s^2]
-  double tip_acceleration = 0.0;     // [m/s^2]
-  double slew_angle = 0.0;           // [rad]
-};
 PlantReadings read(const PlantModel& model, const PlantState& state);
 
 // beta_1, beta_2 [rad].

@@ -94,7 +94,8 @@ double rigid_boom_inertia(const BoomParameters& boom) {
   const double centre = boom.pivot_radius + 0.5 * projected;
   const double twist = std::sin(boom.angle);
   return boom.mass * (projected * projected / 12.0 + centre * centre) +
-         mean_polar_mass(boom, 0.0, 1.0) * boom.length * twist * twist;
+         mean_polar_mass(boom, 0.0, 1.0) * boom.length * twist * twist +
+         boom.jib_mass * sheave_radius(boom) * sheave_radius(boom);
 }
 
 double clamped_frequency(int mode, double youngs_modulus, double second_moment, double mass, double length) {
@@ -195,6 +196,12 @@ BoomMatrices assemble_boom(const BoomParameters& boom) {
     matrices.stiffness.block<6, 6>(3 * e, 3 * e) +=
         element_stiffness(rigidity, torsional_rigidity, matrices.element_length);
   }
+  // The jib moves with y + e psi of the tip.
+  const double e = boom.jib_eccentricity;
+  matrices.mass(size - 3, size - 3) += boom.jib_mass;
+  matrices.mass(size - 3, size - 1) += boom.jib_mass * e;
+  matrices.mass(size - 1, size - 3) += boom.jib_mass * e;
+  matrices.mass(size - 1, size - 1) += boom.jib_mass * e * e;
   return matrices;
 }
 
@@ -238,6 +245,10 @@ double boom_damping_coefficient(const BoomParameters& boom) {
 
 double tip_radius(const BoomParameters& boom) {
   return boom.pivot_radius + boom.length * std::cos(boom.angle);
+}
+
+double sheave_radius(const BoomParameters& boom) {
+  return tip_radius(boom) + boom.jib_eccentricity * std::sin(boom.angle);
 }
 
 }  // namespace slewlab::sim

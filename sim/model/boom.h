@@ -84,4 +84,8 @@ double boom_damping_coefficient(const BoomParameters& boom);
 // [m] from the slew axis to the tip, level.
 double tip_radius(const BoomParameters& boom);
 
+// [m] the same to the sheave from which the rope hangs: on the jib, jib_eccentricity in front of the boom's
+// axis; it moves with y + jib_eccentricity psi of the tip.
+double sheave_radius(const BoomParameters& boom);
+
 }  // namespace slewlab::sim

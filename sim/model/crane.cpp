@@ -85,8 +85,9 @@ CraneMatrices assemble_crane(const CraneParameters& crane, GearState gears) {
     Eigen::MatrixXd place = Eigen::MatrixXd::Zero(lines, at.size);
     if (at.tip >= 0) {
       place(0, at.tip) = 1.0;
+      place(0, at.tip_twist) = crane.boom.jib_eccentricity;
     } else {
-      place(0, at.house) = tip_radius(crane.boom);
+      place(0, at.house) = sheave_radius(crane.boom);
     }
     place(1, at.rope) = 1.0;
     if (has_rod) place(2, at.rod) = 1.0;
@@ -178,7 +179,8 @@ FreeHouseModes free_house_modes(const CraneParameters& crane) {
     modes.frequency.push_back(std::sqrt(std::max(0.0, squares(k))));
     modes.damping_rate.push_back(damping * squares(k));
     modes.house.push_back(shape(0));
-    modes.tip.push_back(elements > 0 ? nodes(3 * elements) : tip_radius(boom) * shape(0));
+    modes.tip.push_back(elements > 0 ? nodes(3 * elements) + boom.jib_eccentricity * nodes(3 * elements + 2)
+                                     : sheave_radius(boom) * shape(0));
     modes.middle.push_back(middle);
     modes.tip_twist.push_back(elements > 0 ? nodes(3 * elements + 2) : std::sin(boom.angle) * shape(0));
     modes.uniform_load.push_back(integral);

@@ -48,7 +48,7 @@ struct FreeHouseModes {
   std::vector<double> frequency;     // [rad/s]
   std::vector<double> damping_rate;  // [1/s] a_1 frequency^2
   std::vector<double> house;         // [rad] house rotation in the mode
-  std::vector<double> tip;           // [m] lateral displacement of the tip
+  std::vector<double> tip;           // [m] lateral displacement of the tip, of the jib's sheave where there is one
   std::vector<double> middle;        // [m] at half of the length
   std::vector<double> tip_twist;     // [rad]
   std::vector<double> uniform_load;  // [m m] integral of the lateral displacement over the boom's length

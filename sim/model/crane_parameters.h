@@ -49,6 +49,8 @@ struct BoomParameters {
   double shear_modulus = 0.0;         // [N/m^2]
   double torsion_constant = 0.0;      // [m^4] I_t of the whole section
   double damping_ratio = 0.0;         // share of critical damping at the clamped boom's first two bending modes
+  double jib_mass = 0.0;              // [kg] of a fly jib on the tip; 0 is none
+  double jib_eccentricity = 0.0;      // [m] of the jib's centre and sheave, in front of the boom's axis
   std::vector<BoomStation> profile;   // rising positions, first 0, last 1; linear in between
 };
 

@@ -1,0 +1,68 @@
+// What an effect says about itself, whichever side of the wire it acts on: name, physics in one line,
+// parameters with unit, bounds and prior. sim/effects and controller/effects add how it acts.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "common/unit.h"
+#include "common/yaml_reader.h"
+
+namespace slewlab::common {
+
+enum class Subsystem { drive, house, boom, load, environment, sensor, wire, controller };
+
+std::string_view name_of(Subsystem subsystem);
+
+enum class ParameterScale { linear, logarithmic };
+
+// One number of an effect, in SI. Where the effect fades out as the number goes to some value, that value
+// is `absent` (it may be infinite, outside the bounds); numbers that only shape the effect have none.
+//
+// Prior: normal, cut at the bounds, with `prior_scale` as one standard deviation, about the centre `absent`,
+// or `typical` where there is no finite absent value. Logarithmic: of ln(value / centre).
+struct EffectParameter {
+  std::string_view name;
+  Unit unit = Unit::none;
+  std::string_view meaning;
+  double lower = 0.0;
+  double upper = 0.0;
+  double typical = 0.0;  // a size that is clearly visible on the thesis's crane
+  double prior_scale = 0.0;
+  ParameterScale scale = ParameterScale::linear;
+  std::optional<double> absent;
+};
+
+struct EffectAbout {
+  std::string_view name;
+  Subsystem subsystem = Subsystem::drive;
+  std::string_view physics;
+  std::vector<EffectParameter> parameters;
+};
+
+// An effect switched on, values in the order of its parameters.
+struct EffectInstance {
+  std::string name;
+  std::vector<double> values;
+};
+
+EffectInstance typical_instance(const EffectAbout& about);
+
+// Throws std::invalid_argument where a value is missing, not finite or out of bounds.
+void check_instance(const EffectAbout& about, const EffectInstance& instance);
+
+// The list below `key`, absent for none:
+//   effects:
+//     - effect: torque_lag
+//       time_constant: {value: 30, unit: ms, source: "..."}
+// Every parameter of an effect is required. Problems (unknown effect, key, unit, bounds) go to the reader.
+std::vector<EffectInstance> read_effects(YamlReader& reader, std::string_view key,
+                                         const std::vector<const EffectAbout*>& catalogue);
+
+// The same list as YAML text, ready to be pasted; `source` is written beside every value.
+std::string effects_text(const std::vector<EffectInstance>& instances,
+                         const std::vector<const EffectAbout*>& catalogue, std::string_view source);
+
+}  // namespace slewlab::common

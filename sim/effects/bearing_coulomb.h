@@ -1,0 +1,12 @@
+// Coulomb friction of the slew bearing: a torque of constant size against the house's motion, holding at rest,
+//   |T| <= T_c (1 + a) against positive motion, T_c (1 - a) against negative.
+// Source: textbook; "static friction" is in the calculations that thesis 1.1 calls current, and not in its model.
+#pragma once
+
+#include "sim/effects/effect.h"
+
+namespace slewlab::sim {
+
+const EffectDescription& bearing_coulomb();
+
+}  // namespace slewlab::sim

@@ -1,0 +1,53 @@
+#include "sim/effects/dead_time.h"
+
+#include "sim/effects/delay_line.h"
+#include "sim/integrate/plant.h"
+
+namespace slewlab::sim {
+
+namespace {
+
+class DeadTime : public Running<DeadTime> {
+ public:
+  explicit DeadTime(const EffectStart& start)
+      : delay_(start.values[0] / start.model.step), line_(delay_) {}
+
+  void actuator(const EffectMoment&, GroupArray& motor_torque) override {
+    line_.push(motor_torque);
+    const auto past = line_.at(delay_);
+    for (std::size_t i = 0; i < motor_torque.size(); ++i) {
+      motor_torque[i] = blend(past.older[i], past.newer[i], past.share);
+    }
+  }
+
+ private:
+  double delay_;  // [steps]
+  DelayLine<GroupArray> line_;
+};
+
+}  // namespace
+
+const EffectDescription& dead_time() {
+  static const EffectDescription description{
+      .about =
+          {.name = "dead_time",
+           .subsystem = common::Subsystem::drive,
+           .physics = "the motor torque follows its command after a fixed time",
+           .parameters = {
+           {.name = "delay",
+            .unit = common::Unit::second,
+            .meaning = "time from command to torque",
+            .lower = 0.0,
+            .upper = 0.2,
+            .typical = 0.03,
+            .prior_scale = 0.02,
+            .scale = common::ParameterScale::linear,
+            .absent = 0.0}}},
+      .ports = {EffectPort::actuator},
+      .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
+        return std::make_unique<DeadTime>(start);
+      }};
+  return description;
+}
+
+}  // namespace slewlab::sim

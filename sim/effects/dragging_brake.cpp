@@ -1,0 +1,61 @@
+#include "sim/effects/dragging_brake.h"
+
+#include "sim/integrate/plant.h"
+
+namespace slewlab::sim {
+
+namespace {
+
+class DraggingBrake : public Running<DraggingBrake> {
+ public:
+  explicit DraggingBrake(const EffectStart& start) : group_count_(start.model.group_count) {
+    for (int i = 0; i < group_count_; ++i) {
+      level_[i] = start.values[0] * (1.0 + start.values[1] * group_side(i, group_count_)) *
+                  start.model.parameters.drive.motors_per_group * start.model.ratio;
+    }
+  }
+
+  void friction(const EffectMoment&, FrictionLevels& levels) override {
+    for (int i = 0; i < group_count_; ++i) levels.motor[i] += level_[i];
+  }
+
+ private:
+  GroupArray level_{};  // [Nm] slew axis
+  int group_count_;
+};
+
+}  // namespace
+
+const EffectDescription& dragging_brake() {
+  static const EffectDescription description{
+      .about =
+          {.name = "dragging_brake",
+           .subsystem = common::Subsystem::drive,
+           .physics = "brakes that do not open fully rub on the motors",
+           .parameters = {
+           {.name = "torque",
+            .unit = common::Unit::newton_metre,
+            .meaning = "friction of one motor's brake, mean of the groups",
+            .lower = 0.0,
+            .upper = 200.0,
+            .typical = 20.0,
+            .prior_scale = 10.0,
+            .scale = common::ParameterScale::linear,
+            .absent = 0.0},
+           {.name = "unevenness",
+            .unit = common::Unit::none,
+            .meaning = "relative excess of the first half of the groups",
+            .lower = -1.0,
+            .upper = 1.0,
+            .typical = 0.0,
+            .prior_scale = 0.3,
+            .scale = common::ParameterScale::linear,
+            .absent = std::nullopt}}},
+      .ports = {EffectPort::friction},
+      .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
+        return std::make_unique<DraggingBrake>(start);
+      }};
+  return description;
+}
+
+}  // namespace slewlab::sim

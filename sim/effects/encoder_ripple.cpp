@@ -1,0 +1,64 @@
+#include "sim/effects/encoder_ripple.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "sim/integrate/plant.h"
+
+namespace slewlab::sim {
+
+namespace {
+
+class EncoderRipple : public Running<EncoderRipple> {
+ public:
+  explicit EncoderRipple(const EffectStart& start)
+      : amplitude_(start.values[0]), phase_(start.values[1]), group_count_(start.model.group_count) {}
+
+  void sensor(const SensorMoment&, PlantReadings& readings) override {
+    for (int i = 0; i < group_count_; ++i) {
+      const double at = readings.shaft_position[i] + phase_;
+      readings.shaft_position[i] += amplitude_ * (std::sin(at) - std::sin(phase_));
+      readings.shaft_speed[i] *= 1.0 + amplitude_ * std::cos(at);
+    }
+  }
+
+ private:
+  double amplitude_, phase_;
+  int group_count_;
+};
+
+}  // namespace
+
+const EffectDescription& encoder_ripple() {
+  static const EffectDescription description{
+      .about =
+          {.name = "encoder_ripple",
+           .subsystem = common::Subsystem::sensor,
+           .physics = "the encoder reads wrong once per turn",
+           .parameters = {
+           {.name = "amplitude",
+            .unit = common::Unit::radian,
+            .meaning = "of the position's error, motor angle",
+            .lower = 0.0,
+            .upper = 0.1,
+            .typical = 0.01,
+            .prior_scale = 0.005,
+            .scale = common::ParameterScale::linear,
+            .absent = 0.0},
+           {.name = "phase",
+            .unit = common::Unit::radian,
+            .meaning = "at the start",
+            .lower = -std::numbers::pi,
+            .upper = std::numbers::pi,
+            .typical = 0.0,
+            .prior_scale = 2.0,
+            .scale = common::ParameterScale::linear,
+            .absent = std::nullopt}}},
+      .ports = {EffectPort::sensor},
+      .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
+        return std::make_unique<EncoderRipple>(start);
+      }};
+  return description;
+}
+
+}  // namespace slewlab::sim

@@ -1,0 +1,70 @@
+#include "sim/effects/gearbox_mesh_variation.h"
+
+#include <numbers>
+
+#include "sim/effects/mean_sine.h"
+#include "sim/integrate/plant.h"
+
+namespace slewlab::sim {
+
+namespace {
+
+class GearboxMeshVariation : public Running<GearboxMeshVariation> {
+ public:
+  explicit GearboxMeshVariation(const EffectStart& start)
+      : amplitude_(start.values[0]),
+        phase_(start.values[1]),
+        order_(planetary_mesh_frequency(110, 8, 1.0) * start.model.ratio),
+        group_count_(start.model.group_count) {}
+
+  void force(const EffectMoment& moment, PortForces& ports) override {
+    for (int i = 0; i < group_count_; ++i) {
+      const double change = amplitude_ * moment.gear_torque[i] *
+                            mean_sine(order_ * moment.motor_angle[i] + phase_, order_ * moment.motor_speed[i] * moment.step);
+      ports.motor_torque[i] -= change;
+      ports.house_torque += change;
+    }
+  }
+
+ private:
+  double amplitude_;
+  double phase_;
+  double order_;  // [1/rad] meshes per radian of the slew axis
+  int group_count_;
+};
+
+}  // namespace
+
+const EffectDescription& gearbox_mesh_variation() {
+  static const EffectDescription description{
+      .about =
+          {.name = "gearbox_mesh_variation",
+           .subsystem = common::Subsystem::drive,
+           .physics = "gear stiffness goes up and down with the mesh of the gearbox",
+           .parameters = {
+           {.name = "amplitude",
+            .unit = common::Unit::none,
+            .meaning = "share of the group's stiffness",
+            .lower = 0.0,
+            .upper = 0.6,
+            .typical = 0.3,
+            .prior_scale = 0.1,
+            .scale = common::ParameterScale::linear,
+            .absent = 0.0},
+           {.name = "phase",
+            .unit = common::Unit::radian,
+            .meaning = "phase of the mesh at the start",
+            .lower = -std::numbers::pi,
+            .upper = std::numbers::pi,
+            .typical = 0.0,
+            .prior_scale = 2.0,
+            .scale = common::ParameterScale::linear,
+            .absent = std::nullopt}}},
+      .ports = {EffectPort::force},
+      .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
+        return std::make_unique<GearboxMeshVariation>(start);
+      }};
+  return description;
+}
+
+}  // namespace slewlab::sim

@@ -1,0 +1,72 @@
+#include "sim/effects/heel.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "sim/effects/body_force.h"
+#include "sim/integrate/plant.h"
+
+namespace slewlab::sim {
+
+namespace {
+
+class Heel : public Running<Heel> {
+ public:
+  explicit Heel(const EffectStart& start)
+      : gravity_(kGravity * std::sin(start.values[0])),
+        direction_(start.values[1]),
+        masses_(masses_of(start.model.parameters)) {}
+
+  void force(const EffectMoment& moment, PortForces& ports) override {
+    add_body_force(masses_, gravity_ * std::sin(direction_ - moment.house_angle), ports);
+  }
+
+  void sensor(const SensorMoment& moment, PlantReadings& readings) override {
+    const double lateral = gravity_ * std::sin(direction_ - moment.house_angle);
+    readings.house_acceleration -= lateral;
+    readings.pivot_acceleration -= lateral;
+    readings.middle_acceleration -= lateral;
+    readings.tip_acceleration -= lateral;
+  }
+
+ private:
+  double gravity_;  // [m/s^2] along the slope
+  double direction_;
+  BodyMasses masses_;
+};
+
+}  // namespace
+
+const EffectDescription& heel() {
+  static const EffectDescription description{
+      .about =
+          {.name = "heel",
+           .subsystem = common::Subsystem::house,
+           .physics = "the crane stands inclined, so that gravity pushes the boom downhill",
+           .parameters = {
+           {.name = "angle",
+            .unit = common::Unit::radian,
+            .meaning = "inclination",
+            .lower = 0.0,
+            .upper = 0.15,
+            .typical = 0.02,
+            .prior_scale = 0.01,
+            .scale = common::ParameterScale::linear,
+            .absent = 0.0},
+           {.name = "direction",
+            .unit = common::Unit::radian,
+            .meaning = "downhill, from the boom's first direction",
+            .lower = -std::numbers::pi,
+            .upper = std::numbers::pi,
+            .typical = 0.5 * std::numbers::pi,
+            .prior_scale = 2.0,
+            .scale = common::ParameterScale::linear,
+            .absent = std::nullopt}}},
+      .ports = {EffectPort::force, EffectPort::sensor},
+      .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
+        return std::make_unique<Heel>(start);
+      }};
+  return description;
+}
+
+}  // namespace slewlab::sim

@@ -1,0 +1,62 @@
+#include "sim/effects/torque_lag.h"
+
+#include <cmath>
+
+#include "sim/integrate/plant.h"
+
+namespace slewlab::sim {
+
+namespace {
+
+class TorqueLag : public Running<TorqueLag> {
+ public:
+  explicit TorqueLag(const EffectStart& start) : time_constant_(start.values[0]) {
+    if (time_constant_ == 0.0) return;
+    const double decay = -std::expm1(-start.model.step / time_constant_);  // 1 - exp(-h / tau)
+    kept_at_end_ = 1.0 - decay;
+    kept_in_mean_ = time_constant_ / start.model.step * decay;
+  }
+
+  void actuator(const EffectMoment&, GroupArray& motor_torque) override {
+    if (time_constant_ == 0.0) return;
+    for (std::size_t i = 0; i < motor_torque.size(); ++i) {
+      const double command = motor_torque[i];
+      const double lead = torque_[i] - command;
+      motor_torque[i] = command + lead * kept_in_mean_;
+      torque_[i] = command + lead * kept_at_end_;
+    }
+  }
+
+ private:
+  double time_constant_;
+  double kept_at_end_ = 0.0;
+  double kept_in_mean_ = 0.0;
+  GroupArray torque_{};  // [Nm] at the step's start
+};
+
+}  // namespace
+
+const EffectDescription& torque_lag() {
+  static const EffectDescription description{
+      .about =
+          {.name = "torque_lag",
+           .subsystem = common::Subsystem::drive,
+           .physics = "first-order lag of the motor torque behind its command",
+           .parameters = {
+           {.name = "time_constant",
+            .unit = common::Unit::second,
+            .meaning = "time constant of the lag",
+            .lower = 0.0,
+            .upper = 0.5,
+            .typical = 0.05,
+            .prior_scale = 0.03,
+            .scale = common::ParameterScale::linear,
+            .absent = 0.0}}},
+      .ports = {EffectPort::actuator},
+      .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
+        return std::make_unique<TorqueLag>(start);
+      }};
+  return description;
+}
+
+}  // namespace slewlab::sim

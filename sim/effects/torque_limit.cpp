@@ -1,0 +1,47 @@
+#include "sim/effects/torque_limit.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace slewlab::sim {
+
+namespace {
+
+class TorqueLimit : public Running<TorqueLimit> {
+ public:
+  explicit TorqueLimit(const EffectStart& start) : limit_(start.values[0]) {}
+
+  void actuator(const EffectMoment&, GroupArray& motor_torque) override {
+    for (double& torque : motor_torque) torque = std::clamp(torque, -limit_, limit_);
+  }
+
+ private:
+  double limit_;
+};
+
+}  // namespace
+
+const EffectDescription& torque_limit() {
+  static const EffectDescription description{
+      .about =
+          {.name = "torque_limit",
+           .subsystem = common::Subsystem::drive,
+           .physics = "the drive delivers no more than a largest torque per motor",
+           .parameters = {
+           {.name = "limit",
+            .unit = common::Unit::newton_metre,
+            .meaning = "largest torque of one motor",
+            .lower = 20.0,
+            .upper = 2000.0,
+            .typical = 150.0,
+            .prior_scale = 0.7,
+            .scale = common::ParameterScale::logarithmic,
+            .absent = std::numeric_limits<double>::infinity()}}},
+      .ports = {EffectPort::actuator},
+      .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
+        return std::make_unique<TorqueLimit>(start);
+      }};
+  return description;
+}
+
+}  // namespace slewlab::sim

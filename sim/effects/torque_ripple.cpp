@@ -1,0 +1,77 @@
+#include "sim/effects/torque_ripple.h"
+
+#include <numbers>
+
+#include "sim/effects/mean_sine.h"
+#include "sim/integrate/plant.h"
+
+namespace slewlab::sim {
+
+namespace {
+
+class TorqueRipple : public Running<TorqueRipple> {
+ public:
+  explicit TorqueRipple(const EffectStart& start)
+      : amplitude_(start.values[0]),
+        order_(start.values[1] * start.model.ratio),
+        phase_(start.values[2]),
+        group_count_(start.model.group_count) {}
+
+  void actuator(const EffectMoment& moment, GroupArray& motor_torque) override {
+    for (int i = 0; i < group_count_; ++i) {
+      motor_torque[i] += amplitude_ * mean_sine(order_ * moment.motor_angle[i] + phase_,
+                                                order_ * moment.motor_speed[i] * moment.step);
+    }
+  }
+
+ private:
+  double amplitude_;
+  double order_;  // [1/rad] of the slew axis
+  double phase_;
+  int group_count_;
+};
+
+}  // namespace
+
+const EffectDescription& torque_ripple() {
+  static const EffectDescription description{
+      .about =
+          {.name = "torque_ripple",
+           .subsystem = common::Subsystem::drive,
+           .physics = "torque that goes up and down with the rotor angle",
+           .parameters = {
+           {.name = "amplitude",
+            .unit = common::Unit::newton_metre,
+            .meaning = "amplitude per motor",
+            .lower = 0.0,
+            .upper = 200.0,
+            .typical = 20.0,
+            .prior_scale = 10.0,
+            .scale = common::ParameterScale::linear,
+            .absent = 0.0},
+           {.name = "order",
+            .unit = common::Unit::none,
+            .meaning = "ripples per turn of the motor",
+            .lower = 0.5,
+            .upper = 24.0,
+            .typical = 6.0,
+            .prior_scale = 1.0,
+            .scale = common::ParameterScale::logarithmic,
+            .absent = std::nullopt},
+           {.name = "phase",
+            .unit = common::Unit::radian,
+            .meaning = "phase of the ripple at the start",
+            .lower = -std::numbers::pi,
+            .upper = std::numbers::pi,
+            .typical = 0.0,
+            .prior_scale = 2.0,
+            .scale = common::ParameterScale::linear,
+            .absent = std::nullopt}}},
+      .ports = {EffectPort::actuator},
+      .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
+        return std::make_unique<TorqueRipple>(start);
+      }};
+  return description;
+}
+
+}  // namespace slewlab::sim

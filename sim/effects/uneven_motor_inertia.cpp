@@ -1,0 +1,35 @@
+#include "sim/effects/uneven_motor_inertia.h"
+
+namespace slewlab::sim {
+
+namespace {
+
+void change(EffectValues values, MachineParameters& parameters) {
+  const int count = parameters.crane.drive.group_count;
+  for (int i = 0; i < count; ++i) parameters.group_inertia[i] *= 1.0 + values[0] * group_side(i, count);
+}
+
+}  // namespace
+
+const EffectDescription& uneven_motor_inertia() {
+  static const EffectDescription description{
+      .about =
+          {.name = "uneven_motor_inertia",
+           .subsystem = common::Subsystem::drive,
+           .physics = "the motor groups differ in their motor inertia",
+           .parameters = {
+           {.name = "share",
+            .unit = common::Unit::none,
+            .meaning = "relative excess of the first half of the groups",
+            .lower = -0.6,
+            .upper = 0.6,
+            .typical = 0.2,
+            .prior_scale = 0.1,
+            .scale = common::ParameterScale::linear,
+            .absent = 0.0}}},
+      .ports = {EffectPort::parameters},
+      .change = change};
+  return description;
+}
+
+}  // namespace slewlab::sim

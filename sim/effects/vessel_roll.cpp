@@ -1,0 +1,117 @@
+#include "sim/effects/vessel_roll.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "sim/effects/body_force.h"
+#include "sim/integrate/plant.h"
+
+namespace slewlab::sim {
+
+namespace {
+
+class VesselRoll : public Running<VesselRoll> {
+ public:
+  explicit VesselRoll(const EffectStart& start)
+      : amplitude_(start.values[0]),
+        frequency_(2.0 * std::numbers::pi / start.values[1]),
+        phase_(start.values[2]),
+        direction_(start.values[3]),
+        pivot_height_(start.values[4]),
+        masses_(masses_of(start.model.parameters)) {
+    const CraneParameters& crane = start.model.parameters;
+    rise_ = crane.boom.length * std::sin(crane.boom.angle);
+    load_height_ = pivot_height_ + rise_ - crane.load.rope_length;
+  }
+
+  void force(const EffectMoment& moment, PortForces& ports) override {
+    const double across = std::sin(direction_ - moment.house_angle);
+    const double boom = lateral(moment.time, pivot_height_ + 0.5 * rise_) * across;
+    const double load = lateral(moment.time, load_height_) * across;
+    ports.uniform_force += masses_.boom_per_length * boom;
+    ports.load_force += masses_.load * load;
+    ports.rod_moment += masses_.rod_moment * load;
+  }
+
+  void sensor(const SensorMoment& moment, PlantReadings& readings) override {
+    const double across = std::sin(direction_ - moment.house_angle);
+    const double pivot = lateral(moment.time, pivot_height_) * across;
+    readings.house_acceleration -= pivot;
+    readings.pivot_acceleration -= pivot;
+    readings.middle_acceleration -= lateral(moment.time, pivot_height_ + 0.5 * rise_) * across;
+    readings.tip_acceleration -= lateral(moment.time, pivot_height_ + rise_) * across;
+  }
+
+ private:
+  double lateral(double time, double height) const {
+    return (kGravity + height * frequency_ * frequency_) * amplitude_ * std::sin(frequency_ * time + phase_);
+  }
+
+  double amplitude_, frequency_, phase_, direction_, pivot_height_;
+  double rise_ = 0.0;         // [m] of the tip above the pivot
+  double load_height_ = 0.0;  // [m] above the roll axis
+  BodyMasses masses_;
+};
+
+}  // namespace
+
+const EffectDescription& vessel_roll() {
+  static const EffectDescription description{
+      .about =
+          {.name = "vessel_roll",
+           .subsystem = common::Subsystem::environment,
+           .physics = "the vessel rolls under the crane",
+           .parameters = {
+           {.name = "amplitude",
+            .unit = common::Unit::radian,
+            .meaning = "of the roll",
+            .lower = 0.0,
+            .upper = 0.15,
+            .typical = 0.01,
+            .prior_scale = 0.005,
+            .scale = common::ParameterScale::linear,
+            .absent = 0.0},
+           {.name = "period",
+            .unit = common::Unit::second,
+            .meaning = "of the roll",
+            .lower = 5.0,
+            .upper = 20.0,
+            .typical = 10.0,
+            .prior_scale = 0.3,
+            .scale = common::ParameterScale::logarithmic,
+            .absent = std::nullopt},
+           {.name = "phase",
+            .unit = common::Unit::radian,
+            .meaning = "of the roll at the start",
+            .lower = -std::numbers::pi,
+            .upper = std::numbers::pi,
+            .typical = 0.0,
+            .prior_scale = 2.0,
+            .scale = common::ParameterScale::linear,
+            .absent = std::nullopt},
+           {.name = "direction",
+            .unit = common::Unit::radian,
+            .meaning = "of the positive roll's downhill, from the boom's first direction",
+            .lower = -std::numbers::pi,
+            .upper = std::numbers::pi,
+            .typical = 0.5 * std::numbers::pi,
+            .prior_scale = 2.0,
+            .scale = common::ParameterScale::linear,
+            .absent = std::nullopt},
+           {.name = "height",
+            .unit = common::Unit::metre,
+            .meaning = "of the boom's pivot above the roll axis",
+            .lower = 0.0,
+            .upper = 80.0,
+            .typical = 20.0,
+            .prior_scale = 10.0,
+            .scale = common::ParameterScale::linear,
+            .absent = std::nullopt}}},
+      .ports = {EffectPort::force, EffectPort::sensor},
+      .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
+        return std::make_unique<VesselRoll>(start);
+      }};
+  return description;
+}
+
+}  // namespace slewlab::sim

@@ -1,0 +1,82 @@
+#include "sim/effects/wind.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "sim/effects/wind_force.h"
+#include "sim/integrate/plant.h"
+
+namespace slewlab::sim {
+
+namespace {
+
+class Wind : public Running<Wind> {
+ public:
+  explicit Wind(const EffectStart& start)
+      : pressure_(0.5 * kAirDensity * start.values[0] * start.values[0]),
+        direction_(start.values[1]),
+        areas_(drag_areas(start.model.parameters, start.values[2], start.values[3])) {}
+
+  void force(const EffectMoment& moment, PortForces& ports) override {
+    add_wind(areas_, pressure_ * std::sin(direction_ - moment.house_angle), ports);
+  }
+
+ private:
+  double pressure_;  // [N/m^2]
+  double direction_;
+  DragAreas areas_;
+};
+
+}  // namespace
+
+const EffectDescription& wind() {
+  static const EffectDescription description{
+      .about =
+          {.name = "wind",
+           .subsystem = common::Subsystem::boom,
+           .physics = "steady wind pushes boom and load",
+           .parameters = {
+           {.name = "speed",
+            .unit = common::Unit::metre_per_second,
+            .meaning = "of the wind",
+            .lower = 0.0,
+            .upper = 50.0,
+            .typical = 15.0,
+            .prior_scale = 5.0,
+            .scale = common::ParameterScale::linear,
+            .absent = 0.0},
+           {.name = "direction",
+            .unit = common::Unit::radian,
+            .meaning = "where it blows to, from the boom's first direction",
+            .lower = -std::numbers::pi,
+            .upper = std::numbers::pi,
+            .typical = 0.5 * std::numbers::pi,
+            .prior_scale = 2.0,
+            .scale = common::ParameterScale::linear,
+            .absent = std::nullopt},
+           {.name = "boom_drag_area",
+            .unit = common::Unit::square_metre,
+            .meaning = "drag coefficient times side area of the boom",
+            .lower = 1.0,
+            .upper = 500.0,
+            .typical = 80.0,
+            .prior_scale = 0.3,
+            .scale = common::ParameterScale::logarithmic,
+            .absent = std::nullopt},
+           {.name = "load_drag_area",
+            .unit = common::Unit::square_metre,
+            .meaning = "drag coefficient times area of the load",
+            .lower = 0.1,
+            .upper = 500.0,
+            .typical = 20.0,
+            .prior_scale = 0.5,
+            .scale = common::ParameterScale::logarithmic,
+            .absent = std::nullopt}}},
+      .ports = {EffectPort::force},
+      .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
+        return std::make_unique<Wind>(start);
+      }};
+  return description;
+}
+
+}  // namespace slewlab::sim

@@ -1,0 +1,21 @@
+// What a dynamic pressure across the boom does to boom and load.
+#pragma once
+
+#include "sim/effects/effect.h"
+
+namespace slewlab::sim {
+
+inline constexpr double kAirDensity = 1.225;  // [kg/m^3] at sea level and 15 degrees C, standard atmosphere
+
+struct DragAreas {
+  double boom_per_length = 0.0;  // [m] drag coefficient times area, per length of the boom
+  double load = 0.0;             // [m^2]
+};
+
+// `boom` [m^2] of the whole boom, `load` [m^2]; 0 where the crane has no boom or no load.
+DragAreas drag_areas(const CraneParameters& crane, double boom, double load);
+
+// `pressure` [N/m^2] across the boom.
+void add_wind(const DragAreas& areas, double pressure, PortForces& ports);
+
+}  // namespace slewlab::sim

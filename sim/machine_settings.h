@@ -1,0 +1,28 @@
+// What a machine is made of and what drives it, without the machine itself.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "common/effect.h"
+#include "sim/integrate/plant_ports.h"
+#include "sim/model/crane_parameters.h"
+
+namespace slewlab::sim {
+
+struct MachineSettings {
+  CraneParameters crane;
+  std::vector<common::EffectInstance> effects;
+  double step = 0.001;     // [s]
+  std::uint64_t seed = 0;  // of the effects that draw numbers (gusts, jitter, loss)
+};
+
+// What the drives are told, held until the next one. All values per motor of a group, on the fast axis.
+struct DriveCommand {
+  std::int64_t sequence = 0;  // of the TORQUE message; a change marks a new message (jitter and loss need it)
+  GroupArray motor_torque{};  // [Nm]
+  GroupArray brake_torque{};  // [Nm] of the disk brake, opposes motion and holds at rest; 0 is open
+  bool enable = true;         // false: the drives deliver no torque, the brakes still act
+};
+
+}  // namespace slewlab::sim
