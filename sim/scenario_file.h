@@ -16,16 +16,9 @@
 
 #include "common/yaml_file.h"
 #include "sim/crane_file.h"
+#include "sim/operator_move.h"
 
 namespace slewlab::sim {
-
-// What the operator asks for from `time` on. In the file a move names what changes; the rest stays.
-struct OperatorMove {
-  std::int64_t time = 0;       // [ns]
-  double speed_request = 0.0;  // [-] -1 ... 1 of top speed
-  bool emergency_stop = false;
-  bool acknowledge = false;
-};
 
 struct Scenario {
   std::filesystem::path crane_file;
@@ -40,7 +33,7 @@ struct Scenario {
   std::int64_t truth_period = 0;       // [ns] of TRUTH
   std::int64_t status_period = 0;      // [ns] of PLANT_STATUS
   std::int64_t seed = 0;               // of everything that is drawn at random
-  std::vector<OperatorMove> moves;     // rising times
+  std::vector<OperatorMove> moves;     // rising times; in the file a move names what changes, the rest stays
 
   common::YamlNode faults;  // null where the file has none
   CraneFile crane;

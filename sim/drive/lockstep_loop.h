@@ -25,16 +25,9 @@
 #include "msgs/bus.h"
 #include "msgs/log_writer.h"
 #include "sim/drive/driven_plant.h"
+#include "sim/operator_move.h"
 
 namespace slewlab::sim {
-
-// The operator's hand: from `time` on this holds.
-struct OperatorMove {
-  std::int64_t time = 0;       // [ns]; takes effect at the first controller period that begins then or later
-  double speed_request = 0.0;  // [-] -1 ... 1
-  bool emergency_stop = false;
-  bool acknowledge = false;
-};
 
 struct LockstepSettings {
   std::int64_t plant_step = 1'000'000;          // [ns]
@@ -46,7 +39,8 @@ struct LockstepSettings {
   std::int64_t live_period = 100'000'000;       // [ns] of the three on the bus
   std::int64_t configuration_hash = 0;
   int group_count = 0;
-  std::vector<OperatorMove> operator_moves;     // by ascending time
+  // By rising time. A move takes effect at the first controller period that begins at its time or later.
+  std::vector<OperatorMove> operator_moves;
 
   std::chrono::milliseconds first_resend{20};   // wall clock; doubles with every resend of the same ENCODER
   std::chrono::milliseconds longest_resend{500};
@@ -75,7 +69,8 @@ class LockstepError : public std::runtime_error {
 };
 
 // Throws std::invalid_argument where periods do not fit each other, LockstepError, msgs::LogError, msgs::BusError.
-// Returns early, with simulated_time short of the duration, where `stop` said so. Does not finish the log.
+// Returns early, with simulated_time short of the duration, where `stop` said so. Does not finish the log. The bus
+// must not be handled any more after it.
 LockstepCounts run_lockstep(const LockstepSettings& settings, DrivenPlant& plant, msgs::Bus& bus,
                             msgs::LogWriter& log, const LockstepHooks& hooks = {});
 
