@@ -1,0 +1,91 @@
+// slewlab: the command. Every subcommand is a file of its own in this folder; here is only the list of them.
+
+#include <CLI/CLI.hpp>
+
+#include <cstdio>
+#include <functional>
+#include <iostream>
+#include <map>
+#include <memory>
+
+#include "common/input_error.h"
+#include "tools/check_command.h"
+#include "tools/run_command.h"
+
+namespace slewlab::tools {
+namespace {
+
+std::vector<common::Override> parse_overrides(const std::vector<std::string>& texts) {
+  std::vector<common::Override> overrides;
+  for (const std::string& text : texts) overrides.push_back(common::parse_override(text));
+  return overrides;
+}
+
+// Each of these adds its subcommand; what it is to do goes into `action`, which answers with the exit code.
+using Action = std::function<int()>;
+
+void add_check(CLI::App& app, Action& action) {
+  struct Options {
+    std::vector<std::filesystem::path> files;
+    std::vector<std::string> overrides;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("check", "Read cranes, controllers and scenarios and say what is wrong");
+  command->add_option("FILE", options->files, "files to check")->required();
+  command->add_option("--set", options->overrides, "key=value over every file");
+  command->callback([options, &action] {
+    action = [options] {
+      return check_files(options->files, parse_overrides(options->overrides), std::cout, std::cerr);
+    };
+  });
+}
+
+void add_run(CLI::App& app, const std::vector<std::string>& command_line, Action& action) {
+  struct Options {
+    RunOptions run;
+    std::vector<std::string> overrides;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("run", "Run a scenario: plant and controller as two processes over LCM");
+  command->add_option("SCENARIO", options->run.scenario, "scenario file")->required();
+  command->add_option("--controller", options->run.controller_command,
+                      "shell command of your own controller; it finds its bus in $SLEWLAB_BUS (docs/wire.md)");
+  command->add_option("--out", options->run.out, "folder for log and summary (runs/<scenario>)");
+  command->add_option("--set", options->overrides,
+                      "key=value: scenario keys as they are, crane.KEY and controller.KEY for those files");
+  const std::map<std::string, Progress> modes{
+      {"auto", Progress::automatic}, {"lines", Progress::lines}, {"none", Progress::none}};
+  command->add_option("--progress", options->run.progress, "auto, lines or none")
+      ->transform(CLI::CheckedTransformer(modes));
+  command->callback([options, &command_line, &action] {
+    action = [options, &command_line] {
+      options->run.overrides = parse_overrides(options->overrides);
+      return run_scenario(options->run, command_line);
+    };
+  });
+}
+
+int main(const std::vector<std::string>& command_line, int argc, char** argv) {
+  CLI::App app{"slewlab: a simulated crane slewing drive, and what to do with it", "slewlab"};
+  app.require_subcommand(1);
+  Action action;
+  add_run(app, command_line, action);
+  add_check(app, action);
+  try {
+    app.parse(argc, argv);
+    return action();
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  } catch (const common::InputError& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 2;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "slewlab: %s\n", error.what());
+    return 1;
+  }
+}
+
+}  // namespace
+}  // namespace slewlab::tools
+
+int main(int argc, char** argv) { return slewlab::tools::main({argv, argv + argc}, argc, argv); }
