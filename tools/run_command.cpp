@@ -16,11 +16,13 @@
 #include <stdexcept>
 
 #include "common/input_error.h"
+#include "controller/controller_file.h"
 #include "msgs/lcm_bus.h"
 #include "sim/scenario_file.h"
 #include "tools/check_command.h"
 #include "tools/child_process.h"
 #include "tools/resolved_configuration.h"
+#include "tools/run_facts.h"
 #include "tools/whole_file.h"
 
 namespace slewlab::tools {
@@ -261,6 +263,17 @@ const char* to_string(Outcome::Kind kind) {
   return "unknown";
 }
 
+RunOutcome run_outcome(const Outcome& outcome, const Json& plant_summary) {
+  RunOutcome result;
+  result.end = outcome.reason.empty() ? to_string(outcome.kind) : outcome.reason;
+  if (!plant_summary.is_object()) return result;
+  result.simulated_time = plant_summary.value("simulated_seconds", 0.0);
+  result.wall_time = plant_summary.value("wall_seconds", 0.0);
+  result.cycles = plant_summary.value("lockstep_cycles", std::int64_t{0});
+  result.resends = plant_summary.value("resends", std::int64_t{0});
+  return result;
+}
+
 void complain(const common::InputProblems& problems) {
   for (const common::InputProblem& problem : problems) std::fprintf(stderr, "%s\n", common::to_text(problem).c_str());
 }
@@ -268,10 +281,15 @@ void complain(const common::InputProblems& problems) {
 int run_in(const fs::path& folder, const RunOptions& options, const std::string& name) {
   const FolderLock lock(folder);
   const fs::path log = folder / "run.lcmlog";
-  for (const char* stale : {"summary.json", "run.lcmlog", "run.lcmlog.partial"}) fs::remove(folder / stale);
+  for (const char* stale : {"summary.json", kRunFactsName, "run.lcmlog", "run.lcmlog.partial"}) fs::remove(folder / stale);
 
   const fs::path scenario_file = write_resolved_configuration(options.scenario, options.overrides, folder);
   const sim::Scenario scenario = sim::load_scenario_file(scenario_file);
+  std::optional<controller::ControllerSettings> controller_settings;
+  if (options.controller_command.empty()) {
+    controller_settings = controller::load_controller_file(folder / "controller.yaml").settings;
+    controller_settings->period = static_cast<double>(scenario.controller_period) / 1e9;
+  }
   char period_ms[32];
   std::snprintf(period_ms, sizeof period_ms, "%.9g", static_cast<double>(scenario.controller_period) / 1e6);
 
@@ -321,6 +339,9 @@ int run_in(const fs::path& folder, const RunOptions& options, const std::string&
       {"plant_end", plant.how_it_ended()},
       {"controller_end", controller.how_it_ended()}};
   write_whole_file(folder / "summary.json", summary.dump(2) + "\n");
+  if (controller_settings) {
+    write_run_facts(folder, scenario, *controller_settings, run_outcome(outcome, run.plant_summary()));
+  }
 
   switch (outcome.kind) {
     case Outcome::Kind::complete:
