@@ -1,0 +1,335 @@
+"""Draws a run: one self-contained HTML page beside its log, with the numbers on top. Needs no browser to make.
+
+    report.py RUN_DIR                       writes RUN_DIR/report.html and prints the table
+    report.py RUN_DIR OTHER_DIR --out FILE  draws the runs side by side, on the same scales
+"""
+
+import argparse
+import html
+import os
+import sys
+from pathlib import Path
+
+import numpy as np
+import plotly.graph_objects as go
+from plotly.offline import get_plotlyjs
+
+from run_log import LogProblem, seconds
+from run_numbers import crossings, phase_spectrum, phases, read_run, stop_time, table, table_text
+
+# Colours that stay apart for colour-blind readers (Okabe and Ito's set).
+GROUP_COLOURS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#8C564B", "#7F7F7F"]
+DARK, GREY, GREEN, PURPLE = "#222222", "#999999", "#009E73", "#8E4B9E"
+ROW_HEIGHT = 205  # [px]
+GAP = 34          # [px] between rows
+
+
+def _slim(values):
+    """Single precision: more than a screen can show, at half the size."""
+    return np.asarray(values, np.float32)
+
+
+class Panel:
+    """One row of the picture: a title for its axis, and what it draws for a run."""
+
+    def __init__(self, title, axis, draw, is_spectrum=False, phase=None):
+        self.title, self.axis, self.draw = title, axis, draw
+        self.is_spectrum, self.phase = is_spectrum, phase
+
+
+def _line(x, y, name, colour, dash=None, width=1.3, **more):
+    return go.Scatter(x=_slim(x), y=_slim(y), name=name, mode="lines",
+                      line=dict(color=colour, dash=dash, width=width), **more)
+
+
+def draw_speeds(run):
+    log, ratio = run.log, run.facts.get("total_ratio")
+    traces = []
+    if log.has("OPERATOR") and run.facts.get("top_speed"):
+        moves = log.channel("OPERATOR")
+        end = phases(run)[-1][2]
+        request = np.where(moves["emergency_stop"], 0.0, moves["speed_request"]) * run.facts["top_speed"]
+        traces.append(_line(np.append(seconds(moves), end), np.append(request, request[-1]), "request", GREY, "dot",
+                            line_shape="hv"))
+    if log.has("ENCODER") and ratio:
+        encoder = log.channel("ENCODER")
+        for group in range(encoder["shaft_speed"].shape[1]):
+            traces.append(_line(seconds(encoder), encoder["shaft_speed"][:, group] / ratio, f"motors {group + 1}",
+                                GROUP_COLOURS[group]))
+    if log.has("TRUTH"):
+        truth = log.channel("TRUTH")
+        traces.append(_line(seconds(truth), truth["house_speed"], "house", GREEN))
+    if log.has("CONTROLLER_STATE"):
+        state = log.channel("CONTROLLER_STATE")
+        traces.append(_line(seconds(state), state["ramped_speed"], "ramp", DARK, "dash"))
+    return traces
+
+
+def draw_motor_torques(run):
+    if not run.log.has("TORQUE"):
+        return []
+    torque = run.log.channel("TORQUE")
+    rated = run.facts.get("rated_torque")
+    return [
+        _line(seconds(torque), torque["motor_torque"][:, group] * (100 / rated if rated else 1), f"group {group + 1}",
+              GROUP_COLOURS[group], line_shape="hv")
+        for group in range(torque["motor_torque"].shape[1])
+    ]
+
+
+def draw_gearbox_torques(run):
+    if not run.log.has("TRUTH"):
+        return []
+    truth = run.log.channel("TRUTH")
+    traces = [
+        _line(seconds(truth), truth["gearbox_torque"][:, group] * 1e-6, f"gearbox {group + 1}", GROUP_COLOURS[group])
+        for group in range(truth["gearbox_torque"].shape[1])
+    ]
+    for group, times in enumerate(crossings(run)):
+        traces.append(
+            go.Scatter(x=_slim(times), y=np.zeros(len(times), np.float32), mode="markers",
+                       name=f"play crossed, {group + 1}",
+                       marker=dict(symbol="circle-open" if group % 2 else "x-thin", size=9, color=GROUP_COLOURS[group],
+                                   line=dict(width=1.6, color=GROUP_COLOURS[group]))))
+    return traces
+
+
+def draw_acceleration(signal, name, colour):
+    def draw(run):
+        if not run.log.has("SENSORS"):
+            return []
+        sensors = run.log.channel("SENSORS")
+        return [_line(seconds(sensors), sensors[signal], name, colour, width=1.0)]
+
+    return draw
+
+
+def draw_load_angles(run):
+    if not run.log.has("TRUTH"):
+        return []
+    truth = run.log.channel("TRUTH")
+    return [
+        _line(seconds(truth), np.degrees(truth["rod_angle"]), "load (rod)", GREY, width=1.0),
+        _line(seconds(truth), np.degrees(truth["rope_angle"]), "rope: sidelead", PURPLE),
+    ]
+
+
+def draw_spectra(phase):
+    def draw(run):
+        if not run.log.has("SENSORS"):
+            return []
+        traces = []
+        for name, first, last in phases(run):
+            if name != phase:
+                continue
+            for signal, label, colour in (("house_acceleration", "house", GROUP_COLOURS[5]),
+                                          ("tip_acceleration", "tip", GREEN)):
+                frequency, amplitude = phase_spectrum(run, signal, first, last)
+                shown = (frequency >= 0.4) & (frequency <= 60)
+                traces.append(_line(frequency[shown], amplitude[shown], label, colour))
+        return traces
+
+    return draw
+
+
+def panels(runs):
+    rated = all(run.facts.get("rated_torque") for run in runs)
+    rows = [
+        Panel("slewing speed", "rad/s", draw_speeds),
+        Panel("motor torque", "% of T100" if rated else "Nm per motor", draw_motor_torques),
+        Panel("gearbox torque", "MNm, slew axis", draw_gearbox_torques),
+        Panel("tip acceleration", "m/s²", draw_acceleration("tip_acceleration", "tip", GREEN)),
+        Panel("house acceleration", "m/s²", draw_acceleration("house_acceleration", "house", GROUP_COLOURS[5])),
+        Panel("load angles", "°", draw_load_angles),
+    ]
+    names = max(([name for name, _, _ in phases(run)] for run in runs), key=len)
+    for name in names:
+        rows.append(Panel(f"spectrum {name}".strip(), "m/s²", draw_spectra(name), is_spectrum=True, phase=name))
+    return rows
+
+
+def heading(run):
+    compensation = run.facts.get("play_compensation")
+    if compensation is None:
+        return run.name
+    return f"{run.name}: play compensation {'on' if compensation else 'off'}"
+
+
+def figure(runs):
+    """The picture: a column per run, a row per panel, the same scale along each row."""
+    rows = panels(runs)
+    time_rows = [r for r in range(len(rows)) if not rows[r].is_spectrum]
+    top, bottom = 46, 50
+    height = top + bottom + len(rows) * ROW_HEIGHT + (len(rows) - 1) * GAP + 26
+    inner = height - top - bottom
+
+    def domain(row):
+        extra = 26 if rows[row].is_spectrum else 0  # room for the time axis' title above the spectra
+        upper = inner - row * (ROW_HEIGHT + GAP) - extra
+        return [max(0.0, (upper - ROW_HEIGHT) / inner), upper / inner]
+
+    columns = len(runs)
+    column_gap = 0.035
+    width = (1 - column_gap * (columns - 1)) / columns
+
+    fig = go.Figure()
+    layout = {}
+    for column, run in enumerate(runs):
+        left = column * (width + column_gap)
+        end = phases(run)[-1][2]
+        stop = stop_time(run.log)
+        for r, panel in enumerate(rows):
+            number = r * columns + column + 1
+            suffix = "" if number == 1 else str(number)
+            x_axis, y_axis = f"x{suffix}", f"y{suffix}"
+            for trace in panel.draw(run):
+                trace.update(xaxis=x_axis, yaxis=y_axis, legend=f"legend{r + 1}" if r else "legend",
+                             legendgroup=f"{r}{trace.name}", showlegend=column == 0)
+                fig.add_trace(trace)
+
+            x = dict(anchor=y_axis, domain=[left, left + width], showgrid=True, gridcolor="#eeeeee", ticks="outside",
+                     zeroline=False, linecolor="#888888", mirror=True)
+            y = dict(anchor=x_axis, domain=domain(r), showgrid=True, gridcolor="#eeeeee", ticks="outside",
+                     zeroline=not panel.is_spectrum, zerolinecolor="#666666", zerolinewidth=1, linecolor="#888888",
+                     mirror=True)
+            if column == 0:
+                y["title"] = dict(text=f"{panel.title}<br>[{panel.axis}]", standoff=6)
+            else:
+                y["matches"] = f"y{r * columns + 1 if r * columns else ''}"
+                y["showticklabels"] = False
+            if panel.is_spectrum:
+                x.update(type="log", range=[np.log10(0.5), np.log10(50)], tickvals=[0.5, 1, 2, 5, 10, 20, 50])
+                y.update(type="log", exponentformat="power", dtick=1)
+                if r == len(rows) - 1:
+                    x["title"] = dict(text="frequency [Hz]", standoff=4)
+            else:
+                x.update(range=[0, end])
+                if r != 0 or column != 0:
+                    x["matches"] = "x"
+                if r == time_rows[-1]:
+                    x["title"] = dict(text="simulated time [s]", standoff=4)
+                else:
+                    x["showticklabels"] = False
+                if stop is not None:
+                    fig.add_shape(type="line", xref=x_axis, yref=f"{y_axis} domain", x0=stop, x1=stop, y0=0, y1=1,
+                                  line=dict(color="#aa0000", width=1, dash="dot"))
+            layout[f"xaxis{suffix}"] = x
+            layout[f"yaxis{suffix}"] = y
+
+            if panel.is_spectrum:
+                mark_modes(fig, run, x_axis, y_axis)
+            if r == 0 and stop is not None:
+                fig.add_annotation(xref=x_axis, yref=f"{y_axis} domain", x=stop, y=0.98, text="emergency stop",
+                                   showarrow=False, xanchor="left", yanchor="top", xshift=4,
+                                   font=dict(size=11, color="#aa0000"))
+        if columns > 1:
+            fig.add_annotation(xref="paper", yref="paper", x=left + width / 2, y=1, yshift=24, showarrow=False,
+                               text=f"<b>{html.escape(heading(run))}</b>", font=dict(size=14))
+    for r in range(len(rows)):
+        layout["legend" if r == 0 else f"legend{r + 1}"] = dict(
+            x=1.008, xanchor="left", y=domain(r)[1], yanchor="top", font=dict(size=11), tracegroupgap=0,
+            bgcolor="rgba(255,255,255,0)")
+    if any(panel.is_spectrum for panel in rows):
+        limit_spectra(fig, layout, rows, columns)
+    fig.update_layout(height=height, margin=dict(l=84, r=150, t=top, b=bottom), template="plotly_white",
+                      font=dict(family="Helvetica, Arial, sans-serif", size=12), hovermode="x", **layout)
+    return fig
+
+
+def mark_modes(fig, run, x_axis, y_axis):
+    """The crane's own frequencies, as dashed lines with their names."""
+    for mode in run.facts.get("modes", []):
+        if not 0.55 <= mode["frequency"] <= 48:
+            continue
+        fig.add_shape(type="line", xref=x_axis, yref=f"{y_axis} domain", x0=mode["frequency"], x1=mode["frequency"],
+                      y0=0, y1=1, line=dict(color="#bbbbbb", width=1, dash="dash"), layer="below")
+        fig.add_annotation(xref=x_axis, yref=f"{y_axis} domain", x=np.log10(mode["frequency"]), y=0.98, textangle=-90,
+                           text=f"{mode['name']} · {mode['frequency']:.3g} Hz", showarrow=False, xanchor="right",
+                           yanchor="top", xshift=1, font=dict(size=9, color="#777777"))
+
+
+def limit_spectra(fig, layout, rows, columns):
+    """All spectra on one scale: three and a half decades below the highest peak."""
+    highest = 0.0
+    for trace in fig.data:
+        number = int(trace.xaxis[1:] or 1)
+        if rows[(number - 1) // columns].is_spectrum and len(trace.y):
+            highest = max(highest, float(np.max(trace.y)))
+    if highest > 0:
+        upper = np.log10(highest) + 0.3
+        for r, panel in enumerate(rows):
+            if panel.is_spectrum:
+                for column in range(columns):
+                    number = r * columns + column + 1
+                    layout[f"yaxis{number if number > 1 else ''}"]["range"] = [upper - 3.5, upper]
+
+
+PAGE = """<!doctype html>
+<html lang="en"><head><meta charset="utf-8"><title>{title}</title>
+<style>
+body {{ font-family: Helvetica, Arial, sans-serif; color: #222; margin: 1.2em auto; max-width: {width}px; }}
+h1 {{ font-size: 1.35em; margin: 0 0 .3em 0; }}
+p {{ margin: .3em 0; color: #444; }}
+table {{ border-collapse: collapse; margin: .8em 0; font-size: .92em; }}
+th, td {{ text-align: left; padding: .16em 1.4em .16em 0; border-bottom: 1px solid #e4e4e4; }}
+th {{ font-weight: 600; }}
+</style>
+<script>{script}</script></head><body>
+<h1>{title}</h1>
+{remarks}
+<table><tr><th></th>{heads}</tr>
+{rows}
+</table>
+{picture}
+</body></html>
+"""
+
+
+def page(runs, rows):
+    """The whole page as text."""
+    title = "slewlab: " + (runs[0].name if len(runs) == 1 else " against ".join(run.name for run in runs))
+    remarks = "".join(f"<p>{html.escape(f'{run.name}: {remark}')}</p>" for run in runs for remark in run.log.remarks)
+    return PAGE.format(
+        title=html.escape(title),
+        width=1120 if len(runs) == 1 else 1500,
+        script=get_plotlyjs(),
+        remarks=remarks,
+        heads="".join(f"<th>{html.escape(heading(run))}</th>" for run in runs),
+        rows="\n".join(
+            f"<tr><td>{html.escape(label)}</td>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in cells) + "</tr>"
+            for label, cells in rows),
+        picture=figure(runs).to_html(full_html=False, include_plotlyjs=False, config={"responsive": True}),
+    )
+
+
+def write_whole(path, text):
+    """Writes under another name first, so that a file of this name is complete."""
+    growing = path.with_name(path.name + ".partial")
+    growing.write_text(text, encoding="utf-8")
+    os.replace(growing, path)
+
+
+def main(arguments=None):
+    parser = argparse.ArgumentParser(description="Draws runs of slewlab from their logs.")
+    parser.add_argument("run", nargs="+", help="folder that holds run.lcmlog")
+    parser.add_argument("--out", type=Path, help="the HTML file (default: report.html in the first folder)")
+    parser.add_argument("--quiet", action="store_true", help="do not print the table")
+    options = parser.parse_args(arguments)
+    try:
+        runs = [read_run(folder) for folder in options.run]
+        out = options.out or runs[0].folder / "report.html"
+        rows = table(runs, [out.resolve()] * len(runs))
+        write_whole(out, page(runs, rows))
+    except (LogProblem, OSError) as problem:
+        print(f"report: {problem}", file=sys.stderr)
+        return 1
+    if not options.quiet:
+        for run in runs:
+            for remark in run.log.remarks:
+                print(f"{run.name}: {remark}")
+        print(table_text([heading(run) for run in runs], rows))
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
