@@ -42,6 +42,11 @@ def _line(x, y, name, colour, dash=None, width=1.3, **more):
                       line=dict(color=colour, dash=dash, width=width), **more)
 
 
+def _dash(group):
+    """Later groups are dashed, so that equal torques do not hide each other."""
+    return None if group == 0 else "5px,2px"
+
+
 def draw_speeds(run):
     log, ratio = run.log, run.facts.get("total_ratio")
     traces = []
@@ -72,7 +77,7 @@ def draw_motor_torques(run):
     rated = run.facts.get("rated_torque")
     return [
         _line(seconds(torque), torque["motor_torque"][:, group] * (100 / rated if rated else 1), f"group {group + 1}",
-              GROUP_COLOURS[group], line_shape="hv")
+              GROUP_COLOURS[group], _dash(group), line_shape="hv")
         for group in range(torque["motor_torque"].shape[1])
     ]
 
@@ -82,13 +87,16 @@ def draw_gearbox_torques(run):
         return []
     truth = run.log.channel("TRUTH")
     traces = [
-        _line(seconds(truth), truth["gearbox_torque"][:, group] * 1e-6, f"gearbox {group + 1}", GROUP_COLOURS[group])
+        _line(seconds(truth), truth["gearbox_torque"][:, group] * 1e-6, f"gearbox {group + 1}", GROUP_COLOURS[group],
+              _dash(group))
         for group in range(truth["gearbox_torque"].shape[1])
     ]
     for group, times in enumerate(crossings(run)):
+        if len(times) == 0:
+            times = np.array([np.nan])  # keeps the legend the same for every run
         traces.append(
             go.Scatter(x=_slim(times), y=np.zeros(len(times), np.float32), mode="markers",
-                       name=f"play crossed, {group + 1}",
+                       name=f"{group + 1} crosses its play",
                        marker=dict(symbol="circle-open" if group % 2 else "x-thin", size=9, color=GROUP_COLOURS[group],
                                    line=dict(width=1.6, color=GROUP_COLOURS[group]))))
     return traces
@@ -109,8 +117,8 @@ def draw_load_angles(run):
         return []
     truth = run.log.channel("TRUTH")
     return [
-        _line(seconds(truth), np.degrees(truth["rod_angle"]), "load (rod)", GREY, width=1.0),
-        _line(seconds(truth), np.degrees(truth["rope_angle"]), "rope: sidelead", PURPLE),
+        _line(seconds(truth), np.degrees(truth["rope_angle"]), "rope: sidelead", PURPLE, width=1.8),
+        _line(seconds(truth), np.degrees(truth["rod_angle"]), "load (rod)", DARK, width=0.7),
     ]
 
 
@@ -119,12 +127,12 @@ def draw_spectra(phase):
         if not run.log.has("SENSORS"):
             return []
         traces = []
-        for name, first, last in phases(run):
+        for name, first, end in phases(run):
             if name != phase:
                 continue
             for signal, label, colour in (("house_acceleration", "house", GROUP_COLOURS[5]),
                                           ("tip_acceleration", "tip", GREEN)):
-                frequency, amplitude = phase_spectrum(run, signal, first, last)
+                frequency, amplitude = phase_spectrum(run, signal, first, end)
                 shown = (frequency >= 0.4) & (frequency <= 60)
                 traces.append(_line(frequency[shown], amplitude[shown], label, colour))
         return traces
@@ -150,9 +158,7 @@ def panels(runs):
 
 def heading(run):
     compensation = run.facts.get("play_compensation")
-    if compensation is None:
-        return run.name
-    return f"{run.name}: play compensation {'on' if compensation else 'off'}"
+    return run.name if compensation is None else f"play compensation {'on' if compensation else 'off'}"
 
 
 def figure(runs):
@@ -195,8 +201,7 @@ def figure(runs):
             if column == 0:
                 y["title"] = dict(text=f"{panel.title}<br>[{panel.axis}]", standoff=6)
             else:
-                y["matches"] = f"y{r * columns + 1 if r * columns else ''}"
-                y["showticklabels"] = False
+                y.update(matches=f"y{r * columns + 1 if r else ''}", showticklabels=False)
             if panel.is_spectrum:
                 x.update(type="log", range=[np.log10(0.5), np.log10(50)], tickvals=[0.5, 1, 2, 5, 10, 20, 50])
                 y.update(type="log", exponentformat="power", dtick=1)
@@ -229,8 +234,7 @@ def figure(runs):
         layout["legend" if r == 0 else f"legend{r + 1}"] = dict(
             x=1.008, xanchor="left", y=domain(r)[1], yanchor="top", font=dict(size=11), tracegroupgap=0,
             bgcolor="rgba(255,255,255,0)")
-    if any(panel.is_spectrum for panel in rows):
-        limit_spectra(fig, layout, rows, columns)
+    set_scales(fig, layout, rows, columns)
     fig.update_layout(height=height, margin=dict(l=84, r=150, t=top, b=bottom), template="plotly_white",
                       font=dict(family="Helvetica, Arial, sans-serif", size=12), hovermode="x", **layout)
     return fig
@@ -239,7 +243,7 @@ def figure(runs):
 def mark_modes(fig, run, x_axis, y_axis):
     """The crane's own frequencies, as dashed lines with their names."""
     for mode in run.facts.get("modes", []):
-        if not 0.55 <= mode["frequency"] <= 48:
+        if not 0.55 <= mode["frequency"] <= 45:
             continue
         fig.add_shape(type="line", xref=x_axis, yref=f"{y_axis} domain", x0=mode["frequency"], x1=mode["frequency"],
                       y0=0, y1=1, line=dict(color="#bbbbbb", width=1, dash="dash"), layer="below")
@@ -248,20 +252,26 @@ def mark_modes(fig, run, x_axis, y_axis):
                            yanchor="top", xshift=1, font=dict(size=9, color="#777777"))
 
 
-def limit_spectra(fig, layout, rows, columns):
-    """All spectra on one scale: three and a half decades below the highest peak."""
-    highest = 0.0
+def set_scales(fig, layout, rows, columns):
+    """One scale per row, the same for every run; one for all spectra, with room for the modes' names above."""
+    lowest, highest = [np.inf] * len(rows), [-np.inf] * len(rows)
     for trace in fig.data:
-        number = int(trace.xaxis[1:] or 1)
-        if rows[(number - 1) // columns].is_spectrum and len(trace.y):
-            highest = max(highest, float(np.max(trace.y)))
-    if highest > 0:
-        upper = np.log10(highest) + 0.3
-        for r, panel in enumerate(rows):
-            if panel.is_spectrum:
-                for column in range(columns):
-                    number = r * columns + column + 1
-                    layout[f"yaxis{number if number > 1 else ''}"]["range"] = [upper - 3.5, upper]
+        row = (int(trace.xaxis[1:] or 1) - 1) // columns
+        if len(trace.y):
+            lowest[row] = min(lowest[row], float(np.nanmin(trace.y)))
+            highest[row] = max(highest[row], float(np.nanmax(trace.y)))
+    peak = max([highest[r] for r, panel in enumerate(rows) if panel.is_spectrum], default=-np.inf)
+    for r, panel in enumerate(rows):
+        if panel.is_spectrum:
+            scale = [np.log10(peak) - 3.2, np.log10(peak) + 1.5] if 0 < peak < np.inf else [-3, 1]
+        elif highest[r] > lowest[r]:
+            margin = 0.07 * (highest[r] - lowest[r])
+            scale = [lowest[r] - margin, highest[r] + margin]
+        else:
+            scale = [-1, 1]
+        for column in range(columns):
+            number = r * columns + column + 1
+            layout[f"yaxis{number if number > 1 else ''}"]["range"] = scale
 
 
 PAGE = """<!doctype html>
@@ -287,7 +297,7 @@ th {{ font-weight: 600; }}
 
 def page(runs, rows):
     """The whole page as text."""
-    title = "slewlab: " + (runs[0].name if len(runs) == 1 else " against ".join(run.name for run in runs))
+    title = "slewlab: " + " against ".join(run.name for run in runs)
     remarks = "".join(f"<p>{html.escape(f'{run.name}: {remark}')}</p>" for run in runs for remark in run.log.remarks)
     return PAGE.format(
         title=html.escape(title),

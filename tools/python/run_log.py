@@ -62,7 +62,7 @@ class RunLog:
 
 def seconds(messages):
     """[s] simulated time of each message."""
-    return messages["simulated_time"] * 1e-9
+    return messages["simulated_time"] / 1e9
 
 
 def message_types():

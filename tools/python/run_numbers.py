@@ -55,18 +55,21 @@ def stop_time(log):
 
 
 def phases(run):
-    """(name, first, last) [s] of the parts of a run that are told apart: before and after the emergency stop."""
-    end = max(float(seconds(messages)[-1]) for messages in run.log.channels.values())
+    """(name, first, end) [s] of the parts of a run that are told apart: before and after the emergency stop.
+
+    What happens at `end` belongs to the next part; the last one's end lies just behind the run's last message.
+    """
+    end = np.nextafter(max(float(seconds(messages)[-1]) for messages in run.log.channels.values()), np.inf)
     stop = stop_time(run.log)
     if stop is None or stop <= 0 or stop >= end:
         return [("", 0.0, end)]
     return [("before the stop", 0.0, stop), ("after the stop", stop, end)]
 
 
-def within(messages, first, last):
-    """The messages of a phase. A phase's end belongs to the next one, but for the run's own end."""
+def within(messages, first, end):
+    """The messages of a phase."""
     time = seconds(messages)
-    return messages[(time >= first) & ((time < last) | (time == time[-1]))] if len(messages) else messages
+    return messages[(time >= first) & (time < end)]
 
 
 def sample_period(messages):
@@ -74,9 +77,9 @@ def sample_period(messages):
     return float(np.median(np.diff(seconds(messages))))
 
 
-def phase_spectrum(run, signal, first, last):
+def phase_spectrum(run, signal, first, end):
     """Spectrum of an acceleration in SENSORS during a phase: frequencies [Hz], amplitudes [m/s^2]."""
-    sensors = within(run.log.channel("SENSORS"), first, last)
+    sensors = within(run.log.channel("SENSORS"), first, end)
     if len(sensors) < 16:
         return np.zeros(0), np.zeros(0)
     time = seconds(sensors)
@@ -85,9 +88,9 @@ def phase_spectrum(run, signal, first, last):
     return amplitude_spectrum(np.interp(even, time, sensors[signal]), step)
 
 
-def phase_peaks(run, signal, first, last):
+def phase_peaks(run, signal, first, end):
     """The frequencies found in an acceleration: (frequency [Hz], amplitude [m/s^2]), largest first."""
-    frequency, amplitude = phase_spectrum(run, signal, first, last)
+    frequency, amplitude = phase_spectrum(run, signal, first, end)
     return find_peaks(frequency, amplitude, LOWEST, HIGHEST, SHARE, FLOOR)[:MOST_PEAKS]
 
 
@@ -105,22 +108,22 @@ def crossings(run):
 def numbers(run):
     """The run's numbers: {quantity: {phase: value}}, SI units, angles in rad; None where the log cannot tell."""
     result = {"phases": [name for name, _, _ in phases(run)]}
-    for name, first, last in phases(run):
+    for name, first, end in phases(run):
         values = {}
         if run.log.has("SENSORS"):
-            sensors = within(run.log.channel("SENSORS"), first, last)
+            sensors = within(run.log.channel("SENSORS"), first, end)
             for place in ("tip", "house"):
                 signal = f"{place}_acceleration"
                 values[f"peak_{signal}"] = float(np.max(np.abs(sensors[signal])))
-                values[f"{place}_frequencies"] = phase_peaks(run, signal, first, last)
+                values[f"{place}_frequencies"] = phase_peaks(run, signal, first, end)
         if run.log.has("TRUTH"):
-            truth = within(run.log.channel("TRUTH"), first, last)
+            truth = within(run.log.channel("TRUTH"), first, end)
             values["largest_sidelead"] = float(np.max(np.abs(truth["rope_angle"])))
             values["play_crossings"] = [
-                int(np.sum((times >= first) & ((times < last) | (name != "before the stop")))) for times in crossings(run)
+                int(np.sum((times >= first) & (times < end))) for times in crossings(run)
             ]
         if run.log.has("TORQUE"):
-            torque = within(run.log.channel("TORQUE"), first, last)
+            torque = within(run.log.channel("TORQUE"), first, end)
             values["largest_motor_torque"] = float(np.max(np.abs(torque["motor_torque"])))
         result[name] = values
     return result
