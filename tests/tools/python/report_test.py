@@ -1,0 +1,97 @@
+import contextlib
+import io
+import re
+import tempfile
+import unittest
+from pathlib import Path
+
+import made_run
+import report
+from run_numbers import finding, numbers, read_run, table
+
+
+class ReportTest(unittest.TestCase):
+    def setUp(self):
+        temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(temporary.cleanup)
+        self.folder = Path(temporary.name)
+
+    def call(self, *arguments):
+        """Exit code, standard output and standard error of the program."""
+        out, err = io.StringIO(), io.StringIO()
+        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+            code = report.main([str(a) for a in arguments])
+        return code, out.getvalue(), err.getvalue()
+
+    def test_numbers_are_those_the_log_was_made_of(self):
+        values = numbers(read_run(made_run.write_run(self.folder / "a")))
+        before, after = values["before the stop"], values["after the stop"]
+        largest = max(abs(made_run.tip_acceleration(k * 1e-4)) for k in range(int(made_run.STOP * 1e4)))
+        self.assertAlmostEqual(before["peak_tip_acceleration"], largest, delta=0.005 * largest)
+        self.assertAlmostEqual(after["peak_tip_acceleration"], 0.80, delta=0.01)
+        self.assertAlmostEqual(after["peak_house_acceleration"], 0.40, delta=0.005)
+        for found, (frequency, amplitude) in zip(before["tip_frequencies"], [(1.3, 0.30), (5.2, 0.12)], strict=True):
+            self.assertAlmostEqual(found[0], frequency, delta=0.02)
+            self.assertAlmostEqual(found[1], amplitude, delta=0.02 * amplitude)
+        self.assertEqual([round(f, 1) for f, _ in after["tip_frequencies"]], [1.3])
+        self.assertEqual(before["play_crossings"], [2, 1])
+        self.assertEqual(after["play_crossings"], [2, 1])  # the one in the stop's own moment is behind it
+        self.assertAlmostEqual(before["largest_sidelead"], 0.0523599, places=5)
+        self.assertAlmostEqual(after["largest_sidelead"], 0.1047198, places=5)
+        self.assertEqual(before["largest_motor_torque"], 100.0)
+        self.assertEqual(after["largest_motor_torque"], 240.0)
+
+    def test_table_speaks_in_the_engineers_units(self):
+        run = read_run(made_run.write_run(self.folder / "a", rated_torque=250.0))
+        cells = {label: texts[0] for label, texts in table([run], [self.folder / "p.html"])}
+        self.assertEqual(cells["largest motor torque, after the stop"], "96 % of T100")
+        self.assertEqual(cells["largest sidelead, before the stop"], "3.0°")
+        self.assertEqual(cells["crossings of the play, per gearbox, before the stop"], "2 / 1")
+        self.assertEqual(cells["frequencies at the tip, before the stop"], "1.3, 5.2 Hz")
+        self.assertEqual(cells["lockstep rate against real time"], "10.0 × (20 s in 2.0 s)")
+
+    def test_the_page_is_whole_in_itself_and_has_every_panel(self):
+        folder = made_run.write_run(self.folder / "a")
+        code, out, err = self.call(folder)
+        self.assertEqual((code, err), (0, ""))
+        self.assertIn("crossings of the play", out)
+        text = (folder / "report.html").read_text()
+        self.assertIsNone(re.search(r"<(script|link|img)[^>]+(src|href)=", text), "the page loads something")
+        for title in ("slewing speed", "motor torque", "gearbox torque", "tip acceleration", "house acceleration",
+                      "load angles", "spectrum before the stop", "spectrum after the stop", "bending 1"):
+            self.assertIn(title, text)
+        self.assertEqual(list(folder.glob("*.partial")), [])
+
+    def test_a_real_cranes_log_without_truth_is_drawn_all_the_same(self):
+        events = [e for e in made_run.messages() if e[0] in ("ENCODER", "TORQUE", "SENSORS")]
+        folder = made_run.write_run(self.folder / "a", events=events)
+        (folder / "run.json").unlink()
+        code, out, _ = self.call(folder)
+        self.assertEqual(code, 0)
+        self.assertRegex(out, r"crossings of the play, per gearbox +not in the log")
+        self.assertRegex(out, r"largest motor torque +240 Nm per motor")
+
+    def test_a_folder_without_a_log_is_an_error_and_leaves_nothing(self):
+        code, _, err = self.call(self.folder)
+        self.assertEqual(code, 1)
+        self.assertIn("run.lcmlog: there is no such log", err)
+        self.assertEqual(list(self.folder.iterdir()), [])
+
+    def test_the_finding_says_what_the_numbers_say(self):
+        quiet = made_run.messages()
+        for _, _, message in quiet:
+            if hasattr(message, "play_crossings"):
+                message.play_crossings = [0, 0]
+            if hasattr(message, "tip_acceleration"):
+                message.tip_acceleration *= 0.5
+        on = read_run(made_run.write_run(self.folder / "on", events=quiet))
+        off = read_run(made_run.write_run(self.folder / "off", play_compensation=False))
+        text = finding(on, off)
+        self.assertIn("no gearbox crosses its play before the emergency stop", text)
+        self.assertIn("2 and 1 times", text)
+        self.assertIn("0.4 m/s² instead of 0.8 m/s², 50 % less", text)
+        self.assertIn("100 % more", finding(off, on))
+
+
+if __name__ == "__main__":
+    unittest.main()

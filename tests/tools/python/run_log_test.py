@@ -1,0 +1,87 @@
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy as np
+
+import made_run
+from run_log import LogProblem, read_run_log, seconds
+
+
+class RunLogTest(unittest.TestCase):
+    def setUp(self):
+        self.folder = tempfile.TemporaryDirectory()
+        self.addCleanup(self.folder.cleanup)
+        self.path = Path(self.folder.name) / "run.lcmlog"
+
+    def read(self, events):
+        made_run.write_log(self.path, events)
+        return read_run_log(self.path)
+
+    def test_every_field_of_every_message_comes_back(self):
+        events = made_run.messages()
+        log = self.read(events)
+        self.assertEqual(log.remarks, [])
+        for channel in ("OPERATOR", "SENSORS", "TRUTH", "ENCODER", "TORQUE"):
+            sent = [message for name, _, message in events if name == channel]
+            read = log.channel(channel)
+            self.assertEqual(len(read), len(sent))
+            for field in sent[0].__slots__:
+                np.testing.assert_array_equal(read[field], np.array([getattr(m, field) for m in sent]), field)
+
+    def test_order_of_arrival_and_repeats_do_not_matter(self):
+        events = made_run.messages()
+        shuffled = list(events)
+        for k in range(0, len(shuffled) - 1, 7):
+            shuffled[k], shuffled[k + 1] = shuffled[k + 1], shuffled[k]
+        repeated = next(event for event in events if event[0] == "TORQUE")
+        log = self.read(shuffled + [repeated])
+        self.assertTrue(np.all(np.diff(seconds(log.channel("SENSORS"))) > 0))
+        self.assertEqual(len(log.channel("TORQUE")), sum(1 for e in events if e[0] == "TORQUE"))
+
+    def test_what_cannot_be_used_is_told_and_left_out(self):
+        events = made_run.messages()
+        torque = next(event for event in events if event[0] == "TORQUE")[2].encode()
+        log = self.read(events + [
+            ("CAMERA", 0, b"\x01\x02"),
+            ("TORQUE", 0, torque[:-3]),
+            ("TORQUE", 0, b"\x00" * len(torque)),
+        ])
+        self.assertEqual(len(log.channel("TORQUE")), sum(1 for e in events if e[0] == "TORQUE"))
+        told = "\n".join(log.remarks)
+        self.assertIn("CAMERA: 1 messages of a channel that is not slewlab's", told)
+        self.assertIn("TORQUE: 1 messages of another version or damaged", told)
+        self.assertIn("TORQUE: 1 messages truncated or of another size", told)
+
+    def test_of_several_runs_in_a_file_the_longest_is_taken(self):
+        long, short = made_run.messages(), made_run.messages()[:2000]
+        with self.subTest("the same configuration twice"):
+            log = self.read(short + long)
+            self.assertEqual(len(log.channel("SENSORS")), sum(1 for e in long if e[0] == "SENSORS"))
+            self.assertIn("holds 2 runs", " ".join(log.remarks))
+        with self.subTest("two configurations"):
+            log = self.read(long + made_run.messages(configuration_hash=77)[:500])
+            self.assertEqual(set(log.channel("SENSORS")["configuration_hash"]), {made_run.HASH})
+
+    def test_a_log_cut_off_at_any_byte_is_read_up_to_there(self):
+        events = [event for event in made_run.messages() if event[0] == "SENSORS"][:3]
+        made_run.write_log(self.path, events)
+        whole = self.path.read_bytes()
+        event_size = len(whole) // 3
+        for size in range(event_size, len(whole)):
+            self.path.write_bytes(whole[:size])
+            self.assertEqual(len(read_run_log(self.path).channel("SENSORS")), size // event_size, size)
+
+    def test_no_log_and_no_message_are_told_apart(self):
+        with self.assertRaisesRegex(LogProblem, "no such log"):
+            read_run_log(self.path)
+        self.path.write_bytes(b"")
+        with self.assertRaisesRegex(LogProblem, "holds no message of slewlab"):
+            read_run_log(self.path)
+        made_run.write_log(self.path, [made_run.messages()[0]])
+        with self.assertRaisesRegex(LogProblem, "no usable TRUTH message"):
+            read_run_log(self.path).channel("TRUTH")
+
+
+if __name__ == "__main__":
+    unittest.main()
