@@ -44,7 +44,8 @@ class TreeBuilder : public YAML::EventHandler {
     YamlNode node;
     node.mark = at(mark);
     node.quoted = tag == "!";
-    const bool is_null = !node.quoted && (value == "~" || value == "null" || value == "Null" || value == "NULL");
+    const bool says_null = value == "~" || value == "null" || value == "Null" || value == "NULL";
+    const bool is_null = !node.quoted && says_null;
     if (!is_null) {
       node.kind = YamlNode::Kind::scalar;
       node.scalar = value;
@@ -208,7 +209,8 @@ YamlNode load_with_includes(const std::filesystem::path& file, const SourceMark&
   base.kind = YamlNode::Kind::map;
   for (const YamlNode& reference : references) {
     if (reference.kind != YamlNode::Kind::scalar) {
-      problems.push_back({reference.mark, "include", excerpt(reference), "the name of a file, or a list of them"});
+      problems.push_back(
+          {reference.mark, "include", excerpt(reference), "the name of a file, or a list of them"});
       continue;
     }
     lay_over(base, load_with_includes(resolve_path(reference), reference.mark, "include", chain, problems));
@@ -257,9 +259,9 @@ void apply_override(YamlNode& root, const Override& change, InputProblems& probl
       std::size_t index = 0;
       const auto [stop, error] = std::from_chars(part.data(), part.data() + part.size(), index);
       if (error != std::errc() || stop != part.data() + part.size() || index >= node->items.size()) {
+        const std::string last = std::to_string(node->items.size() - 1);
         problems.push_back({mark, change.key, "'" + part + "' as a place in a list",
-                            node->items.empty() ? "a list that has entries"
-                                                 : "a number from 0 to " + std::to_string(node->items.size() - 1)});
+                            node->items.empty() ? "a list that has entries" : "a number from 0 to " + last});
         return;
       }
       node = &node->items[index];

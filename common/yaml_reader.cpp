@@ -24,7 +24,8 @@ std::string describe(Range range, Unit unit) {
     return "a number from " + shortest(range.lowest) + " to " + with_unit(range.highest, unit);
   }
   if (has_lowest) {
-    return (range.lowest_allowed ? "a number of at least " : "a number above ") + with_unit(range.lowest, unit);
+    const std::string relation = range.lowest_allowed ? "a number of at least " : "a number above ";
+    return relation + with_unit(range.lowest, unit);
   }
   if (has_highest) return "a number of at most " + with_unit(range.highest, unit);
   return unit == Unit::none ? "a finite number" : "a finite number in " + std::string(name_of(unit));
@@ -111,8 +112,8 @@ bool YamlReader::has(std::string_view key) { return ask(key) != nullptr; }
 
 const YamlNode* YamlReader::sourced(const YamlNode& entry, std::string_view key, std::optional<Unit> unit,
                                     const std::string& expected, GivenUnit& given) {
-  const std::string form = unit ? "{value: " + expected + ", unit: " + std::string(name_of(*unit)) + ", source: ...}"
-                                : "{value: " + expected + ", source: ...}";
+  const std::string unit_part = unit ? ", unit: " + std::string(name_of(*unit)) : "";
+  const std::string form = "{value: " + expected + unit_part + ", source: ...}";
   if (entry.kind != YamlNode::Kind::map) {
     report_at(entry.mark, key, excerpt(entry), form);
     return nullptr;
@@ -140,9 +141,8 @@ const YamlNode* YamlReader::sourced(const YamlNode& entry, std::string_view key,
   const std::optional<double> known = factor_to_si(*unit, spelling->scalar);
   if (!known) {
     const std::optional<Unit> other = unit_of(spelling->scalar);
-    report_at(spelling->mark, key,
-              "the unit '" + spelling->scalar + "'" + (other ? ", which measures something else" : ", which is unknown"),
-              "one of " + spellings_of(*unit));
+    const std::string why = other ? ", which measures something else" : ", which is unknown";
+    report_at(spelling->mark, key, "the unit '" + spelling->scalar + "'" + why, "one of " + spellings_of(*unit));
     return nullptr;
   }
   given = {spelling->scalar, *known};

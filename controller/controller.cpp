@@ -35,9 +35,9 @@ void step_mode_and_ramp(const ControllerSettings& settings, ControllerState& sta
   state.mode = moving ? Mode::running : Mode::stopped;
 }
 
-// With play compensation the groups share one integral, their mean. The compensation moves the groups apart by
-// their play, and integrals of their own would take that for an error to be worked off: they would cancel
-// the offset and the torques would leave the map of Table 3.4. The proportional parts stay each group's own
+// With play compensation the groups share one integral, their mean. The compensation moves the groups apart
+// by their play, and integrals of their own would take that for an error to be worked off: they would cancel
+// the offset, and the torques would leave the map of Table 3.4. The proportional parts stay each group's own
 // and damp the motion of the groups against each other.
 void share_integral(const ControllerSettings& settings, ControllerState& state) {
   double mean = 0.0;

@@ -8,7 +8,8 @@
 // deceleration time for the part towards it.
 // Retargeting while the acceleration is a0 starts a new profile from the speed and acceleration of that
 // moment; both stay continuous:
-//   a0 -> a_p at the jerk j, a_p constant, a_p -> 0 at j,   a_p^2 = d j (v1 - v0) + a0^2 / 2, at most a_full^2,
+//   a0 -> a_p at the jerk j, a_p constant, a_p -> 0 at j,
+//   a_p^2 = d j (v1 - v0) + a0^2 / 2, at most a_full^2,
 //   d = sign(v1 - v0 - a0 |a0| / (2 j)), the direction left over when a0 is taken away at once.
 // The jerk then only ever gets smaller, and only where a0 leads to the new target, so no profile swings
 // past the target before it: the speed never passes top speed, and a target that trembles in every cycle

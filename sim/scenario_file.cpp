@@ -25,7 +25,9 @@ std::int64_t nanoseconds(double seconds) {
   return static_cast<std::int64_t>(std::llround(seconds * kNanosecondsPerSecond));
 }
 
-std::string in_milliseconds(std::int64_t time) { return common::shortest(static_cast<double>(time) * 1e-6) + " ms"; }
+std::string in_milliseconds(std::int64_t time) {
+  return common::shortest(static_cast<double>(time) * 1e-6) + " ms";
+}
 
 // Takes the overrides for one of the files out of `overrides`, without their prefix.
 std::vector<Override> take(std::string_view prefix, std::vector<Override>& overrides) {
@@ -49,7 +51,8 @@ std::int64_t read_time(YamlReader& reader, std::string_view key) {
 // A time that must fall on a plant step.
 void check_multiple(YamlReader& reader, std::string_view key, std::int64_t time, std::int64_t plant_step) {
   if (plant_step <= 0 || time % plant_step == 0) return;
-  reader.report(key, in_milliseconds(time), "a whole multiple of the plant step, " + in_milliseconds(plant_step));
+  reader.report(key, in_milliseconds(time),
+                "a whole multiple of the plant step, " + in_milliseconds(plant_step));
 }
 
 std::vector<OperatorMove> read_moves(YamlReader& scenario, std::int64_t plant_step) {
@@ -60,7 +63,8 @@ std::vector<OperatorMove> read_moves(YamlReader& scenario, std::int64_t plant_st
     move.time = nanoseconds(reader.number("time", Unit::second, between(0.0, kLongest)));
     check_multiple(reader, "time", move.time, plant_step);
     if (!moves.empty() && move.time <= last) {
-      reader.report("time", in_milliseconds(move.time), "later than the move before, " + in_milliseconds(last));
+      reader.report("time", in_milliseconds(move.time),
+                    "later than the move before, " + in_milliseconds(last));
     }
     if (const auto request = reader.optional_number("speed_request", Unit::none, between(-1.0, 1.0))) {
       move.speed_request = *request;
@@ -101,22 +105,23 @@ void read_scenario(YamlReader& reader, Scenario& scenario) {
 
 // The scenario's own part of the configuration: the contents of crane and controller stand for their names.
 std::string own_text(YamlNode root) {
-  std::erase_if(root.entries,
-                [](const common::YamlEntry& entry) { return entry.key == "crane" || entry.key == "controller"; });
+  std::erase_if(root.entries, [](const common::YamlEntry& entry) {
+    return entry.key == "crane" || entry.key == "controller";
+  });
   return common::canonical_text(root);
 }
 
 }  // namespace
 
-Scenario load_scenario_file(const std::filesystem::path& file, const std::vector<Override>& overrides) {
+Scenario read_scenario_file(const std::filesystem::path& file, const std::vector<Override>& overrides,
+                            InputProblems& problems) {
   Scenario scenario;
   std::vector<Override> own = overrides;
   scenario.crane_overrides = take("crane.", own);
   scenario.controller_overrides = take("controller.", own);
 
-  InputProblems problems;
   const YamlNode root = common::load_yaml_file(file, own, problems);
-  if (root.kind != YamlNode::Kind::map) throw InputError(problems);
+  if (root.kind != YamlNode::Kind::map) return scenario;
   YamlReader reader(root, "", problems);
   read_scenario(reader, scenario);
 
@@ -129,11 +134,24 @@ Scenario load_scenario_file(const std::filesystem::path& file, const std::vector
   }
   YamlNode controller;
   if (!scenario.controller_file.empty()) {
-    controller = common::load_yaml_file(scenario.controller_file, scenario.controller_overrides, problems);
+    // What is wrong in it is for the controller's own reader to tell; only that it is there matters here.
+    InputProblems told_elsewhere;
+    controller =
+        common::load_yaml_file(scenario.controller_file, scenario.controller_overrides, told_elsewhere);
+    if (controller.kind != YamlNode::Kind::map) {
+      reader.report("controller", "'" + scenario.controller_file.string() + "', which cannot be used",
+                    "the name of a controller's file");
+    }
   }
-  if (!problems.empty()) throw InputError(problems);
   scenario.configuration_text = "crane " + scenario.crane.canonical_text + "\ncontroller " +
                                 common::canonical_text(controller) + "\nscenario " + own_text(root) + "\n";
+  return scenario;
+}
+
+Scenario load_scenario_file(const std::filesystem::path& file, const std::vector<Override>& overrides) {
+  InputProblems problems;
+  Scenario scenario = read_scenario_file(file, overrides, problems);
+  if (!problems.empty()) throw InputError(problems);
   return scenario;
 }
 

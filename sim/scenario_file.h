@@ -47,4 +47,8 @@ struct Scenario {
 Scenario load_scenario_file(const std::filesystem::path& file,
                             const std::vector<common::Override>& overrides = {});
 
+// The same for a check: adds the problems to `problems` and answers with what could be read.
+Scenario read_scenario_file(const std::filesystem::path& file, const std::vector<common::Override>& overrides,
+                            common::InputProblems& problems);
+
 }  // namespace slewlab::sim

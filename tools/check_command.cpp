@@ -27,22 +27,17 @@ common::SourceMark mark_of(const std::filesystem::path& file, const std::vector<
 
 void check_scenario(const std::filesystem::path& file, const std::vector<common::Override>& overrides,
                     InputProblems& problems) {
-  sim::Scenario scenario;
-  bool whole = true;
-  try {
-    scenario = sim::load_scenario_file(file, overrides);
-  } catch (const InputError& error) {
-    problems = error.problems();
-    whole = false;
-  }
+  const sim::Scenario scenario = sim::read_scenario_file(file, overrides, problems);
+  const bool whole = problems.empty();
   if (scenario.controller_file.empty()) return;
   try {
     const controller::ControllerSettings settings =
         controller::load_controller_file(scenario.controller_file, scenario.controller_overrides).settings;
-    if (whole && settings.group_count != scenario.crane.parameters.drive.group_count) {
+    const int crane_groups = scenario.crane.parameters.drive.group_count;
+    if (whole && settings.group_count != crane_groups) {
       problems.push_back({mark_of(file, overrides, "controller"), "controller",
                           "a controller for " + std::to_string(settings.group_count) + " motor group(s)",
-                          "one for the crane's " + std::to_string(scenario.crane.parameters.drive.group_count)});
+                          "one for the crane's " + std::to_string(crane_groups)});
     }
   } catch (const InputError& error) {
     problems.insert(problems.end(), error.problems().begin(), error.problems().end());
@@ -78,8 +73,8 @@ InputProblems problems_in(const std::filesystem::path& file, const std::vector<c
   return problems;
 }
 
-int check_files(const std::vector<std::filesystem::path>& files, const std::vector<common::Override>& overrides,
-                std::ostream& out, std::ostream& complaints) {
+int check_files(const std::vector<std::filesystem::path>& files,
+                const std::vector<common::Override>& overrides, std::ostream& out, std::ostream& complaints) {
   int exit_code = 0;
   for (const std::filesystem::path& file : files) {
     const InputProblems problems = problems_in(file, overrides);

@@ -17,7 +17,7 @@ common::InputProblems problems_in(const std::filesystem::path& file,
 
 // Prints "FILE: OK" to `out` or the problems, one a line, to `complaints`, for each file. Answers with the
 // exit code: 0 when all is well, 1 when any file has a problem.
-int check_files(const std::vector<std::filesystem::path>& files, const std::vector<common::Override>& overrides,
-                std::ostream& out, std::ostream& complaints);
+int check_files(const std::vector<std::filesystem::path>& files,
+                const std::vector<common::Override>& overrides, std::ostream& out, std::ostream& complaints);
 
 }  // namespace slewlab::tools

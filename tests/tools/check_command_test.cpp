@@ -145,6 +145,17 @@ TEST_F(CheckCommand, ControllerThatDoesNotFitTheCrane) {
       << common::to_text(problems[0]);
 }
 
+TEST_F(CheckCommand, ScenarioIsCheckedWithItsCraneAndItsController) {
+  const auto problems = problems_in(folder_ / "config/scenarios/thesis_slew.yaml",
+                                    {{"crane.load.mass", "-1"}, {"controller.ramp.top_speed", "-1"}, {"seed", "-1"}});
+  std::string said;
+  for (const auto& problem : problems) said += common::to_text(problem) + '\n';
+  EXPECT_EQ(problems.size(), 3u) << said;
+  for (const char* key : {"key 'load.mass'", "key 'ramp.top_speed'", "key 'seed'"}) {
+    EXPECT_NE(said.find(key), std::string::npos) << said;
+  }
+}
+
 TEST_F(CheckCommand, OneBadFileDoesNotHideTheOthers) {
   std::ostringstream out;
   std::ostringstream complaints;
