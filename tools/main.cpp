@@ -10,6 +10,7 @@
 
 #include "common/input_error.h"
 #include "tools/check_command.h"
+#include "tools/python_command.h"
 #include "tools/run_command.h"
 
 namespace slewlab::tools {
@@ -65,12 +66,24 @@ void add_run(CLI::App& app, const std::vector<std::string>& command_line, Action
   });
 }
 
+// What Python does: its options are the Python program's own, and so is its help.
+void add_python(CLI::App& app, const char* name, const char* description, Action& action) {
+  CLI::App* command = app.add_subcommand(name, description);
+  command->prefix_command();
+  command->set_help_flag();
+  command->callback([command, name, &action] {
+    action = [command, name] { return run_python(std::string(name) + ".py", command->remaining()); };
+  });
+}
+
 int main(const std::vector<std::string>& command_line, int argc, char** argv) {
   CLI::App app{"slewlab: a simulated crane slewing drive, and what to do with it", "slewlab"};
   app.require_subcommand(1);
   Action action;
   add_run(app, command_line, action);
   add_check(app, action);
+  add_python(app, "report", "Draw a run: a page with pictures and numbers beside its log", action);
+  add_python(app, "export", "Turn a log into Parquet, CSV or MCAP files", action);
   try {
     app.parse(argc, argv);
     return action();

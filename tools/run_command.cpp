@@ -286,9 +286,11 @@ int run_in(const fs::path& folder, const RunOptions& options, const std::string&
   const fs::path scenario_file = write_resolved_configuration(options.scenario, options.overrides, folder);
   const sim::Scenario scenario = sim::load_scenario_file(scenario_file);
   std::optional<controller::ControllerSettings> controller_settings;
-  if (options.controller_command.empty()) {
+  try {
     controller_settings = controller::load_controller_file(folder / "controller.yaml").settings;
     controller_settings->period = static_cast<double>(scenario.controller_period) / 1e9;
+  } catch (const common::InputError&) {
+    if (options.controller_command.empty()) throw;  // a controller of one's own may have a file of its own kind
   }
   char period_ms[32];
   std::snprintf(period_ms, sizeof period_ms, "%.9g", static_cast<double>(scenario.controller_period) / 1e6);
@@ -339,9 +341,9 @@ int run_in(const fs::path& folder, const RunOptions& options, const std::string&
       {"plant_end", plant.how_it_ended()},
       {"controller_end", controller.how_it_ended()}};
   write_whole_file(folder / "summary.json", summary.dump(2) + "\n");
-  if (controller_settings) {
-    write_run_facts(folder, scenario, *controller_settings, run_outcome(outcome, run.plant_summary()));
-  }
+  RunOutcome facts = run_outcome(outcome, run.plant_summary());
+  if (!options.controller_command.empty()) facts.controller_command = options.controller_command;
+  write_run_facts(folder, scenario, controller_settings, facts);
 
   switch (outcome.kind) {
     case Outcome::Kind::complete:

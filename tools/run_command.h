@@ -3,7 +3,8 @@
 // `slewlab run SCENARIO.yaml`: the plant and the controller as two processes on a bus of their own, watched from here.
 //
 // Into the folder go run.lcmlog (run.lcmlog.partial until it is complete), scenario.yaml, crane.yaml and
-// controller.yaml as they ran, summary.json, run.json (run_facts.h; not with a controller of one's own), and plant.txt and controller.txt with what the two had to complain about.
+// controller.yaml as they ran, summary.json, run.json (run_facts.h), and plant.txt and
+// controller.txt with what the two had to complain about.
 //
 // Whatever happens - success, an error, Ctrl-C, a killed child, this process killed - no process is left behind.
 // Exit codes: 0 complete, 1 a side failed (which, how and its last words stand on standard error), 2 the call or the

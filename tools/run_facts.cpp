@@ -1,17 +1,16 @@
 #include "tools/run_facts.h"
 
 #include <cmath>
-#include <fstream>
 #include <nlohmann/json.hpp>
-#include <stdexcept>
 
 #include "msgs/configuration_hash.h"
 #include "sim/analysis/eigen.h"
+#include "tools/whole_file.h"
 
 namespace slewlab::tools {
 
-std::string run_facts(const sim::Scenario& scenario, const controller::ControllerSettings& controller,
-                      const RunOutcome& outcome) {
+std::string run_facts(const sim::Scenario& scenario,
+                      const std::optional<controller::ControllerSettings>& controller, const RunOutcome& outcome) {
   constexpr double kNanosecondsPerSecond = 1e9;
   const sim::CraneParameters& crane = scenario.crane.parameters;
 
@@ -27,11 +26,13 @@ std::string run_facts(const sim::Scenario& scenario, const controller::Controlle
   facts["crane"] = scenario.crane_file.lexically_normal().string();
   facts["controller"] = scenario.controller_file.lexically_normal().string();
   facts["configuration_hash"] = msgs::hash_text(msgs::configuration_hash(scenario.configuration_text));
-  facts["rated_torque"] = controller.rated_torque;
-  facts["torque_limit"] = controller.limits.torque;
-  facts["total_ratio"] = controller.total_ratio;
-  facts["top_speed"] = controller.ramp.top_speed;
-  facts["play_compensation"] = controller.play_compensation.enabled;
+  if (controller) {
+    facts["rated_torque"] = controller->rated_torque;
+    facts["torque_limit"] = controller->limits.torque;
+    facts["total_ratio"] = controller->total_ratio;
+    facts["top_speed"] = controller->ramp.top_speed;
+    facts["play_compensation"] = controller->play_compensation.enabled;
+  }
   facts["half_play"] = sim::gear_contact(crane).half_play;
   facts["tip_radius"] = crane.boom.pivot_radius + crane.boom.length * std::cos(crane.boom.angle);
   facts["plant_step"] = static_cast<double>(scenario.plant_step) / kNanosecondsPerSecond;
@@ -42,22 +43,14 @@ std::string run_facts(const sim::Scenario& scenario, const controller::Controlle
   facts["wall_time"] = outcome.wall_time;
   facts["cycles"] = outcome.cycles;
   facts["resends"] = outcome.resends;
+  facts["controller_command"] = outcome.controller_command;
   facts["end"] = outcome.end;
   return facts.dump(2) + "\n";
 }
 
 void write_run_facts(const std::filesystem::path& folder, const sim::Scenario& scenario,
-                     const controller::ControllerSettings& controller, const RunOutcome& outcome) {
-  const std::filesystem::path path = folder / kRunFactsName;
-  std::filesystem::path growing = path;
-  growing += ".partial";
-  {
-    std::ofstream file(growing, std::ios::trunc);
-    file << run_facts(scenario, controller, outcome);
-    file.close();
-    if (!file) throw std::runtime_error(growing.string() + ": cannot be written (is the disk full?)");
-  }
-  std::filesystem::rename(growing, path);
+                     const std::optional<controller::ControllerSettings>& controller, const RunOutcome& outcome) {
+  write_whole_file(folder / kRunFactsName, run_facts(scenario, controller, outcome));
 }
 
 }  // namespace slewlab::tools

@@ -48,6 +48,13 @@ TEST(RunFacts, NameTheModesOfTheWholeCraneByKindAndCount) {
   EXPECT_EQ(found, 1);
 }
 
+TEST(RunFacts, LeaveOutWhatOnlyTheControllersFileKnows) {
+  const auto facts = nlohmann::json::parse(run_facts(sim::load_scenario_file(kScenario), std::nullopt, {}));
+  EXPECT_FALSE(facts.contains("rated_torque"));
+  EXPECT_FALSE(facts.contains("play_compensation"));
+  EXPECT_TRUE(facts.contains("modes"));
+}
+
 TEST(RunFacts, AreWrittenWholeOrNotAtAll) {
   const sim::Scenario scenario = sim::load_scenario_file(kScenario);
   const auto controller = controller::load_controller_file(scenario.controller_file).settings;

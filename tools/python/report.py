@@ -1,12 +1,13 @@
 """Draws a run: one self-contained HTML page beside its log, with the numbers on top. Needs no browser to make.
 
-    report.py RUN_DIR                       writes RUN_DIR/report.html and prints the table
-    report.py RUN_DIR OTHER_DIR --out FILE  draws the runs side by side, on the same scales
+    slewlab report RUN_DIR                       writes RUN_DIR/report.html and prints the table
+    slewlab report RUN_DIR OTHER_DIR --out FILE  draws the runs side by side, on the same scales
 """
 
 import argparse
 import html
 import os
+import signal
 import sys
 from pathlib import Path
 
@@ -158,6 +159,8 @@ def panels(runs):
 
 def heading(run):
     compensation = run.facts.get("play_compensation")
+    if run.facts.get("controller_command", "slewlab-controller") != "slewlab-controller":
+        return f"{run.name}: {run.facts['controller_command']}"
     return run.name if compensation is None else f"play compensation {'on' if compensation else 'off'}"
 
 
@@ -320,7 +323,7 @@ def write_whole(path, text):
 
 
 def main(arguments=None):
-    parser = argparse.ArgumentParser(description="Draws runs of slewlab from their logs.")
+    parser = argparse.ArgumentParser(prog="slewlab report", description="Draws runs of slewlab from their logs.")
     parser.add_argument("run", nargs="+", help="folder that holds run.lcmlog")
     parser.add_argument("--out", type=Path, help="the HTML file (default: report.html in the first folder)")
     parser.add_argument("--quiet", action="store_true", help="do not print the table")
@@ -342,4 +345,5 @@ def main(arguments=None):
 
 
 if __name__ == "__main__":
+    signal.signal(signal.SIGPIPE, signal.SIG_DFL)
     sys.exit(main())

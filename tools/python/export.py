@@ -1,0 +1,119 @@
+"""Turns a run's log into files that other tools read: Parquet or CSV (one per channel), or one MCAP.
+
+    slewlab export RUN.lcmlog --format parquet|csv|mcap [--out PATH]
+
+Parquet and CSV: the first column is `time` [s], simulated; arrays become columns name_1, name_2, ...; SI units as
+in msgs/*.lcm. MCAP: JSON messages with their schema, stamped with the simulated time; opens in Foxglove and
+PlotJuggler.
+"""
+
+import argparse
+import json
+import os
+import shutil
+import signal
+import sys
+from pathlib import Path
+
+import pandas as pd
+from mcap.writer import Writer
+
+from run_log import LogProblem, read_run_log, seconds
+
+FORMATS = ("parquet", "csv", "mcap")
+
+
+def channel_table(messages):
+    """One channel as a table: time [s], then every field; array entries count from 1 as motor groups do."""
+    columns = {"time": seconds(messages)}
+    for name in messages.dtype.names:
+        if name in ("fingerprint", "simulated_time"):
+            continue
+        values = messages[name]
+        if values.ndim == 1:
+            columns[name] = values
+        else:
+            for entry in range(values.shape[1]):
+                columns[f"{name}_{entry + 1}"] = values[:, entry]
+    return pd.DataFrame(columns)
+
+
+def write_tables(log, out, file_format):
+    """A folder with one file per channel; it appears when all of them are complete."""
+    growing = out.with_name(out.name + ".partial")
+    shutil.rmtree(growing, ignore_errors=True)
+    growing.mkdir(parents=True)
+    for name, messages in log.channels.items():
+        table = channel_table(messages)
+        if file_format == "parquet":
+            table.to_parquet(growing / f"{name}.parquet", index=False)
+        else:
+            table.to_csv(growing / f"{name}.csv", index=False)
+    if out.is_dir():
+        shutil.rmtree(out)
+    os.replace(growing, out)
+
+
+def _json_type(field_type):
+    base = field_type.base
+    kind = {"b": "boolean", "i": "integer", "u": "integer", "f": "number"}[base.kind]
+    return {"type": "array", "items": {"type": kind}} if field_type.shape else {"type": kind}
+
+
+def write_mcap(log, out):
+    """One file; events in the order of simulated time."""
+    growing = out.with_name(out.name + ".partial")
+    out.parent.mkdir(parents=True, exist_ok=True)
+    with open(growing, "wb") as stream:
+        writer = Writer(stream)
+        writer.start(profile="", library="slewlab")
+        events = []
+        for name, messages in log.channels.items():
+            fields = [f for f in messages.dtype.names if f != "fingerprint"]
+            schema = {"title": name, "type": "object",
+                      "properties": {f: _json_type(messages.dtype[f]) for f in fields}}
+            schema_id = writer.register_schema(name=f"slewlab.{name}", encoding="jsonschema",
+                                               data=json.dumps(schema).encode())
+            channel_id = writer.register_channel(topic=name, message_encoding="json", schema_id=schema_id)
+            lists = [messages[f].tolist() for f in fields]
+            for values in zip(*lists):
+                message = dict(zip(fields, values))
+                events.append((message["simulated_time"], channel_id, message["sequence"], message))
+        for time, channel_id, sequence, message in sorted(events, key=lambda event: event[:3]):
+            writer.add_message(channel_id=channel_id, log_time=time, publish_time=time, sequence=sequence & 0xFFFFFFFF,
+                               data=json.dumps(message).encode())
+        writer.finish()
+    os.replace(growing, out)
+
+
+def main(arguments=None):
+    parser = argparse.ArgumentParser(prog="slewlab export", description="Turns a log into files of other tools.")
+    parser.add_argument("log", type=Path, help="the log, or the folder that holds run.lcmlog")
+    parser.add_argument("--format", choices=FORMATS, required=True)
+    parser.add_argument("--out", type=Path,
+                        help="folder (parquet, csv) or file (mcap); default: beside the log, run_FORMAT or run.mcap")
+    options = parser.parse_args(arguments)
+    path = options.log / "run.lcmlog" if options.log.is_dir() else options.log
+    try:
+        log = read_run_log(path)
+        if options.format == "mcap":
+            out = options.out or path.with_suffix(".mcap")
+            write_mcap(log, out)
+        else:
+            out = options.out or path.with_name(f"{path.stem}_{options.format}")
+            if out.exists() and not (out.is_dir() and all(f.suffix == f".{options.format}" for f in out.iterdir())):
+                raise LogProblem(f"{out}: is there already and is no earlier export; name another with --out")
+            write_tables(log, out, options.format)
+    except (LogProblem, OSError) as problem:
+        print(f"export: {problem}", file=sys.stderr)
+        return 1
+    for remark in log.remarks:
+        print(remark)
+    counts = ", ".join(f"{name} {len(messages)}" for name, messages in log.channels.items())
+    print(f"{out}: {counts}")
+    return 0
+
+
+if __name__ == "__main__":
+    signal.signal(signal.SIGPIPE, signal.SIG_DFL)
+    sys.exit(main())

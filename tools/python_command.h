@@ -1,0 +1,13 @@
+// Runs a program of tools/python with the project's own interpreter (.venv) and the messages of this build.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace slewlab::tools {
+
+// This process becomes the Python program. Returns, with exit code 1 and a word on standard error, only where there
+// is no interpreter.
+int run_python(const std::string& script, const std::vector<std::string>& arguments);
+
+}  // namespace slewlab::tools
