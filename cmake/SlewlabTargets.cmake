@@ -25,11 +25,12 @@ function(slewlab_program target)
   set_target_properties(${target} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
 endfunction()
 
-# slewlab_test(NAME LABELS physics SOURCES a_test.cpp LINK x y [TIMEOUT 60] [WHOLE])
+# slewlab_test(NAME LABELS physics SOURCES a_test.cpp LINK x y [TIMEOUT 60] [WHOLE] [PRIVATE_NETWORK])
 # One build line per test program. Every TEST in it becomes a ctest case, unless WHOLE is given (then the
-# program is one case: for programs whose set-up is worth sharing).
+# program is one case: for programs whose set-up is worth sharing). PRIVATE_NETWORK: every case runs inside
+# tools/in-private-network, for tests that open LCM multicast.
 function(slewlab_test target)
-  cmake_parse_arguments(ARG "WHOLE" "TIMEOUT" "LABELS;SOURCES;LINK" ${ARGN})
+  cmake_parse_arguments(ARG "WHOLE;PRIVATE_NETWORK" "TIMEOUT" "LABELS;SOURCES;LINK" ${ARGN})
   if(NOT ARG_TIMEOUT)
     set(ARG_TIMEOUT 120)
   endif()
@@ -39,6 +40,10 @@ function(slewlab_test target)
   target_compile_definitions(${target} PRIVATE SLEWLAB_SOURCE_DIR="${CMAKE_SOURCE_DIR}"
                                                SLEWLAB_BINARY_DIR="${CMAKE_BINARY_DIR}")
   set_target_properties(${target} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/tests)
+  if(ARG_PRIVATE_NETWORK)
+    set_target_properties(${target} PROPERTIES CROSSCOMPILING_EMULATOR
+                                               ${CMAKE_SOURCE_DIR}/tools/in-private-network)
+  endif()
   if(ARG_WHOLE)
     add_test(NAME ${target} COMMAND ${target})
     set_tests_properties(${target} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT}

@@ -71,6 +71,7 @@ int run(const Options& options) {
   const auto show_progress = [&](const LockstepCounts& counts) {
     if (WallClock::now() < next_progress) return;
     next_progress = WallClock::now() + kProgressInterval;
+    log.flush();  // what is shown as done survives the death of this process
     print_progress(counts, settings);
   };
   LockstepHooks hooks;

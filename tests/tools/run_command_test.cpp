@@ -1,0 +1,249 @@
+// `slewlab run` as a user starts it, in a private network. No test waits for a time: each waits for a line of output
+// or for the end of a process.
+
+#include "tools/run_command.h"
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+
+#include "msgs/log_reader.h"
+#include "msgs/run_log.h"
+#include "tests/msgs/temporary_folder.h"
+#include "tests/tools/running_program.h"
+
+namespace slewlab::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string kSlewlab = SLEWLAB_BINARY_DIR "/bin/slewlab";
+const std::string kController = SLEWLAB_BINARY_DIR "/bin/slewlab-controller";
+const std::string kScenario = SLEWLAB_SOURCE_DIR "/config/scenarios/thesis_slew.yaml";
+
+std::string contents(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+class RunCommandTest : public testing::Test {
+ protected:
+  std::vector<std::string> command(std::vector<std::string> more = {}) const {
+    std::vector<std::string> all{kSlewlab, "run", kScenario, "--out", out_.string(), "--progress", "lines"};
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  }
+  // So long that it is certainly under way when a test does something to it.
+  std::vector<std::string> long_command(std::vector<std::string> more = {}) const {
+    more.insert(more.end(), {"--set", "duration=100000"});
+    return command(more);
+  }
+  static bool advanced(const std::string& line) {
+    return line.find(" s simulated") != std::string::npos && line.find(": 0.0 of") == std::string::npos;
+  }
+  nlohmann::json summary() const { return nlohmann::json::parse(contents(out_ / "summary.json")); }
+
+  // The log so far is there, readable to its last whole message, and does not pass for a complete one.
+  void expect_partial_log() const {
+    EXPECT_FALSE(fs::exists(out_ / "run.lcmlog"));
+    msgs::LogReader reader(out_ / "run.lcmlog.partial");
+    msgs::LogEvent event;
+    std::int64_t events = 0;
+    while (reader.next(event)) EXPECT_EQ(event.number, events++);
+    EXPECT_GT(events, 0);
+    EXPECT_EQ(reader.damage().skipped_bytes, 0);
+  }
+
+  TemporaryFolder folder_;
+  fs::path out_ = folder_.path() / "out";
+};
+
+TEST_F(RunCommandTest, ACompleteRunLeavesItsFilesAndNoProcess) {
+  RunningProgram run(command({"--set", "duration=2"}));
+  EXPECT_EQ(run.wait_for_end(), 0) << run.complaints();
+  wait_until_nothing_is_left();
+  EXPECT_FALSE(fs::exists(out_ / "run.lcmlog.partial"));
+  EXPECT_EQ(summary()["outcome"], "complete");
+  EXPECT_EQ(summary()["run"]["lockstep_cycles"], 200);  // 2 s every 10 ms
+  const msgs::RunLogs logs = msgs::read_run_logs(out_ / "run.lcmlog");
+  ASSERT_EQ(logs.runs.size(), 1u);
+  EXPECT_TRUE(logs.remarks.empty()) << logs.remarks.front();
+  EXPECT_EQ(logs.runs[0].encoder.size(), 200u);
+  EXPECT_EQ(logs.runs[0].torque.size(), 200u);
+  EXPECT_EQ(logs.runs[0].controller_state.size(), 200u);
+}
+
+TEST_F(RunCommandTest, TheResolvedConfigurationRunsAgainToTheSameBytes) {
+  RunningProgram first(command({"--set", "duration=2", "--set", "crane.load.mass=20000"}));
+  ASSERT_EQ(first.wait_for_end(), 0) << first.complaints();
+  const fs::path again = folder_.path() / "again";
+  RunningProgram second({kSlewlab, "run", (out_ / "scenario.yaml").string(), "--out", again.string()});
+  ASSERT_EQ(second.wait_for_end(), 0) << second.complaints();
+  EXPECT_TRUE(contents(out_ / "run.lcmlog") == contents(again / "run.lcmlog"));
+  EXPECT_EQ(contents(out_ / "crane.yaml"), contents(again / "crane.yaml"));
+  // The override is in the copy, and counts: another configuration than the original's.
+  RunningProgram original(command({"--set", "duration=2"}));
+  const auto changed_hash = summary()["run"]["configuration_hash"];
+  ASSERT_EQ(original.wait_for_end(), 0) << original.complaints();
+  EXPECT_NE(summary()["run"]["configuration_hash"], changed_hash);
+}
+
+TEST_F(RunCommandTest, AKilledPlantIsNamedAndTakesTheControllerAlong) {
+  RunningProgram run(long_command());
+  const std::string started = run.wait_for_line("plant is process");
+  ASSERT_NE(run.wait_for_line(advanced), "");
+  ::kill(number_after(started, "plant is process "), SIGKILL);
+  EXPECT_EQ(run.wait_for_end(), 1);
+  wait_until_nothing_is_left();
+  EXPECT_NE(run.complaints().find("the plant ended before its time: killed by signal 9"), std::string::npos)
+      << run.complaints();
+  EXPECT_EQ(summary()["outcome"], "failed");
+  expect_partial_log();
+}
+
+TEST_F(RunCommandTest, AKilledControllerIsNamedAndTakesThePlantAlong) {
+  RunningProgram run(long_command());
+  const std::string started = run.wait_for_line("plant is process");
+  ASSERT_NE(run.wait_for_line(advanced), "");
+  ::kill(number_after(started, "controller is process "), SIGKILL);
+  EXPECT_EQ(run.wait_for_end(), 1);
+  wait_until_nothing_is_left();
+  EXPECT_NE(run.complaints().find("the controller ended before its time: killed by signal 9"), std::string::npos)
+      << run.complaints();
+  expect_partial_log();
+}
+
+TEST_F(RunCommandTest, AControllerThatFailsIsToldWithItsLastWords) {
+  RunningProgram run(long_command({"--controller", "echo the encoder is on fire >&2; exit 3"}));
+  EXPECT_EQ(run.wait_for_end(), 1);
+  wait_until_nothing_is_left();
+  EXPECT_NE(run.complaints().find("the controller ended before its time: exit code 3"), std::string::npos);
+  EXPECT_NE(run.complaints().find("the encoder is on fire"), std::string::npos) << run.complaints();
+  EXPECT_EQ(contents(out_ / "controller.txt"), "the encoder is on fire\n");
+}
+
+TEST_F(RunCommandTest, AControllerThatLeavesTheRunQuietlyIsAFailureToo) {
+  RunningProgram run(long_command({"--controller", "true"}));
+  EXPECT_EQ(run.wait_for_end(), 1);
+  EXPECT_NE(run.complaints().find("exit code 0"), std::string::npos) << run.complaints();
+}
+
+TEST_F(RunCommandTest, SignalsArePassedOnAndNothingStays) {
+  for (const int number : {SIGINT, SIGTERM}) {
+    RunningProgram run(long_command());
+    ASSERT_NE(run.wait_for_line(advanced), "");
+    ::kill(run.pid(), number);
+    EXPECT_EQ(run.wait_for_end(), 128 + number);
+    wait_until_nothing_is_left();
+    EXPECT_EQ(summary()["outcome"], "interrupted");
+    // The plant heard the signal and put its log in order.
+    EXPECT_EQ(summary()["plant_end"], "exit code " + std::to_string(128 + number));
+    expect_partial_log();
+  }
+}
+
+TEST_F(RunCommandTest, AStoppedSideDoesNotKeepTheRunFromEnding) {
+  RunningProgram run(long_command());
+  const std::string started = run.wait_for_line("plant is process");
+  ASSERT_NE(run.wait_for_line(advanced), "");
+  ::kill(number_after(started, "controller is process "), SIGSTOP);
+  ::kill(number_after(started, "plant is process "), SIGSTOP);
+  ::kill(run.pid(), SIGINT);
+  EXPECT_EQ(run.wait_for_end(), 128 + SIGINT);
+  wait_until_nothing_is_left();
+  expect_partial_log();
+}
+
+TEST_F(RunCommandTest, AControllerThatDoesNotWantToEndIsKilled) {
+  // It ignores SIGTERM and SIGINT; the second signal is the user's impatience.
+  RunningProgram run(long_command({"--controller", "trap '' TERM INT; while :; do sleep 1000; done"}));
+  ASSERT_NE(run.wait_for_line("plant is process"), "");
+  ASSERT_NE(run.wait_for_line(" s simulated"), "");
+  ::kill(run.pid(), SIGINT);
+  ::kill(run.pid(), SIGTERM);
+  EXPECT_GT(run.wait_for_end(), 128);
+  wait_until_nothing_is_left();
+}
+
+TEST_F(RunCommandTest, AKilledLauncherLeavesNothing) {
+  RunningProgram run(long_command());
+  ASSERT_NE(run.wait_for_line(advanced), "");
+  ::kill(run.pid(), SIGKILL);
+  EXPECT_EQ(run.wait_for_end(), -SIGKILL);
+  wait_until_nothing_is_left();  // plant, controller and watcher are this test's orphans now
+  expect_partial_log();
+}
+
+TEST_F(RunCommandTest, WhatTheControllerStartedGoesWithIt) {
+  RunningProgram run(command({"--set", "duration=1", "--controller", "sleep 100000 & exec " + kController}));
+  EXPECT_EQ(run.wait_for_end(), 0) << run.complaints();
+  wait_until_nothing_is_left();
+}
+
+TEST_F(RunCommandTest, AKilledLauncherTakesAlongWhatTheControllerStarted) {
+  RunningProgram run(long_command({"--controller", "sleep 100000 & exec " + kController}));
+  ASSERT_NE(run.wait_for_line(advanced), "");
+  ::kill(run.pid(), SIGKILL);
+  run.wait_for_end();
+  wait_until_nothing_is_left();
+}
+
+TEST_F(RunCommandTest, AControllerOfOnesOwnFindsItsBusAndItsConfiguration) {
+  // Our controller again, but started by a shell, with nothing told but the environment.
+  RunningProgram own(command({"--set", "duration=2", "--controller", kController}));
+  ASSERT_EQ(own.wait_for_end(), 0) << own.complaints();
+  const std::string with_own = contents(out_ / "run.lcmlog");
+  RunningProgram usual(command({"--set", "duration=2"}));
+  ASSERT_EQ(usual.wait_for_end(), 0) << usual.complaints();
+  EXPECT_TRUE(contents(out_ / "run.lcmlog") == with_own);
+}
+
+TEST_F(RunCommandTest, AMistakeInTheConfigurationIsToldBeforeAnythingIsWritten) {
+  RunningProgram run(command({"--set", "crane.load.mass=banana"}));
+  EXPECT_EQ(run.wait_for_end(), 2);
+  EXPECT_NE(run.complaints().find("banana"), std::string::npos) << run.complaints();
+  EXPECT_FALSE(fs::exists(out_));
+  RunningProgram no_file({kSlewlab, "run", "/nonexistent.yaml", "--out", out_.string()});
+  EXPECT_EQ(no_file.wait_for_end(), 2);
+  EXPECT_NE(no_file.complaints().find("/nonexistent.yaml"), std::string::npos) << no_file.complaints();
+  RunningProgram no_option(command({"--nonsense"}));
+  EXPECT_EQ(no_option.wait_for_end(), 2);
+}
+
+TEST_F(RunCommandTest, TwoRunsDoNotShareAFolder) {
+  RunningProgram first(long_command());
+  ASSERT_NE(first.wait_for_line(advanced), "");
+  RunningProgram second(command());
+  EXPECT_EQ(second.wait_for_end(), 1);
+  EXPECT_NE(second.complaints().find("another run is writing into"), std::string::npos) << second.complaints();
+  ::kill(first.pid(), SIGINT);
+  EXPECT_EQ(first.wait_for_end(), 128 + SIGINT);
+  expect_partial_log();
+}
+
+TEST_F(RunCommandTest, TwoRunsSideBySideDoNotHearEachOther) {
+  RunningProgram first(command({"--set", "duration=20"}));
+  const fs::path other = folder_.path() / "other";
+  RunningProgram second({kSlewlab, "run", kScenario, "--out", other.string(), "--set", "duration=20"});
+  EXPECT_EQ(first.wait_for_end(), 0);
+  EXPECT_EQ(second.wait_for_end(), 0);
+  EXPECT_EQ(summary()["run"]["foreign_answers"], 0);
+  EXPECT_TRUE(contents(out_ / "run.lcmlog") == contents(other / "run.lcmlog"));
+}
+
+TEST_F(RunCommandTest, WithoutAMulticastRouteItFindsANetworkOfItsOwn) {
+  std::vector<std::string> bare{"unshare", "--net"};
+  const auto inner = command({"--set", "duration=1"});
+  bare.insert(bare.end(), inner.begin(), inner.end());
+  RunningProgram run(bare);
+  EXPECT_EQ(run.wait_for_end(), 0) << run.complaints();
+  EXPECT_EQ(summary()["network"], "private");
+}
+
+}  // namespace
+}  // namespace slewlab::tools
