@@ -10,8 +10,10 @@
 
 #include "common/input_error.h"
 #include "tools/check_command.h"
+#include "tools/modes_command.h"
 #include "tools/python_command.h"
 #include "tools/run_command.h"
+#include "tools/verify_command.h"
 
 namespace slewlab::tools {
 namespace {
@@ -76,12 +78,44 @@ void add_python(CLI::App& app, const char* name, const char* description, Action
   });
 }
 
+void add_modes(CLI::App& app, Action& action) {
+  struct Options {
+    ModesOptions modes;
+    std::vector<std::string> overrides;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("modes", "Eigenfrequencies, convergence and frequency response of a crane");
+  command->add_option("CRANE", options->modes.crane, "crane file")->required();
+  command->add_option("--elements", options->modes.elements, "boom elements, in place of the crane's own")
+      ->check(CLI::Range(0, 512));
+  command->add_option("--bode", options->modes.bode, "CSV of the response from motor torque to tip velocity");
+  command->add_option("--set", options->overrides, "key=value over the crane file");
+  command->callback([options, &action] {
+    action = [options] {
+      options->modes.overrides = parse_overrides(options->overrides);
+      return show_modes(options->modes, std::cout);
+    };
+  });
+}
+
+void add_verify(CLI::App& app, Action& action) {
+  auto options = std::make_shared<VerifyOptions>();
+  options->config_directory = std::filesystem::path(SLEWLAB_SOURCE_DIR) / "config";
+  CLI::App* command = app.add_subcommand("verify", "Compute every number of the thesis anew and compare");
+  command->add_option("--config", options->config_directory, "folder with cranes/ and controllers/")
+      ->check(CLI::ExistingDirectory);
+  command->add_flag("--json", options->json, "rows as JSON");
+  command->callback([options, &action] { action = [options] { return verify(*options, std::cout, std::cerr); }; });
+}
+
 int main(const std::vector<std::string>& command_line, int argc, char** argv) {
   CLI::App app{"slewlab: a simulated crane slewing drive, and what to do with it", "slewlab"};
   app.require_subcommand(1);
   Action action;
   add_run(app, command_line, action);
   add_check(app, action);
+  add_modes(app, action);
+  add_verify(app, action);
   add_python(app, "report", "Draw a run: a page with pictures and numbers beside its log", action);
   add_python(app, "export", "Turn a log into Parquet, CSV or MCAP files", action);
   try {

@@ -1,6 +1,8 @@
 #include "sim/analysis/eigen.h"
 
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -150,6 +152,23 @@ std::vector<Mode> crane_modes(const CraneParameters& crane, GearState gears) {
   }
   count_kinds(modes);
   return modes;
+}
+
+std::vector<std::complex<double>> oscillating_poles(const Eigen::MatrixXd& mass, const Eigen::MatrixXd& damping,
+                                                    const Eigen::MatrixXd& stiffness) {
+  const Eigen::Index size = mass.rows();
+  const Eigen::PartialPivLU<Eigen::MatrixXd> factors(mass);
+  Eigen::MatrixXd system = Eigen::MatrixXd::Zero(2 * size, 2 * size);
+  system.topRightCorner(size, size).setIdentity();
+  system.bottomLeftCorner(size, size) = -factors.solve(stiffness);
+  system.bottomRightCorner(size, size) = -factors.solve(damping);
+  const Eigen::EigenSolver<Eigen::MatrixXd> solver(system, false);
+  std::vector<std::complex<double>> poles;
+  for (Eigen::Index k = 0; k < 2 * size; ++k) {
+    if (solver.eigenvalues()(k).imag() > 0.0) poles.push_back(solver.eigenvalues()(k));
+  }
+  std::sort(poles.begin(), poles.end(), [](const auto& a, const auto& b) { return a.imag() < b.imag(); });
+  return poles;
 }
 
 double frequency_of(const std::vector<Mode>& modes, ModeKind kind, int count) {

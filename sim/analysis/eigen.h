@@ -7,6 +7,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <complex>
 #include <vector>
 
 #include "sim/model/crane.h"
@@ -51,6 +52,11 @@ std::vector<Mode> clamped_boom_modes(const BoomParameters& boom);
 
 // The whole crane, order of CraneMatrices.
 std::vector<Mode> crane_modes(const CraneParameters& crane, GearState gears = GearState::kClosed);
+
+// Poles [1/s] of M x'' + C x' + K x = 0 with a positive imaginary part, slowest oscillation first: frequency
+// Im / 2 pi, damping ratio -Re / |pole|. The matrices need not be symmetric.
+std::vector<std::complex<double>> oscillating_poles(const Eigen::MatrixXd& mass, const Eigen::MatrixXd& damping,
+                                                    const Eigen::MatrixXd& stiffness);
 
 // [Hz] of mode `count` of a kind; NaN where the machine has none.
 double frequency_of(const std::vector<Mode>& modes, ModeKind kind, int count);

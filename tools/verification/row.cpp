@@ -1,0 +1,83 @@
+#include "tools/verification/row.h"
+
+#include <cmath>
+
+namespace slewlab::tools {
+
+const char* name_of(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::kPass: return "pass";
+    case Verdict::kMisses: return "misses";
+    case Verdict::kCannotBeReached: return "cannot be reached";
+  }
+  return "";
+}
+
+double deviation(const VerificationRow& row) {
+  const double difference = row.ours - row.thesis;
+  return row.criterion == Criterion::kRelative ? difference / row.thesis : difference;
+}
+
+VerificationRow judge(VerificationRow row) {
+  bool pass = false;
+  switch (row.criterion) {
+    case Criterion::kRelative:
+    case Criterion::kAbsolute: pass = std::fabs(deviation(row)) <= row.tolerance; break;
+    case Criterion::kAtMost: pass = row.ours <= row.thesis; break;
+    case Criterion::kAtLeast: pass = row.ours >= row.thesis; break;
+  }
+  row.verdict = pass ? Verdict::kPass : Verdict::kMisses;
+  return row;
+}
+
+VerificationRow judge_unreachable(VerificationRow row, const std::string& why) {
+  row = judge(std::move(row));
+  if (row.verdict == Verdict::kMisses) {
+    row.verdict = Verdict::kCannotBeReached;
+    row.note = why;
+  }
+  return row;
+}
+
+namespace {
+
+VerificationRow row(Criterion criterion, std::string id, std::string what, std::string unit, double thesis,
+                    double ours, double tolerance, std::string note) {
+  return judge({.id = std::move(id),
+                .what = std::move(what),
+                .unit = std::move(unit),
+                .thesis = thesis,
+                .ours = ours,
+                .criterion = criterion,
+                .tolerance = tolerance,
+                .verdict = Verdict::kMisses,
+                .note = std::move(note)});
+}
+
+}  // namespace
+
+VerificationRow relative_row(std::string id, std::string what, std::string unit, double thesis, double ours,
+                             double tolerance, std::string note) {
+  return row(Criterion::kRelative, std::move(id), std::move(what), std::move(unit), thesis, ours, tolerance,
+             std::move(note));
+}
+
+VerificationRow absolute_row(std::string id, std::string what, std::string unit, double thesis, double ours,
+                             double tolerance, std::string note) {
+  return row(Criterion::kAbsolute, std::move(id), std::move(what), std::move(unit), thesis, ours, tolerance,
+             std::move(note));
+}
+
+VerificationRow at_most_row(std::string id, std::string what, std::string unit, double bound, double ours,
+                            std::string note) {
+  return row(Criterion::kAtMost, std::move(id), std::move(what), std::move(unit), bound, ours, 0.0,
+             std::move(note));
+}
+
+VerificationRow at_least_row(std::string id, std::string what, std::string unit, double bound, double ours,
+                             std::string note) {
+  return row(Criterion::kAtLeast, std::move(id), std::move(what), std::move(unit), bound, ours, 0.0,
+             std::move(note));
+}
+
+}  // namespace slewlab::tools
