@@ -11,10 +11,10 @@
 namespace slewlab::tools {
 
 struct ModesOptions {
-  std::filesystem::path crane;
-  int elements = -1;             // of the boom; -1 takes the crane's own number
-  std::filesystem::path bode;    // CSV to write; empty writes none
-  std::vector<common::Override> overrides;
+  std::filesystem::path crane = {};
+  int elements = -1;                // of the boom; -1 takes the crane's own number
+  std::filesystem::path bode = {};  // CSV to write; empty writes none
+  std::vector<common::Override> overrides = {};
 };
 
 // Throws common::InputError when the crane's file is wrong, std::runtime_error when the CSV cannot be written.
