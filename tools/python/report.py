@@ -164,9 +164,8 @@ def heading(run):
     return run.name if compensation is None else f"play compensation {'on' if compensation else 'off'}"
 
 
-def figure(runs):
-    """The picture: a column per run, a row per panel, the same scale along each row."""
-    rows = panels(runs)
+def figure(runs, rows):
+    """The picture: a column per run, a row per panel (times above spectra), the same scale along each row."""
     time_rows = [r for r in range(len(rows)) if not rows[r].is_spectrum]
     top, bottom = 46, 50
     height = top + bottom + len(rows) * ROW_HEIGHT + (len(rows) - 1) * GAP + 26
@@ -231,7 +230,7 @@ def figure(runs):
                                    showarrow=False, xanchor="left", yanchor="top", xshift=4,
                                    font=dict(size=11, color="#aa0000"))
         if columns > 1:
-            fig.add_annotation(xref="paper", yref="paper", x=left + width / 2, y=1, yshift=24, showarrow=False,
+            fig.add_annotation(xref="paper", yref="paper", x=left + width / 2, y=1, xanchor="center", yshift=24, showarrow=False,
                                text=f"<b>{html.escape(heading(run))}</b>", font=dict(size=14))
     for r in range(len(rows)):
         layout["legend" if r == 0 else f"legend{r + 1}"] = dict(
@@ -311,7 +310,7 @@ def page(runs, rows):
         rows="\n".join(
             f"<tr><td>{html.escape(label)}</td>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in cells) + "</tr>"
             for label, cells in rows),
-        picture=figure(runs).to_html(full_html=False, include_plotlyjs=False, config={"responsive": True}),
+        picture=figure(runs, panels(runs)).to_html(full_html=False, include_plotlyjs=False, config={"responsive": True}),
     )
 
 
