@@ -8,7 +8,7 @@ from pathlib import Path
 
 import report
 from run_log import LogProblem
-from run_numbers import finding, read_run, table, table_text
+from run_numbers import finding, read_run, shown_path, table, table_text
 
 
 def main(arguments):
@@ -17,8 +17,8 @@ def main(arguments):
         pictures = [Path(folder) / "report.html" for folder in arguments]
         both = Path(arguments[0]).parent / "play_compensation.html"
         for run, picture in zip(runs, pictures):
-            report.write_whole(picture, report.page([run], table([run], [picture.resolve()])))
-        rows = table(runs, [picture.resolve() for picture in pictures])
+            report.write_whole(picture, report.page([run], table([run])))
+        rows = table(runs)
         report.write_whole(both, report.page(runs, rows))
     except (LogProblem, OSError) as problem:
         print(f"demo: {problem}", file=sys.stderr)
@@ -27,7 +27,10 @@ def main(arguments):
     print(table_text([report.heading(run) for run in runs], rows))
     print()
     print(finding(*runs))
-    print(f"Both runs in one picture: {both}")
+    print()
+    for run, picture in zip(runs, pictures):
+        print(f"log: {shown_path(run.log.path)}   picture: {shown_path(picture)}")
+    print(f"both in one picture: {shown_path(both)}")
     return 0
 
 

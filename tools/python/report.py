@@ -16,7 +16,7 @@ import plotly.graph_objects as go
 from plotly.offline import get_plotlyjs
 
 from run_log import LogProblem, seconds
-from run_numbers import crossings, phase_spectrum, phases, read_run, stop_time, table, table_text
+from run_numbers import crossings, phase_spectrum, phases, read_run, shown_path, stop_time, table, table_text
 
 # Colours that stay apart for colour-blind readers (Okabe and Ito's set).
 GROUP_COLOURS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#8C564B", "#7F7F7F"]
@@ -300,7 +300,9 @@ th {{ font-weight: 600; }}
 def page(runs, rows):
     """The whole page as text."""
     title = "slewlab: " + " against ".join(run.name for run in runs)
-    remarks = "".join(f"<p>{html.escape(f'{run.name}: {remark}')}</p>" for run in runs for remark in run.log.remarks)
+    remarks = "".join(
+        f"<p>{html.escape(text)}</p>"
+        for run in runs for text in [shown_path(run.log.path)] + [f"{run.name}: {remark}" for remark in run.log.remarks])
     return PAGE.format(
         title=html.escape(title),
         width=1120 if len(runs) == 1 else 1500,
@@ -330,7 +332,7 @@ def main(arguments=None):
     try:
         runs = [read_run(folder) for folder in options.run]
         out = options.out or runs[0].folder / "report.html"
-        rows = table(runs, [out.resolve()] * len(runs))
+        rows = table(runs)
         write_whole(out, page(runs, rows))
     except (LogProblem, OSError) as problem:
         print(f"report: {problem}", file=sys.stderr)
@@ -340,6 +342,9 @@ def main(arguments=None):
             for remark in run.log.remarks:
                 print(f"{run.name}: {remark}")
         print(table_text([heading(run) for run in runs], rows))
+        for run in runs:
+            print(f"log: {shown_path(run.log.path)}")
+        print(f"picture: {shown_path(out)}")
     return 0
 
 

@@ -137,15 +137,14 @@ def _frequencies(peaks):
     return ", ".join(f"{frequency:.1f}" for frequency, _ in peaks) + " Hz"
 
 
-def _shown_path(path):
-    try:
-        return str(path.relative_to(Path.cwd()))
-    except ValueError:
-        return str(path)
+def shown_path(path):
+    """Relative to the working directory where it lies below it."""
+    path = Path(path).resolve()
+    return str(path.relative_to(Path.cwd())) if path.is_relative_to(Path.cwd()) else str(path)
 
 
-def table(runs, pictures):
-    """Rows (label, one text per run) of the table for people; `pictures` names each run's picture."""
+def table(runs):
+    """Rows (label, one text per run) of the table for people."""
     all_numbers = [numbers(run) for run in runs]
     names = max((n["phases"] for n in all_numbers), key=len)
 
@@ -185,8 +184,6 @@ def table(runs, pictures):
         return f"{simulated / wall:.1f} × ({simulated:.0f} s in {wall:.1f} s)"
 
     rows.append(("lockstep rate against real time", [rate(run.facts) for run in runs]))
-    rows.append(("log", [_shown_path(run.log.path) for run in runs]))
-    rows.append(("picture", [_shown_path(picture) for picture in pictures]))
     return rows
 
 
@@ -210,8 +207,11 @@ def finding(with_compensation, without_compensation):
         return "The runs have no emergency stop or no TRUTH in their logs, so there is nothing to compare."
 
     def count(crossed):
-        return "no gearbox crosses its play" if not any(crossed) else (
-            f"the gearboxes cross their play {' and '.join(map(str, crossed))} times")
+        if not any(crossed):
+            return "no gearbox crosses its play"
+        if len(set(crossed)) == 1:
+            return f"every gearbox crosses its play {crossed[0]} times"
+        return f"the gearboxes cross their play {' and '.join(map(str, crossed))} times"
 
     peak_on, peak_off = on[after]["peak_tip_acceleration"], off[after]["peak_tip_acceleration"]
     relation = "less" if peak_on < peak_off else "more"

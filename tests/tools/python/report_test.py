@@ -43,7 +43,7 @@ class ReportTest(unittest.TestCase):
 
     def test_table_speaks_in_the_engineers_units(self):
         run = read_run(made_run.write_run(self.folder / "a", rated_torque=250.0))
-        cells = {label: texts[0] for label, texts in table([run], [self.folder / "p.html"])}
+        cells = {label: texts[0] for label, texts in table([run])}
         self.assertEqual(cells["largest motor torque, after the stop"], "96 % of T100")
         self.assertEqual(cells["largest sidelead, before the stop"], "3.0°")
         self.assertEqual(cells["crossings of the play, per gearbox, before the stop"], "2 / 1")
