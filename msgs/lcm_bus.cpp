@@ -1,24 +1,37 @@
 #include "msgs/lcm_bus.h"
 
 #include <arpa/inet.h>
-#include <lcm/lcm.h>
 #include <netinet/in.h>
 #include <poll.h>
-#include <pthread.h>
 #include <sys/socket.h>
+#include <sys/uio.h>
 #include <unistd.h>
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
-#include <csignal>
+#include <charconv>
 #include <cstring>
-#include <exception>
-#include <utility>
 #include <vector>
 
 namespace slewlab::msgs {
 namespace {
 
 constexpr const char* kGroup = "239.255.76.67";  // LCM's own default group
+
+// LCM's UDP multicast protocol: a datagram is this word, a running number of the sender's, the channel's name with
+// its zero, and the data, numbers big-endian. Messages beyond one datagram come in fragments under another word; no
+// message of slewlab is that large.
+constexpr std::uint32_t kDatagramWord = 0x4c433032;  // "LC02"
+constexpr std::size_t kDatagramHead = 8;
+constexpr std::size_t kLargestDatagram = 65'507;     // [bytes] of UDP over IPv4
+constexpr std::size_t kLongestChannel = 63;          // LCM_MAX_CHANNEL_NAME_LENGTH
+
+// Room for everything that may arrive while this side does not run; the system may grant less.
+constexpr int kReceiveBuffer = 4 << 20;  // [bytes]
+
+// Datagrams nobody here has asked for that one call passes over, so that a flood of them does not hold it.
+constexpr int kMostSkipped = 1000;
 
 class Socket {
  public:
@@ -34,29 +47,6 @@ class Socket {
   int fd_;
 };
 
-// The signals of a process belong to its main thread: LCM's hidden thread is born with all of them blocked.
-class SignalsBlocked {
- public:
-  SignalsBlocked() {
-    sigset_t all;
-    sigfillset(&all);
-    pthread_sigmask(SIG_SETMASK, &all, &before_);
-  }
-  ~SignalsBlocked() { pthread_sigmask(SIG_SETMASK, &before_, nullptr); }
-  SignalsBlocked(const SignalsBlocked&) = delete;
-  SignalsBlocked& operator=(const SignalsBlocked&) = delete;
-
- private:
-  sigset_t before_;
-};
-
-std::string group_of(const std::string& url) {
-  const std::size_t begin = url.find("://") + 3;
-  const std::size_t end = url.find_first_of(":/?", begin);
-  const std::string group = url.substr(begin, end == std::string::npos ? end : end - begin);
-  return group.empty() ? kGroup : group;
-}
-
 std::string problem_text(const std::string& group, const std::string& what) {
   return "LCM's multicast group " + group + " cannot be used on this machine: " + what +
          ". As root, give it a way over the loopback:\n"
@@ -65,63 +55,198 @@ std::string problem_text(const std::string& group, const std::string& what) {
          "or start the command inside a private network: tools/in-private-network CMD...";
 }
 
-class LcmBus : public Bus {
- public:
-  explicit LcmBus(const std::string& url) {
-    const SignalsBlocked blocked;
-    lcm_ = lcm_create(url.c_str());
-    if (lcm_ == nullptr) {
-      throw BusError("LCM cannot open the bus '" + url + "'; a bus looks like " + bus_url(kDefaultPort));
+// udpm://GROUP:PORT?ttl=TTL, each part optional.
+struct Address {
+  sockaddr_in group{};
+  int ttl = 0;
+};
+
+Address parse(const std::string& url) {
+  const auto refuse = [&](const std::string& what) -> BusError {
+    return BusError("'" + url + "' is no bus: " + what + "; a bus looks like " + bus_url(kDefaultPort));
+  };
+  constexpr std::string_view kScheme = "udpm://";
+  if (url.rfind(kScheme, 0) != 0) throw refuse("it does not begin with udpm://");
+  std::string_view rest = std::string_view(url).substr(kScheme.size());
+  std::string_view query;
+  if (const std::size_t mark = rest.find('?'); mark != std::string_view::npos) {
+    query = rest.substr(mark + 1);
+    rest = rest.substr(0, mark);
+  }
+  const auto number = [&](std::string_view text, int lowest, int highest, const char* what) {
+    int value = 0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (error != std::errc{} || end != text.data() + text.size() || value < lowest || value > highest) {
+      throw refuse(std::string(what) + " must be a number from " + std::to_string(lowest) + " to " +
+                   std::to_string(highest));
+    }
+    return value;
+  };
+  Address address;
+  int port = kDefaultPort;
+  if (const std::size_t colon = rest.find(':'); colon != std::string_view::npos) {
+    port = number(rest.substr(colon + 1), 1, 65535, "the port");
+    rest = rest.substr(0, colon);
+  }
+  const std::string group(rest.empty() ? kGroup : rest);
+  address.group.sin_family = AF_INET;
+  address.group.sin_port = htons(static_cast<std::uint16_t>(port));
+  if (inet_pton(AF_INET, group.c_str(), &address.group.sin_addr) != 1 ||
+      !IN_MULTICAST(ntohl(address.group.sin_addr.s_addr))) {
+    throw refuse(group + " is no multicast group");
+  }
+  while (!query.empty()) {
+    const std::string_view option = query.substr(0, query.find('&'));
+    query.remove_prefix(std::min(query.size(), option.size() + 1));
+    if (option.rfind("ttl=", 0) == 0) {
+      address.ttl = number(option.substr(4), 0, 255, "ttl");
+    } else {
+      throw refuse("of the options only ttl is known");
     }
   }
-  ~LcmBus() override { lcm_destroy(lcm_); }
-  LcmBus(const LcmBus&) = delete;
-  LcmBus& operator=(const LcmBus&) = delete;
+  return address;
+}
+
+void join(const Socket& socket, in_addr group) {
+  ip_mreq membership{};
+  membership.imr_multiaddr = group;
+  membership.imr_interface.s_addr = htonl(INADDR_ANY);
+  if (::setsockopt(socket.fd(), IPPROTO_IP, IP_ADD_MEMBERSHIP, &membership, sizeof membership) != 0) {
+    char name[INET_ADDRSTRLEN];
+    throw BusError(problem_text(inet_ntop(AF_INET, &group, name, sizeof name),
+                                std::string("there is no route to it (") + std::strerror(errno) + ")"));
+  }
+}
+
+void set_ttl(const Socket& socket, int ttl) {
+  const auto value = static_cast<unsigned char>(ttl);
+  ::setsockopt(socket.fd(), IPPROTO_IP, IP_MULTICAST_TTL, &value, sizeof value);
+}
+
+// Sends a packet to the group on a port of its own and waits for it to come back.
+void probe(const Address& address) {
+  char name[INET_ADDRSTRLEN];
+  const std::string group = inet_ntop(AF_INET, &address.group.sin_addr, name, sizeof name);
+  const Socket receiver;
+  sockaddr_in any{};
+  any.sin_family = AF_INET;
+  any.sin_addr.s_addr = htonl(INADDR_ANY);
+  socklen_t length = sizeof any;
+  if (::bind(receiver.fd(), reinterpret_cast<sockaddr*>(&any), sizeof any) != 0 ||
+      ::getsockname(receiver.fd(), reinterpret_cast<sockaddr*>(&any), &length) != 0) {
+    throw BusError(problem_text(group, std::strerror(errno)));
+  }
+  join(receiver, address.group.sin_addr);
+
+  const Socket sender;
+  set_ttl(sender, address.ttl);
+  sockaddr_in target = address.group;
+  target.sin_port = any.sin_port;
+  const char packet[] = "slewlab";
+  if (::sendto(sender.fd(), packet, sizeof packet, 0, reinterpret_cast<sockaddr*>(&target), sizeof target) < 0) {
+    throw BusError(problem_text(group, std::string("there is no route to it (") + std::strerror(errno) + ")"));
+  }
+  constexpr int kProbePatience = 500;  // [ms]; on a working loopback the packet is there within microseconds
+  pollfd waiting{receiver.fd(), POLLIN, 0};
+  if (::poll(&waiting, 1, kProbePatience) != 1) {
+    throw BusError(problem_text(group, "a packet sent to it does not come back"));
+  }
+}
+
+class LcmBus : public Bus {
+ public:
+  explicit LcmBus(const Address& address) : target_(address.group), datagram_(kLargestDatagram) {
+    const int on = 1;
+    const int off = 0;
+    // Other programs on this machine hear the same bus.
+    ::setsockopt(receiver_.fd(), SOL_SOCKET, SO_REUSEADDR, &on, sizeof on);
+    // Without this a socket hears every group that anyone on the machine has joined.
+    ::setsockopt(receiver_.fd(), IPPROTO_IP, IP_MULTICAST_ALL, &off, sizeof off);
+    if (::setsockopt(receiver_.fd(), SOL_SOCKET, SO_RCVBUFFORCE, &kReceiveBuffer, sizeof kReceiveBuffer) != 0) {
+      ::setsockopt(receiver_.fd(), SOL_SOCKET, SO_RCVBUF, &kReceiveBuffer, sizeof kReceiveBuffer);
+    }
+    sockaddr_in any = address.group;
+    any.sin_addr.s_addr = htonl(INADDR_ANY);
+    if (::bind(receiver_.fd(), reinterpret_cast<sockaddr*>(&any), sizeof any) != 0) {
+      throw BusError("cannot open UDP port " + std::to_string(ntohs(any.sin_port)) + ": " + std::strerror(errno));
+    }
+    join(receiver_, address.group.sin_addr);
+    set_ttl(sender_, address.ttl);
+  }
 
   void publish(const char* channel, Bytes bytes) override {
-    if (lcm_publish(lcm_, channel, bytes.data(), static_cast<unsigned>(bytes.size())) != 0) {
-      throw BusError(std::string("LCM cannot send on ") + channel + ": " + std::strerror(errno));
+    const std::size_t channel_bytes = std::strlen(channel) + 1;
+    std::uint32_t head[2] = {htonl(kDatagramWord), htonl(number_++)};
+    std::array<iovec, 3> parts{{{head, kDatagramHead},
+                                {const_cast<char*>(channel), channel_bytes},
+                                {const_cast<std::uint8_t*>(bytes.data()), bytes.size()}}};
+    msghdr message{};
+    message.msg_name = &target_;
+    message.msg_namelen = sizeof target_;
+    message.msg_iov = parts.data();
+    message.msg_iovlen = parts.size();
+    while (::sendmsg(sender_.fd(), &message, 0) < 0) {
+      if (errno == EINTR) continue;
+      throw BusError(std::string("cannot send on ") + channel + ": " + std::strerror(errno));
     }
   }
 
   void subscribe(const char* channel, Handler handler) override {
-    const SignalsBlocked blocked;  // the first subscription starts LCM's thread
-    subscriptions_.push_back(std::make_unique<Subscription>(this, std::move(handler)));
-    lcm_subscription_t* made = lcm_subscribe(lcm_, channel, &LcmBus::receive, subscriptions_.back().get());
-    if (made == nullptr) throw BusError(std::string("LCM cannot subscribe to ") + channel);
-    lcm_subscription_set_queue_capacity(made, 0);
+    if (std::strlen(channel) > kLongestChannel) throw BusError(std::string("channel name too long: ") + channel);
+    subscriptions_.push_back({channel, std::move(handler)});
   }
 
   bool handle_one(std::chrono::milliseconds timeout) override {
-    errno = 0;
-    const int result = lcm_handle_timeout(lcm_, static_cast<int>(timeout.count()));
-    if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
-    if (result < 0 && errno != EINTR) {
-      throw BusError(std::string("LCM cannot receive: ") + std::strerror(errno));
+    const auto deadline = std::chrono::steady_clock::now() + timeout;
+    for (int skipped = 0; skipped < kMostSkipped; ++skipped) {
+      const ssize_t size = ::recv(receiver_.fd(), datagram_.data(), datagram_.size(), MSG_DONTWAIT);
+      if (size >= 0) {
+        // What nobody here has asked for, our own messages first of all, does not count.
+        if (deliver(static_cast<std::size_t>(size))) return true;
+        continue;
+      }
+      if (errno == EINTR) return false;
+      if (errno != EAGAIN) throw BusError(std::string("cannot receive: ") + std::strerror(errno));
+      const auto left = std::chrono::duration_cast<std::chrono::microseconds>(deadline - std::chrono::steady_clock::now());
+      if (left.count() <= 0) return false;
+      pollfd waiting{receiver_.fd(), POLLIN, 0};
+      const int wait = static_cast<int>((left.count() + 999) / 1000);
+      if (::poll(&waiting, 1, wait) < 0 && errno == EINTR) return false;
     }
-    return result > 0;
+    return false;
   }
 
  private:
   struct Subscription {
-    Subscription(LcmBus* owner, Handler function) : bus(owner), handler(std::move(function)) {}
-    LcmBus* bus;
+    std::string channel;
     Handler handler;
   };
 
-  // No exception may pass through LCM's C code: it is kept and thrown again behind it.
-  static void receive(const lcm_recv_buf_t* buffer, const char*, void* user) {
-    auto* subscription = static_cast<Subscription*>(user);
-    try {
-      subscription->handler(Bytes(static_cast<const std::uint8_t*>(buffer->data), buffer->data_size));
-    } catch (...) {
-      subscription->bus->failure_ = std::current_exception();
+  bool deliver(std::size_t size) {
+    std::uint32_t word = 0;
+    if (size < kDatagramHead) return false;
+    std::memcpy(&word, datagram_.data(), sizeof word);
+    if (ntohl(word) != kDatagramWord) return false;
+    const auto* channel = reinterpret_cast<const char*>(datagram_.data() + kDatagramHead);
+    const std::size_t channel_bytes = ::strnlen(channel, size - kDatagramHead);
+    if (kDatagramHead + channel_bytes == size) return false;  // no zero behind the channel's name
+    const std::string_view name(channel, channel_bytes);
+    const std::size_t data_at = kDatagramHead + channel_bytes + 1;
+    bool delivered = false;
+    for (const Subscription& subscription : subscriptions_) {
+      if (subscription.channel != name) continue;
+      subscription.handler(Bytes(datagram_.data() + data_at, size - data_at));
+      delivered = true;
     }
+    return delivered;
   }
 
-  lcm_t* lcm_ = nullptr;
-  std::vector<std::unique_ptr<Subscription>> subscriptions_;
-  std::exception_ptr failure_;
+  sockaddr_in target_;
+  Socket sender_;
+  Socket receiver_;
+  std::uint32_t number_ = 0;
+  std::vector<Subscription> subscriptions_;
+  std::vector<std::uint8_t> datagram_;
 };
 
 }  // namespace
@@ -131,57 +256,23 @@ std::string bus_url(int port) {
 }
 
 std::string multicast_problem(const std::string& url) {
-  if (url.rfind("udpm://", 0) != 0) return {};
-  const std::string group = group_of(url);
-
-  sockaddr_in address{};
-  address.sin_family = AF_INET;
-  if (inet_pton(AF_INET, group.c_str(), &address.sin_addr) != 1 ||
-      !IN_MULTICAST(ntohl(address.sin_addr.s_addr))) {
-    return "'" + url + "' names no multicast group; a bus looks like " + bus_url(kDefaultPort);
+  try {
+    probe(parse(url));
+    return {};
+  } catch (const BusError& error) {
+    return error.what();
   }
-
-  const Socket receiver;
-  sockaddr_in any{};
-  any.sin_family = AF_INET;
-  any.sin_addr.s_addr = htonl(INADDR_ANY);
-  socklen_t length = sizeof any;
-  if (::bind(receiver.fd(), reinterpret_cast<sockaddr*>(&any), sizeof any) != 0 ||
-      ::getsockname(receiver.fd(), reinterpret_cast<sockaddr*>(&any), &length) != 0) {
-    return problem_text(group, std::strerror(errno));
-  }
-  ip_mreq membership{};
-  membership.imr_multiaddr = address.sin_addr;
-  membership.imr_interface.s_addr = htonl(INADDR_ANY);
-  if (::setsockopt(receiver.fd(), IPPROTO_IP, IP_ADD_MEMBERSHIP, &membership, sizeof membership) != 0) {
-    return problem_text(group, std::string("there is no route to it (") + std::strerror(errno) + ")");
-  }
-
-  const Socket sender;
-  const unsigned char ttl = 0;
-  ::setsockopt(sender.fd(), IPPROTO_IP, IP_MULTICAST_TTL, &ttl, sizeof ttl);
-  address.sin_port = any.sin_port;
-  const char probe[] = "slewlab";
-  if (::sendto(sender.fd(), probe, sizeof probe, 0, reinterpret_cast<sockaddr*>(&address), sizeof address) < 0) {
-    return problem_text(group, std::string("there is no route to it (") + std::strerror(errno) + ")");
-  }
-  constexpr int kProbePatience = 500;  // [ms]; on a working loopback the packet is there within microseconds
-  pollfd waiting{receiver.fd(), POLLIN, 0};
-  if (::poll(&waiting, 1, kProbePatience) != 1) {
-    return problem_text(group, "a packet sent to it does not come back");
-  }
-  return {};
 }
 
 std::unique_ptr<Bus> open_lcm_bus(const std::string& url) {
-  const std::string problem = multicast_problem(url);
-  if (!problem.empty()) throw BusError(problem);
-  return std::make_unique<LcmBus>(url);
+  const Address address = parse(url);
+  probe(address);
+  return std::make_unique<LcmBus>(address);
 }
 
 ReservedPort::ReservedPort() {
   // Bound to the loopback's own address, it keeps the number without ever receiving the group's packets. Bound
-  // without SO_REUSEADDR it gets a number nobody has; with the option set afterwards LCM may bind it as well.
+  // without SO_REUSEADDR it gets a number nobody has; with the option set afterwards others may bind it as well.
   socket_ = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   sockaddr_in address{};
   address.sin_family = AF_INET;

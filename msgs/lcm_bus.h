@@ -1,10 +1,16 @@
 #pragma once
 
-// The bus over LCM, normally UDP multicast that does not leave the host: udpm://239.255.76.67:PORT?ttl=0.
-// - One port per bus: LCM 1.3.1 hears every group on a port.
-// - Every subscription's queue is unlimited; LCM's default drops the newest message silently at 30.
-// - A machine without a working multicast route is reported at once, with the commands that give it one;
-//   LCM's own self-test would take ten seconds and say little.
+// The bus over LCM's UDP multicast that does not leave the host: udpm://239.255.76.67:PORT?ttl=0.
+//
+// It speaks LCM's protocol (datagrams "LC02") on sockets of its own instead of going through liblcm, so every LCM
+// program and library is a party to the same bus (tested both ways), while here
+// - the thread that waits is the one that reads: liblcm's hidden reader thread costs two more changes of thread in
+//   every round trip (tests/benchmarks/lockstep_benchmark shows both), and stands in the way of real-time priorities;
+// - the socket's buffer is large and nothing is dropped behind it; liblcm drops the newest message at 30 by default;
+// - groups of other buses on the same port are not heard (liblcm 1.3.1 hears them; still, one port per bus);
+// - a machine without a working multicast route is told so at once, with the commands that give it one; liblcm's
+//   self-test takes ten seconds and says little.
+// Messages of more than one datagram (64 KiB) are neither sent nor received.
 
 #include <memory>
 #include <string>
@@ -17,7 +23,7 @@ inline constexpr int kDefaultPort = 7667;  // LCM's own default
 
 std::string bus_url(int port);
 
-// Empty if multicast works here, otherwise what is wrong and how to mend it. Other than udpm:// is not tested.
+// Empty if multicast works here, otherwise what is wrong and how to mend it.
 std::string multicast_problem(const std::string& url);
 
 // Throws BusError.

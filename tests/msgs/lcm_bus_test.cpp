@@ -2,9 +2,15 @@
 
 #include "msgs/lcm_bus.h"
 
+#include <arpa/inet.h>
 #include <gtest/gtest.h>
+#include <lcm/lcm.h>
+#include <netinet/in.h>
+#include <sys/socket.h>
+#include <unistd.h>
 
 #include <cstdlib>
+#include <string>
 
 namespace slewlab::msgs {
 namespace {
@@ -26,8 +32,8 @@ TEST(LcmBus, CarriesBytesBetweenTwoParties) {
   EXPECT_FALSE(right->handle_one(milliseconds{0}));
 }
 
-// LCM keeps 30 messages unless told otherwise and drops the newest beyond that. A hundred small ones fit into the
-// socket's own buffer (208 KiB by default, under 1 KiB each), so that none is lost there on a busy machine.
+// liblcm keeps 30 messages unless told otherwise and drops the newest beyond that. A hundred small ones fit into a
+// socket's buffer even where the system grants no more than its default (208 KiB, under 1 KiB each).
 TEST(LcmBus, AHundredWaitingMessagesAreAllThere) {
   const ReservedPort port;
   const auto left = open_lcm_bus(bus_url(port.number()));
@@ -51,8 +57,68 @@ TEST(LcmBus, BusesOnTwoPortsDoNotHearEachOther) {
   right->subscribe("A", [&](Bytes) { ++heard_there; });
   left->publish("A", kByte);
   ASSERT_TRUE(left->handle_one(kPatience));  // the sender hears itself: the message has been round
+  EXPECT_EQ(heard_here, 1);
   EXPECT_FALSE(right->handle_one(milliseconds{0}));
   EXPECT_EQ(heard_there, 0);
+}
+
+// The protocol is LCM's: its own library hears us and we hear it, with every byte and the channel's name.
+TEST(LcmBus, LcmsOwnLibraryIsAPartyToTheBus) {
+  const ReservedPort port;
+  const std::string url = bus_url(port.number());
+  lcm_t* lcm = lcm_create(url.c_str());
+  ASSERT_NE(lcm, nullptr);
+  struct Heard {
+    std::string channel;
+    std::vector<std::uint8_t> bytes;
+  } heard;
+  lcm_subscribe(
+      lcm, ".*",
+      [](const lcm_recv_buf_t* buffer, const char* channel, void* user) {
+        const auto* data = static_cast<const std::uint8_t*>(buffer->data);
+        *static_cast<Heard*>(user) = {channel, {data, data + buffer->data_size}};
+      },
+      &heard);
+  const auto bus = open_lcm_bus(url);
+  std::vector<std::uint8_t> received;
+  bus->subscribe("FROM_LCM", [&](Bytes bytes) { received.assign(bytes.begin(), bytes.end()); });
+
+  std::vector<std::uint8_t> data(3000);
+  for (std::size_t i = 0; i < data.size(); ++i) data[i] = static_cast<std::uint8_t>(i * 7);
+  bus->publish("FROM_US", data);
+  while (heard.channel != "FROM_US") ASSERT_GT(lcm_handle_timeout(lcm, static_cast<int>(kPatience.count())), 0);
+  EXPECT_EQ(heard.bytes, data);
+
+  ASSERT_EQ(lcm_publish(lcm, "FROM_LCM", data.data(), 2000), 0);
+  ASSERT_TRUE(bus->handle_one(kPatience));
+  EXPECT_EQ(received, std::vector<std::uint8_t>(data.begin(), data.begin() + 2000));
+  lcm_destroy(lcm);
+}
+
+TEST(LcmBus, DatagramsThatAreNoLcmMessageAreLeftAlone) {
+  const ReservedPort port;
+  const auto bus = open_lcm_bus(bus_url(port.number()));
+  int heard = 0;
+  bus->subscribe("A", [&](Bytes) { ++heard; });
+  const int stranger = ::socket(AF_INET, SOCK_DGRAM, 0);
+  sockaddr_in group{};
+  group.sin_family = AF_INET;
+  group.sin_port = htons(static_cast<std::uint16_t>(port.number()));
+  inet_pton(AF_INET, "239.255.76.67", &group.sin_addr);
+  const auto send = [&](const std::string& bytes) {
+    ::sendto(stranger, bytes.data(), bytes.size(), 0, reinterpret_cast<sockaddr*>(&group), sizeof group);
+  };
+  using namespace std::string_literals;
+  send("");
+  send("LC02");
+  send("LC02\0\0\0\0A"s);          // no zero behind the channel's name
+  send("LC03\0\0\0\0A\0data"s);    // another kind of datagram
+  send("XXXX\0\0\0\0A\0data"s);
+  send("LC02\0\0\0\0A\0"s);        // a whole message without data
+  ::close(stranger);
+  ASSERT_TRUE(bus->handle_one(kPatience));
+  EXPECT_FALSE(bus->handle_one(milliseconds{0}));
+  EXPECT_EQ(heard, 1);
 }
 
 TEST(LcmBus, WhatAHandlerThrowsComesOutOfHandleOne) {
@@ -66,6 +132,9 @@ TEST(LcmBus, WhatAHandlerThrowsComesOutOfHandleOne) {
 TEST(LcmBus, AUrlThatIsNoBusIsRefused) {
   EXPECT_THROW(open_lcm_bus("udpm://127.0.0.1:7667"), BusError);
   EXPECT_THROW(open_lcm_bus("nonsense"), BusError);
+  EXPECT_THROW(open_lcm_bus("udpm://239.255.76.67:70000"), BusError);
+  EXPECT_THROW(open_lcm_bus("udpm://239.255.76.67:7667?ttl=x"), BusError);
+  EXPECT_THROW(open_lcm_bus("udpm://239.255.76.67:7667?loud=1"), BusError);
 }
 
 // Last in the file: it takes the route away that the tests before it need.
