@@ -74,6 +74,7 @@ struct Reference {
   std::string complaint;                                      // SUNDIALS' last error message
 
   std::vector<double> modal_force;  // room for an extra's forces
+  std::vector<double> rates;        // room for modal_accelerations()
 
   // Newton's system for one gamma and one set of contacts.
   double solver_gamma = -1.0;
@@ -467,7 +468,7 @@ void make_integrator(Reference& r) {
   } else {
     r.integrator = ARKStepCreate(nullptr, right_hand_side, 0.0, r.state.get(), context);
     ARKStepSetErrHandlerFn(r.integrator, note_complaint, &r);
-    require(r, ARKStepSetOrder(r.integrator, 5), "ARKStepSetOrder");
+    require(r, ARKStepSetOrder(r.integrator, r.options.order), "ARKStepSetOrder");
     require(r, ARKStepWFtolerances(r.integrator, give_weights), "ARKStepWFtolerances");
     require(r, ARKStepSetUserData(r.integrator, &r), "ARKStepSetUserData");
     require(r, ARKStepSetLinearSolver(r.integrator, r.solver.get(), nullptr), "ARKStepSetLinearSolver");
@@ -762,6 +763,16 @@ double mechanical_energy(const Reference& r) {
 
 const double* extra_states(const Reference& r) {
   return N_VGetArrayPointer(r.state.get()) + r.extra_start();
+}
+
+const double* modal_coordinates(const Reference& r) { return N_VGetArrayPointer(r.state.get()) + r.q(); }
+
+void modal_accelerations(const Reference& reference, double* acceleration) {
+  // As in read().
+  Reference& r = const_cast<Reference&>(reference);
+  r.rates.resize(static_cast<std::size_t>(r.size));
+  derive(r, r.now, N_VGetArrayPointer(r.state.get()), r.rates.data());
+  std::copy_n(r.rates.begin() + r.v(), r.mode_count, acceleration);
 }
 
 ReferenceCounts counts(const Reference& r) { return r.count; }

@@ -91,6 +91,7 @@ enum class ReferenceMethod { kBdf, kDirk };
 struct ReferenceOptions {
   ReferenceMethod method = ReferenceMethod::kBdf;
   double tolerance = 1e-9;  // share of the crane's motion at 0.01 rad/s
+  int order = 5;            // of kDirk: 2 ... 5; a low one is enough, and cheaper, where steps are short anyway
 };
 
 struct ReferenceCounts {
@@ -129,6 +130,8 @@ double tip_displacement(const Reference& reference);             // [m]
 void shear_forces(const Reference& reference, double* shear);    // [N] per element
 double mechanical_energy(const Reference& reference);            // [J] as plant.h
 const double* extra_states(const Reference& reference);
+const double* modal_coordinates(const Reference& reference);                   // q, one per mode
+void modal_accelerations(const Reference& reference, double* acceleration);  // q'', with the torque held last
 ReferenceCounts counts(const Reference& reference);
 
 }  // namespace slewlab::sim

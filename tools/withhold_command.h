@@ -1,0 +1,24 @@
+// `slewlab withhold make`: draws machines nobody has looked at and writes their logs (docs/withheld.md).
+#pragma once
+
+#include <filesystem>
+#include <iosfwd>
+#include <string>
+
+namespace slewlab::tools {
+
+struct WithholdMakeOptions {
+  int cases = 0;
+  unsigned long long seed = 0;
+  std::string purpose;  // tune or score; empty: what the seed serves
+  std::filesystem::path directory;
+  std::filesystem::path crane, controller;
+  double controller_period_ms = 1.0;
+  int threads = 2;
+};
+
+// Progress on `out`, problems on `complaints`. Ends early and whole on SIGINT or SIGTERM; to go on, call it again.
+// Answers with the exit code: 0, 1 where something is wrong, 130 where it was interrupted.
+int withhold_make(const WithholdMakeOptions& options, std::ostream& out, std::ostream& complaints);
+
+}  // namespace slewlab::tools
