@@ -14,6 +14,7 @@
 #include "tools/python_command.h"
 #include "tools/run_command.h"
 #include "tools/verify_command.h"
+#include "tools/withhold_command.h"
 
 namespace slewlab::tools {
 namespace {
@@ -68,6 +69,26 @@ void add_run(CLI::App& app, const std::vector<std::string>& command_line, Action
   });
 }
 
+void add_withhold(CLI::App& app, Action& action) {
+  CLI::App* command = app.add_subcommand("withhold", "Machines nobody has looked at, to judge the diagnosis by");
+  command->require_subcommand(1);
+  auto options = std::make_shared<WithholdMakeOptions>();
+  options->crane = SLEWLAB_SOURCE_DIR "/config/cranes/thesis.yaml";
+  options->controller = SLEWLAB_SOURCE_DIR "/config/controllers/thesis.yaml";
+  CLI::App* make = command->add_subcommand("make", "Draw machines, run them and write their logs; answers sealed");
+  make->add_option("--cases", options->cases, "how many")->required()->check(CLI::PositiveNumber);
+  make->add_option("--seed", options->seed, "below 1000 for tuning, from 1000 on for scoring")->required();
+  make->add_option("--out", options->directory, "folder for the set")->required();
+  make->add_option("--purpose", options->purpose, "tune or score: refused where the seed is for the other");
+  make->add_option("--crane", options->crane, "nominal crane");
+  make->add_option("--controller", options->controller, "nominal controller");
+  make->add_option("--controller-period", options->controller_period_ms, "[ms] whole milliseconds");
+  make->add_option("--threads", options->threads, "cases side by side");
+  make->callback([options, &action] {
+    action = [options] { return withhold_make(*options, std::cout, std::cerr); };
+  });
+}
+
 // What Python does: its options are the Python program's own, and so is its help.
 void add_python(CLI::App& app, const char* name, const char* description, Action& action) {
   CLI::App* command = app.add_subcommand(name, description);
@@ -116,6 +137,7 @@ int main(const std::vector<std::string>& command_line, int argc, char** argv) {
   add_check(app, action);
   add_modes(app, action);
   add_verify(app, action);
+  add_withhold(app, action);
   add_python(app, "report", "Draw a run: a page with pictures and numbers beside its log", action);
   add_python(app, "export", "Turn a log into Parquet, CSV or MCAP files", action);
   try {
