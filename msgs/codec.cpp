@@ -10,8 +10,8 @@ namespace {
 constexpr std::size_t kFingerprintBytes = 8;
 constexpr std::size_t kHeadBytes = kFingerprintBytes + 3 * 8;  // and sequence, simulated time, configuration
 
-// A message is a row of sections: `fixed` bytes, then (but for the last) a 32-bit count and `element` bytes for
-// each counted element. The count itself is not part of `fixed`.
+// A message is a row of sections: `fixed` bytes, then (but for the last) a 32-bit count and `element` bytes
+// for each counted element. The count itself is not part of `fixed`.
 struct Section {
   std::size_t fixed;
   std::size_t element;

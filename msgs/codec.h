@@ -1,8 +1,8 @@
 #pragma once
 
-// Messages to bytes and back. Decoding is safe for any bytes whatsoever: what lcm-gen's own decoder takes on
-// trust (array counts) is checked against the number of bytes first, so nothing is allocated beyond the size of
-// what came in and nothing is thrown. What is wrong with the bytes is told apart:
+// Messages to bytes and back. Decoding is safe for any bytes whatsoever: what lcm-gen's own decoder takes
+// on trust (array counts) is checked against the number of bytes first, so nothing is allocated beyond the
+// size of what came in and nothing is thrown. What is wrong with the bytes is told apart:
 //
 //   truncated      shorter than the message's head, or than its own array counts demand
 //   other_version  another fingerprint, but the common head behind it is plausible: sequence in 0 ... 2^40,

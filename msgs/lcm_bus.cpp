@@ -19,9 +19,9 @@ namespace {
 
 constexpr const char* kGroup = "239.255.76.67";  // LCM's own default group
 
-// LCM's UDP multicast protocol: a datagram is this word, a running number of the sender's, the channel's name with
-// its zero, and the data, numbers big-endian. Messages beyond one datagram come in fragments under another word; no
-// message of slewlab is that large.
+// LCM's UDP multicast protocol: a datagram is this word, a running number of the sender's, the channel's
+// name with its zero, and the data, numbers big-endian. Messages beyond one datagram come in fragments
+// under another word; no message of slewlab is that large.
 constexpr std::uint32_t kDatagramWord = 0x4c433032;  // "LC02"
 constexpr std::size_t kDatagramHead = 8;
 constexpr std::size_t kLargestDatagram = 65'507;     // [bytes] of UDP over IPv4
@@ -271,8 +271,9 @@ std::unique_ptr<Bus> open_lcm_bus(const std::string& url) {
 }
 
 ReservedPort::ReservedPort() {
-  // Bound to the loopback's own address, it keeps the number without ever receiving the group's packets. Bound
-  // without SO_REUSEADDR it gets a number nobody has; with the option set afterwards others may bind it as well.
+  // Bound to the loopback's own address, it keeps the number without ever receiving the group's packets.
+  // Bound without SO_REUSEADDR it gets a number nobody has; with the option set afterwards others may bind
+  // it as well.
   socket_ = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   sockaddr_in address{};
   address.sin_family = AF_INET;

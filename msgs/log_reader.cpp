@@ -22,16 +22,17 @@ std::int64_t get_64(const std::uint8_t* p) {
 }  // namespace
 
 LogReader::LogReader(const std::filesystem::path& path)
-    : path_(path), file_(std::fopen(path.c_str(), "rb")), buffer_(kChunkBytes) {
+    : path_(path), file_(std::fopen(path.c_str(), "rb")) {
   if (!file_) throw LogError("cannot read the log " + path.string() + ": " + std::strerror(errno));
   std::error_code error;
   unread_bytes_ = std::filesystem::file_size(path, error);
   if (error) throw LogError("cannot read the log " + path.string() + ": " + error.message());
+  buffer_.resize(static_cast<std::size_t>(std::min<std::uintmax_t>(kChunkBytes, unread_bytes_)));
 }
 
 bool LogReader::fill(std::size_t wanted) {
   if (available() >= wanted) return true;
-  std::memmove(buffer_.data(), buffer_.data() + begin_, available());
+  if (available() > 0) std::memmove(buffer_.data(), buffer_.data() + begin_, available());
   end_ -= begin_;
   begin_ = 0;
   if (buffer_.size() < wanted) buffer_.resize(wanted);
@@ -59,7 +60,8 @@ bool LogReader::next(LogEvent& event) {
   for (;;) {
     if (!fill(kLogEventHeadBytes)) {
       const std::int64_t all = skipped + static_cast<std::int64_t>(available());
-      // What follows the last whole event is an event cut off if a head stands there, or too little for a head.
+      // What follows the last whole event is an event cut off if a head stands there, or too little for a
+      // head.
       const std::int64_t cut = cut_event_at >= 0 ? all - cut_event_at : static_cast<std::int64_t>(available());
       damage_.cut_off_bytes += cut;
       if (all > cut) ++damage_.skipped_stretches;

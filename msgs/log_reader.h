@@ -1,8 +1,8 @@
 #pragma once
 
-// Reads a log in LCM's event format (see log_writer.h), written by slewlab or by lcm-logger. Reads on through
-// damage: where bytes are no event it looks for the next sync word, and a cut-off end ends the log. What could
-// not be used is counted and can be told in words.
+// Reads a log in LCM's event format (see log_writer.h), written by slewlab or by lcm-logger. Reads on
+// through damage: where bytes are no event it looks for the next sync word, and a cut-off end ends the log.
+// What could not be used is counted and can be told in words.
 
 #include <cstdint>
 #include <cstdio>

@@ -7,8 +7,9 @@
 // The format is written here and not by lcm::LogFile because that one hides a full disk until (or beyond) the
 // closing of the file, and gives no way to cut the log back to its last complete event.
 //
-// The log grows under the name PATH.partial and gets its own name in finish(): a file named *.lcmlog is complete.
-// A write error cuts the file back to its last complete event and throws LogError; events already written stay.
+// The log grows under the name PATH.partial and gets its own name in finish(): a file named *.lcmlog is
+// complete. A write error cuts the file back to its last complete event and throws LogError; events already
+// written stay.
 
 #include <cstdint>
 #include <filesystem>

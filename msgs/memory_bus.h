@@ -1,8 +1,9 @@
 #pragma once
 
-// A bus inside one process, for tests: every message goes to the queue of every party that subscribed to its
-// channel, the sender included, as LCM does it. Nothing waits and no clock runs: a party that would wait calls
-// its `on_wait` first (run the other side there), and if still nothing came, the wait counts as timed out.
+// A bus inside one process, for tests: every message goes to the queue of every party that subscribed to
+// its channel, the sender included, as LCM does it. Nothing waits and no clock runs: a party that would
+// wait calls its `on_wait` first (run the other side there), and if still nothing came, the wait counts as
+// timed out.
 
 #include <deque>
 #include <functional>

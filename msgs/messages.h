@@ -1,7 +1,7 @@
 #pragma once
 
-// The messages of the wire as C++ structs, made by lcm-gen from the .lcm files of this folder, and the channel
-// each travels on. Fields and units: the .lcm files; who sends what when: docs/wire.md.
+// The messages of the wire as C++ structs, made by lcm-gen from the .lcm files of this folder, and the
+// channel each travels on. Fields and units: the .lcm files; who sends what when: docs/wire.md.
 
 #include <slewlab_msgs/controller_state_t.hpp>
 #include <slewlab_msgs/encoder_t.hpp>

@@ -1,8 +1,8 @@
 #pragma once
 
-// A whole log in memory, message by message, each channel in the order of its sequence numbers: duplicates are
-// dropped, out-of-order events sorted, and what could not be used is told. Several runs in one file (other
-// configuration hash, or simulated time that falls back by more than 1 s) come out apart.
+// A whole log in memory, message by message, each channel in the order of its sequence numbers: duplicates
+// are dropped, out-of-order events sorted, and what could not be used is told. Several runs in one file
+// (other configuration hash, or simulated time that falls back by more than 1 s) come out apart.
 
 #include <filesystem>
 #include <string>

@@ -1,7 +1,7 @@
 #pragma once
 
-// A program started as a child in a process group of its own, with its output and its complaints read line by line.
-// The child gets SIGTERM when the thread that started it dies.
+// A program started as a child in a process group of its own, with its output and its complaints read line
+// by line. The child gets SIGTERM when the thread that started it dies.
 
 #include <sys/types.h>
 
@@ -67,8 +67,9 @@ class ChildProcess {
   std::string all_complaints_;
 };
 
-// Sees to it that the groups end even where this process is killed without a chance to do so itself: a watcher
-// process waits for this one's death, asks the groups to end, and kills what has not ended after two seconds.
+// Sees to it that the groups end even where this process is killed without a chance to do so itself: a
+// watcher process waits for this one's death, asks the groups to end, and kills what has not ended after
+// two seconds.
 class GroupGuard {
  public:
   explicit GroupGuard(std::vector<pid_t> groups);

@@ -1,14 +1,15 @@
 #pragma once
 
-// `slewlab run SCENARIO.yaml`: the plant and the controller as two processes on a bus of their own, watched from here.
+// `slewlab run SCENARIO.yaml`: the plant and the controller as two processes on a bus of their own, watched
+// from here.
 //
 // Into the folder go run.lcmlog (run.lcmlog.partial until it is complete), scenario.yaml, crane.yaml and
 // controller.yaml as they ran, summary.json, run.json (run_facts.h), and plant.txt and
 // controller.txt with what the two had to complain about.
 //
-// Whatever happens - success, an error, Ctrl-C, a killed child, this process killed - no process is left behind.
-// Exit codes: 0 complete, 1 a side failed (which, how and its last words stand on standard error), 2 the call or the
-// configuration is wrong, 128 + signal where a signal ended the run.
+// Whatever happens - success, an error, Ctrl-C, a killed child, this process killed - no process is left
+// behind. Exit codes: 0 complete, 1 a side failed (which, how and its last words stand on standard error),
+// 2 the call or the configuration is wrong, 128 + signal where a signal ended the run.
 
 #include <filesystem>
 #include <string>
@@ -28,7 +29,8 @@ struct RunOptions {
   Progress progress = Progress::automatic;  // on a terminal one line that changes, else a line now and then
 };
 
-// `command_line` is this program's own, to start it again inside a private network where there is no multicast.
+// `command_line` is this program's own, to start it again inside a private network where there is no
+// multicast.
 int run_scenario(const RunOptions& options, const std::vector<std::string>& command_line);
 
 }  // namespace slewlab::tools

@@ -1,12 +1,13 @@
 #pragma once
 
-// The controller's side of the wire: every ENCODER is answered by a TORQUE, with a CONTROLLER_STATE sent before it.
-// What it computes is a function handed in.
+// The controller's side of the wire: every ENCODER is answered by a TORQUE, with a CONTROLLER_STATE sent
+// before it. What it computes is a function handed in.
 //
 // - A repeated ENCODER is answered by the same bytes again, without computing: the answer got lost.
-// - ENCODER names the OPERATOR message that belongs before it. If that one is not here yet, there is no answer; the
-//   plant sends both again.
-// - An ENCODER older than the newest answered is left alone, and so is what cannot be decoded; both are counted.
+// - ENCODER names the OPERATOR message that belongs before it. If that one is not here yet, there is no
+//   answer; the plant sends both again.
+// - An ENCODER older than the newest answered is left alone, and so is what cannot be decoded; both are
+//   counted.
 
 #include <cstdint>
 #include <functional>
@@ -17,7 +18,8 @@
 
 namespace slewlab::controller {
 
-// Fills `torque` and `state`; their heads, answered_sequence, alive_counter and state_follows (true) are set before.
+// Fills `torque` and `state`; their heads, answered_sequence, alive_counter and state_follows (true) are
+// set before.
 using Compute = std::function<void(const msgs::Encoder& encoder, const msgs::Operator& operator_move,
                                    msgs::Torque& torque, msgs::ControllerState& state)>;
 

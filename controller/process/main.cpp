@@ -1,5 +1,6 @@
-// slewlab-controller: the controller as a process on the bus. It answers until it is told to end (SIGTERM, SIGINT),
-// which is its ordinary end: exit code 0. 1: the bus failed, 2: the call or the configuration is wrong.
+// slewlab-controller: the controller as a process on the bus. It answers until it is told to end (SIGTERM,
+// SIGINT), which is its ordinary end: exit code 0. 1: the bus failed, 2: the call or the configuration is
+// wrong.
 
 #include <CLI/CLI.hpp>
 

@@ -32,8 +32,8 @@ TEST(LcmBus, CarriesBytesBetweenTwoParties) {
   EXPECT_FALSE(right->handle_one(milliseconds{0}));
 }
 
-// liblcm keeps 30 messages unless told otherwise and drops the newest beyond that. A hundred small ones fit into a
-// socket's buffer even where the system grants no more than its default (208 KiB, under 1 KiB each).
+// liblcm keeps 30 messages unless told otherwise and drops the newest beyond that. A hundred small ones fit
+// into a socket's buffer even where the system grants no more than its default (208 KiB, under 1 KiB each).
 TEST(LcmBus, AHundredWaitingMessagesAreAllThere) {
   const ReservedPort port;
   const auto left = open_lcm_bus(bus_url(port.number()));

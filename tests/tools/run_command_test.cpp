@@ -1,5 +1,5 @@
-// `slewlab run` as a user starts it, in a private network. No test waits for a time: each waits for a line of output
-// or for the end of a process.
+// `slewlab run` as a user starts it, in a private network. No test waits for a time: each waits for a line
+// of output or for the end of a process.
 
 #include "tools/run_command.h"
 

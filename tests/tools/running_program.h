@@ -1,7 +1,7 @@
 #pragma once
 
-// A program that a test has started, with its output read line by line as it comes. The test process adopts every
-// orphan, so that "nothing is left behind" can be waited for and proved.
+// A program that a test has started, with its output read line by line as it comes. The test process adopts
+// every orphan, so that "nothing is left behind" can be waited for and proved.
 
 #include <sys/types.h>
 
@@ -41,8 +41,8 @@ class RunningProgram {
   int result_ = 0;
 };
 
-// Waits until every child and adopted orphan of this process has ended (a leftover that does not end makes the test
-// run into its time limit).
+// Waits until every child and adopted orphan of this process has ended (a leftover that does not end makes
+// the test run into its time limit).
 void wait_until_nothing_is_left();
 
 // The number behind `label` in `text`, for pids in a line of output.
