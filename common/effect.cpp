@@ -3,9 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <stdexcept>
 
 #include "common/yaml_node.h"
+#include "common/yaml_reader.h"
 
 namespace slewlab::common {
 
@@ -34,6 +36,22 @@ std::string_view name_of(Subsystem subsystem) {
   return kNames[static_cast<std::size_t>(subsystem)];
 }
 
+std::string parameter_row(const EffectParameter& parameter) {
+  const auto rounded = [](double value) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.4g", value);
+    return std::string(text);
+  };
+  std::string absent = "-";
+  if (parameter.absent) absent = std::isinf(*parameter.absent) ? "infinite" : rounded(*parameter.absent);
+  const bool logarithmic = parameter.scale == ParameterScale::logarithmic;
+  const bool about_absent = parameter.absent && std::isfinite(*parameter.absent);
+  return "| `" + std::string(parameter.name) + "` | " + std::string(name_of(parameter.unit)) + " | " +
+         rounded(parameter.lower) + " ... " + rounded(parameter.upper) + " | " + rounded(parameter.typical) + " | " +
+         (logarithmic ? "ln: " : "") + rounded(about_absent ? *parameter.absent : parameter.typical) + " +- " +
+         rounded(parameter.prior_scale) + " | " + absent + " | " + std::string(parameter.meaning) + " |";
+}
+
 EffectInstance typical_instance(const EffectAbout& about) {
   EffectInstance instance{.name = std::string(about.name), .values = {}};
   for (const EffectParameter& parameter : about.parameters) instance.values.push_back(parameter.typical);
@@ -56,10 +74,16 @@ void check_instance(const EffectAbout& about, const EffectInstance& instance) {
   }
 }
 
-std::vector<EffectInstance> read_effects(YamlReader& reader, std::string_view key,
-                                         const std::vector<const EffectAbout*>& catalogue) {
+std::vector<EffectInstance> read_effects(const YamlNode& list, const std::vector<const EffectAbout*>& catalogue,
+                                         InputProblems& problems) {
   std::vector<EffectInstance> instances;
-  for (YamlReader& entry : reader.list(key)) {
+  if (list.kind == YamlNode::Kind::null) return instances;
+  YamlNode file;
+  file.kind = YamlNode::Kind::map;
+  file.mark = list.mark;
+  file.entries.push_back({"effects", list.mark, list});
+  YamlReader reader(file, "", problems);
+  for (YamlReader& entry : reader.list("effects")) {
     EffectInstance instance{.name = entry.text("effect"), .values = {}};
     if (instance.name.empty()) continue;  // the reader has told why
     const EffectAbout* about = find(catalogue, instance.name);

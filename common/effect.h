@@ -7,10 +7,12 @@
 #include <string_view>
 #include <vector>
 
+#include "common/input_error.h"
 #include "common/unit.h"
-#include "common/yaml_reader.h"
 
 namespace slewlab::common {
+
+struct YamlNode;
 
 enum class Subsystem { drive, house, boom, load, environment, sensor, wire, controller };
 
@@ -48,18 +50,22 @@ struct EffectInstance {
   std::vector<double> values;
 };
 
+// Row of the parameter's table on the effect's page: name, unit, bounds, typical, prior, absent, meaning.
+std::string parameter_row(const EffectParameter& parameter);
+
 EffectInstance typical_instance(const EffectAbout& about);
 
 // Throws std::invalid_argument where a value is missing, not finite or out of bounds.
 void check_instance(const EffectAbout& about, const EffectInstance& instance);
 
-// The list below `key`, absent for none:
+// A list of effects as a file holds it; a null node has none.
 //   effects:
 //     - effect: torque_lag
 //       time_constant: {value: 30, unit: ms, source: "..."}
-// Every parameter of an effect is required. Problems (unknown effect, key, unit, bounds) go to the reader.
-std::vector<EffectInstance> read_effects(YamlReader& reader, std::string_view key,
-                                         const std::vector<const EffectAbout*>& catalogue);
+// Every parameter of an effect is required. Problems (unknown effect or key, unit, bounds) are added to
+// `problems` with file and line.
+std::vector<EffectInstance> read_effects(const YamlNode& list, const std::vector<const EffectAbout*>& catalogue,
+                                         InputProblems& problems);
 
 // The same list as YAML text, ready to be pasted; `source` is written beside every value.
 std::string effects_text(const std::vector<EffectInstance>& instances,

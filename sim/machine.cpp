@@ -72,6 +72,23 @@ EffectMoment middle(const PlantState& state, int group_count, const EffectMoment
   return m;
 }
 
+// Before the run starts the load hangs where steady forces (heel, wind) hold it.
+void hang_load(Machine& machine) {
+  const PlantModel& model = machine.model;
+  if (!model.has_load || machine.force.empty()) return;
+  EffectMoment rest;
+  rest.step = model.step;
+  PortForces ports;
+  for (const std::size_t i : machine.force) machine.effects[i]->force(rest, ports);
+  if (ports.load_force == 0.0 && ports.rod_moment == 0.0) return;
+  const Eigen::Matrix2d& stiffness = model.load.stiffness;
+  const Eigen::Vector2d place(ports.load_force / stiffness(0, 0),
+                              stiffness(1, 1) > 0.0 ? ports.rod_moment / stiffness(1, 1) : 0.0);
+  const Eigen::Vector2d q = model.load.modes.transpose() * (model.load.mass * place);
+  machine.state.load_q = {q(0), q(1)};
+  refresh(model, machine.state);
+}
+
 const EffectDescription& described(const std::string& name) {
   const EffectDescription* description = find_effect(name);
   if (description == nullptr) throw std::invalid_argument("no effect is called " + name);
@@ -128,6 +145,7 @@ Machine make_machine(const MachineSettings& settings) {
     }
   }
   machine.needs_moment = !machine.actuator.empty() || !machine.force.empty() || !machine.friction.empty();
+  hang_load(machine);
   machine.sensed = read(machine.model, machine.state);
   return machine;
 }

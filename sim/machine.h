@@ -57,6 +57,7 @@ struct Machine {
   std::int64_t effect_evaluations = 0;  // hooks called since the start
 };
 
+// At rest, gears in the middle of their play, the load where steady forces of effects (heel, wind) hold it.
 // Throws std::invalid_argument: unknown effect, value out of bounds, an effect twice, a crane that cannot be
 // built.
 Machine make_machine(const MachineSettings& settings);

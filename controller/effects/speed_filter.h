@@ -1,0 +1,11 @@
+// Filter on the measured speed: a first-order low-pass with a time constant above the one in the settings.
+// Source: textbook; thesis Figure 3.16 has none.
+#pragma once
+
+#include "controller/effects/effect.h"
+
+namespace slewlab::controller {
+
+const ControllerEffect& speed_filter();
+
+}  // namespace slewlab::controller

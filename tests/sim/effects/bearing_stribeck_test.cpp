@@ -1,0 +1,55 @@
+#include "sim/effects/bearing_stribeck.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "tests/sim/effects/effect_bench.h"
+
+namespace slewlab::sim {
+namespace {
+
+CraneParameters without_play() {
+  CraneParameters crane = rigid_crane();
+  crane.drive.gear_damping_ratio = 0.5;
+  crane.drive.gearbox_play = crane.drive.pinion_play = 0.0;
+  return crane;
+}
+
+// Torque brought up slowly: nothing moves below the breakaway torque, and the crane moves above it.
+TEST(BearingStribeck, HoldsUpToTheBreakawayTorque) {
+  const CraneParameters crane = without_play();
+  const double breakaway = 3e5 / (2.0 * torque_factor(crane));  // [Nm] per motor
+  for (const double share : {0.95, 1.05}) {
+    const auto samples = run(crane, "bearing_stribeck", {1.5e5, 1.5e5, 0.005, 0.0}, 14.0, [&](double time) {
+      const double torque = share * breakaway * std::min(1.0, time / 10.0);
+      return constant_drive(torque, torque)(time);
+    });
+    if (share < 1.0) {
+      EXPECT_NEAR(samples.back().house_angle, 0.0, 1e-12);
+    } else {
+      EXPECT_GT(samples.back().house_angle, 1e-3);
+    }
+  }
+}
+
+// Far above the Stribeck speed only the Coulomb torque is left.
+TEST(BearingStribeck, IsCoulombAtSpeed) {
+  const CraneParameters crane = without_play();
+  const auto samples =
+      run(crane, "bearing_stribeck", {1.5e5, 1.5e5, 0.002, 0.0}, 4.0, no_drive, {.slew_speed = 0.05});
+  const double expected = 1.5e5 / whole_inertia(crane);
+  EXPECT_NEAR((samples[1499].house_speed - samples[3499].house_speed) / 2.0, expected, 1e-3 * expected);
+}
+
+// Without excess it is bearing_coulomb, to the bit.
+TEST(BearingStribeck, WithoutExcessIsCoulomb) {
+  const CraneParameters crane = without_play();
+  const auto stribeck =
+      run(crane, "bearing_stribeck", {2e5, 0.0, 0.005, 0.2}, 2.0, no_drive, {.slew_speed = 0.01});
+  const auto coulomb = run(crane, "bearing_coulomb", {2e5, 0.2}, 2.0, no_drive, {.slew_speed = 0.01});
+  EXPECT_EQ(stribeck.back().house_angle, coulomb.back().house_angle);
+}
+
+}  // namespace
+}  // namespace slewlab::sim

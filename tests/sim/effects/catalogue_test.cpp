@@ -1,0 +1,181 @@
+#include "sim/effects/catalogue.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <sstream>
+
+#include "common/yaml_file.h"
+#include "tests/sim/effects/effect_bench.h"
+
+namespace slewlab::sim {
+namespace {
+
+// A slew to one side and back, held over 10 ms, that crosses the play.
+DriveCommand manoeuvre(double time) {
+  const double held = std::floor(time / 0.01 + 1e-6);
+  DriveCommand command;
+  command.sequence = std::lround(held);
+  const double torque = 120.0 * std::sin(2.0 * held * 0.01);
+  command.motor_torque = {torque + 20.0, torque - 20.0};
+  return command;
+}
+
+double distance(const std::vector<BenchSample>& a, const std::vector<BenchSample>& b) {
+  double sum = 0.0;
+  const auto add = [&](double x, double y, double scale) { sum += (x - y) * (x - y) / (scale * scale); };
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    add(a[k].readings.shaft_speed[0], b[k].readings.shaft_speed[0], 10.0);
+    add(a[k].readings.shaft_speed[1], b[k].readings.shaft_speed[1], 10.0);
+    add(a[k].readings.tip_acceleration, b[k].readings.tip_acceleration, 0.5);
+    add(a[k].readings.house_acceleration, b[k].readings.house_acceleration, 0.05);
+    add(a[k].readings.slew_angle, b[k].readings.slew_angle, 0.01);
+  }
+  return std::sqrt(sum / static_cast<double>(a.size()));
+}
+
+TEST(EffectCatalogue, DescribesEveryEffectFully) {
+  std::set<std::string_view> names;
+  for (const EffectDescription* effect : effect_catalogue()) {
+    EXPECT_TRUE(names.insert(effect->about.name).second) << effect->about.name;
+    EXPECT_EQ(find_effect(effect->about.name), effect);
+    EXPECT_FALSE(effect->about.physics.empty());
+    EXPECT_FALSE(effect->about.parameters.empty());
+    EXPECT_FALSE(effect->ports.empty());
+    EXPECT_TRUE(effect->change != nullptr || effect->start != nullptr);
+    bool has_size = false;
+    for (const common::EffectParameter& p : effect->about.parameters) {
+      EXPECT_LT(p.lower, p.upper) << effect->about.name << " " << p.name;
+      EXPECT_TRUE(p.typical >= p.lower && p.typical <= p.upper) << effect->about.name << " " << p.name;
+      EXPECT_GT(p.prior_scale, 0.0);
+      EXPECT_FALSE(p.meaning.empty());
+      if (p.scale == common::ParameterScale::logarithmic) {
+        EXPECT_GT(p.lower, 0.0);
+      }
+      has_size = has_size || p.absent.has_value();
+    }
+    EXPECT_TRUE(has_size) << effect->about.name << " cannot fade out";
+  }
+  EXPECT_EQ(find_effect("gremlins"), nullptr);
+}
+
+// Sizes at `absent` run as if the effect were not there; where absent is infinite, the largest allowed size
+// is nearer to it than the typical one, and a typical one is far from it.
+TEST(EffectCatalogue, SizesFadeOut) {
+  const CraneParameters crane = flexible_crane();
+  const BenchStart start{.slew_speed = 0.02, .rope_angle = 0.02};
+  const auto without = run(MachineSettings{.crane = crane, .effects = {}}, 3.0, manoeuvre, start);
+  for (const EffectDescription* effect : effect_catalogue()) {
+    common::EffectInstance faded = common::typical_instance(effect->about);
+    bool exactly = true;
+    for (std::size_t i = 0; i < faded.values.size(); ++i) {
+      const common::EffectParameter& p = effect->about.parameters[i];
+      if (!p.absent) continue;
+      exactly = exactly && std::isfinite(*p.absent);
+      faded.values[i] = std::min(p.upper, *p.absent);
+    }
+    const auto gone = run({.crane = crane, .effects = {faded}}, 3.0, manoeuvre, start);
+    const auto there =
+        run({.crane = crane, .effects = {common::typical_instance(effect->about)}}, 3.0, manoeuvre, start);
+    const double typical = distance(there, without);
+    EXPECT_GT(typical, 1e-6) << effect->about.name;
+    EXPECT_LT(distance(gone, without), exactly ? 1e-9 : 0.6 * typical) << effect->about.name;
+  }
+}
+
+// Gears wound up against each other stay in contact, so that everything is smooth: error over the step.
+TEST(EffectCatalogue, SmoothEffectsAreOfSecondOrderInTheStep) {
+  const CraneParameters crane = flexible_crane();
+  const double wound = 100.0 * torque_factor(crane);
+  const BenchStart start{.slew_speed = 0.03, .rope_angle = 0.03, .gear_torque = {wound, -wound}};
+  for (const char* name : {"torque_lag", "pinion_mesh_variation", "gear_friction", "bearing_viscous",
+                           "bearing_stribeck", "house_compliance", "pedestal_flexibility", "heel", "wind",
+                           "hoisting", "large_angles", "air_drag", "offlead", "tag_line", "vessel_roll", "gusts"}) {
+    common::EffectInstance instance = common::typical_instance(find_effect(name)->about);
+    if (instance.name == "hoisting") instance.values = {0.5, 0.0, 8.0};  // ramps of 1 s: at a whole step
+    const auto end = [&](double step) {
+      return run({.crane = crane, .effects = {instance}, .step = step}, 1.6, constant_drive(110.0, -95.0), start)
+          .back();
+    };
+    const BenchSample best = end(0.00025), fine = end(0.001), coarse = end(0.002);
+    const auto ratio = [&](double BenchSample::*field, double rounding) {
+      const double small = std::fabs(fine.*field - best.*field);
+      const double large = std::fabs(coarse.*field - best.*field);
+      // Second order: (4 - 1/16) / (1 - 1/16) = 4.2.
+      if (small > rounding) {
+        EXPECT_GT(large / small, 3.0) << name << " " << large << " " << small;
+      }
+    };
+    ratio(&BenchSample::house_angle, 1e-11);
+    ratio(&BenchSample::tip_displacement, 1e-9);
+    ratio(&BenchSample::load_displacement, 1e-9);
+  }
+}
+
+TEST(EffectCatalogue, ReadsBackWhatItWrites) {
+  std::vector<common::EffectInstance> all;
+  for (const common::EffectAbout* about : effect_abouts()) all.push_back(common::typical_instance(*about));
+  common::InputProblems problems;
+  const auto tree =
+      common::parse_yaml_text(common::effects_text(all, effect_abouts(), "test"), "crane.yaml", problems);
+  const auto read = common::read_effects(*tree.find("effects"), effect_abouts(), problems);
+  ASSERT_TRUE(problems.empty()) << common::to_text(problems.front());
+  ASSERT_EQ(read.size(), all.size());
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    EXPECT_EQ(read[i].name, all[i].name);
+    EXPECT_EQ(read[i].values, all[i].values);
+  }
+}
+
+std::string problem_of(const std::string& text) {
+  common::InputProblems problems;
+  const auto tree = common::parse_yaml_text(text, "crane.yaml", problems);
+  common::read_effects(*tree.find("effects"), effect_abouts(), problems);
+  std::string all;
+  for (const common::InputProblem& problem : problems) all += common::to_text(problem) + "\n";
+  return all;
+}
+
+TEST(EffectCatalogue, TellsWhatIsWrongInAFile) {
+  EXPECT_EQ(problem_of("effects:\n  - effect: torque_lag\n    time_constant: {value: 30, unit: ms, source: a}\n"), "");
+  const std::string unknown = problem_of("effects:\n  - effect: torque_lagg\n");
+  EXPECT_NE(unknown.find("crane.yaml:2"), std::string::npos) << unknown;
+  EXPECT_NE(unknown.find("'torque_lag' is near"), std::string::npos) << unknown;
+  const std::string bounds =
+      problem_of("effects:\n  - effect: torque_lag\n    time_constant: {value: 3, unit: s, source: a}\n");
+  EXPECT_NE(bounds.find("time_constant"), std::string::npos) << bounds;
+  EXPECT_NE(bounds.find("0.5"), std::string::npos) << bounds;
+  const std::string unit =
+      problem_of("effects:\n  - effect: torque_lag\n    time_constant: {value: 0.1, unit: m, source: a}\n");
+  EXPECT_NE(unit.find("unit"), std::string::npos) << unit;
+  const std::string key = problem_of(
+      "effects:\n  - effect: torque_lag\n    time_constant: {value: 0.1, unit: s, source: a}\n    delay: 3\n");
+  EXPECT_NE(key.find("delay"), std::string::npos) << key;
+  const std::string missing = problem_of("effects:\n  - effect: torque_lag\n");
+  EXPECT_NE(missing.find("time_constant"), std::string::npos) << missing;
+  const std::string twice = problem_of(
+      "effects:\n  - effect: load_mass\n    factor: {value: 1.1, unit: \"-\", source: a}\n"
+      "  - effect: load_mass\n    factor: {value: 1.2, unit: \"-\", source: a}\n");
+  EXPECT_NE(twice.find("once"), std::string::npos) << twice;
+}
+
+// docs/effects/NAME.md states what the code has: one table row per parameter with its bounds.
+TEST(EffectCatalogue, EveryEffectHasItsPage) {
+  for (const common::EffectAbout* about : effect_abouts()) {
+    const std::filesystem::path page =
+        std::filesystem::path(SLEWLAB_SOURCE_DIR) / "docs" / "effects" / (std::string(about->name) + ".md");
+    std::ifstream file(page);
+    ASSERT_TRUE(file) << page;
+    std::stringstream text;
+    text << file.rdbuf();
+    for (const common::EffectParameter& p : about->parameters) {
+      EXPECT_NE(text.str().find(common::parameter_row(p)), std::string::npos) << page << "\n" << common::parameter_row(p);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace slewlab::sim

@@ -1,0 +1,60 @@
+// Machines small enough for closed forms, and runs of them with one effect.
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "sim/machine_settings.h"
+
+namespace slewlab::sim {
+
+// The thesis's crane, and parts of it.
+CraneParameters flexible_crane();       // all of it, 6 elements
+CraneParameters rigid_crane();          // boom as a rigid inertia, no load
+CraneParameters rigid_crane_with_load(double rod_length = 0.0);
+// The same on a house so heavy that it stays where it is: the load alone.
+CraneParameters pendulum(double mass = 30e3, double rope_length = 60.0);
+// Rigid crane whose house stays where it is and whose gears settle within a second: for wound-up gears.
+CraneParameters fixed_house();
+
+// [kg m^2] whole rigid crane with its motors on the slew axis; of the rigid boom and house alone.
+double whole_inertia(const CraneParameters& crane);
+double house_and_boom_inertia(const CraneParameters& crane);
+// [Nm] on the slew axis from one Nm of one motor; [Nm/rad], [rad] of a group on the slew axis.
+double torque_factor(const CraneParameters& crane);
+double group_gear_stiffness(const CraneParameters& crane);
+double group_half_play(const CraneParameters& crane);
+
+struct BenchSample {
+  double time = 0.0;  // [s] end of the step
+  PlantReadings readings;
+  GroupArray applied_torque{};   // [Nm] per motor, behind the actuator path, of the step
+  GroupArray motor_angle{}, motor_speed{}, gear_torque{}, deflection{};  // slew axis
+  double house_angle = 0.0, house_speed = 0.0;
+  double tip_displacement = 0.0;
+  double load_displacement = 0.0, load_velocity = 0.0, rope_angle = 0.0;
+};
+
+struct BenchStart {
+  double slew_speed = 0.0;   // [rad/s] of everything, load and motors included
+  double rope_angle = 0.0;   // [rad]
+  GroupArray gear_torque{};  // [Nm] on the house per group, gears wound up for it
+};
+
+using Drive = std::function<DriveCommand(double time)>;
+DriveCommand no_drive(double time);
+Drive constant_drive(double first, double second);  // [Nm] per motor of groups 1, 2
+
+// Samples at every step's end.
+std::vector<BenchSample> run(const MachineSettings& settings, double duration, const Drive& drive = no_drive,
+                             const BenchStart& start = {});
+// One effect on a crane at 1 ms.
+std::vector<BenchSample> run(const CraneParameters& crane, const std::string& effect,
+                             const std::vector<double>& values, double duration, const Drive& drive = no_drive,
+                             const BenchStart& start = {});
+
+// [s] mean time between rising zero crossings of the values, linear between samples.
+double period_of(const std::vector<BenchSample>& samples, const std::function<double(const BenchSample&)>& value);
+
+}  // namespace slewlab::sim

@@ -1,0 +1,36 @@
+#include "sim/effects/pinion_mesh_variation.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+#include <vector>
+
+#include "tests/sim/effects/effect_bench.h"
+
+namespace slewlab::sim {
+namespace {
+
+// At the top of the sine the gears are 1 + a times as stiff.
+TEST(PinionMeshVariation, StiffensTheGearsAtItsTop) {
+  const CraneParameters crane = fixed_house();
+  const auto samples = run(crane, "pinion_mesh_variation", {0.1, std::numbers::pi / 2.0}, 6.0,
+                           constant_drive(100.0, 100.0));
+  const double wound = 100.0 * torque_factor(crane) / group_gear_stiffness(crane);
+  EXPECT_NEAR(samples.back().deflection[0], group_half_play(crane) + wound / 1.1, 1e-9 * wound);
+}
+
+// (2.3), Table 2.1: 12 teeth at 0.1 Hz of the pinion mesh at 1.2 Hz. The groups wind each other up.
+TEST(PinionMeshVariation, ComesAtTheMeshFrequency) {
+  CraneParameters crane = rigid_crane();
+  crane.drive.gear_damping_ratio = 0.5;
+  const double torque = 100.0 * torque_factor(crane);
+  const auto samples = run(crane, "pinion_mesh_variation", {0.1, 0.0}, 12.0, constant_drive(100.0, -100.0),
+                           {.slew_speed = 2.0 * std::numbers::pi * 0.1 / 12.7, .gear_torque = {torque, -torque}});
+  const double mean = group_half_play(crane) + torque / group_gear_stiffness(crane);
+  const std::vector<BenchSample> settled(samples.begin() + 3000, samples.end());
+  const double period = period_of(settled, [&](const BenchSample& s) { return s.deflection[0] - mean; });
+  EXPECT_NEAR(1.0 / period, 1.2, 0.01);
+}
+
+}  // namespace
+}  // namespace slewlab::sim
