@@ -165,8 +165,17 @@ struct Start {
   double torque_sum, rate_sum;
 };
 
+// Friction at the start counts as that of the last step, cut to this step's levels.
 Start start_of(const PlantModel& model, const PlantState& state, const Push& push) {
   Start start{};
+  GroupArray motor = push.motor;
+  double house = push.house;
+  if (push.has_friction) {
+    for (int i = 0; i < model.group_count; ++i) {
+      motor[i] += std::clamp(state.motor_friction[i], -push.friction.motor[i], push.friction.motor[i]);
+    }
+    house += std::clamp(state.house_friction, -push.friction.house_positive, push.friction.house_negative);
+  }
   for (int i = 0; i < model.group_count; ++i) {
     if (state.contact[i] == 0) continue;
     const GearContact& gear = model.gear[i];
@@ -177,7 +186,7 @@ Start start_of(const PlantModel& model, const PlantState& state, const Push& pus
   }
   const double house_acceleration =
       state.modal_house_acceleration +
-      model.house_per_house_torque * (start.torque_sum + push.house) +
+      model.house_per_house_torque * (start.torque_sum + house) +
       model.house_per_tip_force * (state.rope_force + push.tip) +
       model.house_per_uniform_force * push.uniform;
   for (int i = 0; i < model.group_count; ++i) {
@@ -186,7 +195,7 @@ Start start_of(const PlantModel& model, const PlantState& state, const Push& pus
     start.rate[i] =
         gear.stiffness * (state.motor_speed[i] - state.house_speed) +
         gear.damping *
-            ((push.motor[i] - start.torque[i]) * model.full.gear[i].reciprocal_inertia - house_acceleration);
+            ((motor[i] - start.torque[i]) * model.full.gear[i].reciprocal_inertia - house_acceleration);
     start.rate_sum += start.rate[i];
   }
   return start;
@@ -449,6 +458,7 @@ void accept(const PlantModel& model, const ModalStep& step, const LoadStep& load
     state.gear_torque[i] = trial.torque[i];
     state.motor_friction[i] = trial.friction[i];
   }
+  state.house_friction = trial.house_friction;
   state.other_house_torque = push.house + trial.house_friction;
   state.supplied_work += state.other_house_torque * (trial.house.angle - state.house_angle);
   state.house_angle = trial.house.angle;
@@ -491,7 +501,7 @@ void attempt(const PlantModel& model, const ModalStep& step, const PlantState& s
   trial.house_friction = 0.0;
   if (push.has_friction) {
     trial.friction = state.motor_friction;
-    trial.house_friction = state.other_house_torque - push.house;
+    trial.house_friction = state.house_friction;
     solve_with_friction(model, step, state, push, start, free_house, trial);
   } else {
     solve_end(model, step, state, push, start, free_house, trial);

@@ -109,6 +109,7 @@ struct PlantState {
   double other_tip_force = 0.0;    // [N] ports on the tip during the last step
   double other_uniform_force = 0.0;
   GroupArray motor_friction{};     // [Nm] on each group during the last step, slew axis
+  double house_friction = 0.0;     // [Nm] on the house during the last step
 
   std::array<std::int64_t, kMaximumGroupCount> play_crossings{};  // changes of the flank since the start
   std::array<int, kMaximumGroupCount> last_flank{};               // -1 or +1; 0 before the first contact
