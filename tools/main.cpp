@@ -108,7 +108,7 @@ void add_modes(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("modes", "Eigenfrequencies, convergence and frequency response of a crane");
   command->add_option("CRANE", options->modes.crane, "crane file")->required();
   command->add_option("--elements", options->modes.elements, "boom elements, in place of the crane's own")
-      ->check(CLI::Range(0, 512));
+      ->check(CLI::Range(0, 256));
   command->add_option("--bode", options->modes.bode, "CSV of the response from motor torque to tip velocity");
   command->add_option("--set", options->overrides, "key=value over the crane file");
   command->callback([options, &action] {

@@ -7,6 +7,7 @@
 #include <complex>
 #include <numbers>
 #include <ostream>
+#include <stdexcept>
 #include <string>
 
 #include "sim/analysis/bode.h"
@@ -83,8 +84,10 @@ std::string bode_csv(const sim::CraneParameters& crane) {
 
 int show_modes(const ModesOptions& options, std::ostream& out) {
   sim::CraneParameters crane = sim::load_crane_file(options.crane, options.overrides).parameters;
-  const bool has_boom = crane.boom.length > 0.0;
-  if (options.elements >= 0 && has_boom) crane.boom.element_count = options.elements;
+  if (options.elements > 0 && crane.boom.length == 0.0) {
+    throw std::runtime_error(options.crane.string() + ": has no boom that elements could be given to");
+  }
+  if (options.elements >= 0) crane.boom.element_count = options.elements;
 
   out << fmt::format("{}: whole crane, gears closed, {} boom element(s)\n", options.crane.string(),
                      crane.boom.element_count);

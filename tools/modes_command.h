@@ -17,7 +17,8 @@ struct ModesOptions {
   std::vector<common::Override> overrides = {};
 };
 
-// Throws common::InputError when the crane's file is wrong, std::runtime_error when the CSV cannot be written.
+// Throws common::InputError when the crane's file is wrong, std::runtime_error when it has no boom for the
+// elements asked for, or when the CSV cannot be written.
 // Answers with the exit code 0.
 int show_modes(const ModesOptions& options, std::ostream& out);
 

@@ -29,6 +29,16 @@ std::string deviation_of(const VerificationRow& row) {
                                                : fmt::format("{:+.3g}", deviation(row));
 }
 
+const char* name_of(Criterion criterion) {
+  switch (criterion) {
+    case Criterion::kRelative: return "relative";
+    case Criterion::kAbsolute: return "absolute";
+    case Criterion::kAtMost: return "at most";
+    case Criterion::kAtLeast: return "at least";
+  }
+  return "";
+}
+
 nlohmann::json to_json(const VerificationRow& row) {
   return {{"id", row.id},
           {"what", row.what},
@@ -36,9 +46,9 @@ nlohmann::json to_json(const VerificationRow& row) {
           {"thesis", row.thesis},
           {"ours", row.ours},
           {"deviation", deviation(row)},
-          {"deviation_is", row.criterion == Criterion::kRelative ? "relative" : "difference"},
-          {"tolerance", tolerance_of(row)},
-          {"verdict", name_of(row.verdict)},
+          {"criterion", name_of(row.criterion)},
+          {"tolerance", row.tolerance},
+          {"verdict", tools::name_of(row.verdict)},
           {"note", row.note}};
 }
 

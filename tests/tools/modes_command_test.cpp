@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <sstream>
+#include <stdexcept>
 #include <string>
 
 #include "common/input_error.h"
@@ -65,6 +66,22 @@ TEST(ModesCommand, DegenerateMachinesAreShownToo) {
   const std::string rigid = shown("rigid_boom.yaml");
   EXPECT_NE(rigid.find("drive 1"), std::string::npos);
   EXPECT_EQ(rigid.find("bending 1"), std::string::npos);
+}
+
+TEST(ModesCommand, ElementsWithoutABoomAreRefused) {
+  const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "slewlab_no_boom.yaml";
+  std::ifstream thesis(kCranes / "thesis.yaml");
+  std::ofstream shortened(file);
+  bool in_boom = false;
+  for (std::string line; std::getline(thesis, line);) {
+    if (!line.empty() && line[0] != ' ') in_boom = line == "boom:" || line == "load:";
+    if (!in_boom) shortened << line << '\n';
+  }
+  shortened.close();
+  std::ostringstream out;
+  EXPECT_EQ(show_modes({.crane = file}, out), 0);
+  EXPECT_THROW(show_modes({.crane = file, .elements = 3}, out), std::runtime_error);
+  std::filesystem::remove(file);
 }
 
 TEST(ModesCommand, AMissingCraneIsAnInputError) {
