@@ -24,7 +24,7 @@ def main(arguments):
         print(f"demo: {problem}", file=sys.stderr)
         return 1
     print()
-    print(table_text([report.heading(run) for run in runs], rows))
+    print(table_text(report.headings(runs), rows))
     print()
     print(finding(*runs))
     print()

@@ -157,11 +157,12 @@ def panels(runs):
     return rows
 
 
-def heading(run):
-    compensation = run.facts.get("play_compensation")
-    if run.facts.get("controller_command", "slewlab-controller") != "slewlab-controller":
-        return f"{run.name}: {run.facts['controller_command']}"
-    return run.name if compensation is None else f"play compensation {'on' if compensation else 'off'}"
+def headings(runs):
+    """What to call each run: by its play compensation where that tells them apart, else by its folder."""
+    texts = [f"play compensation {'on' if run.facts.get('play_compensation') else 'off'}" for run in runs]
+    ours = all("play_compensation" in run.facts
+               and run.facts.get("controller_command", "slewlab-controller") == "slewlab-controller" for run in runs)
+    return texts if ours and len(set(texts)) == len(runs) else [run.name for run in runs]
 
 
 def figure(runs, rows):
@@ -231,7 +232,7 @@ def figure(runs, rows):
                                    font=dict(size=11, color="#aa0000"))
         if columns > 1:
             fig.add_annotation(xref="paper", yref="paper", x=left + width / 2, y=1, xanchor="center", yshift=24, showarrow=False,
-                               text=f"<b>{html.escape(heading(run))}</b>", font=dict(size=14))
+                               text=f"<b>{html.escape(headings(runs)[column])}</b>", font=dict(size=14))
     for r in range(len(rows)):
         layout["legend" if r == 0 else f"legend{r + 1}"] = dict(
             x=1.008, xanchor="left", y=domain(r)[1], yanchor="top", font=dict(size=11), tracegroupgap=0,
@@ -308,7 +309,7 @@ def page(runs, rows):
         width=1120 if len(runs) == 1 else 1500,
         script=get_plotlyjs(),
         remarks=remarks,
-        heads="".join(f"<th>{html.escape(heading(run))}</th>" for run in runs),
+        heads="".join(f"<th>{html.escape(text)}</th>" for text in headings(runs)),
         rows="\n".join(
             f"<tr><td>{html.escape(label)}</td>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in cells) + "</tr>"
             for label, cells in rows),
@@ -341,7 +342,7 @@ def main(arguments=None):
         for run in runs:
             for remark in run.log.remarks:
                 print(f"{run.name}: {remark}")
-        print(table_text([heading(run) for run in runs], rows))
+        print(table_text(headings(runs), rows))
         for run in runs:
             print(f"log: {shown_path(run.log.path)}")
         print(f"picture: {shown_path(out)}")

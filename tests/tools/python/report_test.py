@@ -77,6 +77,16 @@ class ReportTest(unittest.TestCase):
         self.assertIn("run.lcmlog: there is no such log", err)
         self.assertEqual(list(self.folder.iterdir()), [])
 
+    def test_runs_are_called_by_what_tells_them_apart(self):
+        on = read_run(made_run.write_run(self.folder / "a"))
+        off = read_run(made_run.write_run(self.folder / "b", play_compensation=False))
+        other = read_run(made_run.write_run(self.folder / "c"))
+        self.assertEqual(report.headings([on, off]), ["play compensation on", "play compensation off"])
+        self.assertEqual(report.headings([on, other]), ["a", "c"])
+        other.facts["controller_command"] = "./mine"
+        other.facts["play_compensation"] = False
+        self.assertEqual(report.headings([on, other]), ["a", "c"])
+
     def test_the_finding_says_what_the_numbers_say(self):
         quiet = made_run.messages()
         for _, _, message in quiet:
