@@ -15,22 +15,18 @@ namespace {
 struct HouseAndBoom {
   Eigen::MatrixXd mass;
   Eigen::MatrixXd stiffness;
-  Eigen::MatrixXd damping;
 };
 
 HouseAndBoom assemble_house_and_boom(const CraneParameters& crane) {
   if (crane.boom.element_count == 0) {
     return {.mass = Eigen::MatrixXd::Constant(1, 1, driven_inertia(crane)),
-            .stiffness = Eigen::MatrixXd::Zero(1, 1),
-            .damping = Eigen::MatrixXd::Zero(1, 1)};
+            .stiffness = Eigen::MatrixXd::Zero(1, 1)};
   }
   const BoomMatrices boom = assemble_boom(crane.boom);
   const Eigen::Vector3d pivot = pivot_motion(crane.boom);
   HouseAndBoom result{.mass = merge_pivot(boom.mass, pivot),
-                      .stiffness = merge_pivot(boom.stiffness, pivot),
-                      .damping = {}};
+                      .stiffness = merge_pivot(boom.stiffness, pivot)};
   result.mass(0, 0) += crane.house.inertia;
-  result.damping = boom_damping_coefficient(crane.boom) * result.stiffness;
   return result;
 }
 
@@ -68,7 +64,10 @@ CraneMatrices assemble_crane(const CraneParameters& crane, GearState gears) {
   result.damping = Eigen::MatrixXd::Zero(at.size, at.size);
   result.mass.block(at.house, at.house, boom_size, boom_size) = boom.mass;
   result.stiffness.block(at.house, at.house, boom_size, boom_size) = boom.stiffness;
-  result.damping.block(at.house, at.house, boom_size, boom_size) = boom.damping;
+  if (crane.boom.element_count > 0) {
+    result.damping.block(at.house, at.house, boom_size, boom_size) =
+        boom_damping_coefficient(crane.boom) * boom.stiffness;
+  }
 
   const GearContact gear = gear_contact(crane);
   result.mass.topLeftCorner(groups + 1, groups + 1) +=
