@@ -90,12 +90,12 @@ void add_withhold(CLI::App& app, Action& action) {
 }
 
 // What Python does: its options are the Python program's own, and so is its help.
-void add_python(CLI::App& app, const char* name, const char* description, Action& action) {
+void add_python(CLI::App& app, const char* name, const char* script, const char* description, Action& action) {
   CLI::App* command = app.add_subcommand(name, description);
   command->prefix_command();
   command->set_help_flag();
-  command->callback([command, name, &action] {
-    action = [command, name] { return run_python(std::string(name) + ".py", command->remaining()); };
+  command->callback([command, script, &action] {
+    action = [command, script] { return run_python(script, command->remaining()); };
   });
 }
 
@@ -138,8 +138,9 @@ int main(const std::vector<std::string>& command_line, int argc, char** argv) {
   add_modes(app, action);
   add_verify(app, action);
   add_withhold(app, action);
-  add_python(app, "report", "Draw a run: a page with pictures and numbers beside its log", action);
-  add_python(app, "export", "Turn a log into Parquet, CSV or MCAP files", action);
+  add_python(app, "report", "report.py", "Draw a run: a page with pictures and numbers beside its log", action);
+  add_python(app, "export", "export.py", "Turn a log into Parquet, CSV or MCAP files", action);
+  add_python(app, "import", "import_data.py", "Turn measured CSV or Parquet into a log, by a map of its columns", action);
   try {
     app.parse(argc, argv);
     return action();

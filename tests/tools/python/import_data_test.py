@@ -1,0 +1,262 @@
+"""Import against made-up data whose log is known in closed form: theta(t) = A sin(w t) and its rates."""
+
+import contextlib
+import io
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+import import_data
+from run_log import REPOSITORY, read_run_log, seconds
+
+RATIO = 2735.58
+A, W = 0.02, 2 * np.pi * 0.5  # [rad], [rad/s] of the crane
+MAP = """kind: import_map
+description: a crane with two groups
+time: {column: t, unit: ms, origin: first_row}
+rate: {value: 100, unit: Hz, source: made up}
+shaft_position:
+  - {column: angle_1, unit: deg, ratio: {value: 2735.58, unit: "-", source: made up}}
+  - {column: angle_2, unit: deg, ratio: {value: 2735.58, unit: "-", source: made up}, sign: -1}
+shaft_speed:
+  - {column: speed_1, unit: rpm}
+  - {derive: central_difference}
+motor_torque:
+  - column: torque_1
+    unit: kN m
+    ratio: {value: 2735.58, unit: "-", source: made up}
+    motors: 3
+  - {column: torque_2, unit: N m, scale: {value: 50, unit: "-", source: "N m per volt"}, offset: {value: 2, unit: N m, source: zero}}
+tip_acceleration: {column: tip, unit: mm/s^2}
+slew_angle: {column: slew, unit: deg}
+speed_request: {column: wish, unit: "%"}
+emergency_stop: {column: stop, inverted: true}
+"""
+
+
+def table(rows=501, step=0.01):
+    t = step * np.arange(rows)
+    angle = np.degrees(A * np.sin(W * t))
+    return pd.DataFrame({
+        "t": 5000.0 + 1e3 * t, "angle_1": angle, "angle_2": -angle,
+        "speed_1": A * W * np.cos(W * t) * RATIO * 60 / (2 * np.pi),
+        "torque_1": 0.3 * np.cos(W * t), "torque_2": 2.0 + np.cos(W * t), "tip": 1e3 * np.sin(t), "slew": angle,
+        "wish": np.where(t < 1.0, 0.0, 80.0), "stop": np.where(t < 4.0, 1, 0)})
+
+
+class ImportTest(unittest.TestCase):
+    def setUp(self):
+        temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(temporary.cleanup)
+        self.folder = Path(temporary.name)
+        self.out = self.folder / "a.lcmlog"
+
+    def call(self, data, text=MAP, suffix="csv", write=None):
+        file = self.folder / f"data.{suffix}"
+        if write is not None:
+            write(file)
+        elif suffix == "csv":
+            data.to_csv(file, index=False)
+        else:
+            data.to_parquet(file, index=False)
+        (self.folder / "map.yaml").write_text(text)
+        out, err = io.StringIO(), io.StringIO()
+        with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+            code = import_data.main(["--map", str(self.folder / "map.yaml"), str(file), "--out", str(self.out)])
+        self.said = out.getvalue()
+        return code, err.getvalue().replace(str(self.folder) + "/", "")
+
+    def refused(self, data, *parts, text=MAP, **options):
+        """Nothing is written, and the message holds the parts."""
+        code, error = self.call(data, text, **options)
+        self.assertNotEqual(code, 0)
+        for part in parts:
+            self.assertIn(part, error)
+        self.assertEqual([f.name for f in self.folder.iterdir() if "lcmlog" in f.name], [])
+        return error
+
+    def check_log(self):
+        log = read_run_log(self.out)
+        encoder, torque = log.channel("ENCODER"), log.channel("TORQUE")
+        t = 0.01 * np.arange(501)
+        np.testing.assert_array_equal(encoder["simulated_time"], np.arange(501) * 10_000_000)
+        np.testing.assert_array_equal(torque["answered_sequence"], encoder["sequence"])
+        position, speed = RATIO * A * np.sin(W * t), RATIO * A * W * np.cos(W * t)
+        for group in (0, 1):
+            np.testing.assert_allclose(encoder["shaft_position"][:, group], position, atol=1e-9)
+        np.testing.assert_allclose(encoder["shaft_speed"][:, 0], speed, rtol=1e-12, atol=1e-12)
+        # The central difference of A sin(wt) is the speed times sin(wT)/(wT).
+        np.testing.assert_allclose(encoder["shaft_speed"][1:-1, 1], speed[1:-1] * np.sin(W * 0.01) / (W * 0.01), atol=1e-8)
+        # 0.3 kN m of three motors on the slew axis; 50 N m per unit above an offset of 2.
+        np.testing.assert_allclose(torque["motor_torque"][:, 0], 300 / RATIO / 3 * np.cos(W * t), atol=1e-12)
+        np.testing.assert_allclose(torque["motor_torque"][:, 1], 50 * np.cos(W * t), atol=1e-12)
+        sensors = log.channel("SENSORS")
+        np.testing.assert_allclose(sensors["tip_acceleration"], np.sin(t), atol=1e-12)
+        np.testing.assert_allclose(sensors["slew_angle"], A * np.sin(W * t), atol=1e-14)
+        self.assertTrue(np.isnan(sensors["house_acceleration"]).all())
+        moves = log.channel("OPERATOR")
+        np.testing.assert_allclose(seconds(moves), [0.0, 1.0, 4.0])
+        np.testing.assert_allclose(moves["speed_request"], [0.0, 0.8, 0.8])
+        np.testing.assert_array_equal(moves["emergency_stop"], [False, False, True])
+        np.testing.assert_array_equal(encoder["operator_sequence"], np.repeat([0, 1, 2], [100, 300, 101]))
+
+    def test_csv_becomes_the_log_that_the_map_says(self):
+        self.assertEqual(self.call(table()), (0, ""))
+        self.check_log()
+
+    def test_parquet_becomes_the_same_log(self):
+        self.assertEqual(self.call(table(), suffix="parquet"), (0, ""))
+        self.check_log()
+
+    def test_csv_of_a_european_plc(self):
+        text = MAP.replace("time:", 'csv: {separator: ";", decimal: ",", skip_lines: 2}\ntime:')
+
+        def write(file):
+            file.write_text("PLC 7\nexported\n" + table().to_csv(index=False, sep=";", decimal=","))
+
+        self.assertEqual(self.call(None, text, write=write), (0, ""))
+        self.check_log()
+
+    def test_dates_as_times(self):
+        data = table()
+        data["t"] = pd.Timestamp("2026-11-21T02:00:00") + pd.to_timedelta(0.01 * np.arange(501), unit="s")
+        for suffix in ("csv", "parquet"):
+            self.assertEqual(self.call(data, MAP.replace("unit: ms", "unit: datetime"), suffix=suffix), (0, ""))
+            self.check_log()
+
+    def test_linear_axis(self):
+        # x = 0.1 t^2 [m] under 20 N with 5 mm per radian: angle 20 t^2, speed 40 t exactly, torque 0.1 N m.
+        text = """kind: import_map
+time: {column: t, unit: s}
+shaft_position: [{column: x, unit: mm, metres_per_radian: {value: 5, unit: mm, source: screw}}]
+shaft_speed: {derive: DERIVE}
+motor_torque: [{column: f, unit: kN, metres_per_radian: {value: 5, unit: mm, source: screw}}]
+"""
+        t = 0.001 * np.arange(2001)
+        data = pd.DataFrame({"t": t, "x": 100 * t**2, "f": 0.02})
+        late = {"central_difference": 0.0, "two_sample_mean": 1e-3, "backward_difference": 0.5e-3}
+        for derive, delay in late.items():
+            self.assertEqual(self.call(data, text.replace("DERIVE", derive)), (0, ""))
+            log = read_run_log(self.out)
+            np.testing.assert_allclose(log.channel("ENCODER")["shaft_position"][:, 0], 20 * t**2, atol=1e-9)
+            np.testing.assert_allclose(log.channel("ENCODER")["shaft_speed"][2:-1, 0], 40 * (t[2:-1] - delay), atol=1e-8)
+            np.testing.assert_allclose(log.channel("TORQUE")["motor_torque"][:, 0], 0.1, rtol=1e-12)
+            self.assertIn(derive, self.said)
+
+    def test_uneven_times_are_refused_and_with_resample_made_even(self):
+        data = table().drop(index=[200, 201]).reset_index(drop=True)
+        self.refused(data, "map.yaml:3:16: key 'time.column'", "30 ms between data row 200 (line 201) and the next where "
+                     "10 ms is usual", "resample: linear")
+        self.assertEqual(self.call(data, MAP + "resample: linear\n"), (0, ""))
+        encoder = read_run_log(self.out).channel("ENCODER")
+        self.assertEqual(len(encoder), 501)
+        t = 0.01 * np.arange(501)
+        # A chord over 30 ms misses the sine by (wT)^2 / 8 of its size at most.
+        np.testing.assert_allclose(encoder["shaft_position"][:, 0], RATIO * A * np.sin(W * t),
+                                   atol=RATIO * A * (W * 0.03)**2 / 8)
+        torque = read_run_log(self.out).channel("TORQUE")["motor_torque"][:, 1]
+        np.testing.assert_array_equal(torque[199:202], torque[199])  # a command holds
+
+    def test_averages_when_the_rate_falls(self):
+        text = MAP.replace("value: 100,", "value: 10,")
+        self.refused(table(), "map.yaml:4:7: key 'rate': found rows 10 ms apart, 100 Hz", "resample: linear or mean", text=text)
+        self.refused(table(), "folds", text=text + "resample: linear\n")
+        data = table()
+        data["tip"] += 1e3 * (-1.0) ** np.arange(501)  # at half the old rate: gone in the mean
+        self.assertEqual(self.call(data, text + "resample: mean\n"), (0, ""))
+        log = read_run_log(self.out)
+        self.assertEqual(len(log.channel("ENCODER")), 51)
+        t = 0.1 * np.arange(51)
+        # The mean of sin over 0.1 s around t is sin(t) sin(0.05)/0.05; the trapezoid adds (0.01)^2/12.
+        np.testing.assert_allclose(log.channel("SENSORS")["tip_acceleration"][1:-1], np.sin(t[1:-1]) * np.sin(0.05) / 0.05, atol=2e-5)
+
+    def test_long_gap(self):
+        self.refused(table().drop(index=range(100, 110)), "a gap of 0.11 s behind data row 100 (line 101)",
+                     text=MAP + "resample: linear\n")
+
+    def test_rate_and_unit_of_time_that_disagree(self):
+        self.refused(table(), "key 'rate': found rows 10000 ms apart, 0.1 Hz; with time in ms it would be that rate",
+                     text=MAP.replace("unit: ms", "unit: s"))
+        self.refused(table(), "key 'rate'", "found rows 10 ms apart, 100 Hz", text=MAP.replace("value: 100,", "value: 200,"))
+
+    def test_unknown_column_with_the_nearest_names(self):
+        self.refused(table(), "map.yaml:9:14: key 'shaft_speed[1].column': found 'sped_1', which data.csv does not have, "
+                     "expected 'speed_1'", text=MAP.replace("speed_1", "sped_1"))
+
+    def test_wrong_units(self):
+        self.refused(table(), "map.yaml:9:29: key 'shaft_speed[1].unit': found rad, a unit of angle, expected a unit of "
+                     "angular speed: rad/s, mrad/s, deg/s, rpm or a unit of speed", text=MAP.replace("rpm", "rad"))
+        self.refused(table(), "found kNn, a unit that is not known here", text=MAP.replace("kN m", "kNn"))
+        self.refused(table(), "key 'motor_torque[1].metres_per_radian': found nothing, beside a column in kN",
+                     text=MAP.replace("kN m", "kN"))
+
+    def test_missing_parts_all_in_one_go(self):
+        error = self.refused(table(), "key 'time': found nothing, expected {column: NAME",
+                             "key 'motor_torque': found nothing", "key 'shaft_speed': found nothing", "derive: one of",
+                             text="kind: import_map\nshaft_position: [{column: angle_1, unit: deg}]\n")
+        self.assertEqual(len(error.splitlines()), 3)
+        self.refused(table(), "key 'rate.source': found nothing", text=MAP.replace("rate: {value: 100, unit: Hz, source: made up}",
+                                                                                   "rate: {value: 100, unit: Hz}"))
+
+    def test_unknown_key(self):
+        self.refused(table(), "map.yaml:7:87: key 'shaft_position[2].sing': found a key that is not known here, "
+                     "expected 'sign'", text=MAP.replace("sign:", "sing:"))
+
+    def test_signals_given_twice(self):
+        self.refused(table(), "map.yaml:21:1: key 'slew_angle': found the key a second time",
+                     text=MAP + "slew_angle: {column: slew, unit: deg}\n")
+        self.refused(table(), "key 'tip_acceleration.column': found 'angle_1', which is shaft_position[1] already",
+                     text=MAP.replace("column: tip,", "column: angle_1,"))
+        twice = "".join(line + "," + line.split(",")[-1] + "\n" for line in table().to_csv(index=False).splitlines())
+        self.refused(None, "'stop', which data.csv has 2 times", write=lambda file: file.write_text(twice))
+
+    def test_groups_that_do_not_fit(self):
+        self.refused(table(), "key 'shaft_speed': found 1 groups, expected 2",
+                     text=MAP.replace("  - {derive: central_difference}\n", ""))
+
+    def test_time_that_does_not_rise(self):
+        data = table()
+        data.loc[7, "t"] = data.loc[6, "t"]
+        self.refused(data, "map.yaml:3:16: key 'time.column': found 5060.0 at data row 8 (line 9) after 5060.0")
+        self.refused(data, "at data row 8 after", suffix="parquet")
+
+    def test_values_that_are_no_numbers(self):
+        data = table()
+        data.loc[41, "torque_2"] = np.nan
+        self.refused(data, "key 'motor_torque[2].column': found no number (NaN or an empty cell) in column 'torque_2' at "
+                     "data row 42 (line 43)", "rows: {first: ..., last: ...}")
+        self.refused(data, "at data row 42,", suffix="parquet")
+        data = table().astype({"tip": object})
+        data.loc[3, "tip"] = "overflow"
+        self.refused(data, "found 'overflow' in column 'tip' at data row 4 (line 5)")
+        # The piece behind the hole is admitted.
+        data = table()
+        data.loc[41, "torque_2"] = np.nan
+        self.assertEqual(self.call(data, MAP + "rows: {first: 101, last: 301}\n"), (0, ""))
+        self.assertEqual(len(read_run_log(self.out).channel("ENCODER")), 201)
+
+    def test_a_request_in_the_wrong_unit(self):
+        self.refused(table(), "a request of 80", text=MAP.replace('wish, unit: "%"', 'wish, unit: "-"'))
+
+    def test_the_map_printed_in_the_documents_is_one(self):
+        printed = (REPOSITORY / "docs" / "import.md").read_text().split("```yaml\n")[1].split("```")[0]
+        (self.folder / "printed.yaml").write_text(printed)
+        self.assertEqual(import_data.read_map(self.folder / "printed.yaml").lines, [])
+
+    def test_files_that_are_none(self):
+        self.refused(None, "there is no such file", write=lambda f: None)
+        self.refused(None, "not readable as parquet", suffix="parquet", write=lambda f: f.write_text("no"))
+        self.refused(None, "expected YAML", text="kind: [", write=lambda f: f.write_text("t\n1\n"))
+        self.refused(None, "which data.csv does not have", write=lambda f: f.write_text(""))
+
+    def test_an_older_log_survives_a_failure(self):
+        self.out.write_bytes(b"older")
+        self.assertNotEqual(self.call(table(), MAP.replace("rpm", "rad"))[0], 0)
+        self.assertEqual(self.out.read_bytes(), b"older")
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,565 @@
+"""Makes a log of the wire out of measured data, by a map that says what its columns mean (docs/import.md).
+
+    slewlab import --map MAP.yaml FILE.csv|FILE.parquet [--out LOG.lcmlog]
+
+Row k becomes ENCODER k, the TORQUE that answers it, SENSORS k where a sensor is mapped, and an OPERATOR message where
+the operator's wish changes. Signals in the messages' units and axes:
+
+    shaft angle or speed = sign * scale * (column - offset) * ratio, or / metres_per_radian of a linear axis
+    motor torque         = sign * scale * (column - offset) / (ratio * motors), or * metres_per_radian
+
+Sensors that are not mapped are NaN in SENSORS. The log appears when it is complete, or not at all.
+"""
+
+import argparse
+import csv
+import json
+import os
+import signal
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+import lcm
+import numpy as np
+import pandas as pd
+import pyarrow
+import pyarrow.parquet
+
+import input_map
+from input_map import InputProblems, nearest
+from run_log import LogProblem, message_types
+from unit import SPELLINGS, factor_to_si, quantity_of, spellings_of
+
+ACCELERATIONS = ("house_acceleration", "pivot_acceleration", "middle_acceleration", "tip_acceleration")
+FLAGS = ("emergency_stop", "enable", "brake")
+DERIVATIVES = ("two_sample_mean", "central_difference", "backward_difference")
+MOST_GROUPS = 8           # sim/model/crane_parameters.h
+UNEVEN = 0.25             # [periods] by which a row may miss the even grid
+LONGEST_GAP = 5.5         # [usual intervals] that interpolation may bridge
+NANOSECONDS = 1_000_000_000
+ONE_OF_DERIVATIVES = f"a column with its unit, or {{derive: one of {', '.join(DERIVATIVES)}}}"
+
+
+@dataclass
+class Signal:
+    name: str             # message field, and [group] where there are several
+    column: str | None    # None: derived
+    reader: object        # where it stands in the map, for complaints
+    factor: float = 1.0   # of (column - offset), to the message's unit
+    offset: float = 0.0   # in the column's unit
+    derive: str | None = None
+    inverted: bool = False
+
+
+@dataclass
+class ImportMap:
+    path: Path
+    reader: object
+    lines: list           # problems
+    separator: str
+    decimal: str
+    skip_lines: int
+    first_row: int
+    last_row: int | None
+    time: object          # reader of the map's part
+    time_column: str | None
+    time_factor: float | None   # None: date and time
+    origin: float | None        # [s]; None: first row
+    period: float | None        # [s]; None: as the rows are
+    resample: str | None
+    signals: dict         # message field: list of Signal, one per group
+
+
+def read_signal(reader, name, kind):
+    """One signal of the map: column, unit and what leads from the column to the message."""
+    column = reader.text("column", "the name of a column of the data")
+    found = Signal(name, column, reader)
+    sign = reader.choice("sign", ("1", "+1", "-1"), "1")
+    if kind == "flag":
+        found.inverted = reader.flag("inverted")
+        reader.finish()
+        return found
+    unit = reader.text("unit", "the column's unit")
+    scale = reader.number("scale", "number", 1.0)
+    found.offset = 0.0
+    angular, linear = {"position": ("angle", "length"), "speed": ("angular speed", "speed"),
+                       "torque": ("torque", "force")}.get(kind, (kind, None))
+    factor = reader.factor(unit, angular, linear) if linear else reader.factor(unit, angular)
+    if reader.has("offset"):
+        offset = reader.number("offset", quantity_of(unit or "-") or "number", 0.0, positive=False)
+        found.offset = offset / (factor or 1.0)
+    is_linear = linear is not None and factor is not None and factor_to_si(linear, unit) is not None
+    if linear:
+        travel = reader.number("metres_per_radian", "length", None)
+        ratio = reader.number("ratio", "number", None)
+        if is_linear and travel is None and not reader.has("metres_per_radian"):
+            reader.report("metres_per_radian", f"nothing, beside a column in {unit}",
+                          "the axis's travel per radian of the motor shaft: {value: 0.01, unit: m, source: ...}")
+        if is_linear and reader.has("ratio"):
+            reader.report("ratio", f"a gear ratio beside a column in {unit}", "metres_per_radian alone on a linear axis")
+        if not is_linear and factor is not None and reader.has("metres_per_radian"):
+            reader.report("metres_per_radian", f"a travel per radian beside a column in {unit}",
+                          f"a column in a unit of {linear}: {spellings_of(linear)}")
+        gear = 1.0 / (travel or 1.0) if is_linear else (ratio or 1.0)
+        motors = reader.integer("motors", 1, 1) if kind == "torque" else 1
+        factor = None if factor is None else (factor / (gear * motors) if kind == "torque" else factor * gear)
+    elif kind == "angle":
+        factor = None if factor is None else factor * reader.number("ratio", "number", 1.0)
+    found.factor = (factor or 1.0) * scale * (-1.0 if sign == "-1" else 1.0)
+    reader.finish()
+    return found
+
+
+def read_map(path):
+    if not path.is_file():
+        raise InputProblems([f"{path}: there is no such map"])
+    root, lines = input_map.load(path)
+    kind = root.text("kind", "import_map")
+    if kind not in (None, "import_map"):
+        root.report("kind", kind, "import_map")
+    root.has("description")
+
+    table = root.map("csv", "") if root.has("csv") else None
+    separator = table.choice("separator", (",", ";", "tab"), ",") if table else ","
+    decimal = table.choice("decimal", (".", ","), ".") if table else "."
+    skip_lines = table.integer("skip_lines", 0, 0) if table else 0
+    if table:
+        table.finish()
+    rows = root.map("rows", "") if root.has("rows") else None
+    first_row = rows.integer("first", 1, 1) if rows else 1
+    last_row = rows.integer("last", 1, None) if rows else None
+    if rows:
+        if last_row is not None and last_row < first_row + 2:
+            rows.report("last", str(last_row), f"at least {first_row + 2}, three rows from rows.first on")
+        rows.finish()
+
+    time = root.map("time", "{column: NAME, unit: one of s, ms, us, min, h, datetime}: the times of the rows")
+    time_column = time_factor = origin = None
+    if time:
+        time_column = time.text("column", "the name of the column that holds the time")
+        unit = time.text("unit", f"one of {spellings_of('time')}, datetime")
+        if unit != "datetime":
+            time_factor = time.factor(unit, "time")
+        if time.has("origin") and not time.says("origin", "first_row"):
+            origin = time.number("origin", "time", None, positive=False)
+        time.finish()
+    rate = root.number("rate", "frequency", None)
+    resample = root.choice("resample", ("linear", "mean"))
+
+    signals = {}
+    for name, signal_kind in (("shaft_position", "position"), ("shaft_speed", "speed"), ("motor_torque", "torque")):
+        expected = "a list with one entry per motor group, each with column and unit"
+        if name == "shaft_speed":
+            expected = f"a list with one entry per motor group, each with {ONE_OF_DERIVATIVES}"
+        signals[name] = []
+        for reader in root.maps(name, expected):
+            if name == "shaft_speed" and reader.has("derive"):
+                derive = reader.choice("derive", DERIVATIVES)
+                if reader.has("column"):
+                    reader.report("column", "a column beside derive", "one of the two")
+                reader.finish()
+                signals[name].append(Signal(name, None, reader, derive=derive))
+            else:
+                signals[name].append(read_signal(reader, name, signal_kind))
+    for name in ACCELERATIONS:
+        if root.has(name):
+            signals[name] = [read_signal(root.map(name, ""), name, "acceleration")]
+    if root.has("slew_angle"):
+        signals["slew_angle"] = [read_signal(root.map("slew_angle", ""), "slew_angle", "angle")]
+    if root.has("speed_request"):
+        signals["speed_request"] = [read_signal(root.map("speed_request", ""), "speed_request", "number")]
+    for name in FLAGS:
+        if root.has(name):
+            signals[name] = [read_signal(root.map(name, ""), name, "flag")]
+    root.finish()
+
+    groups = len(signals["shaft_position"])
+    if groups > MOST_GROUPS:
+        root.report("shaft_position", f"{groups} groups", f"at most {MOST_GROUPS}")
+    for name in ("shaft_speed", "motor_torque"):
+        count = len(signals[name])
+        if count and groups and count != groups:
+            root.report(name, f"{count} groups", f"{groups}, as many as shaft_position has")
+    for name in ("shaft_position", "shaft_speed", "motor_torque"):
+        for group, entry in enumerate(signals[name]):
+            entry.name = f"{name}[{group + 1}]"
+    used = {time_column: "time"}
+    for entry in (e for entries in signals.values() for e in entries if e.column is not None):
+        if entry.column in used:
+            entry.reader.report("column", f"'{entry.column}', which is {used[entry.column]} already",
+                                "a column of its own for each signal")
+        used[entry.column] = entry.name
+    return ImportMap(path, root, lines, separator, decimal, skip_lines, first_row, last_row, time, time_column,
+                     time_factor, origin, None if rate is None else 1.0 / rate, resample, signals)
+
+
+def fail_if_wrong(mapping):
+    if mapping.lines:
+        raise InputProblems(mapping.lines)
+
+
+def column_names(mapping, path):
+    if path.suffix == ".parquet":
+        return pyarrow.parquet.read_schema(path).names
+    with open(path, newline="", encoding="utf-8-sig") as stream:
+        for _ in range(mapping.skip_lines):
+            stream.readline()
+        header = next(csv.reader(stream, delimiter="\t" if mapping.separator == "tab" else mapping.separator), [])
+    return [name.strip() for name in header]
+
+
+def read_table(mapping, path):
+    """The columns that the map names; complaints about those that are not there stand at the map's lines."""
+    if path.suffix not in (".csv", ".parquet"):
+        raise LogProblem(f"{path}: found '{path.suffix}', expected a file that ends in .csv or .parquet")
+    if not path.is_file():
+        raise LogProblem(f"{path}: there is no such file")
+    try:
+        names = column_names(mapping, path)
+        wanted = [(mapping.time, mapping.time_column)]
+        wanted += [(e.reader, e.column) for entries in mapping.signals.values() for e in entries if e.column is not None]
+        for reader, column in wanted:
+            if names.count(column) == 0:
+                reader.report("column", f"'{column}', which {path.name} does not have", nearest(column, names))
+            elif names.count(column) > 1:
+                reader.report("column", f"'{column}', which {path.name} has {names.count(column)} times",
+                              "a column whose name stands once in the data")
+        fail_if_wrong(mapping)
+        columns = [column for _, column in wanted]
+        if path.suffix == ".parquet":
+            table = pd.read_parquet(path, columns=columns)
+        else:
+            table = pd.read_csv(path, sep="\t" if mapping.separator == "tab" else mapping.separator,
+                                decimal=mapping.decimal, skiprows=mapping.skip_lines, skipinitialspace=True,
+                                encoding="utf-8-sig", low_memory=False,
+                                skip_blank_lines=False, index_col=False)
+            table.columns = [str(name).strip() for name in table.columns]
+            table = table[columns]
+    except (OSError, pyarrow.ArrowException, pd.errors.ParserError, pd.errors.EmptyDataError, UnicodeDecodeError,
+            csv.Error) as error:
+        raise LogProblem(f"{path}: not readable as {path.suffix[1:]}: {error}") from error
+    if mapping.last_row is not None and mapping.last_row > len(table):
+        mapping.reader.report("rows", f"last: {mapping.last_row}", f"at most {len(table)}, the rows of {path.name}")
+        fail_if_wrong(mapping)
+    return table.iloc[mapping.first_row - 1:mapping.last_row].reset_index(drop=True)
+
+
+class Rows:
+    """Names rows as a person finds them: counted from 1 in the data, and the line of a CSV file."""
+
+    def __init__(self, mapping, path):
+        self.first, self.skip, self.is_csv = mapping.first_row, mapping.skip_lines, path.suffix == ".csv"
+
+    def __call__(self, index):
+        row = self.first + int(index)
+        return f"data row {row}" + (f" (line {row + 1 + self.skip})" if self.is_csv else "")
+
+
+CUT = "; mend the row, or cut the data with rows: {first: ..., last: ...}"
+
+
+def numbers(series, reader, row):
+    """The column as finite numbers, or a complaint that names the first row that holds none."""
+    if pd.api.types.is_bool_dtype(series.dtype):
+        return series.to_numpy(float)
+    values = pd.to_numeric(series, errors="coerce").to_numpy(float, na_value=np.nan)
+    wrong = ~np.isfinite(values)
+    if wrong.any():
+        first = int(np.argmax(wrong))
+        found = series.iloc[first]
+        text = "no number (NaN or an empty cell)" if pd.isna(found) else f"'{found}'"
+        count = int(wrong.sum())
+        more = f", and in {count - 1} more rows" if count > 1 else ""
+        hint = ""
+        if isinstance(found, str) and "," in found:
+            hint = "; numbers with a comma want csv: {decimal: \",\"}"
+        reader.report("column", f"{text} in column '{series.name}' at {row(first)}{more}",
+                      f"a finite number in every row{CUT}{hint}")
+        return None
+    return values
+
+
+def times(mapping, table, row):
+    """[s] of each row behind the origin, rising."""
+    series = table[mapping.time_column]
+    if mapping.time_factor is None:
+        stamps = pd.to_datetime(series, errors="coerce", utc=True)
+        if stamps.isna().any():
+            first = int(np.argmax(stamps.isna()))
+            mapping.time.report("column", f"'{series.iloc[first]}' at {row(first)}",
+                                "a date and time such as 2026-11-21T02:00:00.001" + CUT)
+            return None
+        raw = stamps.astype("datetime64[ns, UTC]").astype("int64").to_numpy()
+        seconds = (raw - raw[0]) / 1e9 + (0.0 if mapping.origin is None else raw[0] / 1e9 - mapping.origin)
+    elif pd.api.types.is_datetime64_any_dtype(series.dtype):
+        mapping.time.report("unit", "a unit of time for a column of dates", "datetime")
+        return None
+    else:
+        raw = numbers(series, mapping.time, row)
+        if raw is None:
+            return None
+        origin = raw[0] if mapping.origin is None else mapping.origin / mapping.time_factor
+        seconds = (raw - origin) * mapping.time_factor
+    if len(seconds) < 3:
+        mapping.time.report("column", f"{len(seconds)} rows", "at least 3")
+        return None
+    steps = np.diff(seconds)
+    if (steps <= 0.0).any():
+        at = int(np.argmax(steps <= 0.0)) + 1
+        mapping.time.report(
+            "column", f"{raw[at]} at {row(at)} after {raw[at - 1]} in the row before, "
+            f"{int((steps <= 0.0).sum())} such rows in all", f"times that rise from row to row{CUT}")
+        return None
+    if seconds[0] < 0.0:
+        mapping.time.report("origin", f"{row(0)} at {seconds[0]:.6g} s, before the origin",
+                            "an origin that is not later than the first row")
+        return None
+    return seconds
+
+
+def fitting_units(mapping, usual):
+    """What unit of the time column would agree with the rate, in words."""
+    if mapping.time_factor is None:
+        return ""
+    raw = usual / mapping.time_factor
+    fits = [u for u, f in SPELLINGS["time"].items() if abs(raw * f / mapping.period - 1.0) < 0.05]
+    return f"; with time in {fits[0]} it would be that rate" if fits else ""
+
+
+def even_grid(mapping, seconds, row):
+    """(grid of times [ns], whether the rows lie on it); None after a complaint."""
+    steps = np.diff(seconds)
+    usual = float(np.median(steps))
+    period = mapping.period or (seconds[-1] - seconds[0]) / (len(seconds) - 1)
+    misses = np.abs(seconds - seconds[0] - period * np.arange(len(seconds)))
+    even = bool((misses <= UNEVEN * period).all())
+    if even:
+        count = len(seconds)
+    elif mapping.resample is None:
+        first = int(np.argmax(misses > UNEVEN * period))
+        if mapping.period and abs(usual / period - 1.0) > UNEVEN:
+            mapping.reader.report(
+                "rate", f"rows {usual * 1e3:.6g} ms apart, {1 / usual:.6g} Hz{fitting_units(mapping, usual)}",
+                f"the {1 / period:.6g} Hz of rate; correct rate or the time's unit, or set resample: linear or mean")
+            return None
+        wrong = np.abs(steps - usual) > UNEVEN * usual
+        at = int(np.argmax(wrong)) if wrong.any() else first - 1
+        said = f"{steps[at] * 1e3:.6g} ms between {row(at)} and the next where {usual * 1e3:.6g} ms is usual"
+        if not wrong.any():
+            mean = (seconds[-1] - seconds[0]) / (len(seconds) - 1)
+            said = f"a mean rate of {1 / mean:.9g} Hz, by which {row(first)} has left the grid of {1 / period:.9g} Hz"
+        mapping.time.report(
+            "column", f"{said} ({int(wrong.sum())} uneven intervals)",
+            "even times; with resample: linear (or mean) at the root of the map they are made so, with "
+            "rows: {first: ..., last: ...} a piece is cut out")
+        return None
+    else:
+        period = mapping.period or round(usual, 9)
+        count = int(np.floor((seconds[-1] - seconds[0]) / period + 1e-6)) + 1
+        longest = int(np.argmax(steps))
+        if steps[longest] > LONGEST_GAP * usual:
+            mapping.time.report("column", f"a gap of {steps[longest]:.6g} s behind {row(longest)}",
+                                f"at most {LONGEST_GAP:g} usual intervals of {usual:.6g} s to bridge{CUT}")
+            return None
+        if mapping.resample == "linear" and period > 2.0 * usual:
+            mapping.reader.report(
+                "resample", f"linear from {1 / usual:.6g} Hz to {1 / period:.6g} Hz, which folds what is faster "
+                "than half the new rate into the signals", "mean, which averages over each new period")
+            return None
+    grid = np.round(seconds[0] * NANOSECONDS + np.arange(count) * (period * NANOSECONDS)).astype(np.int64)
+    return grid, even
+
+
+def resampled(values, seconds, grid, how, holds):
+    """`holds`: a command that keeps its value until the next row; else a quantity that passes between rows."""
+    period = (grid[-1] - grid[0]) / (len(grid) - 1)
+    if how == "linear":
+        if holds:
+            return values[np.clip(np.searchsorted(seconds, grid + 1e-9, side="right") - 1, 0, None)]
+        return np.interp(grid, seconds, values)
+    between = values[:-1] if holds else 0.5 * (values[:-1] + values[1:])
+    integral = np.concatenate(([0.0], np.cumsum(between * np.diff(seconds))))
+
+    def area(at):
+        if holds:
+            return np.interp(at, seconds, integral)
+        k = np.clip(np.searchsorted(seconds, at, side="right") - 1, 0, len(seconds) - 2)
+        into = at - seconds[k]
+        slope = (values[k + 1] - values[k]) / (seconds[k + 1] - seconds[k])
+        return integral[k] + into * (values[k] + 0.5 * slope * into)
+
+    # A command is averaged over the period in which it holds, a measured quantity around its instant.
+    start = np.clip(grid if holds else grid - 0.5 * period, seconds[0], seconds[-1])
+    end = np.clip(grid + (period if holds else 0.5 * period), seconds[0], seconds[-1])
+    mean = np.interp(grid, seconds, values)
+    long = end - start > 1e-9 * period
+    mean[long] = (area(end[long]) - area(start[long])) / (end[long] - start[long])
+    return mean
+
+
+def derived_speed(position, period, how):
+    """[rad/s] from positions on an even grid. Where the formula would reach beyond the ends: its nearest value."""
+    speed = np.empty_like(position)
+    if how == "central_difference":  # (x[k+1] - x[k-1]) / 2T: of the row's own instant
+        speed[1:-1] = (position[2:] - position[:-2]) / (2.0 * period)
+        speed[0], speed[-1] = speed[1], speed[-2]
+    elif how == "two_sample_mean":   # mean of two samples, differentiated: (x[k] - x[k-2]) / 2T, late by T
+        speed[2:] = (position[2:] - position[:-2]) / (2.0 * period)
+        speed[:2] = speed[2]
+    else:                            # (x[k] - x[k-1]) / T: late by T/2
+        speed[1:] = np.diff(position) / period
+        speed[0] = speed[1]
+    return speed
+
+
+def convert(mapping, table, row):
+    """Grid of times [ns], signals by message field (a list per group), and remarks."""
+    columns = {}
+    for entries in mapping.signals.values():
+        for entry in entries:
+            if entry.column is not None:
+                columns[entry.name] = numbers(table[entry.column], entry.reader, row)
+    seconds = times(mapping, table, row)
+    grid_found = even_grid(mapping, seconds, row) if seconds is not None else None
+    fail_if_wrong(mapping)
+    grid, even = grid_found
+    grid_seconds = grid / NANOSECONDS
+    period = float(grid_seconds[-1] - grid_seconds[0]) / (len(grid) - 1)
+    remarks = []
+    if not even:
+        remarks.append(f"resampled ({mapping.resample}) from {len(seconds)} rows to {len(grid)} at {1 / period:.6g} Hz")
+    values = {}
+    for name, entries in mapping.signals.items():
+        values[name] = []
+        for group, entry in enumerate(entries):
+            if entry.column is None:
+                values[name].append(derived_speed(values["shaft_position"][group], period, entry.derive))
+                remarks.append(f"{entry.name} is derived from the position: {entry.derive}")
+                continue
+            column = columns[entry.name]
+            series = (column != 0.0) != entry.inverted if name in FLAGS else (column - entry.offset) * entry.factor
+            if not even:
+                holds = name in FLAGS or name in ("motor_torque", "speed_request")
+                how = "linear" if name in FLAGS else mapping.resample
+                series = resampled(series, seconds, grid_seconds, how, holds)
+            if name == "shaft_position":
+                if series[0] != 0.0:
+                    remarks.append(f"{entry.name} begins at {series[0]:.6g} rad in the data and at 0 in the log")
+                series = series - series[0]
+            values[name].append(series)
+    if "speed_request" in values:
+        request = np.abs(values["speed_request"][0])
+        if request.max() > 1.0 + 1e-9:
+            mapping.signals["speed_request"][0].reader.report(
+                "column", f"a request of {request.max():.6g}, largest at {row(int(np.argmax(request)))}",
+                "shares of the top speed from -1 to 1; unit: \"%\" or a scale would make it so")
+            fail_if_wrong(mapping)
+    return grid, values, remarks
+
+
+def configuration_hash(text):
+    """FNV-1a, 64 bits, as msgs/configuration_hash.h has it."""
+    value = 0xCBF29CE484222325
+    for byte in text.encode():
+        value = ((value ^ byte) * 0x100000001B3) & 0xFFFFFFFFFFFFFFFF
+    return value - (1 << 64) if value >= 1 << 63 else value
+
+
+def write_log(out, grid, values, hash_of_map):
+    """All messages in the order in which a lockstep run writes them; returns counts by channel."""
+    types = message_types()
+    growing = out.with_name(out.name + ".partial")
+    out.parent.mkdir(parents=True, exist_ok=True)
+    counts = {"ENCODER": 0, "TORQUE": 0, "OPERATOR": 0}
+    lists = {name: [series.tolist() for series in entries] for name, entries in values.items()}
+    sensors = [name for name in (*ACCELERATIONS, "slew_angle") if name in lists]
+    positions, speeds, torques = (list(zip(*lists[n])) for n in ("shaft_position", "shaft_speed", "motor_torque"))
+    requests = lists.get("speed_request", [[0.0] * len(grid)])[0]
+    stops = lists.get("emergency_stop", [[False] * len(grid)])[0]
+    enables = lists.get("enable", [[True] * len(grid)])[0]
+    brakes = lists.get("brake", [[False] * len(grid)])[0]
+    encoder, torque, move, sensor = types.encoder_t(), types.torque_t(), types.operator_t(), types.sensors_t()
+    encoder.group_count = torque.group_count = len(lists["shaft_position"])
+    for name in (*ACCELERATIONS, "slew_angle"):
+        setattr(sensor, name, float("nan"))
+    encoder.configuration_hash = torque.configuration_hash = hash_of_map
+    move.configuration_hash = sensor.configuration_hash = hash_of_map
+    log = lcm.EventLog(str(growing), "w", overwrite=True)
+    try:
+        wish = None
+        for k, time in enumerate(grid.tolist()):
+            stamp = time // 1000
+            if (requests[k], stops[k]) != wish:
+                wish = (requests[k], stops[k])
+                move.sequence, move.simulated_time = counts["OPERATOR"], time
+                move.speed_request, move.emergency_stop = wish
+                log.write_event(stamp, "OPERATOR", move.encode())
+                counts["OPERATOR"] += 1
+            encoder.sequence = torque.sequence = torque.answered_sequence = k
+            encoder.simulated_time = torque.simulated_time = time
+            encoder.operator_sequence = counts["OPERATOR"] - 1
+            encoder.shaft_position, encoder.shaft_speed = positions[k], speeds[k]
+            log.write_event(stamp, "ENCODER", encoder.encode())
+            torque.alive_counter = k + 1
+            torque.enable, torque.brake, torque.motor_torque = enables[k], brakes[k], torques[k]
+            log.write_event(stamp, "TORQUE", torque.encode())
+            if sensors:
+                sensor.sequence, sensor.simulated_time = k, time
+                for name in sensors:
+                    setattr(sensor, name, lists[name][0][k])
+                log.write_event(stamp, "SENSORS", sensor.encode())
+        log.close()
+        os.replace(growing, out)
+    finally:
+        growing.unlink(missing_ok=True)
+    counts["ENCODER"] = counts["TORQUE"] = len(grid)
+    if sensors:
+        counts["SENSORS"] = len(grid)
+    return counts
+
+
+def canonical(node):
+    """What of the map decides about the log, keys sorted."""
+    if hasattr(node.value, "lower"):
+        return node.value
+    if node.id == "sequence":
+        return [canonical(item) for item in node.value]
+    return {key.value: canonical(value) for key, value in node.value if key.value not in ("source", "description")}
+
+
+def main(arguments=None):
+    parser = argparse.ArgumentParser(prog="slewlab import", description="Measured data into a log of the wire.")
+    parser.add_argument("file", type=Path, help="CSV with a line of column names, or Parquet")
+    parser.add_argument("--map", type=Path, required=True, help="what the columns mean (docs/import.md)")
+    parser.add_argument("--out", type=Path, help="default: the file's name with .lcmlog")
+    options = parser.parse_args(arguments)
+    out = options.out or options.file.with_suffix(".lcmlog")
+    try:
+        mapping = read_map(options.map)
+        fail_if_wrong(mapping)
+        if out.suffix != ".lcmlog":
+            raise LogProblem(f"--out: found {out}, expected a name that ends in .lcmlog")
+        table = read_table(mapping, options.file)
+        grid, values, remarks = convert(mapping, table, Rows(mapping, options.file))
+        text = json.dumps(canonical(mapping.reader.node), sort_keys=True) + options.file.name
+        counts = write_log(out, grid, values, configuration_hash(text))
+    except InputProblems as problems:
+        print(problems, file=sys.stderr)
+        return 2
+    except (LogProblem, OSError) as problem:
+        print(f"import: {problem}", file=sys.stderr)
+        return 1
+    for remark in remarks:
+        print(remark)
+    for name, entries in values.items():
+        for entry, series in zip(mapping.signals[name], entries):
+            print(f"{entry.name}: {float(np.min(series)):.6g} ... {float(np.max(series)):.6g}")
+    said = ", ".join(f"{name} {count}" for name, count in counts.items())
+    print(f"{out}: {(grid[-1] - grid[0]) / NANOSECONDS:.6g} s, {said}")
+    return 0
+
+
+if __name__ == "__main__":
+    signal.signal(signal.SIGPIPE, signal.SIG_DFL)
+    sys.exit(main())
