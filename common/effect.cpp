@@ -47,9 +47,10 @@ std::string parameter_row(const EffectParameter& parameter) {
   const bool logarithmic = parameter.scale == ParameterScale::logarithmic;
   const bool about_absent = parameter.absent && std::isfinite(*parameter.absent);
   return "| `" + std::string(parameter.name) + "` | " + std::string(name_of(parameter.unit)) + " | " +
-         rounded(parameter.lower) + " ... " + rounded(parameter.upper) + " | " + rounded(parameter.typical) + " | " +
-         (logarithmic ? "ln: " : "") + rounded(about_absent ? *parameter.absent : parameter.typical) + " +- " +
-         rounded(parameter.prior_scale) + " | " + absent + " | " + std::string(parameter.meaning) + " |";
+         rounded(parameter.lower) + " ... " + rounded(parameter.upper) + " | " + rounded(parameter.typical) +
+         " | " + (logarithmic ? "ln: " : "") + rounded(about_absent ? *parameter.absent : parameter.typical) +
+         " +- " + rounded(parameter.prior_scale) + " | " + absent + " | " + std::string(parameter.meaning) +
+         " |";
 }
 
 EffectInstance typical_instance(const EffectAbout& about) {
@@ -74,7 +75,8 @@ void check_instance(const EffectAbout& about, const EffectInstance& instance) {
   }
 }
 
-std::vector<EffectInstance> read_effects(const YamlNode& list, const std::vector<const EffectAbout*>& catalogue,
+std::vector<EffectInstance> read_effects(const YamlNode& list,
+                                         const std::vector<const EffectAbout*>& catalogue,
                                          InputProblems& problems) {
   std::vector<EffectInstance> instances;
   if (list.kind == YamlNode::Kind::null) return instances;
@@ -91,8 +93,9 @@ std::vector<EffectInstance> read_effects(const YamlNode& list, const std::vector
       entry.report("effect", instance.name, expected_names(catalogue, instance.name));
       continue;
     }
-    const bool repeated = std::any_of(instances.begin(), instances.end(),
-                                      [&](const EffectInstance& other) { return other.name == instance.name; });
+    const bool repeated = std::any_of(instances.begin(), instances.end(), [&](const EffectInstance& other) {
+      return other.name == instance.name;
+    });
     if (repeated) entry.report("effect", instance.name, "each effect once");
     for (const EffectParameter& parameter : about->parameters) {
       instance.values.push_back(

@@ -64,7 +64,8 @@ void check_instance(const EffectAbout& about, const EffectInstance& instance);
 //       time_constant: {value: 30, unit: ms, source: "..."}
 // Every parameter of an effect is required. Problems (unknown effect or key, unit, bounds) are added to
 // `problems` with file and line.
-std::vector<EffectInstance> read_effects(const YamlNode& list, const std::vector<const EffectAbout*>& catalogue,
+std::vector<EffectInstance> read_effects(const YamlNode& list,
+                                         const std::vector<const EffectAbout*>& catalogue,
                                          InputProblems& problems);
 
 // The same list as YAML text, ready to be pasted; `source` is written beside every value.

@@ -41,7 +41,8 @@ void observe(const PlantModel& model, const PlantState& state, EffectMoment& mom
   moment.load_displacement =
       model.load.modes(0, 0) * state.load_q[0] + model.load.modes(0, 1) * state.load_q[1];
   moment.load_velocity = model.load.modes(0, 0) * state.load_v[0] + model.load.modes(0, 1) * state.load_v[1];
-  moment.rope_angle = (moment.load_displacement - moment.tip_displacement) / model.parameters.load.rope_length;
+  moment.rope_angle =
+      (moment.load_displacement - moment.tip_displacement) / model.parameters.load.rope_length;
 }
 
 // Two steps' ends give the middle of the next step. Without a step before, `before` is `now`.
@@ -135,12 +136,23 @@ Machine make_machine(const MachineSettings& settings) {
     machine.effects.emplace_back(description.start({instance.values, machine.model, seed}));
     for (const EffectPort port : description.ports) {
       switch (port) {
-        case EffectPort::parameters: break;
-        case EffectPort::message: machine.message.push_back(index); break;
-        case EffectPort::actuator: machine.actuator.push_back(index); break;
-        case EffectPort::force: machine.force.push_back(index); break;
-        case EffectPort::friction: machine.friction.push_back(index); break;
-        case EffectPort::sensor: machine.sensor.push_back(index); break;
+        case EffectPort::parameters:
+          break;
+        case EffectPort::message:
+          machine.message.push_back(index);
+          break;
+        case EffectPort::actuator:
+          machine.actuator.push_back(index);
+          break;
+        case EffectPort::force:
+          machine.force.push_back(index);
+          break;
+        case EffectPort::friction:
+          machine.friction.push_back(index);
+          break;
+        case EffectPort::sensor:
+          machine.sensor.push_back(index);
+          break;
       }
     }
   }

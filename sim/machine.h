@@ -49,11 +49,11 @@ struct Machine {
   std::vector<EffectHandle> effects;
   // Which of them use each port, in the order of the settings.
   std::vector<std::size_t> message, actuator, force, friction, sensor;
-  bool needs_moment = false;    // any of actuator, force, friction
-  bool has_past = false;        // `before` is the end of the step before the last
-  EffectMoment now, before;     // at the ends of the last two steps
-  MachineReadings sensed;       // kept only where a sensor effect is on
-  GroupArray applied_torque{};  // [Nm] per motor of the last step, behind the actuator path
+  bool needs_moment = false;            // any of actuator, force, friction
+  bool has_past = false;                // `before` is the end of the step before the last
+  EffectMoment now, before;             // at the ends of the last two steps
+  MachineReadings sensed;               // kept only where a sensor effect is on
+  GroupArray applied_torque{};          // [Nm] per motor of the last step, behind the actuator path
   std::int64_t effect_evaluations = 0;  // hooks called since the start
 };
 

@@ -17,6 +17,7 @@ const ControllerEffect* find_effect(std::string_view name);
 const std::vector<const common::EffectAbout*>& effect_abouts();
 
 // The settings with the effects in them. Throws std::invalid_argument: unknown effect, value out of bounds.
-ControllerSettings with_effects(ControllerSettings settings, const std::vector<common::EffectInstance>& effects);
+ControllerSettings with_effects(ControllerSettings settings,
+                                const std::vector<common::EffectInstance>& effects);
 
 }  // namespace slewlab::controller

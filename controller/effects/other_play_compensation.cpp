@@ -18,18 +18,17 @@ void change(const std::vector<double>& values, ControllerSettings& settings) {
 const ControllerEffect& other_play_compensation() {
   static const ControllerEffect effect{
       .about = {.name = "other_play_compensation",
-           .subsystem = common::Subsystem::controller,
-           .physics = "the play compensation uses another offset",
-           .parameters = {
-           {.name = "offset_factor",
-            .unit = common::Unit::none,
-            .meaning = "offset from the average over the one of the map",
-            .lower = 0.0,
-            .upper = 3.0,
-            .typical = 0.5,
-            .prior_scale = 0.3,
-            .scale = common::ParameterScale::linear,
-            .absent = 1.0}}},
+                .subsystem = common::Subsystem::controller,
+                .physics = "the play compensation uses another offset",
+                .parameters = {{.name = "offset_factor",
+                                .unit = common::Unit::none,
+                                .meaning = "offset from the average over the one of the map",
+                                .lower = 0.0,
+                                .upper = 3.0,
+                                .typical = 0.5,
+                                .prior_scale = 0.3,
+                                .scale = common::ParameterScale::linear,
+                                .absent = 1.0}}},
       .change = change};
   return effect;
 }

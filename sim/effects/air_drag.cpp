@@ -25,20 +25,18 @@ class AirDrag : public Running<AirDrag> {
 
 const EffectDescription& air_drag() {
   static const EffectDescription description{
-      .about =
-          {.name = "air_drag",
-           .subsystem = common::Subsystem::load,
-           .physics = "the air slows the load down",
-           .parameters = {
-           {.name = "drag_area",
-            .unit = common::Unit::square_metre,
-            .meaning = "drag coefficient times area of the load",
-            .lower = 0.0,
-            .upper = 2000.0,
-            .typical = 200.0,
-            .prior_scale = 50.0,
-            .scale = common::ParameterScale::linear,
-            .absent = 0.0}}},
+      .about = {.name = "air_drag",
+                .subsystem = common::Subsystem::load,
+                .physics = "the air slows the load down",
+                .parameters = {{.name = "drag_area",
+                                .unit = common::Unit::square_metre,
+                                .meaning = "drag coefficient times area of the load",
+                                .lower = 0.0,
+                                .upper = 2000.0,
+                                .typical = 200.0,
+                                .prior_scale = 50.0,
+                                .scale = common::ParameterScale::linear,
+                                .absent = 0.0}}},
       .ports = {EffectPort::force},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<AirDrag>(start);

@@ -1,4 +1,5 @@
-// Air drag of the load in still air: F = -1/2 rho (C A) |v| v with v the load's lateral velocity, slewing included.
+// Air drag of the load in still air: F = -1/2 rho (C A) |v| v with v the load's lateral velocity, slewing
+// included.
 // Source: textbook (drag on bluff bodies). Not in the thesis.
 #pragma once
 

@@ -12,20 +12,18 @@ void change(EffectValues values, MachineParameters& parameters) {
 
 const EffectDescription& boom_damping() {
   static const EffectDescription description{
-      .about =
-          {.name = "boom_damping",
-           .subsystem = common::Subsystem::boom,
-           .physics = "the boom's structural damping differs",
-           .parameters = {
-           {.name = "factor",
-            .unit = common::Unit::none,
-            .meaning = "damping ratio over the nominal one",
-            .lower = 0.1,
-            .upper = 10.0,
-            .typical = 3.0,
-            .prior_scale = 0.5,
-            .scale = common::ParameterScale::logarithmic,
-            .absent = 1.0}}},
+      .about = {.name = "boom_damping",
+                .subsystem = common::Subsystem::boom,
+                .physics = "the boom's structural damping differs",
+                .parameters = {{.name = "factor",
+                                .unit = common::Unit::none,
+                                .meaning = "damping ratio over the nominal one",
+                                .lower = 0.1,
+                                .upper = 10.0,
+                                .typical = 3.0,
+                                .prior_scale = 0.5,
+                                .scale = common::ParameterScale::logarithmic,
+                                .absent = 1.0}}},
       .ports = {EffectPort::parameters},
       .change = change};
   return description;

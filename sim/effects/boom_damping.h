@@ -1,4 +1,5 @@
-// Boom damping: the damping ratio at the boom's first two bending modes is factor times the nominal one, (3.15).
+// Boom damping: the damping ratio at the boom's first two bending modes is factor times the nominal one,
+// (3.15).
 // Source: thesis 3.3.2 (structural damping; its ratio is not given).
 #pragma once
 

@@ -20,7 +20,7 @@ class ClockDrift : public Running<ClockDrift> {
     line_.push({readings.house_acceleration, readings.pivot_acceleration, readings.middle_acceleration,
                 readings.tip_acceleration, readings.slew_angle});
     const auto past = line_.at(std::min(kLongestLag, drift_ * moment.time) / step_);
-    const auto mixed = [&](double Sample::*field) {
+    const auto mixed = [&](double Sample::* field) {
       return blend(past.older.*field, past.newer.*field, past.share);
     };
     readings.house_acceleration = mixed(&Sample::house);
@@ -42,20 +42,18 @@ class ClockDrift : public Running<ClockDrift> {
 
 const EffectDescription& clock_drift() {
   static const EffectDescription description{
-      .about =
-          {.name = "clock_drift",
-           .subsystem = common::Subsystem::sensor,
-           .physics = "the sensors' clock runs slow against the drives'",
-           .parameters = {
-           {.name = "drift",
-            .unit = common::Unit::none,
-            .meaning = "lag gained per time",
-            .lower = 0.0,
-            .upper = 0.02,
-            .typical = 1e-3,
-            .prior_scale = 5e-4,
-            .scale = common::ParameterScale::linear,
-            .absent = 0.0}}},
+      .about = {.name = "clock_drift",
+                .subsystem = common::Subsystem::sensor,
+                .physics = "the sensors' clock runs slow against the drives'",
+                .parameters = {{.name = "drift",
+                                .unit = common::Unit::none,
+                                .meaning = "lag gained per time",
+                                .lower = 0.0,
+                                .upper = 0.02,
+                                .typical = 1e-3,
+                                .prior_scale = 5e-4,
+                                .scale = common::ParameterScale::linear,
+                                .absent = 0.0}}},
       .ports = {EffectPort::sensor},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<ClockDrift>(start);

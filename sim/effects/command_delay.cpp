@@ -32,20 +32,18 @@ class CommandDelay : public Running<CommandDelay> {
 
 const EffectDescription& command_delay() {
   static const EffectDescription description{
-      .about =
-          {.name = "command_delay",
-           .subsystem = common::Subsystem::wire,
-           .physics = "commands arrive late at the drives",
-           .parameters = {
-           {.name = "delay",
-            .unit = common::Unit::second,
-            .meaning = "from controller to drives",
-            .lower = 0.0,
-            .upper = 0.2,
-            .typical = 0.03,
-            .prior_scale = 0.02,
-            .scale = common::ParameterScale::linear,
-            .absent = 0.0}}},
+      .about = {.name = "command_delay",
+                .subsystem = common::Subsystem::wire,
+                .physics = "commands arrive late at the drives",
+                .parameters = {{.name = "delay",
+                                .unit = common::Unit::second,
+                                .meaning = "from controller to drives",
+                                .lower = 0.0,
+                                .upper = 0.2,
+                                .typical = 0.03,
+                                .prior_scale = 0.02,
+                                .scale = common::ParameterScale::linear,
+                                .absent = 0.0}}},
       .ports = {EffectPort::message},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<CommandDelay>(start);

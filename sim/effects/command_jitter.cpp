@@ -55,20 +55,18 @@ class CommandJitter : public Running<CommandJitter> {
 
 const EffectDescription& command_jitter() {
   static const EffectDescription description{
-      .about =
-          {.name = "command_jitter",
-           .subsystem = common::Subsystem::wire,
-           .physics = "commands arrive late by changing times",
-           .parameters = {
-           {.name = "spread",
-            .unit = common::Unit::second,
-            .meaning = "longest delay",
-            .lower = 0.0,
-            .upper = 0.2,
-            .typical = 0.04,
-            .prior_scale = 0.02,
-            .scale = common::ParameterScale::linear,
-            .absent = 0.0}}},
+      .about = {.name = "command_jitter",
+                .subsystem = common::Subsystem::wire,
+                .physics = "commands arrive late by changing times",
+                .parameters = {{.name = "spread",
+                                .unit = common::Unit::second,
+                                .meaning = "longest delay",
+                                .lower = 0.0,
+                                .upper = 0.2,
+                                .typical = 0.04,
+                                .prior_scale = 0.02,
+                                .scale = common::ParameterScale::linear,
+                                .absent = 0.0}}},
       .ports = {EffectPort::message},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<CommandJitter>(start);

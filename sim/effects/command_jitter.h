@@ -1,5 +1,5 @@
-// Command jitter: every message takes a time of its own to arrive, evenly drawn from 0 ... spread, at whole steps;
-// a message never overtakes an older one. A message is known by its sequence.
+// Command jitter: every message takes a time of its own to arrive, evenly drawn from 0 ... spread, at
+// whole steps; a message never overtakes an older one. A message is known by its sequence.
 // Source: textbook (shared bus). Not in the thesis.
 #pragma once
 

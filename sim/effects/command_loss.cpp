@@ -36,20 +36,18 @@ class CommandLoss : public Running<CommandLoss> {
 
 const EffectDescription& command_loss() {
   static const EffectDescription description{
-      .about =
-          {.name = "command_loss",
-           .subsystem = common::Subsystem::wire,
-           .physics = "commands get lost on the way to the drives",
-           .parameters = {
-           {.name = "probability",
-            .unit = common::Unit::none,
-            .meaning = "of losing a message",
-            .lower = 0.0,
-            .upper = 0.99,
-            .typical = 0.3,
-            .prior_scale = 0.1,
-            .scale = common::ParameterScale::linear,
-            .absent = 0.0}}},
+      .about = {.name = "command_loss",
+                .subsystem = common::Subsystem::wire,
+                .physics = "commands get lost on the way to the drives",
+                .parameters = {{.name = "probability",
+                                .unit = common::Unit::none,
+                                .meaning = "of losing a message",
+                                .lower = 0.0,
+                                .upper = 0.99,
+                                .typical = 0.3,
+                                .prior_scale = 0.1,
+                                .scale = common::ParameterScale::linear,
+                                .absent = 0.0}}},
       .ports = {EffectPort::message},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<CommandLoss>(start);

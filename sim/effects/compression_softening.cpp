@@ -30,20 +30,18 @@ void change(EffectValues values, MachineParameters& parameters) {
 
 const EffectDescription& compression_softening() {
   static const EffectDescription description{
-      .about =
-          {.name = "compression_softening",
-           .subsystem = common::Subsystem::boom,
-           .physics = "compression along the boom lowers its bending stiffness",
-           .parameters = {
-           {.name = "compression",
-            .unit = common::Unit::newton,
-            .meaning = "axial force",
-            .lower = 0.0,
-            .upper = 9e6,
-            .typical = 4e6,
-            .prior_scale = 1.5e6,
-            .scale = common::ParameterScale::linear,
-            .absent = 0.0}}},
+      .about = {.name = "compression_softening",
+                .subsystem = common::Subsystem::boom,
+                .physics = "compression along the boom lowers its bending stiffness",
+                .parameters = {{.name = "compression",
+                                .unit = common::Unit::newton,
+                                .meaning = "axial force",
+                                .lower = 0.0,
+                                .upper = 9e6,
+                                .typical = 4e6,
+                                .prior_scale = 1.5e6,
+                                .scale = common::ParameterScale::linear,
+                                .absent = 0.0}}},
       .ports = {EffectPort::parameters},
       .change = change};
   return description;

@@ -9,8 +9,7 @@ namespace {
 
 class DeadTime : public Running<DeadTime> {
  public:
-  explicit DeadTime(const EffectStart& start)
-      : delay_(start.values[0] / start.model.step), line_(delay_) {}
+  explicit DeadTime(const EffectStart& start) : delay_(start.values[0] / start.model.step), line_(delay_) {}
 
   void actuator(const EffectMoment&, GroupArray& motor_torque) override {
     line_.push(motor_torque);
@@ -29,20 +28,18 @@ class DeadTime : public Running<DeadTime> {
 
 const EffectDescription& dead_time() {
   static const EffectDescription description{
-      .about =
-          {.name = "dead_time",
-           .subsystem = common::Subsystem::drive,
-           .physics = "the motor torque follows its command after a fixed time",
-           .parameters = {
-           {.name = "delay",
-            .unit = common::Unit::second,
-            .meaning = "time from command to torque",
-            .lower = 0.0,
-            .upper = 0.2,
-            .typical = 0.03,
-            .prior_scale = 0.02,
-            .scale = common::ParameterScale::linear,
-            .absent = 0.0}}},
+      .about = {.name = "dead_time",
+                .subsystem = common::Subsystem::drive,
+                .physics = "the motor torque follows its command after a fixed time",
+                .parameters = {{.name = "delay",
+                                .unit = common::Unit::second,
+                                .meaning = "time from command to torque",
+                                .lower = 0.0,
+                                .upper = 0.2,
+                                .typical = 0.03,
+                                .prior_scale = 0.02,
+                                .scale = common::ParameterScale::linear,
+                                .absent = 0.0}}},
       .ports = {EffectPort::actuator},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<DeadTime>(start);

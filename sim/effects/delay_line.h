@@ -13,8 +13,7 @@ template <class Sample>
 class DelayLine {
  public:
   // `longest` [steps]
-  explicit DelayLine(double longest)
-      : samples_(static_cast<std::size_t>(std::ceil(longest)) + 2) {}
+  explicit DelayLine(double longest) : samples_(static_cast<std::size_t>(std::ceil(longest)) + 2) {}
 
   void push(const Sample& sample) {
     newest_ = (newest_ + 1) % samples_.size();

@@ -1,4 +1,5 @@
-// Dragging brake: brakes that do not open fully rub on the motors with a torque that does not depend on speed,
+// Dragging brake: brakes that do not open fully rub on the motors with a torque that does not depend on
+// speed,
 //   |T_friction| <= T_drag (1 + u) n_motors i   on the first half of the groups, (1 - u) on the last,
 // against the motion, and holding at rest.
 // Source: thesis 2.5 (brake plates; their details are left out there).

@@ -30,28 +30,28 @@ enum class EffectPort { parameters, message, actuator, force, friction, sensor }
 // the nominal crane's: material keeps its damping when something else changes.
 struct MachineParameters {
   CraneParameters crane;
-  GroupArray group_inertia{};                          // [kg m^2]
+  GroupArray group_inertia{};  // [kg m^2]
   std::array<GearContact, kMaximumGroupCount> gear{};
 };
 
 // The crane in the middle of the step; slew axis, lateral quantities as in PlantState.
 struct EffectMoment {
-  double time = 0.0;               // [s]
-  double step = 0.0;               // [s]
-  GroupArray motor_angle{};        // [rad]
-  GroupArray motor_speed{};        // [rad/s]
-  GroupArray gear_torque{};        // [Nm] on the house
-  double house_angle = 0.0;        // [rad]
-  double house_speed = 0.0;        // [rad/s]
-  double house_acceleration = 0.0; // [rad/s^2]
-  double tip_displacement = 0.0;   // [m]
-  double tip_velocity = 0.0;       // [m/s]
-  double tip_acceleration = 0.0;   // [m/s^2]
-  double boom_acceleration = 0.0;  // [m^2/s^2] integral of the lateral acceleration along the boom
-  double load_displacement = 0.0;  // [m] of the rope's lower end
-  double load_velocity = 0.0;      // [m/s]
-  double rope_angle = 0.0;         // [rad]
-  double rope_force = 0.0;         // [N] on the tip
+  double time = 0.0;                // [s]
+  double step = 0.0;                // [s]
+  GroupArray motor_angle{};         // [rad]
+  GroupArray motor_speed{};         // [rad/s]
+  GroupArray gear_torque{};         // [Nm] on the house
+  double house_angle = 0.0;         // [rad]
+  double house_speed = 0.0;         // [rad/s]
+  double house_acceleration = 0.0;  // [rad/s^2]
+  double tip_displacement = 0.0;    // [m]
+  double tip_velocity = 0.0;        // [m/s]
+  double tip_acceleration = 0.0;    // [m/s^2]
+  double boom_acceleration = 0.0;   // [m^2/s^2] integral of the lateral acceleration along the boom
+  double load_displacement = 0.0;   // [m] of the rope's lower end
+  double load_velocity = 0.0;       // [m/s]
+  double rope_angle = 0.0;          // [rad]
+  double rope_force = 0.0;          // [N] on the tip
 };
 
 // The crane at the end of the step, before any sensor.

@@ -34,20 +34,18 @@ class EncoderDelay : public Running<EncoderDelay> {
 
 const EffectDescription& encoder_delay() {
   static const EffectDescription description{
-      .about =
-          {.name = "encoder_delay",
-           .subsystem = common::Subsystem::sensor,
-           .physics = "the encoder's reading arrives late",
-           .parameters = {
-           {.name = "delay",
-            .unit = common::Unit::second,
-            .meaning = "of position and speed",
-            .lower = 0.0,
-            .upper = 0.2,
-            .typical = 0.03,
-            .prior_scale = 0.02,
-            .scale = common::ParameterScale::linear,
-            .absent = 0.0}}},
+      .about = {.name = "encoder_delay",
+                .subsystem = common::Subsystem::sensor,
+                .physics = "the encoder's reading arrives late",
+                .parameters = {{.name = "delay",
+                                .unit = common::Unit::second,
+                                .meaning = "of position and speed",
+                                .lower = 0.0,
+                                .upper = 0.2,
+                                .typical = 0.03,
+                                .prior_scale = 0.02,
+                                .scale = common::ParameterScale::linear,
+                                .absent = 0.0}}},
       .ports = {EffectPort::sensor},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<EncoderDelay>(start);

@@ -21,20 +21,18 @@ class EncoderScale : public Running<EncoderScale> {
 
 const EffectDescription& encoder_scale() {
   static const EffectDescription description{
-      .about =
-          {.name = "encoder_scale",
-           .subsystem = common::Subsystem::sensor,
-           .physics = "the encoder reads too much or too little",
-           .parameters = {
-           {.name = "error",
-            .unit = common::Unit::none,
-            .meaning = "relative",
-            .lower = -0.3,
-            .upper = 0.3,
-            .typical = 0.02,
-            .prior_scale = 0.01,
-            .scale = common::ParameterScale::linear,
-            .absent = 0.0}}},
+      .about = {.name = "encoder_scale",
+                .subsystem = common::Subsystem::sensor,
+                .physics = "the encoder reads too much or too little",
+                .parameters = {{.name = "error",
+                                .unit = common::Unit::none,
+                                .meaning = "relative",
+                                .lower = -0.3,
+                                .upper = 0.3,
+                                .typical = 0.02,
+                                .prior_scale = 0.01,
+                                .scale = common::ParameterScale::linear,
+                                .absent = 0.0}}},
       .ports = {EffectPort::sensor},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<EncoderScale>(start);

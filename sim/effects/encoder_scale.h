@@ -1,4 +1,5 @@
-// Encoder scale: position and speed read (1 + error) times what they are (counts per turn or ratio set wrong).
+// Encoder scale: position and speed read (1 + error) times what they are (counts per turn or ratio set
+// wrong).
 // Source: textbook. Not in the thesis.
 #pragma once
 

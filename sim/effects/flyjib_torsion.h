@@ -1,5 +1,6 @@
-// Eccentric torsion of a fly jib: a jib of mass m on the boom's tip, its centre and its sheave the distance e
-// in front of the boom's axis. It moves with y_tip + e psi_tip, so that bending and torsion are coupled at the tip,
+// Eccentric torsion of a fly jib: a jib of mass m on the boom's tip, its centre and its sheave the
+// distance e in front of the boom's axis. It moves with y_tip + e psi_tip, so that bending and torsion are
+// coupled at the tip,
 //   M_tip += m [1 e; e e^2] on [y, psi],
 // and the rope hangs from there. Rigid jib; BoomParameters::jib_mass, jib_eccentricity.
 // Source: textbook; the thesis's boom has no jib.

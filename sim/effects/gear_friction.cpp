@@ -26,20 +26,18 @@ class GearFriction : public Running<GearFriction> {
 
 const EffectDescription& gear_friction() {
   static const EffectDescription description{
-      .about =
-          {.name = "gear_friction",
-           .subsystem = common::Subsystem::drive,
-           .physics = "gears lose a share of the torque they carry",
-           .parameters = {
-           {.name = "loss",
-            .unit = common::Unit::none,
-            .meaning = "share of the gear torque, 1 - efficiency",
-            .lower = 0.0,
-            .upper = 0.4,
-            .typical = 0.05,
-            .prior_scale = 0.03,
-            .scale = common::ParameterScale::linear,
-            .absent = 0.0}}},
+      .about = {.name = "gear_friction",
+                .subsystem = common::Subsystem::drive,
+                .physics = "gears lose a share of the torque they carry",
+                .parameters = {{.name = "loss",
+                                .unit = common::Unit::none,
+                                .meaning = "share of the gear torque, 1 - efficiency",
+                                .lower = 0.0,
+                                .upper = 0.4,
+                                .typical = 0.05,
+                                .prior_scale = 0.03,
+                                .scale = common::ParameterScale::linear,
+                                .absent = 0.0}}},
       .ports = {EffectPort::friction},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<GearFriction>(start);

@@ -1,4 +1,5 @@
-// Load-dependent gear friction: the teeth lose a share of the torque they carry, as friction on the motor side,
+// Load-dependent gear friction: the teeth lose a share of the torque they carry, as friction on the motor
+// side,
 //   |T_friction| <= loss |T_gear|,   against the motor's motion, and holding at rest.
 // loss = 1 - efficiency.
 // Source: thesis 2.6 (friction between the teeth lowers the efficiency; neglected there).

@@ -19,8 +19,9 @@ class GearboxMeshVariation : public Running<GearboxMeshVariation> {
 
   void force(const EffectMoment& moment, PortForces& ports) override {
     for (int i = 0; i < group_count_; ++i) {
-      const double change = amplitude_ * moment.gear_torque[i] *
-                            mean_sine(order_ * moment.motor_angle[i] + phase_, order_ * moment.motor_speed[i] * moment.step);
+      const double change =
+          amplitude_ * moment.gear_torque[i] *
+          mean_sine(order_ * moment.motor_angle[i] + phase_, order_ * moment.motor_speed[i] * moment.step);
       ports.motor_torque[i] -= change;
       ports.house_torque += change;
     }
@@ -37,29 +38,27 @@ class GearboxMeshVariation : public Running<GearboxMeshVariation> {
 
 const EffectDescription& gearbox_mesh_variation() {
   static const EffectDescription description{
-      .about =
-          {.name = "gearbox_mesh_variation",
-           .subsystem = common::Subsystem::drive,
-           .physics = "gear stiffness goes up and down with the mesh of the gearbox",
-           .parameters = {
-           {.name = "amplitude",
-            .unit = common::Unit::none,
-            .meaning = "share of the group's stiffness",
-            .lower = 0.0,
-            .upper = 0.05,
-            .typical = 0.003,
-            .prior_scale = 0.002,
-            .scale = common::ParameterScale::linear,
-            .absent = 0.0},
-           {.name = "phase",
-            .unit = common::Unit::radian,
-            .meaning = "phase of the mesh at the start",
-            .lower = -std::numbers::pi,
-            .upper = std::numbers::pi,
-            .typical = 0.0,
-            .prior_scale = 2.0,
-            .scale = common::ParameterScale::linear,
-            .absent = std::nullopt}}},
+      .about = {.name = "gearbox_mesh_variation",
+                .subsystem = common::Subsystem::drive,
+                .physics = "gear stiffness goes up and down with the mesh of the gearbox",
+                .parameters = {{.name = "amplitude",
+                                .unit = common::Unit::none,
+                                .meaning = "share of the group's stiffness",
+                                .lower = 0.0,
+                                .upper = 0.05,
+                                .typical = 0.003,
+                                .prior_scale = 0.002,
+                                .scale = common::ParameterScale::linear,
+                                .absent = 0.0},
+                               {.name = "phase",
+                                .unit = common::Unit::radian,
+                                .meaning = "phase of the mesh at the start",
+                                .lower = -std::numbers::pi,
+                                .upper = std::numbers::pi,
+                                .typical = 0.0,
+                                .prior_scale = 2.0,
+                                .scale = common::ParameterScale::linear,
+                                .absent = std::nullopt}}},
       .ports = {EffectPort::force},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<GearboxMeshVariation>(start);

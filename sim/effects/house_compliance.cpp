@@ -43,20 +43,18 @@ class HouseCompliance : public Running<HouseCompliance> {
 
 const EffectDescription& house_compliance() {
   static const EffectDescription description{
-      .about =
-          {.name = "house_compliance",
-           .subsystem = common::Subsystem::house,
-           .physics = "the crane house twists between slew ring and boom pivot",
-           .parameters = {
-           {.name = "stiffness",
-            .unit = common::Unit::newton_metre_per_radian,
-            .meaning = "of the house in torsion, (2.9)",
-            .lower = 1e9,
-            .upper = 1e12,
-            .typical = 1e10,
-            .prior_scale = 1.0,
-            .scale = common::ParameterScale::logarithmic,
-            .absent = std::numeric_limits<double>::infinity()}}},
+      .about = {.name = "house_compliance",
+                .subsystem = common::Subsystem::house,
+                .physics = "the crane house twists between slew ring and boom pivot",
+                .parameters = {{.name = "stiffness",
+                                .unit = common::Unit::newton_metre_per_radian,
+                                .meaning = "of the house in torsion, (2.9)",
+                                .lower = 1e9,
+                                .upper = 1e12,
+                                .typical = 1e10,
+                                .prior_scale = 1.0,
+                                .scale = common::ParameterScale::logarithmic,
+                                .absent = std::numeric_limits<double>::infinity()}}},
       .ports = {EffectPort::force},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<HouseCompliance>(start);

@@ -17,12 +17,12 @@ class LargeAngles : public Running<LargeAngles> {
 
   void force(const EffectMoment& moment, PortForces& ports) override {
     if (mass_ == 0.0) return;
-    const double sine = std::clamp((moment.load_displacement - moment.tip_displacement) / length_, -0.99, 0.99);
+    const double sine =
+        std::clamp((moment.load_displacement - moment.tip_displacement) / length_, -0.99, 0.99);
     const double cosine = std::sqrt(1.0 - sine * sine);
     const double rate = (moment.load_velocity - moment.tip_velocity) / (length_ * cosine);
     const double force =
-        -mass_ * sine *
-        (kGravity * (cosine - 1.0) + length_ * rate * rate - moment.tip_acceleration * sine);
+        -mass_ * sine * (kGravity * (cosine - 1.0) + length_ * rate * rate - moment.tip_acceleration * sine);
     ports.load_force += force;
     ports.tip_force -= force;
   }
@@ -36,20 +36,18 @@ class LargeAngles : public Running<LargeAngles> {
 
 const EffectDescription& large_angles() {
   static const EffectDescription description{
-      .about =
-          {.name = "large_angles",
-           .subsystem = common::Subsystem::load,
-           .physics = "the rope's pull at large swing angles",
-           .parameters = {
-           {.name = "share",
-            .unit = common::Unit::none,
-            .meaning = "of the nonlinear part; 1 is physical",
-            .lower = 0.0,
-            .upper = 1.0,
-            .typical = 1.0,
-            .prior_scale = 1.0,
-            .scale = common::ParameterScale::linear,
-            .absent = 0.0}}},
+      .about = {.name = "large_angles",
+                .subsystem = common::Subsystem::load,
+                .physics = "the rope's pull at large swing angles",
+                .parameters = {{.name = "share",
+                                .unit = common::Unit::none,
+                                .meaning = "of the nonlinear part; 1 is physical",
+                                .lower = 0.0,
+                                .upper = 1.0,
+                                .typical = 1.0,
+                                .prior_scale = 1.0,
+                                .scale = common::ParameterScale::linear,
+                                .absent = 0.0}}},
       .ports = {EffectPort::force},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<LargeAngles>(start);

@@ -1,5 +1,6 @@
-// Large angles: the rope's true sideways pull in place of its small-angle one. With sin(beta) = (y_1 - y_tip) / L
-// the tension is T = M (g cos(beta) + L beta'^2 - y_tip'' sin(beta)), so that the load feels besides M g sin(beta)
+// Large angles: the rope's true sideways pull in place of its small-angle one. With sin(beta) = (y_1 -
+// y_tip) / L the tension is T = M (g cos(beta) + L beta'^2 - y_tip'' sin(beta)), so that the load feels
+// besides M g sin(beta)
 //   F = -share M sin(beta) (g (cos(beta) - 1) + L beta'^2 - y_tip'' sin(beta)),   the tip -F.
 // The rod keeps its small angles. share 1 is the whole nonlinearity, 0 none.
 // Source: textbook (pendulum with a moved support); thesis 3.3.3 takes small angles.

@@ -12,20 +12,18 @@ void change(EffectValues values, MachineParameters& parameters) {
 
 const EffectDescription& larger_play() {
   static const EffectDescription description{
-      .about =
-          {.name = "larger_play",
-           .subsystem = common::Subsystem::drive,
-           .physics = "all gears have more play than specified",
-           .parameters = {
-           {.name = "added_play",
-            .unit = common::Unit::radian,
-            .meaning = "additional whole play on the slew axis",
-            .lower = 0.0,
-            .upper = 5e-3,
-            .typical = 5e-4,
-            .prior_scale = 2e-4,
-            .scale = common::ParameterScale::linear,
-            .absent = 0.0}}},
+      .about = {.name = "larger_play",
+                .subsystem = common::Subsystem::drive,
+                .physics = "all gears have more play than specified",
+                .parameters = {{.name = "added_play",
+                                .unit = common::Unit::radian,
+                                .meaning = "additional whole play on the slew axis",
+                                .lower = 0.0,
+                                .upper = 5e-3,
+                                .typical = 5e-4,
+                                .prior_scale = 2e-4,
+                                .scale = common::ParameterScale::linear,
+                                .absent = 0.0}}},
       .ports = {EffectPort::parameters},
       .change = change};
   return description;

@@ -24,7 +24,8 @@ class Offlead : public Running<Offlead> {
     if (mass_ == 0.0) return;
     const double h = moment.step;
     const double omega = moment.load_velocity / radius_;
-    const double slewing_acceleration = -square_ * (moment.load_displacement - moment.tip_displacement) / radius_;
+    const double slewing_acceleration =
+        -square_ * (moment.load_displacement - moment.tip_displacement) / radius_;
     const double out = out_ + 0.5 * h * speed_;
     const double held_speed = speed_ + 0.5 * h * acceleration_;
     acceleration_ = (radius_ + out) * omega * omega - square_ * out - damping_ * held_speed;
@@ -46,20 +47,18 @@ class Offlead : public Running<Offlead> {
 
 const EffectDescription& offlead() {
   static const EffectDescription description{
-      .about =
-          {.name = "offlead",
-           .subsystem = common::Subsystem::load,
-           .physics = "slewing swings the load outwards, and that acts back",
-           .parameters = {
-           {.name = "share",
-            .unit = common::Unit::none,
-            .meaning = "of the reaction; 1 is physical",
-            .lower = 0.0,
-            .upper = 1.0,
-            .typical = 1.0,
-            .prior_scale = 1.0,
-            .scale = common::ParameterScale::linear,
-            .absent = 0.0}}},
+      .about = {.name = "offlead",
+                .subsystem = common::Subsystem::load,
+                .physics = "slewing swings the load outwards, and that acts back",
+                .parameters = {{.name = "share",
+                                .unit = common::Unit::none,
+                                .meaning = "of the reaction; 1 is physical",
+                                .lower = 0.0,
+                                .upper = 1.0,
+                                .typical = 1.0,
+                                .prior_scale = 1.0,
+                                .scale = common::ParameterScale::linear,
+                                .absent = 0.0}}},
       .ports = {EffectPort::force},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<Offlead>(start);

@@ -50,12 +50,12 @@ class PedestalFlexibility : public Running<PedestalFlexibility> {
 
  private:
   double stiffness_;
-  double mass_ = 0.0;                 // [kg] top and boom
-  double damping_ = 0.0;              // [N s/m]
-  double boom_mass_per_length_ = 0.0; // [kg/m]
-  double load_mass_ = 0.0;            // [kg]
+  double mass_ = 0.0;                         // [kg] top and boom
+  double damping_ = 0.0;                      // [N s/m]
+  double boom_mass_per_length_ = 0.0;         // [kg/m]
+  double load_mass_ = 0.0;                    // [kg]
   double rod_moment_per_acceleration_ = 0.0;  // [kg m]
-  double boom_response_ = 0.0;        // [m^2/kg] boom_acceleration per uniform force
+  double boom_response_ = 0.0;                // [m^2/kg] boom_acceleration per uniform force
   double displacement_ = 0.0, speed_ = 0.0;
   double acceleration_ = 0.0, acceleration_before_ = 0.0;  // in the middle of the last two steps
 };
@@ -64,38 +64,36 @@ class PedestalFlexibility : public Running<PedestalFlexibility> {
 
 const EffectDescription& pedestal_flexibility() {
   static const EffectDescription description{
-      .about =
-          {.name = "pedestal_flexibility",
-           .subsystem = common::Subsystem::house,
-           .physics = "the pedestal bends sideways under the crane",
-           .parameters = {
-           {.name = "stiffness",
-            .unit = common::Unit::newton_per_metre,
-            .meaning = "lateral, at the height of the boom's pivot",
-            .lower = 2e7,
-            .upper = 1e10,
-            .typical = 1e8,
-            .prior_scale = 1.0,
-            .scale = common::ParameterScale::logarithmic,
-            .absent = std::numeric_limits<double>::infinity()},
-           {.name = "top_mass",
-            .unit = common::Unit::kilogram,
-            .meaning = "house and the pedestal's share that moves with it",
-            .lower = 5e4,
-            .upper = 2e6,
-            .typical = 3e5,
-            .prior_scale = 0.3,
-            .scale = common::ParameterScale::logarithmic,
-            .absent = std::nullopt},
-           {.name = "damping_ratio",
-            .unit = common::Unit::none,
-            .meaning = "share of critical damping",
-            .lower = 0.001,
-            .upper = 0.3,
-            .typical = 0.02,
-            .prior_scale = 0.5,
-            .scale = common::ParameterScale::logarithmic,
-            .absent = std::nullopt}}},
+      .about = {.name = "pedestal_flexibility",
+                .subsystem = common::Subsystem::house,
+                .physics = "the pedestal bends sideways under the crane",
+                .parameters = {{.name = "stiffness",
+                                .unit = common::Unit::newton_per_metre,
+                                .meaning = "lateral, at the height of the boom's pivot",
+                                .lower = 2e7,
+                                .upper = 1e10,
+                                .typical = 1e8,
+                                .prior_scale = 1.0,
+                                .scale = common::ParameterScale::logarithmic,
+                                .absent = std::numeric_limits<double>::infinity()},
+                               {.name = "top_mass",
+                                .unit = common::Unit::kilogram,
+                                .meaning = "house and the pedestal's share that moves with it",
+                                .lower = 5e4,
+                                .upper = 2e6,
+                                .typical = 3e5,
+                                .prior_scale = 0.3,
+                                .scale = common::ParameterScale::logarithmic,
+                                .absent = std::nullopt},
+                               {.name = "damping_ratio",
+                                .unit = common::Unit::none,
+                                .meaning = "share of critical damping",
+                                .lower = 0.001,
+                                .upper = 0.3,
+                                .typical = 0.02,
+                                .prior_scale = 0.5,
+                                .scale = common::ParameterScale::logarithmic,
+                                .absent = std::nullopt}}},
       .ports = {EffectPort::force, EffectPort::sensor},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<PedestalFlexibility>(start);

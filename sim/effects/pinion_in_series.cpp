@@ -20,20 +20,18 @@ void change(EffectValues values, MachineParameters& parameters) {
 
 const EffectDescription& pinion_in_series() {
   static const EffectDescription description{
-      .about =
-          {.name = "pinion_in_series",
-           .subsystem = common::Subsystem::drive,
-           .physics = "the pinion's teeth are a spring in series with the gearbox",
-           .parameters = {
-           {.name = "pinion_stiffness",
-            .unit = common::Unit::newton_metre_per_radian,
-            .meaning = "mesh stiffness of one pinion on its own shaft, (2.7)",
-            .lower = 5e6,
-            .upper = 7.13e8,
-            .typical = 5e7,
-            .prior_scale = 1.0,
-            .scale = common::ParameterScale::logarithmic,
-            .absent = std::numeric_limits<double>::infinity()}}},
+      .about = {.name = "pinion_in_series",
+                .subsystem = common::Subsystem::drive,
+                .physics = "the pinion's teeth are a spring in series with the gearbox",
+                .parameters = {{.name = "pinion_stiffness",
+                                .unit = common::Unit::newton_metre_per_radian,
+                                .meaning = "mesh stiffness of one pinion on its own shaft, (2.7)",
+                                .lower = 5e6,
+                                .upper = 7.13e8,
+                                .typical = 5e7,
+                                .prior_scale = 1.0,
+                                .scale = common::ParameterScale::logarithmic,
+                                .absent = std::numeric_limits<double>::infinity()}}},
       .ports = {EffectPort::parameters},
       .change = change};
   return description;

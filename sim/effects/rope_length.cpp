@@ -12,20 +12,18 @@ void change(EffectValues values, MachineParameters& parameters) {
 
 const EffectDescription& rope_length() {
   static const EffectDescription description{
-      .about =
-          {.name = "rope_length",
-           .subsystem = common::Subsystem::load,
-           .physics = "the rope is longer or shorter than told",
-           .parameters = {
-           {.name = "factor",
-            .unit = common::Unit::none,
-            .meaning = "length over the nominal one",
-            .lower = 0.3,
-            .upper = 3.0,
-            .typical = 1.15,
-            .prior_scale = 0.1,
-            .scale = common::ParameterScale::logarithmic,
-            .absent = 1.0}}},
+      .about = {.name = "rope_length",
+                .subsystem = common::Subsystem::load,
+                .physics = "the rope is longer or shorter than told",
+                .parameters = {{.name = "factor",
+                                .unit = common::Unit::none,
+                                .meaning = "length over the nominal one",
+                                .lower = 0.3,
+                                .upper = 3.0,
+                                .typical = 1.15,
+                                .prior_scale = 0.1,
+                                .scale = common::ParameterScale::logarithmic,
+                                .absent = 1.0}}},
       .ports = {EffectPort::parameters},
       .change = change};
   return description;

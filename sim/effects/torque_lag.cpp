@@ -38,20 +38,18 @@ class TorqueLag : public Running<TorqueLag> {
 
 const EffectDescription& torque_lag() {
   static const EffectDescription description{
-      .about =
-          {.name = "torque_lag",
-           .subsystem = common::Subsystem::drive,
-           .physics = "first-order lag of the motor torque behind its command",
-           .parameters = {
-           {.name = "time_constant",
-            .unit = common::Unit::second,
-            .meaning = "time constant of the lag",
-            .lower = 0.0,
-            .upper = 0.5,
-            .typical = 0.05,
-            .prior_scale = 0.03,
-            .scale = common::ParameterScale::linear,
-            .absent = 0.0}}},
+      .about = {.name = "torque_lag",
+                .subsystem = common::Subsystem::drive,
+                .physics = "first-order lag of the motor torque behind its command",
+                .parameters = {{.name = "time_constant",
+                                .unit = common::Unit::second,
+                                .meaning = "time constant of the lag",
+                                .lower = 0.0,
+                                .upper = 0.5,
+                                .typical = 0.05,
+                                .prior_scale = 0.03,
+                                .scale = common::ParameterScale::linear,
+                                .absent = 0.0}}},
       .ports = {EffectPort::actuator},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<TorqueLag>(start);

@@ -23,20 +23,18 @@ class TorqueLimit : public Running<TorqueLimit> {
 
 const EffectDescription& torque_limit() {
   static const EffectDescription description{
-      .about =
-          {.name = "torque_limit",
-           .subsystem = common::Subsystem::drive,
-           .physics = "the drive delivers no more than a largest torque per motor",
-           .parameters = {
-           {.name = "limit",
-            .unit = common::Unit::newton_metre,
-            .meaning = "largest torque of one motor",
-            .lower = 20.0,
-            .upper = 2000.0,
-            .typical = 150.0,
-            .prior_scale = 0.7,
-            .scale = common::ParameterScale::logarithmic,
-            .absent = std::numeric_limits<double>::infinity()}}},
+      .about = {.name = "torque_limit",
+                .subsystem = common::Subsystem::drive,
+                .physics = "the drive delivers no more than a largest torque per motor",
+                .parameters = {{.name = "limit",
+                                .unit = common::Unit::newton_metre,
+                                .meaning = "largest torque of one motor",
+                                .lower = 20.0,
+                                .upper = 2000.0,
+                                .typical = 150.0,
+                                .prior_scale = 0.7,
+                                .scale = common::ParameterScale::logarithmic,
+                                .absent = std::numeric_limits<double>::infinity()}}},
       .ports = {EffectPort::actuator},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<TorqueLimit>(start);

@@ -13,20 +13,18 @@ void change(EffectValues values, MachineParameters& parameters) {
 
 const EffectDescription& uneven_motor_inertia() {
   static const EffectDescription description{
-      .about =
-          {.name = "uneven_motor_inertia",
-           .subsystem = common::Subsystem::drive,
-           .physics = "the motor groups differ in their motor inertia",
-           .parameters = {
-           {.name = "share",
-            .unit = common::Unit::none,
-            .meaning = "relative excess of the first half of the groups",
-            .lower = -0.6,
-            .upper = 0.6,
-            .typical = 0.2,
-            .prior_scale = 0.1,
-            .scale = common::ParameterScale::linear,
-            .absent = 0.0}}},
+      .about = {.name = "uneven_motor_inertia",
+                .subsystem = common::Subsystem::drive,
+                .physics = "the motor groups differ in their motor inertia",
+                .parameters = {{.name = "share",
+                                .unit = common::Unit::none,
+                                .meaning = "relative excess of the first half of the groups",
+                                .lower = -0.6,
+                                .upper = 0.6,
+                                .typical = 0.2,
+                                .prior_scale = 0.1,
+                                .scale = common::ParameterScale::linear,
+                                .absent = 0.0}}},
       .ports = {EffectPort::parameters},
       .change = change};
   return description;

@@ -22,16 +22,16 @@ const EffectDescription& uneven_play() {
           {.name = "uneven_play",
            .subsystem = common::Subsystem::drive,
            .physics = "the motor groups differ in their play",
-           .parameters = {
-           {.name = "difference",
-            .unit = common::Unit::radian,
-            .meaning = "whole play of the first half of the groups less that of the last, slew axis",
-            .lower = -2e-3,
-            .upper = 2e-3,
-            .typical = 5e-4,
-            .prior_scale = 2e-4,
-            .scale = common::ParameterScale::linear,
-            .absent = 0.0}}},
+           .parameters = {{.name = "difference",
+                           .unit = common::Unit::radian,
+                           .meaning =
+                               "whole play of the first half of the groups less that of the last, slew axis",
+                           .lower = -2e-3,
+                           .upper = 2e-3,
+                           .typical = 5e-4,
+                           .prior_scale = 2e-4,
+                           .scale = common::ParameterScale::linear,
+                           .absent = 0.0}}},
       .ports = {EffectPort::parameters},
       .change = change};
   return description;

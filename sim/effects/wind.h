@@ -1,5 +1,6 @@
 // Steady wind from one direction on boom and load: lateral forces
-//   F = 1/2 rho v^2 (C A) sin(psi - theta_house),   psi: where the wind blows to, from the boom's first direction,
+//   F = 1/2 rho v^2 (C A) sin(psi - theta_house),   psi: where the wind blows to, from the boom's first
+//   direction,
 // evenly along the boom and on the load. The crane's own speed against the air is left to air_drag.
 // Source: textbook (drag on bluff bodies). Not in the thesis.
 #pragma once

@@ -107,9 +107,11 @@ TEST(Machine, BoundsOfEveryEffectRunOrAreRefused) {
           for (std::int64_t k = 0; k < 3000; ++k) step(machine, command_at(k));
           const double tip = read(machine).tip_acceleration;
           EXPECT_TRUE(std::isfinite(tip) && std::fabs(tip) < 50.0)
-              << effect->about.name << " " << parameter.name << (upper ? " upper" : " lower") << " tip " << tip;
+              << effect->about.name << " " << parameter.name << (upper ? " upper" : " lower") << " tip "
+              << tip;
         } catch (const std::invalid_argument& refused) {
-          EXPECT_NE(std::string(refused.what()).find(effect->about.name), std::string::npos) << refused.what();
+          EXPECT_NE(std::string(refused.what()).find(effect->about.name), std::string::npos)
+              << refused.what();
         }
       }
     }

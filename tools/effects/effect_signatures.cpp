@@ -1,5 +1,6 @@
-// slewlab-effect-signatures CRANE.yaml CONTROLLER.yaml: what every effect of the catalogues, at its typical size,
-// changes on a slew to one side and back, as one line of JSON per effect. The pages of docs/effects quote it.
+// slewlab-effect-signatures CRANE.yaml CONTROLLER.yaml: what every effect of the catalogues, at its typical
+// size, changes on a slew to one side and back, as one line of JSON per effect. The pages of docs/effects
+// quote it.
 //
 // Per signal: "gap", the root mean square of the change over that of the signal itself (mean removed), and
 // "bands", the shares of the change's power below 0.3 Hz, to 2, to 8 and above 8 Hz.
@@ -23,15 +24,15 @@ namespace {
 
 using namespace slewlab;
 
-constexpr double kStep = 0.001;      // [s]
-constexpr int kStepsPerCycle = 10;   // a controller of 100 Hz
-constexpr double kDuration = 60.0;   // [s]
+constexpr double kStep = 0.001;                             // [s]
+constexpr int kStepsPerCycle = 10;                          // a controller of 100 Hz
+constexpr double kDuration = 60.0;                          // [s]
 constexpr std::array<double, 3> kBandEdges{0.3, 2.0, 8.0};  // [Hz]
-constexpr double kHighest = 200.0;   // [Hz]
+constexpr double kHighest = 200.0;                          // [Hz]
 
-constexpr std::array<const char*, 8> kSignals{"torque sum",         "torque difference", "shaft speed",
-                                              "house acceleration", "middle acceleration",
-                                              "tip acceleration",   "shaft difference",  "slew angle"};
+constexpr std::array<const char*, 8> kSignals{"torque sum",         "torque difference",   "shaft speed",
+                                              "house acceleration", "middle acceleration", "tip acceleration",
+                                              "shaft difference",   "slew angle"};
 using Series = std::array<std::vector<double>, kSignals.size()>;
 
 double speed_request(double time) {
@@ -113,7 +114,9 @@ nlohmann::json describe(const common::EffectAbout& about) {
   for (const common::EffectParameter& parameter : about.parameters) {
     rows.push_back(common::parameter_row(parameter));
   }
-  return {{"name", about.name}, {"subsystem", common::name_of(about.subsystem)}, {"physics", about.physics},
+  return {{"name", about.name},
+          {"subsystem", common::name_of(about.subsystem)},
+          {"physics", about.physics},
           {"rows", rows}};
 }
 

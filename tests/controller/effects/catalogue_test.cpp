@@ -11,8 +11,12 @@ namespace {
 TEST(ControllerEffects, AbsentSizesChangeNothing) {
   ControllerSettings settings;
   settings.speed_control = {.proportional_gain = 40.0, .integral_time = 1.0};
-  settings.ramp = {.shape = RampShape::s_curve, .top_speed = 0.05, .acceleration_time = 4.0,
-                   .deceleration_time = 4.0, .emergency_stop_time = 1.5, .curved_share = 0.3};
+  settings.ramp = {.shape = RampShape::s_curve,
+                   .top_speed = 0.05,
+                   .acceleration_time = 4.0,
+                   .deceleration_time = 4.0,
+                   .emergency_stop_time = 1.5,
+                   .curved_share = 0.3};
   settings.play_compensation.enabled = true;
   settings.play_compensation.point_count = 1;
   settings.play_compensation.points[0] = {0.0, 0.10, -0.10};

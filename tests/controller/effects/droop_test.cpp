@@ -11,7 +11,8 @@ TEST(DroopEffect, RatedTorqueLowersTheReferenceByTheDroop) {
   settings.speed_control = {.proportional_gain = 40.0, .integral_time = 1.0, .droop = 0.0};
   droop().change({5.0}, settings);
   SpeedControlState state{.integral_torque = 400.0};
-  const SpeedControlOutput output = step_speed_control(settings.speed_control, state, 1e-9, 5.0, 400.0, 800.0);
+  const SpeedControlOutput output =
+      step_speed_control(settings.speed_control, state, 1e-9, 5.0, 400.0, 800.0);
   EXPECT_NEAR(output.torque, 400.0, 1e-4);
   EXPECT_NEAR(output.proportional_torque, 0.0, 1e-4);
 }

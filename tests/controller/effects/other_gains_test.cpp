@@ -12,7 +12,8 @@ TEST(OtherGains, MultipliesGainAndIntegralTime) {
   // A step of the error e gives Kp e at once and Kp / Ti e per second besides.
   SpeedControlState state;
   const double period = 1e-6;
-  EXPECT_NEAR(step_speed_control(settings.speed_control, state, period, 2.0, 400.0, 1e9).torque, 60.0 * 2.0, 1e-3);
+  EXPECT_NEAR(step_speed_control(settings.speed_control, state, period, 2.0, 400.0, 1e9).torque, 60.0 * 2.0,
+              1e-3);
   double torque = 0.0;
   for (int k = 0; k < 1000; ++k) {
     torque = step_speed_control(settings.speed_control, state, 1e-3, 2.0, 400.0, 1e9).torque;

@@ -10,8 +10,12 @@ namespace {
 // The S-curve reaches top speed after factor times its time, with the peak acceleration that area asks for.
 TEST(OtherRamp, StretchesTheTimeToTopSpeed) {
   ControllerSettings settings;
-  settings.ramp = {.shape = RampShape::s_curve, .top_speed = 0.05, .acceleration_time = 4.0,
-                   .deceleration_time = 4.0, .emergency_stop_time = 1.5, .curved_share = 0.3};
+  settings.ramp = {.shape = RampShape::s_curve,
+                   .top_speed = 0.05,
+                   .acceleration_time = 4.0,
+                   .deceleration_time = 4.0,
+                   .emergency_stop_time = 1.5,
+                   .curved_share = 0.3};
   other_ramp().change({1.5, 0.1}, settings);
   RampState state;
   double peak = 0.0;

@@ -92,17 +92,19 @@ TEST(EffectCatalogue, SmoothEffectsAreOfSecondOrderInTheStep) {
   const CraneParameters crane = flexible_crane();
   const double wound = 100.0 * torque_factor(crane);
   const BenchStart start{.slew_speed = 0.03, .rope_angle = 0.03, .gear_torque = {wound, -wound}};
-  for (const char* name : {"torque_lag", "pinion_mesh_variation", "gear_friction", "dragging_brake",
-                           "bearing_coulomb", "bearing_viscous", "bearing_stribeck", "house_compliance", "pedestal_flexibility", "heel", "wind",
-                           "hoisting", "large_angles", "air_drag", "offlead", "tag_line", "vessel_roll", "gusts"}) {
+  for (const char* name :
+       {"torque_lag", "pinion_mesh_variation", "gear_friction", "dragging_brake", "bearing_coulomb",
+        "bearing_viscous", "bearing_stribeck", "house_compliance", "pedestal_flexibility", "heel", "wind",
+        "hoisting", "large_angles", "air_drag", "offlead", "tag_line", "vessel_roll", "gusts"}) {
     common::EffectInstance instance = common::typical_instance(find_effect(name)->about);
     if (instance.name == "hoisting") instance.values = {0.5, 0.0, 8.0};  // ramps of 1 s: at a whole step
     const auto end = [&](double step) {
-      return run({.crane = crane, .effects = {instance}, .step = step}, 1.6, constant_drive(110.0, -95.0), start)
+      return run({.crane = crane, .effects = {instance}, .step = step}, 1.6, constant_drive(110.0, -95.0),
+                 start)
           .back();
     };
     const BenchSample best = end(0.000125), fine = end(0.0005), coarse = end(0.001);
-    const auto ratio = [&](double BenchSample::*field, double rounding) {
+    const auto ratio = [&](double BenchSample::* field, double rounding) {
       const double small = std::fabs(fine.*field - best.*field);
       const double large = std::fabs(coarse.*field - best.*field);
       // Second order: (4 - 1/16) / (1 - 1/16) = 4.2.
@@ -141,7 +143,9 @@ std::string problem_of(const std::string& text) {
 }
 
 TEST(EffectCatalogue, TellsWhatIsWrongInAFile) {
-  EXPECT_EQ(problem_of("effects:\n  - effect: torque_lag\n    time_constant: {value: 30, unit: ms, source: a}\n"), "");
+  EXPECT_EQ(
+      problem_of("effects:\n  - effect: torque_lag\n    time_constant: {value: 30, unit: ms, source: a}\n"),
+      "");
   const std::string unknown = problem_of("effects:\n  - effect: torque_lagg\n");
   EXPECT_NE(unknown.find("crane.yaml:2"), std::string::npos) << unknown;
   EXPECT_NE(unknown.find("'torque_lag' is near"), std::string::npos) << unknown;
@@ -153,7 +157,8 @@ TEST(EffectCatalogue, TellsWhatIsWrongInAFile) {
       problem_of("effects:\n  - effect: torque_lag\n    time_constant: {value: 0.1, unit: m, source: a}\n");
   EXPECT_NE(unit.find("unit"), std::string::npos) << unit;
   const std::string key = problem_of(
-      "effects:\n  - effect: torque_lag\n    time_constant: {value: 0.1, unit: s, source: a}\n    delay: 3\n");
+      "effects:\n  - effect: torque_lag\n    time_constant: {value: 0.1, unit: s, source: a}\n    delay: "
+      "3\n");
   EXPECT_NE(key.find("delay"), std::string::npos) << key;
   const std::string missing = problem_of("effects:\n  - effect: torque_lag\n");
   EXPECT_NE(missing.find("time_constant"), std::string::npos) << missing;
@@ -173,7 +178,8 @@ TEST(EffectCatalogue, EveryEffectHasItsPage) {
     std::stringstream text;
     text << file.rdbuf();
     for (const common::EffectParameter& p : about->parameters) {
-      EXPECT_NE(text.str().find(common::parameter_row(p)), std::string::npos) << page << "\n" << common::parameter_row(p);
+      EXPECT_NE(text.str().find(common::parameter_row(p)), std::string::npos) << page << "\n"
+                                                                              << common::parameter_row(p);
     }
   }
 }

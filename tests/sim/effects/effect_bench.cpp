@@ -97,11 +97,14 @@ std::vector<BenchSample> run(const MachineSettings& settings, double duration, c
                        .house_angle = state.house_angle,
                        .house_speed = state.house_speed,
                        .tip_displacement = state.tip_displacement,
-                       .rope_angle = rope_angle(model, state)};
+                       .rope_angle = rope_angle(model, state),
+                       .rod_angle = rod_angle(model, state)};
     for (int i = 0; i < model.group_count; ++i) sample.deflection[i] = gear_deflection(state, i);
     if (model.has_load) {
-      sample.load_displacement = model.load.modes(0, 0) * state.load_q[0] + model.load.modes(0, 1) * state.load_q[1];
-      sample.load_velocity = model.load.modes(0, 0) * state.load_v[0] + model.load.modes(0, 1) * state.load_v[1];
+      sample.load_displacement =
+          model.load.modes(0, 0) * state.load_q[0] + model.load.modes(0, 1) * state.load_q[1];
+      sample.load_velocity =
+          model.load.modes(0, 0) * state.load_v[0] + model.load.modes(0, 1) * state.load_v[1];
     }
     samples.push_back(sample);
   }

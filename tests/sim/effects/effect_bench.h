@@ -10,8 +10,8 @@
 namespace slewlab::sim {
 
 // The thesis's crane, and parts of it.
-CraneParameters flexible_crane();       // all of it, 6 elements
-CraneParameters rigid_crane();          // boom as a rigid inertia, no load
+CraneParameters flexible_crane();  // all of it, 6 elements
+CraneParameters rigid_crane();     // boom as a rigid inertia, no load
 CraneParameters rigid_crane_with_load(double rod_length = 0.0);
 // The same on a house so heavy that it stays where it is: the load alone.
 CraneParameters pendulum(double mass = 30e3, double rope_length = 60.0);
@@ -29,11 +29,11 @@ double group_half_play(const CraneParameters& crane);
 struct BenchSample {
   double time = 0.0;  // [s] end of the step
   PlantReadings readings;
-  GroupArray applied_torque{};   // [Nm] per motor, behind the actuator path, of the step
+  GroupArray applied_torque{};  // [Nm] per motor, behind the actuator path, of the step
   GroupArray motor_angle{}, motor_speed{}, gear_torque{}, deflection{};  // slew axis
   double house_angle = 0.0, house_speed = 0.0;
   double tip_displacement = 0.0;
-  double load_displacement = 0.0, load_velocity = 0.0, rope_angle = 0.0;
+  double load_displacement = 0.0, load_velocity = 0.0, rope_angle = 0.0, rod_angle = 0.0;
 };
 
 struct BenchStart {
@@ -51,10 +51,11 @@ std::vector<BenchSample> run(const MachineSettings& settings, double duration, c
                              const BenchStart& start = {});
 // One effect on a crane at 1 ms.
 std::vector<BenchSample> run(const CraneParameters& crane, const std::string& effect,
-                             const std::vector<double>& values, double duration, const Drive& drive = no_drive,
-                             const BenchStart& start = {});
+                             const std::vector<double>& values, double duration,
+                             const Drive& drive = no_drive, const BenchStart& start = {});
 
 // [s] mean time between rising zero crossings of the values, linear between samples.
-double period_of(const std::vector<BenchSample>& samples, const std::function<double(const BenchSample&)>& value);
+double period_of(const std::vector<BenchSample>& samples,
+                 const std::function<double(const BenchSample&)>& value);
 
 }  // namespace slewlab::sim

@@ -20,7 +20,8 @@ TEST(EncoderQuantisation, ReadsWholeCountsAndTheirDifference) {
     const PlantReadings& readings = samples[k].readings;
     const double counts = readings.shaft_position[0] / kResolution;
     EXPECT_NEAR(counts, std::round(counts), 1e-6);
-    EXPECT_NEAR(readings.shaft_position[0], shaft * samples[k].time - 0.5 * kResolution, 0.5 * kResolution + 1e-9);
+    EXPECT_NEAR(readings.shaft_position[0], shaft * samples[k].time - 0.5 * kResolution,
+                0.5 * kResolution + 1e-9);
     // At a steady speed it is the counts' difference over the window.
     const double difference = readings.shaft_position[0] - samples[k - 5].readings.shaft_position[0];
     EXPECT_NEAR(readings.shaft_speed[0], difference / kWindow, 1e-6);

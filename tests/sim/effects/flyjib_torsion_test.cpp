@@ -32,7 +32,8 @@ TEST(FlyjibTorsion, MassOnBendingAndTwistOfALightBoom) {
   EXPECT_NEAR(solver.eigenvalues()(0) * 3000.0 * flexibility, 1.0, 1e-6);
 }
 
-// The rope hangs from the jib: a rigid crane's tip moves with the sheave's radius, and feels the jib's inertia.
+// The rope hangs from the jib: a rigid crane's tip moves with the sheave's radius, and feels the jib's
+// inertia.
 TEST(FlyjibTorsion, SheaveStandsInFrontOfTheTip) {
   MachineParameters parameters;
   parameters.crane = rigid_crane();

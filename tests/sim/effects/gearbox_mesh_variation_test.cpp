@@ -17,9 +17,11 @@ TEST(GearboxMeshVariation, StiffensTheGearsAtItsTop) {
   const auto samples = run(crane, "gearbox_mesh_variation", {0.05, 0.0}, 8.0, constant_drive(100.0, 100.0));
   const double wound = 100.0 * torque_factor(crane) / group_gear_stiffness(crane);
   const BenchSample& end = samples.back();
-  const double order = planetary_mesh_frequency(110, 8, 1.0) * torque_factor(crane) / crane.drive.motors_per_group;
+  const double order =
+      planetary_mesh_frequency(110, 8, 1.0) * torque_factor(crane) / crane.drive.motors_per_group;
   EXPECT_NEAR(end.deflection[0],
-              group_half_play(crane) + wound / (1.0 + 0.05 * std::sin(order * end.motor_angle[0])), 1e-6 * wound);
+              group_half_play(crane) + wound / (1.0 + 0.05 * std::sin(order * end.motor_angle[0])),
+              1e-6 * wound);
 }
 
 // (2.2), Table 2.1: 149 meshes per second at 20 Hz of the motor. Where a whole mesh goes by in one step,

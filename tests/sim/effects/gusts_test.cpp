@@ -18,20 +18,22 @@ constexpr double kMean = 20.0, kDeviation = 1.0;
 std::vector<double> pressures(double step, double duration, std::uint64_t seed) {
   const CraneParameters crane = fixed_house();
   const double centre = crane.boom.pivot_radius + 0.5 * crane.boom.length * std::cos(crane.boom.angle);
-  const auto samples = run({.crane = crane,
-                            .effects = {{"gusts", {kDeviation, kMean, std::numbers::pi / 2.0, 5.0, 80.0, 20.0}}},
-                            .step = step,
-                            .seed = seed},
-                           duration);
+  const auto samples =
+      run({.crane = crane,
+           .effects = {{"gusts", {kDeviation, kMean, std::numbers::pi / 2.0, 5.0, 80.0, 20.0}}},
+           .step = step,
+           .seed = seed},
+          duration);
   std::vector<double> result;
   for (const BenchSample& s : samples) {
-    result.push_back(s.readings.house_acceleration / crane.house.sensor_radius * house_and_boom_inertia(crane) /
-                     (80.0 * centre));
+    result.push_back(s.readings.house_acceleration / crane.house.sensor_radius *
+                     house_and_boom_inertia(crane) / (80.0 * centre));
   }
   return result;
 }
 
-// Small gusts on a strong wind: pressure = rho v w, so its deviation is rho v sigma, its mean rho sigma^2 / 2.
+// Small gusts on a strong wind: pressure = rho v w, so its deviation is rho v sigma, its mean rho sigma^2
+// / 2.
 TEST(Gusts, HaveTheDeviationTheyAreGiven) {
   const auto pressure = pressures(0.02, 2000.0, 3);
   double mean = 0.0, square = 0.0;

@@ -12,8 +12,8 @@
 namespace slewlab::sim {
 namespace {
 
-// 0.5 m/s for 60 s with ramps of 1 s: 29.5 m. Afterwards the period is the short rope's, and the amplitude has
-// followed the adiabatic law of a slowly varying oscillator, x ~ L^(1/4).
+// 0.5 m/s for 60 s with ramps of 1 s: 29.5 m. Afterwards the period is the short rope's, and the amplitude
+// has followed the adiabatic law of a slowly varying oscillator, x ~ L^(1/4).
 TEST(Hoisting, EndsAsAShorterPendulum) {
   const auto samples = run(pendulum(), "hoisting", {0.5, 5.0, 60.0}, 140.0, no_drive, {.rope_angle = 0.02});
   const std::vector<BenchSample> after(samples.begin() + 66000, samples.end());
@@ -26,7 +26,8 @@ TEST(Hoisting, EndsAsAShorterPendulum) {
 
 TEST(Hoisting, ChangesNothingBeforeItBegins) {
   const auto with = run(pendulum(), "hoisting", {0.5, 5.0, 60.0}, 4.9, no_drive, {.rope_angle = 0.02});
-  const auto without = run(MachineSettings{.crane = pendulum(), .effects = {}}, 4.9, no_drive, {.rope_angle = 0.02});
+  const auto without =
+      run(MachineSettings{.crane = pendulum(), .effects = {}}, 4.9, no_drive, {.rope_angle = 0.02});
   EXPECT_EQ(with.back().load_displacement, without.back().load_displacement);
 }
 

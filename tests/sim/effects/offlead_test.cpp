@@ -11,9 +11,9 @@
 namespace slewlab::sim {
 namespace {
 
-// A load carried round at a steady speed, seen from outside: with z = x + i y, z'' = -w^2 (z - r e^(i o t)) has the
-// solution A e^(i o t) + B cos(w t) + C sin(w t). Its lag behind the tip, r arg(z) - r o t, is what the effect's
-// centrifugal and Coriolis terms must give; they are right to first order of u / r, here 3 %.
+// A load carried round at a steady speed, seen from outside: with z = x + i y, z'' = -w^2 (z - r e^(i o t))
+// has the solution A e^(i o t) + B cos(w t) + C sin(w t). Its lag behind the tip, r arg(z) - r o t, is what
+// the effect's centrifugal and Coriolis terms must give; they are right to first order of u / r, here 3 %.
 TEST(Offlead, LagsAsSeenFromOutside) {
   const CraneParameters crane = pendulum();
   constexpr double kSlew = 0.05;

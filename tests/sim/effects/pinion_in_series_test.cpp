@@ -22,7 +22,8 @@ TEST(PinionInSeries, OfTheThesisIsNearlyRigid) {
   const CraneParameters crane = fixed_house();
   const auto samples = run(crane, "pinion_in_series", {7.13e8}, 6.0, constant_drive(100.0, 100.0));
   const double wound = 100.0 * torque_factor(crane) / group_gear_stiffness(crane);
-  EXPECT_NEAR(samples.back().deflection[0] - group_half_play(crane), wound * (1.0 + 6.9 / 713.0), 1e-6 * wound);
+  EXPECT_NEAR(samples.back().deflection[0] - group_half_play(crane), wound * (1.0 + 6.9 / 713.0),
+              1e-6 * wound);
 }
 
 }  // namespace

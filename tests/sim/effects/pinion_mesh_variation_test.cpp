@@ -13,8 +13,8 @@ namespace {
 // At the top of the sine the gears are 1 + a times as stiff.
 TEST(PinionMeshVariation, StiffensTheGearsAtItsTop) {
   const CraneParameters crane = fixed_house();
-  const auto samples = run(crane, "pinion_mesh_variation", {0.1, std::numbers::pi / 2.0}, 6.0,
-                           constant_drive(100.0, 100.0));
+  const auto samples =
+      run(crane, "pinion_mesh_variation", {0.1, std::numbers::pi / 2.0}, 6.0, constant_drive(100.0, 100.0));
   const double wound = 100.0 * torque_factor(crane) / group_gear_stiffness(crane);
   EXPECT_NEAR(samples.back().deflection[0], group_half_play(crane) + wound / 1.1, 1e-9 * wound);
 }
@@ -24,8 +24,9 @@ TEST(PinionMeshVariation, ComesAtTheMeshFrequency) {
   CraneParameters crane = rigid_crane();
   crane.drive.gear_damping_ratio = 0.5;
   const double torque = 100.0 * torque_factor(crane);
-  const auto samples = run(crane, "pinion_mesh_variation", {0.1, 0.0}, 12.0, constant_drive(100.0, -100.0),
-                           {.slew_speed = 2.0 * std::numbers::pi * 0.1 / 12.7, .gear_torque = {torque, -torque}});
+  const auto samples =
+      run(crane, "pinion_mesh_variation", {0.1, 0.0}, 12.0, constant_drive(100.0, -100.0),
+          {.slew_speed = 2.0 * std::numbers::pi * 0.1 / 12.7, .gear_torque = {torque, -torque}});
   const double mean = group_half_play(crane) + torque / group_gear_stiffness(crane);
   const std::vector<BenchSample> settled(samples.begin() + 3000, samples.end());
   const double period = period_of(settled, [&](const BenchSample& s) { return s.deflection[0] - mean; });

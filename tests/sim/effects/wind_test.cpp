@@ -14,8 +14,7 @@ TEST(Wind, TurnsTheBoom) {
   const CraneParameters crane = rigid_crane();
   const auto samples = run(crane, "wind", {20.0, 0.6, 80.0, 20.0}, 0.05);
   const double centre = crane.boom.pivot_radius + 0.5 * crane.boom.length * std::cos(crane.boom.angle);
-  const double expected =
-      0.5 * 1.225 * 400.0 * 80.0 * std::sin(0.6) * centre / house_and_boom_inertia(crane);
+  const double expected = 0.5 * 1.225 * 400.0 * 80.0 * std::sin(0.6) * centre / house_and_boom_inertia(crane);
   EXPECT_NEAR(samples.back().house_speed / 0.05, expected, 1e-4 * expected);
 }
 
