@@ -184,6 +184,15 @@ std::vector<DrawnCase> draw_cases(int count, std::uint64_t seed) {
         add(others[other++], 0.3);
         break;
     }
+    Random decoy(seed, "decoy", static_cast<std::uint64_t>(n));
+    if (drawn.kind == Kind::kLeftOut) {
+      drawn.without = {law_named(drawn.laws[0].law).effect};
+    } else if (decoy.uniform() < 0.125) {
+      const std::string& effect = law_named(in_catalogue[decoy.below(in_catalogue.size())]).effect;
+      const bool is_true = std::any_of(drawn.laws.begin(), drawn.laws.end(),
+                                       [&](const DrawnLaw& law) { return law_named(law.law).effect == effect; });
+      if (!is_true) drawn.without = {effect};
+    }
     Random spread(seed, "spread", static_cast<std::uint64_t>(n));
     for (const SpreadParameter& parameter : spread_parameters()) {
       double factor = spread.between(1.0 - kUnitSpread, 1.0 + kUnitSpread);

@@ -38,6 +38,9 @@ struct DrawnCase {
   int number = 0;  // from 1
   Kind kind = Kind::kNothing;
   std::vector<DrawnLaw> laws;
+  // Effects that the diagnosis is run without: the true one where it is left out, any other one in an eighth of the
+  // other cases, so that leaving out says nothing.
+  std::vector<std::string> without;
   std::vector<double> spread;  // factor per spread parameter
   std::uint64_t law_seed = 0;  // of what the laws draw themselves
   std::array<Manoeuvre, 3> manoeuvres;  // a, b, unseen

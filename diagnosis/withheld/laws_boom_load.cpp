@@ -178,9 +178,9 @@ std::vector<TrueSize> tag_line(TruthMachine& machine, double size, Random& rando
 
 std::vector<Law> boom_and_load_laws() {
   return {
-      {"axial_force", "compression_softening", "boom", "geometric stiffness of every element", 2e5, 7e6,
+      {"axial_force", "compression_softening", "boom", "geometric stiffness of every element", 4e5, 8.5e6,
        compression_softening},
-      {"damping_by_power", "boom_damping", "boom", "goes with the frequency to another power", 0.2, 1.8, boom_damping,
+      {"damping_by_power", "boom_damping", "boom", "goes with the frequency to another power", 0.3, 2.2, boom_damping,
        {"boom damping"}},
       {"other_steel", "boom_stiffness", "boom", "finer mesh only", 0.02, 0.4, boom_stiffness,
        {"boom bending stiffness", "boom torsional stiffness"}},

@@ -194,18 +194,18 @@ std::vector<TrueSize> hydraulic_compliance(TruthMachine& machine, double size, R
 
 std::vector<Law> drive_laws() {
   return {
-      {"lag_of_two", "torque_lag", "drive", "two equal lags in a row instead of one", 0.004, 0.12, torque_lag},
-      {"soft_limit", "torque_limit", "drive", "yields smoothly towards the limit", 250.0, 80.0, torque_limit},
-      {"sampled_dead_time", "dead_time", "drive", "the drive samples every 2 ms", 0.003, 0.06, dead_time},
+      {"lag_of_two", "torque_lag", "drive", "two equal lags in a row instead of one", 0.004, 0.07, torque_lag},
+      {"soft_limit", "torque_limit", "drive", "yields smoothly towards the limit", 230.0, 110.0, torque_limit},
+      {"sampled_dead_time", "dead_time", "drive", "the drive samples every 2 ms", 0.003, 0.04, dead_time},
       {"ripple_of_two", "torque_ripple", "drive", "a second harmonic of 30 %", 1.0, 60.0, torque_ripple},
       {"uneven_motors", "uneven_motor_inertia", "drive", "finer mesh only", 0.02, 0.4, uneven_motor_inertia},
-      {"uneven_gearboxes", "uneven_gearbox_stiffness", "drive", "damping stays", 0.03, 0.5, uneven_gearbox_stiffness},
+      {"uneven_gearboxes", "uneven_gearbox_stiffness", "drive", "damping stays", 0.05, 0.55, uneven_gearbox_stiffness},
       {"worn_gears", "larger_play", "drive", "finer mesh only", 4e-5, 1.5e-3, larger_play},
       {"uneven_gears", "uneven_play", "drive", "finer mesh only", 8e-5, 9e-4, uneven_play},
       {"pinion_teeth", "pinion_in_series", "drive", "damping by loss factor", 3e8, 8e6, pinion_in_series},
       {"pinion_mesh", "pinion_mesh_variation", "drive", "by the motor's angle, second harmonic of 25 %", 0.01, 0.4,
        pinion_mesh_variation},
-      {"gearbox_mesh", "gearbox_mesh_variation", "drive", "stiffness itself, second harmonic of 15 %", 0.03, 0.5,
+      {"gearbox_mesh", "gearbox_mesh_variation", "drive", "stiffness itself, second harmonic of 15 %", 0.001, 0.3,
        gearbox_mesh_variation},
       {"tooth_friction", "gear_friction", "drive", "smooth through zero speed, does not hold", 0.004, 0.15,
        gear_friction},

@@ -253,16 +253,16 @@ std::vector<Law> wire_laws() {
   return {
       {"swell", "vessel_roll", "environment", "two neighbouring periods, sine of the roll", 2e-4, 0.03, vessel_roll},
       {"kaimal_gusts", "gusts", "environment", "Kaimal's spectrum", 0.2, 6.0, gusts},
-      {"coarse_counts", "encoder_quantisation", "sensor", "edges at an unknown phase", 0.002, 0.1,
+      {"coarse_counts", "encoder_quantisation", "sensor", "edges at an unknown phase", 0.002, 0.05,
        encoder_quantisation},
       {"eccentric_encoder", "encoder_ripple", "sensor", "a second harmonic of 20 %, each group its own phase", 5e-4,
        0.05, encoder_ripple},
       {"wrong_scale", "encoder_scale", "sensor", "on the counts; the drive makes the speed of them", 0.001, 0.1,
        encoder_scale},
-      {"late_encoder", "encoder_delay", "sensor", "partly a moving mean", 0.002, 0.06, encoder_delay},
+      {"late_encoder", "encoder_delay", "sensor", "partly a moving mean", 0.002, 0.04, encoder_delay},
       {"warm_clock", "clock_drift", "sensor", "the drift itself wanders by 10 %", 3e-5, 6e-3, clock_drift},
-      {"beating_bus", "command_delay", "wire", "wanders by 10 %", 0.003, 0.06, command_delay},
-      {"two_hops", "command_jitter", "wire", "two hops instead of one", 0.006, 0.15, command_jitter},
+      {"beating_bus", "command_delay", "wire", "wanders by 10 %", 0.003, 0.04, command_delay},
+      {"two_hops", "command_jitter", "wire", "two hops instead of one", 0.006, 0.06, command_jitter},
       {"bursts_of_loss", "command_loss", "wire", "lost in bursts of 25", 0.03, 0.8, command_loss},
   };
 }

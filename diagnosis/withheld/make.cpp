@@ -30,13 +30,18 @@ std::string case_name(int number) {
 namespace {
 
 constexpr std::array<const char*, 3> kLogNames{"a.lcmlog", "b.lcmlog", "unseen.lcmlog"};
+constexpr double kImpactTime = 2.0;  // [s] that visibility leaves out from a contact change on
 constexpr std::int64_t kStepNs = 1'000'000;  // kBaseStep [ns]
 
-double rms_difference(const std::vector<double>& a, const std::vector<double>& b) {
-  double sum = 0.0;
-  const std::size_t count = std::min(a.size(), b.size());
-  for (std::size_t n = 0; n < count; ++n) sum += (a[n] - b[n]) * (a[n] - b[n]);
-  return count == 0 ? 0.0 : std::sqrt(sum / static_cast<double>(count));
+// Median of the differences' sizes as a deviation: the noise of a signal, not the few moments in which the drive's
+// loop is left behind.
+double usual_difference(const std::vector<double>& a, const std::vector<double>& b) {
+  std::vector<double> sizes;
+  for (std::size_t n = 0; n < std::min(a.size(), b.size()); ++n) sizes.push_back(std::fabs(a[n] - b[n]));
+  if (sizes.empty()) return 0.0;
+  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+  std::nth_element(sizes.begin(), middle, sizes.end());
+  return 1.4826 * *middle;  // of a normal distribution
 }
 
 std::vector<double> column(const TruthRun& run, double SensorValues::*value) {
@@ -49,14 +54,33 @@ std::vector<double> column(const TruthRun& run, double SensorValues::*value) {
 
 Visibility visibility(const TruthRun& with, const TruthRun& without, const TruthMachine& machine) {
   Visibility best;
+  const auto steps = std::min(with.sensors.size(), without.sensors.size());
+  std::vector<bool> counts(steps, true);
+  for (const TruthRun* run : {&with, &without}) {
+    for (const double time : run->contact_change_times) {
+      const auto from = static_cast<std::size_t>(std::lround(time / kBaseStep));
+      const auto to = std::min(steps, from + static_cast<std::size_t>(std::lround(kImpactTime / kBaseStep)));
+      for (std::size_t n = from; n < to; ++n) counts[n] = false;
+    }
+  }
+  const auto cycle = static_cast<std::size_t>(with.cycle_steps);
+  const auto rms = [&](const std::vector<double>& a, const std::vector<double>& b, std::size_t per_value) {
+    double sum = 0.0, number = 0.0;
+    for (std::size_t n = 0; n < std::min(a.size(), b.size()) && n * per_value < steps; ++n) {
+      if (!counts[n * per_value]) continue;
+      sum += (a[n] - b[n]) * (a[n] - b[n]);
+      number += 1.0;
+    }
+    return number == 0.0 ? 0.0 : std::sqrt(sum / number);
+  };
   const auto consider = [&](const std::string& signal, double difference, double floor) {
     if (difference / floor > best.largest) best = {difference / floor, signal};
   };
   for (int i = 0; i < with.group_count; ++i) {
-    const double floor = std::max(1e-6, rms_difference(without.shaft_speed[i], without.true_speed[i]));
+    const double floor = std::max(1e-6, usual_difference(without.shaft_speed[i], without.true_speed[i]));
     const std::string group = " " + std::to_string(i + 1);
-    consider("shaft speed" + group, rms_difference(with.shaft_speed[i], without.shaft_speed[i]), floor);
-    consider("motor torque" + group, rms_difference(with.motor_torque[i], without.motor_torque[i]),
+    consider("shaft speed" + group, rms(with.shaft_speed[i], without.shaft_speed[i], cycle), floor);
+    consider("motor torque" + group, rms(with.motor_torque[i], without.motor_torque[i], cycle),
              floor * machine.controller.speed_control.proportional_gain);
   }
   const std::pair<const char*, double SensorValues::*> kAccelerometers[] = {
@@ -65,7 +89,7 @@ Visibility visibility(const TruthRun& with, const TruthRun& without, const Truth
       {"middle acceleration", &SensorValues::middle},
       {"tip acceleration", &SensorValues::tip}};
   for (const auto& [name, value] : kAccelerometers) {
-    consider(name, rms_difference(column(with, value), column(without, value)), machine.noise.accelerometer);
+    consider(name, rms(column(with, value), column(without, value), 1), machine.noise.accelerometer);
   }
   return best;
 }
@@ -154,7 +178,7 @@ json about_text(const MakeSettings& settings, const Nominal& nominal) {
           {"controller_period_s", settings.controller_period},
           {"accelerometer_noise_m_s2", NoiseSettings{}.accelerometer},
           {"configuration_hash", msgs::hash_text(nominal.hash)},
-          {"given_to_the_diagnosis", {"crane.yaml", "controller.yaml", "case_*/a.lcmlog", "case_*/b.lcmlog"}}};
+          {"given_to_the_diagnosis", {"crane.yaml", "controller.yaml", "case_*/a.lcmlog", "case_*/b.lcmlog", "case_*/given.json"}}};
 }
 
 bool is_complete(const MakeSettings& settings, int number) {
@@ -176,7 +200,7 @@ json make_case(const MakeSettings& settings, const Nominal& nominal, const Drawn
     RunOptions here = options;
     here.noise_seed = drawn.noise_seeds[m];
     const TruthRun run = run_truth(machine, drawn.manoeuvres[m], here);
-    noise_floor[m] = rms_difference(run.shaft_speed[0], run.true_speed[0]);
+    noise_floor[m] = usual_difference(run.shaft_speed[0], run.true_speed[0]);
     if (!drawn.laws.empty() && m < 2) {
       const TruthMachine without = build(drawn, nominal.crane, nominal.controller, false);
       const Visibility one = visibility(run, run_truth(without, drawn.manoeuvres[m], here), without);
@@ -184,6 +208,7 @@ json make_case(const MakeSettings& settings, const Nominal& nominal, const Drawn
     }
     write_log(run, nominal.hash, folder / kLogNames[m]);
   }
+  write_whole(folder / "given.json", json{{"without", drawn.without}}.dump() + "\n");
   json effects = json::array();
   for (std::size_t k = 0; k < drawn.laws.size(); ++k) {
     const Law& law = law_named(drawn.laws[k].law);

@@ -4,12 +4,14 @@
 //   DIR/case_0001/a.lcmlog      to diagnose; ENCODER, TORQUE, OPERATOR, SENSORS only
 //   DIR/case_0001/b.lcmlog      to diagnose
 //   DIR/case_0001/unseen.lcmlog for the score alone
+//   DIR/case_0001/given.json    effects that the diagnosis must not know (--without)
 //   DIR/sealed/answers.json     what the machines were; never given to the diagnosis
 //   DIR/digest.txt              SHA-256 of answers.json
 //
 // Visibility of an effect: the same machine with the same noise runs without it; the largest of all signals' RMS
-// difference in the manoeuvres a and b over the signal's noise floor. Floors: accelerometers their noise; encoder
-// speeds what counting and the drive's loop make of them; torques that times the proportional gain.
+// difference in the manoeuvres a and b over the signal's noise floor. Two seconds from every meeting or parting of
+// teeth in either run are left out: an impact a little earlier or later is a large difference that means little. Floors: accelerometers their noise; encoder
+// speeds what counting and the drive's loop usually make of them (median); torques that times the proportional gain.
 #pragma once
 
 #include <atomic>

@@ -154,6 +154,9 @@ TruthRun run_truth(TruthMachine machine, const Manoeuvre& manoeuvre, const RunOp
     for (const WireLaw& law : machine.wire) law(now, n / cycle_steps, torque);
     for (const TorqueLaw& law : machine.torque) law(now, readings.shaft_position, readings.shaft_speed, torque);
     sim::advance(*reference, torque, static_cast<double>(n + 1) * kBaseStep);
+    const std::int64_t changes = sim::counts(*reference).contact_changes;
+    if (changes != run.counts.contact_changes) run.contact_change_times.push_back(now);
+    run.counts.contact_changes = changes;
   }
   run.counts = sim::counts(*reference);
   return run;

@@ -106,6 +106,7 @@ struct TruthRun {
   std::array<std::vector<double>, sim::kMaximumGroupCount> true_speed;                                 // per cycle
   std::vector<bool> enable, brake;                                                                     // per cycle
   std::vector<SensorValues> sensors;                                                                   // per step
+  std::vector<double> contact_change_times;  // [s] teeth that meet or part, to the base step
   Manoeuvre manoeuvre;
   sim::ReferenceCounts counts;
 };

@@ -1,0 +1,85 @@
+// The truth machine without any law against the plant of sim/integrate in a closed loop on the same mesh: two
+// integrators, one physics.
+#include "diagnosis/withheld/truth_machine.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "controller/controller_file.h"
+#include "diagnosis/closed_loop.h"
+#include "diagnosis/withheld/draw.h"
+#include "sim/crane_file.h"
+
+namespace slewlab::diagnosis::withheld {
+namespace {
+
+const std::string kConfig = std::string(SLEWLAB_SOURCE_DIR) + "/config/";
+
+sim::CraneParameters nominal_crane() { return sim::load_crane_file(kConfig + "cranes/thesis.yaml").parameters; }
+controller::ControllerSettings nominal_controller() {
+  controller::ControllerSettings settings = controller::load_controller_file(kConfig + "controllers/thesis.yaml").settings;
+  settings.period = kBaseStep;
+  return settings;
+}
+
+// Without counting: a fine encoder and the mean of one base step as speed would still differ from the plant's ideal
+// speed, so the loop is compared open, at the torques that the truth's controller gave.
+TEST(TruthMachine, WithoutALawItMovesAsThePlantDoesUnderTheSameTorques) {
+  TruthMachine machine = make_truth_machine(nominal_crane(), nominal_controller());
+  machine.noise.accelerometer = 0.0;
+  machine.noise.slew_resolution = 1e-12;
+  const Manoeuvre manoeuvre{{{0.5, 0.8}, {4.0, 0.0}}, 8.0};
+  const TruthRun run = run_truth(machine, manoeuvre, {.noise_seed = 1, .reference = {.tolerance = 1e-8}});
+
+  const sim::PlantModel model = sim::make_plant_model(machine.crane, kBaseStep);
+  sim::PlantWorkspace workspace = sim::make_plant_workspace(model);
+  sim::PlantState state = sim::make_plant_state(model);
+  double tip_square = 0.0, difference_square = 0.0, speed_difference = 0.0;
+  for (std::size_t n = 0; n + 1 < run.sensors.size(); ++n) {
+    sim::PlantInput input;
+    for (int i = 0; i < run.group_count; ++i) input.motor_torque[i] = run.motor_torque[i][n];
+    sim::step(model, workspace, input, state);
+    const sim::PlantReadings readings = sim::read(model, state);
+    const double difference = readings.tip_acceleration - run.sensors[n + 1].tip;
+    tip_square += readings.tip_acceleration * readings.tip_acceleration;
+    difference_square += difference * difference;
+    speed_difference = std::max(speed_difference, std::fabs(readings.shaft_speed[0] - run.true_speed[0][n + 1]));
+  }
+  // The plant's error at 1 ms against SUNDIALS; most of it at the two impacts of the start.
+  EXPECT_LT(std::sqrt(difference_square / tip_square), 0.01);
+  EXPECT_LT(speed_difference, 0.01);  // [rad/s], of 110
+}
+
+TEST(TruthMachine, SameSeedSameRunOtherSeedOtherNoise) {
+  const TruthMachine machine = make_truth_machine(nominal_crane(), nominal_controller());
+  const Manoeuvre manoeuvre{{{0.2, 0.5}}, 1.0};
+  const TruthRun one = run_truth(machine, manoeuvre, {.noise_seed = 1}), two = run_truth(machine, manoeuvre, {.noise_seed = 1}),
+                 other = run_truth(machine, manoeuvre, {.noise_seed = 2});
+  EXPECT_EQ(one.shaft_speed[0], two.shaft_speed[0]);
+  EXPECT_EQ(one.motor_torque[0], two.motor_torque[0]);
+  EXPECT_EQ(one.sensors.back().tip, two.sensors.back().tip);
+  EXPECT_NE(one.sensors.back().tip, other.sensors.back().tip);
+}
+
+// The controller's side of the wire is cut exactly: a controller of the nominal settings that is fed with the
+// measured speeds answers with the recorded torques, bit for bit.
+TEST(TruthMachine, TorquesAreTheNominalControllersAnswerToTheMeasuredSpeeds) {
+  const controller::ControllerSettings settings = nominal_controller();
+  const Manoeuvre manoeuvre{{{0.2, 0.5}}, 2.0};
+  const TruthRun run = run_truth(make_truth_machine(nominal_crane(), settings), manoeuvre, {.noise_seed = 1});
+  controller::ControllerState state;
+  controller::ControllerOutput output;
+  for (std::size_t n = 0; n < run.shaft_speed[0].size(); ++n) {
+    controller::ControllerInput input;
+    input.simulated_time = static_cast<std::int64_t>(n) * 1'000'000;
+    input.group_count = run.group_count;
+    input.speed_request = static_cast<double>(n) * 1e-3 >= 0.2 ? 0.5 : 0.0;
+    for (int i = 0; i < run.group_count; ++i) input.shaft_speed[i] = run.shaft_speed[i][n];
+    controller::step(settings, state, input, output);
+    for (int i = 0; i < run.group_count; ++i) ASSERT_EQ(output.motor_torque[i], run.motor_torque[i][n]) << n;
+  }
+}
+
+}  // namespace
+}  // namespace slewlab::diagnosis::withheld
