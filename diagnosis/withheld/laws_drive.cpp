@@ -205,7 +205,7 @@ std::vector<Law> drive_laws() {
       {"pinion_teeth", "pinion_in_series", "drive", "damping by loss factor", 3e8, 8e6, pinion_in_series},
       {"pinion_mesh", "pinion_mesh_variation", "drive", "by the motor's angle, second harmonic of 25 %", 0.01, 0.4,
        pinion_mesh_variation},
-      {"gearbox_mesh", "gearbox_mesh_variation", "drive", "stiffness itself, second harmonic of 15 %", 0.001, 0.3,
+      {"gearbox_mesh", "gearbox_mesh_variation", "drive", "stiffness itself, second harmonic of 15 %", 0.0008, 0.04,
        gearbox_mesh_variation},
       {"tooth_friction", "gear_friction", "drive", "smooth through zero speed, does not hold", 0.004, 0.15,
        gear_friction},

@@ -27,16 +27,16 @@ class MakeTest : public testing::Test {
             .controller_period = 1e-3, .threads = 2};
   }
   static void SetUpTestSuite() {
-    folder_ = new msgs::TemporaryFolder;
+    folder_ = new TemporaryFolder;
     set_ = folder_->path() / "set";
     ASSERT_TRUE(make_cases(settings(set_)));
   }
   static void TearDownTestSuite() { delete folder_; }
 
-  static msgs::TemporaryFolder* folder_;
+  static TemporaryFolder* folder_;
   static fs::path set_;
 };
-msgs::TemporaryFolder* MakeTest::folder_ = nullptr;
+TemporaryFolder* MakeTest::folder_ = nullptr;
 fs::path MakeTest::set_;
 
 TEST_F(MakeTest, LogsHoldTheFourChannelsAndNothingMore) {

@@ -7,7 +7,6 @@
 #include <cmath>
 
 #include "controller/controller_file.h"
-#include "diagnosis/closed_loop.h"
 #include "diagnosis/withheld/draw.h"
 #include "sim/crane_file.h"
 
