@@ -1,6 +1,6 @@
 // Uneven gearbox stiffness: the first half of the motor groups has more, the last half less,
-//   k_i = k (1 + s), k (1 - s);  the middle one of an odd number of groups keeps its own. One group has no
-//   difference.
+//   k_i = k (1 + s), k (1 - s).
+// The middle one of an odd number of groups keeps its own. One group has no difference.
 // Source: thesis 2.4, first cause of an uneven load distribution (small deviations between drives).
 #pragma once
 
