@@ -44,10 +44,17 @@ void take(Sorting& sorting, const LogEvent& event, std::vector<Message> RunLog::
   (runs[sorting.run_of_configuration[message.configuration_hash]].*channel).push_back(std::move(message));
 }
 
+// An answer counts by the ENCODER it answers: a controller that was started anew counts its own messages from 0 again.
+template <class Message>
+std::int64_t key_of(const Message& message) {
+  if constexpr (requires { message.answered_sequence; }) return message.answered_sequence;
+  else return message.sequence;
+}
+
 template <class Message>
 void put_in_order(std::vector<Message>& messages, const char* channel, std::vector<std::string>& remarks) {
-  const auto earlier = [](const Message& a, const Message& b) { return a.sequence < b.sequence; };
-  const auto same = [](const Message& a, const Message& b) { return a.sequence == b.sequence; };
+  const auto earlier = [](const Message& a, const Message& b) { return key_of(a) < key_of(b); };
+  const auto same = [](const Message& a, const Message& b) { return key_of(a) == key_of(b); };
   if (!std::is_sorted(messages.begin(), messages.end(), earlier)) {
     remarks.push_back(std::string(channel) + ": out of order in the file, sorted by sequence number");
     std::stable_sort(messages.begin(), messages.end(), earlier);
@@ -59,7 +66,7 @@ void put_in_order(std::vector<Message>& messages, const char* channel, std::vect
     messages.erase(end, messages.end());
   }
   if (messages.empty()) return;
-  const std::int64_t span = messages.back().sequence - messages.front().sequence + 1;
+  const std::int64_t span = key_of(messages.back()) - key_of(messages.front()) + 1;
   const std::int64_t missing = span - static_cast<std::int64_t>(messages.size());
   if (missing > 0) {
     remarks.push_back(std::string(channel) + ": " + std::to_string(missing) + " of " + std::to_string(span) +

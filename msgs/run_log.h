@@ -1,7 +1,7 @@
 #pragma once
 
-// A whole log in memory, message by message, each channel in the order of its sequence numbers: duplicates
-// are dropped, out-of-order events sorted, and what could not be used is told. Several runs in one file
+// A whole log in memory, message by message, each channel in the order of its sequence numbers (TORQUE and
+// CONTROLLER_STATE: of the ENCODER they answer): duplicates are dropped, out-of-order events sorted, and what could not be used is told. Several runs in one file
 // (other configuration hash, or simulated time that falls back by more than 1 s) come out apart.
 
 #include <filesystem>

@@ -12,6 +12,7 @@
 #include "tools/check_command.h"
 #include "tools/modes_command.h"
 #include "tools/python_command.h"
+#include "tools/replay_command.h"
 #include "tools/run_command.h"
 #include "tools/verify_command.h"
 #include "tools/withhold_command.h"
@@ -65,6 +66,32 @@ void add_run(CLI::App& app, const std::vector<std::string>& command_line, Action
     action = [options, &command_line] {
       options->run.overrides = parse_overrides(options->overrides);
       return run_scenario(options->run, command_line);
+    };
+  });
+}
+
+void add_replay(CLI::App& app, const std::vector<std::string>& command_line, Action& action) {
+  struct Options {
+    ReplayOptions replay;
+    std::vector<std::string> overrides;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("replay", "Feed a log to plant and controller again and compare to the bit");
+  command->add_option("LOG", options->replay.log, "log, or the folder of a run")->required()->check(CLI::ExistingPath);
+  command->add_option("--scenario", options->replay.scenario, "in place of scenario.yaml beside the log");
+  command->add_option("--crane", options->replay.crane, "in place of the scenario's crane");
+  command->add_option("--controller-config", options->replay.controller_config, "in place of the scenario's");
+  command->add_option("--controller", options->replay.controller_command,
+                      "shell command of your own controller: what it would have answered to the recorded motion");
+  command->add_option("--tolerance", options->replay.tolerances,
+                      "CHANNEL.FIELD=SIZE: differences up to this size do not count, e.g. TORQUE.motor_torque=0.5");
+  command->add_option("--run", options->replay.run, "which of several runs in the log, from 1 (all)")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--set", options->overrides, "key=value, as of slewlab run");
+  command->callback([options, &command_line, &action] {
+    action = [options, &command_line] {
+      options->replay.overrides = parse_overrides(options->overrides);
+      return replay(options->replay, command_line, std::cout, std::cerr);
     };
   });
 }
@@ -134,6 +161,7 @@ int main(const std::vector<std::string>& command_line, int argc, char** argv) {
   app.require_subcommand(1);
   Action action;
   add_run(app, command_line, action);
+  add_replay(app, command_line, action);
   add_check(app, action);
   add_modes(app, action);
   add_verify(app, action);

@@ -21,6 +21,7 @@
 #include "sim/scenario_file.h"
 #include "tools/check_command.h"
 #include "tools/child_process.h"
+#include "tools/private_network.h"
 #include "tools/resolved_configuration.h"
 #include "tools/run_facts.h"
 #include "tools/whole_file.h"
@@ -32,27 +33,12 @@ namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 using WallClock = std::chrono::steady_clock;
 
-constexpr const char* kInPrivateNetwork = "SLEWLAB_IN_PRIVATE_NETWORK";
-
 // Wall clock that a side gets to end after it was asked to, before it is killed.
 constexpr std::chrono::seconds kEndPatience{5};
 constexpr double kStalled = 2.0;            // [s] without progress, until that is said
 constexpr double kLineInterval = 2.0;       // [s] between progress lines where there is no terminal
 
 fs::path own_folder() { return fs::read_symlink("/proc/self/exe").parent_path(); }
-
-// Starts this program again inside a private network. Returns only where that failed.
-void enter_private_network(const std::vector<std::string>& command_line) {
-  const std::string wrapper = SLEWLAB_SOURCE_DIR "/tools/in-private-network";
-  std::vector<std::string> command{wrapper, fs::read_symlink("/proc/self/exe").string()};
-  command.insert(command.end(), command_line.begin() + 1, command_line.end());
-  std::vector<char*> arguments;
-  for (std::string& argument : command) arguments.push_back(argument.data());
-  arguments.push_back(nullptr);
-  ::setenv(kInPrivateNetwork, "1", 1);
-  ::execv(wrapper.c_str(), arguments.data());
-  std::fprintf(stderr, "slewlab: cannot start %s: %s\n", wrapper.c_str(), std::strerror(errno));
-}
 
 // One run at a time writes into a folder; the lock goes with the process.
 class FolderLock {
@@ -335,7 +321,7 @@ int run_in(const fs::path& folder, const RunOptions& options, const std::string&
       {"reason", outcome.reason},
       {"controller_command",
        options.controller_command.empty() ? "slewlab-controller" : options.controller_command},
-      {"network", std::getenv(kInPrivateNetwork) != nullptr ? "private" : "as found"},
+      {"network", in_private_network() ? "private" : "as found"},
       {"log", fs::exists(kept) ? kept.filename().string() : ""},
       {"run", run.plant_summary()},
       {"plant_end", plant.how_it_ended()},
@@ -376,11 +362,7 @@ int run_scenario(const RunOptions& options, const std::vector<std::string>& comm
         return 2;
       }
     }
-    if (const std::string problem = msgs::multicast_problem(msgs::bus_url(msgs::kDefaultPort)); !problem.empty()) {
-      if (std::getenv(kInPrivateNetwork) == nullptr) enter_private_network(command_line);
-      std::fprintf(stderr, "slewlab: %s\n", problem.c_str());
-      return 1;
-    }
+    need_multicast(command_line);
     fs::create_directories(folder);
     return run_in(folder, options, name);
   } catch (const common::InputError& error) {

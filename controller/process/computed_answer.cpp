@@ -1,0 +1,42 @@
+#include "controller/process/computed_answer.h"
+
+#include <algorithm>
+
+namespace slewlab::controller {
+namespace {
+
+void copy_per_group(const PerGroup& from, int count, std::vector<double>& to) {
+  to.assign(from.begin(), from.begin() + count);
+}
+
+}  // namespace
+
+Compute computed_answer(const ControllerSettings& settings) {
+  return [settings, state = ControllerState{}, input = ControllerInput{}, output = ControllerOutput{}](
+             const msgs::Encoder& encoder, const msgs::Operator& operator_move, msgs::Torque& torque,
+             msgs::ControllerState& report) mutable {
+    input.simulated_time = encoder.simulated_time;
+    // The pure controller knows what to do about a number of groups that is not its own.
+    input.group_count = encoder.group_count;
+    const int groups = std::min(encoder.group_count, kMaximumGroups);
+    std::copy_n(encoder.shaft_speed.begin(), groups, input.shaft_speed.begin());
+    input.speed_request = operator_move.speed_request;
+    input.emergency_stop = operator_move.emergency_stop;
+    input.acknowledge = operator_move.acknowledge;
+    step(settings, state, input, output);
+    torque.enable = output.enable;
+    torque.brake = output.brake;
+    torque.acknowledge = operator_move.acknowledge;
+    torque.group_count = output.group_count;
+    copy_per_group(output.motor_torque, output.group_count, torque.motor_torque);
+    report.mode = static_cast<std::int8_t>(output.mode);
+    report.ramped_speed = output.ramped_speed;
+    report.average_torque = output.average_torque;
+    report.offset_torque = output.offset_torque;
+    report.group_count = output.group_count;
+    copy_per_group(output.proportional_torque, output.group_count, report.proportional_torque);
+    copy_per_group(output.integral_torque, output.group_count, report.integral_torque);
+  };
+}
+
+}  // namespace slewlab::controller

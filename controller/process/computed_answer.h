@@ -1,0 +1,13 @@
+#pragma once
+
+// The controller behind the wire: one step of controller.h per ENCODER, as the function that AnswerLoop asks for.
+// Settings and state live in the function; a copy of it runs on as the original would.
+
+#include "controller/controller.h"
+#include "controller/process/answer_loop.h"
+
+namespace slewlab::controller {
+
+Compute computed_answer(const ControllerSettings& settings);
+
+}  // namespace slewlab::controller
