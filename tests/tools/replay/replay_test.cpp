@@ -1,0 +1,271 @@
+// A run is recorded in this process - the crane, the controller and the lockstep loop between them, on a bus in memory -
+// and replayed. What must come out: the same bits, or exactly what was changed.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+#include "controller/controller_file.h"
+#include "controller/process/computed_answer.h"
+#include "msgs/codec.h"
+#include "msgs/configuration_hash.h"
+#include "msgs/memory_bus.h"
+#include "sim/drive/crane_plant.h"
+#include "sim/drive/lockstep_loop.h"
+#include "tests/msgs/temporary_folder.h"
+#include "tools/replay/comparison.h"
+#include "tools/replay/controller_replay.h"
+#include "tools/replay/plant_replay.h"
+#include "tools/replay_command.h"
+
+namespace slewlab::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kConfig = fs::path(SLEWLAB_SOURCE_DIR) / "config";
+
+// 3 s in which the crane starts, is stopped in an emergency, and the gears are under tension all along.
+const std::vector<common::Override> kShortRun{
+    {"duration", "3"}, {"operator.0.time", "0.5"}, {"operator.1.time", "2"}};
+
+class ReplayTest : public testing::Test {
+ protected:
+  ReplayTest() {
+    for (const char* name : {"crane", "controller"}) {
+      fs::copy_file(kConfig / (std::string(name) + "s") / "thesis.yaml", folder_.path() / (std::string(name) + ".yaml"));
+    }
+    scenario_ = sim::load_scenario_file(kConfig / "scenarios/thesis_slew.yaml", kShortRun);
+    controller_ = controller::load_controller_file(kConfig / "controllers/thesis.yaml").settings;
+    controller_.period = 0.01;
+  }
+
+  // Records the run into `log`; the number of ENCODER.
+  void record(const fs::path& log, std::int64_t configuration) {
+    msgs::MemoryWire wire;
+    const auto plant_bus = wire.connect();
+    const auto controller_bus = wire.connect();
+    const controller::AnswerLoop loop(*controller_bus, controller::computed_answer(controller_));
+    plant_bus->on_wait = [&] { controller_bus->drain(); };
+    sim::LockstepSettings settings;
+    settings.duration = scenario_.duration;
+    settings.sensors_period = scenario_.sensors_period;
+    settings.operator_moves = scenario_.moves;
+    settings.status_period = scenario_.status_period;
+    settings.configuration_hash = configuration;
+    settings.group_count = 2;
+    sim::CranePlant plant(scenario_.crane.parameters, 1e-3);
+    msgs::LogWriter writer(log);
+    sim::run_lockstep(settings, plant, *plant_bus, writer);
+    writer.finish();
+  }
+  msgs::RunLog recorded() {
+    const fs::path log = folder_.path() / "run.lcmlog";
+    record(log, 7);
+    return msgs::read_run_logs(log).runs.at(0);
+  }
+  ControllerReplay ask(const msgs::RunLog& run, const controller::ControllerSettings& settings) {
+    ControllerReplay replay;
+    for (const auto& start : recorded_questions(run).starts) {
+      msgs::MemoryWire wire;
+      const auto asking = wire.connect();
+      const auto answering = wire.connect();
+      const controller::AnswerLoop loop(*answering, controller::computed_answer(settings));
+      asking->on_wait = [&] { answering->drain(); };
+      EXPECT_TRUE(ask_controller(*asking, run, start, {}, replay));
+    }
+    return replay;
+  }
+  int replay_it(ReplayOptions options) {
+    out_.str("");
+    err_.str("");
+    return replay(options, {}, out_, err_);
+  }
+  // A scenario beside the log, as slewlab run leaves it.
+  std::int64_t write_scenario() {
+    std::ostringstream text;
+    text << "include: " << (kConfig / "scenarios/thesis_slew.yaml").string() << "\ncrane: crane.yaml\n"
+         << "controller: controller.yaml\nduration: {value: 3, unit: s, source: \"test\"}\n";
+    const fs::path file = folder_.path() / "scenario.yaml";
+    std::FILE* out = std::fopen(file.c_str(), "w");
+    std::fputs(text.str().c_str(), out);
+    std::fclose(out);
+    return msgs::configuration_hash(sim::load_scenario_file(file).configuration_text);
+  }
+
+  TemporaryFolder folder_;
+  sim::Scenario scenario_;
+  controller::ControllerSettings controller_;
+  std::ostringstream out_, err_;
+};
+
+TEST_F(ReplayTest, ALockstepLogIsIdenticalToTheBitOnBothSides) {
+  const msgs::RunLog run = recorded();
+  ASSERT_EQ(run.encoder.size(), 300u);
+  ASSERT_EQ(run.sensors.size(), 601u);
+  const PlantReplay plant = replay_plant(scenario_, run, folder_.path());
+  EXPECT_TRUE(plant.remarks.empty());
+  const std::vector<ChannelComparison> motions{compare(run.encoder, plant.run.encoder),
+                                               compare(run.sensors, plant.run.sensors),
+                                               compare(run.truth, plant.run.truth)};
+  EXPECT_TRUE(identical(motions));
+  EXPECT_EQ(motions[0].compared, 300);
+  EXPECT_EQ(motions[1].compared, 601);
+  EXPECT_EQ(first_difference(motions), nullptr);
+  const ControllerReplay answers = ask(run, controller_);
+  const std::vector<ChannelComparison> torques{compare(run.torque, answers.torque),
+                                               compare(run.controller_state, answers.controller_state)};
+  EXPECT_TRUE(identical(torques));
+  EXPECT_EQ(torques[0].compared, 300);
+  EXPECT_EQ(torques[1].compared, 300);
+}
+
+// One bit of one torque: the controller's half finds it where it is, the plant's half from the next ENCODER on.
+TEST_F(ReplayTest, OneChangedBitIsFoundWhereItIs) {
+  msgs::RunLog run = recorded();
+  double& torque = run.torque[150].motor_torque[1];
+  const double before = torque;
+  torque = std::nextafter(torque, std::numeric_limits<double>::infinity());
+  const ControllerReplay answers = ask(run, controller_);
+  const std::vector<ChannelComparison> torques{compare(run.torque, answers.torque)};
+  EXPECT_EQ(torques[0].differing, 1);
+  const FieldDifference* first = first_difference(torques);
+  ASSERT_NE(first, nullptr);
+  EXPECT_EQ(first->channel, "TORQUE");
+  EXPECT_EQ(first->field, "motor_torque[1]");
+  EXPECT_EQ(first->unit, "Nm");
+  EXPECT_EQ(first->first_time, 1'500'000'000);
+  EXPECT_EQ(first->largest, torque - before);
+
+  run.torque[150].motor_torque[1] = before + 1.0;  // 1 Nm, so that it shows through rounding
+  const PlantReplay plant = replay_plant(scenario_, run, folder_.path());
+  const ChannelComparison encoders = compare(run.encoder, plant.run.encoder);
+  ASSERT_FALSE(encoders.differences.empty());
+  EXPECT_EQ(encoders.differences.front().first_time, 1'510'000'000);
+}
+
+TEST_F(ReplayTest, AnotherGainShowsWithTimeFieldAndSize) {
+  const msgs::RunLog run = recorded();
+  controller::ControllerSettings changed = controller_;
+  changed.ramp.emergency_stop_time *= 2.0;
+  const ControllerReplay answers = ask(run, changed);
+  const std::vector<ChannelComparison> channels{compare(run.torque, answers.torque),
+                                                compare(run.controller_state, answers.controller_state)};
+  // Until the emergency stop at 2 s the two are the same; the ramp leaves one period behind it.
+  const FieldDifference* first = first_difference(channels);
+  ASSERT_NE(first, nullptr);
+  EXPECT_GE(first->first_time, 2'000'000'000);
+  EXPECT_LE(first->first_time, 2'010'000'000);
+  std::ostringstream table;
+  print(table, channels);
+  EXPECT_NE(table.str().find("first difference: at 2.0"), std::string::npos) << table.str();
+  EXPECT_NE(table.str().find("CONTROLLER_STATE.ramped_speed [rad/s]"), std::string::npos) << table.str();
+}
+
+TEST_F(ReplayTest, MissingMessagesAreBridgedAndTold) {
+  msgs::RunLog run = recorded();
+  run.torque.erase(run.torque.begin() + 20);              // lost on its way to the logger
+  run.controller_state.erase(run.controller_state.begin() + 20);
+  run.encoder.erase(run.encoder.begin() + 40);
+  const Questions questions = recorded_questions(run);
+  ASSERT_EQ(questions.starts.size(), 1u);
+  EXPECT_EQ(questions.starts[0].size(), 300u);            // the alive counter says that both were computed
+  EXPECT_TRUE(questions.starts[0][40].made_up);
+  ASSERT_EQ(questions.remarks.size(), 1u);
+  EXPECT_NE(questions.remarks[0].find("1 ENCODER that were answered are missing"), std::string::npos);
+  const ControllerReplay answers = ask(run, controller_);
+  const ChannelComparison torques = compare(run.torque, answers.torque);
+  EXPECT_EQ(torques.compared, 298);
+  // Before the gap nothing differs, behind it only by what a straight line between two ENCODER is off.
+  for (const FieldDifference& difference : torques.differences) {
+    EXPECT_GT(difference.first_time, 400'000'000);
+    EXPECT_LT(difference.largest, 0.5) << difference.field;
+  }
+  const PlantReplay plant = replay_plant(scenario_, run, folder_.path());
+  ASSERT_EQ(plant.remarks.size(), 1u);
+  EXPECT_NE(plant.remarks[0].find("1 ENCODER have no TORQUE in the record, the first at 0.200 s"), std::string::npos)
+      << plant.remarks[0];
+}
+
+TEST_F(ReplayTest, AControllerThatWasTooSlowOrStartedAnewIsReplayedLikeThat) {
+  msgs::RunLog run = recorded();
+  // ENCODER 50 was never answered: the alive counter goes on by one from 49 to 51.
+  run.torque.erase(run.torque.begin() + 50);
+  for (auto it = run.torque.begin() + 50; it != run.torque.end(); ++it) --it->alive_counter;
+  // From ENCODER 101 on another process answered.
+  for (msgs::Torque& torque : run.torque) {
+    if (torque.answered_sequence > 100) torque.alive_counter = torque.answered_sequence - 101;
+  }
+  const Questions questions = recorded_questions(run);
+  ASSERT_EQ(questions.starts.size(), 2u);
+  EXPECT_EQ(questions.starts[0].size(), 100u);
+  EXPECT_EQ(questions.starts[1].size(), 199u);
+  EXPECT_EQ(questions.starts[1].front().encoder.sequence, 101);
+  EXPECT_EQ(questions.remarks.size(), 2u);
+}
+
+TEST_F(ReplayTest, TheCommandReadsWhatLiesBesideTheLog) {
+  record(folder_.path() / "run.lcmlog", write_scenario());
+  ReplayOptions options;
+  options.log = folder_.path();
+  EXPECT_EQ(replay_it(options), 0) << err_.str() << out_.str();
+  EXPECT_NE(out_.str().find("SENSORS               601 compared, all identical to the bit"), std::string::npos)
+      << out_.str();
+  options.overrides = {{"controller.speed_control.proportional_gain", "41"}};
+  EXPECT_EQ(replay_it(options), 1);
+  EXPECT_NE(out_.str().find("TORQUE.motor_torque[0] [Nm]"), std::string::npos) << out_.str();
+}
+
+// As lcm-logger leaves a wall-clock run: stamps out of order, holes, other channels, two runs of which one has another
+// configuration, and an end that is cut off.
+TEST_F(ReplayTest, ADamagedLogIsReplayedAsFarAsItGoesAndSaysWhatItCouldNotUse) {
+  const std::int64_t configuration = write_scenario();
+  const fs::path first = folder_.path() / "first.lcmlog";
+  const fs::path second = folder_.path() / "second.lcmlog";
+  record(first, 99);
+  record(second, configuration);
+  const fs::path log = folder_.path() / "run.lcmlog";
+  {
+    msgs::LogWriter writer(log);
+    std::int64_t count = 0;
+    for (const fs::path& part : {first, second}) {
+      msgs::LogReader reader(part);
+      msgs::LogEvent event;
+      while (reader.next(event)) {
+        if (++count % 97 == 0 && event.channel == msgs::kSensorsChannel) continue;  // lost
+        writer.append(event.channel, 1'700'000'000'000'000 + 10 * count - (count % 5 == 0 ? 25 : 0), event.data);
+      }
+      writer.append("CAMERA", 1'700'000'000'000'000, std::vector<std::uint8_t>{1, 2, 3});
+    }
+    writer.finish();
+  }
+  // In the middle of the last SENSORS of a stretch behind the last TORQUE: 40 bytes from the end lies CAMERA, so more.
+  fs::resize_file(log, fs::file_size(log) - 100);
+  ReplayOptions options;
+  options.log = log;
+  EXPECT_EQ(replay_it(options), 0) << err_.str() << out_.str();
+  for (const char* said : {"run 1 of 2", "not replayed: it was recorded with another configuration", "run 2 of 2",
+                           "identical to the bit", "CAMERA", "earlier time stamp", "the end is cut off",
+                           "messages are missing"}) {
+    EXPECT_NE(out_.str().find(said), std::string::npos) << said << " is not in\n" << out_.str();
+  }
+}
+
+TEST_F(ReplayTest, WhatCannotBeAnsweredIsRefused) {
+  ReplayOptions options;
+  record(folder_.path() / "alone.lcmlog", 7);
+  options.log = folder_.path() / "alone.lcmlog";
+  EXPECT_EQ(replay_it(options), 2);
+  EXPECT_NE(err_.str().find("there is no scenario.yaml beside"), std::string::npos) << err_.str();
+  options.crane = folder_.path() / "crane.yaml";  // enough for one half, with the log's own periods
+  EXPECT_EQ(replay_it(options), 0) << err_.str();
+  EXPECT_NE(out_.str().find("controller: not replayed"), std::string::npos);
+  options.run = 2;
+  EXPECT_EQ(replay_it(options), 2);
+  EXPECT_NE(err_.str().find("the log holds 1 runs"), std::string::npos) << err_.str();
+}
+
+}  // namespace
+}  // namespace slewlab::tools
