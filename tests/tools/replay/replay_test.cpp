@@ -42,7 +42,7 @@ class ReplayTest : public testing::Test {
     controller_.period = 0.01;
   }
 
-  // Records the run into `log`; the number of ENCODER.
+  // Records the run into `log`.
   void record(const fs::path& log, std::int64_t configuration) {
     msgs::MemoryWire wire;
     const auto plant_bus = wire.connect();
@@ -241,7 +241,7 @@ TEST_F(ReplayTest, ADamagedLogIsReplayedAsFarAsItGoesAndSaysWhatItCouldNotUse) {
     }
     writer.finish();
   }
-  // In the middle of the last SENSORS of a stretch behind the last TORQUE: 40 bytes from the end lies CAMERA, so more.
+  // Beyond the last event, CAMERA, into the one before.
   fs::resize_file(log, fs::file_size(log) - 100);
   ReplayOptions options;
   options.log = log;
