@@ -1,9 +1,12 @@
 // `slewlab withhold make`: draws machines nobody has looked at and writes their logs (docs/withheld.md).
+// `slewlab withhold score`: lets a diagnosis judge them, then opens the answers and prints the scores.
 #pragma once
 
 #include <filesystem>
 #include <iosfwd>
 #include <string>
+
+#include "diagnosis/withheld/score.h"
 
 namespace slewlab::tools {
 
@@ -20,5 +23,10 @@ struct WithholdMakeOptions {
 // Progress on `out`, problems on `complaints`. Ends early and whole on SIGINT or SIGTERM; to go on, call it again.
 // Answers with the exit code: 0, 1 where something is wrong, 130 where it was interrupted.
 int withhold_make(const WithholdMakeOptions& options, std::ostream& out, std::ostream& complaints);
+
+// The same for scoring, with the diagnosis that is to be judged. Results that are there already are kept.
+int withhold_score(const diagnosis::withheld::ScoreSettings& settings,
+                   const diagnosis::withheld::DiagnoseCase& diagnose,
+                   const diagnosis::withheld::InformedFit& informed, std::ostream& out, std::ostream& complaints);
 
 }  // namespace slewlab::tools
