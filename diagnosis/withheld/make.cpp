@@ -10,6 +10,7 @@
 #include <thread>
 
 #include "controller/controller_file.h"
+#include "diagnosis/withheld/measure.h"
 #include "diagnosis/withheld/seal.h"
 #include "msgs/codec.h"
 #include "msgs/configuration_hash.h"
@@ -32,17 +33,6 @@ namespace {
 constexpr std::array<const char*, 3> kLogNames{"a.lcmlog", "b.lcmlog", "unseen.lcmlog"};
 constexpr double kImpactTime = 2.0;  // [s] that visibility leaves out from a contact change on
 constexpr std::int64_t kStepNs = 1'000'000;  // kBaseStep [ns]
-
-// Median of the differences' sizes as a deviation: the noise of a signal, not the few moments in which the drive's
-// loop is left behind.
-double usual_difference(const std::vector<double>& a, const std::vector<double>& b) {
-  std::vector<double> sizes;
-  for (std::size_t n = 0; n < std::min(a.size(), b.size()); ++n) sizes.push_back(std::fabs(a[n] - b[n]));
-  if (sizes.empty()) return 0.0;
-  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-  std::nth_element(sizes.begin(), middle, sizes.end());
-  return 1.4826 * *middle;  // of a normal distribution
-}
 
 std::vector<double> column(const TruthRun& run, double SensorValues::*value) {
   std::vector<double> values;
@@ -76,8 +66,8 @@ Visibility visibility(const TruthRun& with, const TruthRun& without, const Truth
   const auto consider = [&](const std::string& signal, double difference, double floor) {
     if (difference / floor > best.largest) best = {difference / floor, signal};
   };
+  const double floor = counting_noise(machine.counting);
   for (int i = 0; i < with.group_count; ++i) {
-    const double floor = std::max(1e-6, usual_difference(without.shaft_speed[i], without.true_speed[i]));
     const std::string group = " " + std::to_string(i + 1);
     consider("shaft speed" + group, rms(with.shaft_speed[i], without.shaft_speed[i], cycle), floor);
     consider("motor torque" + group, rms(with.motor_torque[i], without.motor_torque[i], cycle),
@@ -195,12 +185,10 @@ json make_case(const MakeSettings& settings, const Nominal& nominal, const Drawn
   const RunOptions options{.noise_seed = 0,
                            .reference = {.method = sim::ReferenceMethod::kDirk, .tolerance = 1e-5, .order = 3}};
   Visibility seen;
-  std::array<double, 3> noise_floor{};  // of the first group's speed
   for (std::size_t m = 0; m < kLogNames.size(); ++m) {
     RunOptions here = options;
     here.noise_seed = drawn.noise_seeds[m];
     const TruthRun run = run_truth(machine, drawn.manoeuvres[m], here);
-    noise_floor[m] = usual_difference(run.shaft_speed[0], run.true_speed[0]);
     if (!drawn.laws.empty() && m < 2) {
       const TruthMachine without = build(drawn, nominal.crane, nominal.controller, false);
       const Visibility one = visibility(run, run_truth(without, drawn.manoeuvres[m], here), without);
@@ -221,8 +209,7 @@ json make_case(const MakeSettings& settings, const Nominal& nominal, const Drawn
   json spread = json::object();
   for (std::size_t k = 0; k < drawn.spread.size(); ++k) spread[spread_parameters()[k].name] = drawn.spread[k];
   return {{"case", case_name(drawn.number)},   {"kind", name_of(drawn.kind)},  {"effects", effects},
-          {"visibility", seen.largest},        {"most_visible", seen.signal},  {"spread", spread},
-          {"speed_noise_rad_s", noise_floor}};
+          {"visibility", seen.largest},        {"most_visible", seen.signal},  {"spread", spread}};
 }
 
 void seal(const MakeSettings& settings) {
