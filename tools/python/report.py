@@ -1,7 +1,8 @@
 """Draws a run: one self-contained HTML page beside its log, with the numbers on top. Needs no browser to make.
 
-    slewlab report RUN_DIR                       writes RUN_DIR/report.html and prints the table
-    slewlab report RUN_DIR OTHER_DIR --out FILE  draws the runs side by side, on the same scales
+    slewlab report RUN_DIR                   writes RUN_DIR/report.html and prints the table
+    slewlab report SITE.lcmlog               the same for a log that came alone: SITE.html beside it
+    slewlab report RUN OTHER_RUN --out FILE  draws the runs side by side, on the same scales
 """
 
 import argparse
@@ -16,7 +17,7 @@ import plotly.graph_objects as go
 from plotly.offline import get_plotlyjs
 
 from run_log import LogProblem, seconds
-from run_numbers import crossings, phase_spectrum, phases, read_run, shown_path, stop_time, table, table_text
+from run_numbers import crossings, measured, phase_spectrum, phases, read_run, shown_path, stop_time, table, table_text
 
 # Colours that stay apart for colour-blind readers (Okabe and Ito's set).
 GROUP_COLOURS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#8C564B", "#7F7F7F"]
@@ -49,6 +50,7 @@ def _dash(group):
 
 
 def draw_speeds(run):
+    """On the slew axis; the motors' own speeds where the log came without the ratio between the two."""
     log, ratio = run.log, run.facts.get("total_ratio")
     traces = []
     if log.has("OPERATOR") and run.facts.get("top_speed"):
@@ -57,15 +59,15 @@ def draw_speeds(run):
         request = np.where(moves["emergency_stop"], 0.0, moves["speed_request"]) * run.facts["top_speed"]
         traces.append(_line(np.append(seconds(moves), end), np.append(request, request[-1]), "request", GREY, "dot",
                             line_shape="hv"))
-    if log.has("ENCODER") and ratio:
+    if log.has("ENCODER"):
         encoder = log.channel("ENCODER")
         for group in range(encoder["shaft_speed"].shape[1]):
-            traces.append(_line(seconds(encoder), encoder["shaft_speed"][:, group] / ratio, f"motors {group + 1}",
+            traces.append(_line(seconds(encoder), encoder["shaft_speed"][:, group] / (ratio or 1.0), f"motors {group + 1}",
                                 GROUP_COLOURS[group]))
-    if log.has("TRUTH"):
+    if log.has("TRUTH") and ratio:
         truth = log.channel("TRUTH")
         traces.append(_line(seconds(truth), truth["house_speed"], "house", GREEN))
-    if log.has("CONTROLLER_STATE"):
+    if log.has("CONTROLLER_STATE") and ratio:
         state = log.channel("CONTROLLER_STATE")
         traces.append(_line(seconds(state), state["ramped_speed"], "ramp", DARK, "dash"))
     return traces
@@ -105,7 +107,7 @@ def draw_gearbox_torques(run):
 
 def draw_acceleration(signal, name, colour):
     def draw(run):
-        if not run.log.has("SENSORS"):
+        if not measured(run, signal):
             return []
         sensors = run.log.channel("SENSORS")
         return [_line(seconds(sensors), sensors[signal], name, colour, width=1.0)]
@@ -125,14 +127,14 @@ def draw_load_angles(run):
 
 def draw_spectra(phase):
     def draw(run):
-        if not run.log.has("SENSORS"):
-            return []
         traces = []
         for name, first, end in phases(run):
             if name != phase:
                 continue
             for signal, label, colour in (("house_acceleration", "house", GROUP_COLOURS[5]),
                                           ("tip_acceleration", "tip", GREEN)):
+                if not measured(run, signal):
+                    continue
                 frequency, amplitude = phase_spectrum(run, signal, first, end)
                 shown = (frequency >= 0.4) & (frequency <= 60)
                 traces.append(_line(frequency[shown], amplitude[shown], label, colour))
@@ -144,7 +146,8 @@ def draw_spectra(phase):
 def panels(runs):
     rated = all(run.facts.get("rated_torque") for run in runs)
     rows = [
-        Panel("slewing speed", "rad/s", draw_speeds),
+        Panel("slewing speed", "rad/s", draw_speeds) if all(run.facts.get("total_ratio") for run in runs)
+        else Panel("motor speed", "rad/s", draw_speeds),
         Panel("motor torque", "% of T100" if rated else "Nm per motor", draw_motor_torques),
         Panel("gearbox torque", "MNm, slew axis", draw_gearbox_torques),
         Panel("tip acceleration", "m/s²", draw_acceleration("tip_acceleration", "tip", GREEN)),
@@ -154,7 +157,7 @@ def panels(runs):
     names = max(([name for name, _, _ in phases(run)] for run in runs), key=len)
     for name in names:
         rows.append(Panel(f"spectrum {name}".strip(), "m/s²", draw_spectra(name), is_spectrum=True, phase=name))
-    return rows
+    return [panel for panel in rows if any(panel.draw(run) for run in runs)]
 
 
 def headings(runs):
@@ -326,13 +329,14 @@ def write_whole(path, text):
 
 def main(arguments=None):
     parser = argparse.ArgumentParser(prog="slewlab report", description="Draws runs of slewlab from their logs.")
-    parser.add_argument("run", nargs="+", help="folder that holds run.lcmlog")
-    parser.add_argument("--out", type=Path, help="the HTML file (default: report.html in the first folder)")
+    parser.add_argument("run", nargs="+", help="folder that holds run.lcmlog, or a log file")
+    parser.add_argument("--out", type=Path, help="the HTML file (default: beside the first log)")
     parser.add_argument("--quiet", action="store_true", help="do not print the table")
     options = parser.parse_args(arguments)
     try:
         runs = [read_run(folder) for folder in options.run]
-        out = options.out or runs[0].folder / "report.html"
+        first = Path(options.run[0])
+        out = options.out or (first.with_suffix(".html") if first.is_file() else first / "report.html")
         rows = table(runs)
         write_whole(out, page(runs, rows))
     except (LogProblem, OSError) as problem:

@@ -17,32 +17,34 @@ MOST_PEAKS = 3
 
 @dataclass
 class Run:
-    """A run's folder: its log and what run.json says of it (empty where there is none)."""
+    """A run's log and what run.json beside it says of it (empty where there is none)."""
 
-    folder: Path
+    name: str
     log: object
     facts: dict = field(default_factory=dict)
 
-    @property
-    def name(self):
-        return self.folder.name
 
-
-def read_run(folder):
-    """The run in a folder that holds run.lcmlog; LogProblem where it cannot be read."""
-    folder = Path(folder)
-    path = folder / "run.lcmlog"
-    if not path.is_file() and (folder / "run.lcmlog.partial").is_file():
-        path = folder / "run.lcmlog.partial"  # a run that was broken off
+def read_run(place):
+    """The run in a folder that holds run.lcmlog, or in a log file of any name; LogProblem where it cannot be read."""
+    place = Path(place)
+    path = place if place.is_file() else place / "run.lcmlog"
+    if not path.is_file() and (place / "run.lcmlog.partial").is_file():
+        path = place / "run.lcmlog.partial"  # a run that was broken off
     log = read_run_log(path)
     facts = {}
-    facts_path = folder / "run.json"
-    if facts_path.is_file():
+    facts_path = path.parent / "run.json"
+    of_a_run = path.name in ("run.lcmlog", "run.lcmlog.partial")
+    if of_a_run and facts_path.is_file():
         try:
             facts = json.loads(facts_path.read_text())
         except ValueError as error:
             raise LogProblem(f"{facts_path}: {error}") from error
-    return Run(folder.resolve(), log, facts)
+    return Run(path.resolve().parent.name if of_a_run else path.stem, log, facts)
+
+
+def measured(run, signal):
+    """Whether the log's SENSORS hold the signal; what a crane has no sensor for stands there as NaN."""
+    return run.log.has("SENSORS") and bool(np.all(np.isfinite(run.log.channel("SENSORS")[signal])))
 
 
 def stop_time(log):
@@ -80,7 +82,7 @@ def sample_period(messages):
 def phase_spectrum(run, signal, first, end):
     """Spectrum of an acceleration in SENSORS during a phase: frequencies [Hz], amplitudes [m/s^2]."""
     sensors = within(run.log.channel("SENSORS"), first, end)
-    if len(sensors) < 16:
+    if len(sensors) < 16 or not measured(run, signal):
         return np.zeros(0), np.zeros(0)
     time = seconds(sensors)
     step = sample_period(sensors)
@@ -110,10 +112,10 @@ def numbers(run):
     result = {"phases": [name for name, _, _ in phases(run)]}
     for name, first, end in phases(run):
         values = {}
-        if run.log.has("SENSORS"):
-            sensors = within(run.log.channel("SENSORS"), first, end)
-            for place in ("tip", "house"):
-                signal = f"{place}_acceleration"
+        for place in ("tip", "house"):
+            signal = f"{place}_acceleration"
+            if measured(run, signal):
+                sensors = within(run.log.channel("SENSORS"), first, end)
                 values[f"peak_{signal}"] = float(np.max(np.abs(sensors[signal])))
                 values[f"{place}_frequencies"] = phase_peaks(run, signal, first, end)
         if run.log.has("TRUTH"):
