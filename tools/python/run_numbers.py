@@ -27,6 +27,8 @@ class Run:
 def read_run(place):
     """The run in a folder that holds run.lcmlog, or in a log file of any name; LogProblem where it cannot be read."""
     place = Path(place)
+    if not place.exists():
+        raise LogProblem(f"{place}: there is no such folder or log")
     path = place if place.is_file() else place / "run.lcmlog"
     if not path.is_file() and (place / "run.lcmlog.partial").is_file():
         path = place / "run.lcmlog.partial"  # a run that was broken off
