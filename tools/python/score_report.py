@@ -66,7 +66,7 @@ def text(x, y, words, anchor="middle", turn=None):
 
 
 def calibration_picture(bins):
-    width, height, left, top, size = 420, 400, 60, 20, 320
+    width, height, left, top, size = 420, 430, 60, 45, 320
     body = line(left, top + size, left + size, top, GREY, "4,3")
     for tick in range(0, 11, 2):
         share = tick / 10
