@@ -1,6 +1,7 @@
 // Reads a crane from YAML (config/cranes): the keys map one to one onto CraneParameters.
 //
-// `boom:` and `load:` may be absent: a machine without a boom, or without a load. `effects:` is kept as it
+// `boom:` and `load:` may be absent: a machine without a boom, or without a load. Without `drive_protection:` the
+// drive takes every finite torque and has no brakes. `effects:` is kept as it
 // is for sim/effects.
 #pragma once
 
@@ -9,12 +10,14 @@
 #include <vector>
 
 #include "common/yaml_file.h"
+#include "sim/drive/drive_protection_settings.h"
 #include "sim/model/crane_parameters.h"
 
 namespace slewlab::sim {
 
 struct CraneFile {
   CraneParameters parameters;
+  DriveProtectionSettings drive_protection;
   common::YamlNode effects;    // null where the file has none
   std::string canonical_text;  // for the configuration hash
 };

@@ -78,6 +78,20 @@ TEST(CraneFile, KeepsTheEffectsAsTheyAre) {
   EXPECT_NE(file.canonical_text, load_crane_file(kFolder + "thesis.yaml").canonical_text);
 }
 
+TEST(CraneFile, ReadsTheDriveProtectionInItsUnits) {
+  const DriveProtectionSettings protection =
+      load_crane_file(kFolder + "thesis.yaml", {{"drive_protection.silence_timeout", "120"}}).drive_protection;
+  EXPECT_EQ(protection.silence_timeout, 120'000'000);  // [ns]
+  EXPECT_EQ(protection.brake.closing_delay, 80'000'000);
+  EXPECT_DOUBLE_EQ(protection.brake.closing_time_constant, 0.06);
+  EXPECT_EQ(protection.answer_age_limit, 1);
+  const DriveProtectionSettings none = load_crane_file(kFolder + "thesis.yaml", {{"drive_protection", "null"}}).drive_protection;
+  EXPECT_EQ(none.silence_timeout, kNever);
+  EXPECT_EQ(none.brake.torque, 0.0);
+  EXPECT_NE(complaint({{"drive_protection.torque_limit", "0"}}).find("more than 0 N m"), std::string::npos)
+      << complaint({{"drive_protection.torque_limit", "0"}});
+}
+
 TEST(CraneFile, BadValuesAreExplained) {
   EXPECT_EQ(complaint({{"load.mass", "-30"}}),
             "--set load.mass=-30: key 'load.mass': found -30 t, that is -30000 kg, expected a number of at least 0 kg");
