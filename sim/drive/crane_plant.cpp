@@ -1,41 +1,47 @@
 #include "sim/drive/crane_plant.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace slewlab::sim {
-namespace {
 
-// drive_state of PLANT_STATUS.
-constexpr std::int8_t kReady = 0;
-constexpr std::int8_t kRunning = 1;
+CranePlant::CranePlant(const MachineSettings& machine, const DriveProtectionSettings& protection, const DriveRun& run)
+    : protection_(protection),
+      run_(run),
+      step_(std::llround(machine.step * 1e9)),
+      machine_(make_machine(machine)) {}
 
-}  // namespace
-
-CranePlant::CranePlant(const CraneParameters& crane, double step)
-    : model_(make_plant_model(crane, step)), workspace_(make_plant_workspace(model_)), state_(make_plant_state(model_)) {}
+DriveMoment CranePlant::moment() const {
+  DriveMoment moment;
+  moment.time = machine_.state.step_count * step_;
+  for (int group = 0; group < machine_.model.group_count; ++group) {
+    moment.shaft_speed[group] = machine_.state.motor_speed[group] * machine_.model.ratio;
+  }
+  moment.main_power = conditions_.main_power;
+  moment.group_lost = conditions_.group_lost;
+  return moment;
+}
 
 void CranePlant::read_encoder(msgs::Encoder& message) {
-  const PlantReadings readings = read(model_, state_);
-  const auto groups = static_cast<std::size_t>(model_.group_count);
-  message.group_count = model_.group_count;
+  const PlantReadings readings = read(machine_);
+  const auto groups = static_cast<std::size_t>(machine_.model.group_count);
+  message.group_count = machine_.model.group_count;
   message.shaft_speed.assign(readings.shaft_speed.begin(), readings.shaft_speed.begin() + groups);
   message.shaft_position.assign(readings.shaft_position.begin(), readings.shaft_position.begin() + groups);
 }
 
-void CranePlant::command(const msgs::Torque& message) {
-  const auto finite = [](double torque) { return std::isfinite(torque); };
-  enabled_ = message.enable && message.group_count == model_.group_count &&
-             std::all_of(message.motor_torque.begin(), message.motor_torque.end(), finite);
-  for (int group = 0; group < model_.group_count; ++group) {
-    input_.motor_torque[group] = enabled_ ? message.motor_torque[group] : 0.0;
-  }
+void CranePlant::begin_cycle(std::int64_t encoder_sequence) { sim::begin_cycle(drive_, encoder_sequence); }
+
+void CranePlant::receive(msgs::DecodeStatus status, const msgs::Torque& message) {
+  sim::receive(protection_, run_, drive_, moment(), status, message);
 }
 
-void CranePlant::step() { sim::step(model_, workspace_, input_, state_); }
+void CranePlant::step(const PlantConditions& conditions) {
+  conditions_ = conditions;
+  sim::step(machine_, drive_command(protection_, run_, drive_, moment(), step_));
+}
 
 void CranePlant::read_sensors(msgs::Sensors& message) {
-  const PlantReadings readings = read(model_, state_);
+  const PlantReadings readings = read(machine_);
   message.house_acceleration = readings.house_acceleration;
   message.pivot_acceleration = readings.pivot_acceleration;
   message.middle_acceleration = readings.middle_acceleration;
@@ -44,32 +50,36 @@ void CranePlant::read_sensors(msgs::Sensors& message) {
 }
 
 void CranePlant::read_truth(msgs::Truth& message) {
-  const auto groups = static_cast<std::size_t>(model_.group_count);
-  message.group_count = model_.group_count;
-  message.gearbox_torque.assign(state_.gear_torque.begin(), state_.gear_torque.begin() + groups);
+  const auto groups = static_cast<std::size_t>(machine_.model.group_count);
+  message.group_count = machine_.model.group_count;
+  message.gearbox_torque.assign(machine_.state.gear_torque.begin(), machine_.state.gear_torque.begin() + groups);
   message.gear_deflection.resize(groups);
-  for (int group = 0; group < model_.group_count; ++group) {
-    message.gear_deflection[group] = gear_deflection(state_, group);
+  for (int group = 0; group < machine_.model.group_count; ++group) {
+    message.gear_deflection[group] = gear_deflection(machine_.state, group);
   }
-  message.play_crossings.assign(state_.play_crossings.begin(), state_.play_crossings.begin() + groups);
-  message.house_speed = state_.house_speed;
-  message.tip_displacement = state_.tip_displacement;
-  message.tip_velocity = state_.tip_velocity;
-  message.rope_angle = rope_angle(model_, state_);
-  message.rod_angle = rod_angle(model_, state_);
-  message.mechanical_energy = mechanical_energy(model_, state_);
-  message.supplied_work = state_.supplied_work;
-  message.element_count = model_.parameters.boom.element_count;
+  message.play_crossings.assign(machine_.state.play_crossings.begin(), machine_.state.play_crossings.begin() + groups);
+  message.house_speed = machine_.state.house_speed;
+  message.tip_displacement = machine_.state.tip_displacement;
+  message.tip_velocity = machine_.state.tip_velocity;
+  message.rope_angle = rope_angle(machine_.model, machine_.state);
+  message.rod_angle = rod_angle(machine_.model, machine_.state);
+  message.mechanical_energy = mechanical_energy(machine_.model, machine_.state);
+  message.supplied_work = machine_.state.supplied_work;
+  message.element_count = machine_.model.parameters.boom.element_count;
   message.shear_force.resize(static_cast<std::size_t>(message.element_count));
-  shear_forces(model_, state_, message.shear_force.data());
-  message.mode_count = model_.mode_count;
+  shear_forces(machine_.model, machine_.state, message.shear_force.data());
+  message.mode_count = machine_.model.mode_count;
   message.modal_energy.resize(static_cast<std::size_t>(message.mode_count));
-  for (int mode = 0; mode < model_.mode_count; ++mode) message.modal_energy[mode] = modal_energy(model_, state_, mode);
+  for (int mode = 0; mode < machine_.model.mode_count; ++mode) message.modal_energy[mode] = modal_energy(machine_.model, machine_.state, mode);
 }
 
 void CranePlant::read_status(msgs::PlantStatus& message) {
-  message.drive_state = enabled_ ? kRunning : kReady;
-  message.fault_count = 0;
+  message.drive_state = static_cast<std::int8_t>(drive_.state);
+  message.trip_cause = static_cast<std::int8_t>(drive_.trip_cause);
+  message.fault_count = kDriveFaultCount;
+  message.faults.assign(drive_.faults.begin(), drive_.faults.end());
+  message.stale_commands = drive_.stale_commands;
+  message.missed_deadlines = 0;
   message.bin_count = 0;
 }
 

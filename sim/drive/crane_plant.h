@@ -1,37 +1,39 @@
 #pragma once
 
-// The crane behind the wire: the fixed-step plant of sim/integrate as a DrivenPlant. Torque is taken over only while
-// the command enables the drives and every torque is a finite number; otherwise the drives deliver none. The torque
-// holds over a controller period.
-//
-// Assumption: the disk brakes (thesis 2.5) have no torque here; a controller that asks for them gets drives without
-// torque.
+// The crane behind the wire: the machine of sim/machine.h under the protection of its drive. Torque holds from answer
+// to answer.
 
+#include "sim/drive/drive_protection.h"
 #include "sim/drive/driven_plant.h"
-#include "sim/integrate/plant.h"
+#include "sim/machine.h"
 
 namespace slewlab::sim {
 
 class CranePlant : public DrivenPlant {
  public:
-  // `step` in [s]. Throws std::invalid_argument where the crane cannot be built.
-  CranePlant(const CraneParameters& crane, double step);
+  // Throws std::invalid_argument where the machine cannot be built.
+  CranePlant(const MachineSettings& machine, const DriveProtectionSettings& protection, const DriveRun& run);
 
   void read_encoder(msgs::Encoder& message) override;
-  void command(const msgs::Torque& message) override;
-  void step() override;
+  void begin_cycle(std::int64_t encoder_sequence) override;
+  void receive(msgs::DecodeStatus status, const msgs::Torque& message) override;
+  void step(const PlantConditions& conditions) override;
   void read_sensors(msgs::Sensors& message) override;
   void read_truth(msgs::Truth& message) override;
   void read_status(msgs::PlantStatus& message) override;
 
-  const PlantState& state() const { return state_; }
+  const Machine& machine() const { return machine_; }
+  const DriveProtectionState& drive() const { return drive_; }
 
  private:
-  PlantModel model_;
-  PlantWorkspace workspace_;
-  PlantState state_;
-  PlantInput input_;
-  bool enabled_ = false;
+  DriveMoment moment() const;
+
+  DriveProtectionSettings protection_;
+  DriveRun run_;
+  std::int64_t step_;  // [ns]
+  Machine machine_;
+  DriveProtectionState drive_;
+  PlantConditions conditions_;
 };
 
 }  // namespace slewlab::sim

@@ -37,10 +37,9 @@ class Lockstep {
     const std::int64_t steps_per_period = settings_.controller_period / settings_.plant_step;
     output();
     while (counts_.simulated_time < settings_.duration && !stop_asked()) {
-      if (!exchange()) break;
-      plant_.command(torque_);
+      if (!talk()) break;
       for (std::int64_t i = 0; i < steps_per_period; ++i) {
-        plant_.step();
+        plant_.step({});
         counts_.simulated_time += settings_.plant_step;
         output();
       }
@@ -64,8 +63,8 @@ class Lockstep {
     log_.append(channel, counts_.simulated_time / 1000, bytes);
   }
 
-  // ENCODER and its answer; false if asked to stop before the answer came.
-  bool exchange() {
+  // What plant and controller say to each other at the start of a period; false if asked to stop meanwhile.
+  bool talk() {
     operator_bytes_.clear();
     const auto& moves = settings_.operator_moves;
     while (next_move_ < moves.size() && moves[next_move_].time <= counts_.simulated_time) {
@@ -79,7 +78,19 @@ class Lockstep {
     plant_.read_encoder(encoder_);
     msgs::encode(encoder_, encoder_bytes_);
     log(msgs::kEncoderChannel, encoder_bytes_);
+    plant_.begin_cycle(encoder_.sequence);
 
+    if (!ask()) return false;
+    log(msgs::kTorqueChannel, torque_bytes_);
+    plant_.receive(torque_status_, torque_);
+    return true;
+  }
+
+  // Sends ENCODER until it is answered; false if asked to stop before the answer came.
+  bool ask() {
+    late_answers_ = std::max<std::int64_t>(0, late_answers_ + questions_ - answers_);
+    questions_ = 0;
+    answers_ = 0;
     have_torque_ = false;
     have_state_ = false;
     send_question();
@@ -95,8 +106,7 @@ class Lockstep {
       send_question();
       if (hooks_.while_waiting) hooks_.while_waiting(counts_);
     }
-    if (torque_.state_follows) log(msgs::kControllerStateChannel, state_bytes_);
-    log(msgs::kTorqueChannel, torque_bytes_);
+    if (expects_state()) log(msgs::kControllerStateChannel, state_bytes_);
     return true;
   }
 
@@ -119,38 +129,40 @@ class Lockstep {
     if (operator_bytes_.empty() && repetition) bus_.publish(msgs::kOperatorChannel, newest_operator_bytes_);
     for (const ByteBuffer& bytes : operator_bytes_) bus_.publish(msgs::kOperatorChannel, bytes);
     bus_.publish(msgs::kEncoderChannel, encoder_bytes_);
+    ++questions_;
   }
 
-  bool answered() const { return have_torque_ && (have_state_ || !torque_.state_follows); }
+  bool expects_state() const {
+    return torque_status_ == msgs::DecodeStatus::ok && torque_.answered_sequence == counts_.cycles &&
+           torque_.state_follows;
+  }
+  bool answered() const { return have_torque_ && (have_state_ || !expects_state()); }
 
   void receive_torque(msgs::Bytes bytes) {
-    if (msgs::decode(bytes, incoming_torque_) != msgs::DecodeStatus::ok) {
-      ++counts_.undecodable;
-      return;
+    const msgs::DecodeStatus status = msgs::decode(bytes, incoming_torque_);
+    ++answers_;
+    if (status == msgs::DecodeStatus::ok) {
+      if (incoming_torque_.sequence <= newest_torque_ && incoming_torque_.answered_sequence != counts_.cycles) {
+        ++counts_.stale_answers;
+        return;
+      }
+      newest_torque_ = std::max(newest_torque_, incoming_torque_.sequence);
     }
-    if (incoming_torque_.configuration_hash != settings_.configuration_hash) {
-      ++counts_.foreign_answers;
-      return;
-    }
-    if (incoming_torque_.answered_sequence != counts_.cycles || have_torque_) {
+    const bool right = status == msgs::DecodeStatus::ok && incoming_torque_.answered_sequence == counts_.cycles &&
+                       incoming_torque_.configuration_hash == settings_.configuration_hash;
+    if (have_torque_ || (!right && answers_ <= late_answers_)) {
       ++counts_.stale_answers;
       return;
     }
-    if (incoming_torque_.group_count != settings_.group_count) {
-      throw LockstepError("the controller answered ENCODER " + std::to_string(counts_.cycles) + " with torques for " +
-                          std::to_string(incoming_torque_.group_count) + " motor groups; the crane has " +
-                          std::to_string(settings_.group_count));
-    }
+    if (!right) ++counts_.wrong_answers;
     std::swap(torque_, incoming_torque_);
+    torque_status_ = status;
     torque_bytes_.assign(bytes.begin(), bytes.end());
     have_torque_ = true;
   }
 
   void receive_state(msgs::Bytes bytes) {
-    if (msgs::decode(bytes, state_) != msgs::DecodeStatus::ok) {
-      ++counts_.undecodable;
-      return;
-    }
+    if (msgs::decode(bytes, state_) != msgs::DecodeStatus::ok) return;
     if (have_state_ || state_.answered_sequence != counts_.cycles ||
         state_.configuration_hash != settings_.configuration_hash) {
       return;
@@ -199,8 +211,13 @@ class Lockstep {
   std::int64_t sensors_sequence_ = 0;
   std::int64_t truth_sequence_ = 0;
   std::int64_t status_sequence_ = 0;
+  std::int64_t newest_torque_ = -1;  // sequence number of the controller's newest TORQUE
+  std::int64_t questions_ = 0;       // how often the present ENCODER was sent
+  std::int64_t answers_ = 0;         // TORQUE heard since
+  std::int64_t late_answers_ = 0;    // that may still come to repeated questions of earlier periods
   bool have_torque_ = false;
   bool have_state_ = false;
+  msgs::DecodeStatus torque_status_ = msgs::DecodeStatus::ok;
 
   msgs::Encoder encoder_{};
   msgs::Operator operator_{};

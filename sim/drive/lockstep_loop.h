@@ -5,6 +5,14 @@
 // wall clock decides only when an unanswered ENCODER is sent again; how often that happened is counted here and
 // never reaches a message or the log.
 //
+// A controller that answers wrongly - bytes that are no TORQUE, another configuration, another sequence number - has
+// answered: what came is handed to the drive (drive_protection.h), and simulated time goes on. An answer is wrong, and
+// not the late repetition of an older one, if it is more than the answers still outstanding from repeated questions.
+//
+// Faults on purpose (faults.h) act on the messages at the loop's edge, keyed by sequence numbers: repeated questions
+// change none of their decisions. An ENCODER that is lost on purpose is not sent, and its cycle is one of silence to
+// the drive; a TORQUE that is lost on purpose was received and is kept from the drive.
+//
 // The log, in this order, whatever the order of arrival:
 //   at the start             SENSORS, TRUTH, PLANT_STATUS
 //   every controller period  OPERATOR (where it changes), ENCODER, CONTROLLER_STATE (where there is one), TORQUE,
@@ -18,7 +26,6 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
-#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -38,7 +45,6 @@ struct LockstepSettings {
   std::int64_t status_period = 100'000'000;     // [ns]
   std::int64_t live_period = 100'000'000;       // [ns] of the three on the bus
   std::int64_t configuration_hash = 0;
-  int group_count = 0;
   // By rising time. A move takes effect at the first controller period that begins at its time or later.
   std::vector<OperatorMove> operator_moves;
 
@@ -49,9 +55,8 @@ struct LockstepSettings {
 struct LockstepCounts {
   std::int64_t cycles = 0;          // controller periods completed
   std::int64_t resends = 0;         // of an ENCODER
-  std::int64_t stale_answers = 0;   // TORQUE that answers another ENCODER than the one asked (repeated answers)
-  std::int64_t foreign_answers = 0; // TORQUE of another configuration
-  std::int64_t undecodable = 0;     // TORQUE or CONTROLLER_STATE that was truncated, of another version or garbage
+  std::int64_t stale_answers = 0;   // TORQUE that repeats an answer already taken
+  std::int64_t wrong_answers = 0;   // TORQUE that is no answer to the ENCODER asked, handed to the drive as it is
   std::int64_t simulated_time = 0;  // [ns] reached
 };
 
@@ -62,13 +67,7 @@ struct LockstepHooks {
   std::function<void(const LockstepCounts&)> while_waiting;  // after every resend
 };
 
-// The controller answers in a way that no lockstep can go on with.
-class LockstepError : public std::runtime_error {
- public:
-  using std::runtime_error::runtime_error;
-};
-
-// Throws std::invalid_argument where periods do not fit each other, LockstepError, msgs::LogError, msgs::BusError.
+// Throws std::invalid_argument where periods do not fit each other, msgs::LogError, msgs::BusError.
 // Returns early, with simulated_time short of the duration, where `stop` said so. Does not finish the log. The bus
 // must not be handled any more after it.
 LockstepCounts run_lockstep(const LockstepSettings& settings, DrivenPlant& plant, msgs::Bus& bus,

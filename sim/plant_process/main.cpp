@@ -17,6 +17,7 @@
 #include "msgs/lcm_bus.h"
 #include "sim/drive/crane_plant.h"
 #include "sim/drive/lockstep_loop.h"
+#include "sim/drive/scenario_run.h"
 #include "sim/scenario_file.h"
 
 namespace slewlab::sim {
@@ -34,20 +35,14 @@ struct Options {
   std::vector<std::string> overrides;
 };
 
-LockstepSettings lockstep_settings(const Scenario& scenario) {
-  LockstepSettings settings;
-  settings.plant_step = scenario.plant_step;
-  settings.controller_period = scenario.controller_period;
-  settings.duration = scenario.duration;
-  settings.sensors_period = scenario.sensors_period;
-  settings.truth_period = scenario.truth_period;
-  settings.status_period = scenario.status_period;
-  settings.operator_moves = scenario.moves;
-  settings.configuration_hash = msgs::configuration_hash(scenario.configuration_text);
-  settings.group_count = scenario.crane.parameters.drive.group_count;
-  // A hundred milliseconds or, with a coarser step, the next whole number of steps.
-  settings.live_period = (settings.live_period + settings.plant_step - 1) / settings.plant_step * settings.plant_step;
-  return settings;
+nlohmann::ordered_json drive_summary(const DriveProtectionState& drive) {
+  nlohmann::ordered_json faults = nlohmann::ordered_json::object();
+  for (int i = 1; i < kDriveFaultCount; ++i) faults[name_of(static_cast<DriveFault>(i))] = drive.faults[i];
+  return {{"state", name_of(drive.state)},
+          {"trip_cause", name_of(drive.trip_cause)},
+          {"trips", drive.trips},
+          {"stale_commands", drive.stale_commands},
+          {"faults", faults}};
 }
 
 void print_progress(const LockstepCounts& counts, const LockstepSettings& settings) {
@@ -61,7 +56,7 @@ int run(const Options& options) {
   for (const std::string& text : options.overrides) overrides.push_back(common::parse_override(text));
   const Scenario scenario = load_scenario_file(options.scenario, overrides);
   const LockstepSettings settings = lockstep_settings(scenario);
-  CranePlant plant(scenario.crane.parameters, static_cast<double>(scenario.plant_step) / kNanosecondsPerSecond);
+  CranePlant plant(machine_settings(scenario), scenario.crane.drive_protection, drive_run(scenario));
   const auto bus = msgs::open_lcm_bus(options.bus);
   msgs::LogWriter log(options.log);
 
@@ -104,8 +99,8 @@ int run(const Options& options) {
       {"lockstep_cycles_per_second", static_cast<double>(counts.cycles) / wall_seconds},
       {"resends", counts.resends},
       {"stale_answers", counts.stale_answers},
-      {"foreign_answers", counts.foreign_answers},
-      {"undecodable_answers", counts.undecodable},
+      {"wrong_answers", counts.wrong_answers},
+      {"drive", drive_summary(plant.drive())},
       {"log_events", log.event_count()},
       {"log_bytes", log.byte_count()}};
   std::printf("summary %s\n", summary.dump().c_str());

@@ -88,7 +88,7 @@ TEST(CraneFile, ReadsTheDriveProtectionInItsUnits) {
   const DriveProtectionSettings none = load_crane_file(kFolder + "thesis.yaml", {{"drive_protection", "null"}}).drive_protection;
   EXPECT_EQ(none.silence_timeout, kNever);
   EXPECT_EQ(none.brake.torque, 0.0);
-  EXPECT_NE(complaint({{"drive_protection.torque_limit", "0"}}).find("more than 0 N m"), std::string::npos)
+  EXPECT_NE(complaint({{"drive_protection.torque_limit", "0"}}).find("above 0 N m"), std::string::npos)
       << complaint({{"drive_protection.torque_limit", "0"}});
 }
 

@@ -3,6 +3,7 @@
 // A plant whose every output is known in closed form: one rotating mass per motor group, driven by the torque held,
 // advanced exactly. With inertia J = 1 kg m^2 the speed after a torque T over t is T t.
 
+#include <map>
 #include <vector>
 
 #include "sim/drive/driven_plant.h"
@@ -19,11 +20,14 @@ class ToyPlant : public DrivenPlant {
     message.shaft_speed = speed_;
     message.shaft_position = position_;
   }
-  void command(const msgs::Torque& message) override {
+  void begin_cycle(std::int64_t) override {}
+  void receive(msgs::DecodeStatus status, const msgs::Torque& message) override {
+    ++received[status];
+    if (status != msgs::DecodeStatus::ok || message.motor_torque.size() != speed_.size()) return;
     torque_ = message.motor_torque;
     ++commands;
   }
-  void step() override {
+  void step(const PlantConditions&) override {
     for (std::size_t i = 0; i < speed_.size(); ++i) {
       position_[i] += step_ * (speed_[i] + 0.5 * step_ * torque_[i]);
       speed_[i] += step_ * torque_[i];
@@ -40,7 +44,8 @@ class ToyPlant : public DrivenPlant {
     message.fault_count = message.bin_count = 0;
   }
 
-  int commands = 0;
+  std::map<msgs::DecodeStatus, int> received;
+  int commands = 0;  // taken
   int steps = 0;
 
  private:
