@@ -11,13 +11,8 @@ constexpr double kNanosecondsPerSecond = 1e9;
 
 std::vector<common::EffectInstance> effects_of(const CraneFile& crane) {
   if (crane.effects.kind == common::YamlNode::Kind::null) return {};
-  common::YamlNode root;
-  root.kind = common::YamlNode::Kind::map;
-  root.mark = crane.effects.mark;
-  root.entries.push_back({"effects", crane.effects.mark, crane.effects});
   common::InputProblems problems;
-  common::YamlReader reader(root, "", problems);
-  const std::vector<common::EffectInstance> effects = common::read_effects(reader, "effects", effect_abouts());
+  const auto effects = common::read_effects(crane.effects, effect_abouts(), problems);
   if (!problems.empty()) throw common::InputError(problems);
   return effects;
 }
