@@ -232,7 +232,7 @@ TEST_F(RunCommandTest, TwoRunsSideBySideDoNotHearEachOther) {
   RunningProgram second({kSlewlab, "run", kScenario, "--out", other.string(), "--set", "duration=20"});
   EXPECT_EQ(first.wait_for_end(), 0);
   EXPECT_EQ(second.wait_for_end(), 0);
-  EXPECT_EQ(summary()["run"]["foreign_answers"], 0);
+  EXPECT_EQ(summary()["run"]["wrong_answers"], 0);
   EXPECT_TRUE(contents(out_ / "run.lcmlog") == contents(other / "run.lcmlog"));
 }
 

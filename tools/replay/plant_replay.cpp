@@ -8,6 +8,7 @@
 #include "msgs/log_writer.h"
 #include "sim/drive/crane_plant.h"
 #include "sim/drive/lockstep_loop.h"
+#include "sim/drive/scenario_run.h"
 
 namespace slewlab::tools {
 namespace {
@@ -97,24 +98,21 @@ PlantReplay replay_plant(const sim::Scenario& scenario, const msgs::RunLog& reco
     result.remarks.push_back("no TORQUE in the record: nothing to feed the plant with");
     return result;
   }
-  sim::LockstepSettings settings;
-  settings.plant_step = scenario.plant_step;
-  settings.controller_period = scenario.controller_period;
-  settings.sensors_period = scenario.sensors_period;
-  settings.truth_period = scenario.truth_period;
-  settings.status_period = scenario.status_period;
+  sim::LockstepSettings settings = sim::lockstep_settings(scenario);
   settings.live_period = scenario.controller_period;  // nobody listens
-  settings.group_count = scenario.crane.parameters.drive.group_count;
   settings.configuration_hash = record.configuration_hash;
   settings.operator_moves = recorded_moves(record, result.remarks);
   settings.duration = (record.torque.back().answered_sequence + 1) * scenario.controller_period;
-  if (record.torque.back().group_count != settings.group_count) {
+  const int group_count = scenario.crane.parameters.drive.group_count;
+  if (record.torque.back().group_count != group_count) {
     result.remarks.push_back(fmt::format("the record's torques are for {} motor groups, the crane has {}: not replayed",
-                                         record.torque.back().group_count, settings.group_count));
+                                         record.torque.back().group_count, group_count));
     return result;
   }
 
-  sim::CranePlant plant(scenario.crane.parameters, static_cast<double>(scenario.plant_step) / kNanosecondsPerSecond);
+  sim::DriveRun drive = sim::drive_run(scenario);
+  drive.configuration_hash = record.configuration_hash;
+  sim::CranePlant plant(sim::machine_settings(scenario), scenario.crane.drive_protection, drive);
   RecordedController controller(record);
   const std::filesystem::path log = scratch / "plant_replay.lcmlog";
   {

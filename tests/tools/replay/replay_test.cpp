@@ -14,6 +14,7 @@
 #include "msgs/memory_bus.h"
 #include "sim/drive/crane_plant.h"
 #include "sim/drive/lockstep_loop.h"
+#include "sim/drive/scenario_run.h"
 #include "tests/msgs/temporary_folder.h"
 #include "tools/replay/comparison.h"
 #include "tools/replay/controller_replay.h"
@@ -55,8 +56,9 @@ class ReplayTest : public testing::Test {
     settings.operator_moves = scenario_.moves;
     settings.status_period = scenario_.status_period;
     settings.configuration_hash = configuration;
-    settings.group_count = 2;
-    sim::CranePlant plant(scenario_.crane.parameters, 1e-3);
+    sim::DriveRun drive = sim::drive_run(scenario_);
+    drive.configuration_hash = configuration;
+    sim::CranePlant plant(sim::machine_settings(scenario_), scenario_.crane.drive_protection, drive);
     msgs::LogWriter writer(log);
     sim::run_lockstep(settings, plant, *plant_bus, writer);
     writer.finish();
