@@ -6,87 +6,16 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
-#include <functional>
-#include <memory>
 #include <string>
-#include <vector>
 
-#include "controller/controller.h"
-#include "controller/controller_file.h"
 #include "sim/integrate/plant.h"
 #include "sim/integrate/reference.h"
 #include "sim/model/drive_line.h"
-#include "sim/scenario_file.h"
+#include "tests/sim/integrate/driven_run.h"
 #include "tests/sim/thesis_crane.h"
 
 namespace slewlab::sim {
 namespace {
-
-// [s] readings are compared at the instants that steps of 2, 1, 0.5 and 0.25 ms have in common
-constexpr double kSample = 2e-3;
-
-// What drives a machine: torque per motor of each group from time and shaft speeds, once per `period`.
-struct Drive {
-  double period = 0.0;    // [s]
-  double duration = 0.0;  // [s]
-  std::function<GroupArray(double time, const GroupArray& shaft_speed)> torque;
-};
-
-struct Record {
-  std::vector<double> tip_acceleration;  // [m/s^2]
-  std::vector<double> gear_torque;       // [Nm] of the first group
-  std::int64_t crossings = 0;            // of all groups
-};
-
-std::int64_t whole(double number) { return static_cast<std::int64_t>(std::llround(number)); }
-
-Record run_plant(const CraneParameters& crane, const Drive& drive, double step_length) {
-  const PlantModel model = make_plant_model(crane, step_length);
-  PlantWorkspace workspace = make_plant_workspace(model);
-  PlantState state = make_plant_state(model);
-  PlantInput input;
-  Record result;
-  for (std::int64_t n = 0; n < whole(drive.duration / step_length); ++n) {
-    if (n % whole(drive.period / step_length) == 0) {
-      input.motor_torque = drive.torque(static_cast<double>(n) * step_length, read(model, state).shaft_speed);
-    }
-    step(model, workspace, input, state);
-    if ((n + 1) % whole(kSample / step_length) != 0) continue;
-    result.tip_acceleration.push_back(read(model, state).tip_acceleration);
-    result.gear_torque.push_back(state.gear_torque[0]);
-  }
-  for (int i = 0; i < model.group_count; ++i) result.crossings += state.play_crossings[i];
-  return result;
-}
-
-Record run_reference(const CraneParameters& crane, const Drive& drive, const ReferenceOptions& options) {
-  const ReferencePointer reference = make_reference(crane, options);
-  GroupArray torque{};
-  Record result;
-  for (std::int64_t n = 0; n < whole(drive.duration / kSample); ++n) {
-    if (n % whole(drive.period / kSample) == 0) {
-      torque = drive.torque(static_cast<double>(n) * kSample, read(*reference).shaft_speed);
-    }
-    advance(*reference, torque, static_cast<double>(n + 1) * kSample);
-    result.tip_acceleration.push_back(read(*reference).tip_acceleration);
-    result.gear_torque.push_back(gear_torques(*reference)[0]);
-  }
-  for (const std::int64_t crossings : play_crossings(*reference)) result.crossings += crossings;
-  return result;
-}
-
-// Root mean square of the difference as a share of the signal's, between two times [s].
-double relative_error(const std::vector<double>& signal, const std::vector<double>& truth, double from = 0.0,
-                      double to = 1e9) {
-  double difference = 0.0, size = 0.0;
-  for (std::size_t k = 0; k < truth.size(); ++k) {
-    const double time = static_cast<double>(k + 1) * kSample;
-    if (time < from || time >= to) continue;
-    difference += (signal.at(k) - truth[k]) * (signal.at(k) - truth[k]);
-    size += truth[k] * truth[k];
-  }
-  return std::sqrt(difference / size);
-}
 
 // Into the test's XML (--gtest_output=xml), for docs/benchmarks.md.
 void record(const std::string& name, double value) {
@@ -95,56 +24,7 @@ void record(const std::string& name, double value) {
   testing::Test::RecordProperty(name, text);
 }
 
-struct Demo {
-  CraneParameters crane;
-  Scenario scenario;
-  controller::ControllerSettings settings;
-};
-
-Demo load_demo(const std::string& name) {
-  Demo demo;
-  demo.scenario = load_scenario_file(SLEWLAB_SOURCE_DIR "/config/scenarios/" + name + ".yaml");
-  demo.crane = demo.scenario.crane.parameters;
-  demo.settings = controller::load_controller_file(demo.scenario.controller_file).settings;
-  demo.settings.period = 1e-9 * static_cast<double>(demo.scenario.controller_period);
-  return demo;
-}
-
-// A controller that starts anew with every run.
-Drive drive_of(const Demo& demo) {
-  Drive drive;
-  drive.period = demo.settings.period;
-  drive.duration = 1e-9 * static_cast<double>(demo.scenario.duration);
-  auto state = std::make_shared<controller::ControllerState>();
-  drive.torque = [&demo, state](double time, const GroupArray& shaft_speed) {
-    if (time == 0.0) *state = {};
-    controller::ControllerInput input;
-    input.simulated_time = whole(time * 1e9);
-    input.group_count = demo.settings.group_count;
-    input.shaft_speed = shaft_speed;
-    for (const OperatorMove& move : demo.scenario.moves) {
-      if (move.time > input.simulated_time) break;
-      input.speed_request = move.speed_request;
-      input.emergency_stop = move.emergency_stop;
-      input.acknowledge = move.acknowledge;
-    }
-    controller::ControllerOutput output;
-    controller::step(demo.settings, *state, input, output);
-    GroupArray torque{};
-    for (int i = 0; i < demo.settings.group_count; ++i) torque[i] = output.enable ? output.motor_torque[i] : 0.0;
-    return torque;
-  };
-  return drive;
-}
-
-// Three slews to and fro in 12 s, the groups 40 Nm apart: every reversal crosses the play, some with bounces.
-Drive to_and_fro() {
-  return {.period = 0.01, .duration = 12.0, .torque = [](double time, const GroupArray&) {
-            const double common = 150.0 * std::sin(1.5 * time);  // [Nm] per motor
-            return GroupArray{common + 20.0, common - 20.0};
-          }};
-}
-
+const std::string kScenarios = SLEWLAB_SOURCE_DIR "/config/scenarios/";
 constexpr ReferenceOptions kJudge{.method = ReferenceMethod::kBdf, .tolerance = 1e-11};
 
 class DemoScenario : public testing::TestWithParam<const char*> {};
@@ -154,18 +34,18 @@ INSTANTIATE_TEST_SUITE_P(Accuracy, DemoScenario,
                          [](const auto& name) { return std::string(name.param); });
 
 TEST_P(DemoScenario, FixedStepFollowsTheReference) {
-  const Demo demo = load_demo(GetParam());
+  const Demo demo = load_demo(kScenarios + GetParam() + ".yaml");
   ASSERT_EQ(demo.scenario.plant_step, 1'000'000);  // [ns]
   const Record truth = run_reference(demo.crane, drive_of(demo), kJudge);
   const Record plant = run_plant(demo.crane, drive_of(demo), 1e-3);
-  const double error = relative_error(plant.tip_acceleration, truth.tip_acceleration);
+  const double error = tip_error(plant, truth);
   record("tip_acceleration_error", error);
   EXPECT_LE(error, 1e-2);  // what the project asks for
   // What the scheme gives, with room: a loss of order at impacts would show here first.
   EXPECT_LE(error, 5e-5);
-  EXPECT_LE(relative_error(plant.tip_acceleration, truth.tip_acceleration, 5.0, 30.0), 5e-5);
-  EXPECT_LE(relative_error(plant.tip_acceleration, truth.tip_acceleration, 30.0, 34.0), 5e-5);
-  EXPECT_LE(relative_error(plant.gear_torque, truth.gear_torque), 1e-5);
+  EXPECT_LE(tip_error(plant, truth, 5.0, 30.0), 5e-5);
+  EXPECT_LE(tip_error(plant, truth, 30.0, 34.0), 5e-5);
+  EXPECT_LE(gear_error(plant, truth), 1e-5);
   EXPECT_EQ(plant.crossings, truth.crossings);
   if (std::string(GetParam()) == "thesis_slew_without_play_compensation") {
     EXPECT_GT(truth.crossings, 4);
@@ -173,23 +53,23 @@ TEST_P(DemoScenario, FixedStepFollowsTheReference) {
 }
 
 TEST(Accuracy, BothReferencesAgreeOnTheDemoScenario) {
-  const Demo demo = load_demo("thesis_slew_without_play_compensation");
+  const Demo demo = load_demo(kScenarios + "thesis_slew_without_play_compensation.yaml");
   const Record bdf = run_reference(demo.crane, drive_of(demo), kJudge);
   const Record dirk = run_reference(demo.crane, drive_of(demo), {ReferenceMethod::kDirk, 1e-11});
-  const double difference = relative_error(dirk.tip_acceleration, bdf.tip_acceleration);
+  const double difference = tip_error(dirk, bdf);
   record("tip_acceleration_difference", difference);
   EXPECT_LE(difference, 2e-6);
-  EXPECT_LE(relative_error(dirk.gear_torque, bdf.gear_torque), 2e-7);
+  EXPECT_LE(gear_error(dirk, bdf), 2e-7);
   EXPECT_EQ(dirk.crossings, bdf.crossings);
 }
 
 TEST(Accuracy, FixedStepIsOfSecondOrderWithThePlayActive) {
-  Demo demo = load_demo("thesis_slew_without_play_compensation");
+  Demo demo = load_demo(kScenarios + "thesis_slew_without_play_compensation.yaml");
   const Record truth = run_reference(demo.crane, drive_of(demo), {ReferenceMethod::kBdf, 1e-12});
   double coarser = 0.0;
   for (const double step_length : {2e-3, 1e-3, 0.5e-3, 0.25e-3}) {
     const Record plant = run_plant(demo.crane, drive_of(demo), step_length);
-    const double error = relative_error(plant.tip_acceleration, truth.tip_acceleration);
+    const double error = tip_error(plant, truth);
     record("error_at_" + std::to_string(whole(step_length * 1e6)) + "_us", error);
     if (coarser > 0.0) {
       EXPECT_GE(std::log2(coarser / error), 1.8) << "at a step of " << step_length << " s";
@@ -204,7 +84,7 @@ TEST(Accuracy, FixedStepFollowsWhereThePlayIsCrossedAgainAndAgain) {
   const Record plant = run_plant(crane, to_and_fro(), 1e-3);
   EXPECT_GE(truth.crossings, 10);
   EXPECT_EQ(plant.crossings, truth.crossings);
-  const double error = relative_error(plant.tip_acceleration, truth.tip_acceleration);
+  const double error = tip_error(plant, truth);
   record("tip_acceleration_error", error);
   EXPECT_LE(error, 1e-3);
 }
@@ -225,10 +105,10 @@ TEST_P(OtherMachines, FixedStepFollowsTheReference) {
   if (name == "NoPlay") crane.drive.gearbox_play = crane.drive.pinion_play = 0.0;
   const Record truth = run_reference(crane, to_and_fro(), kJudge);
   const Record plant = run_plant(crane, to_and_fro(), 1e-3);
-  const double error = relative_error(plant.tip_acceleration, truth.tip_acceleration);
+  const double error = tip_error(plant, truth);
   record("tip_acceleration_error", error);
   EXPECT_LE(error, 1e-3);
-  EXPECT_LE(relative_error(plant.gear_torque, truth.gear_torque), 1e-3);
+  EXPECT_LE(gear_error(plant, truth), 1e-3);
   EXPECT_EQ(plant.crossings, truth.crossings);
 }
 
