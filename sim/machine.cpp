@@ -157,6 +157,9 @@ Machine make_machine(const MachineSettings& settings) {
     }
   }
   machine.needs_moment = !machine.actuator.empty() || !machine.force.empty() || !machine.friction.empty();
+  machine.hooks_per_step =
+      static_cast<std::int64_t>(machine.message.size() + machine.actuator.size() + machine.force.size() +
+                                machine.friction.size() + machine.sensor.size());
   hang_load(machine);
   machine.sensed = read(machine.model, machine.state);
   return machine;
@@ -166,13 +169,19 @@ void step(Machine& machine, const DriveCommand& command) {
   const PlantModel& model = machine.model;
   const double time = time_of(machine);
 
-  DriveCommand arrived = command;
-  for (const std::size_t i : machine.message) machine.effects[i]->message(time, arrived);
+  const DriveCommand* arrived = &command;
+  DriveCommand changed;
+  if (!machine.message.empty()) {
+    changed = command;
+    for (const std::size_t i : machine.message) machine.effects[i]->message(time, changed);
+    arrived = &changed;
+  }
 
   PlantInput input;
-  if (arrived.enable) input.motor_torque = arrived.motor_torque;
+  if (arrived->enable) input.motor_torque = arrived->motor_torque;
   for (int i = 0; i < model.group_count; ++i) {
-    input.friction.motor[i] = arrived.brake_torque[i] * model.parameters.drive.motors_per_group * model.ratio;
+    input.friction.motor[i] =
+        arrived->brake_torque[i] * model.parameters.drive.motors_per_group * model.ratio;
   }
 
   if (machine.needs_moment) {
@@ -197,9 +206,7 @@ void step(Machine& machine, const DriveCommand& command) {
     machine.sensed = moment.truth;
     for (const std::size_t i : machine.sensor) machine.effects[i]->sensor(moment, machine.sensed);
   }
-  machine.effect_evaluations +=
-      static_cast<std::int64_t>(machine.message.size() + machine.actuator.size() + machine.force.size() +
-                                machine.friction.size() + machine.sensor.size());
+  machine.effect_evaluations += machine.hooks_per_step;
 }
 
 MachineReadings read(const Machine& machine) {
