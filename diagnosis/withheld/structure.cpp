@@ -139,6 +139,7 @@ Structure make_structure(const sim::CraneParameters& crane, const StructureChang
     modes.frequency.push_back(frequency);
     modes.damping_rate.push_back(damping);
     modes.house.push_back(shape(ring));
+    modes.pivot.push_back(shape(house));
     modes.tip.push_back(rope);
     const int middle = 3 * (elements / 2);
     modes.middle.push_back(at(middle));

@@ -1,43 +1,15 @@
 #include "sim/effects/house_compliance.h"
 
-#include <algorithm>
 #include <limits>
-
-#include "sim/integrate/plant.h"
 
 namespace slewlab::sim {
 
 namespace {
 
-class HouseCompliance : public Running<HouseCompliance> {
- public:
-  explicit HouseCompliance(const EffectStart& start)
-      : stiffness_(start.values[0]), group_count_(start.model.group_count), gear_(start.model.gear) {}
-
-  void force(const EffectMoment& moment, PortForces& ports) override {
-    double torque = 0.0;
-    double stiffness = stiffness_;
-    for (int i = 0; i < group_count_; ++i) {
-      if (moment.gear_torque[i] == 0.0) continue;
-      torque += moment.gear_torque[i];
-      stiffness += gear_[i].stiffness;
-    }
-    const double twist = torque / stiffness;
-    for (int i = 0; i < group_count_; ++i) {
-      const double rigid = moment.gear_torque[i];
-      double change = gear_[i].stiffness * twist;
-      // Teeth push and never pull: the twist can take a gear's torque away, no more.
-      change = rigid > 0.0 ? std::min(change, rigid) : rigid < 0.0 ? std::max(change, rigid) : 0.0;
-      ports.motor_torque[i] += change;
-      ports.house_torque -= change;
-    }
-  }
-
- private:
-  double stiffness_;
-  int group_count_;
-  std::array<GearContact, kMaximumGroupCount> gear_;
-};
+void change(EffectValues values, MachineParameters& parameters) {
+  parameters.crane.house.stiffness = values[0];
+  parameters.crane.house.ring_share = values[1];
+}
 
 }  // namespace
 
@@ -54,11 +26,18 @@ const EffectDescription& house_compliance() {
                                 .typical = 1e10,
                                 .prior_scale = 1.0,
                                 .scale = common::ParameterScale::logarithmic,
-                                .absent = std::numeric_limits<double>::infinity()}}},
-      .ports = {EffectPort::force},
-      .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
-        return std::make_unique<HouseCompliance>(start);
-      }};
+                                .absent = std::numeric_limits<double>::infinity()},
+                               {.name = "ring_share",
+                                .unit = common::Unit::none,
+                                .meaning = "share of the house's inertia that turns with the ring",
+                                .lower = 0.05,
+                                .upper = 0.9,
+                                .typical = 0.2,
+                                .prior_scale = 0.5,
+                                .scale = common::ParameterScale::logarithmic,
+                                .absent = std::nullopt}}},
+      .ports = {EffectPort::parameters},
+      .change = change};
   return description;
 }
 

@@ -547,6 +547,7 @@ PlantModel make_plant_model(const CraneParameters& crane, double step, const Gro
     return result;
   };
   model.house = padded(model.modes.house);
+  model.pivot = padded(model.modes.pivot);
   model.tip = padded(model.modes.tip);
   model.middle = padded(model.modes.middle);
   model.uniform = padded(model.modes.uniform_load);
@@ -656,17 +657,17 @@ PlantReadings read(const PlantModel& model, const PlantState& state) {
   }
   const double house_torque = gear_torque + state.other_house_torque;
   const double tip_force = state.rope_force + state.other_tip_force;
-  double house = 0.0, middle = 0.0, tip = 0.0;
+  double pivot = 0.0, middle = 0.0, tip = 0.0;
   for (std::size_t k = 0; k < static_cast<std::size_t>(model.padded_count); ++k) {
     const double acceleration = -model.square[k] * state.q[k] - model.damping_rate[k] * state.v[k] +
                                 model.house[k] * house_torque + model.tip[k] * tip_force +
                                 model.uniform[k] * state.other_uniform_force;
-    house += model.house[k] * acceleration;
+    pivot += model.pivot[k] * acceleration;
     middle += model.middle[k] * acceleration;
     tip += model.tip[k] * acceleration;
   }
-  readings.house_acceleration = model.parameters.house.sensor_radius * house;
-  readings.pivot_acceleration = model.parameters.boom.pivot_radius * house;
+  readings.house_acceleration = model.parameters.house.sensor_radius * pivot;
+  readings.pivot_acceleration = model.parameters.boom.pivot_radius * pivot;
   readings.middle_acceleration = middle;
   readings.tip_acceleration = tip;
   readings.slew_angle = state.house_angle;

@@ -699,15 +699,15 @@ PlantReadings read(const Reference& reference) {
     readings.shaft_position[i] = motion.motor_angle[i] * r.ratio;
   }
   const FreeHouseModes& modes = r.machine.modes;
-  double house = 0.0;
+  double pivot = 0.0;
   for (int k = 0; k < r.mode_count; ++k) {
     const double acceleration = rates[r.v() + k];
-    house += modes.house[k] * acceleration;
+    pivot += modes.pivot[k] * acceleration;
     readings.middle_acceleration += modes.middle[k] * acceleration;
     readings.tip_acceleration += modes.tip[k] * acceleration;
   }
-  readings.house_acceleration = r.machine.crane.house.sensor_radius * house;
-  readings.pivot_acceleration = r.machine.crane.boom.pivot_radius * house;
+  readings.house_acceleration = r.machine.crane.house.sensor_radius * pivot;
+  readings.pivot_acceleration = r.machine.crane.boom.pivot_radius * pivot;
   readings.slew_angle = motion.seen.house_angle;
   return readings;
 }

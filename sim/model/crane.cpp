@@ -11,23 +11,44 @@ namespace slewlab::sim {
 
 namespace {
 
-// House and boom, order [theta_h, nodes from the second on].
+// House and boom, order [slew ring where the house is not rigid, theta_h, nodes from the second on].
 struct HouseAndBoom {
   Eigen::MatrixXd mass;
   Eigen::MatrixXd stiffness;
 };
 
-HouseAndBoom assemble_house_and_boom(const CraneParameters& crane) {
-  if (crane.boom.element_count == 0) {
-    return {.mass = Eigen::MatrixXd::Constant(1, 1, driven_inertia(crane)),
-            .stiffness = Eigen::MatrixXd::Zero(1, 1)};
-  }
-  const BoomMatrices boom = assemble_boom(crane.boom);
-  const Eigen::Vector3d pivot = pivot_motion(crane.boom);
-  HouseAndBoom result{.mass = merge_pivot(boom.mass, pivot),
-                      .stiffness = merge_pivot(boom.stiffness, pivot)};
-  result.mass(0, 0) += crane.house.inertia;
+// 1 where the slew ring has a degree of freedom of its own before the house's, 0 where the house is rigid.
+int house_root(const HouseParameters& house) { return house.stiffness > 0.0 ? 1 : 0; }
+
+// Puts a slew ring on a spring before the house's rotation; the gears push on it.
+HouseAndBoom with_ring(const HouseAndBoom& rigid, const HouseParameters& house) {
+  const Eigen::Index size = rigid.mass.rows();
+  HouseAndBoom result{.mass = Eigen::MatrixXd::Zero(size + 1, size + 1),
+                      .stiffness = Eigen::MatrixXd::Zero(size + 1, size + 1)};
+  result.mass.bottomRightCorner(size, size) = rigid.mass;
+  result.stiffness.bottomRightCorner(size, size) = rigid.stiffness;
+  const double ring = house.ring_share * house.inertia;
+  result.mass(0, 0) += ring;
+  result.mass(1, 1) -= ring;
+  result.stiffness(0, 0) += house.stiffness;
+  result.stiffness(1, 1) += house.stiffness;
+  result.stiffness(0, 1) -= house.stiffness;
+  result.stiffness(1, 0) -= house.stiffness;
   return result;
+}
+
+HouseAndBoom assemble_house_and_boom(const CraneParameters& crane) {
+  HouseAndBoom result;
+  if (crane.boom.element_count == 0) {
+    result = {.mass = Eigen::MatrixXd::Constant(1, 1, driven_inertia(crane)),
+              .stiffness = Eigen::MatrixXd::Zero(1, 1)};
+  } else {
+    const BoomMatrices boom = assemble_boom(crane.boom);
+    const Eigen::Vector3d pivot = pivot_motion(crane.boom);
+    result = {.mass = merge_pivot(boom.mass, pivot), .stiffness = merge_pivot(boom.stiffness, pivot)};
+    result.mass(0, 0) += crane.house.inertia;
+  }
+  return house_root(crane.house) == 0 ? result : with_ring(result, crane.house);
 }
 
 }  // namespace
@@ -86,7 +107,7 @@ CraneMatrices assemble_crane(const CraneParameters& crane, GearState gears) {
       place(0, at.tip) = 1.0;
       place(0, at.tip_twist) = crane.boom.jib_eccentricity;
     } else {
-      place(0, at.house) = sheave_radius(crane.boom);
+      place(0, at.house + house_root(crane.house)) = sheave_radius(crane.boom);
     }
     place(1, at.rope) = 1.0;
     if (has_rod) place(2, at.rod) = 1.0;
@@ -108,15 +129,16 @@ FreeHouseModes free_house_modes(const CraneParameters& crane) {
   const int size = static_cast<int>(assembled.mass.rows());
   const int elements = crane.boom.element_count;
   const BoomParameters& boom = crane.boom;
+  const int root = house_root(crane.house);
 
   // The rigid rotation is known; the solver's lowest mode only approximates it.
   Eigen::VectorXd rigid = Eigen::VectorXd::Zero(size);
-  rigid(0) = 1.0;
+  rigid(0) = rigid(root) = 1.0;
   for (int node = 1; node <= elements; ++node) {
     const double x = boom.length * node / elements;
-    rigid(3 * node - 2) = boom.pivot_radius + x * std::cos(boom.angle);
-    rigid(3 * node - 1) = std::cos(boom.angle);
-    rigid(3 * node) = std::sin(boom.angle);
+    rigid(root + 3 * node - 2) = boom.pivot_radius + x * std::cos(boom.angle);
+    rigid(root + 3 * node - 1) = std::cos(boom.angle);
+    rigid(root + 3 * node) = std::sin(boom.angle);
   }
   rigid /= std::sqrt(rigid.dot(assembled.mass * rigid));
 
@@ -142,14 +164,14 @@ FreeHouseModes free_house_modes(const CraneParameters& crane) {
     // Node values [y, phi, psi] with the pivot node written out (3.16).
     const auto write_nodes = [&] {
       Eigen::VectorXd nodes(3 * (elements + 1));
-      nodes.head<3>() = pivot_motion(boom) * shape(0);
-      nodes.tail(size - 1) = shape.tail(size - 1);
+      nodes.head<3>() = pivot_motion(boom) * shape(root);
+      nodes.tail(size - 1 - root) = shape.tail(size - 1 - root);
       return nodes;
     };
     Eigen::VectorXd nodes = write_nodes();
-    const double tip = elements > 0 ? nodes(3 * elements) : tip_radius(boom) * shape(0);
+    const double tip = elements > 0 ? nodes(3 * elements) : tip_radius(boom) * shape(root);
     const double scale = shape.cwiseAbs().maxCoeff();
-    const double side = std::abs(tip) > 1e-9 * scale ? tip : shape(0);
+    const double side = std::abs(tip) > 1e-9 * scale ? tip : shape(root);
     if (side < 0.0) {
       shape = -shape;
       nodes = write_nodes();
@@ -171,17 +193,18 @@ FreeHouseModes free_house_modes(const CraneParameters& crane) {
       }
     }
     if (elements == 0) {
-      middle = (boom.pivot_radius + 0.5 * boom.length * std::cos(boom.angle)) * shape(0);
+      middle = (boom.pivot_radius + 0.5 * boom.length * std::cos(boom.angle)) * shape(root);
       integral = boom.length * middle;
     }
     if (k == 0) modes.shear.col(0).setZero();
     modes.frequency.push_back(std::sqrt(std::max(0.0, squares(k))));
     modes.damping_rate.push_back(damping * squares(k));
     modes.house.push_back(shape(0));
+    modes.pivot.push_back(shape(root));
     modes.tip.push_back(elements > 0 ? nodes(3 * elements) + boom.jib_eccentricity * nodes(3 * elements + 2)
-                                     : sheave_radius(boom) * shape(0));
+                                     : sheave_radius(boom) * shape(root));
     modes.middle.push_back(middle);
-    modes.tip_twist.push_back(elements > 0 ? nodes(3 * elements + 2) : std::sin(boom.angle) * shape(0));
+    modes.tip_twist.push_back(elements > 0 ? nodes(3 * elements + 2) : std::sin(boom.angle) * shape(root));
     modes.uniform_load.push_back(integral);
   }
   return modes;

@@ -12,7 +12,8 @@
 namespace slewlab::sim {
 
 // Where each degree of freedom stands in the assembled matrices: motor groups (slew axis), house, boom nodes
-// from the second on, load. -1 where the machine has none.
+// from the second on, load. -1 where the machine has none. Where the house is not rigid, `house` is the slew
+// ring and the house's upper part comes right behind it.
 struct CraneIndices {
   int group_count = 0;
   int house = 0;
@@ -47,7 +48,8 @@ GearContact gear_contact(const CraneParameters& crane);
 struct FreeHouseModes {
   std::vector<double> frequency;     // [rad/s]
   std::vector<double> damping_rate;  // [1/s] a_1 frequency^2
-  std::vector<double> house;         // [rad] house rotation in the mode
+  std::vector<double> house;         // [rad] house rotation in the mode, where the gears push on the slew ring
+  std::vector<double> pivot;         // [rad] house rotation at the boom's pivot; the same where it is rigid
   std::vector<double> tip;           // [m] lateral displacement of the tip, of the jib's sheave where there is one
   std::vector<double> middle;        // [m] at half of the length
   std::vector<double> tip_twist;     // [rad]

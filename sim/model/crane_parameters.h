@@ -29,6 +29,8 @@ struct DriveParameters {
 struct HouseParameters {
   double inertia = 0.0;        // [kg m^2] about the slew axis
   double sensor_radius = 0.0;  // [m] of the lateral accelerometer on the house, from the slew axis
+  double stiffness = 0.0;      // [Nm/rad] torsion between the slew ring and the rest of the house; 0 is rigid
+  double ring_share = 0.0;     // share of the inertia that turns with the slew ring, where the house is not rigid
 };
 
 struct BoomStation {

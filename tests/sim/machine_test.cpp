@@ -118,6 +118,21 @@ TEST(Machine, BoundsOfEveryEffectRunOrAreRefused) {
   }
 }
 
+// Teeth that chattered under a force of an effect would meet and part more often the shorter the step.
+TEST(Machine, NoEffectMakesTheTeethChatter) {
+  constexpr double kStep = 0.00025, kDuration = 15.0;
+  const auto contact_changes = [&](const std::vector<common::EffectInstance>& effects) {
+    Machine machine = make_machine({.crane = thesis_crane(), .effects = effects, .step = kStep});
+    for (std::int64_t k = 0; k < std::lround(kDuration / kStep); ++k) step(machine, command_at(k / 4));
+    return machine.state.contact_changes;
+  };
+  const auto without = contact_changes({});
+  for (const EffectDescription* effect : effect_catalogue()) {
+    EXPECT_LT(contact_changes({common::typical_instance(effect->about)}), 2 * without + 40)
+        << effect->about.name << ", without " << without;
+  }
+}
+
 TEST(Machine, RefusesWhatItDoesNotKnow) {
   const CraneParameters crane = thesis_crane();
   EXPECT_THROW(make_machine({.crane = crane, .effects = {{"gremlins", {1.0}}}}), std::invalid_argument);

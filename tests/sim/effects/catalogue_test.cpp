@@ -94,7 +94,7 @@ TEST(EffectCatalogue, SmoothEffectsAreOfSecondOrderInTheStep) {
   const BenchStart start{.slew_speed = 0.03, .rope_angle = 0.03, .gear_torque = {wound, -wound}};
   for (const char* name :
        {"torque_lag", "pinion_mesh_variation", "gear_friction", "dragging_brake", "bearing_coulomb",
-        "bearing_viscous", "bearing_stribeck", "house_compliance", "pedestal_flexibility", "heel", "wind",
+        "bearing_viscous", "bearing_stribeck", "pedestal_flexibility", "heel", "wind",
         "hoisting", "large_angles", "air_drag", "offlead", "tag_line", "vessel_roll", "gusts"}) {
     common::EffectInstance instance = common::typical_instance(find_effect(name)->about);
     if (instance.name == "hoisting") instance.values = {0.5, 0.0, 8.0};  // ramps of 1 s: at a whole step
