@@ -9,6 +9,7 @@
 #include <memory>
 
 #include "common/input_error.h"
+#include "tools/accept_command.h"
 #include "tools/check_command.h"
 #include "tools/modes_command.h"
 #include "tools/python_command.h"
@@ -96,6 +97,30 @@ void add_replay(CLI::App& app, const std::vector<std::string>& command_line, Act
   });
 }
 
+void add_accept(CLI::App& app, const std::vector<std::string>& command_line, Action& action) {
+  struct Options {
+    AcceptOptions accept;
+    std::vector<std::string> overrides;
+  };
+  auto options = std::make_shared<Options>();
+  options->accept.limits = SLEWLAB_SOURCE_DIR "/config/acceptance/thesis.yaml";
+  CLI::App* command = app.add_subcommand("accept", "Check a controller's run against limits: pass or fail, and why");
+  command->add_option("SCENARIO|RUN_DIR", options->accept.subject, "scenario to run, or a run that was made already")
+      ->required()
+      ->check(CLI::ExistingPath);
+  command->add_option("--controller", options->accept.controller_command, "shell command of your own controller");
+  command->add_option("--limits", options->accept.limits, "limits (config/acceptance/thesis.yaml)");
+  command->add_option("--junit", options->accept.junit, "JUnit XML to write, for CI");
+  command->add_option("--out", options->accept.out, "folder for the run (runs/accept_<scenario>)");
+  command->add_option("--set", options->overrides, "key=value, as of slewlab run");
+  command->callback([options, &command_line, &action] {
+    action = [options, &command_line] {
+      options->accept.overrides = parse_overrides(options->overrides);
+      return accept(options->accept, command_line);
+    };
+  });
+}
+
 void add_withhold(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("withhold", "Machines nobody has looked at, to judge the diagnosis by");
   command->require_subcommand(1);
@@ -162,6 +187,7 @@ int main(const std::vector<std::string>& command_line, int argc, char** argv) {
   Action action;
   add_run(app, command_line, action);
   add_replay(app, command_line, action);
+  add_accept(app, command_line, action);
   add_check(app, action);
   add_modes(app, action);
   add_verify(app, action);

@@ -1,0 +1,122 @@
+// slewlab accept as a user starts it. The thesis's controller passes; the controller of examples/controller_in_python,
+// with one line of it made wrong, is caught by the check that is there for it.
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <set>
+
+#include "tests/msgs/temporary_folder.h"
+#include "tests/tools/running_program.h"
+
+namespace slewlab::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string kSlewlab = SLEWLAB_BINARY_DIR "/bin/slewlab";
+const std::string kScenarios = SLEWLAB_SOURCE_DIR "/config/scenarios/";
+const std::string kPython = SLEWLAB_SOURCE_DIR "/.venv/bin/python";
+const std::string kExample = SLEWLAB_SOURCE_DIR "/examples/controller_in_python/controller.py";
+
+std::string contents(const fs::path& path) {
+  std::ifstream file(path);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+class AcceptTest : public testing::Test {
+ protected:
+  // The names of the failed checks; `command` is a controller's, empty: ours.
+  std::set<std::string> failures(const std::string& scenario, const std::string& command, int exit_code) {
+    std::vector<std::string> line{kSlewlab, "accept", kScenarios + scenario, "--out", out_.string(), "--junit",
+                                  (folder_.path() / "junit.xml").string()};
+    if (!command.empty()) line.insert(line.end(), {"--controller", command});
+    RunningProgram accept(line);
+    EXPECT_EQ(accept.wait_for_end(), exit_code) << accept.output() << accept.complaints();
+    output_ = accept.output();
+    std::set<std::string> failed;
+    const auto result = nlohmann::json::parse(contents(out_ / "acceptance.json"), nullptr, false);
+    if (!result.is_object()) return {"no acceptance.json"};
+    for (const auto& check : result["checks"]) {
+      if (check["verdict"] == "fail") failed.insert(check["name"].get<std::string>());
+    }
+    return failed;
+  }
+  // The example with `right` replaced.
+  std::string wrong_controller(const std::vector<std::pair<std::string, std::string>>& changes) {
+    std::string text = contents(kExample);
+    for (const auto& [right, wrong] : changes) {
+      const std::size_t at = text.find(right);
+      EXPECT_NE(at, std::string::npos) << right << " is no longer in " << kExample;
+      if (at != std::string::npos) text.replace(at, right.size(), wrong);
+    }
+    const fs::path file = folder_.path() / "wrong.py";
+    std::ofstream(file) << text;
+    return "PYTHONDONTWRITEBYTECODE=1 PYTHONPATH=" SLEWLAB_BINARY_DIR "/python " + kPython + " " + file.string();
+  }
+  bool no_python() const { return !fs::exists(kPython); }
+
+  TemporaryFolder folder_;
+  fs::path out_ = folder_.path() / "out";
+  std::string output_;
+};
+
+TEST_F(AcceptTest, TheThesissControllerPasses) {
+  for (const char* scenario : {"thesis_slew.yaml", "slew_there_and_back.yaml", "inching.yaml", "low_boom_stop.yaml"}) {
+    EXPECT_EQ(failures(scenario, "", 0), std::set<std::string>{}) << output_;
+  }
+  EXPECT_NE(contents(folder_.path() / "junit.xml").find("failures=\"0\""), std::string::npos);
+  if (!no_python()) {
+    EXPECT_TRUE(fs::exists(out_ / "acceptance.html"));
+  }
+}
+
+TEST_F(AcceptTest, WithoutPlayCompensationTheCrossingsAreCaught) {
+  const auto failed = failures("thesis_slew_without_play_compensation.yaml", "", 1);
+  EXPECT_TRUE(failed.contains("play crossings")) << output_;
+}
+
+TEST_F(AcceptTest, ASignErrorIsCaughtByTheDirection) {
+  if (no_python()) GTEST_SKIP() << "no .venv here";
+  const auto failed = failures("thesis_slew.yaml",
+                               wrong_controller({{"c.step(reference - speed)", "c.step(speed - reference)"}}), 1);
+  EXPECT_TRUE(failed.contains("direction")) << output_;
+  EXPECT_TRUE(failed.contains("settling")) << output_;
+}
+
+TEST_F(AcceptTest, AnIntegratorThatWindsUpIsCaughtByTheOvershootOfTheStop) {
+  if (no_python()) GTEST_SKIP() << "no .venv here";
+  const std::string windup = wrong_controller(
+      {{"        if not winds_up:\n            self.integral += growth\n", "        self.integral += growth\n"},
+       {"        self.integral = clamp(self.integral, -RATED_TORQUE, RATED_TORQUE)\n", ""}});
+  EXPECT_EQ(failures("low_boom_stop.yaml", windup, 1), std::set<std::string>{"stop overshoot"}) << output_;
+}
+
+TEST_F(AcceptTest, SwappedHalvesOfThePlayCompensationAreCaughtByItsOffset) {
+  if (no_python()) GTEST_SKIP() << "no .venv here";
+  const std::string swapped = wrong_controller(
+      {{"return (half_1, half_2) if average >= 0.0 else (-half_2, -half_1)",
+        "return (half_2, half_1) if average >= 0.0 else (-half_1, -half_2)"}});
+  EXPECT_EQ(failures("thesis_slew.yaml", swapped, 1), std::set<std::string>{"play offset"}) << output_;
+}
+
+// Swapped for one sign of the torque only: the halves change over where it passes zero, and the gears pass their play.
+TEST_F(AcceptTest, HalvesSwappedForOneDirectionAreCaughtByThePlayCrossings) {
+  if (no_python()) GTEST_SKIP() << "no .venv here";
+  const std::string half_swapped =
+      wrong_controller({{"else (-half_2, -half_1)", "else (-half_1, -half_2)"}});
+  const auto failed = failures("slew_there_and_back.yaml", half_swapped, 1);
+  EXPECT_TRUE(failed.contains("play crossings")) << output_;
+  EXPECT_TRUE(failed.contains("play offset")) << output_;
+}
+
+TEST_F(AcceptTest, AControllerThatDiesIsNotAccepted) {
+  EXPECT_EQ(failures("thesis_slew.yaml", "echo out of licences >&2; exit 3", 1).count("run"), 1u) << output_;
+  EXPECT_NE(output_.find("exit code 3"), std::string::npos) << output_;
+}
+
+}  // namespace
+}  // namespace slewlab::tools

@@ -1,0 +1,29 @@
+#pragma once
+
+// `slewlab accept SCENARIO.yaml|RUN_DIR`: acceptance checks of a controller (acceptance/checks.h) against limits in
+// YAML. A scenario is run first, as `slewlab run` would; of a run's folder only the log is read.
+//
+// Into the run's folder go acceptance.json and, where the Python side is set up, acceptance.html with the plot; where
+// asked for, JUnit XML. Exit codes: 0 accepted, 1 not accepted (or the run failed: then the check "run" says why), 2 the
+// call or the configuration is wrong.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "common/yaml_file.h"
+
+namespace slewlab::tools {
+
+struct AcceptOptions {
+  std::filesystem::path subject;    // scenario or folder of a run
+  std::filesystem::path limits;
+  std::filesystem::path junit;      // empty: none
+  std::filesystem::path out;        // of a scenario; empty: runs/accept_<name>
+  std::string controller_command;   // of a scenario; empty: slewlab-controller
+  std::vector<common::Override> overrides;
+};
+
+int accept(const AcceptOptions& options, const std::vector<std::string>& command_line);
+
+}  // namespace slewlab::tools

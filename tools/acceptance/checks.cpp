@@ -1,0 +1,470 @@
+#include "tools/acceptance/checks.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+#include <numbers>
+#include <optional>
+
+namespace slewlab::tools {
+namespace {
+
+constexpr double kNanosecondsPerSecond = 1e9;
+constexpr double kPercent = 100.0;
+constexpr double kDegrees = 180.0 / std::numbers::pi;
+constexpr std::int8_t kTripped = 2;  // drive_state of PLANT_STATUS from here on: tripped, braked
+constexpr double kForever = std::numeric_limits<double>::infinity();
+
+double seconds(std::int64_t nanoseconds) { return static_cast<double>(nanoseconds) / kNanosecondsPerSecond; }
+
+struct Sample {
+  double time = 0.0;   // [s]
+  double value = 0.0;
+};
+
+double mean(const std::vector<double>& values) {
+  double sum = 0.0;
+  for (const double value : values) sum += value;
+  return values.empty() ? 0.0 : sum / static_cast<double>(values.size());
+}
+
+// What the operator asks for from `begin` until `end`.
+struct Stretch {
+  double begin = 0.0;   // [s]
+  double end = 0.0;     // [s]
+  double target = 0.0;  // [-] of top speed
+  bool emergency = false;
+};
+
+// The run as the checks look at it, up to the end or to the drive's trip.
+struct View {
+  std::vector<Sample> speed;   // [-] of top speed
+  std::vector<Sample> angle;   // [rad] slewed, by the encoders
+  std::vector<Stretch> stretches;
+  double stop = kForever;      // [s] of the emergency stop
+  double trip = kForever;      // [s] from which on the drive had tripped
+  int trip_cause = 0;
+};
+
+double end_of(const View& view) { return std::min(view.trip, view.speed.back().time); }
+
+View view_of(const msgs::RunLog& run, const AcceptanceLimits& limits, double ratio) {
+  View view;
+  for (const msgs::PlantStatus& status : run.plant_status) {
+    // A drive that holds its brakes without a cause has not tripped.
+    if (status.drive_state < kTripped || status.trip_cause == 0) continue;
+    view.trip = seconds(status.simulated_time);
+    view.trip_cause = status.trip_cause;
+    break;
+  }
+  for (const msgs::Encoder& encoder : run.encoder) {
+    view.speed.push_back({seconds(encoder.simulated_time), mean(encoder.shaft_speed) / ratio / limits.top_speed});
+    view.angle.push_back({seconds(encoder.simulated_time), mean(encoder.shaft_position) / ratio});
+  }
+  if (view.speed.empty()) return view;
+  Stretch now{view.speed.front().time, view.speed.back().time, 0.0, false};
+  bool latched = false;  // only an acknowledgement at rest ends an emergency stop
+  for (const msgs::Operator& move : run.operator_moves) {
+    const double time = seconds(move.simulated_time);
+    if (move.emergency_stop) {
+      view.stop = std::min(view.stop, time);
+      latched = true;
+    } else if (move.acknowledge && move.speed_request == 0.0) {
+      latched = false;
+    }
+    const double target = latched ? 0.0 : std::clamp(move.speed_request, -1.0, 1.0);
+    if (target == now.target && latched == now.emergency) continue;
+    if (time > now.begin) {
+      view.stretches.push_back(now);
+      view.stretches.back().end = time;
+    }
+    now.begin = time;
+    now.target = target;
+    now.emergency = latched;
+  }
+  view.stretches.push_back(now);
+  for (Stretch& stretch : view.stretches) stretch.end = std::min(stretch.end, end_of(view));
+  std::erase_if(view.stretches, [](const Stretch& stretch) { return stretch.end <= stretch.begin; });
+  return view;
+}
+
+double value_at(const std::vector<Sample>& samples, double time) {
+  const auto at = std::lower_bound(samples.begin(), samples.end(), time,
+                                   [](const Sample& sample, double t) { return sample.time < t; });
+  return at == samples.end() ? samples.back().value : at->value;
+}
+
+// The largest of `size(value)` in [begin, end].
+template <class Size>
+Sample worst(const std::vector<Sample>& samples, double begin, double end, Size size) {
+  Sample result{begin, -kForever};
+  for (const Sample& sample : samples) {
+    if (sample.time < begin || sample.time > end) continue;
+    const double value = size(sample.value);
+    if (value > result.value || !std::isfinite(value)) result = {sample.time, std::isfinite(value) ? value : kForever};
+  }
+  return result;
+}
+
+// [s] from `begin` until the speed stays within the band around the target up to `end`; infinite if it never does.
+double time_to_settle(const View& view, const Stretch& stretch, double band) {
+  double left = stretch.begin;  // when it was last outside
+  for (const Sample& sample : view.speed) {
+    if (sample.time < stretch.begin || sample.time > stretch.end) continue;
+    if (!(std::abs(sample.value - stretch.target) <= band)) left = sample.time;
+  }
+  return left >= stretch.end ? kForever : left - stretch.begin;
+}
+
+CheckResult not_applicable(const char* name, const char* why) {
+  CheckResult result;
+  result.name = name;
+  result.reason = why;
+  return result;
+}
+
+// `scale` from SI to the unit that people read.
+CheckResult at_most(const char* name, Sample measured, double limit, double scale, const char* unit,
+                    const std::string& what) {
+  CheckResult result;
+  result.name = name;
+  result.verdict = measured.value <= limit ? Verdict::pass : Verdict::fail;
+  result.measured = measured.value * scale;
+  result.limit = limit * scale;
+  result.unit = unit;
+  result.time = measured.time;
+  result.reason = fmt::format("{}: {:.3g} {}, {} {:.3g} {}, at {:.2f} s", what, result.measured, unit,
+                              result.verdict == Verdict::pass ? "allowed" : "more than the allowed", result.limit, unit,
+                              measured.time);
+  return result;
+}
+
+class Checks {
+ public:
+  Checks(const msgs::RunLog& run, const AcceptanceLimits& limits, const AcceptedMachine& machine)
+      : run_(run), limits_(limits), machine_(machine), view_(view_of(run, limits, machine.total_ratio)) {}
+
+  std::vector<CheckResult> all() {
+    if (view_.speed.empty()) {
+      CheckResult none;
+      none.name = "log";
+      none.verdict = Verdict::fail;
+      none.reason = "there is no ENCODER in the log: nothing to judge";
+      return {none};
+    }
+    direction();
+    overshoot();
+    settling();
+    play_crossings();
+    play_offset();
+    sidelead();
+    torque_share();
+    emergency_stop();
+    drive();
+    return std::move(results_);
+  }
+
+ private:
+  bool stopped() const { return view_.stop <= end_of(view_); }
+  double before_stop() const { return std::min(view_.stop, end_of(view_)); }
+  void add(CheckResult result) { results_.push_back(std::move(result)); }
+  double first_request() const {
+    const auto asked = std::find_if(view_.stretches.begin(), view_.stretches.end(),
+                                    [](const Stretch& each) { return each.target != 0.0; });
+    return asked == view_.stretches.end() ? kForever : asked->begin;
+  }
+  double band() const { return limits_.settled_within; }
+
+  void direction() {
+    if (!limits_.wrong_way) return;
+    Sample most{0.0, -kForever};
+    for (const Stretch& stretch : view_.stretches) {
+      if (stretch.target == 0.0) continue;
+      const double sign = stretch.target > 0.0 ? 1.0 : -1.0;
+      if (sign * value_at(view_.speed, stretch.begin) < -band()) continue;  // a reversal under way
+      const Sample against = worst(view_.speed, stretch.begin, stretch.end, [&](double v) { return -sign * v; });
+      if (against.value > most.value) most = against;
+    }
+    if (most.value == -kForever) return add(not_applicable("direction", "nothing was asked for"));
+    most.value = std::max(0.0, most.value);
+    add(at_most("direction", most, *limits_.wrong_way, kPercent, "% of top speed", "speed against the asked direction"));
+  }
+
+  Sample past_target(const Stretch& stretch) const {
+    const double side = stretch.target - value_at(view_.speed, stretch.begin);
+    if (side == 0.0) return {stretch.begin, 0.0};
+    const double sign = side > 0.0 ? 1.0 : -1.0;
+    return worst(view_.speed, stretch.begin, stretch.end, [&](double v) { return sign * (v - stretch.target); });
+  }
+
+  void overshoot() {
+    if (!limits_.overshoot) return;
+    Sample most{0.0, -kForever};
+    for (const Stretch& stretch : view_.stretches) {
+      if (stretch.emergency) continue;
+      const Sample past = past_target(stretch);
+      if (past.value > most.value) most = past;
+    }
+    if (most.value == -kForever) return add(not_applicable("overshoot", "nothing was asked for"));
+    most.value = std::max(0.0, most.value);
+    add(at_most("overshoot", most, *limits_.overshoot, kPercent, "% of top speed", "speed past the asked one"));
+  }
+
+  void settling() {
+    if (!limits_.settling_time) return;
+    Sample longest{0.0, -1.0};
+    for (const Stretch& stretch : view_.stretches) {
+      if (stretch.emergency || stretch.end - stretch.begin < *limits_.settling_time) continue;
+      const double time = time_to_settle(view_, stretch, band());
+      if (time > longest.value) longest = {stretch.begin, time};
+    }
+    if (longest.value < 0.0) return add(not_applicable("settling", "no request lasted as long as settling may take"));
+    CheckResult result = at_most("settling", longest, *limits_.settling_time, 1.0, "s",
+                                 fmt::format("time until the speed stays within {:.3g} % of top speed", kPercent * band()));
+    if (std::isinf(longest.value)) {
+      result.reason = fmt::format("the request at {:.2f} s is never settled within {:.3g} % of top speed", longest.time,
+                                  kPercent * band());
+    }
+    add(result);
+  }
+
+  void play_crossings() {
+    if (!limits_.play_crossings) return;
+    if (run_.truth.empty()) return add(not_applicable("play crossings", "no TRUTH in the log"));
+    Sample last{0.0, 0.0};
+    for (const msgs::Truth& truth : run_.truth) {
+      if (seconds(truth.simulated_time) > before_stop()) break;
+      double sum = 0.0;
+      for (const std::int64_t crossings : truth.play_crossings) sum += static_cast<double>(crossings);
+      if (sum > last.value) last = {seconds(truth.simulated_time), sum};
+    }
+    add(at_most("play crossings", last, *limits_.play_crossings, 1.0, "crossings",
+                "gearboxes passing their play before the emergency stop"));
+  }
+
+  void play_offset() {
+    if (!limits_.play_offset) return;
+    std::optional<Sample> least;
+    for (const msgs::Torque& torque : run_.torque) {
+      const double time = seconds(torque.simulated_time);
+      const std::size_t half = torque.motor_torque.size() / 2;
+      // Before the first request the motors are still on their way to their flanks.
+      if (!torque.enable || half == 0 || time < first_request() || time >= before_stop()) continue;
+      double first = 0.0;
+      double second = 0.0;
+      for (std::size_t i = 0; i < half; ++i) {
+        first += torque.motor_torque[i];
+        second += torque.motor_torque[torque.motor_torque.size() - 1 - i];
+      }
+      const double scale = static_cast<double>(half) * limits_.rated_torque;
+      if (std::abs(first + second) / 2.0 / scale > limits_.play_offset_up_to) continue;
+      const double offset = (first - second) / 2.0 / scale;
+      if (!least || offset < least->value) least = {time, offset};
+    }
+    if (!least) return add(not_applicable("play offset", "no torque of two halves small enough in the log"));
+    CheckResult result;
+    result.name = "play offset";
+    result.verdict = least->value >= *limits_.play_offset ? Verdict::pass : Verdict::fail;
+    result.measured = kPercent * least->value;
+    result.limit = kPercent * *limits_.play_offset;
+    result.unit = "% of T100";
+    result.time = least->time;
+    result.reason = fmt::format("half 1 leads half 2 by {:.3g} % of T100 at least, {} {:.3g} %, at {:.2f} s{}",
+                                result.measured, result.verdict == Verdict::pass ? "wanted" : "less than the wanted",
+                                result.limit, least->time, least->value < -*limits_.play_offset ? ": the halves are swapped" : "");
+    add(result);
+  }
+
+  void sidelead() {
+    if (!limits_.sidelead) return;
+    if (run_.truth.empty()) return add(not_applicable("sidelead", "no TRUTH in the log"));
+    std::vector<Sample> angles;
+    for (const msgs::Truth& truth : run_.truth) angles.push_back({seconds(truth.simulated_time), truth.rope_angle});
+    add(at_most("sidelead", worst(angles, 0.0, before_stop(), [](double v) { return std::abs(v); }), *limits_.sidelead,
+                kDegrees, "deg", "sidelead before the emergency stop"));
+  }
+
+  void torque_share() {
+    if (!limits_.torque_share) return;
+    Sample most{0.0, -kForever};
+    for (const msgs::Torque& torque : run_.torque) {
+      if (seconds(torque.simulated_time) >= before_stop()) break;
+      for (const double value : torque.motor_torque) {
+        const double share = std::abs(value) / limits_.rated_torque;
+        if (share > most.value || !std::isfinite(share)) {
+          most = {seconds(torque.simulated_time), std::isfinite(share) ? share : kForever};
+        }
+      }
+    }
+    if (most.value == -kForever) return add(not_applicable("torque share", "no TORQUE in the log"));
+    add(at_most("torque share", most, *limits_.torque_share, kPercent, "% of T100",
+                "torque of a motor before the emergency stop"));
+  }
+
+  void emergency_stop() {
+    constexpr const char* kNoStop = "no emergency stop in the run";
+    const auto absent = [&](bool asked, const char* name) {
+      if (asked && !stopped()) add(not_applicable(name, kNoStop));
+      return !asked || !stopped();
+    };
+    const auto stretch = std::find_if(view_.stretches.begin(), view_.stretches.end(),
+                                      [](const Stretch& each) { return each.emergency; });
+    if (!absent(limits_.stop_distance.has_value(), "stop distance")) {
+      const double from = value_at(view_.angle, view_.stop);
+      add(at_most("stop distance", worst(view_.angle, view_.stop, stretch->end, [&](double v) { return std::abs(v - from); }),
+                  *limits_.stop_distance, kDegrees, "deg", "slewed from the emergency stop on"));
+    }
+    if (!absent(limits_.stop_time.has_value(), "stop time")) {
+      CheckResult result =
+          at_most("stop time", {view_.stop, time_to_settle(view_, *stretch, band())}, *limits_.stop_time, 1.0, "s",
+                  fmt::format("time until the crane stands, within {:.3g} % of top speed", kPercent * band()));
+      if (std::isinf(result.measured)) result.reason = "the crane never stands still after the emergency stop";
+      add(result);
+    }
+    if (!absent(limits_.stop_overshoot.has_value(), "stop overshoot")) {
+      Sample past = past_target(*stretch);
+      past.value = std::max(0.0, past.value);
+      add(at_most("stop overshoot", past, *limits_.stop_overshoot, kPercent, "% of top speed",
+                  "speed past zero after the emergency stop"));
+    }
+    if (!absent(limits_.tip_acceleration.has_value(), "tip acceleration")) {
+      if (run_.sensors.empty()) return add(not_applicable("tip acceleration", "no SENSORS in the log"));
+      std::vector<Sample> tip;
+      for (const msgs::Sensors& sensors : run_.sensors) {
+        tip.push_back({seconds(sensors.simulated_time), sensors.tip_acceleration});
+      }
+      add(at_most("tip acceleration", worst(tip, view_.stop, end_of(view_), [](double v) { return std::abs(v); }),
+                  *limits_.tip_acceleration, 1.0, "m/s^2", "tip after the emergency stop"));
+    }
+  }
+
+  void drive() {
+    const bool tripped = std::isfinite(view_.trip);
+    if (limits_.trips && !machine_.faults_on_purpose) {
+      if (run_.plant_status.empty()) {
+        add(not_applicable("trips", "no PLANT_STATUS in the log"));
+      } else {
+        CheckResult result;
+        result.name = "trips";
+        result.verdict = !tripped || *limits_.trips > 0 ? Verdict::pass : Verdict::fail;
+        result.measured = tripped ? 1 : 0;
+        result.limit = *limits_.trips;
+        result.unit = "trips";
+        result.time = tripped ? view_.trip : -1.0;
+        result.reason = tripped ? fmt::format("the drive tripped, seen at {:.2f} s, cause {} of docs/wire.md", view_.trip,
+                                              view_.trip_cause)
+                                : "the drive did not trip";
+        add(result);
+      }
+    }
+    if (!limits_.standstill_after_trip || !machine_.faults_on_purpose) return;
+    if (!tripped) return add(not_applicable("reaction", "the drive did not trip: the other checks hold for the whole run"));
+    const double end = view_.speed.back().time;
+    const Stretch after{view_.trip, end, 0.0, false};
+    Sample stood{view_.trip, time_to_settle(view_, after, band())};
+    CheckResult result =
+        at_most("reaction", stood, *limits_.standstill_after_trip, 1.0, "s",
+                fmt::format("the drive tripped by cause {} of docs/wire.md; time until the crane stands for good",
+                            view_.trip_cause));
+    if (std::isinf(stood.value)) {
+      result.reason = fmt::format("the drive tripped by cause {} of docs/wire.md, but the crane does not stand still",
+                                  view_.trip_cause);
+    }
+    add(result);
+  }
+
+  const msgs::RunLog& run_;
+  const AcceptanceLimits& limits_;
+  const AcceptedMachine& machine_;
+  View view_;
+  std::vector<CheckResult> results_;
+};
+
+std::string xml(const std::string& text) {
+  std::string result;
+  for (const char c : text) {
+    switch (c) {
+      case '&': result += "&amp;"; break;
+      case '<': result += "&lt;"; break;
+      case '>': result += "&gt;"; break;
+      case '"': result += "&quot;"; break;
+      default: result += static_cast<unsigned char>(c) < 0x20 && c != '\n' ? ' ' : c;
+    }
+  }
+  return result;
+}
+
+const char* to_string(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::pass: return "pass";
+    case Verdict::fail: return "FAIL";
+    case Verdict::not_applicable: return "-";
+  }
+  return "";
+}
+
+}  // namespace
+
+std::vector<CheckResult> acceptance_checks(const msgs::RunLog& run, const AcceptanceLimits& limits,
+                                           const AcceptedMachine& machine) {
+  return Checks(run, limits, machine).all();
+}
+
+bool accepted(const std::vector<CheckResult>& results) {
+  return std::none_of(results.begin(), results.end(),
+                      [](const CheckResult& result) { return result.verdict == Verdict::fail; });
+}
+
+std::string junit_xml(const std::string& suite, const std::vector<CheckResult>& results) {
+  const auto count = [&](Verdict verdict) {
+    return std::count_if(results.begin(), results.end(), [&](const CheckResult& r) { return r.verdict == verdict; });
+  };
+  std::string text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
+  text += fmt::format("<testsuite name=\"{}\" tests=\"{}\" failures=\"{}\" errors=\"0\" skipped=\"{}\">\n", xml(suite),
+                      results.size(), count(Verdict::fail), count(Verdict::not_applicable));
+  for (const CheckResult& result : results) {
+    text += fmt::format("  <testcase classname=\"{}\" name=\"{}\">", xml(suite), xml(result.name));
+    if (result.verdict == Verdict::fail) text += fmt::format("<failure message=\"{}\"/>", xml(result.reason));
+    if (result.verdict == Verdict::not_applicable) text += fmt::format("<skipped message=\"{}\"/>", xml(result.reason));
+    if (result.verdict == Verdict::pass) text += fmt::format("<system-out>{}</system-out>", xml(result.reason));
+    text += "</testcase>\n";
+  }
+  return text + "</testsuite>\n";
+}
+
+std::string check_table(const std::vector<CheckResult>& results) {
+  std::string text;
+  for (const CheckResult& result : results) {
+    text += fmt::format("{:<4} {:<17} {}\n", to_string(result.verdict), result.name, result.reason);
+  }
+  return text;
+}
+
+std::string checks_json(const std::vector<CheckResult>& results, const AcceptanceLimits& limits,
+                        const AcceptedMachine& machine) {
+  nlohmann::ordered_json list = nlohmann::ordered_json::array();
+  for (const CheckResult& result : results) {
+    list.push_back({{"name", result.name},
+                    {"verdict", result.verdict == Verdict::not_applicable ? "not applicable"
+                                : result.verdict == Verdict::pass         ? "pass"
+                                                                          : "fail"},
+                    {"measured", std::isfinite(result.measured) ? nlohmann::ordered_json(result.measured)
+                                                                : nlohmann::ordered_json(nullptr)},
+                    {"limit", result.limit},
+                    {"unit", result.unit},
+                    {"time", result.time},
+                    {"reason", result.reason}});
+  }
+  const nlohmann::ordered_json all{{"accepted", accepted(results)},
+                                   {"top_speed", limits.top_speed},
+                                   {"total_ratio", machine.total_ratio},
+                                   {"rated_torque", limits.rated_torque},
+                                   {"settled_within", limits.settled_within},
+                                   {"checks", list}};
+  return all.dump(2) + "\n";
+}
+
+}  // namespace slewlab::tools

@@ -1,0 +1,67 @@
+#pragma once
+
+// The acceptance checks on a recorded run. A pure function of log, limits and the machine's ratio.
+//
+// The slewing speed is the mean shaft speed of the groups over the ratio (ENCODER: what a crane can measure). A request
+// is an OPERATOR message that changes what is asked for; before the first one zero is asked for. The emergency stop asks
+// for zero. "Before the stop" is before the first emergency stop, or the whole run.
+//
+//   direction          speed against the asked direction, in stretches that begin at rest or in that direction
+//   overshoot          speed past the asked one, in stretches that begin on this side of it; the emergency stop apart
+//   settling           time from a request until the speed stays within the band to the stretch's end
+//   play crossings     before the stop, all gearboxes together (TRUTH)
+//   play offset        half the torque of the first half of the groups less that of the second: least value from
+//                      the first request to the stop while the mean torque is small; shows which half leads
+//   sidelead           largest rope angle before the stop (TRUTH)
+//   torque share       largest torque before the stop, of T100
+//   stop distance      angle slewed from the emergency stop on, largest
+//   stop time          from the emergency stop until the speed stays within the band
+//   stop overshoot     speed past zero after the emergency stop
+//   tip acceleration   largest after the emergency stop (SENSORS)
+//   trips              of the drive, where the scenario has no faults on purpose (PLANT_STATUS)
+//   reaction           where it has: after the drive's trip the crane stands still in time and stays so; without a trip
+//                      all checks above hold. Checks look at the run up to the trip only.
+//
+// A check whose channel is not in the log, or whose occasion is not in the run, is not applicable.
+
+#include <string>
+#include <vector>
+
+#include "msgs/run_log.h"
+#include "tools/acceptance/limits.h"
+
+namespace slewlab::tools {
+
+struct AcceptedMachine {
+  double total_ratio = 1.0;     // [-] turns of a motor per turn of the crane
+  bool faults_on_purpose = false;
+};
+
+enum class Verdict { pass, fail, not_applicable };
+
+struct CheckResult {
+  std::string name;      // "overshoot"
+  Verdict verdict = Verdict::not_applicable;
+  double measured = 0.0; // in `unit`
+  double limit = 0.0;    // in `unit`
+  std::string unit;      // as people read it: "%", "s", "deg"
+  double time = -1.0;    // [s] of the worst moment; negative where there is none
+  std::string reason;    // one sentence
+};
+
+std::vector<CheckResult> acceptance_checks(const msgs::RunLog& run, const AcceptanceLimits& limits,
+                                           const AcceptedMachine& machine);
+
+bool accepted(const std::vector<CheckResult>& results);
+
+// JUnit XML: one test suite, a test case per check; what is not applicable counts as skipped.
+std::string junit_xml(const std::string& suite, const std::vector<CheckResult>& results);
+
+// One line per check.
+std::string check_table(const std::vector<CheckResult>& results);
+
+// The results for whoever draws them.
+std::string checks_json(const std::vector<CheckResult>& results, const AcceptanceLimits& limits,
+                        const AcceptedMachine& machine);
+
+}  // namespace slewlab::tools
