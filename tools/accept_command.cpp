@@ -55,29 +55,33 @@ void draw(const fs::path& folder) {
 }
 
 int judge(const fs::path& folder, const AcceptOptions& options, const AcceptanceLimits& limits) {
-  const fs::path log = fs::exists(folder / "run.lcmlog") ? folder / "run.lcmlog" : folder / "run.lcmlog.partial";
-  const msgs::RunLogs logs = msgs::read_run_logs(log);
-  if (logs.runs.size() > 1) {
-    std::printf("note: the log holds %zu runs; the first is judged\n", logs.runs.size());
-  }
   const sim::Scenario scenario = sim::load_scenario_file(folder / "scenario.yaml");
   AcceptedMachine machine;
   machine.total_ratio = scenario.crane.parameters.drive.gearbox_ratio * scenario.crane.parameters.drive.pinion_ratio;
   machine.faults_on_purpose = scenario.faults.kind != common::YamlNode::Kind::null;
-  std::vector<CheckResult> results = acceptance_checks(logs.runs.front(), limits, machine);
+  std::vector<CheckResult> results;
   if (const std::string reason = why_incomplete(folder); !reason.empty()) {
     CheckResult failed;
     failed.name = "run";
     failed.verdict = Verdict::fail;
     failed.reason = reason;
-    results.insert(results.begin(), failed);
+    results.push_back(failed);
+  }
+  const fs::path log = fs::exists(folder / "run.lcmlog") ? folder / "run.lcmlog" : folder / "run.lcmlog.partial";
+  const bool any_log = fs::exists(log) && fs::file_size(log) > 0;
+  if (any_log || results.empty()) {
+    const msgs::RunLogs logs = msgs::read_run_logs(log);
+    for (const std::string& remark : logs.remarks) std::printf("note: %s\n", remark.c_str());
+    if (logs.runs.size() > 1) std::printf("note: the log holds %zu runs; the first is judged\n", logs.runs.size());
+    const std::vector<CheckResult> checks = acceptance_checks(logs.runs.front(), limits, machine);
+    results.insert(results.end(), checks.begin(), checks.end());
   }
 
   const std::string name = options.subject.stem().string();
   std::printf("%s", check_table(results).c_str());
   write_whole_file(folder / "acceptance.json", checks_json(results, limits, machine));
   if (!options.junit.empty()) write_whole_file(options.junit, junit_xml(name, results));
-  draw(folder);
+  if (any_log && options.plot) draw(folder);
   const bool good = accepted(results);
   std::printf("%s: %s\n", name.c_str(), good ? "accepted" : "NOT accepted");
   return good ? 0 : 1;

@@ -22,6 +22,7 @@ struct AcceptOptions {
   std::filesystem::path out;        // of a scenario; empty: runs/accept_<name>
   std::string controller_command;   // of a scenario; empty: slewlab-controller
   std::vector<common::Override> overrides;
+  bool plot = true;
 };
 
 int accept(const AcceptOptions& options, const std::vector<std::string>& command_line);

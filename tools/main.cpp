@@ -110,6 +110,7 @@ void add_accept(CLI::App& app, const std::vector<std::string>& command_line, Act
       ->check(CLI::ExistingPath);
   command->add_option("--controller", options->accept.controller_command, "shell command of your own controller");
   command->add_option("--limits", options->accept.limits, "limits (config/acceptance/thesis.yaml)");
+  command->add_flag("--plot,!--no-plot", options->accept.plot, "draw acceptance.html (as it is by default)");
   command->add_option("--junit", options->accept.junit, "JUnit XML to write, for CI");
   command->add_option("--out", options->accept.out, "folder for the run (runs/accept_<scenario>)");
   command->add_option("--set", options->overrides, "key=value, as of slewlab run");

@@ -100,9 +100,9 @@ TEST(AcceptanceChecks, OvershootAndSettlingAreMeasured) {
   EXPECT_NEAR(overshoot.time, 6.22, 0.011);
   EXPECT_NE(overshoot.reason.find("more than the allowed 3 % of top speed, at 6.22 s"), std::string::npos)
       << overshoot.reason;
-  // It leaves the band of 5 % last where 0.1 e^(1/4 - t) |sin(2 pi t)| = 0.05 for the last time: t = 0.8447 (by bisection).
+  // It leaves the band of 5 % last where 0.1 e^(1/4 - t) |sin(2 pi t)| = 0.05 for the last time: t = 0.826 (by bisection).
   const CheckResult settling = check(run, "settling");
-  EXPECT_NEAR(settling.measured, 4.84, 0.011);
+  EXPECT_NEAR(settling.measured, 4.826, 0.011);
   EXPECT_EQ(settling.verdict, Verdict::pass);
 }
 
