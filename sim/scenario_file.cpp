@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "common/yaml_reader.h"
+#include "sim/fault_file.h"
 
 namespace slewlab::sim {
 namespace {
@@ -99,14 +100,13 @@ void read_scenario(YamlReader& reader, Scenario& scenario) {
   telemetry.finish();
 
   scenario.moves = read_moves(reader, scenario.plant_step);
-  if (const YamlNode* faults = reader.raw("faults")) scenario.faults = *faults;
-  reader.finish();
+  if (reader.has("expect")) scenario.expectation = read_expectation(reader.map("expect"));
 }
 
 // The scenario's own part of the configuration: the contents of crane and controller stand for their names.
 std::string own_text(YamlNode root) {
   std::erase_if(root.entries, [](const common::YamlEntry& entry) {
-    return entry.key == "crane" || entry.key == "controller";
+    return entry.key == "crane" || entry.key == "controller" || entry.key == "expect";
   });
   return common::canonical_text(root);
 }
@@ -132,6 +132,9 @@ Scenario read_scenario_file(const std::filesystem::path& file, const std::vector
       problems.insert(problems.end(), error.problems().begin(), error.problems().end());
     }
   }
+  scenario.faults = read_faults(reader, scenario.controller_period, scenario.crane.parameters.drive.group_count,
+                                static_cast<std::uint64_t>(scenario.seed));
+  reader.finish();
   YamlNode controller;
   if (!scenario.controller_file.empty()) {
     // What is wrong in it is for the controller's own reader to tell; only that it is there matters here.

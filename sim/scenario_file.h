@@ -16,6 +16,8 @@
 
 #include "common/yaml_file.h"
 #include "sim/crane_file.h"
+#include "sim/drive/fault.h"
+#include "sim/drive/fault_expectation.h"
 #include "sim/operator_move.h"
 
 namespace slewlab::sim {
@@ -35,7 +37,8 @@ struct Scenario {
   std::int64_t seed = 0;               // of everything that is drawn at random
   std::vector<OperatorMove> moves;     // rising times; in the file a move names what changes, the rest stays
 
-  common::YamlNode faults;  // null where the file has none
+  std::vector<Fault> faults;
+  FaultExpectation expectation;  // no part of the configuration: it changes no run
   CraneFile crane;
 
   // Crane, controller and scenario as one canonical text: what the configuration hash is taken of.

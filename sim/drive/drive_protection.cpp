@@ -70,19 +70,6 @@ void take_torque(const DriveProtectionSettings& settings, const DriveRun& run, D
 
 }  // namespace
 
-const char* name_of(DriveState state) {
-  constexpr std::array<const char*, 4> names{"ready", "running", "tripped", "braked"};
-  return names[static_cast<std::size_t>(state)];
-}
-
-const char* name_of(DriveFault fault) {
-  constexpr std::array<const char*, kDriveFaultCount> names{
-      "none",         "truncated", "other_version", "garbage",     "other_configuration", "wrong_sequence",
-      "repeated_answer", "group_count", "not_a_number",  "infinite",    "torque_limit",        "torque_rate",
-      "alive_frozen", "silence",   "group_lost",    "power_lost"};
-  return names[static_cast<std::size_t>(fault)];
-}
-
 void begin_cycle(DriveProtectionState& state, std::int64_t sequence) {
   if (!state.fresh) ++state.stale_commands;
   state.fresh = false;

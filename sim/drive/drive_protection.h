@@ -21,37 +21,11 @@
 #include <cstdint>
 
 #include "msgs/codec.h"
+#include "sim/drive/drive_fault.h"
 #include "sim/drive/drive_protection_settings.h"
 #include "sim/machine_settings.h"
 
 namespace slewlab::sim {
-
-// drive_state of PLANT_STATUS.
-enum class DriveState : std::int8_t { ready = 0, running = 1, tripped = 2, braked = 3 };
-
-// Index into `faults` and value of trip_cause of PLANT_STATUS.
-enum class DriveFault : std::int8_t {
-  none = 0,
-  truncated = 1,
-  other_version = 2,
-  garbage = 3,
-  other_configuration = 4,
-  wrong_sequence = 5,
-  repeated_answer = 6,
-  group_count = 7,
-  not_a_number = 8,
-  infinite = 9,
-  torque_limit = 10,
-  torque_rate = 11,
-  alive_frozen = 12,
-  silence = 13,
-  group_lost = 14,
-  power_lost = 15,
-};
-inline constexpr int kDriveFaultCount = 16;
-
-const char* name_of(DriveState state);
-const char* name_of(DriveFault fault);
 
 // What the drive knows about the run it is part of.
 struct DriveRun {

@@ -23,7 +23,12 @@ class Lockstep {
  public:
   Lockstep(const LockstepSettings& settings, DrivenPlant& plant, msgs::Bus& bus, msgs::LogWriter& log,
            const LockstepHooks& hooks)
-      : settings_(settings), plant_(plant), bus_(bus), log_(log), hooks_(hooks) {
+      : settings_(settings),
+        plant_(plant),
+        bus_(bus),
+        log_(log),
+        hooks_(hooks),
+        faults_(settings.faults, settings.controller_period) {
     require_multiple(settings.controller_period, settings.plant_step, "a controller period");
     require_multiple(settings.sensors_period, settings.plant_step, "a sensors period");
     require_multiple(settings.truth_period, settings.plant_step, "a truth period");
@@ -39,7 +44,7 @@ class Lockstep {
     while (counts_.simulated_time < settings_.duration && !stop_asked()) {
       if (!talk()) break;
       for (std::int64_t i = 0; i < steps_per_period; ++i) {
-        plant_.step({});
+        plant_.step(faults_.conditions(counts_.simulated_time));
         counts_.simulated_time += settings_.plant_step;
         output();
       }
@@ -65,7 +70,6 @@ class Lockstep {
 
   // What plant and controller say to each other at the start of a period; false if asked to stop meanwhile.
   bool talk() {
-    operator_bytes_.clear();
     const auto& moves = settings_.operator_moves;
     while (next_move_ < moves.size() && moves[next_move_].time <= counts_.simulated_time) {
       send_operator(moves[next_move_++]);
@@ -76,24 +80,78 @@ class Lockstep {
     set_head(encoder_, counts_.cycles);
     encoder_.operator_sequence = operator_sequence_;
     plant_.read_encoder(encoder_);
+    faults_.alter(counts_.simulated_time, encoder_);
     msgs::encode(encoder_, encoder_bytes_);
     log(msgs::kEncoderChannel, encoder_bytes_);
     plant_.begin_cycle(encoder_.sequence);
 
-    if (!ask()) return false;
-    log(msgs::kTorqueChannel, torque_bytes_);
-    plant_.receive(torque_status_, torque_);
+    if (faults_.empty()) {
+      if (!ask(encoder_.sequence, encoder_bytes_)) return false;
+      hand_over(torque_bytes_);
+      return true;
+    }
+    return talk_with_faults();
+  }
+
+  // To the drive, and into the log.
+  void hand_over(const ByteBuffer& bytes) {
+    log(msgs::kTorqueChannel, bytes);
+    const msgs::DecodeStatus status = msgs::decode(bytes, torque_);
+    plant_.receive(status, torque_);
+  }
+
+  bool talk_with_faults() {
+    const std::int64_t time = counts_.simulated_time;
+    for (const ControllerAction action : faults_.controller_actions(time)) {
+      if (hooks_.controller_action) hooks_.controller_action(action);
+      newest_torque_ = -1;
+      introduce_ = action == ControllerAction::start;
+    }
+    faults_.begin_period(FaultChannel::encoder, time);
+    if (!faults_.controller_absent(time)) {
+      faults_.pass(FaultChannel::encoder, time, encoder_.sequence, encoder_bytes_);
+    }
+    faults_.end_period(FaultChannel::encoder);
+
+    faults_.begin_period(FaultChannel::torque, time);
+    for (const FaultInjector::Message& question : faults_.arrivals(FaultChannel::encoder)) {
+      switch (reading_of(question)) {
+        case Reading::question:
+          if (!ask(question.sequence, question.bytes)) return false;
+          faults_.pass(FaultChannel::torque, time, question.sequence, torque_bytes_);
+          break;
+        case Reading::no_question: send_question(question.bytes, false); break;
+        case Reading::other_question: break;
+      }
+    }
+    faults_.end_period(FaultChannel::torque);
+    for (const FaultInjector::Message& answer : faults_.arrivals(FaultChannel::torque)) hand_over(answer.bytes);
     return true;
   }
 
+  // What a controller makes of an ENCODER: it answers it, or it does not. One whose head was changed on its way counts
+  // as lost, for nobody can say what a controller does with it.
+  enum class Reading { question, no_question, other_question };
+  Reading reading_of(const FaultInjector::Message& message) {
+    if (msgs::decode(message.bytes, incoming_encoder_) != msgs::DecodeStatus::ok) return Reading::no_question;
+    if (incoming_encoder_.sequence != message.sequence ||
+        incoming_encoder_.configuration_hash != settings_.configuration_hash ||
+        incoming_encoder_.operator_sequence < 0 || incoming_encoder_.operator_sequence > operator_sequence_) {
+      return Reading::other_question;
+    }
+    return message.sequence > asked_ ? Reading::question : Reading::no_question;
+  }
+
   // Sends ENCODER until it is answered; false if asked to stop before the answer came.
-  bool ask() {
+  bool ask(std::int64_t sequence, const ByteBuffer& question) {
+    asked_ = sequence;
     late_answers_ = std::max<std::int64_t>(0, late_answers_ + questions_ - answers_);
     questions_ = 0;
     answers_ = 0;
     have_torque_ = false;
     have_state_ = false;
-    send_question();
+    send_question(question, introduce_);
+    introduce_ = false;
     std::chrono::milliseconds patience = settings_.first_resend;
     int idle_messages = 0;
     while (!answered()) {
@@ -103,7 +161,7 @@ class Lockstep {
       idle_messages = 0;
       patience = std::min(2 * patience, settings_.longest_resend);
       ++counts_.resends;
-      send_question();
+      send_question(question, true);
       if (hooks_.while_waiting) hooks_.while_waiting(counts_);
     }
     if (expects_state()) log(msgs::kControllerStateChannel, state_bytes_);
@@ -115,25 +173,20 @@ class Lockstep {
     operator_.speed_request = move.speed_request;
     operator_.emergency_stop = move.emergency_stop;
     operator_.acknowledge = move.acknowledge;
-    operator_bytes_.emplace_back();
-    msgs::encode(operator_, operator_bytes_.back());
-    log(msgs::kOperatorChannel, operator_bytes_.back());
+    msgs::encode(operator_, operator_bytes_);
+    log(msgs::kOperatorChannel, operator_bytes_);
+    bus_.publish(msgs::kOperatorChannel, operator_bytes_);
   }
 
-  // OPERATOR too: the controller waits for it if it was lost. The newest one is sent with every repetition even
-  // where it is older than this period, for a controller that has only just come up.
-  void send_question() {
-    if (!operator_bytes_.empty()) newest_operator_bytes_ = operator_bytes_.back();
-    const bool repetition = asked_ == counts_.cycles;
-    asked_ = counts_.cycles;
-    if (operator_bytes_.empty() && repetition) bus_.publish(msgs::kOperatorChannel, newest_operator_bytes_);
-    for (const ByteBuffer& bytes : operator_bytes_) bus_.publish(msgs::kOperatorChannel, bytes);
-    bus_.publish(msgs::kEncoderChannel, encoder_bytes_);
+  // With the newest OPERATOR, where that may have been lost or the controller has only just come up.
+  void send_question(const ByteBuffer& question, bool with_operator) {
+    if (with_operator) bus_.publish(msgs::kOperatorChannel, operator_bytes_);
+    bus_.publish(msgs::kEncoderChannel, question);
     ++questions_;
   }
 
   bool expects_state() const {
-    return torque_status_ == msgs::DecodeStatus::ok && torque_.answered_sequence == counts_.cycles &&
+    return torque_status_ == msgs::DecodeStatus::ok && torque_.answered_sequence == asked_ &&
            torque_.state_follows;
   }
   bool answered() const { return have_torque_ && (have_state_ || !expects_state()); }
@@ -142,13 +195,13 @@ class Lockstep {
     const msgs::DecodeStatus status = msgs::decode(bytes, incoming_torque_);
     ++answers_;
     if (status == msgs::DecodeStatus::ok) {
-      if (incoming_torque_.sequence <= newest_torque_ && incoming_torque_.answered_sequence != counts_.cycles) {
+      if (incoming_torque_.sequence <= newest_torque_ && incoming_torque_.answered_sequence != asked_) {
         ++counts_.stale_answers;
         return;
       }
       newest_torque_ = std::max(newest_torque_, incoming_torque_.sequence);
     }
-    const bool right = status == msgs::DecodeStatus::ok && incoming_torque_.answered_sequence == counts_.cycles &&
+    const bool right = status == msgs::DecodeStatus::ok && incoming_torque_.answered_sequence == asked_ &&
                        incoming_torque_.configuration_hash == settings_.configuration_hash;
     if (have_torque_ || (!right && answers_ <= late_answers_)) {
       ++counts_.stale_answers;
@@ -163,7 +216,7 @@ class Lockstep {
 
   void receive_state(msgs::Bytes bytes) {
     if (msgs::decode(bytes, state_) != msgs::DecodeStatus::ok) return;
-    if (have_state_ || state_.answered_sequence != counts_.cycles ||
+    if (have_state_ || state_.answered_sequence != asked_ ||
         state_.configuration_hash != settings_.configuration_hash) {
       return;
     }
@@ -207,7 +260,8 @@ class Lockstep {
   LockstepCounts counts_;
   std::size_t next_move_ = 0;
   std::int64_t operator_sequence_ = -1;
-  std::int64_t asked_ = -1;  // the newest ENCODER that went out
+  std::int64_t asked_ = -1;  // the newest ENCODER that was to be answered
+  bool introduce_ = false;   // the controller has only just come up
   std::int64_t sensors_sequence_ = 0;
   std::int64_t truth_sequence_ = 0;
   std::int64_t status_sequence_ = 0;
@@ -219,7 +273,10 @@ class Lockstep {
   bool have_state_ = false;
   msgs::DecodeStatus torque_status_ = msgs::DecodeStatus::ok;
 
+  FaultInjector faults_;
+
   msgs::Encoder encoder_{};
+  msgs::Encoder incoming_encoder_{};
   msgs::Operator operator_{};
   msgs::Torque torque_{};
   msgs::Torque incoming_torque_{};
@@ -228,8 +285,7 @@ class Lockstep {
   msgs::Truth truth_{};
   msgs::PlantStatus status_{};
 
-  std::vector<ByteBuffer> operator_bytes_;  // of the moves that belong to this period
-  ByteBuffer newest_operator_bytes_;
+  ByteBuffer operator_bytes_;  // the newest
   ByteBuffer encoder_bytes_;
   ByteBuffer torque_bytes_;
   ByteBuffer state_bytes_;

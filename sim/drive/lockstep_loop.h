@@ -9,7 +9,7 @@
 // answered: what came is handed to the drive (drive_protection.h), and simulated time goes on. An answer is wrong, and
 // not the late repetition of an older one, if it is more than the answers still outstanding from repeated questions.
 //
-// Faults on purpose (faults.h) act on the messages at the loop's edge, keyed by sequence numbers: repeated questions
+// Faults on purpose (fault_injector.h) act on the messages at the loop's edge, keyed by sequence numbers: repeated questions
 // change none of their decisions. An ENCODER that is lost on purpose is not sent, and its cycle is one of silence to
 // the drive; a TORQUE that is lost on purpose was received and is kept from the drive.
 //
@@ -32,6 +32,7 @@
 #include "msgs/bus.h"
 #include "msgs/log_writer.h"
 #include "sim/drive/driven_plant.h"
+#include "sim/drive/fault_injector.h"
 #include "sim/operator_move.h"
 
 namespace slewlab::sim {
@@ -47,6 +48,7 @@ struct LockstepSettings {
   std::int64_t configuration_hash = 0;
   // By rising time. A move takes effect at the first controller period that begins at its time or later.
   std::vector<OperatorMove> operator_moves;
+  std::vector<Fault> faults;
 
   std::chrono::milliseconds first_resend{20};   // wall clock; doubles with every resend of the same ENCODER
   std::chrono::milliseconds longest_resend{500};
@@ -65,6 +67,8 @@ struct LockstepHooks {
   std::function<bool()> stop;                                // asked in every cycle and every wait
   std::function<void(const LockstepCounts&)> after_cycle;
   std::function<void(const LockstepCounts&)> while_waiting;  // after every resend
+  // A fault on purpose kills or starts the controller; it has happened when this returns.
+  std::function<void(ControllerAction)> controller_action;
 };
 
 // Throws std::invalid_argument where periods do not fit each other, msgs::LogError, msgs::BusError.

@@ -37,6 +37,7 @@ LockstepSettings lockstep_settings(const Scenario& scenario) {
   settings.truth_period = scenario.truth_period;
   settings.status_period = scenario.status_period;
   settings.operator_moves = scenario.moves;
+  settings.faults = scenario.faults;
   settings.configuration_hash = msgs::configuration_hash(scenario.configuration_text);
   // A hundred milliseconds or, with a coarser step, the next whole number of steps.
   settings.live_period = (settings.live_period + settings.plant_step - 1) / settings.plant_step * settings.plant_step;

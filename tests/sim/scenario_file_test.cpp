@@ -31,7 +31,7 @@ TEST(ScenarioFile, ThesisManoeuvre) {
   EXPECT_TRUE(scenario.moves[1].emergency_stop);
   EXPECT_EQ(scenario.moves[1].speed_request, 1.0) << "what a move does not name stays";
   EXPECT_EQ(scenario.crane.parameters.load.mass, 30e3);
-  EXPECT_EQ(scenario.faults.kind, common::YamlNode::Kind::null);
+  EXPECT_TRUE(scenario.faults.empty());
 }
 
 TEST(ScenarioFile, OverridesReachTheFilesItNames) {

@@ -1,0 +1,47 @@
+#pragma once
+
+// What must happen in a scenario with faults (`expect:` of its file), and whether it did, by the run's log. Only what
+// is named is checked.
+
+#include <cstdint>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "sim/drive/drive_fault.h"
+
+namespace slewlab::msgs {
+struct RunLog;
+}
+
+namespace slewlab::sim {
+
+struct CountRange {
+  std::int64_t at_least = 0;
+  std::int64_t at_most = std::numeric_limits<std::int64_t>::max();
+};
+
+struct FaultExpectation {
+  std::optional<DriveState> drive_state;  // at the end
+  std::optional<DriveFault> trip_cause;   // at the end
+  struct FaultCount {
+    DriveFault fault = DriveFault::none;
+    CountRange count;
+  };
+  std::vector<FaultCount> faults;             // seen until the end
+  bool no_other_faults = false;               // all those not named above were never seen
+  std::optional<CountRange> stale_commands;
+  std::optional<double> tip_acceleration;     // [m/s^2] largest size over the run, at most
+  std::optional<std::int64_t> standing_by;    // [ns] from then on the slew angle stays within kStandingAngle
+  std::optional<double> slew_angle_at_least;  // [rad] at the end
+  std::optional<double> slew_angle_at_most;   // [rad] at the end
+};
+
+// A tenth of what the crane of the thesis covers in a second at top speed.
+inline constexpr double kStandingAngle = 0.005;  // [rad]
+
+// One line for everything that did not happen as expected; empty if all did.
+std::vector<std::string> broken_expectations(const FaultExpectation& expectation, const msgs::RunLog& log);
+
+}  // namespace slewlab::sim

@@ -1,0 +1,209 @@
+#include "sim/drive/fault_injector.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "msgs/codec.h"
+#include "sim/effects/random_number.h"
+
+namespace slewlab::sim {
+namespace {
+
+// Draws of one message or one period, told apart.
+enum Draw : std::uint64_t { kHit = 0, kPlace = 1, kSize = 2, kNoise = 8 };
+constexpr std::uint64_t kDraws = 64;  // room for the noise of all groups
+
+std::uint64_t counter(std::int64_t sequence, std::uint64_t draw) {
+  return static_cast<std::uint64_t>(sequence) * kDraws + draw;
+}
+
+// By Box and Muller, from the two numbers at `draw` and behind it.
+double normal_number(std::uint64_t seed, std::int64_t sequence, std::uint64_t draw) {
+  const double radius = std::sqrt(-2.0 * std::log(1.0 - uniform_number(seed, counter(sequence, draw))));
+  return radius * std::cos(2.0 * std::numbers::pi * uniform_number(seed, counter(sequence, draw + 1)));
+}
+
+bool is_message_fault(FaultKind kind) {
+  return kind == FaultKind::message_lost || kind == FaultKind::message_delayed ||
+         kind == FaultKind::message_duplicated || kind == FaultKind::message_reordered ||
+         kind == FaultKind::message_corrupted;
+}
+
+}  // namespace
+
+FaultInjector::FaultInjector(std::vector<Fault> faults, std::int64_t controller_period)
+    : faults_(std::move(faults)),
+      controller_period_(controller_period),
+      actions_done_(faults_.size()),
+      frozen_(faults_.size()) {}
+
+PlantConditions FaultInjector::conditions(std::int64_t time) const {
+  PlantConditions conditions;
+  for (const Fault& fault : faults_) {
+    if (!fault.active(time)) continue;
+    if (fault.kind == FaultKind::main_power_lost) conditions.main_power = false;
+    if (fault.kind == FaultKind::motor_group_lost) {
+      for (int group = 0; group < kMaximumGroupCount; ++group) {
+        if (fault.group < 0 || fault.group == group) conditions.group_lost[group] = true;
+      }
+    }
+  }
+  return conditions;
+}
+
+std::vector<ControllerAction> FaultInjector::controller_actions(std::int64_t time) {
+  std::vector<ControllerAction> actions;
+  for (std::size_t i = 0; i < faults_.size(); ++i) {
+    const Fault& fault = faults_[i];
+    if (fault.kind != FaultKind::controller_killed) continue;
+    if (actions_done_[i] == 0 && time >= fault.from) {
+      actions.push_back(ControllerAction::kill);
+      actions_done_[i] = 1;
+    }
+    if (actions_done_[i] == 1 && time >= fault.until) {
+      actions.push_back(ControllerAction::start);
+      actions_done_[i] = 2;
+    }
+  }
+  return actions;
+}
+
+bool FaultInjector::controller_absent(std::int64_t time) const {
+  return std::any_of(faults_.begin(), faults_.end(), [&](const Fault& fault) {
+    return fault.kind == FaultKind::controller_killed && fault.active(time);
+  });
+}
+
+void FaultInjector::alter(std::int64_t time, msgs::Encoder& message) {
+  for (std::size_t i = 0; i < faults_.size(); ++i) {
+    const Fault& fault = faults_[i];
+    if (!fault.active(time)) {
+      frozen_[i].held = false;
+      continue;
+    }
+    if (fault.kind == FaultKind::encoder_frozen && !frozen_[i].held) {
+      frozen_[i] = {true, message.shaft_speed, message.shaft_position};
+    }
+    for (std::size_t group = 0; group < message.shaft_speed.size(); ++group) {
+      if (fault.group >= 0 && group != static_cast<std::size_t>(fault.group)) continue;
+      double& speed = message.shaft_speed[group];
+      double& position = message.shaft_position[group];
+      switch (fault.kind) {
+        case FaultKind::encoder_frozen:
+          speed = frozen_[i].speed[group];
+          position = frozen_[i].position[group];
+          break;
+        case FaultKind::encoder_noisy:
+          speed += fault.speed * normal_number(fault.seed, message.sequence, kNoise + 4 * group);
+          position += fault.position * normal_number(fault.seed, message.sequence, kNoise + 4 * group + 2);
+          break;
+        case FaultKind::encoder_offset:
+          speed += fault.speed;
+          position += fault.position;
+          break;
+        case FaultKind::encoder_dropped:
+          speed = position = std::numeric_limits<double>::quiet_NaN();
+          break;
+        default: break;
+      }
+    }
+  }
+}
+
+void FaultInjector::begin_period(FaultChannel channel, std::int64_t time) {
+  Side& here = side(channel);
+  here.arriving.clear();
+  here.time = time;
+  release(here, false);
+}
+
+void FaultInjector::end_period(FaultChannel channel) { release(side(channel), true); }
+
+void FaultInjector::release(Side& here, bool behind) {
+  for (Held& held : here.held) {
+    if (held.due <= here.time && held.behind == behind) here.arriving.push_back(std::move(held.message));
+  }
+  std::erase_if(here.held, [&](const Held& held) { return held.due <= here.time && held.behind == behind; });
+}
+
+void FaultInjector::pass(FaultChannel channel, std::int64_t time, std::int64_t sequence,
+                         std::span<const std::uint8_t> bytes) {
+  Side& here = side(channel);
+  Message message{sequence, {bytes.begin(), bytes.end()}};
+  for (const Fault& fault : faults_) {
+    if (!fault.active(time)) {
+      if (fault.corruption == Corruption::alive_frozen) here.alive_frozen = false;
+      continue;
+    }
+    if (fault.kind == FaultKind::controller_stopped && channel == FaultChannel::encoder) {
+      here.held.push_back({fault.until, false, std::move(message)});
+      return;
+    }
+    if (!is_message_fault(fault.kind) || fault.channel != channel) continue;
+    if (uniform_number(fault.seed, counter(sequence, kHit)) >= fault.probability) continue;
+    switch (fault.kind) {
+      case FaultKind::message_delayed:
+        here.held.push_back({time + fault.cycles * controller_period_, false, std::move(message)});
+        return;
+      case FaultKind::message_reordered:
+        here.held.push_back({time + controller_period_, true, std::move(message)});
+        return;
+      case FaultKind::message_duplicated:
+        here.arriving.push_back(message);
+        here.arriving.push_back(std::move(message));
+        return;
+      case FaultKind::message_corrupted:
+        corrupt(fault, static_cast<std::uint64_t>(sequence), here, message);
+        here.arriving.push_back(std::move(message));
+        return;
+      default: return;  // lost
+    }
+  }
+  here.arriving.push_back(std::move(message));
+}
+
+void FaultInjector::corrupt(const Fault& fault, std::uint64_t draw, Side& here, Message& message) const {
+  std::vector<std::uint8_t>& bytes = message.bytes;
+  const auto place = [&](std::size_t places) {
+    return static_cast<std::size_t>(uniform_number(fault.seed, draw * kDraws + kPlace) * static_cast<double>(places));
+  };
+  switch (fault.corruption) {
+    case Corruption::bits: {
+      const std::size_t bit = place(8 * bytes.size());
+      bytes[bit / 8] = static_cast<std::uint8_t>(bytes[bit / 8] ^ (1U << (bit % 8)));
+      return;
+    }
+    case Corruption::truncated: bytes.resize(place(bytes.size())); return;
+    case Corruption::garbage:
+      // No fingerprint of ours and no plausible head either.
+      std::fill(bytes.begin(), bytes.end(), static_cast<std::uint8_t>(0x80 + place(0x7F)));
+      return;
+    case Corruption::other_version: bytes[0] = static_cast<std::uint8_t>(~bytes[0]); return;
+    default: break;
+  }
+  msgs::Torque torque;
+  if (fault.channel != FaultChannel::torque || msgs::decode(bytes, torque) != msgs::DecodeStatus::ok) return;
+  constexpr double kBeyondAnyLimit = 1e6;  // [Nm]
+  switch (fault.corruption) {
+    case Corruption::other_configuration: ++torque.configuration_hash; break;
+    case Corruption::wrong_sequence: torque.answered_sequence += 1000; break;
+    case Corruption::group_count:
+      ++torque.group_count;
+      torque.motor_torque.push_back(0.0);
+      break;
+    case Corruption::not_a_number: torque.motor_torque.at(0) = std::numeric_limits<double>::quiet_NaN(); break;
+    case Corruption::infinite: torque.motor_torque.at(0) = std::numeric_limits<double>::infinity(); break;
+    case Corruption::torque_limit: torque.motor_torque.at(0) = kBeyondAnyLimit; break;
+    case Corruption::alive_frozen:
+      if (!here.alive_frozen) here.frozen_alive_counter = torque.alive_counter;
+      here.alive_frozen = true;
+      torque.alive_counter = here.frozen_alive_counter;
+      break;
+    default: break;
+  }
+  msgs::encode(torque, bytes);
+}
+
+}  // namespace slewlab::sim

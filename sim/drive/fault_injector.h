@@ -1,0 +1,80 @@
+#pragma once
+
+// Brings a scenario's faults into a run, at the edge of the plant's loop: messages between plant and controller,
+// what the encoders say, what fails on the crane, and when the controller's process is to be killed and started.
+// Without faults every call passes through.
+//
+// Message faults act on a message in the order of the schedule; the first that hits decides. Held messages come out
+// at the beginning of the period in which they are due, reordered ones at its end.
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "msgs/messages.h"
+#include "sim/drive/driven_plant.h"
+#include "sim/drive/fault.h"
+
+namespace slewlab::sim {
+
+enum class ControllerAction { kill, start };
+
+class FaultInjector {
+ public:
+  FaultInjector(std::vector<Fault> faults, std::int64_t controller_period);
+
+  bool empty() const { return faults_.empty(); }
+
+  // What has failed on the crane during a step that begins at `time`.
+  PlantConditions conditions(std::int64_t time) const;
+
+  // What is to be done to the controller's process before the period that begins at `time` [ns], in this order; every
+  // action is told once.
+  std::vector<ControllerAction> controller_actions(std::int64_t time);
+  // Killed and not started again: nobody is to be asked.
+  bool controller_absent(std::int64_t time) const;
+
+  // What the encoders say instead.
+  void alter(std::int64_t time, msgs::Encoder& message);
+
+  struct Message {
+    std::int64_t sequence = 0;  // of the ENCODER, or the one that TORQUE answers
+    std::vector<std::uint8_t> bytes;
+  };
+  // Hands a message to the channel; what arrives in the present period is then in arrivals(). Call begin_period
+  // first, then pass for each message of the period, then end_period.
+  void begin_period(FaultChannel channel, std::int64_t time);
+  void pass(FaultChannel channel, std::int64_t time, std::int64_t sequence, std::span<const std::uint8_t> bytes);
+  void end_period(FaultChannel channel);
+  const std::vector<Message>& arrivals(FaultChannel channel) const { return side(channel).arriving; }
+
+ private:
+  struct Held {
+    std::int64_t due;  // [ns]
+    bool behind;       // the period's own messages
+    Message message;
+  };
+  struct Side {
+    std::vector<Held> held;
+    std::vector<Message> arriving;
+    std::int64_t time = 0;
+    std::int64_t frozen_alive_counter = 0;
+    bool alive_frozen = false;
+  };
+  Side& side(FaultChannel channel) { return sides_[static_cast<int>(channel)]; }
+  const Side& side(FaultChannel channel) const { return sides_[static_cast<int>(channel)]; }
+  void release(Side& side, bool behind);
+  void corrupt(const Fault& fault, std::uint64_t draw, Side& side, Message& message) const;
+
+  std::vector<Fault> faults_;
+  std::int64_t controller_period_;
+  std::vector<int> actions_done_;  // of each fault: 0, 1 killed, 2 started
+  Side sides_[2];
+  struct Frozen {
+    bool held = false;
+    std::vector<double> speed, position;
+  };
+  std::vector<Frozen> frozen_;  // of each fault
+};
+
+}  // namespace slewlab::sim

@@ -1,0 +1,168 @@
+#include "sim/drive/fault_injector.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "sim/scenario_file.h"
+
+namespace slewlab::sim {
+namespace {
+
+constexpr std::int64_t kPeriod = 10'000'000;  // [ns]
+
+// Passes one byte string per period, its own number, and lists what arrives in each.
+std::vector<std::vector<std::int64_t>> arrivals(const std::vector<Fault>& faults, int periods) {
+  FaultInjector injector(faults, kPeriod);
+  std::vector<std::vector<std::int64_t>> all;
+  for (std::int64_t k = 0; k < periods; ++k) {
+    injector.begin_period(FaultChannel::torque, k * kPeriod);
+    const std::uint8_t byte = static_cast<std::uint8_t>(k);
+    injector.pass(FaultChannel::torque, k * kPeriod, k, {&byte, 1});
+    injector.end_period(FaultChannel::torque);
+    all.emplace_back();
+    for (const auto& message : injector.arrivals(FaultChannel::torque)) all.back().push_back(message.sequence);
+  }
+  return all;
+}
+
+Fault fault(FaultKind kind, std::int64_t from, std::int64_t until) {
+  Fault result;
+  result.kind = kind;
+  result.from = from * kPeriod;
+  result.until = until * kPeriod;
+  return result;
+}
+
+using Lists = std::vector<std::vector<std::int64_t>>;
+
+TEST(FaultInjector, WithoutFaultsEverythingPasses) { EXPECT_EQ(arrivals({}, 3), (Lists{{0}, {1}, {2}})); }
+
+TEST(FaultInjector, LostFromItsBeginningToBeforeItsEnd) {
+  EXPECT_EQ(arrivals({fault(FaultKind::message_lost, 1, 3)}, 4), (Lists{{0}, {}, {}, {3}}));
+}
+
+TEST(FaultInjector, DelayedArrivesBeforeThePeriodsOwn) {
+  Fault delayed = fault(FaultKind::message_delayed, 1, 2);
+  delayed.cycles = 2;
+  EXPECT_EQ(arrivals({delayed}, 5), (Lists{{0}, {}, {2}, {1, 3}, {4}}));
+}
+
+TEST(FaultInjector, ReorderedArrivesBehindTheNext) {
+  EXPECT_EQ(arrivals({fault(FaultKind::message_reordered, 1, 2)}, 4), (Lists{{0}, {}, {2, 1}, {3}}));
+}
+
+TEST(FaultInjector, DuplicatedArrivesTwice) {
+  EXPECT_EQ(arrivals({fault(FaultKind::message_duplicated, 1, 2)}, 3), (Lists{{0}, {1, 1}, {2}}));
+}
+
+TEST(FaultInjector, ProbabilityAndSeedDecideMessageByMessage) {
+  Fault lost = fault(FaultKind::message_lost, 0, 20'000);
+  lost.probability = 0.3;
+  lost.seed = 5;
+  const Lists first = arrivals({lost}, 20'000);
+  EXPECT_EQ(arrivals({lost}, 20'000), first);
+  std::int64_t count = 0;
+  for (const auto& list : first) count += list.empty();
+  EXPECT_NEAR(static_cast<double>(count), 6000.0, 5.0 * std::sqrt(20'000 * 0.3 * 0.7));  // binomial
+  lost.seed = 6;
+  EXPECT_NE(arrivals({lost}, 20'000), first);
+}
+
+TEST(FaultInjector, AStoppedControllerFindsAllQuestionsInOrder) {
+  FaultInjector injector({fault(FaultKind::controller_stopped, 1, 3)}, kPeriod);
+  Lists all;
+  for (std::int64_t k = 0; k < 5; ++k) {
+    injector.begin_period(FaultChannel::encoder, k * kPeriod);
+    injector.pass(FaultChannel::encoder, k * kPeriod, k, {});
+    injector.end_period(FaultChannel::encoder);
+    all.emplace_back();
+    for (const auto& message : injector.arrivals(FaultChannel::encoder)) all.back().push_back(message.sequence);
+  }
+  EXPECT_EQ(all, (Lists{{0}, {}, {}, {1, 2, 3}, {4}}));
+}
+
+TEST(FaultInjector, TheControllerIsKilledAndStartedOnce) {
+  FaultInjector injector({fault(FaultKind::controller_killed, 2, 4), fault(FaultKind::controller_killed, 6, 6)}, kPeriod);
+  std::string story;
+  for (std::int64_t k = 0; k < 8; ++k) {
+    story += injector.controller_absent(k * kPeriod) ? 'x' : '.';
+    for (const ControllerAction action : injector.controller_actions(k * kPeriod)) {
+      story += action == ControllerAction::kill ? 'K' : 'S';
+    }
+  }
+  EXPECT_EQ(story, "..xKx.S..KS.");
+}
+
+TEST(FaultInjector, EncodersLieAsAsked) {
+  Fault frozen = fault(FaultKind::encoder_frozen, 1, 3);
+  frozen.group = 0;
+  Fault offset = fault(FaultKind::encoder_offset, 2, 4);
+  offset.group = 1;
+  offset.speed = 0.5;
+  offset.position = -2.0;
+  FaultInjector injector({frozen, offset}, kPeriod);
+  for (std::int64_t k = 0; k < 5; ++k) {
+    msgs::Encoder message{};
+    message.sequence = k;
+    const double now = static_cast<double>(k);
+    message.shaft_speed = {now, now};
+    message.shaft_position = {10.0 * now, 10.0 * now};
+    injector.alter(k * kPeriod, message);
+    EXPECT_EQ(message.shaft_speed[0], k == 2 ? 1.0 : now);
+    EXPECT_EQ(message.shaft_position[0], k == 2 ? 10.0 : 10.0 * now);
+    EXPECT_EQ(message.shaft_speed[1], k == 2 || k == 3 ? now + 0.5 : now);
+    EXPECT_EQ(message.shaft_position[1], k == 2 || k == 3 ? 10.0 * now - 2.0 : 10.0 * now);
+  }
+}
+
+TEST(FaultInjector, NoiseHasTheStandardDeviationAskedForAndNoBias) {
+  Fault noisy = fault(FaultKind::encoder_noisy, 0, 100'000);
+  noisy.speed = 0.2;
+  FaultInjector injector({noisy}, kPeriod);
+  double sum = 0.0;
+  double squares = 0.0;
+  double product = 0.0;
+  constexpr int kCount = 20'000;
+  for (int k = 0; k < kCount; ++k) {
+    msgs::Encoder message{};
+    message.sequence = k;
+    message.shaft_speed = {0.0, 0.0};
+    message.shaft_position = {0.0, 0.0};
+    injector.alter(k * kPeriod, message);
+    sum += message.shaft_speed[0];
+    squares += message.shaft_speed[0] * message.shaft_speed[0];
+    product += message.shaft_speed[0] * message.shaft_speed[1];
+    EXPECT_EQ(message.shaft_position[0], 0.0);
+  }
+  // Five standard deviations of mean, variance and covariance of 20 000 normal numbers.
+  EXPECT_NEAR(sum / kCount, 0.0, 5.0 * 0.2 / std::sqrt(kCount));
+  EXPECT_NEAR(squares / kCount, 0.04, 5.0 * 0.04 * std::sqrt(2.0 / kCount));
+  EXPECT_NEAR(product / kCount, 0.0, 5.0 * 0.04 / std::sqrt(kCount));
+}
+
+std::string complaint(const std::string& fault) {
+  try {
+    load_scenario_file(SLEWLAB_SOURCE_DIR "/config/scenarios/fault_manoeuvre.yaml", {{"faults", "[" + fault + "]"}});
+  } catch (const common::InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(FaultFile, WrongEntriesAreExplained) {
+  const std::string from = "from: {value: 1, unit: s, source: test}";
+  EXPECT_NE(complaint("{fault: {value: gremlin, source: test}, " + from + "}").find("found gremlin, expected controller_killed or"),
+            std::string::npos);
+  EXPECT_NE(complaint("{fault: {value: main_power_lost, source: test}, from: {value: 1.001, unit: s, source: test}}")
+                .find("found 1001 ms, expected a whole multiple of the controller period, 10 ms"),
+            std::string::npos);
+  EXPECT_NE(complaint("{fault: {value: message_lost, source: test}, " + from + "}").find("probability"), std::string::npos);
+  EXPECT_NE(complaint("{fault: {value: motor_group_lost, source: test}, " + from + ", group: {value: 2, unit: '-', source: test}}")
+                .find("group"),
+            std::string::npos);
+  EXPECT_EQ(complaint("{fault: {value: main_power_lost, source: test}, " + from + "}"), "");
+}
+
+}  // namespace
+}  // namespace slewlab::sim

@@ -1,0 +1,131 @@
+// Every scenario of config/scenarios/faults with its own `expect:`, with our controller, in one process on a bus in
+// memory; each runs twice and must give the same log, byte for byte.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <memory>
+
+#include "controller/controller_file.h"
+#include "controller/process/computed_answer.h"
+#include "msgs/log_writer.h"
+#include "msgs/memory_bus.h"
+#include "msgs/run_log.h"
+#include "sim/drive/crane_plant.h"
+#include "sim/drive/fault_expectation.h"
+#include "sim/drive/scenario_run.h"
+#include "tests/msgs/temporary_folder.h"
+
+namespace slewlab::sim {
+namespace {
+
+namespace fs = std::filesystem;
+
+const fs::path kFolder = fs::path(SLEWLAB_SOURCE_DIR) / "config/scenarios/faults";
+
+std::vector<std::string> scenario_names() {
+  std::vector<std::string> names;
+  for (const auto& entry : fs::directory_iterator(kFolder)) names.push_back(entry.path().stem().string());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+// The controller as a process would be: killed, nothing of it is left.
+struct Controller {
+  Controller(msgs::MemoryWire& wire, const controller::ControllerSettings& settings)
+      : bus(wire.connect()), loop(*bus, controller::computed_answer(settings)) {}
+  std::unique_ptr<msgs::MemoryBus> bus;
+  controller::AnswerLoop loop;
+};
+
+void run(const Scenario& scenario, const fs::path& log_file) {
+  controller::ControllerSettings settings =
+      controller::load_controller_file(scenario.controller_file, scenario.controller_overrides).settings;
+  settings.period = static_cast<double>(scenario.controller_period) * 1e-9;
+  msgs::MemoryWire wire;
+  const auto plant_bus = wire.connect();
+  auto controller = std::make_unique<Controller>(wire, settings);
+  plant_bus->on_wait = [&] {
+    if (controller) controller->bus->drain();
+  };
+  int waits = 0;
+  LockstepHooks hooks;
+  hooks.controller_action = [&](ControllerAction action) {
+    controller.reset();
+    if (action == ControllerAction::start) controller = std::make_unique<Controller>(wire, settings);
+  };
+  hooks.while_waiting = [&](const LockstepCounts& counts) {
+    ASSERT_LT(++waits, 1000) << "nobody answers any more at " << counts.simulated_time << " ns";
+  };
+  hooks.stop = [&] { return waits >= 1000; };
+  CranePlant plant(machine_settings(scenario), scenario.crane.drive_protection, drive_run(scenario));
+  msgs::LogWriter log(log_file);
+  run_lockstep(lockstep_settings(scenario), plant, *plant_bus, log, hooks);
+  log.finish();
+}
+
+std::string contents(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+class FaultScenarioTest : public testing::TestWithParam<std::string> {};
+
+TEST_P(FaultScenarioTest, HappensAsExpectedAndTheSameWayTwice) {
+  const Scenario scenario = load_scenario_file(kFolder / (GetParam() + ".yaml"));
+  ASSERT_FALSE(scenario.faults.empty());
+  const TemporaryFolder folder;
+  run(scenario, folder.path() / "first.lcmlog");
+  run(scenario, folder.path() / "second.lcmlog");
+  EXPECT_TRUE(contents(folder.path() / "first.lcmlog") == contents(folder.path() / "second.lcmlog"));
+  const msgs::RunLogs logs = msgs::read_run_logs(folder.path() / "first.lcmlog");
+  for (const std::string& broken : broken_expectations(scenario.expectation, logs.runs.at(0))) ADD_FAILURE() << broken;
+}
+
+INSTANTIATE_TEST_SUITE_P(All, FaultScenarioTest, testing::ValuesIn(scenario_names()),
+                         [](const auto& test) { return test.param; });
+
+TEST(FaultScenarios, ThereAreAtLeastTenAndEachSaysWhatMustHappen) {
+  EXPECT_GE(scenario_names().size(), 10u);
+  for (const std::string& name : scenario_names()) {
+    const std::string text = contents(kFolder / (name + ".yaml"));
+    EXPECT_NE(text.find("\nexpect:\n"), std::string::npos) << name;
+  }
+}
+
+TEST(FaultScenarios, WithoutItsFaultTheManoeuvreTripsNothing) {
+  const Scenario scenario = load_scenario_file(kFolder.parent_path() / "fault_manoeuvre.yaml");
+  const TemporaryFolder folder;
+  run(scenario, folder.path() / "run.lcmlog");
+  FaultExpectation calm;
+  calm.drive_state = DriveState::running;
+  calm.no_other_faults = true;
+  calm.stale_commands = CountRange{0, 0};
+  const msgs::RunLogs logs = msgs::read_run_logs(folder.path() / "run.lcmlog");
+  for (const std::string& broken : broken_expectations(calm, logs.runs.at(0))) ADD_FAILURE() << broken;
+}
+
+TEST(FaultScenarios, AnExpectationThatDoesNotHoldIsToldWithWhatWasFound) {
+  const Scenario scenario = load_scenario_file(kFolder / "controller_killed.yaml");
+  const TemporaryFolder folder;
+  run(scenario, folder.path() / "run.lcmlog");
+  FaultExpectation wrong;
+  wrong.drive_state = DriveState::running;
+  wrong.trip_cause = DriveFault::power_lost;
+  wrong.faults = {{DriveFault::silence, {2, 3}}};
+  wrong.tip_acceleration = 0.1;
+  wrong.standing_by = 9'000'000'000;
+  wrong.slew_angle_at_least = 3.0;
+  wrong.slew_angle_at_most = 0.0;
+  const auto broken = broken_expectations(wrong, msgs::read_run_logs(folder.path() / "run.lcmlog").runs.at(0));
+  ASSERT_EQ(broken.size(), 7u);
+  EXPECT_EQ(broken[0], "drive state at the end: found braked, expected running");
+  EXPECT_EQ(broken[1], "trip cause at the end: found silence, expected power_lost");
+  EXPECT_EQ(broken[2], "count of silence: found 1, expected 2 to 3");
+}
+
+}  // namespace
+}  // namespace slewlab::sim
