@@ -30,15 +30,19 @@ void unblock_signals() {
 
 }  // namespace
 
-ChildProcess::ChildProcess(ChildOptions options) : options_(std::move(options)) {
+ChildProcess::ChildProcess(ChildOptions options) : options_(std::move(options)) { start(); }
+
+void ChildProcess::start() {
   // Everything that allocates happens before the fork.
   std::vector<char*> arguments;
   for (std::string& argument : options_.command) arguments.push_back(argument.data());
   arguments.push_back(nullptr);
+  int input[2];
   int output[2];
   int complaint[2];
   int failure[2];  // carries errno where the program cannot be started; closes itself where it can
-  if (::pipe2(output, O_CLOEXEC) != 0 || ::pipe2(complaint, O_CLOEXEC) != 0 || ::pipe2(failure, O_CLOEXEC) != 0) {
+  if (::pipe2(input, O_CLOEXEC) != 0 || ::pipe2(output, O_CLOEXEC) != 0 || ::pipe2(complaint, O_CLOEXEC) != 0 ||
+      ::pipe2(failure, O_CLOEXEC) != 0) {
     throw std::runtime_error(options_.name + ": no more pipes: " + std::strerror(errno));
   }
   const pid_t parent = ::getpid();
@@ -51,7 +55,7 @@ ChildProcess::ChildProcess(ChildOptions options) : options_(std::move(options)) 
     unblock_signals();
     for (const auto& [key, value] : options_.environment) ::setenv(key.c_str(), value.c_str(), 1);
     const int nothing = ::open("/dev/null", O_RDONLY);
-    ::dup2(nothing, 0);
+    ::dup2(options_.listens ? input[0] : nothing, 0);
     ::dup2(output[1], 1);
     ::dup2(complaint[1], 2);
     ::execvp(arguments[0], arguments.data());
@@ -60,9 +64,11 @@ ChildProcess::ChildProcess(ChildOptions options) : options_(std::move(options)) 
     ::_exit(127);
   }
   ::setpgid(pid_, pid_);
+  ::close(input[0]);
   ::close(output[1]);
   ::close(complaint[1]);
   ::close(failure[1]);
+  input_ = input[1];
   output_.fd = output[0];
   complaint_.fd = complaint[0];
   int error_number = 0;
@@ -70,8 +76,7 @@ ChildProcess::ChildProcess(ChildOptions options) : options_(std::move(options)) 
   ::close(failure[0]);
   if (failed) {
     ::waitpid(pid_, &status_, 0);
-    close_if_open(output_.fd);
-    close_if_open(complaint_.fd);
+    close_pipes();
     throw std::runtime_error(options_.name + ": cannot start '" + options_.command[0] +
                              "': " + std::strerror(error_number));
   }
@@ -82,8 +87,33 @@ ChildProcess::ChildProcess(ChildOptions options) : options_(std::move(options)) 
 ChildProcess::~ChildProcess() {
   ::kill(-pid_, SIGKILL);  // also what the child itself has started and left behind
   if (!reaped_) ::waitpid(pid_, &status_, 0);
+  close_pipes();
+}
+
+void ChildProcess::close_pipes() {
+  close_if_open(input_);
   close_if_open(output_.fd);
   close_if_open(complaint_.fd);
+}
+
+void ChildProcess::kill() {
+  ::kill(-pid_, SIGKILL);
+  if (!reaped_) ::waitpid(pid_, &status_, 0);
+  reaped_ = true;
+}
+
+void ChildProcess::start_again() {
+  read_output([](const std::string&) {});
+  close_pipes();
+  reaped_ = false;
+  start();
+}
+
+void ChildProcess::tell(const std::string& line) {
+  const std::string text = line + '\n';
+  ::signal(SIGPIPE, SIG_IGN);  // it may have ended; that is noticed elsewhere
+  [[maybe_unused]] const ssize_t written = ::write(input_, text.data(), text.size());
+  ::signal(SIGPIPE, SIG_DFL);
 }
 
 void ChildProcess::read_output(const std::function<void(const std::string&)>& on_output_line) {

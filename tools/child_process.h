@@ -17,6 +17,7 @@ struct ChildOptions {
   std::string name;                                               // for people
   std::vector<std::string> command;                               // program, found in PATH, and arguments
   std::vector<std::pair<std::string, std::string>> environment;   // added to ours
+  bool listens = false;                                           // to tell(); otherwise its input is empty
 };
 
 class ChildProcess {
@@ -42,6 +43,14 @@ class ChildProcess {
   std::string how_it_ended() const;  // "exit code 3", "killed by signal 9 (Killed)"
   bool ended_by_signal(int signal_number) const;
 
+  // Kills the whole group and waits for its end.
+  void kill();
+  // Starts it anew after its end; its output and complaints go on. Throws as the constructor does.
+  void start_again();
+
+  // A line for its standard input, if it listens.
+  void tell(const std::string& line);
+
   // To the whole group; a stopped one is continued so that it hears it.
   void send(int signal_number);
 
@@ -55,12 +64,15 @@ class ChildProcess {
     int fd = -1;
     std::string unfinished_line;
   };
+  void start();
+  void close_pipes();
   void read_pipe(Pipe& pipe, const std::function<void(const std::string&)>& on_line);
 
   ChildOptions options_;
   pid_t pid_ = -1;
   bool reaped_ = false;
   int status_ = 0;
+  int input_ = -1;  // where we tell it something
   Pipe output_;
   Pipe complaint_;
   std::deque<std::string> last_words_;

@@ -11,6 +11,7 @@
 #include <csignal>
 #include <cstdio>
 #include <cstring>
+#include <deque>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
@@ -170,7 +171,7 @@ class Run {
         end_both();
         return outcome_;
       }
-      if (controller_.ended()) {
+      if (controller_.ended() && !killed_on_purpose_) {
         fail(controller_);
         end_both();
         return outcome_;
@@ -225,6 +226,15 @@ class Run {
     plant_.read_output([this](const std::string& line) {
       if (line.rfind("summary ", 0) == 0) {
         plant_summary_ = Json::parse(line.substr(8), nullptr, false);
+      } else if (line == "controller kill") {
+        controller_.kill();
+        killed_on_purpose_ = true;
+        plant_.tell("done");
+      } else if (line == "controller start") {
+        controller_.start_again();
+        restarted_guards_.emplace_back(std::vector<pid_t>{controller_.pid()});
+        killed_on_purpose_ = false;
+        plant_.tell("done");
       } else {
         display_.update(line);
       }
@@ -238,6 +248,8 @@ class Run {
   const Signals& signals_;
   Outcome outcome_;
   Json plant_summary_ = nullptr;
+  bool killed_on_purpose_ = false;  // the controller, by the scenario
+  std::deque<GroupGuard> restarted_guards_;
 };
 
 const char* to_string(Outcome::Kind kind) {
@@ -297,6 +309,7 @@ int run_in(const fs::path& folder, const RunOptions& options, const std::string&
                                     {"SLEWLAB_CONTROLLER_PERIOD_MS", period_ms}};
   ChildOptions plant_options;
   plant_options.name = "plant";
+  plant_options.listens = true;
   plant_options.command = {(programs / "slewlab-plant").string(), "--scenario", scenario_file.string(), "--bus", bus,
                            "--log", log.string()};
 

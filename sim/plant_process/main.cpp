@@ -4,10 +4,15 @@
 // On standard output, one line each, for the launcher and for people:
 //   progress SIMULATED_SECONDS OF_SECONDS RESENDS
 //   summary {...}        JSON, once, at the end of a run whether complete or stopped
+//   controller kill      a fault on purpose: kill the controller now and say so by a line on standard input
+//   controller start     the same for starting it anew
 // Exit codes: 0 complete, 1 the run failed, 2 the call or the configuration is wrong, 128 + signal when stopped.
 
 #include <CLI/CLI.hpp>
 
+#include <unistd.h>
+
+#include <cerrno>
 #include <chrono>
 #include <cstdio>
 #include <nlohmann/json.hpp>
@@ -51,6 +56,20 @@ void print_progress(const LockstepCounts& counts, const LockstepSettings& settin
   std::fflush(stdout);
 }
 
+// Returns when the launcher has done it, or where there is none.
+void ask_launcher(ControllerAction action) {
+  std::printf("controller %s\n", action == ControllerAction::kill ? "kill" : "start");
+  std::fflush(stdout);
+  char letter = 0;
+  while (letter != '\n' && common::stop_signal() == 0) {
+    const ssize_t count = ::read(STDIN_FILENO, &letter, 1);
+    if (count < 0 && errno == EINTR) continue;
+    if (count == 1) continue;
+    std::fprintf(stderr, "slewlab-plant: nobody here to kill or start the controller; it is not asked instead\n");
+    return;
+  }
+}
+
 int run(const Options& options) {
   std::vector<common::Override> overrides;
   for (const std::string& text : options.overrides) overrides.push_back(common::parse_override(text));
@@ -76,6 +95,7 @@ int run(const Options& options) {
     if (counts.cycles % 64 == 0) show_progress(counts);
   };
   hooks.while_waiting = show_progress;
+  hooks.controller_action = ask_launcher;
 
   print_progress({}, settings);
   const LockstepCounts counts = run_lockstep(settings, plant, *bus, log, hooks);

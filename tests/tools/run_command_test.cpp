@@ -226,6 +226,29 @@ TEST_F(RunCommandTest, TwoRunsDoNotShareAFolder) {
   expect_partial_log();
 }
 
+TEST_F(RunCommandTest, AControllerKilledAndStartedOnPurposeIsAnotherProcessAndTheSameRunTwice) {
+  const std::string scenario = SLEWLAB_SOURCE_DIR "/config/scenarios/faults/controller_restarted.yaml";
+  const fs::path other = folder_.path() / "other";
+  for (const fs::path& out : {out_, other}) {
+    RunningProgram run({kSlewlab, "run", scenario, "--out", out.string()});
+    EXPECT_EQ(run.wait_for_end(), 0) << run.complaints();
+  }
+  EXPECT_EQ(summary()["run"]["drive"]["state"], "running");
+  EXPECT_EQ(summary()["run"]["drive"]["faults"]["silence"], 1);
+  EXPECT_TRUE(contents(out_ / "run.lcmlog") == contents(other / "run.lcmlog"));
+  // The new controller counts its messages from 0 again.
+  int first_messages = 0;
+  msgs::LogReader reader(out_ / "run.lcmlog");
+  msgs::LogEvent event;
+  msgs::Torque torque;
+  while (reader.next(event)) {
+    if (event.channel != msgs::kTorqueChannel) continue;
+    EXPECT_EQ(msgs::decode(event.data, torque), msgs::DecodeStatus::ok);
+    first_messages += torque.alive_counter == 0;
+  }
+  EXPECT_EQ(first_messages, 2);
+}
+
 TEST_F(RunCommandTest, TwoRunsSideBySideDoNotHearEachOther) {
   RunningProgram first(command({"--set", "duration=20"}));
   const fs::path other = folder_.path() / "other";

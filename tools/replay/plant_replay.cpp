@@ -100,6 +100,8 @@ PlantReplay replay_plant(const sim::Scenario& scenario, const msgs::RunLog& reco
   }
   sim::LockstepSettings settings = sim::lockstep_settings(scenario);
   settings.live_period = scenario.controller_period;  // nobody listens
+  // What happened to the messages is in the record already.
+  std::erase_if(settings.faults, [](const sim::Fault& fault) { return fault.kind <= sim::FaultKind::message_corrupted; });
   settings.configuration_hash = record.configuration_hash;
   settings.operator_moves = recorded_moves(record, result.remarks);
   settings.duration = (record.torque.back().answered_sequence + 1) * scenario.controller_period;
