@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <poll.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <fstream>
@@ -10,6 +11,7 @@
 
 #include "common/input_error.h"
 #include "msgs/run_log.h"
+#include "sim/drive/fault_expectation.h"
 #include "sim/scenario_file.h"
 #include "tools/acceptance/checks.h"
 #include "tools/acceptance/limits.h"
@@ -23,6 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kPollMilliseconds = 200;
+constexpr double kNanosecondsPerSecond = 1e9;
 
 // Why the run did not come to its end; empty where it did, or where nothing tells.
 std::string why_incomplete(const fs::path& folder) {
@@ -31,6 +34,17 @@ std::string why_incomplete(const fs::path& folder) {
   if (!summary.is_object() || summary.value("outcome", "complete") == "complete") return {};
   const std::string reason = summary.value("reason", "");
   return reason.empty() ? summary.value("outcome", "") : reason;
+}
+
+// What the scenario itself says must happen.
+CheckResult expected_reaction(const sim::FaultExpectation& expectation, const msgs::RunLog& run) {
+  CheckResult result;
+  result.name = "expectation";
+  const std::vector<std::string> broken = sim::broken_expectations(expectation, run);
+  result.verdict = broken.empty() ? Verdict::pass : Verdict::fail;
+  result.reason = broken.empty() ? "everything under expect: of the scenario came about" : "";
+  for (const std::string& line : broken) result.reason += (result.reason.empty() ? "" : "; ") + line;
+  return result;
 }
 
 void draw(const fs::path& folder) {
@@ -58,7 +72,10 @@ int judge(const fs::path& folder, const AcceptOptions& options, const Acceptance
   const sim::Scenario scenario = sim::load_scenario_file(folder / "scenario.yaml");
   AcceptedMachine machine;
   machine.total_ratio = scenario.crane.parameters.drive.gearbox_ratio * scenario.crane.parameters.drive.pinion_ratio;
-  machine.faults_on_purpose = scenario.faults.kind != common::YamlNode::Kind::null;
+  for (const sim::Fault& fault : scenario.faults) {
+    const double from = static_cast<double>(fault.from) / kNanosecondsPerSecond;
+    machine.first_fault = std::min(machine.first_fault.value_or(from), from);
+  }
   std::vector<CheckResult> results;
   if (const std::string reason = why_incomplete(folder); !reason.empty()) {
     CheckResult failed;
@@ -75,6 +92,7 @@ int judge(const fs::path& folder, const AcceptOptions& options, const Acceptance
     if (logs.runs.size() > 1) std::printf("note: the log holds %zu runs; the first is judged\n", logs.runs.size());
     const std::vector<CheckResult> checks = acceptance_checks(logs.runs.front(), limits, machine);
     results.insert(results.end(), checks.begin(), checks.end());
+    if (machine.first_fault) results.push_back(expected_reaction(scenario.expectation, logs.runs.front()));
   }
 
   const std::string name = options.subject.stem().string();

@@ -15,6 +15,7 @@ namespace {
 constexpr double kNanosecondsPerSecond = 1e9;
 constexpr double kPercent = 100.0;
 constexpr double kDegrees = 180.0 / std::numbers::pi;
+constexpr std::int8_t kRunning = 1;
 constexpr std::int8_t kTripped = 2;  // drive_state of PLANT_STATUS from here on: tripped, braked
 constexpr double kForever = std::numeric_limits<double>::infinity();
 
@@ -39,7 +40,7 @@ struct Stretch {
   bool emergency = false;
 };
 
-// The run as the checks look at it, up to the end or to the drive's trip.
+// The run as the checks look at it.
 struct View {
   std::vector<Sample> speed;   // [-] of top speed
   std::vector<Sample> angle;   // [rad] slewed, by the encoders
@@ -47,22 +48,28 @@ struct View {
   double stop = kForever;      // [s] of the emergency stop
   double trip = kForever;      // [s] from which on the drive had tripped
   int trip_cause = 0;
+  double recovered = kForever;    // [s] when it ran again behind that, acknowledged
+  double first_fault = kForever;  // [s] on purpose
 };
 
-double end_of(const View& view) { return std::min(view.trip, view.speed.back().time); }
+double end_of(const View& view) { return std::min({view.trip, view.first_fault, view.speed.back().time}); }
 
-View view_of(const msgs::RunLog& run, const AcceptanceLimits& limits, double ratio) {
+View view_of(const msgs::RunLog& run, const AcceptanceLimits& limits, const AcceptedMachine& machine) {
   View view;
+  view.first_fault = machine.first_fault.value_or(kForever);
   for (const msgs::PlantStatus& status : run.plant_status) {
+    const double time = seconds(status.simulated_time);
     // A drive that holds its brakes without a cause has not tripped.
-    if (status.drive_state < kTripped || status.trip_cause == 0) continue;
-    view.trip = seconds(status.simulated_time);
-    view.trip_cause = status.trip_cause;
-    break;
+    if (std::isinf(view.trip) && status.drive_state >= kTripped && status.trip_cause != 0) {
+      view.trip = time;
+      view.trip_cause = status.trip_cause;
+    } else if (std::isfinite(view.trip) && std::isinf(view.recovered) && status.drive_state == kRunning) {
+      view.recovered = time;
+    }
   }
   for (const msgs::Encoder& encoder : run.encoder) {
-    view.speed.push_back({seconds(encoder.simulated_time), mean(encoder.shaft_speed) / ratio / limits.top_speed});
-    view.angle.push_back({seconds(encoder.simulated_time), mean(encoder.shaft_position) / ratio});
+    view.speed.push_back({seconds(encoder.simulated_time), mean(encoder.shaft_speed) / machine.total_ratio / limits.top_speed});
+    view.angle.push_back({seconds(encoder.simulated_time), mean(encoder.shaft_position) / machine.total_ratio});
   }
   if (view.speed.empty()) return view;
   Stretch now{view.speed.front().time, view.speed.back().time, 0.0, false};
@@ -97,12 +104,12 @@ double value_at(const std::vector<Sample>& samples, double time) {
   return at == samples.end() ? samples.back().value : at->value;
 }
 
-// The largest of `size(value)` in [begin, end].
+// The largest of `size(value)` from `begin` until `end`.
 template <class Size>
 Sample worst(const std::vector<Sample>& samples, double begin, double end, Size size) {
   Sample result{begin, -kForever};
   for (const Sample& sample : samples) {
-    if (sample.time < begin || sample.time > end) continue;
+    if (sample.time < begin || sample.time >= end) continue;
     const double value = size(sample.value);
     if (value > result.value || !std::isfinite(value)) result = {sample.time, std::isfinite(value) ? value : kForever};
   }
@@ -112,11 +119,13 @@ Sample worst(const std::vector<Sample>& samples, double begin, double end, Size 
 // [s] from `begin` until the speed stays within the band around the target up to `end`; infinite if it never does.
 double time_to_settle(const View& view, const Stretch& stretch, double band) {
   double left = stretch.begin;  // when it was last outside
+  double last = stretch.begin;
   for (const Sample& sample : view.speed) {
-    if (sample.time < stretch.begin || sample.time > stretch.end) continue;
+    if (sample.time < stretch.begin || sample.time >= stretch.end) continue;
+    last = sample.time;
     if (!(std::abs(sample.value - stretch.target) <= band)) left = sample.time;
   }
-  return left >= stretch.end ? kForever : left - stretch.begin;
+  return left >= last && last > stretch.begin ? kForever : left - stretch.begin;
 }
 
 CheckResult not_applicable(const char* name, const char* why) {
@@ -145,7 +154,7 @@ CheckResult at_most(const char* name, Sample measured, double limit, double scal
 class Checks {
  public:
   Checks(const msgs::RunLog& run, const AcceptanceLimits& limits, const AcceptedMachine& machine)
-      : run_(run), limits_(limits), machine_(machine), view_(view_of(run, limits, machine.total_ratio)) {}
+      : run_(run), limits_(limits), machine_(machine), view_(view_of(run, limits, machine)) {}
 
   std::vector<CheckResult> all() {
     if (view_.speed.empty()) {
@@ -343,7 +352,7 @@ class Checks {
 
   void drive() {
     const bool tripped = std::isfinite(view_.trip);
-    if (limits_.trips && !machine_.faults_on_purpose) {
+    if (limits_.trips && !machine_.first_fault) {
       if (run_.plant_status.empty()) {
         add(not_applicable("trips", "no PLANT_STATUS in the log"));
       } else {
@@ -360,9 +369,9 @@ class Checks {
         add(result);
       }
     }
-    if (!limits_.standstill_after_trip || !machine_.faults_on_purpose) return;
-    if (!tripped) return add(not_applicable("reaction", "the drive did not trip: the other checks hold for the whole run"));
-    const double end = view_.speed.back().time;
+    if (!limits_.standstill_after_trip || !machine_.first_fault) return;
+    if (!tripped) return add(not_applicable("reaction", "the drive did not trip"));
+    const double end = std::min(view_.recovered, view_.speed.back().time);
     const Stretch after{view_.trip, end, 0.0, false};
     Sample stood{view_.trip, time_to_settle(view_, after, band())};
     CheckResult result =

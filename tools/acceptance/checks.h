@@ -19,11 +19,13 @@
 //   stop overshoot     speed past zero after the emergency stop
 //   tip acceleration   largest after the emergency stop (SENSORS)
 //   trips              of the drive, where the scenario has no faults on purpose (PLANT_STATUS)
-//   reaction           where it has: after the drive's trip the crane stands still in time and stays so; without a trip
-//                      all checks above hold. Checks look at the run up to the trip only.
+//   reaction           where it has: if the drive trips, the crane stands still in time and stays so,
+//                      until the drive runs again
 //
+// The other checks look at the run up to the drive's trip or the first fault on purpose, whichever comes first.
 // A check whose channel is not in the log, or whose occasion is not in the run, is not applicable.
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -34,7 +36,7 @@ namespace slewlab::tools {
 
 struct AcceptedMachine {
   double total_ratio = 1.0;     // [-] turns of a motor per turn of the crane
-  bool faults_on_purpose = false;
+  std::optional<double> first_fault;  // [s] of a fault on purpose
 };
 
 enum class Verdict { pass, fail, not_applicable };

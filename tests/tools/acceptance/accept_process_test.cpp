@@ -118,6 +118,17 @@ TEST_F(AcceptTest, HalvesSwappedForOneDirectionAreCaughtByThePlayCrossings) {
   EXPECT_TRUE(failed.contains("play offset")) << output_;
 }
 
+// A fault on purpose: the controller must be good until then, the crane must stand in time behind it. The same run with
+// another expectation of the scenario fails by that.
+TEST_F(AcceptTest, TheReactionToAFaultIsJudged) {
+  EXPECT_EQ(failures("faults/controller_killed.yaml", "", 0), std::set<std::string>{}) << output_;
+  EXPECT_NE(output_.find("pass reaction"), std::string::npos) << output_;
+  RunningProgram other({kSlewlab, "accept", kScenarios + "faults/controller_killed.yaml", "--out", out_.string(), "--no-plot",
+                        "--set", "expect.drive_state=running"});
+  EXPECT_EQ(other.wait_for_end(), 1);
+  EXPECT_NE(other.output().find("FAIL expectation"), std::string::npos) << other.output();
+}
+
 TEST_F(AcceptTest, AControllerThatDiesIsNotAccepted) {
   EXPECT_EQ(failures("thesis_slew.yaml", "echo out of licences >&2; exit 3", 1).count("run"), 1u) << output_;
   EXPECT_NE(output_.find("exit code 3"), std::string::npos) << output_;
