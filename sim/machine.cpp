@@ -178,6 +178,7 @@ void step(Machine& machine, const DriveCommand& command) {
   }
 
   PlantInput input;
+  input.ports = machine.outside;
   if (arrived->enable) input.motor_torque = arrived->motor_torque;
   for (int i = 0; i < model.group_count; ++i) {
     input.friction.motor[i] =

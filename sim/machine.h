@@ -54,6 +54,7 @@ struct Machine {
   EffectMoment now, before;             // at the ends of the last two steps
   MachineReadings sensed;               // kept only where a sensor effect is on
   GroupArray applied_torque{};          // [Nm] per motor of the last step, behind the actuator path
+  PortForces outside;                   // from outside the model, held over each step: how a shadow is led; zero otherwise
   std::int64_t hooks_per_step = 0;
   std::int64_t effect_evaluations = 0;  // hooks called since the start
 };

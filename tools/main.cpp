@@ -11,6 +11,7 @@
 #include "common/input_error.h"
 #include "tools/accept_command.h"
 #include "tools/check_command.h"
+#include "tools/diagnose_command.h"
 #include "tools/modes_command.h"
 #include "tools/python_command.h"
 #include "tools/replay_command.h"
@@ -122,6 +123,24 @@ void add_accept(CLI::App& app, const std::vector<std::string>& command_line, Act
   });
 }
 
+
+void add_diagnose(CLI::App& app, Action& action) {
+  auto options = std::make_shared<DiagnoseOptions>();
+  CLI::App* command = app.add_subcommand("diagnose", "Where a measured crane differs from its model, and which effect causes it");
+  command->add_option("--crane", options->crane, "nominal crane")->required();
+  command->add_option("--controller", options->controller,
+                      "nominal controller; without it the machine's side alone is judged");
+  command->add_option("--log", options->logs, "measured logs; more than one manoeuvre tells more")->required();
+  command->add_option("--out", options->out, "folder for the findings")->required();
+  command->add_option("--without", options->without, "effects that the catalogue is to do without");
+  command->add_option("--threads", options->threads, "simulations side by side")->check(CLI::PositiveNumber);
+  command->callback([options, &action] {
+    action = [options] { return diagnose_logs(*options, std::cout, std::cerr); };
+  });
+}
+
+void add_withhold_score(CLI::App& withhold, Action& action);
+
 void add_withhold(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("withhold", "Machines nobody has looked at, to judge the diagnosis by");
   command->require_subcommand(1);
@@ -139,6 +158,19 @@ void add_withhold(CLI::App& app, Action& action) {
   make->add_option("--threads", options->threads, "cases side by side");
   make->callback([options, &action] {
     action = [options] { return withhold_make(*options, std::cout, std::cerr); };
+  });
+  add_withhold_score(*command, action);
+}
+
+void add_withhold_score(CLI::App& withhold, Action& action) {
+  auto options = std::make_shared<WithholdScoreOptions>();
+  CLI::App* score = withhold.add_subcommand("score", "Diagnose every case of a set, then open its answers");
+  score->add_option("DIR", options->directory, "the set")->required();
+  score->add_option("--results", options->results, "folder in it for the results");
+  score->add_flag("--no-accelerometers", options->no_accelerometers, "encoders and torques alone");
+  score->add_option("--threads", options->threads, "cases side by side")->check(CLI::PositiveNumber);
+  score->callback([options, &action] {
+    action = [options] { return withhold_judge(*options, std::cout, std::cerr); };
   });
 }
 
@@ -192,6 +224,7 @@ int main(const std::vector<std::string>& command_line, int argc, char** argv) {
   add_check(app, action);
   add_modes(app, action);
   add_verify(app, action);
+  add_diagnose(app, action);
   add_withhold(app, action);
   add_python(app, "report", "report.py", "Draw a run: a page with pictures and numbers beside its log", action);
   add_python(app, "export", "export.py", "Turn a log into Parquet, CSV or MCAP files", action);

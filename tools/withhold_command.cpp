@@ -1,5 +1,8 @@
 #include "tools/withhold_command.h"
 
+#include "diagnosis/case_diagnosis.h"
+#include "diagnosis/withheld/score.h"
+
 #include <fmt/format.h>
 
 #include <atomic>
@@ -87,6 +90,22 @@ int withhold_score(const diagnosis::withheld::ScoreSettings& settings,
     out << '\n' << as_text(*table) << "\nin " << (settings.directory / settings.results / "score.json").string() << '\n';
     return true;
   });
+}
+
+int withhold_judge(const WithholdScoreOptions& options, std::ostream& out, std::ostream& complaints) {
+  diagnosis::CaseSettings settings;
+  settings.accelerometers = !options.no_accelerometers;
+  diagnosis::withheld::ScoreSettings score;
+  score.directory = options.directory;
+  score.results = options.results;
+  score.threads = options.threads;
+  return withhold_score(
+      score,
+      [settings](const diagnosis::withheld::CaseInput& input) { return diagnosis::diagnose_case(input, settings); },
+      [settings](const diagnosis::withheld::CaseInput& input, const std::vector<std::string>& effects) {
+        return diagnosis::informed_gap(input, effects, settings);
+      },
+      out, complaints);
 }
 
 }  // namespace slewlab::tools

@@ -29,4 +29,14 @@ int withhold_score(const diagnosis::withheld::ScoreSettings& settings,
                    const diagnosis::withheld::DiagnoseCase& diagnose,
                    const diagnosis::withheld::InformedFit& informed, std::ostream& out, std::ostream& complaints);
 
+struct WithholdScoreOptions {
+  std::filesystem::path directory;
+  std::string results = "results";
+  bool no_accelerometers = false;
+  int threads = 2;
+};
+
+// Scores this project's own diagnosis.
+int withhold_judge(const WithholdScoreOptions& options, std::ostream& out, std::ostream& complaints);
+
 }  // namespace slewlab::tools

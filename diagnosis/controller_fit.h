@@ -1,0 +1,29 @@
+// Which effect of the controller explains that it answers otherwise than its settings say. The controller is
+// known to the bit and fed with what it was fed, so this side of the wire has no noise: the right effect leaves
+// next to nothing.
+#pragma once
+
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/effect.h"
+#include "controller/controller.h"
+#include "diagnosis/controller_replay.h"
+#include "diagnosis/record.h"
+
+namespace slewlab::diagnosis {
+
+struct ControllerCause {
+  common::EffectInstance effect;
+  std::vector<double> deviation;  // of each value, from the curvature
+  double share_left = 1.0;        // of the torque difference's mean square that it leaves, 0 ... 1
+  double probability = 0.0;       // among the controller's effects
+};
+
+// Falling probability. Effects named in `without` are left out.
+std::vector<ControllerCause> fit_controller(std::span<const Record> records,
+                                            const controller::ControllerSettings& nominal,
+                                            std::span<const std::string> without);
+
+}  // namespace slewlab::diagnosis

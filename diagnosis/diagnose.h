@@ -1,0 +1,91 @@
+// From records and a nominal crane to ranked causes (docs/diagnosis.md).
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "controller/controller.h"
+#include "diagnosis/controller_fit.h"
+#include "diagnosis/controller_replay.h"
+#include "diagnosis/evidence.h"
+#include "diagnosis/fit.h"
+
+namespace slewlab::diagnosis {
+
+struct DiagnosisSettings {
+  WhiteningSettings whitening;
+  FitSettings fit;
+  EvidenceSettings evidence;
+  std::vector<std::string> without;  // effects that are left out of the catalogue
+  int singles_to_refine = 8;
+  int leaders = 3;  // of the refined ones, fitted again with fresh columns
+  int pairs_to_refine = 5;
+  int threads = 1;
+};
+
+struct Size {
+  std::string parameter;
+  std::string unit;
+  double value = 0.0;
+  double deviation = 0.0;  // one standard deviation
+  double low = 0.0, high = 0.0;  // 90 % interval
+};
+
+struct Cause {
+  std::vector<std::string> effects;   // one or two; none: only parameters are off
+  double probability = 0.0;
+  double explained = 0.0;             // share of the gap (mean square) that it explains
+  double mean_square = 0.0;
+  std::vector<Size> sizes;            // of all effects' parameters
+  Point point;                                              // the machine's part
+  std::vector<common::EffectInstance> controller_effects;  // the controller's part
+  std::vector<std::string> group;     // effects that these records cannot tell from it, itself left out
+  double group_distance = 0.0;        // share of this cause's signature by which the nearest of them differs
+};
+
+// Where the gap lies before any effect is added, as shares that sum to 1.
+struct BandShare {
+  std::string channel;
+  double from = 0.0, to = 0.0;  // [Hz]
+  double share = 0.0;
+  double mean_square = 0.0;     // 1 is what a good model misses
+};
+struct Moment {
+  std::string record;
+  double time = 0.0;            // [s] middle of the second
+  std::string phase;            // accelerating, braking, constant speed, standing
+  double missing_torque = 0.0;  // [Nm per motor] RMS in that second
+};
+
+struct Diagnosis {
+  bool gap = false;                     // is there more than parameters and a good model's misses
+  bool controller_differs = false;
+  std::vector<ControllerReplay> controller_replay;
+  std::vector<ControllerCause> controller_causes;
+  double mean_square_nominal = 0.0;     // with nothing fitted
+  double mean_square_parameters = 0.0;  // with parameters alone fitted
+  std::vector<Cause> causes;            // falling probability; the one without effects is among them
+  double probability_nothing = 0.0;
+  double probability_unknown = 0.0;
+  std::string verdict;                  // one line
+  std::vector<std::pair<std::string, double>> subsystems;  // probability by subsystem, falling
+  std::vector<BandShare> bands;
+  std::vector<Moment> moments;
+  std::vector<std::string> remarks;
+  std::vector<std::string> cannot_tell;  // effects these records do not excite, with the reason
+  std::int64_t simulations = 0;
+  double simulation_seconds = 0.0;       // wall clock
+  double total_seconds = 0.0;
+};
+
+using Progress = std::function<void(double share, const std::string& doing)>;
+
+// Throws NotAdmitted, std::invalid_argument, Interrupted.
+Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<controller::ControllerSettings>& controller,
+                   std::vector<Record> records, const DiagnosisSettings& settings, const Progress& progress = {},
+                   const std::atomic<bool>* stop = nullptr);
+
+}  // namespace slewlab::diagnosis

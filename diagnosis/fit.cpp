@@ -1,0 +1,265 @@
+#include "diagnosis/fit.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <thread>
+
+#include "controller/effects/catalogue.h"
+#include "diagnosis/nuisance.h"
+#include "sim/effects/catalogue.h"
+
+namespace slewlab::diagnosis {
+
+namespace {
+
+constexpr double kNuisanceStep = 0.3;  // [standard deviations] difference quotient: small against the prior, large against rounding
+constexpr double kEffectStep = 0.05;   // [standard deviations] the same for effects, around a fitted size
+
+sim::MachineSettings machine_at(const Problem& problem, const Point& point) {
+  sim::MachineSettings settings = problem.nominal;
+  settings.crane = with_nuisances(settings.crane, point.nuisance);
+  settings.effects.insert(settings.effects.end(), point.effects.begin(), point.effects.end());
+  return settings;
+}
+
+std::vector<double> effect_coordinates(const Point& point) {
+  std::vector<double> x;
+  for (const common::EffectInstance& effect : point.effects) {
+    const common::EffectAbout& about = about_effect(effect.name);
+    for (std::size_t p = 0; p < effect.values.size(); ++p) {
+      x.push_back(to_coordinate(about.parameters[p], effect.values[p]));
+    }
+  }
+  return x;
+}
+
+Point moved(const Point& point, const Eigen::VectorXd& change) {
+  Point result = point;
+  Eigen::Index i = 0;
+  for (double& z : result.nuisance) z = std::clamp(z + change(i++), -6.0, 6.0);
+  for (common::EffectInstance& effect : result.effects) {
+    const common::EffectAbout& about = about_effect(effect.name);
+    for (std::size_t p = 0; p < effect.values.size(); ++p) {
+      const common::EffectParameter& parameter = about.parameters[p];
+      const double x = to_coordinate(parameter, effect.values[p]) + change(i++);
+      effect.values[p] = std::clamp(from_coordinate(parameter, x), parameter.lower, parameter.upper);
+    }
+  }
+  return result;
+}
+
+double cost_of(const Problem& problem, const Point& point, const Eigen::VectorXd& difference) {
+  double cost = problem.settings.independent_differences * difference.squaredNorm() /
+                static_cast<double>(difference.size());
+  for (const double z : point.nuisance) cost += z * z;
+  for (const double x : effect_coordinates(point)) cost += x * x;
+  return cost;
+}
+
+Eigen::MatrixXd nuisance_columns(Problem& problem, const Point& point, const Eigen::VectorXd& difference) {
+  const std::size_t count = nuisances().size();
+  std::vector<Point> points(count, point);
+  for (std::size_t k = 0; k < count; ++k) points[k].nuisance[k] += kNuisanceStep;
+  const std::vector<Eigen::VectorXd> moved_differences = differences(problem, points);
+  Eigen::MatrixXd columns(difference.size(), static_cast<Eigen::Index>(count));
+  for (std::size_t k = 0; k < count; ++k) {
+    columns.col(static_cast<Eigen::Index>(k)) = (moved_differences[k] - difference) / kNuisanceStep;
+  }
+  return columns;
+}
+
+// The columns d difference / d x of the effects' parameters, by difference quotients.
+Eigen::MatrixXd effect_columns(Problem& problem, const Point& point, const Eigen::VectorXd& difference) {
+  const std::vector<double> here = effect_coordinates(point);
+  const auto nuisance_count = static_cast<Eigen::Index>(point.nuisance.size());
+  const auto count = static_cast<Eigen::Index>(here.size());
+  std::vector<Point> points;
+  std::vector<double> steps;
+  for (Eigen::Index e = 0; e < count; ++e) {
+    const auto i = static_cast<std::size_t>(e);
+    Eigen::VectorXd change = Eigen::VectorXd::Zero(nuisance_count + count);
+    change(nuisance_count + e) = kEffectStep;
+    points.push_back(moved(point, change));
+    steps.push_back(effect_coordinates(points.back())[i] - here[i]);
+    if (std::fabs(steps.back()) < 0.5 * kEffectStep) {  // at its upper bound: look the other way
+      points.back() = moved(point, -change);
+      steps.back() = effect_coordinates(points.back())[i] - here[i];
+    }
+  }
+  const std::vector<Eigen::VectorXd> moved_differences = differences(problem, points);
+  Eigen::MatrixXd columns(difference.size(), count);
+  for (Eigen::Index e = 0; e < count; ++e) {
+    const auto i = static_cast<std::size_t>(e);
+    columns.col(e).setZero();
+    if (steps[i] != 0.0) columns.col(e) = (moved_differences[i] - difference) / steps[i];
+  }
+  return columns;
+}
+
+// The damped normal equations' step from `point`.
+Eigen::VectorXd newton_step(const Problem& problem, const Point& point, const Eigen::VectorXd& difference,
+                            const Eigen::MatrixXd& columns) {
+  const double weight = problem.settings.independent_differences / static_cast<double>(difference.size());
+  Eigen::MatrixXd system = weight * columns.transpose() * columns;
+  system.diagonal().array() += 1.0;
+  Eigen::VectorXd right = -weight * columns.transpose() * difference;
+  Eigen::Index i = 0;
+  for (const double z : point.nuisance) right(i++) -= z;
+  for (const double x : effect_coordinates(point)) right(i++) -= x;
+  return system.ldlt().solve(right);
+}
+
+Eigen::VectorXd coordinates_of(const Point& point) {
+  std::vector<double> all = point.nuisance;
+  const std::vector<double> effects = effect_coordinates(point);
+  all.insert(all.end(), effects.begin(), effects.end());
+  return Eigen::Map<const Eigen::VectorXd>(all.data(), static_cast<Eigen::Index>(all.size()));
+}
+
+// Steps from `point` with the columns given, corrected after each step by what it showed (Broyden). Returns
+// the share by which the cost fell.
+double descend(Problem& problem, int iterations, Eigen::MatrixXd& columns, Point& point, Eigen::VectorXd& difference,
+               double& cost) {
+  const double first_cost = cost;
+  for (int iteration = 0; iteration < iterations; ++iteration) {
+    Eigen::VectorXd change = newton_step(problem, point, difference, columns);
+    bool fell = false;
+    for (int halving = 0; halving < 3 && !fell; ++halving, change *= 0.35) {
+      const Point trial = moved(point, change);
+      const Eigen::VectorXd step = coordinates_of(trial) - coordinates_of(point);
+      const double length = step.squaredNorm();
+      if (length == 0.0) break;
+      const Eigen::VectorXd trial_difference = differences(problem, trial);
+      const double trial_cost = cost_of(problem, trial, trial_difference);
+      columns += ((trial_difference - difference - columns * step) / length) * step.transpose();
+      if (trial_cost >= cost) continue;
+      fell = trial_cost < cost * (1.0 - problem.settings.enough);
+      point = trial;
+      difference = trial_difference;
+      cost = trial_cost;
+      if (!fell) return 1.0 - cost / first_cost;
+    }
+    if (!fell) break;
+  }
+  return 1.0 - cost / first_cost;
+}
+
+}  // namespace
+
+const common::EffectAbout& about_effect(const std::string& name) {
+  const sim::EffectDescription* description = sim::find_effect(name);
+  if (description != nullptr) return description->about;
+  const controller::ControllerEffect* effect = controller::find_effect(name);
+  if (effect == nullptr) throw std::invalid_argument("no effect is called " + name);
+  return effect->about;
+}
+
+double to_coordinate(const common::EffectParameter& parameter, double value) {
+  if (parameter.scale == common::ParameterScale::logarithmic) {
+    return std::log(value / parameter.typical) / parameter.prior_scale;
+  }
+  const double centre = parameter.absent ? *parameter.absent : parameter.typical;
+  return (value - centre) / parameter.prior_scale;
+}
+
+double from_coordinate(const common::EffectParameter& parameter, double coordinate) {
+  if (parameter.scale == common::ParameterScale::logarithmic) {
+    return parameter.typical * std::exp(coordinate * parameter.prior_scale);
+  }
+  const double centre = parameter.absent ? *parameter.absent : parameter.typical;
+  return centre + coordinate * parameter.prior_scale;
+}
+
+Eigen::VectorXd differences(Problem& problem, const Point& point) {
+  Eigen::Index total = 0;
+  for (const Whitening& whitening : problem.whitening) total += whitening.size();
+  Eigen::VectorXd result(total);
+  Eigen::Index row = 0;
+  const sim::MachineSettings machine = machine_at(problem, point);
+  for (std::size_t r = 0; r < problem.records.size(); ++r) {
+    if (problem.stop != nullptr && problem.stop->load()) throw Interrupted{};
+    const Shadow follower = shadow(machine, problem.records[r]);
+    result.segment(row, problem.whitening[r].size()) = whiten(problem.whitening[r], follower);
+    row += problem.whitening[r].size();
+    ++problem.simulations;
+    problem.simulated_steps += static_cast<std::int64_t>(problem.records[r].size());
+  }
+  // A machine that an odd point shakes to pieces counts as very far off, not as a number that spreads.
+  if (!result.allFinite()) result.setConstant(1e3);
+  return result;
+}
+
+std::vector<Eigen::VectorXd> differences(Problem& problem, std::span<const Point> points) {
+  std::vector<Eigen::VectorXd> results(points.size());
+  std::atomic<std::size_t> next{0};
+  std::atomic<bool> interrupted{false};
+  const auto work = [&] {
+    try {
+      for (std::size_t i = next++; i < points.size(); i = next++) results[i] = differences(problem, points[i]);
+    } catch (const Interrupted&) {
+      interrupted = true;
+    }
+  };
+  std::vector<std::thread> threads;
+  for (int t = 1; t < problem.threads; ++t) threads.emplace_back(work);
+  work();
+  for (std::thread& thread : threads) thread.join();
+  if (interrupted) throw Interrupted{};
+  return results;
+}
+
+Base fit_nuisances(Problem& problem) {
+  Base base;
+  base.point.nuisance.assign(nuisances().size(), 0.0);
+  base.difference = differences(problem, base.point);
+  base.cost = cost_of(problem, base.point, base.difference);
+  for (int round = 0; round < problem.settings.rounds; ++round) {
+    base.nuisance_columns = nuisance_columns(problem, base.point, base.difference);
+    const double fall =
+        descend(problem, problem.settings.iterations, base.nuisance_columns, base.point, base.difference, base.cost);
+    if (fall < problem.settings.settled) break;
+  }
+  return base;
+}
+
+FitResult fit(Problem& problem, const Base& base, const Point& start, int rounds) {
+  FitResult result;
+  result.point = start;
+  result.difference = differences(problem, start);
+  result.cost = cost_of(problem, start, result.difference);
+  const Eigen::Index nuisance_count = base.nuisance_columns.cols();
+  Eigen::MatrixXd columns(result.difference.size(), nuisance_count + coordinates_of(start).size() -
+                                                        static_cast<Eigen::Index>(start.nuisance.size()));
+  columns.leftCols(nuisance_count) = base.nuisance_columns;
+  for (int round = 0; round < rounds; ++round) {
+    if (round > 0) columns.leftCols(nuisance_count) = nuisance_columns(problem, result.point, result.difference);
+    columns.rightCols(columns.cols() - nuisance_count) = effect_columns(problem, result.point, result.difference);
+    const double fall =
+        descend(problem, problem.settings.iterations, columns, result.point, result.difference, result.cost);
+    if (round > 0 && fall < problem.settings.settled) break;
+  }
+  result.mean_square = result.difference.squaredNorm() / static_cast<double>(result.difference.size());
+
+  // Spread of the sizes: curvature of the cost, scaled by what the fit leaves (at least by what a good model
+  // misses).
+  const double weight = problem.settings.independent_differences / static_cast<double>(result.difference.size());
+  Eigen::MatrixXd system = weight / std::max(1.0, result.mean_square) * columns.transpose() * columns;
+  system.diagonal().array() += 1.0;
+  const Eigen::MatrixXd covariance = system.ldlt().solve(Eigen::MatrixXd::Identity(system.rows(), system.cols()));
+  Eigen::Index e = nuisance_count;
+  for (const common::EffectInstance& effect : result.point.effects) {
+    const common::EffectAbout& about = about_effect(effect.name);
+    for (std::size_t p = 0; p < effect.values.size(); ++p, ++e) {
+      const common::EffectParameter& parameter = about.parameters[p];
+      const double per_coordinate = parameter.scale == common::ParameterScale::logarithmic
+                                        ? effect.values[p] * parameter.prior_scale
+                                        : parameter.prior_scale;
+      result.deviation.push_back(std::fabs(per_coordinate) * std::sqrt(covariance(e, e)));
+    }
+  }
+  return result;
+}
+
+}  // namespace slewlab::diagnosis

@@ -1,0 +1,98 @@
+#include "diagnosis/prediction.h"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numeric>
+
+#include "sim/machine.h"
+
+namespace slewlab::diagnosis {
+
+namespace {
+
+SignalGap compare(const std::string& signal, const char* unit, const std::vector<double>& measured,
+                  const std::vector<double>& predicted) {
+  const double count = static_cast<double>(measured.size());
+  const double mean = std::accumulate(measured.begin(), measured.end(), 0.0) / count;
+  double square = 0.0, difference = 0.0;
+  for (std::size_t n = 0; n < measured.size(); ++n) {
+    square += (measured[n] - mean) * (measured[n] - mean);
+    difference += (measured[n] - predicted[n]) * (measured[n] - predicted[n]);
+  }
+  return {signal, unit, std::sqrt(square / count), std::sqrt(difference / count)};
+}
+
+}  // namespace
+
+Prediction predict(const sim::MachineSettings& settings, const controller::ControllerSettings& controller_settings,
+                   const Record& record) {
+  sim::MachineSettings with_step = settings;
+  with_step.step = record.step;
+  sim::Machine machine = sim::make_machine(with_step);
+  controller::ControllerSettings controller = controller_settings;
+  controller.period = record.encoder_period;
+  controller::ControllerState state;
+  controller::ControllerInput input;
+  controller::ControllerOutput output;
+  input.group_count = record.group_count;
+  sim::DriveCommand command;
+
+  Prediction prediction;
+  Record& series = prediction.series;
+  series.name = record.name;
+  series.step = record.step;
+  series.start_time = record.start_time;
+  series.group_count = record.group_count;
+  const auto groups = static_cast<std::size_t>(record.group_count);
+  const auto cycle = static_cast<std::size_t>(std::lround(record.encoder_period / record.step));
+  std::size_t move = 0;
+  for (std::size_t n = 0; n < record.size(); ++n) {
+    const sim::MachineReadings readings = sim::read(machine);
+    if (n % cycle == 0) {
+      const auto now = static_cast<std::int64_t>(std::llround(record.time(n) * 1e9));
+      while (move < record.operator_moves.size() && record.operator_moves[move].simulated_time <= now) {
+        input.speed_request = record.operator_moves[move].speed_request;
+        input.emergency_stop = record.operator_moves[move].emergency_stop;
+        input.acknowledge = record.operator_moves[move].acknowledge;
+        ++move;
+      }
+      input.simulated_time = now;
+      for (std::size_t g = 0; g < groups; ++g) input.shaft_speed[g] = readings.shaft_speed[g];
+      controller::step(controller, state, input, output);
+      command.sequence = static_cast<std::int64_t>(n / cycle);
+      command.enable = output.enable;
+      for (std::size_t g = 0; g < groups; ++g) command.motor_torque[g] = output.motor_torque[g];
+    }
+    for (std::size_t g = 0; g < groups; ++g) {
+      series.motor_torque[g].push_back(command.motor_torque[g]);
+      series.shaft_speed[g].push_back(readings.shaft_speed[g]);
+      series.shaft_position[g].push_back(readings.shaft_position[g]);
+    }
+    series.acceleration[kHouse].push_back(readings.house_acceleration);
+    series.acceleration[kPivot].push_back(readings.pivot_acceleration);
+    series.acceleration[kMiddle].push_back(readings.middle_acceleration);
+    series.acceleration[kTip].push_back(readings.tip_acceleration);
+    series.slew_angle.push_back(readings.slew_angle);
+    sim::step(machine, command);
+  }
+
+  for (std::size_t g = 0; g < groups; ++g) {
+    prediction.gaps.push_back(compare(fmt::format("torque of group {}", g + 1), "Nm", record.motor_torque[g], series.motor_torque[g]));
+    prediction.gaps.push_back(compare(fmt::format("shaft speed of group {}", g + 1), "rad/s", record.shaft_speed[g], series.shaft_speed[g]));
+  }
+  for (int a = 0; a < kAccelerometerCount; ++a) {
+    const auto i = static_cast<std::size_t>(a);
+    if (record.acceleration[i].empty()) continue;
+    prediction.gaps.push_back(compare(fmt::format("{} acceleration", accelerometer_name(a)), "m/s^2", record.acceleration[i], series.acceleration[i]));
+  }
+  double sum = 0.0;
+  for (const SignalGap& gap : prediction.gaps) {
+    const double share = gap.measured > 0.0 ? gap.gap / gap.measured : 0.0;
+    sum += share * share;
+  }
+  prediction.relative_gap = std::sqrt(sum / static_cast<double>(prediction.gaps.size()));
+  return prediction;
+}
+
+}  // namespace slewlab::diagnosis

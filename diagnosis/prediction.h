@@ -1,0 +1,30 @@
+// What a model says of a manoeuvre that it has not seen: machine and controller in closed loop from the
+// operator's moves alone, against what was measured, per signal.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "controller/controller.h"
+#include "diagnosis/record.h"
+#include "sim/machine_settings.h"
+
+namespace slewlab::diagnosis {
+
+struct SignalGap {
+  std::string signal;
+  std::string unit;
+  double measured = 0.0;  // RMS about its mean
+  double gap = 0.0;       // RMS of measured minus predicted
+};
+
+struct Prediction {
+  Record series;                 // on the grid of the record it was made for; only its signals are filled
+  std::vector<SignalGap> gaps;
+  double relative_gap = 0.0;     // root of the mean square, over signals, of gap / measured
+};
+
+Prediction predict(const sim::MachineSettings& machine, const controller::ControllerSettings& controller,
+                   const Record& record);
+
+}  // namespace slewlab::diagnosis

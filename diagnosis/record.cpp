@@ -1,0 +1,399 @@
+#include "diagnosis/record.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+namespace slewlab::diagnosis {
+
+namespace {
+
+constexpr double kNanosecond = 1e-9;  // [s]
+constexpr int kLongestBridge = 3;     // missing messages in a row that are bridged
+constexpr double kFrozenTime = 1.0;   // [s] of exactly equal values on a moving crane
+constexpr double kShortestRecord = 5.0;  // [s] below which no mode of the crane shows twice
+
+// The commonest distance between successive times [ns].
+std::int64_t common_period(const std::vector<std::int64_t>& times) {
+  std::map<std::int64_t, int> counts;
+  for (std::size_t i = 1; i < times.size(); ++i) ++counts[times[i] - times[i - 1]];
+  std::int64_t best = 0;
+  int most = 0;
+  for (const auto& [period, count] : counts) {
+    if (count > most) {
+      most = count;
+      best = period;
+    }
+  }
+  return best;
+}
+
+template <typename Message>
+std::vector<std::int64_t> times_of(const std::vector<Message>& messages) {
+  std::vector<std::int64_t> times;
+  times.reserve(messages.size());
+  for (const Message& message : messages) times.push_back(message.simulated_time);
+  return times;
+}
+
+// Throws where the clock jumps back or a gap is longer than can be bridged; remarks on what is bridged.
+void check_clock(const char* channel, const std::vector<std::int64_t>& times, std::int64_t period, Record& record) {
+  int bridged = 0;
+  for (std::size_t i = 1; i < times.size(); ++i) {
+    const std::int64_t distance = times[i] - times[i - 1];
+    const double at = static_cast<double>(times[i - 1]) * kNanosecond;
+    if (distance <= 0) {
+      throw NotAdmitted(fmt::format("{}: clock of {} jumps back by {:.4f} s at {:.3f} s; the log must rise in "
+                                    "time: cut it there and give the parts as separate logs",
+                                    record.name, channel, -static_cast<double>(distance) * kNanosecond, at));
+    }
+    const auto missing = static_cast<int>((distance + period / 2) / period) - 1;
+    if (missing > kLongestBridge) {
+      throw NotAdmitted(fmt::format("{}: gap of {:.3f} s in {} at {:.3f} s ({} messages missing, at most {} can be "
+                                    "bridged); cut the log there and give the parts as separate logs",
+                                    record.name, static_cast<double>(distance) * kNanosecond, channel, at, missing,
+                                    kLongestBridge));
+    }
+    if (missing > 0) bridged += missing;
+    if (missing <= 0 && std::llabs(distance - period) > period / 5) {
+      throw NotAdmitted(fmt::format("{}: clock of {} is uneven at {:.3f} s: {:.4f} ms between messages where {:.4f} ms "
+                                    "is usual; give the times at which the values were measured, not received",
+                                    record.name, channel, at, static_cast<double>(distance) * 1e-6,
+                                    static_cast<double>(period) * 1e-6));
+    }
+  }
+  if (bridged > 0) record.remarks.push_back(fmt::format("{}: {} missing messages of {} bridged", record.name, bridged, channel));
+}
+
+// Linear interpolation of (time, value) onto the record's grid.
+std::vector<double> resample(const std::vector<std::int64_t>& times, const std::vector<double>& values,
+                             const Record& record, std::size_t count) {
+  std::vector<double> result(count);
+  std::size_t i = 0;
+  for (std::size_t n = 0; n < count; ++n) {
+    const double t = record.time(n) / kNanosecond;
+    while (i + 2 < times.size() && static_cast<double>(times[i + 1]) <= t) ++i;
+    const double t0 = static_cast<double>(times[i]), t1 = static_cast<double>(times[i + 1]);
+    const double share = std::clamp((t - t0) / (t1 - t0), 0.0, 1.0);
+    result[n] = values[i] + share * (values[i + 1] - values[i]);
+  }
+  return result;
+}
+
+// Positions between encoder messages follow the cubic through position and speed at both ends.
+std::vector<double> resample_position(const std::vector<std::int64_t>& times, const std::vector<double>& position,
+                                      const std::vector<double>& speed, const Record& record, std::size_t count) {
+  std::vector<double> result(count);
+  std::size_t i = 0;
+  for (std::size_t n = 0; n < count; ++n) {
+    const double t = record.time(n) / kNanosecond;
+    while (i + 2 < times.size() && static_cast<double>(times[i + 1]) <= t) ++i;
+    const double t0 = static_cast<double>(times[i]), t1 = static_cast<double>(times[i + 1]);
+    const double h = (t1 - t0) * kNanosecond;
+    const double s = std::clamp((t - t0) / (t1 - t0), 0.0, 1.0);
+    const double s2 = s * s, s3 = s2 * s;
+    result[n] = position[i] * (2 * s3 - 3 * s2 + 1) + h * speed[i] * (s3 - 2 * s2 + s) +
+                position[i + 1] * (3 * s2 - 2 * s3) + h * speed[i + 1] * (s3 - s2);
+  }
+  return result;
+}
+
+double root_mean_square(const std::vector<double>& values) {
+  double sum = 0.0;
+  for (const double value : values) sum += value * value;
+  return std::sqrt(sum / static_cast<double>(std::max<std::size_t>(1, values.size())));
+}
+
+void check_finite(const Record& record, const std::string& signal, const std::vector<double>& values) {
+  for (std::size_t n = 0; n < values.size(); ++n) {
+    if (!std::isfinite(values[n])) {
+      throw NotAdmitted(fmt::format("{}: {} is not a number at {:.3f} s", record.name, signal, record.time(n)));
+    }
+  }
+}
+
+// A signal that stands exactly still while the motors turn is frozen; one that touches its extreme again and
+// again is clipped.
+void check_alive(const Record& record, const std::string& signal, const std::vector<double>& values,
+                 const std::vector<double>& motion, double motion_threshold) {
+  const auto limit = static_cast<std::size_t>(kFrozenTime / record.step);
+  std::size_t still = 0;
+  for (std::size_t n = 1; n < values.size(); ++n) {
+    still = values[n] == values[n - 1] && std::fabs(motion[n]) > motion_threshold ? still + 1 : 0;
+    if (still > limit) {
+      throw NotAdmitted(fmt::format("{}: {} is frozen at {:.6g} from {:.3f} s while the motors turn; check its cable "
+                                    "or leave the sensor out of the log",
+                                    record.name, signal, values[n], record.time(n - still)));
+    }
+  }
+}
+
+void check_clipped(const Record& record, const std::string& signal, const std::vector<double>& values) {
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  for (const double extreme : {*low, *high}) {
+    if (extreme == 0.0) continue;
+    std::size_t run = 0, longest = 0, runs = 0;
+    for (const double value : values) {
+      run = value == extreme ? run + 1 : 0;
+      if (run == 5) ++runs;
+      longest = std::max(longest, run);
+    }
+    if (runs >= 2 || longest >= 50) {
+      throw NotAdmitted(fmt::format("{}: {} is clipped at {:.6g}: it holds its extreme {} times in a row; raise the "
+                                    "sensor's range and measure again",
+                                    record.name, signal, extreme, longest));
+    }
+  }
+}
+
+// Least-squares slope of y on x, and the correlation.
+struct Fit {
+  double slope, correlation;
+};
+Fit fit_line(const std::vector<double>& x, const std::vector<double>& y) {
+  double xx = 0, xy = 0, yy = 0;
+  for (std::size_t n = 0; n < x.size(); ++n) {
+    xx += x[n] * x[n];
+    xy += x[n] * y[n];
+    yy += y[n] * y[n];
+  }
+  if (xx == 0.0 || yy == 0.0) return {0.0, 0.0};
+  return {xy / xx, xy / std::sqrt(xx * yy)};
+}
+
+// Low-passed derivative of a series, for sign and unit checks: mean slope over `width` samples.
+std::vector<double> smooth_slope(const std::vector<double>& values, std::size_t width, double step) {
+  std::vector<double> slope(values.size(), 0.0);
+  for (std::size_t n = width; n + width < values.size(); ++n) {
+    slope[n] = (values[n + width] - values[n - width]) / (2.0 * static_cast<double>(width) * step);
+  }
+  return slope;
+}
+
+std::vector<double> smooth(const std::vector<double>& values, std::size_t width) {
+  std::vector<double> result(values.size(), 0.0);
+  double sum = 0.0;
+  for (std::size_t n = 0; n < values.size(); ++n) {
+    sum += values[n];
+    if (n >= 2 * width + 1) sum -= values[n - 2 * width - 1];
+    if (n >= width) result[n - width] = sum / static_cast<double>(2 * width + 1);
+  }
+  return result;
+}
+
+// What factor between two signals that should be equal would bring them together, in words.
+std::string explain_factor(double factor) {
+  struct Known {
+    double factor;
+    const char* words;
+  };
+  static constexpr Known kKnown[] = {
+      {60.0 / (2.0 * 3.14159265358979), "it looks like revolutions per minute; rad/s is wanted"},
+      {180.0 / 3.14159265358979, "it looks like degrees; radians are wanted"},
+      {1.0 / (2.0 * 3.14159265358979), "it looks like revolutions; radians are wanted"},
+      {1.0 / 9.81, "it looks like multiples of g; m/s^2 are wanted"},
+      {1000.0, "it looks a thousand times too large (milli-units)"},
+      {0.001, "it looks a thousand times too small (kilo-units)"}};
+  const double size = std::fabs(factor);
+  std::string words;
+  for (const Known& known : kKnown) {
+    if (size > 0.75 * known.factor && size < 1.33 * known.factor) words = known.words;
+  }
+  if (factor < 0) words += words.empty() ? "its sign is turned" : ", and its sign is turned";
+  return words;
+}
+
+void check_units(Record& record, const AdmissionSettings& settings) {
+  const auto width = static_cast<std::size_t>(std::lround(0.05 / record.step));
+  for (int g = 0; g < record.group_count; ++g) {
+    const auto i = static_cast<std::size_t>(g);
+    const std::vector<double> derived = smooth_slope(record.shaft_position[i], width, record.step);
+    const std::vector<double> speed = smooth(record.shaft_speed[i], width);
+    const Fit fit = fit_line(derived, speed);
+    if (fit.correlation != 0.0 && (std::fabs(fit.correlation) < 0.8 || fit.slope < 0.8 || fit.slope > 1.25)) {
+      const std::string words = explain_factor(fit.slope);
+      throw NotAdmitted(fmt::format("{}: shaft speed of group {} is {:.4g} times the rate of its position (correlation "
+                                    "{:.2f}){}{}; check sign, unit and gear ratio of both columns",
+                                    record.name, g + 1, fit.slope, fit.correlation, words.empty() ? "" : ": ", words));
+    }
+  }
+  // Level accelerations of the house follow the motors' at low frequency: a = r_sensor * theta'' / ratio.
+  const auto slow = static_cast<std::size_t>(std::lround(0.4 / record.step));
+  std::vector<double> mean_speed(record.size(), 0.0);
+  for (int g = 0; g < record.group_count; ++g) {
+    for (std::size_t n = 0; n < record.size(); ++n) {
+      mean_speed[n] += record.shaft_speed[static_cast<std::size_t>(g)][n] / (record.group_count * settings.total_ratio);
+    }
+  }
+  const std::vector<double> angular = smooth(smooth_slope(mean_speed, slow, record.step), slow);
+  for (int a = 0; a < kAccelerometerCount; ++a) {
+    const auto i = static_cast<std::size_t>(a);
+    if (record.acceleration[i].empty() || settings.radius[i] <= 0.0) continue;
+    const std::vector<double> level = smooth(smooth(record.acceleration[i], slow), slow);
+    const Fit fit = fit_line(angular, level);
+    const double factor = fit.slope / settings.radius[i];
+    // A flexible boom swings about the level value, so only gross factors and signs are told from it.
+    if (std::fabs(fit.correlation) > 0.7 && (factor < 0.3 || factor > 3.0)) {
+      const std::string words = explain_factor(factor);
+      throw NotAdmitted(fmt::format("{}: acceleration at the {} is {:.3g} times what the motors' speed and its radius "
+                                    "of {:.1f} m give{}{}; check sign, unit and place of the sensor",
+                                    record.name, accelerometer_name(a), factor, settings.radius[i],
+                                    words.empty() ? "" : ": ", words));
+    }
+  }
+  double largest = 0.0;
+  for (int g = 0; g < record.group_count; ++g) {
+    for (const double torque : record.motor_torque[static_cast<std::size_t>(g)]) largest = std::max(largest, std::fabs(torque));
+  }
+  if (settings.rated_torque > 0.0 && largest > 5.0 * settings.rated_torque) {
+    throw NotAdmitted(fmt::format("{}: torque commands reach {:.4g} where one motor's rated torque is {:.4g} Nm; Nm per "
+                                  "motor on the fast axis are wanted, not {}",
+                                  record.name, largest, settings.rated_torque,
+                                  largest > 50.0 * settings.rated_torque ? "torques on the slew axis" : "sums over a group"));
+  }
+}
+
+// The step that all encoder positions are multiples of, as far as 200 samples in motion show it.
+double find_quantum(const std::vector<msgs::Encoder>& encoder) {
+  double quantum = 0.0;
+  int changes = 0;
+  std::vector<double> values;
+  for (std::size_t n = 1; n < encoder.size(); ++n) {
+    const double difference = std::fabs(encoder[n].shaft_position[0] - encoder[n - 1].shaft_position[0]);
+    if (difference > 0.0) {
+      quantum = changes == 0 ? difference : std::min(quantum, difference);
+      values.push_back(difference);
+      ++changes;
+    }
+  }
+  if (changes < 100 || quantum <= 0.0) return 0.0;
+  int fitting = 0;
+  for (const double value : values) {
+    const double multiple = value / quantum;
+    if (std::fabs(multiple - std::round(multiple)) < 1e-3 * std::max(1.0, multiple)) ++fitting;
+  }
+  return fitting > static_cast<int>(0.99 * changes) ? quantum : 0.0;
+}
+
+}  // namespace
+
+const char* accelerometer_name(int accelerometer) {
+  static constexpr std::array<const char*, kAccelerometerCount> kNames{"house", "pivot", "middle", "tip"};
+  return kNames.at(static_cast<std::size_t>(accelerometer));
+}
+
+Record make_record(const msgs::RunLog& run, const std::string& name, const AdmissionSettings& settings) {
+  Record record;
+  record.name = name;
+  if (run.encoder.size() < 3) {
+    throw NotAdmitted(fmt::format("{}: no ENCODER messages; without the motors' speeds nothing can be compared", name));
+  }
+  if (run.torque.size() < 3) {
+    throw NotAdmitted(fmt::format("{}: no TORQUE messages; without the torque commands the crane cannot be followed", name));
+  }
+  record.group_count = run.encoder.front().group_count;
+  for (const msgs::Encoder& message : run.encoder) {
+    if (message.group_count != record.group_count) throw NotAdmitted(fmt::format("{}: the number of motor groups changes", name));
+  }
+  if (record.group_count < 1 || record.group_count > sim::kMaximumGroupCount ||
+      run.torque.front().group_count != record.group_count) {
+    throw NotAdmitted(fmt::format("{}: ENCODER speaks of {} motor groups, TORQUE of {}", name, record.group_count,
+                                  run.torque.front().group_count));
+  }
+  const std::vector<std::int64_t> encoder_times = times_of(run.encoder);
+  const std::int64_t period = common_period(encoder_times);
+  if (period <= 0) throw NotAdmitted(fmt::format("{}: ENCODER has no even clock", name));
+  record.encoder_period = static_cast<double>(period) * kNanosecond;
+  check_clock("ENCODER", encoder_times, period, record);
+
+  const std::vector<std::int64_t> sensor_times = times_of(run.sensors);
+  const bool has_sensors = run.sensors.size() > 2;
+  record.step = record.encoder_period;
+  if (has_sensors) {
+    const std::int64_t sensor_period = common_period(sensor_times);
+    check_clock("SENSORS", sensor_times, sensor_period, record);
+    record.step = std::min(record.step, static_cast<double>(sensor_period) * kNanosecond);
+  }
+  record.start_time = static_cast<double>(encoder_times.front()) * kNanosecond;
+  const double end_time = static_cast<double>(encoder_times.back()) * kNanosecond;
+  const auto count = static_cast<std::size_t>(std::floor((end_time - record.start_time) / record.step + 1e-6)) + 1;
+  if (end_time - record.start_time < kShortestRecord) {
+    throw NotAdmitted(fmt::format("{}: only {:.2f} s long; at least {} s are needed", name, end_time - record.start_time,
+                                  kShortestRecord));
+  }
+
+  for (int g = 0; g < record.group_count; ++g) {
+    const auto i = static_cast<std::size_t>(g);
+    std::vector<double> speed, position;
+    for (const msgs::Encoder& message : run.encoder) {
+      speed.push_back(message.shaft_speed[i]);
+      position.push_back(message.shaft_position[i]);
+    }
+    record.shaft_speed[i] = resample(encoder_times, speed, record, count);
+    record.shaft_position[i] = resample_position(encoder_times, position, speed, record, count);
+    // A command holds until the next one.
+    record.motor_torque[i].assign(count, 0.0);
+    std::size_t k = 0;
+    for (std::size_t n = 0; n < count; ++n) {
+      const auto t = static_cast<std::int64_t>(std::llround(record.time(n) / kNanosecond));
+      while (k + 1 < run.torque.size() && run.torque[k + 1].simulated_time <= t) ++k;
+      if (run.torque[k].simulated_time <= t) record.motor_torque[i][n] = run.torque[k].motor_torque[i];
+    }
+    check_finite(record, fmt::format("shaft speed of group {}", g + 1), record.shaft_speed[i]);
+    check_finite(record, fmt::format("shaft position of group {}", g + 1), record.shaft_position[i]);
+    check_finite(record, fmt::format("torque command of group {}", g + 1), record.motor_torque[i]);
+  }
+  if (has_sensors) {
+    const auto take = [&](auto member, std::vector<double>& into, const std::string& signal) {
+      std::vector<double> values;
+      for (const msgs::Sensors& message : run.sensors) values.push_back(message.*member);
+      const bool measured = std::any_of(values.begin(), values.end(), [](double v) { return v != 0.0 && !std::isnan(v); });
+      if (!measured) {
+        record.remarks.push_back(fmt::format("{}: {} is not in the log", name, signal));
+        return;
+      }
+      into = resample(sensor_times, values, record, count);
+      check_finite(record, signal, into);
+    };
+    take(&msgs::Sensors::house_acceleration, record.acceleration[kHouse], "house acceleration");
+    take(&msgs::Sensors::pivot_acceleration, record.acceleration[kPivot], "pivot acceleration");
+    take(&msgs::Sensors::middle_acceleration, record.acceleration[kMiddle], "middle acceleration");
+    take(&msgs::Sensors::tip_acceleration, record.acceleration[kTip], "tip acceleration");
+    take(&msgs::Sensors::slew_angle, record.slew_angle, "slew angle");
+  } else {
+    record.remarks.push_back(fmt::format("{}: no SENSORS messages; the diagnosis has encoders and torques alone", name));
+  }
+  for (const msgs::Operator& message : run.operator_moves) {
+    record.operator_moves.push_back({message.simulated_time, message.speed_request, message.emergency_stop != 0,
+                                     message.acknowledge != 0});
+  }
+  record.encoder = run.encoder;
+  record.torque = run.torque;
+  record.encoder_quantum = find_quantum(run.encoder);
+
+  double largest_speed = 0.0;
+  for (const double speed : record.shaft_speed[0]) largest_speed = std::max(largest_speed, std::fabs(speed));
+  const double moving = 0.2 * largest_speed;
+  if (root_mean_square(record.shaft_speed[0]) == 0.0) throw NotAdmitted(fmt::format("{}: the motors never turn", name));
+  for (int g = 0; g < record.group_count; ++g) {
+    const auto i = static_cast<std::size_t>(g);
+    // Group 1's motion judges the others and the other way round: a frozen encoder must not hide itself.
+    const std::vector<double>& other = record.shaft_speed[record.group_count > 1 ? (i == 0 ? 1 : 0) : i];
+    check_alive(record, fmt::format("shaft speed of group {}", g + 1), record.shaft_speed[i], other, moving);
+    check_clipped(record, fmt::format("shaft speed of group {}", g + 1), record.shaft_speed[i]);
+  }
+  for (int a = 0; a < kAccelerometerCount; ++a) {
+    const auto i = static_cast<std::size_t>(a);
+    if (record.acceleration[i].empty()) continue;
+    check_alive(record, fmt::format("acceleration at the {}", accelerometer_name(a)), record.acceleration[i],
+                record.shaft_speed[0], moving);
+    check_clipped(record, fmt::format("acceleration at the {}", accelerometer_name(a)), record.acceleration[i]);
+  }
+  check_units(record, settings);
+  return record;
+}
+
+}  // namespace slewlab::diagnosis

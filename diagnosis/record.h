@@ -1,0 +1,65 @@
+// One measured (or simulated) manoeuvre on an even grid of time, as the diagnosis wants it, and the checks that
+// admit it: what is missing, frozen, clipped, torn, in the wrong sign or unit is said and not guessed.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "msgs/run_log.h"
+#include "sim/model/crane_parameters.h"
+
+namespace slewlab::diagnosis {
+
+enum Accelerometer { kHouse = 0, kPivot = 1, kMiddle = 2, kTip = 3 };
+inline constexpr int kAccelerometerCount = 4;
+const char* accelerometer_name(int accelerometer);
+
+// A moment at which the operator's wish changes.
+struct OperatorMove {
+  std::int64_t simulated_time = 0;  // [ns]
+  double speed_request = 0.0;       // [-]
+  bool emergency_stop = false;
+  bool acknowledge = false;
+};
+
+struct Record {
+  std::string name;             // file and run, for messages
+  double step = 1e-3;           // [s] grid of all series below
+  double encoder_period = 0.0;  // [s] of the controller's cycle
+  int group_count = 0;
+  double start_time = 0.0;      // [s] of the first grid point
+  // Series of equal length. Torque [Nm per motor] is the command that holds from this grid point to the next.
+  std::array<std::vector<double>, sim::kMaximumGroupCount> motor_torque;
+  std::array<std::vector<double>, sim::kMaximumGroupCount> shaft_speed;     // [rad/s]
+  std::array<std::vector<double>, sim::kMaximumGroupCount> shaft_position;  // [rad]
+  std::array<std::vector<double>, kAccelerometerCount> acceleration;        // [m/s^2]; empty: not measured
+  std::vector<double> slew_angle;                                           // [rad]; empty: not measured
+  std::vector<OperatorMove> operator_moves;
+  std::vector<msgs::Encoder> encoder;  // the messages themselves, for the controller's replay
+  std::vector<msgs::Torque> torque;
+  double encoder_quantum = 0.0;        // [rad] smallest step that the encoder positions keep to; 0: none found
+  std::vector<std::string> remarks;    // what was mended or left out, one line each
+
+  std::size_t size() const { return motor_torque[0].size(); }
+  double time(std::size_t n) const { return start_time + step * static_cast<double>(n); }
+};
+
+// A log that must not be judged; what() says why and what would help.
+class NotAdmitted : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+struct AdmissionSettings {
+  double rated_torque = 0.0;           // [Nm] per motor, to recognise clipped commands and wrong units
+  double total_ratio = 1.0;            // motor turns per turn of the crane, to recognise wrong axes
+  std::array<double, kAccelerometerCount> radius{};  // [m] of each accelerometer from the slew axis
+};
+
+// Throws NotAdmitted. Small gaps (up to 3 missing messages in a row) are bridged and remarked.
+Record make_record(const msgs::RunLog& run, const std::string& name, const AdmissionSettings& settings);
+
+}  // namespace slewlab::diagnosis

@@ -1,0 +1,89 @@
+#include "diagnosis/shadow.h"
+
+#include <cmath>
+
+#include "sim/machine.h"
+
+namespace slewlab::diagnosis {
+
+namespace {
+
+// A crane that is already turning starts as a rigid body at the motors' mean speed, its teeth where they were.
+void start_moving(sim::Machine& machine, const Record& record) {
+  double speed = 0.0;
+  for (int g = 0; g < record.group_count; ++g) {
+    const auto i = static_cast<std::size_t>(g);
+    machine.state.motor_speed[i] = record.shaft_speed[i][0] / machine.model.ratio;
+    speed += machine.state.motor_speed[i] / record.group_count;
+  }
+  if (speed == 0.0) return;
+  machine.state.v[0] = speed / machine.model.house[0];
+  if (machine.model.has_load) {
+    // Modes are mass-normalised, so the modal speed of a load that moves with the tip is V^T M [v; 0].
+    const double tip_speed = machine.model.tip[0] * machine.state.v[0];
+    for (int j = 0; j < 2; ++j) {
+      machine.state.load_v[static_cast<std::size_t>(j)] =
+          machine.model.load.modes.col(j).dot(machine.model.load.mass.col(0)) * tip_speed;
+    }
+  }
+  sim::refresh(machine.model, machine.state);
+  sim::forget_past(machine);
+}
+
+}  // namespace
+
+Shadow shadow(const sim::MachineSettings& settings, const Record& record, const ShadowSettings& gains) {
+  sim::MachineSettings with_step = settings;
+  with_step.step = record.step;
+  sim::Machine machine = sim::make_machine(with_step);
+  start_moving(machine, record);
+
+  Shadow result;
+  const std::size_t count = record.size();
+  for (int g = 0; g < record.group_count; ++g) result.missing_torque[static_cast<std::size_t>(g)].resize(count);
+  for (std::size_t a = 0; a < kAccelerometerCount; ++a) {
+    if (!record.acceleration[a].empty()) result.acceleration_difference[a].resize(count);
+  }
+  std::array<double, sim::kMaximumGroupCount> origin{};
+  for (int g = 0; g < record.group_count; ++g) {
+    const auto i = static_cast<std::size_t>(g);
+    origin[i] = record.shaft_position[i][0];
+  }
+  const auto cycle = static_cast<std::size_t>(std::lround(record.encoder_period / record.step));
+  const bool has_tip = !record.acceleration[kTip].empty();
+  const double leak = std::exp(-record.step / gains.leak_time);
+  const double to_slew_axis = settings.crane.drive.motors_per_group * machine.model.ratio;
+  double tip_error = 0.0;  // [m/s]
+  result.contact_lost.assign(count, false);
+  sim::DriveCommand command;
+  for (std::size_t n = 0; n < count; ++n) {
+    const sim::MachineReadings readings = sim::read(machine);
+    command.sequence = static_cast<std::int64_t>(n / std::max<std::size_t>(1, cycle));
+    for (int g = 0; g < record.group_count; ++g) {
+      const auto i = static_cast<std::size_t>(g);
+      const double missing =
+          gains.speed_gain * (record.shaft_speed[i][n] - readings.shaft_speed[i]) +
+          gains.position_gain * (record.shaft_position[i][n] - origin[i] - readings.shaft_position[i]);
+      result.missing_torque[i][n] = missing;
+      command.motor_torque[i] = record.motor_torque[i][n];
+      // Past the actuators: what is missing at a motor is not limited or delayed by its drive.
+      machine.outside.motor_torque[i] = missing * to_slew_axis;
+      if (machine.state.contact[i] == 0) result.contact_lost[n] = true;
+    }
+    const double sensed[kAccelerometerCount] = {readings.house_acceleration, readings.pivot_acceleration,
+                                                readings.middle_acceleration, readings.tip_acceleration};
+    for (std::size_t a = 0; a < kAccelerometerCount; ++a) {
+      if (!record.acceleration[a].empty()) {
+        result.acceleration_difference[a][n] = record.acceleration[a][n] - sensed[a];
+      }
+    }
+    if (has_tip) {
+      tip_error = leak * tip_error + record.step * result.acceleration_difference[kTip][n];
+      machine.outside.tip_force = gains.tip_damping * tip_error;
+    }
+    sim::step(machine, command);
+  }
+  return result;
+}
+
+}  // namespace slewlab::diagnosis

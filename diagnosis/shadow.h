@@ -1,0 +1,39 @@
+// A machine that shadows a record: it gets the recorded torques and is led along by forces from outside, at each
+// motor the torque that keeps its encoder on the recorded one, at the tip a force that damps what the tip's
+// accelerometer still differs by. The torque is what the model misses at the motors, in Nm; the accelerometers'
+// differences are what it misses behind them. Feedback that hides a gap in the speed shows it here as an
+// effort; no controller needs to be known; and what an impact got wrong is forgotten within a second.
+//
+//   u = K_p (speed_measured - speed_shadow) + K_i (position_measured - position_shadow)     per motor
+//   F = D e,  e' = a_measured - a_shadow - e / tau                                           at the tip
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "diagnosis/record.h"
+#include "sim/machine_settings.h"
+
+namespace slewlab::diagnosis {
+
+struct ShadowSettings {
+  // Chosen: a motor of 1.17 kg m^2 follows its encoder with 50 rad/s and critical damping, faster than any mode
+  // that matters, slow enough for the encoder's noise to stay small as a torque.
+  double speed_gain = 60.0;     // [Nms/rad] per motor
+  double position_gain = 800.0; // [Nm/rad] per motor
+  // Chosen: a fifth of critical damping for errors of the first bending mode, some 20 t at 1.1 Hz.
+  double tip_damping = 5e4;     // [Ns/m] D
+  double leak_time = 1.0;       // [s] tau: an accelerometer's offset must not become a speed
+};
+
+// Series on the record's grid.
+struct Shadow {
+  std::array<std::vector<double>, sim::kMaximumGroupCount> missing_torque;       // [Nm] per motor
+  std::array<std::vector<double>, kAccelerometerCount> acceleration_difference;  // [m/s^2] measured - shadow
+  std::vector<bool> contact_lost;  // some group of the shadow has its teeth apart
+};
+
+// Throws std::invalid_argument where the machine cannot be built.
+Shadow shadow(const sim::MachineSettings& machine, const Record& record, const ShadowSettings& settings = {});
+
+}  // namespace slewlab::diagnosis

@@ -1,0 +1,250 @@
+#include "tools/diagnose_command.h"
+
+#include <fmt/format.h>
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "common/input_error.h"
+#include "common/stop_signal.h"
+#include "controller/controller_file.h"
+#include "controller/effects/catalogue.h"
+#include "diagnosis/diagnose.h"
+#include "diagnosis/nuisance.h"
+#include "diagnosis/prediction.h"
+#include "sim/crane_file.h"
+#include "sim/effects/catalogue.h"
+#include "tools/whole_file.h"
+
+namespace slewlab::tools {
+
+namespace {
+
+using diagnosis::Cause;
+using diagnosis::Diagnosis;
+using diagnosis::Record;
+
+std::string name_of(const Cause& cause) {
+  if (cause.effects.empty()) return "only parameters are off";
+  std::string name = cause.effects[0];
+  for (std::size_t e = 1; e < cause.effects.size(); ++e) name += " with " + cause.effects[e];
+  return name;
+}
+
+nlohmann::json to_json(const Cause& cause) {
+  nlohmann::json json{{"effects", cause.effects},
+                      {"probability", cause.probability},
+                      {"explained_share", cause.explained},
+                      {"mean_square_left", cause.mean_square},
+                      {"cannot_be_told_from", cause.group},
+                      {"distance_to_nearest", cause.group_distance}};
+  for (const diagnosis::Size& size : cause.sizes) {
+    json["sizes"].push_back({{"parameter", size.parameter}, {"value", size.value}, {"unit", size.unit},
+                             {"low_90", size.low}, {"high_90", size.high}});
+  }
+  const auto& nuisances = diagnosis::nuisances();
+  for (std::size_t k = 0; k < cause.point.nuisance.size(); ++k) {
+    json["parameters"][std::string(nuisances[k].name)] = 1.0 + nuisances[k].spread * cause.point.nuisance[k];
+  }
+  return json;
+}
+
+nlohmann::json to_json(const Diagnosis& diagnosis) {
+  nlohmann::json json{{"gap", diagnosis.gap},
+                      {"verdict", diagnosis.verdict},
+                      {"controller_differs", diagnosis.controller_differs},
+                      {"mean_square_nominal", diagnosis.mean_square_nominal},
+                      {"mean_square_parameters", diagnosis.mean_square_parameters},
+                      {"probability_nothing_missing", diagnosis.probability_nothing},
+                      {"probability_not_in_the_catalogue", diagnosis.probability_unknown},
+                      {"simulations", diagnosis.simulations},
+                      {"seconds", diagnosis.total_seconds},
+                      {"remarks", diagnosis.remarks},
+                      {"cannot_tell", diagnosis.cannot_tell}};
+  for (const auto& [subsystem, probability] : diagnosis.subsystems) json["subsystems"][subsystem] = probability;
+  for (const diagnosis::BandShare& band : diagnosis.bands) {
+    json["bands"].push_back({{"signal", band.channel}, {"from_hz", band.from}, {"to_hz", band.to}, {"share", band.share},
+                             {"mean_square", band.mean_square}});
+  }
+  for (const diagnosis::Moment& moment : diagnosis.moments) {
+    json["moments"].push_back({{"log", moment.record}, {"time_s", moment.time}, {"phase", moment.phase},
+                               {"missing_torque_nm", moment.missing_torque}});
+  }
+  for (const diagnosis::ControllerReplay& replay : diagnosis.controller_replay) {
+    json["controller_replay"].push_back({{"torque_rms_nm", replay.torque_rms}, {"difference_rms_nm", replay.difference_rms},
+                                         {"largest_difference_nm", replay.largest_difference}, {"at_s", replay.largest_time}});
+  }
+  for (const Cause& cause : diagnosis.causes) json["causes"].push_back(to_json(cause));
+  return json;
+}
+
+sim::MachineSettings machine_with(const sim::MachineSettings& nominal, const Cause& cause) {
+  sim::MachineSettings machine = nominal;
+  machine.crane = diagnosis::with_nuisances(machine.crane, cause.point.nuisance);
+  machine.effects.insert(machine.effects.end(), cause.point.effects.begin(), cause.point.effects.end());
+  return machine;
+}
+
+// Measured, predicted by the nominal crane and by the crane with the effect, and the missing torque: every
+// `stride`th value of the record.
+std::string series_text(const Record& record, const diagnosis::Prediction& before, const diagnosis::Prediction& after,
+                        const diagnosis::Shadow& missing, std::size_t stride) {
+  std::string text = "time_s,speed,torque,torque_before,torque_after,missing_torque";
+  for (int a = 0; a < diagnosis::kAccelerometerCount; ++a) {
+    if (record.acceleration[static_cast<std::size_t>(a)].empty()) continue;
+    const char* name = diagnosis::accelerometer_name(a);
+    text += fmt::format(",{0},{0}_before,{0}_after", name);
+  }
+  text += "\n";
+  for (std::size_t n = 0; n < record.size(); n += stride) {
+    text += fmt::format("{:.4f},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g}", record.time(n), record.shaft_speed[0][n],
+                        record.motor_torque[0][n], before.series.motor_torque[0][n], after.series.motor_torque[0][n],
+                        missing.missing_torque[0][n]);
+    for (std::size_t a = 0; a < diagnosis::kAccelerometerCount; ++a) {
+      if (record.acceleration[a].empty()) continue;
+      text += fmt::format(",{:.6g},{:.6g},{:.6g}", record.acceleration[a][n], before.series.acceleration[a][n],
+                          after.series.acceleration[a][n]);
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+void print_page(const Diagnosis& diagnosis, const std::vector<diagnosis::SignalGap>& before,
+                const std::vector<diagnosis::SignalGap>& after, std::ostream& out) {
+  out << fmt::format("\nIs there a gap?  {}. With parameters alone fitted the records differ by {:.2f} times what a good model misses.\n",
+                     diagnosis.gap ? "Yes" : "No", std::sqrt(diagnosis.mean_square_parameters));
+  out << "Which side?      " << (diagnosis.controller_differs ? "The controller answers otherwise than its settings say.\n"
+                                  : diagnosis.controller_replay.empty() ? "The controller was not given.\n"
+                                                                        : "The controller answers as its settings say.\n");
+  if (diagnosis.gap && !diagnosis.subsystems.empty()) {
+    out << "Where?           ";
+    for (std::size_t i = 0; i < diagnosis.subsystems.size() && i < 3; ++i) {
+      out << fmt::format("{}{} {:.0f} %", i == 0 ? "" : ", ", diagnosis.subsystems[i].first, 100 * diagnosis.subsystems[i].second);
+    }
+    out << "\n";
+  }
+  for (std::size_t i = 0; i < diagnosis.bands.size() && i < 2 && diagnosis.gap; ++i) {
+    const diagnosis::BandShare& band = diagnosis.bands[i];
+    out << fmt::format("                 {:.0f} % of it in the {}, {:.2g} to {:.2g} Hz\n", 100 * band.share, band.channel, band.from, band.to);
+  }
+  if (diagnosis.gap && !diagnosis.moments.empty()) {
+    const diagnosis::Moment& moment = diagnosis.moments.front();
+    out << fmt::format("When?            most at {:.1f} s of {}, {}: {:.3g} Nm per motor are missing\n", moment.time, moment.record,
+                       moment.phase, moment.missing_torque);
+  }
+  out << "\nCauses\n";
+  out << fmt::format("  {:5.1f} %  not in the catalogue\n", 100 * diagnosis.probability_unknown);
+  for (std::size_t i = 0; i < diagnosis.causes.size() && i < 5; ++i) {
+    const Cause& cause = diagnosis.causes[i];
+    out << fmt::format("  {:5.1f} %  {} (explains {:.1f} % of the gap)\n", 100 * cause.probability, name_of(cause), 100 * cause.explained);
+    if (i > 1) continue;
+    for (const diagnosis::Size& size : cause.sizes) {
+      out << fmt::format("            {} = {:.4g} {} (90 %: {:.4g} to {:.4g})\n", size.parameter, size.value, size.unit, size.low, size.high);
+    }
+    for (const std::string& other : cause.group) {
+      out << fmt::format("            these records cannot tell it from {}; slow reversals and an accelerometer more would\n", other);
+    }
+  }
+  out << "\nGap on the last log given, in closed loop from the operator's moves\n";
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    out << fmt::format("  {:24} {:10.4g} -> {:10.4g} {}\n", before[i].signal, before[i].gap, after[i].gap, before[i].unit);
+  }
+  for (const std::string& remark : diagnosis.remarks) out << "  note: " << remark << "\n";
+  out << fmt::format("\n{}\n{} simulations, {:.1f} s\n", diagnosis.verdict, diagnosis.simulations, diagnosis.total_seconds);
+}
+
+}  // namespace
+
+int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostream& complaints) {
+  common::catch_stop_signals();
+  std::atomic<bool> stop{false};
+  try {
+    const sim::CraneFile crane = sim::load_crane_file(options.crane);
+    sim::MachineSettings nominal;
+    nominal.crane = crane.parameters;
+    common::InputProblems problems;
+    if (crane.effects.kind != common::YamlNode::Kind::null) {
+      nominal.effects = common::read_effects(crane.effects, sim::effect_abouts(), problems);
+    }
+    if (!problems.empty()) throw common::InputError(problems);
+    std::optional<controller::ControllerSettings> controller;
+    if (!options.controller.empty()) controller = controller::load_controller_file(options.controller).settings;
+
+    diagnosis::AdmissionSettings admission;
+    admission.total_ratio = nominal.crane.drive.gearbox_ratio * nominal.crane.drive.pinion_ratio;
+    if (controller) admission.rated_torque = controller->rated_torque;
+    const double level = nominal.crane.boom.length * std::cos(nominal.crane.boom.angle);
+    admission.radius = {nominal.crane.house.sensor_radius, nominal.crane.boom.pivot_radius,
+                        nominal.crane.boom.pivot_radius + 0.5 * level, nominal.crane.boom.pivot_radius + level};
+    std::vector<Record> records;
+    for (const std::filesystem::path& log : options.logs) {
+      const msgs::RunLogs logs = msgs::read_run_logs(log);
+      for (std::size_t r = 0; r < logs.runs.size(); ++r) {
+        const std::string name = logs.runs.size() == 1 ? log.string() : fmt::format("{} run {}", log.string(), r + 1);
+        records.push_back(diagnosis::make_record(logs.runs[r], name, admission));
+      }
+    }
+    const Record last = records.back();
+
+    diagnosis::DiagnosisSettings settings;
+    settings.without = options.without;
+    settings.threads = options.threads;
+    const auto start = std::chrono::steady_clock::now();
+    const auto progress = [&](double share, const std::string& doing) {
+      if (common::stop_signal() != 0) stop = true;
+      const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      const double left = share > 0.02 ? seconds / share * (1.0 - share) : 0.0;
+      out << fmt::format("\r{:3.0f} %  about {:3.0f} s left  {:60}", 100 * share, left, doing.substr(0, 60)) << std::flush;
+    };
+    const Diagnosis found = diagnosis::diagnose(nominal, controller, records, settings, progress, &stop);
+
+    const Cause nothing;
+    const Cause& first = found.causes.empty() ? nothing : found.causes.front();
+    std::filesystem::create_directories(options.out);
+    nlohmann::json json = to_json(found);
+    std::vector<diagnosis::SignalGap> before_gaps, after_gaps;
+    if (controller) {
+      const diagnosis::Prediction before = diagnosis::predict(nominal, *controller, last);
+      const diagnosis::Prediction after =
+          diagnosis::predict(machine_with(nominal, first), controller::with_effects(*controller, first.controller_effects), last);
+      before_gaps = before.gaps;
+      after_gaps = after.gaps;
+      for (std::size_t i = 0; i < before_gaps.size(); ++i) {
+        json["gaps"].push_back({{"signal", before_gaps[i].signal}, {"unit", before_gaps[i].unit}, {"measured_rms", before_gaps[i].measured},
+                                {"before", before_gaps[i].gap}, {"after", after_gaps[i].gap}});
+      }
+      const diagnosis::Shadow missing = diagnosis::shadow(nominal, last);
+      const auto stride = static_cast<std::size_t>(std::max(1L, std::lround(0.01 / last.step)));
+      write_whole_file(options.out / "series.csv", series_text(last, before, after, missing, stride));
+    }
+    json["crane"] = std::filesystem::absolute(options.crane).string();
+    write_whole_file(options.out / "diagnosis.json", json.dump(2) + "\n");
+    const std::vector<common::EffectInstance> effects = machine_with(nominal, first).effects;
+    std::string text = fmt::format("include: {}\ndescription: The nominal crane with what slewlab diagnose found.\n",
+                                   std::filesystem::absolute(options.crane).string());
+    if (!effects.empty()) text += common::effects_text(effects, sim::effect_abouts(), "slewlab diagnose, " + found.verdict);
+    write_whole_file(options.out / "crane_with_effect.yaml", text);
+    print_page(found, before_gaps, after_gaps, out);
+    out << "files: " << options.out.string() << "\n";
+    return 0;
+  } catch (const diagnosis::NotAdmitted& problem) {
+    complaints << "cannot tell, because " << problem.what() << "\n";
+    return 3;
+  } catch (const diagnosis::Interrupted&) {
+    complaints << "interrupted; nothing was written\n";
+    return 130;
+  } catch (const common::InputError& problem) {
+    complaints << problem.what() << "\n";
+    return 1;
+  } catch (const std::exception& problem) {
+    complaints << problem.what() << "\n";
+    return 1;
+  }
+}
+
+}  // namespace slewlab::tools

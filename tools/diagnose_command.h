@@ -1,0 +1,24 @@
+// `slewlab diagnose`: measured logs against a nominal crane; writes diagnosis.json, crane_with_effect.yaml and the
+// series that the plots are drawn from, and prints one page (docs/diagnosis.md).
+#pragma once
+
+#include <filesystem>
+#include <iosfwd>
+#include <string>
+#include <vector>
+
+namespace slewlab::tools {
+
+struct DiagnoseOptions {
+  std::filesystem::path crane, controller;
+  std::vector<std::filesystem::path> logs;
+  std::filesystem::path out;
+  std::vector<std::string> without;  // effects that the catalogue is to do without
+  int threads = 2;
+};
+
+// Answers with the exit code: 0 diagnosed, 1 bad input, 3 "cannot tell, because" (said on `complaints`), 130
+// interrupted. Files appear whole or not at all.
+int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostream& complaints);
+
+}  // namespace slewlab::tools
