@@ -12,6 +12,7 @@
 #include "common/unit.h"
 #include "diagnosis/nuisance.h"
 #include "sim/effects/catalogue.h"
+#include "sim/model/drive_line.h"
 
 namespace slewlab::diagnosis {
 
@@ -246,7 +247,17 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
                                     record.group_count, nominal.crane.drive.group_count));
     }
     for (const std::string& remark : record.remarks) diagnosis.remarks.push_back(remark);
-    const std::vector<bool> trusted = trusted_stretches(record, shadow(nominal, record));
+    const Shadow follower = shadow(nominal, record);
+    for (int g = 0; g < record.group_count; ++g) {
+      for (const double torque : follower.missing_torque[static_cast<std::size_t>(g)]) {
+        if (!std::isfinite(torque)) {
+          throw NotAdmitted(fmt::format("{}: the nominal crane cannot follow this record at all; check its inertias, its gear "
+                                        "ratios and the record's units",
+                                        record.name));
+        }
+      }
+    }
+    const std::vector<bool> trusted = trusted_stretches(record, follower);
     const double share = static_cast<double>(std::count(trusted.begin(), trusted.end(), true)) / static_cast<double>(record.size());
     if (share < kLeastTrusted) {
       throw NotAdmitted(fmt::format("{}: only {:.0f} % of the record lies away from impacts of the gears, at least {:.0f} % are "
@@ -257,7 +268,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
       diagnosis.remarks.push_back(fmt::format("{}: {:.0f} % of the record lie near impacts of the gears and are not judged",
                                               record.name, 100.0 * (1.0 - share)));
     }
-    problem.whitening.push_back(make_whitening(record, trusted, settings.whitening));
+    problem.whitening.push_back(make_whitening(record, trusted, sim::drive_inertia(nominal.crane.drive), settings.whitening));
     problem.records.push_back(std::move(record));
   }
 

@@ -107,10 +107,12 @@ double root_mean_square(const std::vector<double>& values) {
   return std::sqrt(sum / static_cast<double>(std::max<std::size_t>(1, values.size())));
 }
 
-void check_finite(const Record& record, const std::string& signal, const std::vector<double>& values) {
+void check_finite(const Record& record, const std::string& signal, const std::vector<std::int64_t>& times,
+                  const std::vector<double>& values) {
   for (std::size_t n = 0; n < values.size(); ++n) {
     if (!std::isfinite(values[n])) {
-      throw NotAdmitted(fmt::format("{}: {} is not a number at {:.3f} s", record.name, signal, record.time(n)));
+      throw NotAdmitted(fmt::format("{}: {} is not a number at {:.3f} s", record.name, signal,
+                                    static_cast<double>(times[n]) * kNanosecond));
     }
   }
 }
@@ -141,7 +143,8 @@ void check_clipped(const Record& record, const std::string& signal, const std::v
       if (run == 5) ++runs;
       longest = std::max(longest, run);
     }
-    if (runs >= 2 || longest >= 50) {
+    // One long stand at an extreme to the record's end is a frozen sensor, which check_alive names.
+    if (runs >= 2) {
       throw NotAdmitted(fmt::format("{}: {} is clipped at {:.6g}: it holds its extreme {} times in a row; raise the "
                                     "sensor's range and measure again",
                                     record.name, signal, extreme, longest));
@@ -332,6 +335,14 @@ Record make_record(const msgs::RunLog& run, const std::string& name, const Admis
       speed.push_back(message.shaft_speed[i]);
       position.push_back(message.shaft_position[i]);
     }
+    check_finite(record, fmt::format("shaft speed of group {}", g + 1), encoder_times, speed);
+    check_finite(record, fmt::format("shaft position of group {}", g + 1), encoder_times, position);
+    for (const msgs::Torque& message : run.torque) {
+      if (!std::isfinite(message.motor_torque[i])) {
+        throw NotAdmitted(fmt::format("{}: torque command of group {} is not a number at {:.3f} s", record.name, g + 1,
+                                      static_cast<double>(message.simulated_time) * kNanosecond));
+      }
+    }
     record.shaft_speed[i] = resample(encoder_times, speed, record, count);
     record.shaft_position[i] = resample_position(encoder_times, position, speed, record, count);
     // A command holds until the next one.
@@ -342,21 +353,19 @@ Record make_record(const msgs::RunLog& run, const std::string& name, const Admis
       while (k + 1 < run.torque.size() && run.torque[k + 1].simulated_time <= t) ++k;
       if (run.torque[k].simulated_time <= t) record.motor_torque[i][n] = run.torque[k].motor_torque[i];
     }
-    check_finite(record, fmt::format("shaft speed of group {}", g + 1), record.shaft_speed[i]);
-    check_finite(record, fmt::format("shaft position of group {}", g + 1), record.shaft_position[i]);
-    check_finite(record, fmt::format("torque command of group {}", g + 1), record.motor_torque[i]);
   }
   if (has_sensors) {
     const auto take = [&](auto member, std::vector<double>& into, const std::string& signal) {
       std::vector<double> values;
       for (const msgs::Sensors& message : run.sensors) values.push_back(message.*member);
+      // NaN all along is how an imported log says that the machine has no such sensor.
       const bool measured = std::any_of(values.begin(), values.end(), [](double v) { return v != 0.0 && !std::isnan(v); });
       if (!measured) {
         record.remarks.push_back(fmt::format("{}: {} is not in the log", name, signal));
         return;
       }
+      check_finite(record, signal, sensor_times, values);
       into = resample(sensor_times, values, record, count);
-      check_finite(record, signal, into);
     };
     take(&msgs::Sensors::house_acceleration, record.acceleration[kHouse], "house acceleration");
     take(&msgs::Sensors::pivot_acceleration, record.acceleration[kPivot], "pivot acceleration");
@@ -382,15 +391,15 @@ Record make_record(const msgs::RunLog& run, const std::string& name, const Admis
     const auto i = static_cast<std::size_t>(g);
     // Group 1's motion judges the others and the other way round: a frozen encoder must not hide itself.
     const std::vector<double>& other = record.shaft_speed[record.group_count > 1 ? (i == 0 ? 1 : 0) : i];
-    check_alive(record, fmt::format("shaft speed of group {}", g + 1), record.shaft_speed[i], other, moving);
     check_clipped(record, fmt::format("shaft speed of group {}", g + 1), record.shaft_speed[i]);
+    check_alive(record, fmt::format("shaft speed of group {}", g + 1), record.shaft_speed[i], other, moving);
   }
   for (int a = 0; a < kAccelerometerCount; ++a) {
     const auto i = static_cast<std::size_t>(a);
     if (record.acceleration[i].empty()) continue;
+    check_clipped(record, fmt::format("acceleration at the {}", accelerometer_name(a)), record.acceleration[i]);
     check_alive(record, fmt::format("acceleration at the {}", accelerometer_name(a)), record.acceleration[i],
                 record.shaft_speed[0], moving);
-    check_clipped(record, fmt::format("acceleration at the {}", accelerometer_name(a)), record.acceleration[i]);
   }
   check_units(record, settings);
   return record;

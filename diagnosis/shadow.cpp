@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "sim/machine.h"
+#include "sim/model/drive_line.h"
 
 namespace slewlab::diagnosis {
 
@@ -51,6 +52,8 @@ Shadow shadow(const sim::MachineSettings& settings, const Record& record, const 
   }
   const auto cycle = static_cast<std::size_t>(std::lround(record.encoder_period / record.step));
   const bool has_tip = !record.acceleration[kTip].empty();
+  const double inertia = sim::drive_inertia(settings.crane.drive);
+  const double tip_damping = gains.tip_damping_rate * settings.crane.boom.mass;
   const double leak = std::exp(-record.step / gains.leak_time);
   const double to_slew_axis = settings.crane.drive.motors_per_group * machine.model.ratio;
   double tip_error = 0.0;  // [m/s]
@@ -62,13 +65,14 @@ Shadow shadow(const sim::MachineSettings& settings, const Record& record, const 
     for (int g = 0; g < record.group_count; ++g) {
       const auto i = static_cast<std::size_t>(g);
       const double missing =
-          gains.speed_gain * (record.shaft_speed[i][n] - readings.shaft_speed[i]) +
-          gains.position_gain * (record.shaft_position[i][n] - origin[i] - readings.shaft_position[i]);
+          gains.speed_rate * inertia * (record.shaft_speed[i][n] - readings.shaft_speed[i]) +
+          gains.position_rate * inertia * (record.shaft_position[i][n] - origin[i] - readings.shaft_position[i]);
       result.missing_torque[i][n] = missing;
       command.motor_torque[i] = record.motor_torque[i][n];
       // Past the actuators: what is missing at a motor is not limited or delayed by its drive.
       machine.outside.motor_torque[i] = missing * to_slew_axis;
-      if (machine.state.contact[i] == 0) result.contact_lost[n] = true;
+      // Gears without play touch always: they change flanks without a shock.
+      if (machine.state.contact[i] == 0 && machine.model.gear[i].half_play > 0.0) result.contact_lost[n] = true;
     }
     const double sensed[kAccelerometerCount] = {readings.house_acceleration, readings.pivot_acceleration,
                                                 readings.middle_acceleration, readings.tip_acceleration};
@@ -79,7 +83,7 @@ Shadow shadow(const sim::MachineSettings& settings, const Record& record, const 
     }
     if (has_tip) {
       tip_error = leak * tip_error + record.step * result.acceleration_difference[kTip][n];
-      machine.outside.tip_force = gains.tip_damping * tip_error;
+      machine.outside.tip_force = tip_damping * tip_error;
     }
     sim::step(machine, command);
   }

@@ -16,14 +16,15 @@
 
 namespace slewlab::diagnosis {
 
+// As rates, so that machines of every size are shadowed alike.
 struct ShadowSettings {
-  // Chosen: a motor of 1.17 kg m^2 follows its encoder with 50 rad/s and critical damping, faster than any mode
-  // that matters, slow enough for the encoder's noise to stay small as a torque.
-  double speed_gain = 60.0;     // [Nms/rad] per motor
-  double position_gain = 800.0; // [Nm/rad] per motor
-  // Chosen: a fifth of critical damping for errors of the first bending mode, some 20 t at 1.1 Hz.
-  double tip_damping = 5e4;     // [Ns/m] D
-  double leak_time = 1.0;       // [s] tau: an accelerometer's offset must not become a speed
+  // Chosen: a motor follows its encoder with 26 rad/s and critical damping, faster than any mode that matters,
+  // slow enough for the encoder's noise to stay small as a torque.
+  double speed_rate = 52.0;       // [1/s] K_p per motor inertia
+  double position_rate = 680.0;   // [1/s^2] K_i per motor inertia
+  // Chosen: about a fifth of critical damping for errors of the first bending mode at 1 Hz.
+  double tip_damping_rate = 0.6;  // [1/s] D per boom mass
+  double leak_time = 1.0;         // [s] tau: an accelerometer's offset must not become a speed
 };
 
 // Series on the record's grid.

@@ -73,7 +73,8 @@ std::vector<bool> trusted_stretches(const Record& record, const Shadow& shadow) 
   return trusted;
 }
 
-Whitening make_whitening(const Record& record, const std::vector<bool>& trusted, const WhiteningSettings& settings) {
+Whitening make_whitening(const Record& record, const std::vector<bool>& trusted, double motor_inertia,
+                         const WhiteningSettings& settings) {
   Whitening whitening;
   const std::size_t count = record.size();
   whitening.transform_length = fast_length(count);
@@ -116,7 +117,7 @@ Whitening make_whitening(const Record& record, const std::vector<bool>& trusted,
     std::vector<double> sum(spectrum.size() + 1, 0.0);
     for (std::size_t k = 0; k < spectrum.size(); ++k) sum[k + 1] = sum[k] + std::norm(spectrum[k]);
     // The torque channel's noise is the encoder's, seen through the shadow's speed gain.
-    const double gain = channel.is_torque ? ShadowSettings{}.speed_gain : 1.0;
+    const double gain = channel.is_torque ? ShadowSettings{}.speed_rate * motor_inertia : 1.0;
     const std::vector<double>& noisy =
         channel.is_torque ? record.shaft_speed[static_cast<std::size_t>(channel.index)] : signal;
     const double noise = gain * gain * noise_power(noisy, whitening.window) +

@@ -41,7 +41,9 @@ struct Whitening {
 };
 
 // `trusted` holds for each grid point whether it may be judged; the window falls to 0 where it may not.
-Whitening make_whitening(const Record& record, const std::vector<bool>& trusted, const WhiteningSettings& settings);
+// `motor_inertia` [kg m^2] of one motor turns the encoders' noise into the torque channels'.
+Whitening make_whitening(const Record& record, const std::vector<bool>& trusted, double motor_inertia,
+                         const WhiteningSettings& settings);
 
 // Where a record may be judged: away from impacts, at which every small difference grows to full size. Takes out
 // each stretch in which the shadow's gears are not all in contact, and what follows it until it is forgotten.

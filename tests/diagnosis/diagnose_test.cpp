@@ -1,0 +1,206 @@
+// The diagnosis end to end on machines that the test itself makes: 12 boom elements where the nominal crane has 6,
+// parameters off by up to 5 %, noise of ordinary sensors. The truth is known, so the expected answers are it.
+#include "diagnosis/diagnose.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+#include "controller/controller_file.h"
+#include "controller/effects/catalogue.h"
+#include "diagnosis/nuisance.h"
+#include "diagnosis/prediction.h"
+#include "sim/crane_file.h"
+#include "tests/diagnosis/simulated_log.h"
+
+namespace slewlab::diagnosis {
+namespace {
+
+struct Bench {
+  sim::CraneParameters crane;
+  controller::ControllerSettings controller;
+  AdmissionSettings admission;
+};
+
+const Bench& bench() {
+  static const Bench kBench = [] {
+    Bench b;
+    b.crane = sim::load_crane_file(SLEWLAB_SOURCE_DIR "/config/cranes/thesis.yaml").parameters;
+    b.controller = controller::load_controller_file(SLEWLAB_SOURCE_DIR "/config/controllers/thesis.yaml").settings;
+    b.admission = {.rated_torque = b.controller.rated_torque,
+                   .total_ratio = b.controller.total_ratio,
+                   .radius = {b.crane.house.sensor_radius, b.crane.boom.pivot_radius, 17.5, 31.3}};
+    return b;
+  }();
+  return kBench;
+}
+
+// To one side and back without crossing the play, then inching.
+const std::vector<Move> kThereAndBack{{2.0, 0.5}, {10.0, 0.0}, {14.0, -0.5}, {20.0, 0.0}};
+const std::vector<Move> kInching{{2.0, 0.25}, {6.0, 0.0}, {10.0, -0.25}, {14.0, 0.0}, {18.0, 0.25}, {21.0, 0.0}};
+constexpr double kDuration = 24.0;  // [s]
+
+sim::CraneParameters spread_crane(unsigned seed) {
+  std::mt19937 generator(seed);
+  std::uniform_real_distribution<double> uniform(-kUnitSpread, kUnitSpread);
+  std::vector<double> amount;
+  for (const Nuisance& nuisance : nuisances()) amount.push_back(uniform(generator) / nuisance.spread);
+  sim::CraneParameters crane = with_nuisances(bench().crane, amount);
+  crane.boom.element_count = 12;
+  return crane;
+}
+
+Diagnosis diagnose_machine(const std::vector<common::EffectInstance>& effects,
+                           const controller::ControllerSettings& controller, unsigned seed,
+                           const DiagnosisSettings& settings = {}) {
+  sim::MachineSettings truth;
+  truth.crane = spread_crane(seed);
+  truth.effects = effects;
+  std::vector<Record> records;
+  records.push_back(make_record(simulated_log(truth, controller, kThereAndBack, kDuration, seed), "a", bench().admission));
+  records.push_back(make_record(simulated_log(truth, controller, kInching, kDuration, seed + 1), "b", bench().admission));
+  sim::MachineSettings nominal;
+  nominal.crane = bench().crane;
+  return diagnose(nominal, bench().controller, std::move(records), settings);
+}
+
+TEST(Diagnose, SaysNothingIsMissingWhereOnlyParametersAreOff) {
+  const Diagnosis found = diagnose_machine({}, bench().controller, 11);
+  EXPECT_FALSE(found.gap);
+  EXPECT_FALSE(found.controller_differs);
+  EXPECT_GT(found.probability_nothing, 0.5);
+  // Parameters off by 5 % are a gap until they are fitted.
+  EXPECT_LT(found.mean_square_parameters, found.mean_square_nominal);
+}
+
+TEST(Diagnose, NamesBearingFrictionWithItsSize) {
+  const Diagnosis found = diagnose_machine({{"bearing_coulomb", {1e5, 0.0}}}, bench().controller, 12);
+  ASSERT_FALSE(found.causes.empty());
+  EXPECT_TRUE(found.gap);
+  EXPECT_EQ(found.causes[0].effects, std::vector<std::string>{"bearing_coulomb"});
+  ASSERT_FALSE(found.causes[0].sizes.empty());
+  EXPECT_NEAR(found.causes[0].sizes[0].value, 1e5, 0.1 * 1e5);
+  EXPECT_EQ(found.subsystems[0].first, "house");
+}
+
+TEST(Diagnose, SaysNotInTheCatalogueWhereTheCauseIsLeftOut) {
+  DiagnosisSettings settings;
+  settings.without = {"bearing_coulomb", "bearing_stribeck", "bearing_viscous", "dragging_brake", "gear_friction"};
+  settings.pairs_to_refine = 2;
+  const Diagnosis found = diagnose_machine({{"bearing_coulomb", {1.5e5, 0.0}}}, bench().controller, 13, settings);
+  EXPECT_TRUE(found.gap);
+  EXPECT_GT(found.probability_unknown, 0.5) << found.verdict;
+}
+
+TEST(Diagnose, FindsTheControllersOwnEffectWithoutAnyNoise) {
+  const auto* droop = controller::find_effect("droop");
+  ASSERT_NE(droop, nullptr);
+  const common::EffectInstance effect = common::typical_instance(droop->about);
+  DiagnosisSettings settings;
+  settings.singles_to_refine = 1;
+  settings.pairs_to_refine = 0;
+  const Diagnosis found = diagnose_machine({}, controller::with_effects(bench().controller, {effect}), 14, settings);
+  EXPECT_TRUE(found.controller_differs);
+  ASSERT_FALSE(found.causes.empty());
+  EXPECT_EQ(found.causes[0].effects, std::vector<std::string>{"droop"});
+  ASSERT_FALSE(found.causes[0].controller_effects.empty());
+  EXPECT_NEAR(found.causes[0].controller_effects[0].values[0], effect.values[0], 1e-3 * effect.values[0]);
+}
+
+TEST(Predict, TheTrueMachinePredictsItsOwnLogDownToTheNoise) {
+  sim::MachineSettings truth;
+  truth.crane = bench().crane;
+  const Record record =
+      make_record(simulated_log(truth, bench().controller, kThereAndBack, kDuration, 5), "own", bench().admission);
+  const Prediction prediction = predict(truth, bench().controller, record);
+  for (const SignalGap& gap : prediction.gaps) {
+    // 5 mm/s^2 is the accelerometers' noise here; the torque's is the speed noise times the gain of 40 Nms/rad.
+    if (gap.unit == "m/s^2") {
+      EXPECT_LT(gap.gap, 1.5 * 5e-3) << gap.signal;
+    }
+    if (gap.unit == "Nm") {
+      EXPECT_LT(gap.gap, 2.0 * 40.0 * 2e-3) << gap.signal;
+    }
+  }
+}
+
+class Admission : public testing::Test {
+ protected:
+  Admission() {
+    sim::MachineSettings truth;
+    truth.crane = bench().crane;
+    log_ = simulated_log(truth, bench().controller, kThereAndBack, 12.0, 3);
+  }
+  std::string refusal() {
+    try {
+      make_record(log_, "log", bench().admission);
+    } catch (const NotAdmitted& problem) {
+      return problem.what();
+    }
+    return "";
+  }
+  msgs::RunLog log_;
+};
+
+TEST_F(Admission, TakesASoundLog) { EXPECT_EQ(refusal(), ""); }
+
+TEST_F(Admission, RefusesMissingTorques) {
+  log_.torque.clear();
+  EXPECT_NE(refusal().find("no TORQUE"), std::string::npos);
+}
+
+TEST_F(Admission, RefusesAGapAndSaysWhere) {
+  log_.encoder.erase(log_.encoder.begin() + 5000, log_.encoder.begin() + 5100);
+  EXPECT_NE(refusal().find("gap of 0.101 s in ENCODER at 4.999 s"), std::string::npos) << refusal();
+}
+
+TEST_F(Admission, RefusesAClockThatJumpsBack) {
+  for (std::size_t n = 6000; n < log_.sensors.size(); ++n) log_.sensors[n].simulated_time -= 500000000;
+  EXPECT_NE(refusal().find("clock of SENSORS jumps back"), std::string::npos) << refusal();
+}
+
+TEST_F(Admission, RefusesAFrozenAccelerometer) {
+  for (std::size_t n = 4000; n < log_.sensors.size(); ++n) log_.sensors[n].tip_acceleration = log_.sensors[4000].tip_acceleration;
+  EXPECT_NE(refusal().find("acceleration at the tip is frozen"), std::string::npos) << refusal();
+}
+
+TEST_F(Admission, RefusesAClippedAccelerometer) {
+  for (auto& sensors : log_.sensors) sensors.tip_acceleration = std::clamp(sensors.tip_acceleration, -0.1, 0.1);
+  EXPECT_NE(refusal().find("clipped"), std::string::npos) << refusal();
+}
+
+TEST_F(Admission, NamesTheUnitThatWouldFit) {
+  for (auto& encoder : log_.encoder) {
+    for (double& speed : encoder.shaft_speed) speed *= 60.0 / (2.0 * std::numbers::pi);
+  }
+  EXPECT_NE(refusal().find("revolutions per minute"), std::string::npos) << refusal();
+}
+
+TEST_F(Admission, NamesATurnedSign) {
+  for (auto& encoder : log_.encoder) {
+    for (double& speed : encoder.shaft_speed) speed = -speed;
+  }
+  EXPECT_NE(refusal().find("sign is turned"), std::string::npos) << refusal();
+}
+
+TEST_F(Admission, RefusesNotANumber) {
+  log_.encoder[100].shaft_speed[1] = std::nan("");
+  EXPECT_NE(refusal().find("shaft speed of group 2 is not a number at 0.100 s"), std::string::npos) << refusal();
+}
+
+// Why a wrong unit is refused and not bridged: taken as it is, a crane with nothing missing would be found to miss
+// more torque than its motors have.
+TEST_F(Admission, AWrongUnitWouldIndeedHaveGivenAWrongAnswer) {
+  Record record = make_record(log_, "log", bench().admission);
+  for (double& speed : record.shaft_speed[0]) speed *= 60.0 / (2.0 * std::numbers::pi);
+  sim::MachineSettings nominal;
+  nominal.crane = bench().crane;
+  const Shadow follower = shadow(nominal, record);
+  double missing = 0.0;
+  for (const double torque : follower.missing_torque[0]) missing = std::max(missing, std::fabs(torque));
+  EXPECT_GT(missing, bench().controller.rated_torque);
+}
+
+}  // namespace
+}  // namespace slewlab::diagnosis
