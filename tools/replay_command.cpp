@@ -113,21 +113,12 @@ sim::Scenario scenario_of(const msgs::RunLog& record, const sim::CraneFile& cran
   return scenario;
 }
 
-Comparison compare_plant(const sim::Scenario& scenario, const msgs::RunLog& record, std::ostream& out) {
-  std::string scratch = (fs::temp_directory_path() / "slewlab-replay.XXXXXX").string();
-  if (::mkdtemp(scratch.data()) == nullptr) throw std::runtime_error("cannot make a folder " + scratch);
-  struct Removed {
-    fs::path path;
-    ~Removed() {
-      std::error_code ignored;
-      fs::remove_all(path, ignored);
-    }
-  } const folder{scratch};
-  const PlantReplay replay = replay_plant(scenario, record, folder.path);
+Comparison compare_plant(const sim::Scenario& scenario, const fs::path& log, const msgs::RunLog& record,
+                         std::ostream& out) {
+  const PlantReplay replay = replay_plant(scenario, record, recorded_arrivals(log, record));
   for (const std::string& remark : replay.remarks) out << "    note: " << remark << '\n';
-  Comparison comparison{compare(record.encoder, replay.run.encoder), compare(record.sensors, replay.run.sensors),
-                        compare(record.truth, replay.run.truth), compare(record.plant_status, replay.run.plant_status)};
-  return comparison;
+  return {compare(record.encoder, replay.run.encoder), compare(record.sensors, replay.run.sensors),
+          compare(record.truth, replay.run.truth), compare(record.plant_status, replay.run.plant_status)};
 }
 
 // Our own controller, in this process.
@@ -286,7 +277,7 @@ int replay_log(const ReplayOptions& options, std::ostream& out, std::ostream& er
         out << "  plant, fed with the recorded TORQUE\n";
         if (!files.scenario) out << "    note: no scenario at hand: steps and periods are taken from the log\n";
         const sim::Scenario scenario = files.scenario ? *files.scenario : scenario_of(record, *files.crane);
-        good = judge(compare_plant(scenario, record, out), tolerances, out) && good;
+        good = judge(compare_plant(scenario, log, record, out), tolerances, out) && good;
       } else {
         out << "  plant: not replayed, there is no crane at hand (--crane)\n";
       }

@@ -145,7 +145,8 @@ Questions recorded_questions(const msgs::RunLog& record) {
   const std::int64_t first = known.begin()->first;
   for (std::size_t i = 0; i < answers.size(); ++i) {
     const msgs::Torque& torque = *answers[i];
-    const bool fresh = i == 0 || torque.alive_counter < answers[i - 1]->alive_counter;
+    const bool fresh = i == 0 || (torque.alive_counter < answers[i - 1]->alive_counter &&
+                                  torque.sequence < answers[i - 1]->sequence);
     const std::int64_t from = i == 0 ? first : answers[i - 1]->answered_sequence + 1;
     const std::int64_t gap = std::max<std::int64_t>(0, torque.answered_sequence - from);
     if (fresh) questions.starts.emplace_back();

@@ -7,8 +7,8 @@
 // Which ENCODER were computed by the recorded controller, its alive counter tells: those that it never answered (too
 // slow, or the message was lost on its way) are not asked; those whose TORQUE is merely missing in the record are. An
 // ENCODER that is missing in the record although it was answered is put in between its neighbours, on a straight
-// line, and its answer is not compared. Where the alive counter falls, the controller was started anew: each such
-// stretch is a replay of its own, with a fresh controller.
+// line, and its answer is not compared. Where alive counter and sequence number both fall, the controller was
+// started anew: each such stretch is a replay of its own, with a fresh controller.
 
 #include <chrono>
 #include <cstdint>

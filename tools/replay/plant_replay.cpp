@@ -2,12 +2,12 @@
 
 #include <fmt/format.h>
 
-#include <deque>
-#include <map>
+#include <algorithm>
 
-#include "msgs/log_writer.h"
+#include "msgs/codec.h"
+#include "msgs/log_reader.h"
 #include "sim/drive/crane_plant.h"
-#include "sim/drive/lockstep_loop.h"
+#include "sim/drive/fault_injector.h"
 #include "sim/drive/scenario_run.h"
 
 namespace slewlab::tools {
@@ -15,120 +15,161 @@ namespace {
 
 constexpr double kNanosecondsPerSecond = 1e9;
 
-// In the controller's place: answers ENCODER k by the recorded TORQUE for k.
-class RecordedController : public msgs::Bus {
+bool gapless(const std::vector<msgs::Encoder>& encoders) {
+  return !encoders.empty() &&
+         encoders.back().sequence - encoders.front().sequence + 1 == static_cast<std::int64_t>(encoders.size());
+}
+
+// The OPERATOR message that belonged before each ENCODER.
+std::int64_t operator_sequence(const msgs::RunLog& record, std::int64_t time) {
+  std::int64_t newest = 0;
+  for (const msgs::Operator& move : record.operator_moves) {
+    if (move.simulated_time <= time) newest = std::max(newest, move.sequence);
+  }
+  return newest;
+}
+
+class Replay {
  public:
-  explicit RecordedController(const msgs::RunLog& record) {
-    for (const msgs::Torque& torque : record.torque) answers_.emplace(torque.answered_sequence, &torque);
-    if (!record.torque.empty()) {
-      held_ = record.torque.front();
-      held_.enable = 0;
-      held_.brake = 0;
-      held_.acknowledge = 0;
-      std::fill(held_.motor_torque.begin(), held_.motor_torque.end(), 0.0);
-    }
-  }
+  Replay(const sim::Scenario& scenario, const msgs::RunLog& record, const Arrivals& arrivals, const sim::DriveRun& drive)
+      : scenario_(scenario),
+        record_(record),
+        arrivals_(arrivals),
+        plant_(sim::machine_settings(scenario), scenario.crane.drive_protection, drive),
+        faults_(scenario.faults, scenario.controller_period) {}
 
-  void publish(const char* channel, msgs::Bytes bytes) override {
-    if (channel != std::string_view(msgs::kEncoderChannel)) return;
-    msgs::Encoder encoder;
-    if (msgs::decode(bytes, encoder) != msgs::DecodeStatus::ok) return;
-    const auto answer = answers_.find(encoder.sequence);
-    if (answer != answers_.end()) {
-      held_ = *answer->second;
-    } else {
-      ++held_count;
-      if (first_held_time < 0) first_held_time = encoder.simulated_time;
-      held_.sequence = ++sequence_;
-      ++held_.alive_counter;
-      held_.simulated_time = encoder.simulated_time;
-      held_.answered_sequence = encoder.sequence;
+  msgs::RunLog run(std::int64_t cycles) {
+    result_.configuration_hash = record_.configuration_hash;
+    output();
+    for (std::int64_t cycle = 0; cycle < cycles; ++cycle) {
+      talk(cycle);
+      for (std::int64_t t = 0; t < scenario_.controller_period; t += scenario_.plant_step) {
+        plant_.step(faults_.conditions(time_));
+        time_ += scenario_.plant_step;
+        output();
+      }
     }
-    sequence_ = held_.sequence;
-    held_.state_follows = 0;  // the state does nothing to the plant
-    waiting_.emplace_back();
-    msgs::encode(held_, waiting_.back());
+    return std::move(result_);
   }
-  void subscribe(const char* channel, Handler handler) override {
-    if (channel == std::string_view(msgs::kTorqueChannel)) handler_ = std::move(handler);
-  }
-  bool handle_one(std::chrono::milliseconds) override {
-    if (waiting_.empty()) return false;
-    const std::vector<std::uint8_t> bytes = std::move(waiting_.front());
-    waiting_.pop_front();
-    handler_(bytes);
-    return true;
-  }
-
-  std::int64_t held_count = 0;
-  std::int64_t first_held_time = -1;  // [ns]
 
  private:
-  std::map<std::int64_t, const msgs::Torque*> answers_;
-  msgs::Torque held_{};
-  std::int64_t sequence_ = -1;
-  Handler handler_;
-  std::deque<std::vector<std::uint8_t>> waiting_;
-};
-
-// With the numbering of the record: an OPERATOR message that is missing there is made up from the one before.
-std::vector<sim::OperatorMove> recorded_moves(const msgs::RunLog& record, std::vector<std::string>& remarks) {
-  std::vector<sim::OperatorMove> moves;
-  std::int64_t made_up = 0;
-  for (const msgs::Operator& message : record.operator_moves) {
-    while (static_cast<std::int64_t>(moves.size()) < message.sequence) {
-      sim::OperatorMove missing = moves.empty() ? sim::OperatorMove{} : moves.back();
-      if (!moves.empty()) missing.time = message.simulated_time;
-      moves.push_back(missing);
-      ++made_up;
-    }
-    moves.push_back({message.simulated_time, message.speed_request, static_cast<bool>(message.emergency_stop),
-                     static_cast<bool>(message.acknowledge)});
+  // A new message of the channel, with its head.
+  template <class Message>
+  Message& next(std::vector<Message>& channel) const {
+    Message message{};
+    message.sequence = static_cast<std::int64_t>(channel.size());
+    message.simulated_time = time_;
+    message.configuration_hash = record_.configuration_hash;
+    return channel.emplace_back(message);
   }
-  if (made_up > 0) remarks.push_back(fmt::format("{} OPERATOR messages are missing in the record", made_up));
-  return moves;
-}
+
+  void talk(std::int64_t cycle) {
+    msgs::Encoder& encoder = next(result_.encoder);
+    encoder.operator_sequence = operator_sequence(record_, time_);
+    plant_.read_encoder(encoder);
+    faults_.alter(time_, encoder);
+    plant_.begin_cycle(cycle);
+    const auto arrived = arrivals_.find(cycle);
+    if (arrived == arrivals_.end()) return;
+    for (const auto& bytes : arrived->second) {
+      const msgs::DecodeStatus status = msgs::decode(bytes, torque_);
+      plant_.receive(status, torque_);
+    }
+  }
+
+  void output() {
+    if (time_ % scenario_.sensors_period == 0) plant_.read_sensors(next(result_.sensors));
+    if (time_ % scenario_.truth_period == 0) plant_.read_truth(next(result_.truth));
+    if (time_ % scenario_.status_period == 0) plant_.read_status(next(result_.plant_status));
+  }
+
+  const sim::Scenario& scenario_;
+  const msgs::RunLog& record_;
+  const Arrivals& arrivals_;
+  sim::CranePlant plant_;
+  sim::FaultInjector faults_;
+  std::int64_t time_ = 0;  // [ns]
+  msgs::Torque torque_{};
+  msgs::RunLog result_;
+};
 
 }  // namespace
 
-PlantReplay replay_plant(const sim::Scenario& scenario, const msgs::RunLog& record,
-                         const std::filesystem::path& scratch) {
+Arrivals arrivals_by_answer(const msgs::RunLog& record) {
+  Arrivals arrivals;
+  for (const msgs::Torque& torque : record.torque) {
+    msgs::encode(torque, arrivals[torque.answered_sequence].emplace_back());
+  }
+  return arrivals;
+}
+
+Arrivals recorded_arrivals(const std::filesystem::path& log, const msgs::RunLog& record) {
+  if (!gapless(record.encoder)) return arrivals_by_answer(record);
+  Arrivals arrivals;
+  msgs::LogReader reader(log);
+  msgs::LogEvent event;
+  msgs::Encoder encoder;
+  auto expected = record.encoder.begin();
+  std::int64_t current = -1;  // the ENCODER behind which the file stands, -1: one of another run
+  while (reader.next(event)) {
+    if (event.channel == msgs::kEncoderChannel) {
+      current = -1;
+      if (msgs::decode(event.data, encoder) != msgs::DecodeStatus::ok ||
+          encoder.configuration_hash != record.configuration_hash || expected == record.encoder.end() ||
+          encoder.sequence != expected->sequence || encoder.shaft_position != expected->shaft_position) {
+        continue;
+      }
+      if (event.timestamp_us != encoder.simulated_time / 1000) return arrivals_by_answer(record);  // no lockstep log
+      current = encoder.sequence;
+      ++expected;
+    } else if (event.channel == msgs::kTorqueChannel && current >= 0) {
+      arrivals[current].emplace_back(event.data.begin(), event.data.end());
+    }
+  }
+  return expected == record.encoder.end() ? arrivals : arrivals_by_answer(record);
+}
+
+PlantReplay replay_plant(const sim::Scenario& scenario, const msgs::RunLog& record, const Arrivals& arrivals) {
   PlantReplay result;
-  if (record.torque.empty()) {
+  if (arrivals.empty()) {
     result.remarks.push_back("no TORQUE in the record: nothing to feed the plant with");
     return result;
   }
-  sim::LockstepSettings settings = sim::lockstep_settings(scenario);
-  settings.live_period = scenario.controller_period;  // nobody listens
-  // What happened to the messages is in the record already.
-  std::erase_if(settings.faults, [](const sim::Fault& fault) { return fault.kind <= sim::FaultKind::message_corrupted; });
-  settings.configuration_hash = record.configuration_hash;
-  settings.operator_moves = recorded_moves(record, result.remarks);
-  settings.duration = (record.torque.back().answered_sequence + 1) * scenario.controller_period;
-  const int group_count = scenario.crane.parameters.drive.group_count;
-  if (record.torque.back().group_count != group_count) {
-    result.remarks.push_back(fmt::format("the record's torques are for {} motor groups, the crane has {}: not replayed",
-                                         record.torque.back().group_count, group_count));
-    return result;
-  }
-
   sim::DriveRun drive = sim::drive_run(scenario);
   drive.configuration_hash = record.configuration_hash;
-  sim::CranePlant plant(sim::machine_settings(scenario), scenario.crane.drive_protection, drive);
-  RecordedController controller(record);
-  const std::filesystem::path log = scratch / "plant_replay.lcmlog";
-  {
-    msgs::LogWriter writer(log);
-    sim::run_lockstep(settings, plant, controller, writer);
-    writer.finish();
+  const int recorded_groups = record.encoder.empty() ? drive.group_count : record.encoder.front().group_count;
+  if (recorded_groups != drive.group_count) {
+    result.remarks.push_back(fmt::format("the record is of {} motor groups, the crane has {}: not replayed",
+                                         recorded_groups, drive.group_count));
+    return result;
   }
-  result.run = msgs::read_run_logs(log).runs.at(0);
-  std::filesystem::remove(log);
-  if (controller.held_count > 0) {
+  const std::int64_t first = record.encoder.empty() ? 0 : record.encoder.front().sequence;
+  if (first > 0) {
+    result.remarks.push_back(
+        fmt::format("the record begins at ENCODER {} ({:.3f} s): how the crane stood then is not known, it starts at rest "
+                    "at 0 s and hears nothing until there",
+                    first, static_cast<double>(record.encoder.front().simulated_time) / kNanosecondsPerSecond));
+  }
+  // A log that was cut off behind an ENCODER does not tell what arrived then; silence that was part of the run does.
+  std::int64_t last = arrivals.rbegin()->first;
+  if (!record.encoder.empty() && (last > record.encoder.back().sequence ||
+                                  (!record.sensors.empty() && record.sensors.back().simulated_time >
+                                                                  record.encoder.back().simulated_time))) {
+    last = record.encoder.back().sequence;
+  }
+  std::int64_t silent = 0;
+  std::int64_t first_silent = -1;
+  for (std::int64_t cycle = first; cycle <= last; ++cycle) {
+    if (arrivals.contains(cycle)) continue;
+    ++silent;
+    if (first_silent < 0) first_silent = cycle;
+  }
+  if (silent > 0) {
     result.remarks.push_back(fmt::format(
-        "{} ENCODER have no TORQUE in the record, the first at {:.3f} s: there the torque before was held",
-        controller.held_count, static_cast<double>(controller.first_held_time) / kNanosecondsPerSecond));
+        "{} ENCODER have no TORQUE in the record, the first at {:.3f} s: there the drive hears nothing", silent,
+        static_cast<double>(first_silent * scenario.controller_period) / kNanosecondsPerSecond));
   }
+  result.run = Replay(scenario, record, arrivals, drive).run(last + 1);
   return result;
 }
 

@@ -1,14 +1,17 @@
 #pragma once
 
-// The plant's half of a recorded run once more: the very loop of the run (sim/drive/lockstep_loop.h), with the
-// recorded TORQUE messages in the controller's place. Every ENCODER is answered at once by the TORQUE that answered
-// it in the record.
+// The plant's half of a recorded run once more: crane, drive and what failed on them, in the order of a run
+// (sim/drive/lockstep_loop.h), with what the record says arrived on TORQUE in place of a controller.
 //
-// Where the record has no answer (lost on its way to the logger, cut off, a controller that was too slow) the last
-// torque holds, as it does in the drives, and before the first one there is none. In a record of a wall-clock run
-// the torque acted when it came; here it acts from its ENCODER on, since the record does not tell more.
+// A lockstep log holds in its order what the drive received after each ENCODER: nothing, one message, several, broken
+// bytes; exactly that arrives again. In any other log a TORQUE arrives with the ENCODER it answers. Where the record has
+// none (lost on its way to the logger, cut off, a controller that was too slow) nothing arrives, and the drive does what
+// it does about silence: it holds the last torque, and trips in time. In a wall-clock run the torque acted when it came;
+// here it acts from its ENCODER on, since the record does not tell more.
 
+#include <cstdint>
 #include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -17,15 +20,24 @@
 
 namespace slewlab::tools {
 
+// What arrived on TORQUE after each ENCODER, by that one's sequence number.
+using Arrivals = std::map<std::int64_t, std::vector<std::vector<std::uint8_t>>>;
+
+// By the ENCODER that each TORQUE answers.
+Arrivals arrivals_by_answer(const msgs::RunLog& record);
+
+// In the order of the file where it is a lockstep log (stamped with simulated time) with every ENCODER of this record in
+// it; by the ENCODER answered otherwise.
+Arrivals recorded_arrivals(const std::filesystem::path& log, const msgs::RunLog& record);
+
 struct PlantReplay {
   msgs::RunLog run;                  // what the plant said this time
   std::vector<std::string> remarks;  // what the record did not give, one line each
 };
 
-// Crane, steps and periods are the scenario's; operator moves and configuration the record's. Ends one controller
-// period behind the last recorded TORQUE. `scratch` is a folder for a log that is removed again. Throws
-// std::invalid_argument where the crane cannot be built or periods do not fit, msgs::LogError.
-PlantReplay replay_plant(const sim::Scenario& scenario, const msgs::RunLog& record,
-                         const std::filesystem::path& scratch);
+// Crane, steps, periods and what fails on the crane are the scenario's; operator moves and configuration the record's.
+// Ends one controller period behind the last ENCODER with an arrival. Throws std::invalid_argument where the crane cannot
+// be built.
+PlantReplay replay_plant(const sim::Scenario& scenario, const msgs::RunLog& record, const Arrivals& arrivals);
 
 }  // namespace slewlab::tools

@@ -44,5 +44,20 @@ TEST(ReplayProcess, NewControllerCodeIsComparedWithTheRecord) {
   wait_until_nothing_is_left();
 }
 
+// What arrived late, twice, in another order or not at all arrives so again; what failed on the crane fails again.
+TEST(ReplayProcess, RunsWithFaultsOnPurposeAreIdenticalToTheBit) {
+  const TemporaryFolder folder;
+  const std::string out = (folder.path() / "out").string();
+  for (const char* name : {"controller_restarted", "torque_lost_for_a_while", "torque_reordered", "torque_duplicated",
+                           "encoder_noisy", "main_power_lost"}) {
+    const std::string scenario = std::string(SLEWLAB_SOURCE_DIR "/config/scenarios/faults/") + name + ".yaml";
+    RunningProgram run({kSlewlab, "run", scenario, "--out", out, "--progress", "none"});
+    ASSERT_EQ(run.wait_for_end(), 0) << run.complaints();
+    RunningProgram replay({kSlewlab, "replay", out});
+    EXPECT_EQ(replay.wait_for_end(), 0) << name << '\n' << replay.output() << replay.complaints();
+    EXPECT_NE(replay.output().find("SENSORS              6001 compared, all identical"), std::string::npos) << replay.output();
+  }
+}
+
 }  // namespace
 }  // namespace slewlab::tools

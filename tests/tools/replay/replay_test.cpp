@@ -107,7 +107,7 @@ TEST_F(ReplayTest, ALockstepLogIsIdenticalToTheBitOnBothSides) {
   const msgs::RunLog run = recorded();
   ASSERT_EQ(run.encoder.size(), 300u);
   ASSERT_EQ(run.sensors.size(), 601u);
-  const PlantReplay plant = replay_plant(scenario_, run, folder_.path());
+  const PlantReplay plant = replay_plant(scenario_, run, arrivals_by_answer(run));
   EXPECT_TRUE(plant.remarks.empty());
   const std::vector<ChannelComparison> motions{compare(run.encoder, plant.run.encoder),
                                                compare(run.sensors, plant.run.sensors),
@@ -142,7 +142,7 @@ TEST_F(ReplayTest, OneChangedBitIsFoundWhereItIs) {
   EXPECT_EQ(first->largest, torque - before);
 
   run.torque[150].motor_torque[1] = before + 1.0;  // 1 Nm, so that it shows through rounding
-  const PlantReplay plant = replay_plant(scenario_, run, folder_.path());
+  const PlantReplay plant = replay_plant(scenario_, run, arrivals_by_answer(run));
   const ChannelComparison encoders = compare(run.encoder, plant.run.encoder);
   ASSERT_FALSE(encoders.differences.empty());
   EXPECT_EQ(encoders.differences.front().first_time, 1'510'000'000);
@@ -185,7 +185,7 @@ TEST_F(ReplayTest, MissingMessagesAreBridgedAndTold) {
     EXPECT_GT(difference.first_time, 400'000'000);
     EXPECT_LT(difference.largest, 0.5) << difference.field;
   }
-  const PlantReplay plant = replay_plant(scenario_, run, folder_.path());
+  const PlantReplay plant = replay_plant(scenario_, run, arrivals_by_answer(run));
   ASSERT_EQ(plant.remarks.size(), 1u);
   EXPECT_NE(plant.remarks[0].find("1 ENCODER have no TORQUE in the record, the first at 0.200 s"), std::string::npos)
       << plant.remarks[0];
@@ -198,7 +198,7 @@ TEST_F(ReplayTest, AControllerThatWasTooSlowOrStartedAnewIsReplayedLikeThat) {
   for (auto it = run.torque.begin() + 50; it != run.torque.end(); ++it) --it->alive_counter;
   // From ENCODER 101 on another process answered.
   for (msgs::Torque& torque : run.torque) {
-    if (torque.answered_sequence > 100) torque.alive_counter = torque.answered_sequence - 101;
+    if (torque.answered_sequence > 100) torque.alive_counter = torque.sequence = torque.answered_sequence - 101;
   }
   const Questions questions = recorded_questions(run);
   ASSERT_EQ(questions.starts.size(), 2u);
