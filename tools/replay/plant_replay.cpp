@@ -20,6 +20,20 @@ bool gapless(const std::vector<msgs::Encoder>& encoders) {
          encoders.back().sequence - encoders.front().sequence + 1 == static_cast<std::int64_t>(encoders.size());
 }
 
+// The k-th of `gap` steps from one TORQUE to another.
+msgs::Torque on_line(const msgs::Torque& before, const msgs::Torque& after, std::int64_t k, std::int64_t gap) {
+  const double share = static_cast<double>(k) / static_cast<double>(gap);
+  msgs::Torque torque = before;
+  torque.sequence += k;
+  torque.alive_counter += k;
+  torque.answered_sequence += k;
+  torque.simulated_time += k * ((after.simulated_time - before.simulated_time) / gap);
+  for (std::size_t i = 0; i < torque.motor_torque.size(); ++i) {
+    torque.motor_torque[i] += share * (after.motor_torque[i] - before.motor_torque[i]);
+  }
+  return torque;
+}
+
 // The OPERATOR message that belonged before each ENCODER.
 std::int64_t operator_sequence(const msgs::RunLog& record, std::int64_t time) {
   std::int64_t newest = 0;
@@ -69,8 +83,8 @@ class Replay {
     plant_.read_encoder(encoder);
     faults_.alter(time_, encoder);
     plant_.begin_cycle(cycle);
-    const auto arrived = arrivals_.find(cycle);
-    if (arrived == arrivals_.end()) return;
+    const auto arrived = arrivals_.messages.find(cycle);
+    if (arrived == arrivals_.messages.end()) return;
     for (const auto& bytes : arrived->second) {
       const msgs::DecodeStatus status = msgs::decode(bytes, torque_);
       plant_.receive(status, torque_);
@@ -97,8 +111,25 @@ class Replay {
 
 Arrivals arrivals_by_answer(const msgs::RunLog& record) {
   Arrivals arrivals;
+  std::int64_t made_up = 0;
+  std::int64_t first_made_up = -1;
+  const msgs::Torque* before = nullptr;
   for (const msgs::Torque& torque : record.torque) {
-    msgs::encode(torque, arrivals[torque.answered_sequence].emplace_back());
+    if (before != nullptr && torque.motor_torque.size() == before->motor_torque.size()) {
+      const std::int64_t gap = torque.answered_sequence - before->answered_sequence;
+      const std::int64_t sent = std::clamp<std::int64_t>(torque.alive_counter - before->alive_counter, 1, gap) - 1;
+      for (std::int64_t k = 1; k <= sent; ++k) {
+        if (made_up++ == 0) first_made_up = before->answered_sequence + k;
+        msgs::encode(on_line(*before, torque, k, gap), arrivals.messages[before->answered_sequence + k].emplace_back());
+      }
+    }
+    msgs::encode(torque, arrivals.messages[torque.answered_sequence].emplace_back());
+    before = &torque;
+  }
+  if (made_up > 0) {
+    arrivals.remarks.push_back(fmt::format(
+        "{} TORQUE that were sent are missing in the record, the first answers ENCODER {}: put on a line between their "
+        "neighbours", made_up, first_made_up));
   }
   return arrivals;
 }
@@ -123,7 +154,7 @@ Arrivals recorded_arrivals(const std::filesystem::path& log, const msgs::RunLog&
       current = encoder.sequence;
       ++expected;
     } else if (event.channel == msgs::kTorqueChannel && current >= 0) {
-      arrivals[current].emplace_back(event.data.begin(), event.data.end());
+      arrivals.messages[current].emplace_back(event.data.begin(), event.data.end());
     }
   }
   return expected == record.encoder.end() ? arrivals : arrivals_by_answer(record);
@@ -131,7 +162,8 @@ Arrivals recorded_arrivals(const std::filesystem::path& log, const msgs::RunLog&
 
 PlantReplay replay_plant(const sim::Scenario& scenario, const msgs::RunLog& record, const Arrivals& arrivals) {
   PlantReplay result;
-  if (arrivals.empty()) {
+  result.remarks = arrivals.remarks;
+  if (arrivals.messages.empty()) {
     result.remarks.push_back("no TORQUE in the record: nothing to feed the plant with");
     return result;
   }
@@ -151,7 +183,7 @@ PlantReplay replay_plant(const sim::Scenario& scenario, const msgs::RunLog& reco
                     first, static_cast<double>(record.encoder.front().simulated_time) / kNanosecondsPerSecond));
   }
   // A log that was cut off behind an ENCODER does not tell what arrived then; silence that was part of the run does.
-  std::int64_t last = arrivals.rbegin()->first;
+  std::int64_t last = arrivals.messages.rbegin()->first;
   if (!record.encoder.empty() && (last > record.encoder.back().sequence ||
                                   (!record.sensors.empty() && record.sensors.back().simulated_time >
                                                                   record.encoder.back().simulated_time))) {
@@ -160,7 +192,7 @@ PlantReplay replay_plant(const sim::Scenario& scenario, const msgs::RunLog& reco
   std::int64_t silent = 0;
   std::int64_t first_silent = -1;
   for (std::int64_t cycle = first; cycle <= last; ++cycle) {
-    if (arrivals.contains(cycle)) continue;
+    if (arrivals.messages.contains(cycle)) continue;
     ++silent;
     if (first_silent < 0) first_silent = cycle;
   }

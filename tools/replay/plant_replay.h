@@ -4,10 +4,11 @@
 // (sim/drive/lockstep_loop.h), with what the record says arrived on TORQUE in place of a controller.
 //
 // A lockstep log holds in its order what the drive received after each ENCODER: nothing, one message, several, broken
-// bytes; exactly that arrives again. In any other log a TORQUE arrives with the ENCODER it answers. Where the record has
-// none (lost on its way to the logger, cut off, a controller that was too slow) nothing arrives, and the drive does what
-// it does about silence: it holds the last torque, and trips in time. In a wall-clock run the torque acted when it came;
-// here it acts from its ENCODER on, since the record does not tell more.
+// bytes; exactly that arrives again. In any other log a TORQUE arrives with the ENCODER it answers. Where one is missing
+// although the controller sent it - its alive counter tells: lost on the way to the logger - it is put on a straight line
+// between its neighbours. Where none was sent nothing arrives, and the drive does what it does about silence: it holds
+// the last torque, and trips in time. In a wall-clock run the torque acted when it came; here it acts from its ENCODER
+// on, since the record does not tell more.
 
 #include <cstdint>
 #include <filesystem>
@@ -21,7 +22,10 @@
 namespace slewlab::tools {
 
 // What arrived on TORQUE after each ENCODER, by that one's sequence number.
-using Arrivals = std::map<std::int64_t, std::vector<std::vector<std::uint8_t>>>;
+struct Arrivals {
+  std::map<std::int64_t, std::vector<std::vector<std::uint8_t>>> messages;
+  std::vector<std::string> remarks;
+};
 
 // By the ENCODER that each TORQUE answers.
 Arrivals arrivals_by_answer(const msgs::RunLog& record);

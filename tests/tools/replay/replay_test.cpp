@@ -187,8 +187,15 @@ TEST_F(ReplayTest, MissingMessagesAreBridgedAndTold) {
   }
   const PlantReplay plant = replay_plant(scenario_, run, arrivals_by_answer(run));
   ASSERT_EQ(plant.remarks.size(), 1u);
-  EXPECT_NE(plant.remarks[0].find("1 ENCODER have no TORQUE in the record, the first at 0.200 s"), std::string::npos)
+  EXPECT_NE(plant.remarks[0].find("1 TORQUE that were sent are missing in the record, the first answers ENCODER 20"),
+            std::string::npos)
       << plant.remarks[0];
+  // A torque on a line between its neighbours is off by little, and the crane follows the record closely.
+  for (const FieldDifference& difference : compare(run.encoder, plant.run.encoder).differences) {
+    if (difference.field.starts_with("shaft_speed")) {
+      EXPECT_LT(difference.largest, 0.1) << difference.field;
+    }
+  }
 }
 
 TEST_F(ReplayTest, AControllerThatWasTooSlowOrStartedAnewIsReplayedLikeThat) {
