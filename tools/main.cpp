@@ -62,6 +62,9 @@ void add_run(CLI::App& app, const std::vector<std::string>& command_line, Action
                       "key=value: scenario keys as they are, crane.KEY and controller.KEY for those files");
   const std::map<std::string, Progress> modes{
       {"auto", Progress::automatic}, {"lines", Progress::lines}, {"none", Progress::none}};
+  command->add_flag("--realtime", options->run.realtime, "against the wall clock instead of in lockstep");
+  command->add_option("--speed", options->run.speed, "with --realtime: simulated seconds per second")
+      ->check(CLI::PositiveNumber);
   command->add_option("--progress", options->run.progress, "auto, lines or none")
       ->transform(CLI::CheckedTransformer(modes));
   command->callback([options, &command_line, &action] {

@@ -272,6 +272,21 @@ RunOutcome run_outcome(const Outcome& outcome, const Json& plant_summary) {
   return result;
 }
 
+// How well the wall clock was kept, for people; summary.json has it all.
+void print_timing(const Json& summary) {
+  if (!summary.is_object() || !summary.contains("realtime")) return;
+  const Json& timing = summary["realtime"];
+  std::printf("  %s\n", timing.value("permissions", "").c_str());
+  for (const char* what : {"wakeup_latency", "step_time"}) {
+    const Json& histogram = timing[what];
+    std::printf("  %s: median %.1f us, 99.9 %% %.1f us, largest %.1f us\n", what, histogram.value("p50", 0.0),
+                histogram.value("p99_9", 0.0), histogram.value("largest", 0.0));
+  }
+  std::printf("  missed deadlines: %lld, by the plant's own computation: %lld; stale commands: %lld\n",
+              timing.value("missed_deadlines", 0LL), timing.value("missed_by_own_computation", 0LL),
+              summary["drive"].value("stale_commands", 0LL));
+}
+
 void complain(const common::InputProblems& problems) {
   for (const common::InputProblem& problem : problems) std::fprintf(stderr, "%s\n", common::to_text(problem).c_str());
 }
@@ -312,6 +327,11 @@ int run_in(const fs::path& folder, const RunOptions& options, const std::string&
   plant_options.listens = true;
   plant_options.command = {(programs / "slewlab-plant").string(), "--scenario", scenario_file.string(), "--bus", bus,
                            "--log", log.string()};
+  if (options.realtime) {
+    char speed[32];
+    std::snprintf(speed, sizeof speed, "%.9g", options.speed);
+    plant_options.command.insert(plant_options.command.end(), {"--realtime", "--speed", speed});
+  }
 
   const Signals signals;
   ChildProcess controller(controller_options);
@@ -347,6 +367,7 @@ int run_in(const fs::path& folder, const RunOptions& options, const std::string&
   switch (outcome.kind) {
     case Outcome::Kind::complete:
       std::printf("%s: complete, log %s\n", name.c_str(), log.c_str());
+      if (options.realtime) print_timing(run.plant_summary());
       return 0;
     case Outcome::Kind::interrupted:
       std::fprintf(stderr, "%s: ended by signal %d (%s); the log so far is %s\n", name.c_str(), outcome.signal_number,

@@ -26,6 +26,8 @@ struct RunOptions {
   std::filesystem::path out;       // empty: runs/<name of the scenario's file>
   std::string controller_command;  // empty: slewlab-controller; else a shell command
   std::vector<common::Override> overrides;
+  bool realtime = false;                    // against the wall clock
+  double speed = 1.0;                       // simulated seconds per second, with realtime
   Progress progress = Progress::automatic;  // on a terminal one line that changes, else a line now and then
 };
 

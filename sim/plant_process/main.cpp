@@ -1,4 +1,5 @@
-// slewlab-plant: the crane as a process on the bus, in lockstep with whatever controller answers, and the writer of
+// slewlab-plant: the crane as a process on the bus, in lockstep with whatever controller answers or against the
+// wall clock, and the writer of
 // the run's log.
 //
 // On standard output, one line each, for the launcher and for people:
@@ -20,9 +21,12 @@
 #include "common/stop_signal.h"
 #include "msgs/configuration_hash.h"
 #include "msgs/lcm_bus.h"
+#include "msgs/log_queue.h"
 #include "sim/drive/crane_plant.h"
 #include "sim/drive/lockstep_loop.h"
 #include "sim/drive/scenario_run.h"
+#include "sim/drive/system_clock.h"
+#include "sim/drive/wall_clock_loop.h"
 #include "sim/scenario_file.h"
 
 namespace slewlab::sim {
@@ -38,6 +42,8 @@ struct Options {
   std::string bus;
   std::string log;
   std::vector<std::string> overrides;
+  bool realtime = false;
+  double speed = 1.0;
 };
 
 nlohmann::ordered_json drive_summary(const DriveProtectionState& drive) {
@@ -56,10 +62,14 @@ void print_progress(const LockstepCounts& counts, const LockstepSettings& settin
   std::fflush(stdout);
 }
 
-// Returns when the launcher has done it, or where there is none.
-void ask_launcher(ControllerAction action) {
+void tell_launcher(ControllerAction action) {
   std::printf("controller %s\n", action == ControllerAction::kill ? "kill" : "start");
   std::fflush(stdout);
+}
+
+// Returns when the launcher has done it, or where there is none.
+void ask_launcher(ControllerAction action) {
+  tell_launcher(action);
   char letter = 0;
   while (letter != '\n' && common::stop_signal() == 0) {
     const ssize_t count = ::read(STDIN_FILENO, &letter, 1);
@@ -70,16 +80,7 @@ void ask_launcher(ControllerAction action) {
   }
 }
 
-int run(const Options& options) {
-  std::vector<common::Override> overrides;
-  for (const std::string& text : options.overrides) overrides.push_back(common::parse_override(text));
-  const Scenario scenario = load_scenario_file(options.scenario, overrides);
-  const LockstepSettings settings = lockstep_settings(scenario);
-  CranePlant plant(machine_settings(scenario), scenario.crane.drive_protection, drive_run(scenario));
-  const auto bus = msgs::open_lcm_bus(options.bus);
-  msgs::LogWriter log(options.log);
-
-  common::catch_stop_signals();
+int run_in_lockstep(const LockstepSettings& settings, CranePlant& plant, msgs::Bus& bus, msgs::LogWriter& log) {
   const WallClock::time_point begin = WallClock::now();
   WallClock::time_point next_progress = begin;
   const auto show_progress = [&](const LockstepCounts& counts) {
@@ -98,7 +99,7 @@ int run(const Options& options) {
   hooks.controller_action = ask_launcher;
 
   print_progress({}, settings);
-  const LockstepCounts counts = run_lockstep(settings, plant, *bus, log, hooks);
+  const LockstepCounts counts = run_lockstep(settings, plant, bus, log, hooks);
   const double wall_seconds = std::chrono::duration<double>(WallClock::now() - begin).count();
   print_progress(counts, settings);
   const bool complete = counts.simulated_time >= settings.duration;
@@ -131,6 +132,91 @@ int run(const Options& options) {
   return 128 + common::stop_signal();
 }
 
+nlohmann::ordered_json latency_summary(const LatencyHistogram& histogram) {
+  constexpr double kMicrosecond = 1e3;  // [ns]
+  return {{"unit", "us"},
+          {"p50", histogram.percentile(0.5) / kMicrosecond},
+          {"p99", histogram.percentile(0.99) / kMicrosecond},
+          {"p99_9", histogram.percentile(0.999) / kMicrosecond},
+          {"largest", static_cast<double>(histogram.largest()) / kMicrosecond}};
+}
+
+int run_in_real_time(const Options& options, const LockstepSettings& settings, CranePlant& plant, msgs::Bus& bus,
+                 msgs::LogWriter& log) {
+  std::string permissions;
+  msgs::LogQueue queue(log);  // its thread is an ordinary one: started before real time is asked for
+  for (const std::string& line : ask_for_real_time()) {
+    std::fprintf(stderr, "slewlab-plant: %s\n", line.c_str());
+    permissions += (permissions.empty() ? "" : "; ") + line;
+  }
+  SystemClock clock;
+  const std::int64_t begin = clock.now();
+  std::int64_t next_progress = begin;
+  const auto show_progress = [&](const WallClockReport& report) {
+    constexpr std::int64_t kInterval = 500'000'000;  // [ns]
+    if (clock.now() < next_progress) return;
+    next_progress = clock.now() + kInterval;
+    print_progress({.simulated_time = report.simulated_time}, settings);
+  };
+  WallClockHooks hooks;
+  hooks.stop = [&] { return common::stop_signal() != 0 || queue.failed(); };
+  hooks.after_cycle = show_progress;
+  hooks.controller_action = tell_launcher;
+
+  print_progress({}, settings);
+  const LogSink sink = [&](const char* channel, std::int64_t timestamp_us, msgs::Bytes bytes) {
+    queue.put(channel, timestamp_us, bytes);
+  };
+  const WallClockReport report = run_wall_clock(settings, options.speed, plant, bus, sink, clock, hooks);
+  const double wall_seconds = static_cast<double>(clock.now() - begin) / kNanosecondsPerSecond;
+  print_progress({.simulated_time = report.simulated_time}, settings);
+  queue.finish();
+  const bool complete = report.simulated_time >= settings.duration;
+  if (complete) {
+    log.finish();
+  } else {
+    log.flush();
+  }
+  const double simulated_seconds = static_cast<double>(report.simulated_time) / kNanosecondsPerSecond;
+  const nlohmann::ordered_json summary{
+      {"complete", complete},
+      {"configuration_hash", msgs::hash_text(settings.configuration_hash)},
+      {"simulated_seconds", simulated_seconds},
+      {"wall_seconds", wall_seconds},
+      {"realtime",
+       {{"speed", options.speed},
+        {"permissions", permissions},
+        {"missed_deadlines", report.missed_deadlines},
+        {"missed_by_own_computation", report.missed_by_own_computation},
+        {"wakeup_latency", latency_summary(report.wakeup_latency)},
+        {"step_time", latency_summary(report.step_time)},
+        {"log_events_left_out", queue.left_out()}}},
+      {"controller_cycles", report.cycles},
+      {"drive", drive_summary(plant.drive())},
+      {"log_events", log.event_count()},
+      {"log_bytes", log.byte_count()}};
+  std::printf("summary %s\n", summary.dump().c_str());
+  std::fflush(stdout);
+  if (complete) return 0;
+  std::fprintf(stderr, "slewlab-plant: stopped by signal %d at %.3f s of simulated time\n", common::stop_signal(),
+               simulated_seconds);
+  return 128 + common::stop_signal();
+}
+
+int run(const Options& options) {
+  std::vector<common::Override> overrides;
+  for (const std::string& text : options.overrides) overrides.push_back(common::parse_override(text));
+  const Scenario scenario = load_scenario_file(options.scenario, overrides);
+  const LockstepSettings settings = lockstep_settings(scenario);
+  CranePlant plant(machine_settings(scenario), scenario.crane.drive_protection, drive_run(scenario));
+  const auto bus = msgs::open_lcm_bus(options.bus);
+  msgs::LogWriter log(options.log);
+
+  common::catch_stop_signals();
+  return options.realtime ? run_in_real_time(options, settings, plant, *bus, log)
+                          : run_in_lockstep(settings, plant, *bus, log);
+}
+
 }  // namespace
 }  // namespace slewlab::sim
 
@@ -143,6 +229,8 @@ int main(int argc, char** argv) {
       ->envname("SLEWLAB_BUS")
       ->required();
   app.add_option("--log", options.log, "log to write; NAME.partial until it is complete")->required();
+  app.add_flag("--realtime", options.realtime, "against the wall clock instead of in lockstep");
+  app.add_option("--speed", options.speed, "with --realtime: simulated seconds per second")->check(CLI::PositiveNumber);
   app.add_option("--set", options.overrides, "key=value over the files, e.g. crane.load.mass=20");
   try {
     app.parse(argc, argv);

@@ -1,0 +1,58 @@
+#pragma once
+
+// The plant's side against the wall clock: one plant step at each due time start + i * step / speed, by absolute
+// wake-ups, so that nothing drifts. The controller is asked every period and not waited for: the drive holds the last
+// command, and its timeouts run in simulated time, that is they scale with the speed. A step that is late is made up
+// for, none is left out.
+//
+// The clock starts with the controller's first answer. Until then ENCODER 0 is sent again and again.
+//
+// A deadline is missed where a step's work ends after the next one is due. It is the plant's own doing where the work
+// alone, by the thread's own processor time, was longer than the step; otherwise the machine had something else to do.
+//
+// Faults on purpose (fault_injector.h) act as in lockstep, but what is drawn meets whatever message comes.
+//
+// The thread that runs it does no file I/O: the log goes to a function handed in (msgs/log_queue.h).
+
+#include <cstdint>
+#include <functional>
+
+#include "msgs/bus.h"
+#include "sim/drive/driven_plant.h"
+#include "sim/drive/latency_histogram.h"
+#include "sim/drive/lockstep_loop.h"
+
+namespace slewlab::sim {
+
+// Time as the loop sees it. [ns]
+class LoopClock {
+ public:
+  virtual ~LoopClock() = default;
+  virtual std::int64_t now() = 0;
+  virtual void sleep_until(std::int64_t time) = 0;
+  virtual std::int64_t processor_time() = 0;  // used by this thread
+};
+
+struct WallClockReport {
+  std::int64_t simulated_time = 0;  // [ns] reached
+  std::int64_t cycles = 0;          // controller periods
+  std::int64_t missed_deadlines = 0;
+  std::int64_t missed_by_own_computation = 0;  // of these
+  LatencyHistogram wakeup_latency;             // from due to awake
+  LatencyHistogram step_time;                  // from awake to done
+};
+
+struct WallClockHooks {
+  std::function<bool()> stop;                              // asked in every step
+  std::function<void(const WallClockReport&)> after_cycle;
+  std::function<void(ControllerAction)> controller_action;  // must not wait
+};
+
+using LogSink = std::function<void(const char* channel, std::int64_t timestamp_us, msgs::Bytes bytes)>;
+
+// Takes the settings of a lockstep run; resends do not occur. `speed` is simulated seconds per second. Throws
+// std::invalid_argument, msgs::BusError.
+WallClockReport run_wall_clock(const LockstepSettings& settings, double speed, DrivenPlant& plant, msgs::Bus& bus,
+                               const LogSink& log, LoopClock& clock, const WallClockHooks& hooks = {});
+
+}  // namespace slewlab::sim
