@@ -12,13 +12,17 @@ TEST(LogQueue, TheFileHoldsWhatWasPutInItsOrderHoweverOftenTheMemoryWrapsAround)
   const TemporaryFolder folder;
   const auto path = folder.path() / "run.lcmlog";
   LogWriter writer(path);
-  LogQueue queue(writer, 1000);
+  LogQueue queue(writer, 100'000);
   std::int64_t put = 0;
   while (put < 5000) {
     const std::vector<std::uint8_t> data(static_cast<std::size_t>(put % 97), static_cast<std::uint8_t>(put));
     const std::int64_t left_out = queue.left_out();
     queue.put("SENSORS", put, data);
-    if (queue.left_out() == left_out) ++put;  // else again, once the other thread has made room
+    if (queue.left_out() == left_out) {
+      ++put;
+    } else {
+      std::this_thread::yield();  // and again, once the other thread has made room
+    }
   }
   queue.finish();
   writer.finish();
