@@ -18,6 +18,7 @@
 #include "diagnosis/prediction.h"
 #include "sim/crane_file.h"
 #include "sim/effects/catalogue.h"
+#include "tools/python_command.h"
 #include "tools/whole_file.h"
 
 namespace slewlab::tools {
@@ -230,7 +231,9 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
     if (!effects.empty()) text += common::effects_text(effects, sim::effect_abouts(), "slewlab diagnose, " + found.verdict);
     write_whole_file(options.out / "crane_with_effect.yaml", text);
     print_page(found, before_gaps, after_gaps, out);
-    out << "files: " << options.out.string() << "\n";
+    out << "files: " << options.out.string() << std::endl;
+    // Becomes the program that draws; without an interpreter it says so, and the findings stand all the same.
+    run_python("diagnosis_report.py", {options.out.string()});
     return 0;
   } catch (const diagnosis::NotAdmitted& problem) {
     complaints << "cannot tell, because " << problem.what() << "\n";
