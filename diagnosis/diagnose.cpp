@@ -24,16 +24,24 @@ constexpr double kLeastTrusted = 0.3;           // share of a record that must l
 constexpr double kLeastGain = 0.005;            // share of the gap that an effect must take away to be refined
 constexpr double kControllerExplained = 0.1;    // share of its difference that the right effect of a controller leaves at most
 constexpr double kNegligible = 1e-4;            // probability of a part that is not combined further
-constexpr double kVisible = 0.02;              // mean square of a typical size below which records tell nothing
+constexpr double kScreenedShare = 0.25;         // of an effect's typical size, with which it is screened
+constexpr double kLargestAmount = 20.0;         // of the screened size that a linear forecast is trusted with
+constexpr double kVisible = 0.00125;           // mean square of the screened size below which records tell nothing
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-// The points from which an effect is tried: its typical size; other sizes where the size enters not
-// proportionally; other shapes.
+// The points from which an effect is tried: a quarter of its typical size, where most laws are still linear; other
+// sizes where the size enters not proportionally; other shapes.
 std::vector<common::EffectInstance> starts_of(const common::EffectAbout& about) {
-  const common::EffectInstance typical = common::typical_instance(about);
+  common::EffectInstance typical = common::typical_instance(about);
+  for (std::size_t p = 0; p < about.parameters.size(); ++p) {
+    const common::EffectParameter& parameter = about.parameters[p];
+    if (!parameter.absent || !std::isfinite(*parameter.absent)) continue;
+    typical.values[p] = std::clamp(*parameter.absent + kScreenedShare * (typical.values[p] - *parameter.absent),
+                                   parameter.lower, parameter.upper);
+  }
   std::vector<common::EffectInstance> starts{typical};
   const auto add = [&](std::size_t p, double coordinate) {
     common::EffectInstance start = typical;
@@ -45,7 +53,6 @@ std::vector<common::EffectInstance> starts_of(const common::EffectAbout& about) 
   for (std::size_t p = 0; p < about.parameters.size(); ++p) {
     const common::EffectParameter& parameter = about.parameters[p];
     const bool fades_linearly = parameter.absent && std::isfinite(*parameter.absent);
-    if (fades_linearly && p == 0) continue;
     if (fades_linearly) continue;
     add(p, -1.0);
     add(p, 1.0);
@@ -329,7 +336,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
         screened.amount = norm > 0.0 ? -screened.column.dot(gap) / norm : 0.0;
         const common::EffectParameter& parameter = about_effect(screened.effect).parameters.front();
         const bool may_turn = parameter.lower < 0.0 && parameter.upper > 0.0;
-        screened.amount = std::clamp(screened.amount, may_turn ? -5.0 : 0.0, 5.0);
+        screened.amount = std::clamp(screened.amount, may_turn ? -kLargestAmount : 0.0, kLargestAmount);
         screened.mean_square = mean_square(gap + screened.amount * screened.column);
       }
       tell(0.15 + 0.35 * static_cast<double>(from + count) / static_cast<double>(points.size()),
@@ -401,7 +408,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
         const double x = -(bb * ga - ab * gb) / determinant, y = -(aa * gb - ab * ga) / determinant;
         const auto allowed = [](const Screened& s, double amount) {
           const common::EffectParameter& parameter = about_effect(s.effect).parameters.front();
-          return std::fabs(amount) <= 5.0 && (amount > 0.0 || (parameter.lower < 0.0 && parameter.upper > 0.0));
+          return std::fabs(amount) <= kLargestAmount && (amount > 0.0 || (parameter.lower < 0.0 && parameter.upper > 0.0));
         };
         if (!allowed(*ranked[i], x) || !allowed(*ranked[j], y)) continue;
         const double left = (gap.squaredNorm() + x * ga + y * gb) / rows;

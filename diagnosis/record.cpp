@@ -391,7 +391,7 @@ Record make_record(const msgs::RunLog& run, const std::string& name, const Admis
     const auto i = static_cast<std::size_t>(g);
     // Group 1's motion judges the others and the other way round: a frozen encoder must not hide itself.
     const std::vector<double>& other = record.shaft_speed[record.group_count > 1 ? (i == 0 ? 1 : 0) : i];
-    check_clipped(record, fmt::format("shaft speed of group {}", g + 1), record.shaft_speed[i]);
+    // No check for clipping: a speed counted from a coarse encoder stands at its steps, its largest among them.
     check_alive(record, fmt::format("shaft speed of group {}", g + 1), record.shaft_speed[i], other, moving);
   }
   for (int a = 0; a < kAccelerometerCount; ++a) {

@@ -148,7 +148,8 @@ void print_page(const Diagnosis& diagnosis, const std::vector<diagnosis::SignalG
       out << fmt::format("            {} = {:.4g} {} (90 %: {:.4g} to {:.4g})\n", size.parameter, size.value, size.unit, size.low, size.high);
     }
     for (const std::string& other : cause.group) {
-      out << fmt::format("            these records cannot tell it from {}; slow reversals and an accelerometer more would\n", other);
+      out << fmt::format("            these records cannot tell it from {} (nearest signature: {:.1f} % apart)\n", other,
+                         100 * cause.group_distance);
     }
   }
   out << "\nGap on the last log given, in closed loop from the operator's moves\n";
