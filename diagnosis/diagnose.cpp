@@ -24,25 +24,27 @@ constexpr double kLeastTrusted = 0.3;           // share of a record that must l
 constexpr double kLeastGain = 0.005;            // share of the gap that an effect must take away to be refined
 constexpr double kControllerExplained = 0.1;    // share of its difference that the right effect of a controller leaves at most
 constexpr double kNegligible = 1e-4;            // probability of a part that is not combined further
-constexpr double kScreenedShare = 0.25;         // of an effect's typical size, with which it is screened
+constexpr double kSmallShare = 0.25;            // of an effect's typical size, with which it is tried too
 constexpr double kLargestAmount = 20.0;         // of the screened size that a linear forecast is trusted with
-constexpr double kVisible = 0.00125;           // mean square of the screened size below which records tell nothing
+constexpr double kVisible = 0.02;              // mean square of a tried size below which records tell nothing
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-// The points from which an effect is tried: a quarter of its typical size, where most laws are still linear; other
-// sizes where the size enters not proportionally; other shapes.
+// The points from which an effect is tried: its typical size, and a fraction of it, where most laws are still linear;
+// other sizes where the size enters not proportionally; other shapes.
 std::vector<common::EffectInstance> starts_of(const common::EffectAbout& about) {
-  common::EffectInstance typical = common::typical_instance(about);
+  const common::EffectInstance typical = common::typical_instance(about);
+  std::vector<common::EffectInstance> starts{typical};
+  common::EffectInstance small = typical;
   for (std::size_t p = 0; p < about.parameters.size(); ++p) {
     const common::EffectParameter& parameter = about.parameters[p];
     if (!parameter.absent || !std::isfinite(*parameter.absent)) continue;
-    typical.values[p] = std::clamp(*parameter.absent + kScreenedShare * (typical.values[p] - *parameter.absent),
-                                   parameter.lower, parameter.upper);
+    small.values[p] = std::clamp(*parameter.absent + kSmallShare * (typical.values[p] - *parameter.absent),
+                                 parameter.lower, parameter.upper);
   }
-  std::vector<common::EffectInstance> starts{typical};
+  if (small.values != typical.values) starts.push_back(small);
   const auto add = [&](std::size_t p, double coordinate) {
     common::EffectInstance start = typical;
     const common::EffectParameter& parameter = about.parameters[p];
