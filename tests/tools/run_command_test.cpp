@@ -11,6 +11,7 @@
 #include <fstream>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <numeric>
 
 #include "msgs/log_reader.h"
 #include "msgs/run_log.h"
@@ -247,6 +248,23 @@ TEST_F(RunCommandTest, AControllerKilledAndStartedOnPurposeIsAnotherProcessAndTh
     first_messages += torque.alive_counter == 0;
   }
   EXPECT_EQ(first_messages, 2);
+}
+
+// What the clock says is the machine's affair (realtime_benchmark); that it is counted and told is ours.
+TEST_F(RunCommandTest, AgainstTheWallClockEveryStepIsInTheHistogramsOfStatusAndSummary) {
+  RunningProgram run(command({"--set", "duration=2", "--realtime", "--speed", "10"}));
+  ASSERT_EQ(run.wait_for_end(), 0) << run.complaints();
+  const auto timing = summary()["run"]["realtime"];
+  EXPECT_EQ(timing["speed"], 10.0);
+  EXPECT_NE(timing["permissions"].get<std::string>().find("SCHED_FIFO: "), std::string::npos);
+  EXPECT_EQ(timing["log_events_left_out"], 0);
+  const msgs::RunLog log = msgs::read_run_logs(out_ / "run.lcmlog").runs.at(0);
+  EXPECT_EQ(log.encoder.size(), 200u);
+  const msgs::PlantStatus& status = log.plant_status.back();
+  EXPECT_EQ(status.simulated_time, 2'000'000'000);
+  EXPECT_EQ(std::accumulate(status.wakeup_latency.begin(), status.wakeup_latency.end(), std::int64_t{0}), 2000);
+  // The last step is not done yet when its status goes out.
+  EXPECT_EQ(std::accumulate(status.step_time.begin(), status.step_time.end(), std::int64_t{0}), 1999);
 }
 
 TEST_F(RunCommandTest, TwoRunsSideBySideDoNotHearEachOther) {
