@@ -1,9 +1,10 @@
 // How well the plant keeps the wall clock against a bare loop that only sleeps, side by side in the same run: the same
-// period of 1 ms, half a period apart, the same scheduling. The plant is the whole thing: the thesis's crane, its
+// period of 1 ms, half a period apart, the same scheduling, the same processor. The plant is the whole thing: the thesis's crane, its
 // drive, ENCODER every 1 ms over LCM to a controller in a process of its own, and the log.
 //
 // Usage: tools/in-private-network realtime_benchmark [SECONDS]
 
+#include <sched.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -114,10 +115,15 @@ int run(double seconds) {
   msgs::LogWriter writer(folder.path() / "run.lcmlog");
   msgs::LogQueue queue(writer);
   for (const std::string& line : sim::ask_for_real_time()) std::printf("%s\n", line.c_str());
+  // Both on one processor, for what else runs differs from one to the next; which one, the machine has chosen.
+  cpu_set_t here;
+  CPU_ZERO(&here);
+  CPU_SET(static_cast<std::size_t>(::sched_getcpu()), &here);
+  ::sched_setaffinity(0, sizeof here, &here);
 
   std::atomic<bool> ending{false};
   sim::LatencyHistogram bare;
-  // Inherits the scheduling of this thread.
+  // Inherits the scheduling and the processor of this thread.
   std::thread sleeper([&] {
     sim::SystemClock clock;
     const std::int64_t start = clock.now() + kPeriod / 2;
