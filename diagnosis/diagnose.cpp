@@ -335,7 +335,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
         screened.visibility = mean_square(screened.column);
         // The differences fall by the column times the amount.
         const double norm = screened.column.squaredNorm();
-        screened.amount = norm > 0.0 ? -screened.column.dot(gap) / norm : 0.0;
+        screened.amount = norm > 0.0 && std::isfinite(norm) ? -screened.column.dot(gap) / norm : 0.0;
         const common::EffectParameter& parameter = about_effect(screened.effect).parameters.front();
         const bool may_turn = parameter.lower < 0.0 && parameter.upper > 0.0;
         screened.amount = std::clamp(screened.amount, may_turn ? -kLargestAmount : 0.0, kLargestAmount);

@@ -108,7 +108,10 @@ Eigen::VectorXd newton_step(const Problem& problem, const Point& point, const Ei
   Eigen::Index i = 0;
   for (const double z : point.nuisance) right(i++) -= z;
   for (const double x : effect_coordinates(point)) right(i++) -= x;
-  return system.ldlt().solve(right);
+  Eigen::VectorXd step = system.ldlt().solve(right);
+  // Columns of a machine that was shaken to pieces give no direction; standing still ends the descent.
+  if (!step.allFinite()) step.setZero();
+  return step;
 }
 
 Eigen::VectorXd coordinates_of(const Point& point) {
