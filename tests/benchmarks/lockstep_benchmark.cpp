@@ -100,7 +100,6 @@ double lockstep(const std::string& url, int cycles, std::int64_t controller_peri
   msgs::LogWriter log(folder.path() / "run.lcmlog");
   sim::ToyPlant plant(2);
   sim::LockstepSettings settings;
-  settings.group_count = 2;
   settings.controller_period = controller_period;
   settings.duration = (100 + cycles) * controller_period;
   Clock::time_point begin;
