@@ -4,7 +4,6 @@
 
 #include "controller/controller_file.h"
 #include "controller/effects/catalogue.h"
-#include "diagnosis/nuisance.h"
 #include "diagnosis/prediction.h"
 #include "msgs/run_log.h"
 #include "sim/crane_file.h"
@@ -19,13 +18,6 @@ Record load_record(const std::filesystem::path& log, const AdmissionSettings& ad
   msgs::RunLog run = logs.runs.at(0);
   if (!accelerometers) run.sensors.clear();
   return make_record(run, log.filename().string(), admission);
-}
-
-sim::MachineSettings machine_with(const sim::MachineSettings& nominal, const Point& point) {
-  sim::MachineSettings machine = nominal;
-  machine.crane = with_nuisances(machine.crane, point.nuisance);
-  machine.effects.insert(machine.effects.end(), point.effects.begin(), point.effects.end());
-  return machine;
 }
 
 }  // namespace
@@ -66,14 +58,12 @@ withheld::CaseResult diagnose_case(const withheld::CaseInput& input, const CaseS
       }
       result.causes.push_back(named);
     }
-    Point nominal_point;
-    nominal_point.nuisance.assign(nuisances().size(), 0.0);
     result.unseen_before = predict(data.nominal, data.controller, data.unseen).relative_gap;
     result.unseen_after = result.unseen_before;
     if (!diagnosis.causes.empty()) {
       const Cause& first = diagnosis.causes.front();
       result.unseen_after =
-          predict(machine_with(data.nominal, first.point),
+          predict(machine_at(data.nominal, first.point),
                   controller::with_effects(data.controller, first.controller_effects), data.unseen)
               .relative_gap;
     }
@@ -106,7 +96,7 @@ double informed_gap(const withheld::CaseInput& input, const std::vector<std::str
     }
   }
   if (chosen != nullptr) {
-    best = predict(machine_with(data.nominal, chosen->point),
+    best = predict(machine_at(data.nominal, chosen->point),
                    controller::with_effects(data.controller, chosen->controller_effects), data.unseen)
                .relative_gap;
   }

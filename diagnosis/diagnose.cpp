@@ -142,8 +142,7 @@ void locate(const Problem& problem, const Eigen::VectorXd& difference, Diagnosis
 }
 
 void find_moments(const Problem& problem, const Point& point, Diagnosis& diagnosis) {
-  sim::MachineSettings machine = problem.nominal;
-  machine.crane = with_nuisances(machine.crane, point.nuisance);
+  const sim::MachineSettings machine = machine_at(problem.nominal, point);
   for (const Record& record : problem.records) {
     const Shadow follower = shadow(machine, record);
     const auto second = static_cast<std::size_t>(std::lround(1.0 / record.step));
@@ -292,10 +291,8 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   }
 
   tell(0.02, "fitting the parameters alone");
-  Point nothing;
-  nothing.nuisance.assign(nuisances().size(), 0.0);
-  diagnosis.mean_square_nominal = mean_square(differences(problem, nothing));
   const Base base = fit_nuisances(problem);
+  diagnosis.mean_square_nominal = base.nominal_mean_square;
   diagnosis.mean_square_parameters = mean_square(base.difference);
   const double nu = settings.fit.independent_differences;
   locate(problem, base.difference, diagnosis);
@@ -310,8 +307,10 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   for (const sim::EffectDescription* description : sim::effect_catalogue()) {
     const std::string name(description->about.name);
     if (without.count(name) != 0) continue;
-    for (const common::EffectInstance& effect : nominal.effects) {
-      if (effect.name == name) names.erase(name);
+    // What the nominal crane has already is not missing, and a machine takes an effect once.
+    if (std::any_of(nominal.effects.begin(), nominal.effects.end(),
+                    [&](const common::EffectInstance& effect) { return effect.name == name; })) {
+      continue;
     }
     names.insert(name);
     for (const common::EffectInstance& start : starts_of(description->about)) {

@@ -77,7 +77,6 @@ struct Diagnosis {
   std::vector<std::string> remarks;
   std::vector<std::string> cannot_tell;  // effects these records do not excite, with the reason
   std::int64_t simulations = 0;
-  double simulation_seconds = 0.0;       // wall clock
   double total_seconds = 0.0;
 };
 

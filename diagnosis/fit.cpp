@@ -17,13 +17,6 @@ namespace {
 constexpr double kNuisanceStep = 0.3;  // [standard deviations] difference quotient: small against the prior, large against rounding
 constexpr double kEffectStep = 0.05;   // [standard deviations] the same for effects, around a fitted size
 
-sim::MachineSettings machine_at(const Problem& problem, const Point& point) {
-  sim::MachineSettings settings = problem.nominal;
-  settings.crane = with_nuisances(settings.crane, point.nuisance);
-  settings.effects.insert(settings.effects.end(), point.effects.begin(), point.effects.end());
-  return settings;
-}
-
 std::vector<double> effect_coordinates(const Point& point) {
   std::vector<double> x;
   for (const common::EffectInstance& effect : point.effects) {
@@ -151,6 +144,13 @@ double descend(Problem& problem, int iterations, Eigen::MatrixXd& columns, Point
 
 }  // namespace
 
+sim::MachineSettings machine_at(const sim::MachineSettings& nominal, const Point& point) {
+  sim::MachineSettings settings = nominal;
+  settings.crane = with_nuisances(settings.crane, point.nuisance);
+  settings.effects.insert(settings.effects.end(), point.effects.begin(), point.effects.end());
+  return settings;
+}
+
 const common::EffectAbout& about_effect(const std::string& name) {
   const sim::EffectDescription* description = sim::find_effect(name);
   if (description != nullptr) return description->about;
@@ -180,14 +180,13 @@ Eigen::VectorXd differences(Problem& problem, const Point& point) {
   for (const Whitening& whitening : problem.whitening) total += whitening.size();
   Eigen::VectorXd result(total);
   Eigen::Index row = 0;
-  const sim::MachineSettings machine = machine_at(problem, point);
+  const sim::MachineSettings machine = machine_at(problem.nominal, point);
   for (std::size_t r = 0; r < problem.records.size(); ++r) {
     if (problem.stop != nullptr && problem.stop->load()) throw Interrupted{};
     const Shadow follower = shadow(machine, problem.records[r]);
     result.segment(row, problem.whitening[r].size()) = whiten(problem.whitening[r], follower);
     row += problem.whitening[r].size();
     ++problem.simulations;
-    problem.simulated_steps += static_cast<std::int64_t>(problem.records[r].size());
   }
   // A machine that an odd point shakes to pieces counts as very far off, not as a number that spreads.
   if (!result.allFinite()) result.setConstant(1e3);
@@ -218,6 +217,7 @@ Base fit_nuisances(Problem& problem) {
   base.point.nuisance.assign(nuisances().size(), 0.0);
   base.difference = differences(problem, base.point);
   base.cost = cost_of(problem, base.point, base.difference);
+  base.nominal_mean_square = base.difference.squaredNorm() / static_cast<double>(base.difference.size());
   for (int round = 0; round < problem.settings.rounds; ++round) {
     base.nuisance_columns = nuisance_columns(problem, base.point, base.difference);
     const double fall =

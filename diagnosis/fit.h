@@ -37,6 +37,9 @@ struct Point {
   std::vector<common::EffectInstance> effects;  // parameter values in SI
 };
 
+// The nominal machine moved to a point.
+sim::MachineSettings machine_at(const sim::MachineSettings& nominal, const Point& point);
+
 // Everything that stays the same over one diagnosis. Counts simulations; may be asked to stop.
 struct Problem {
   sim::MachineSettings nominal;
@@ -45,7 +48,6 @@ struct Problem {
   FitSettings settings;
   int threads = 1;
   std::atomic<std::int64_t> simulations{0};
-  std::atomic<std::int64_t> simulated_steps{0};
   const std::atomic<bool>* stop = nullptr;  // set from outside: unwind with Interrupted
 };
 
@@ -63,6 +65,7 @@ struct Base {
   Eigen::VectorXd difference;
   Eigen::MatrixXd nuisance_columns;  // d difference / d z
   double cost = 0.0;
+  double nominal_mean_square = 0.0;  // of the differences before anything is fitted
 };
 Base fit_nuisances(Problem& problem);
 

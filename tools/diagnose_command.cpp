@@ -83,13 +83,6 @@ nlohmann::json to_json(const Diagnosis& diagnosis) {
   return json;
 }
 
-sim::MachineSettings machine_with(const sim::MachineSettings& nominal, const Cause& cause) {
-  sim::MachineSettings machine = nominal;
-  machine.crane = diagnosis::with_nuisances(machine.crane, cause.point.nuisance);
-  machine.effects.insert(machine.effects.end(), cause.point.effects.begin(), cause.point.effects.end());
-  return machine;
-}
-
 // Measured, predicted by the nominal crane and by the crane with the effect, and the missing torque: every
 // `stride`th value of the record.
 std::string series_text(const Record& record, const diagnosis::Prediction& before, const diagnosis::Prediction& after,
@@ -213,7 +206,7 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
     if (controller) {
       const diagnosis::Prediction before = diagnosis::predict(nominal, *controller, last);
       const diagnosis::Prediction after =
-          diagnosis::predict(machine_with(nominal, first), controller::with_effects(*controller, first.controller_effects), last);
+          diagnosis::predict(diagnosis::machine_at(nominal, first.point), controller::with_effects(*controller, first.controller_effects), last);
       before_gaps = before.gaps;
       after_gaps = after.gaps;
       for (std::size_t i = 0; i < before_gaps.size(); ++i) {
@@ -226,7 +219,7 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
     }
     json["crane"] = std::filesystem::absolute(options.crane).string();
     write_whole_file(options.out / "diagnosis.json", json.dump(2) + "\n");
-    const std::vector<common::EffectInstance> effects = machine_with(nominal, first).effects;
+    const std::vector<common::EffectInstance> effects = diagnosis::machine_at(nominal, first.point).effects;
     std::string text = fmt::format("include: {}\ndescription: The nominal crane with what slewlab diagnose found.\n",
                                    std::filesystem::absolute(options.crane).string());
     if (!effects.empty()) text += common::effects_text(effects, sim::effect_abouts(), "slewlab diagnose, " + found.verdict);
