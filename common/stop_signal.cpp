@@ -11,7 +11,12 @@ volatile std::sig_atomic_t received = 0;
 
 void catch_stop_signals() {
   struct sigaction action{};
-  action.sa_handler = [](int number) { received = number; };
+  action.sa_handler = [](int number) {
+    if (received == 0) received = number;
+  };
+  // Of two that come at once the second waits until the first is noted.
+  sigaddset(&action.sa_mask, SIGINT);
+  sigaddset(&action.sa_mask, SIGTERM);
   sigaction(SIGINT, &action, nullptr);
   sigaction(SIGTERM, &action, nullptr);
 }

@@ -6,7 +6,7 @@ namespace slewlab::common {
 // From here on the two signals no longer end the process but answer stop_signal().
 void catch_stop_signals();
 
-// The number of the signal that came last, 0 if none did.
+// The number of the signal that came first, 0 if none did.
 int stop_signal();
 
 }  // namespace slewlab::common

@@ -14,6 +14,10 @@
 namespace slewlab::common {
 namespace {
 
+// YAML's own limit for a key that stands before its colon is 1024; no name here comes near it.
+constexpr std::size_t kLongestKey = 200;
+const std::string kShorterName = "a name of at most " + std::to_string(kLongestKey) + " characters";
+
 // Builds the tree from the parser's events. A frame is a map or list that is still open.
 class TreeBuilder : public YAML::EventHandler {
  public:
@@ -122,6 +126,8 @@ class TreeBuilder : public YAML::EventHandler {
     if (!frame.pending) {
       if (node.kind != YamlNode::Kind::scalar) {
         problems_.push_back({node.mark, path(), excerpt(node) + " as a key", "a name as a key"});
+      } else if (node.scalar.size() > kLongestKey) {
+        problems_.push_back({node.mark, path(), excerpt(node) + " as a key", kShorterName});
       }
       frame.pending = YamlEntry{node.scalar, node.mark, {}};
       return;
@@ -177,7 +183,8 @@ bool read_file(const std::filesystem::path& file, std::string& text) {
 YamlNode load_with_includes(const std::filesystem::path& file, const SourceMark& named_by,
                             const std::string& key, std::vector<std::filesystem::path>& chain,
                             InputProblems& problems) {
-  const std::filesystem::path identity = std::filesystem::weakly_canonical(file);
+  std::error_code no_such_place;  // read_file below tells
+  const std::filesystem::path identity = std::filesystem::weakly_canonical(file, no_such_place);
   if (std::find(chain.begin(), chain.end(), identity) != chain.end()) {
     std::string circle;
     for (const std::filesystem::path& link : chain) circle += link.filename().string() + " -> ";
@@ -276,6 +283,10 @@ void apply_override(YamlNode& root, const Override& change, InputProblems& probl
       *node = YamlNode{};
       node->kind = YamlNode::Kind::map;
       node->mark = mark;
+    }
+    if (part.size() > kLongestKey) {
+      problems.push_back({mark, change.key, "a key of " + std::to_string(part.size()) + " characters", kShorterName});
+      return;
     }
     if (node->find(part) == nullptr) node->entries.push_back({part, mark, {}});
     node = node->find(part);

@@ -12,18 +12,16 @@
 #include <cerrno>
 #include <charconv>
 #include <cstring>
+#include <optional>
 #include <vector>
+
+#include "msgs/datagram.h"
 
 namespace slewlab::msgs {
 namespace {
 
 constexpr const char* kGroup = "239.255.76.67";  // LCM's own default group
 
-// LCM's UDP multicast protocol: a datagram is this word, a running number of the sender's, the channel's
-// name with its zero, and the data, numbers big-endian. Messages beyond one datagram come in fragments
-// under another word; no message of slewlab is that large.
-constexpr std::uint32_t kDatagramWord = 0x4c433032;  // "LC02"
-constexpr std::size_t kDatagramHead = 8;
 constexpr std::size_t kLargestDatagram = 65'507;     // [bytes] of UDP over IPv4
 constexpr std::size_t kLongestChannel = 63;          // LCM_MAX_CHANNEL_NAME_LENGTH
 
@@ -177,7 +175,7 @@ class LcmBus : public Bus {
   void publish(const char* channel, Bytes bytes) override {
     const std::size_t channel_bytes = std::strlen(channel) + 1;
     std::uint32_t head[2] = {htonl(kDatagramWord), htonl(number_++)};
-    std::array<iovec, 3> parts{{{head, kDatagramHead},
+    std::array<iovec, 3> parts{{{head, kDatagramHeadBytes},
                                 {const_cast<char*>(channel), channel_bytes},
                                 {const_cast<std::uint8_t*>(bytes.data()), bytes.size()}}};
     msghdr message{};
@@ -223,19 +221,12 @@ class LcmBus : public Bus {
   };
 
   bool deliver(std::size_t size) {
-    std::uint32_t word = 0;
-    if (size < kDatagramHead) return false;
-    std::memcpy(&word, datagram_.data(), sizeof word);
-    if (ntohl(word) != kDatagramWord) return false;
-    const auto* channel = reinterpret_cast<const char*>(datagram_.data() + kDatagramHead);
-    const std::size_t channel_bytes = ::strnlen(channel, size - kDatagramHead);
-    if (kDatagramHead + channel_bytes == size) return false;  // no zero behind the channel's name
-    const std::string_view name(channel, channel_bytes);
-    const std::size_t data_at = kDatagramHead + channel_bytes + 1;
+    const std::optional<Datagram> datagram = read_datagram(Bytes(datagram_.data(), size));
+    if (!datagram) return false;
     bool delivered = false;
     for (const Subscription& subscription : subscriptions_) {
-      if (subscription.channel != name) continue;
-      subscription.handler(Bytes(datagram_.data() + data_at, size - data_at));
+      if (subscription.channel != datagram->channel) continue;
+      subscription.handler(datagram->data);
       delivered = true;
     }
     return delivered;

@@ -7,7 +7,12 @@ namespace slewlab::msgs {
 namespace {
 
 // A message that speaks of a time this far before its channel's newest is no late arrival but of another run.
-constexpr std::int64_t kRestartDistance = 1'000'000'000;  // [ns]
+constexpr std::uint64_t kRestartDistance = 1'000'000'000;  // [ns]
+
+// For any numbers that a damaged message may hold.
+std::uint64_t distance(std::int64_t from, std::int64_t to) {
+  return static_cast<std::uint64_t>(to) - static_cast<std::uint64_t>(from);
+}
 
 struct Unusable {
   std::int64_t count = 0;
@@ -35,7 +40,8 @@ void take(Sorting& sorting, const LogEvent& event, std::vector<Message> RunLog::
   const auto known = sorting.run_of_configuration.find(message.configuration_hash);
   const bool begins_again =
       known != sorting.run_of_configuration.end() && !(runs[known->second].*channel).empty() &&
-      (runs[known->second].*channel).back().simulated_time - message.simulated_time > kRestartDistance;
+      message.simulated_time < (runs[known->second].*channel).back().simulated_time &&
+      distance(message.simulated_time, (runs[known->second].*channel).back().simulated_time) > kRestartDistance;
   if (known == sorting.run_of_configuration.end() || begins_again) {
     sorting.run_of_configuration[message.configuration_hash] = runs.size();
     runs.emplace_back();
@@ -66,8 +72,8 @@ void put_in_order(std::vector<Message>& messages, const char* channel, std::vect
     messages.erase(end, messages.end());
   }
   if (messages.empty()) return;
-  const std::int64_t span = key_of(messages.back()) - key_of(messages.front()) + 1;
-  const std::int64_t missing = span - static_cast<std::int64_t>(messages.size());
+  const std::uint64_t span = distance(key_of(messages.front()), key_of(messages.back())) + 1;
+  const std::uint64_t missing = span - messages.size();
   if (missing > 0) {
     remarks.push_back(std::string(channel) + ": " + std::to_string(missing) + " of " + std::to_string(span) +
                       " messages are missing");

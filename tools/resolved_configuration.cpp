@@ -16,12 +16,12 @@ using common::InputProblems;
 using common::Override;
 using common::YamlNode;
 
-bool plain(const YamlNode& node) {
+// Whether the text needs no quotes.
+bool plain(std::string_view text) {
   const auto harmless = [](unsigned char c) {
     return std::isalnum(c) || c == '_' || c == '.' || c == '+' || c == '/' || c == '-';
   };
-  return !node.quoted && !node.scalar.empty() && node.scalar != "-" &&
-         std::all_of(node.scalar.begin(), node.scalar.end(), harmless);
+  return !text.empty() && text != "-" && std::all_of(text.begin(), text.end(), harmless);
 }
 
 std::string in_quotes(std::string_view text) {
@@ -44,7 +44,11 @@ std::string in_quotes(std::string_view text) {
   return result + "\"";
 }
 
-std::string scalar_text(const YamlNode& node) { return plain(node) ? node.scalar : in_quotes(node.scalar); }
+std::string scalar_text(const YamlNode& node) {
+  return !node.quoted && plain(node.scalar) ? node.scalar : in_quotes(node.scalar);
+}
+
+std::string key_text(const std::string& key) { return plain(key) ? key : in_quotes(key); }
 
 bool is_list_of_scalars(const YamlNode& node) {
   return node.kind == YamlNode::Kind::sequence &&
@@ -68,7 +72,7 @@ std::string line_text(const YamlNode& node) {
       return "[" + text + "]";
     case YamlNode::Kind::map:
       for (const auto& entry : node.entries) {
-        text += (text.empty() ? "" : ", ") + entry.key + ": " + line_text(entry.value);
+        text += (text.empty() ? "" : ", ") + key_text(entry.key) + ": " + line_text(entry.value);
       }
       return "{" + text + "}";
   }
@@ -91,9 +95,9 @@ void write(const YamlNode& node, const std::string& indent, std::string& text) {
   }
   for (const auto& entry : node.entries) {
     if (fits_line(entry.value)) {
-      text += indent + entry.key + ": " + line_text(entry.value) + "\n";
+      text += indent + key_text(entry.key) + ": " + line_text(entry.value) + "\n";
     } else {
-      text += indent + entry.key + ":\n";
+      text += indent + key_text(entry.key) + ":\n";
       write(entry.value, indent + "  ", text);
     }
   }
@@ -116,6 +120,7 @@ void set_reference(YamlNode& root, std::string_view key, const char* file) {
 }  // namespace
 
 std::string to_yaml(const YamlNode& node) {
+  if (node.entries.empty() && node.items.empty()) return line_text(node) + "\n";
   std::string text;
   write(node, "", text);
   return text;

@@ -37,6 +37,8 @@ DERIVATIVES = ("two_sample_mean", "central_difference", "backward_difference")
 MOST_GROUPS = 8           # sim/model/crane_parameters.h
 UNEVEN = 0.25             # [periods] by which a row may miss the even grid
 LONGEST_GAP = 5.5         # [usual intervals] that interpolation may bridge
+MOST_DENSE = 100          # [new rows per row] that resampling may make
+SHORTEST_PERIOD = 1e-6    # [s] between two rows of a log, whose times are whole nanoseconds
 NANOSECONDS = 1_000_000_000
 ONE_OF_DERIVATIVES = f"a column with its unit, or {{derive: one of {', '.join(DERIVATIVES)}}}"
 
@@ -283,6 +285,9 @@ def numbers(series, reader, row):
 def times(mapping, table, row):
     """[s] of each row behind the origin, rising."""
     series = table[mapping.time_column]
+    if len(series) < 3:
+        mapping.time.report("column", f"{len(series)} rows", "at least 3")
+        return None
     if mapping.time_factor is None:
         stamps = pd.to_datetime(series, errors="coerce", utc=True)
         if stamps.isna().any():
@@ -301,9 +306,6 @@ def times(mapping, table, row):
             return None
         origin = raw[0] if mapping.origin is None else mapping.origin / mapping.time_factor
         seconds = (raw - origin) * mapping.time_factor
-    if len(seconds) < 3:
-        mapping.time.report("column", f"{len(seconds)} rows", "at least 3")
-        return None
     steps = np.diff(seconds)
     if (steps <= 0.0).any():
         at = int(np.argmax(steps <= 0.0)) + 1
@@ -356,6 +358,10 @@ def even_grid(mapping, seconds, row):
         return None
     else:
         period = mapping.period or round(usual, 9)
+        if period * MOST_DENSE < usual:
+            mapping.reader.report("rate", f"{1 / period:.6g} Hz for rows that come at {1 / usual:.6g} Hz",
+                                  f"at most {MOST_DENSE} times the rate of the rows")
+            return None
         count = int(np.floor((seconds[-1] - seconds[0]) / period + 1e-6)) + 1
         longest = int(np.argmax(steps))
         if steps[longest] > LONGEST_GAP * usual:
@@ -367,6 +373,9 @@ def even_grid(mapping, seconds, row):
                 "resample", f"linear from {1 / usual:.6g} Hz to {1 / period:.6g} Hz, which folds what is faster "
                 "than half the new rate into the signals", "mean, which averages over each new period")
             return None
+    if period < SHORTEST_PERIOD:
+        mapping.time.report("unit", f"rows {period:.6g} s apart", f"rows at least {SHORTEST_PERIOD:g} s apart")
+        return None
     grid = np.round(seconds[0] * NANOSECONDS + np.arange(count) * (period * NANOSECONDS)).astype(np.int64)
     return grid, even
 

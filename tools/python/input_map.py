@@ -38,7 +38,9 @@ class MapReader:
             self.complain(node, "", shown(node), "a map of keys")
             return
         for key, value in node.value:
-            if key.value in self.entries:
+            if not isinstance(key, yaml.ScalarNode):
+                self.complain(key, "", shown(key), "a name as a key")
+            elif key.value in self.entries:
                 self.complain(key, key.value, "the key a second time", "each signal and key once")
             else:
                 self.entries[key.value] = (key, value)
@@ -159,7 +161,14 @@ class MapReader:
 def load(path):
     """The root of a YAML file, and the list into which its problems go."""
     try:
-        node = yaml.compose(path.read_text(encoding="utf-8"), Loader=yaml.SafeLoader)
+        text = path.read_text(encoding="utf-8")
+        for event in yaml.parse(text, Loader=yaml.SafeLoader):
+            if isinstance(event, yaml.AliasEvent):  # one that stands inside what it means would have no end
+                mark = event.start_mark
+                raise InputProblems([f"{path}:{mark.line + 1}:{mark.column + 1}: found an alias (*), expected the value itself"])
+        node = yaml.compose(text, Loader=yaml.SafeLoader)
+    except RecursionError as error:
+        raise InputProblems([f"{path}: found lists or maps hundreds deep, expected an import map"]) from error
     except yaml.MarkedYAMLError as error:
         mark = error.problem_mark
         raise InputProblems([f"{path}:{mark.line + 1}:{mark.column + 1}: found {error.problem}, expected YAML"]) from error

@@ -6,11 +6,11 @@ channel is decoded at once. What cannot be used is told in `remarks`, one line e
 
 import importlib
 import os
+import struct
 import sys
 from dataclasses import dataclass, field
 from pathlib import Path
 
-import lcm
 import numpy as np
 
 REPOSITORY = Path(__file__).resolve().parents[2]
@@ -36,6 +36,12 @@ WIRE_TYPES = {
     "float": ">f4",
     "double": ">f8",
 }
+
+# An event of LCM's log: sync word, number, time stamp, length of the channel's name, length of the data.
+EVENT_HEAD = struct.Struct(">IqqII")
+SYNC_WORD = 0xEDA1DA01
+SYNC_BYTES = SYNC_WORD.to_bytes(4, "big")
+LONGEST_CHANNEL = 63
 
 FALL_BACK = 1_000_000_000  # [ns] simulated time that falls back by more begins another run
 
@@ -139,6 +145,28 @@ def _run_numbers(times):
     return runs
 
 
+def events(path, remarks):
+    """(channel, data) of every event in the log. Reads on through damage as msgs/log_reader does: where bytes are no
+    event it looks for the next one, and a cut-off end ends the log; both are told in `remarks`."""
+    content = path.read_bytes()
+    size, at, skipped = len(content), 0, 0
+    while at + EVENT_HEAD.size <= size:
+        sync, _, _, channel_bytes, data_bytes = EVENT_HEAD.unpack_from(content, at)
+        end = at + EVENT_HEAD.size + channel_bytes + data_bytes
+        if sync == SYNC_WORD and 0 < channel_bytes <= LONGEST_CHANNEL and end <= size:
+            begin = at + EVENT_HEAD.size
+            yield content[begin:begin + channel_bytes].decode("latin-1"), content[begin + channel_bytes:end]
+            at = end
+            continue
+        following = content.find(SYNC_BYTES, at + 1)
+        following = size if following < 0 else following
+        skipped += following - at
+        at = following
+    skipped += size - at
+    if skipped:
+        remarks.append(f"{skipped} bytes of the file are no whole event (damaged or cut off), not used")
+
+
 def read_run_log(path):
     """The run in the log. Where a file holds several, the one with the most messages is taken, and that is said."""
     path = Path(path)
@@ -147,16 +175,16 @@ def read_run_log(path):
     types = message_types()
     payloads = {name: [] for name in MESSAGE_OF_CHANNEL}
     others = {}
-    try:
-        for event in lcm.EventLog(str(path), "r"):
-            if event.channel in payloads:
-                payloads[event.channel].append(event.data)
-            else:
-                others[event.channel] = others.get(event.channel, 0) + 1
-    except (OSError, ValueError) as error:
-        raise LogProblem(f"{path}: not readable as an LCM log: {error}") from error
-
     log = RunLog(path)
+    try:
+        for channel, data in events(path, log.remarks):
+            if channel in payloads:
+                payloads[channel].append(data)
+            else:
+                others[channel] = others.get(channel, 0) + 1
+    except OSError as error:
+        raise LogProblem(f"{path}: not readable: {error}") from error
+
     for channel, count in sorted(others.items()):
         log.remarks.append(f"{channel}: {count} messages of a channel that is not slewlab's, not used")
     decoded = {}

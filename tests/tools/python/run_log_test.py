@@ -72,6 +72,16 @@ class RunLogTest(unittest.TestCase):
             self.path.write_bytes(whole[:size])
             self.assertEqual(len(read_run_log(self.path).channel("SENSORS")), size // event_size, size)
 
+    def test_behind_a_damaged_piece_reading_goes_on(self):
+        events = [event for event in made_run.messages() if event[0] == "SENSORS"][:4]
+        made_run.write_log(self.path, events)
+        whole = self.path.read_bytes()
+        event_size = len(whole) // 4
+        self.path.write_bytes(whole[:event_size] + b"????" + whole[event_size + 4:])  # the second's sync word
+        log = read_run_log(self.path)
+        np.testing.assert_array_equal(log.channel("SENSORS")["sequence"], [0, 2, 3])
+        self.assertIn(f"{event_size} bytes of the file are no whole event", " ".join(log.remarks))
+
     def test_no_log_and_no_message_are_told_apart(self):
         with self.assertRaisesRegex(LogProblem, "no such log"):
             read_run_log(self.path)
