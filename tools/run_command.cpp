@@ -291,6 +291,26 @@ void complain(const common::InputProblems& problems) {
   for (const common::InputProblem& problem : problems) std::fprintf(stderr, "%s\n", common::to_text(problem).c_str());
 }
 
+// How the run ended, for people; the exit code.
+int tell_outcome(const Outcome& outcome, const std::string& name, const fs::path& log, const fs::path& kept) {
+  switch (outcome.kind) {
+    case Outcome::Kind::complete:
+      std::printf("%s: complete, log %s\n", name.c_str(), log.c_str());
+      return 0;
+    case Outcome::Kind::interrupted:
+      std::fprintf(stderr, "%s: ended by signal %d (%s); the log so far is %s\n", name.c_str(), outcome.signal_number,
+                   strsignal(outcome.signal_number), kept.c_str());
+      return 128 + outcome.signal_number;
+    case Outcome::Kind::failed: break;
+  }
+  std::fprintf(stderr, "%s: %s\n", name.c_str(), outcome.reason.c_str());
+  const auto& words = outcome.failed_side->last_words();
+  std::fprintf(stderr, words.empty() ? "it said nothing on its standard error\n" : "its last words:\n");
+  for (const std::string& line : words) std::fprintf(stderr, "  %s\n", line.c_str());
+  if (fs::exists(kept)) std::fprintf(stderr, "the log so far is %s\n", kept.c_str());
+  return 1;
+}
+
 int run_in(const fs::path& folder, const RunOptions& options, const std::string& name) {
   const FolderLock lock(folder);
   const fs::path log = folder / "run.lcmlog";
@@ -345,8 +365,6 @@ int run_in(const fs::path& folder, const RunOptions& options, const std::string&
   const Outcome outcome = run.watch();
   display.close_line();
 
-  write_whole_file(folder / "plant.txt", plant.complaints());
-  write_whole_file(folder / "controller.txt", controller.complaints());
   const fs::path kept = fs::exists(log) ? log : fs::path(log.string() + ".partial");
   const Json summary{
       {"scenario", fs::absolute(options.scenario).lexically_normal().string()},
@@ -359,28 +377,23 @@ int run_in(const fs::path& folder, const RunOptions& options, const std::string&
       {"run", run.plant_summary()},
       {"plant_end", plant.how_it_ended()},
       {"controller_end", controller.how_it_ended()}};
-  write_whole_file(folder / "summary.json", summary.dump(2) + "\n");
-  RunOutcome facts = run_outcome(outcome, run.plant_summary());
-  if (!options.controller_command.empty()) facts.controller_command = options.controller_command;
-  write_run_facts(folder, scenario, controller_settings, facts);
-
-  switch (outcome.kind) {
-    case Outcome::Kind::complete:
-      std::printf("%s: complete, log %s\n", name.c_str(), log.c_str());
-      if (options.realtime) print_timing(run.plant_summary());
-      return 0;
-    case Outcome::Kind::interrupted:
-      std::fprintf(stderr, "%s: ended by signal %d (%s); the log so far is %s\n", name.c_str(), outcome.signal_number,
-                   strsignal(outcome.signal_number), kept.c_str());
-      return 128 + outcome.signal_number;
-    case Outcome::Kind::failed: break;
+  std::string unwritten;  // a disk that is full for the log is full for these, too; the run's own end is told first
+  try {
+    write_whole_file(folder / "plant.txt", plant.complaints());
+    write_whole_file(folder / "controller.txt", controller.complaints());
+    write_whole_file(folder / "summary.json", summary.dump(2) + "\n");
+    RunOutcome facts = run_outcome(outcome, run.plant_summary());
+    if (!options.controller_command.empty()) facts.controller_command = options.controller_command;
+    write_run_facts(folder, scenario, controller_settings, facts);
+  } catch (const std::exception& error) {
+    unwritten = error.what();
   }
-  std::fprintf(stderr, "%s: %s\n", name.c_str(), outcome.reason.c_str());
-  const auto& words = outcome.failed_side->last_words();
-  std::fprintf(stderr, words.empty() ? "it said nothing on its standard error\n" : "its last words:\n");
-  for (const std::string& line : words) std::fprintf(stderr, "  %s\n", line.c_str());
-  if (fs::exists(kept)) std::fprintf(stderr, "the log so far is %s\n", kept.c_str());
-  return 1;
+
+  const int code = tell_outcome(outcome, name, log, kept);
+  if (outcome.kind == Outcome::Kind::complete && options.realtime) print_timing(run.plant_summary());
+  if (unwritten.empty()) return code;
+  std::fprintf(stderr, "%s: %s\n", name.c_str(), unwritten.c_str());
+  return code == 0 ? 1 : code;
 }
 
 }  // namespace

@@ -9,8 +9,6 @@ PlotJuggler.
 
 import argparse
 import json
-import os
-import shutil
 import signal
 import sys
 from pathlib import Path
@@ -19,6 +17,7 @@ import pandas as pd
 from mcap.writer import Writer
 
 from run_log import LogProblem, read_run_log, seconds
+from whole_file import growing
 
 FORMATS = ("parquet", "csv", "mcap")
 
@@ -40,18 +39,14 @@ def channel_table(messages):
 
 def write_tables(log, out, file_format):
     """A folder with one file per channel; it appears when all of them are complete."""
-    growing = out.with_name(out.name + ".partial")
-    shutil.rmtree(growing, ignore_errors=True)
-    growing.mkdir(parents=True)
-    for name, messages in log.channels.items():
-        table = channel_table(messages)
-        if file_format == "parquet":
-            table.to_parquet(growing / f"{name}.parquet", index=False)
-        else:
-            table.to_csv(growing / f"{name}.csv", index=False)
-    if out.is_dir():
-        shutil.rmtree(out)
-    os.replace(growing, out)
+    with growing(out) as partial:
+        partial.mkdir()
+        for name, messages in log.channels.items():
+            table = channel_table(messages)
+            if file_format == "parquet":
+                table.to_parquet(partial / f"{name}.parquet", index=False)
+            else:
+                table.to_csv(partial / f"{name}.csv", index=False)
 
 
 def _json_type(field_type):
@@ -62,9 +57,7 @@ def _json_type(field_type):
 
 def write_mcap(log, out):
     """One file; events in the order of simulated time."""
-    growing = out.with_name(out.name + ".partial")
-    out.parent.mkdir(parents=True, exist_ok=True)
-    with open(growing, "wb") as stream:
+    with growing(out) as partial, open(partial, "wb") as stream:
         writer = Writer(stream)
         writer.start(profile="", library="slewlab")
         events = []
@@ -83,7 +76,6 @@ def write_mcap(log, out):
             writer.add_message(channel_id=channel_id, log_time=time, publish_time=time, sequence=sequence & 0xFFFFFFFF,
                                data=json.dumps(message).encode())
         writer.finish()
-    os.replace(growing, out)
 
 
 def main(arguments=None):

@@ -14,13 +14,11 @@ Sensors that are not mapped are NaN in SENSORS. The log appears when it is compl
 import argparse
 import csv
 import json
-import os
 import signal
 import sys
 from dataclasses import dataclass
 from pathlib import Path
 
-import lcm
 import numpy as np
 import pandas as pd
 import pyarrow
@@ -28,8 +26,9 @@ import pyarrow.parquet
 
 import input_map
 from input_map import InputProblems, nearest
-from run_log import LogProblem, message_types
+from run_log import EventWriter, LogProblem, message_types
 from unit import SPELLINGS, factor_to_si, quantity_of, spellings_of
+from whole_file import growing
 
 ACCELERATIONS = ("house_acceleration", "pivot_acceleration", "middle_acceleration", "tip_acceleration")
 FLAGS = ("emergency_stop", "enable", "brake")
@@ -478,8 +477,6 @@ def configuration_hash(text):
 def write_log(out, grid, values, hash_of_map):
     """All messages in the order in which a lockstep run writes them; returns counts by channel."""
     types = message_types()
-    growing = out.with_name(out.name + ".partial")
-    out.parent.mkdir(parents=True, exist_ok=True)
     counts = {"ENCODER": 0, "TORQUE": 0, "OPERATOR": 0}
     lists = {name: [series.tolist() for series in entries] for name, entries in values.items()}
     sensors = [name for name in (*ACCELERATIONS, "slew_angle") if name in lists]
@@ -494,8 +491,7 @@ def write_log(out, grid, values, hash_of_map):
         setattr(sensor, name, float("nan"))
     encoder.configuration_hash = torque.configuration_hash = hash_of_map
     move.configuration_hash = sensor.configuration_hash = hash_of_map
-    log = lcm.EventLog(str(growing), "w", overwrite=True)
-    try:
+    with growing(out) as partial, EventWriter(partial) as log:
         wish = None
         for k, time in enumerate(grid.tolist()):
             stamp = time // 1000
@@ -503,25 +499,21 @@ def write_log(out, grid, values, hash_of_map):
                 wish = (requests[k], stops[k])
                 move.sequence, move.simulated_time = counts["OPERATOR"], time
                 move.speed_request, move.emergency_stop = wish
-                log.write_event(stamp, "OPERATOR", move.encode())
+                log.write(stamp, "OPERATOR", move.encode())
                 counts["OPERATOR"] += 1
             encoder.sequence = torque.sequence = torque.answered_sequence = k
             encoder.simulated_time = torque.simulated_time = time
             encoder.operator_sequence = counts["OPERATOR"] - 1
             encoder.shaft_position, encoder.shaft_speed = positions[k], speeds[k]
-            log.write_event(stamp, "ENCODER", encoder.encode())
+            log.write(stamp, "ENCODER", encoder.encode())
             torque.alive_counter = k + 1
             torque.enable, torque.brake, torque.motor_torque = enables[k], brakes[k], torques[k]
-            log.write_event(stamp, "TORQUE", torque.encode())
+            log.write(stamp, "TORQUE", torque.encode())
             if sensors:
                 sensor.sequence, sensor.simulated_time = k, time
                 for name in sensors:
                     setattr(sensor, name, lists[name][0][k])
-                log.write_event(stamp, "SENSORS", sensor.encode())
-        log.close()
-        os.replace(growing, out)
-    finally:
-        growing.unlink(missing_ok=True)
+                log.write(stamp, "SENSORS", sensor.encode())
     counts["ENCODER"] = counts["TORQUE"] = len(grid)
     if sensors:
         counts["SENSORS"] = len(grid)

@@ -7,7 +7,6 @@
 
 import argparse
 import html
-import os
 import signal
 import sys
 from pathlib import Path
@@ -18,6 +17,7 @@ from plotly.offline import get_plotlyjs
 
 from run_log import LogProblem, seconds
 from run_numbers import crossings, measured, phase_spectrum, phases, read_run, shown_path, stop_time, table, table_text
+from whole_file import growing
 
 # Colours that stay apart for colour-blind readers (Okabe and Ito's set).
 GROUP_COLOURS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#8C564B", "#7F7F7F"]
@@ -321,10 +321,9 @@ def page(runs, rows):
 
 
 def write_whole(path, text):
-    """Writes under another name first, so that a file of this name is complete."""
-    growing = path.with_name(path.name + ".partial")
-    growing.write_text(text, encoding="utf-8")
-    os.replace(growing, path)
+    """A file of this name is complete."""
+    with growing(path) as partial:
+        partial.write_text(text, encoding="utf-8")
 
 
 def main(arguments=None):

@@ -167,6 +167,24 @@ def events(path, remarks):
         remarks.append(f"{skipped} bytes of the file are no whole event (damaged or cut off), not used")
 
 
+class EventWriter:
+    """Writes events as events() reads them. lcm.EventLog would take a full disk for a written event."""
+
+    def __init__(self, path):
+        self.stream, self.count = open(path, "wb"), 0
+
+    def write(self, timestamp_us, channel, data):
+        name = channel.encode()
+        self.stream.write(EVENT_HEAD.pack(SYNC_WORD, self.count, timestamp_us, len(name), len(data)) + name + data)
+        self.count += 1
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.stream.close()
+
+
 def read_run_log(path):
     """The run in the log. Where a file holds several, the one with the most messages is taken, and that is said."""
     path = Path(path)
