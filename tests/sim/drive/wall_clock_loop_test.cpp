@@ -79,7 +79,6 @@ class WallClockLoopTest : public testing::Test {
       msgs::encode(torque, out);
       controller_bus_->publish(msgs::kTorqueChannel, out);
     });
-    plant_bus_->on_wait = [this] { controller_bus_->drain(); };
     plant_.on_step = [this](int step) {
       clock_.work(work_ ? work_(step) : 0);
       controller_bus_->drain();
@@ -87,6 +86,8 @@ class WallClockLoopTest : public testing::Test {
   }
 
   WallClockReport run() {
+    plant_bus_ = wire_.connect();  // a bus serves one run
+    plant_bus_->on_wait = [this] { controller_bus_->drain(); };
     return run_wall_clock(
         settings_, speed_, plant_, *plant_bus_,
         [this](const char* channel, std::int64_t, msgs::Bytes bytes) {
@@ -97,7 +98,7 @@ class WallClockLoopTest : public testing::Test {
   }
 
   msgs::MemoryWire wire_;
-  std::unique_ptr<msgs::MemoryBus> plant_bus_ = wire_.connect();
+  std::unique_ptr<msgs::MemoryBus> plant_bus_;
   std::unique_ptr<msgs::MemoryBus> controller_bus_ = wire_.connect();
   LockstepSettings settings_;
   double speed_ = 1.0;
