@@ -165,6 +165,10 @@ bool ChildProcess::ended_by_signal(int signal_number) const {
   return WIFSIGNALED(status_) && WTERMSIG(status_) == signal_number;
 }
 
+void ChildProcess::halt() { ::kill(-pid_, SIGSTOP); }
+
+void ChildProcess::go_on() { ::kill(-pid_, SIGCONT); }
+
 void ChildProcess::send(int signal_number) {
   if (::kill(-pid_, signal_number) == 0) ::kill(-pid_, SIGCONT);
 }

@@ -51,6 +51,10 @@ class ChildProcess {
   // A line for its standard input, if it listens.
   void tell(const std::string& line);
 
+  // Stops the whole group (SIGSTOP), and lets it go on.
+  void halt();
+  void go_on();
+
   // To the whole group; a stopped one is continued so that it hears it.
   void send(int signal_number);
 

@@ -19,6 +19,8 @@
 #include "common/input_error.h"
 #include "controller/controller_file.h"
 #include "msgs/lcm_bus.h"
+#include "msgs/run_log.h"
+#include "sim/drive/fault_expectation.h"
 #include "sim/scenario_file.h"
 #include "tools/check_command.h"
 #include "tools/child_process.h"
@@ -33,6 +35,8 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 using WallClock = std::chrono::steady_clock;
+
+constexpr int kNotAsExpected = 1;  // exit code
 
 // Wall clock that a side gets to end after it was asked to, before it is killed.
 constexpr std::chrono::seconds kEndPatience{5};
@@ -235,6 +239,10 @@ class Run {
         restarted_guards_.emplace_back(std::vector<pid_t>{controller_.pid()});
         killed_on_purpose_ = false;
         plant_.tell("done");
+      } else if (line == "controller stop") {
+        controller_.halt();
+      } else if (line == "controller continue") {
+        controller_.go_on();
       } else {
         display_.update(line);
       }
@@ -289,6 +297,12 @@ void print_timing(const Json& summary) {
 
 void complain(const common::InputProblems& problems) {
   for (const common::InputProblem& problem : problems) std::fprintf(stderr, "%s\n", common::to_text(problem).c_str());
+}
+
+// What did not come about of what the scenario says under `expect:`; nothing where it says nothing.
+std::optional<std::vector<std::string>> judge(const sim::Scenario& scenario, const fs::path& log) {
+  if (scenario.expectation == sim::FaultExpectation{}) return std::nullopt;
+  return sim::broken_expectations(scenario.expectation, msgs::read_run_logs(log).runs.front());
 }
 
 // How the run ended, for people; the exit code.
@@ -366,7 +380,9 @@ int run_in(const fs::path& folder, const RunOptions& options, const std::string&
   display.close_line();
 
   const fs::path kept = fs::exists(log) ? log : fs::path(log.string() + ".partial");
-  const Json summary{
+  std::optional<std::vector<std::string>> broken;
+  if (outcome.kind == Outcome::Kind::complete) broken = judge(scenario, log);
+  Json summary{
       {"scenario", fs::absolute(options.scenario).lexically_normal().string()},
       {"outcome", to_string(outcome.kind)},
       {"reason", outcome.reason},
@@ -377,6 +393,7 @@ int run_in(const fs::path& folder, const RunOptions& options, const std::string&
       {"run", run.plant_summary()},
       {"plant_end", plant.how_it_ended()},
       {"controller_end", controller.how_it_ended()}};
+  if (broken) summary["broken_expectations"] = *broken;
   std::string unwritten;  // a disk that is full for the log is full for these, too; the run's own end is told first
   try {
     write_whole_file(folder / "plant.txt", plant.complaints());
@@ -389,8 +406,18 @@ int run_in(const fs::path& folder, const RunOptions& options, const std::string&
     unwritten = error.what();
   }
 
-  const int code = tell_outcome(outcome, name, log, kept);
-  if (outcome.kind == Outcome::Kind::complete && options.realtime) print_timing(run.plant_summary());
+  int code = tell_outcome(outcome, name, log, kept);
+  if (outcome.kind == Outcome::Kind::complete) {
+    if (options.realtime) print_timing(run.plant_summary());
+    if (broken && broken->empty()) std::printf("%s: everything under expect: of the scenario came about\n", name.c_str());
+    if (broken) {
+      for (const std::string& line : *broken) {
+        std::fprintf(stderr, "%s: not as expected: %s\n", name.c_str(), line.c_str());
+      }
+    }
+    // Counts to the message are lockstep's; against the wall clock they depend on the machine.
+    if (broken && !broken->empty() && !options.realtime) code = kNotAsExpected;
+  }
   if (unwritten.empty()) return code;
   std::fprintf(stderr, "%s: %s\n", name.c_str(), unwritten.c_str());
   return code == 0 ? 1 : code;

@@ -8,7 +8,8 @@
 // controller.txt with what the two had to complain about.
 //
 // Whatever happens - success, an error, Ctrl-C, a killed child, this process killed - no process is left
-// behind. Exit codes: 0 complete, 1 a side failed (which, how and its last words stand on standard error),
+// behind. Exit codes: 0 complete, 1 a side failed (which, how and its last words stand on standard error)
+// or what the scenario says under `expect:` did not come about (in lockstep; with realtime it is told and does not count),
 // 2 the call or the configuration is wrong, 128 + signal where a signal ended the run.
 
 #include <filesystem>

@@ -20,6 +20,7 @@ namespace slewlab::sim {
 struct CountRange {
   std::int64_t at_least = 0;
   std::int64_t at_most = std::numeric_limits<std::int64_t>::max();
+  bool operator==(const CountRange&) const = default;
 };
 
 struct FaultExpectation {
@@ -28,6 +29,7 @@ struct FaultExpectation {
   struct FaultCount {
     DriveFault fault = DriveFault::none;
     CountRange count;
+    bool operator==(const FaultCount&) const = default;
   };
   std::vector<FaultCount> faults;             // seen until the end
   bool no_other_faults = false;               // all those not named above were never seen
@@ -36,6 +38,7 @@ struct FaultExpectation {
   std::optional<std::int64_t> standing_by;    // [ns] from then on the slew angle stays within kStandingAngle
   std::optional<double> slew_angle_at_least;  // [rad] at the end
   std::optional<double> slew_angle_at_most;   // [rad] at the end
+  bool operator==(const FaultExpectation&) const = default;
 };
 
 // A tenth of what the crane of the thesis covers in a second at top speed.

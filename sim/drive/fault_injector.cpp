@@ -33,9 +33,10 @@ bool is_message_fault(FaultKind kind) {
 
 }  // namespace
 
-FaultInjector::FaultInjector(std::vector<Fault> faults, std::int64_t controller_period)
+FaultInjector::FaultInjector(std::vector<Fault> faults, std::int64_t controller_period, Stopping stopping)
     : faults_(std::move(faults)),
       controller_period_(controller_period),
+      stopping_(stopping),
       actions_done_(faults_.size()),
       frozen_(faults_.size()) {}
 
@@ -57,13 +58,15 @@ std::vector<ControllerAction> FaultInjector::controller_actions(std::int64_t tim
   std::vector<ControllerAction> actions;
   for (std::size_t i = 0; i < faults_.size(); ++i) {
     const Fault& fault = faults_[i];
-    if (fault.kind != FaultKind::controller_killed) continue;
+    const bool killed = fault.kind == FaultKind::controller_killed;
+    const bool stopped = fault.kind == FaultKind::controller_stopped && stopping_ == Stopping::process_stopped;
+    if (!killed && !stopped) continue;
     if (actions_done_[i] == 0 && time >= fault.from) {
-      actions.push_back(ControllerAction::kill);
+      actions.push_back(killed ? ControllerAction::kill : ControllerAction::stop);
       actions_done_[i] = 1;
     }
     if (actions_done_[i] == 1 && time >= fault.until) {
-      actions.push_back(ControllerAction::start);
+      actions.push_back(killed ? ControllerAction::start : ControllerAction::resume);
       actions_done_[i] = 2;
     }
   }
@@ -137,7 +140,8 @@ void FaultInjector::pass(FaultChannel channel, std::int64_t time, std::int64_t s
       if (fault.corruption == Corruption::alive_frozen) here.alive_frozen = false;
       continue;
     }
-    if (fault.kind == FaultKind::controller_stopped && channel == FaultChannel::encoder) {
+    if (fault.kind == FaultKind::controller_stopped && stopping_ == Stopping::questions_held &&
+        channel == FaultChannel::encoder) {
       here.held.push_back({fault.until, false, std::move(message)});
       return;
     }

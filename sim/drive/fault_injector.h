@@ -1,7 +1,8 @@
 #pragma once
 
 // Brings a scenario's faults into a run, at the edge of the plant's loop: messages between plant and controller,
-// what the encoders say, what fails on the crane, and when the controller's process is to be killed and started.
+// what the encoders say, what fails on the crane, and when the controller's process is to be killed, started, stopped and
+// continued.
 // Without faults every call passes through.
 //
 // Message faults act on a message in the order of the schedule; the first that hits decides. Held messages come out
@@ -17,11 +18,15 @@
 
 namespace slewlab::sim {
 
-enum class ControllerAction { kill, start };
+enum class ControllerAction { kill, start, stop, resume };
+
+// What becomes of a controller that is stopped on purpose. Lockstep would wait for it for ever: there its questions are
+// held back. Against the wall clock its process is stopped (SIGSTOP), the questions go on.
+enum class Stopping { questions_held, process_stopped };
 
 class FaultInjector {
  public:
-  FaultInjector(std::vector<Fault> faults, std::int64_t controller_period);
+  FaultInjector(std::vector<Fault> faults, std::int64_t controller_period, Stopping stopping = Stopping::questions_held);
 
   bool empty() const { return faults_.empty(); }
 
@@ -68,7 +73,8 @@ class FaultInjector {
 
   std::vector<Fault> faults_;
   std::int64_t controller_period_;
-  std::vector<int> actions_done_;  // of each fault: 0, 1 killed, 2 started
+  Stopping stopping_;
+  std::vector<int> actions_done_;  // of each fault: 0, 1 killed or stopped, 2 started or continued
   Side sides_[2];
   struct Frozen {
     bool held = false;

@@ -21,7 +21,7 @@ class WallClock {
         log_(log),
         clock_(clock),
         hooks_(hooks),
-        faults_(settings.faults, settings.controller_period) {
+        faults_(settings.faults, settings.controller_period, Stopping::process_stopped) {
     if (!(speed > 0.0) || !std::isfinite(speed)) throw std::invalid_argument("a speed must be a positive number");
     if (settings.plant_step <= 0 || settings.controller_period % settings.plant_step != 0) {
       throw std::invalid_argument("a controller period must be a multiple of the plant step");

@@ -7,12 +7,14 @@
 //   summary {...}        JSON, once, at the end of a run whether complete or stopped
 //   controller kill      a fault on purpose: kill the controller now and say so by a line on standard input
 //   controller start     the same for starting it anew
+//   controller stop, controller continue      the same with SIGSTOP and SIGCONT, against the wall clock only
 // Exit codes: 0 complete, 1 the run failed, 2 the call or the configuration is wrong, 128 + signal when stopped.
 
 #include <CLI/CLI.hpp>
 
 #include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <chrono>
 #include <cstdio>
@@ -63,7 +65,8 @@ void print_progress(const LockstepCounts& counts, const LockstepSettings& settin
 }
 
 void tell_launcher(ControllerAction action) {
-  std::printf("controller %s\n", action == ControllerAction::kill ? "kill" : "start");
+  constexpr std::array kNames{"kill", "start", "stop", "continue"};
+  std::printf("controller %s\n", kNames[static_cast<std::size_t>(action)]);
   std::fflush(stdout);
 }
 

@@ -267,6 +267,41 @@ TEST_F(RunCommandTest, AgainstTheWallClockEveryStepIsInTheHistogramsOfStatusAndS
   EXPECT_EQ(std::accumulate(status.step_time.begin(), status.step_time.end(), std::int64_t{0}), 1999);
 }
 
+TEST_F(RunCommandTest, WhatTheScenarioExpectsIsJudgedAndTold) {
+  const std::string scenario = SLEWLAB_SOURCE_DIR "/config/scenarios/faults/controller_killed.yaml";
+  RunningProgram run({kSlewlab, "run", scenario, "--out", out_.string()});
+  EXPECT_EQ(run.wait_for_end(), 0) << run.complaints();
+  EXPECT_NE(run.output().find("everything under expect: of the scenario came about"), std::string::npos) << run.output();
+  EXPECT_EQ(summary()["broken_expectations"], nlohmann::json::array());
+
+  RunningProgram other({kSlewlab, "run", scenario, "--out", out_.string(), "--set", "expect.drive_state=running"});
+  EXPECT_EQ(other.wait_for_end(), 1);
+  const std::string broken = "drive state at the end: found braked, expected running";
+  EXPECT_NE(other.complaints().find("not as expected: " + broken), std::string::npos) << other.complaints();
+  EXPECT_EQ(summary()["broken_expectations"], nlohmann::json::array({broken}));
+  EXPECT_EQ(summary()["outcome"], "complete");
+}
+
+// The process itself stands still, as the kernel says, and the drive hears nothing meanwhile.
+TEST_F(RunCommandTest, AgainstTheWallClockAControllerStoppedOnPurposeIsAStoppedProcess) {
+  const std::string scenario = SLEWLAB_SOURCE_DIR "/config/scenarios/faults/controller_stopped.yaml";
+  RunningProgram run({kSlewlab, "run", scenario, "--out", out_.string(), "--progress", "lines", "--realtime", "--speed",
+                      "10", "--set", "duration=13"});
+  const std::string started = run.wait_for_line("plant is process");
+  const std::string stat = "/proc/" + std::to_string(number_after(started, "controller is process ")) + "/stat";
+  char state = '?';
+  while (state != 'T' && fs::exists(stat)) {
+    const std::string text = contents(stat);
+    const std::size_t name_end = text.rfind(") ");
+    if (name_end != std::string::npos) state = text[name_end + 2];
+  }
+  EXPECT_EQ(state, 'T') << "it was never stopped";
+  EXPECT_EQ(run.wait_for_end(), 0) << run.complaints();
+  EXPECT_GE(summary()["run"]["drive"]["faults"]["silence"], 1);
+  EXPECT_EQ(summary()["run"]["drive"]["state"], "braked");
+  EXPECT_GE(summary()["run"]["drive"]["faults"]["wrong_sequence"], 1) << "nothing was answered late";
+}
+
 TEST_F(RunCommandTest, TwoRunsSideBySideDoNotHearEachOther) {
   RunningProgram first(command({"--set", "duration=20"}));
   const fs::path other = folder_.path() / "other";

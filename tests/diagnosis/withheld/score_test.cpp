@@ -96,7 +96,7 @@ TEST(Score, CalibrationErrorIsTheDistanceBetweenStatedAndRight) {
 TEST(Score, CoverageCountsComparableSizesOfRightAnswers) {
   std::vector<Judged> cases(2, judged(Kind::kOneEffect, {"lag"}, 9, {cause({"lag"}, 0.9)}, 0.1, true));
   cases[1].answer.effects[0].sizes[0].value = 3.0;  // outside 1.9 ... 2.3
-  const Score& score = score_named(tabulate(cases), "90 % intervals that cover");
+  const Score score = score_named(tabulate(cases), "90 % intervals that cover");
   EXPECT_EQ(score.cases, 2);
   EXPECT_DOUBLE_EQ(score.value, 0.5);
 }
@@ -108,7 +108,7 @@ TEST(Score, GapClosedIsMeasuredAgainstTheInformedFit) {
   cases[0].unseen_informed = 2.0;  // 7.2 of 8
   cases[1].result.unseen_before = 10.0;
   cases[1].unseen_informed = 9.5;  // nothing to close
-  const Score& score = score_named(tabulate(cases), "share of the gap closed");
+  const Score score = score_named(tabulate(cases), "share of the gap closed");
   EXPECT_EQ(score.cases, 1);
   EXPECT_NEAR(score.value, 0.9, 1e-12);
 }
@@ -117,7 +117,7 @@ TEST(Score, GapClosedIsMeasuredAgainstTheInformedFit) {
 TEST(Score, SharesCarryWilsonsInterval) {
   std::vector<Judged> cases(10, judged(Kind::kOneEffect, {"lag"}, 9, {cause({"lag"}, 0.9)}, 0.1, true));
   cases[0].result.gap = cases[1].result.gap = false;
-  const Score& score = score_named(tabulate(cases), "detection");
+  const Score score = score_named(tabulate(cases), "detection");
   EXPECT_DOUBLE_EQ(score.value, 0.8);
   EXPECT_NEAR(score.low, 0.490, 0.001);
   EXPECT_NEAR(score.high, 0.943, 0.001);

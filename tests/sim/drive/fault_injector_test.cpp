@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
 
 #include "sim/scenario_file.h"
 
@@ -35,6 +36,22 @@ Fault fault(FaultKind kind, std::int64_t from, std::int64_t until) {
 }
 
 using Lists = std::vector<std::vector<std::int64_t>>;
+
+TEST(FaultInjector, AProcessThatIsStoppedIsToldSoAndItsQuestionsGoOn) {
+  FaultInjector injector({fault(FaultKind::controller_stopped, 1, 3)}, kPeriod, Stopping::process_stopped);
+  std::string story;
+  for (std::int64_t k = 0; k < 5; ++k) {
+    for (const ControllerAction action : injector.controller_actions(k * kPeriod)) {
+      story += action == ControllerAction::stop ? 'S' : action == ControllerAction::resume ? 'C' : '?';
+    }
+    injector.begin_period(FaultChannel::encoder, k * kPeriod);
+    const std::uint8_t byte = 0;
+    injector.pass(FaultChannel::encoder, k * kPeriod, k, {&byte, 1});
+    injector.end_period(FaultChannel::encoder);
+    for (const auto& message : injector.arrivals(FaultChannel::encoder)) story += std::to_string(message.sequence);
+  }
+  EXPECT_EQ(story, "0S12C34");
+}
 
 TEST(FaultInjector, WithoutFaultsEverythingPasses) { EXPECT_EQ(arrivals({}, 3), (Lists{{0}, {1}, {2}})); }
 
