@@ -27,16 +27,6 @@ std::size_t choice(YamlReader& reader, std::string_view key, const std::array<co
   return choice(reader, key, names, std::make_index_sequence<N>());
 }
 
-// In the order of FaultKind, Corruption, FaultChannel.
-constexpr std::array kKindNames{"controller_killed", "controller_stopped", "message_lost",      "message_delayed",
-                                "message_duplicated", "message_reordered", "message_corrupted", "encoder_frozen",
-                                "encoder_noisy",      "encoder_offset",    "encoder_dropped",   "motor_group_lost",
-                                "main_power_lost"};
-constexpr std::array kCorruptionNames{"bits",         "truncated",    "garbage",        "other_version",
-                                      "other_configuration", "wrong_sequence", "group_count", "not_a_number",
-                                      "infinite",     "torque_limit", "alive_frozen"};
-constexpr std::array kChannelNames{"ENCODER", "TORQUE"};
-
 std::int64_t read_time(YamlReader& reader, std::string_view key, std::int64_t period) {
   const std::int64_t time = nanoseconds(reader.number(key, Unit::second, between(0.0, kLongest)));
   if (period > 0 && time % period != 0) {
@@ -53,7 +43,7 @@ bool is_message_fault(FaultKind kind) {
 
 Fault read_fault(YamlReader& reader, std::int64_t period, int group_count, std::uint64_t seed) {
   Fault fault;
-  fault.kind = static_cast<FaultKind>(choice(reader, "fault", kKindNames));
+  fault.kind = static_cast<FaultKind>(choice(reader, "fault", kFaultKindNames));
   fault.from = read_time(reader, "from", period);
   if (reader.has("until")) {
     fault.until = read_time(reader, "until", period);
@@ -61,7 +51,7 @@ Fault read_fault(YamlReader& reader, std::int64_t period, int group_count, std::
   }
   fault.seed = seed;
   if (is_message_fault(fault.kind)) {
-    fault.channel = static_cast<FaultChannel>(choice(reader, "channel", kChannelNames));
+    fault.channel = static_cast<FaultChannel>(choice(reader, "channel", kFaultChannelNames));
     fault.probability = reader.number("probability", Unit::none, between(0.0, 1.0));
     if (reader.has("seed")) {
       fault.seed = static_cast<std::uint64_t>(reader.integer("seed", 0, std::numeric_limits<int>::max()));

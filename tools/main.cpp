@@ -16,6 +16,7 @@
 #include "tools/python_command.h"
 #include "tools/replay_command.h"
 #include "tools/run_command.h"
+#include "tools/soak_command.h"
 #include "tools/verify_command.h"
 #include "tools/withhold_command.h"
 
@@ -177,6 +178,44 @@ void add_withhold_score(CLI::App& withhold, Action& action) {
   });
 }
 
+void add_soak(CLI::App& app, Action& action) {
+  struct Options {
+    SoakOptions soak;
+    std::vector<std::string> overrides;
+  };
+  auto options = std::make_shared<Options>();
+  SoakOptions& soak_options = options->soak;
+  soak_options.crane = SLEWLAB_SOURCE_DIR "/config/cranes/thesis.yaml";
+  soak_options.controller = SLEWLAB_SOURCE_DIR "/config/controllers/thesis.yaml";
+  soak_options.config = SLEWLAB_SOURCE_DIR "/config/soak/thesis.yaml";
+  CLI::App* command = app.add_subcommand("soak", "Slew at random for hours, faster than real time, and check what must always hold");
+  auto* hours = command->add_option("--hours", soak_options.hours, "simulated hours, rounded up to whole tasks")
+                    ->check(CLI::PositiveNumber);
+  command->add_option("--seed", soak_options.seed, "of everything drawn")->required();
+  command->add_option("--jobs", soak_options.jobs, "worker processes (1)")->check(CLI::Range(1, 1024));
+  command->add_flag("--faults", soak_options.faults, "draw faults as well (docs/faults.md)");
+  auto* task = command->add_option("--task", soak_options.task,
+                                   "instead of hours: run task K, or K-L one after the other, and keep the logs");
+  hours->excludes(task);
+  command->add_option("--out", soak_options.out,
+                      "folder for journal and failures (soak-SEED); the same command goes on where it was stopped");
+  command->add_option("--crane", soak_options.crane, "crane (config/cranes/thesis.yaml)")->check(CLI::ExistingFile);
+  command->add_option("--controller", soak_options.controller, "controller (config/controllers/thesis.yaml)")
+      ->check(CLI::ExistingFile);
+  command->add_option("--config", soak_options.config, "what is drawn, and the limits (config/soak/thesis.yaml)")
+      ->check(CLI::ExistingFile);
+  command->add_option("--set", options->overrides,
+                      "key=value: of --config as they are, crane.KEY and controller.KEY, e.g. limits.sidelead=5");
+  command->footer("Journal, failures and how to repeat one: docs/soak.md");
+  command->callback([options, hours, task, &action] {
+    if (hours->count() + task->count() == 0) throw CLI::RequiredError("--hours or --task");
+    action = [options] {
+      options->soak.overrides = parse_overrides(options->overrides);
+      return soak(options->soak);
+    };
+  });
+}
+
 // What Python does: its options are the Python program's own, and so is its help.
 void add_python(CLI::App& app, const char* name, const char* script, const char* description, Action& action) {
   CLI::App* command = app.add_subcommand(name, description);
@@ -224,6 +263,7 @@ int main(const std::vector<std::string>& command_line, int argc, char** argv) {
   add_run(app, command_line, action);
   add_replay(app, command_line, action);
   add_accept(app, command_line, action);
+  add_soak(app, action);
   add_check(app, action);
   add_modes(app, action);
   add_verify(app, action);

@@ -3,6 +3,7 @@
 // Faults on purpose: what a scenario's `faults:` schedules, each from `from` until `until` (simulated time). What draws
 // numbers draws them by seed and sequence number of the message alone, so that lockstep runs repeat to the bit.
 
+#include <array>
 #include <cstdint>
 #include <vector>
 
@@ -25,8 +26,13 @@ enum class FaultKind {
   motor_group_lost,       // the motors of `group` give no torque
   main_power_lost,        // no torque, and the brakes fall in
 };
+inline constexpr std::array kFaultKindNames{
+    "controller_killed", "controller_stopped", "message_lost",    "message_delayed", "message_duplicated",
+    "message_reordered", "message_corrupted",  "encoder_frozen",  "encoder_noisy",   "encoder_offset",
+    "encoder_dropped",   "motor_group_lost",   "main_power_lost"};
 
 enum class FaultChannel { encoder, torque };
+inline constexpr std::array kFaultChannelNames{"ENCODER", "TORQUE"};
 
 // What becomes of a corrupted message. Below `bits` and `truncated`, `garbage`, `other_version` only TORQUE.
 enum class Corruption {
@@ -42,6 +48,9 @@ enum class Corruption {
   torque_limit,
   alive_frozen,
 };
+inline constexpr std::array kCorruptionNames{
+    "bits",        "truncated",    "garbage",  "other_version", "other_configuration", "wrong_sequence",
+    "group_count", "not_a_number", "infinite", "torque_limit",  "alive_frozen"};
 
 struct Fault {
   FaultKind kind = FaultKind::message_lost;

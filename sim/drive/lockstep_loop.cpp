@@ -21,7 +21,7 @@ void require_multiple(std::int64_t value, std::int64_t of, const char* what) {
 
 class Lockstep {
  public:
-  Lockstep(const LockstepSettings& settings, DrivenPlant& plant, msgs::Bus& bus, msgs::LogWriter& log,
+  Lockstep(const LockstepSettings& settings, DrivenPlant& plant, msgs::Bus& bus, const LogSink& log,
            const LockstepHooks& hooks)
       : settings_(settings),
         plant_(plant),
@@ -65,7 +65,7 @@ class Lockstep {
   }
 
   void log(const char* channel, const ByteBuffer& bytes) {
-    log_.append(channel, counts_.simulated_time / 1000, bytes);
+    log_(channel, counts_.simulated_time / 1000, bytes);
   }
 
   // What plant and controller say to each other at the start of a period; false if asked to stop meanwhile.
@@ -254,7 +254,7 @@ class Lockstep {
   const LockstepSettings& settings_;
   DrivenPlant& plant_;
   msgs::Bus& bus_;
-  msgs::LogWriter& log_;
+  const LogSink& log_;
   const LockstepHooks& hooks_;
 
   LockstepCounts counts_;
@@ -295,8 +295,16 @@ class Lockstep {
 }  // namespace
 
 LockstepCounts run_lockstep(const LockstepSettings& settings, DrivenPlant& plant, msgs::Bus& bus,
-                            msgs::LogWriter& log, const LockstepHooks& hooks) {
+                            const LogSink& log, const LockstepHooks& hooks) {
   return Lockstep(settings, plant, bus, log, hooks).run();
+}
+
+LockstepCounts run_lockstep(const LockstepSettings& settings, DrivenPlant& plant, msgs::Bus& bus,
+                            msgs::LogWriter& log, const LockstepHooks& hooks) {
+  const LogSink sink = [&](const char* channel, std::int64_t timestamp_us, msgs::Bytes bytes) {
+    log.append(channel, timestamp_us, bytes);
+  };
+  return run_lockstep(settings, plant, bus, sink, hooks);
 }
 
 }  // namespace slewlab::sim

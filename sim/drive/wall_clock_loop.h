@@ -48,8 +48,6 @@ struct WallClockHooks {
   std::function<void(ControllerAction)> controller_action;  // must not wait
 };
 
-using LogSink = std::function<void(const char* channel, std::int64_t timestamp_us, msgs::Bytes bytes)>;
-
 // Takes the settings of a lockstep run; resends do not occur. `speed` is simulated seconds per second. Throws
 // std::invalid_argument, msgs::BusError. The bus must not be handled any more after it.
 WallClockReport run_wall_clock(const LockstepSettings& settings, double speed, DrivenPlant& plant, msgs::Bus& bus,
