@@ -1,0 +1,89 @@
+// `slewlab soak` as a person calls it: interrupted by Ctrl-C it says so and goes on; what it prints on a failure is a
+// command that fails in the same way.
+
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+
+#include "tests/msgs/temporary_folder.h"
+#include "tests/tools/running_program.h"
+
+namespace slewlab {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string kSlewlab = SLEWLAB_BINARY_DIR "/bin/slewlab";
+
+std::string contents(const fs::path& file) {
+  std::ifstream in(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
+}
+
+int count_of(const std::string& text, const std::string& part) {
+  int count = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
+TEST(SoakCommand, GoesOnAfterCtrlC) {
+  const TemporaryFolder folder;
+  const std::vector<std::string> command{kSlewlab, "soak", "--hours", "0.2", "--seed", "2", "--jobs", "2", "--faults",
+                                         "--set", "task.duration=36", "--out", folder.path() / "out"};
+  int first_result = 0;
+  {
+    RunningProgram first(command);
+    ASSERT_FALSE(first.wait_for_line("of 20 tasks").empty());
+    // Ctrl-C reaches the launcher; its workers are told by it.
+    ::kill(first.pid(), SIGINT);
+    first_result = first.wait_for_end();
+    if (first_result != 0) {
+      EXPECT_EQ(first_result, 128 + SIGINT);
+      EXPECT_NE(first.output().find("the same command goes on from here"), std::string::npos) << first.output();
+    }
+  }
+  wait_until_nothing_is_left();
+  RunningProgram second(command);
+  EXPECT_EQ(second.wait_for_end(), 0) << second.output() << second.complaints();
+  EXPECT_NE(second.output().find("complete: 0.20 simulated hours in 20 tasks, 0 failed"), std::string::npos)
+      << second.output();
+  EXPECT_EQ(count_of(contents(folder.path() / "out/journal.jsonl"), "\"outcome\":\"good\""), 20);
+  wait_until_nothing_is_left();
+}
+
+TEST(SoakCommand, TheCommandOfAFailureFailsInTheSameWay) {
+  const TemporaryFolder folder;
+  RunningProgram soak({kSlewlab, "soak", "--hours", "0.005", "--seed", "2", "--set", "task.duration=18", "--set",
+                       "limits.house_speed=0.0001", "--out", folder.path() / "out"});
+  EXPECT_EQ(soak.wait_for_end(), 1) << soak.complaints();
+  const std::string text = contents(folder.path() / "out/failures/task-000000/failure.txt");
+  const std::string mark = "again: slewlab ";
+  ASSERT_NE(text.find(mark), std::string::npos) << text;
+  std::istringstream words(text.substr(text.find(mark) + mark.size()));
+  std::vector<std::string> command{kSlewlab};
+  for (std::string word; words >> word;) command.push_back(word);
+  command.insert(command.end(), {"--out", folder.path() / "again"});
+  RunningProgram again(command);
+  EXPECT_EQ(again.wait_for_end(), 1) << again.complaints();
+  EXPECT_EQ(contents(folder.path() / "again/failure.txt"), text);
+  EXPECT_TRUE(contents(folder.path() / "again/run.lcmlog") == contents(folder.path() / "out/failures/task-000000/run.lcmlog"));
+}
+
+TEST(SoakCommand, AWrongCallIsToldInOneLine) {
+  const auto call = [](std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {kSlewlab, "soak", "--seed", "1"});
+    RunningProgram program(arguments);
+    EXPECT_EQ(program.wait_for_end(), 2);
+    return program.output() + program.complaints();
+  };
+  EXPECT_NE(call({}).find("--hours or --task"), std::string::npos);
+  EXPECT_NE(call({"--task", "x"}).find("a task's number"), std::string::npos);
+  EXPECT_NE(call({"--hours", "1", "--set", "limits.sidelead=-1"}).find("limits.sidelead"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace slewlab
