@@ -17,6 +17,7 @@
 #include <array>
 #include <cerrno>
 #include <chrono>
+#include <csignal>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
@@ -216,6 +217,8 @@ int run(const Options& options) {
   msgs::LogWriter log(options.log);
 
   common::catch_stop_signals();
+  // A launcher that was killed reads no more of what is told here; the log is to be put in order all the same.
+  std::signal(SIGPIPE, SIG_IGN);
   return options.realtime ? run_in_real_time(options, settings, plant, *bus, log)
                           : run_in_lockstep(settings, plant, *bus, log);
 }

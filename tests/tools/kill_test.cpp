@@ -297,7 +297,12 @@ void KillTest::strike(const Moment& moment, Tally& tally) {
   } else if (partial) {
     ++tally.partial;
     const LogFindings log = read_log(out / "run.lcmlog.partial");
-    tally.most_lost = std::max(tally.most_lost, seen - log.last_encoder);
+    const std::int64_t lost = seen - log.last_encoder;
+    tally.most_lost = std::max(tally.most_lost, lost);
+    // Only a plant that is killed itself takes along what it has not yet handed to the system.
+    if (moment.victim != Victim::plant) {
+      EXPECT_LE(lost, 0);
+    }
   } else {
     ++tally.none;
     EXPECT_EQ(moment.when, When::at_start) << "no log at all";
