@@ -16,6 +16,7 @@ namespace {
 
 // YAML's own limit for a key that stands before its colon is 1024; no name here comes near it.
 constexpr std::size_t kLongestKey = 200;
+constexpr std::ptrdiff_t kDeepest = 100;  // [names] in the path of a `--set`
 const std::string kShorterName = "a name of at most " + std::to_string(kLongestKey) + " characters";
 
 // Builds the tree from the parser's events. A frame is a map or list that is still open.
@@ -256,6 +257,11 @@ void apply_override(YamlNode& root, const Override& change, InputProblems& probl
   }
   set_mark(value, mark);
 
+  if (std::count(change.key.begin(), change.key.end(), '.') >= kDeepest) {
+    problems.push_back({mark, change.key.substr(0, kLongestKey), "more than " + std::to_string(kDeepest) + " names",
+                        "the path of a key of the file"});
+    return;
+  }
   YamlNode* node = &root;
   std::string_view rest = change.key;
   while (!rest.empty()) {
@@ -283,6 +289,10 @@ void apply_override(YamlNode& root, const Override& change, InputProblems& probl
       *node = YamlNode{};
       node->kind = YamlNode::Kind::map;
       node->mark = mark;
+    }
+    if (part.empty()) {
+      problems.push_back({mark, change.key, "an empty name", "names with a dot between each"});
+      return;
     }
     if (part.size() > kLongestKey) {
       problems.push_back({mark, change.key, "a key of " + std::to_string(part.size()) + " characters", kShorterName});

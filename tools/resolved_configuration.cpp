@@ -21,7 +21,8 @@ bool plain(std::string_view text) {
   const auto harmless = [](unsigned char c) {
     return std::isalnum(c) || c == '_' || c == '.' || c == '+' || c == '/' || c == '-';
   };
-  return !text.empty() && text != "-" && std::all_of(text.begin(), text.end(), harmless);
+  const bool says_nothing = text == "null" || text == "Null" || text == "NULL";
+  return !text.empty() && text != "-" && !says_nothing && std::all_of(text.begin(), text.end(), harmless);
 }
 
 std::string in_quotes(std::string_view text) {

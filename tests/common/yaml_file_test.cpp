@@ -135,6 +135,15 @@ TEST_F(YamlFile, OverrideOutsideAListIsExplained) {
             "expected a number from 0 to 0");
 }
 
+TEST_F(YamlFile, OverrideWithNamesThatNoFileHasIsExplained) {
+  const auto file = write("a.yaml", "load: {mass: 1}\n");
+  load(file, {"load..mass=2"});
+  EXPECT_EQ(said(), "--set load..mass=2: key 'load..mass': found an empty name, expected names with a dot between each");
+  problems_.clear();
+  load(file, {std::string(1000, 'x') + "=1"});
+  EXPECT_NE(said().find("found a key of 1000 characters, expected a name of at most 200"), std::string::npos) << said();
+}
+
 TEST_F(YamlFile, OverrideWithoutEqualsIsExplained) {
   try {
     parse_override("load.mass");
