@@ -242,7 +242,7 @@ void check_drive(const SoakFacts& facts, const StepRecord& before, const StepRec
 
 EnergyBalance::EnergyBalance(const SoakFacts& facts, const SoakLimits& limits, const StepRecord& first)
     : facts_(facts),
-      limit_(limits.energy_error),
+      limit_(facts.faults ? limits.energy_error_with_faults : limits.energy_error),
       first_energy_(first.mechanical_energy),
       first_work_(first.supplied_work),
       before_(first),

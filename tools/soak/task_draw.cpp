@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 
 #include "common/yaml_node.h"
@@ -95,7 +96,7 @@ class Hand {
   Hand(const TaskRanges& ranges, const Swing& swing, Draw& draw) : ranges_(ranges), swing_(swing), draw_(draw) {}
 
   std::vector<sim::OperatorMove> moves(bool acknowledges) {
-    constexpr double kAcknowledges = 0.25;  // share of moves, where faults can trip the drive
+    constexpr double kAcknowledges = 0.15;  // share of moves, where faults can trip the drive
     wait(draw_.between(0.5, 5.0));
     while (time_ < static_cast<double>(ranges_.duration) / kSecond) {
       const bool stop = draw_.chance(ranges_.emergency_stop);
@@ -157,8 +158,10 @@ sim::Fault draw_fault(const TaskRanges& ranges, int group_count, Draw& draw) {
   constexpr std::int64_t kSeeds = 1'000'000'000;
   constexpr double kSpeedError = 20.0;    // [rad/s] at the motor, of the 137 at top speed
   constexpr double kPositionError = 1.0;  // [rad] at the motor
+  constexpr double kCorrupted = 0.25;  // share of faults: there are more ways to corrupt than kinds of fault
   sim::Fault fault;
   fault.kind = static_cast<sim::FaultKind>(draw.below(static_cast<std::int64_t>(sim::kFaultKindNames.size())));
+  if (draw.chance(kCorrupted)) fault.kind = sim::FaultKind::message_corrupted;
   fault.from = on_grid(draw.share() * static_cast<double>(ranges.duration) / kSecond, ranges.controller_period);
   const double shortest = static_cast<double>(ranges.controller_period) / kSecond;
   const double length = draw.scattered(shortest, std::max(shortest, ranges.longest_fault));
@@ -175,6 +178,26 @@ sim::Fault draw_fault(const TaskRanges& ranges, int group_count, Draw& draw) {
   fault.speed = draw.between(-kSpeedError, kSpeedError);
   fault.position = draw.between(-kPositionError, kPositionError);
   return fault;
+}
+
+// Behind a fault the operator acknowledges, too early or in time, his other hand where it is or off the joystick.
+void acknowledge(const std::vector<sim::Fault>& faults, const TaskRanges& ranges, Draw& draw,
+                 std::vector<sim::OperatorMove>& moves) {
+  constexpr double kSoonest = 0.05, kLatest = 10.0, kShortest = 0.02, kLongest = 1.0;  // [s]
+  for (const sim::Fault& fault : faults) {
+    const std::int64_t press = fault.from + on_grid(draw.scattered(kSoonest, kLatest), ranges.plant_step);
+    const std::int64_t release = press + on_grid(draw.scattered(kShortest, kLongest), ranges.plant_step);
+    const bool lets_go = draw.chance(0.5);
+    for (const std::int64_t time : {press, release}) {
+      const auto later = std::find_if(moves.begin(), moves.end(), [&](const auto& move) { return move.time >= time; });
+      if (time >= ranges.duration || (later != moves.end() && later->time == time)) continue;
+      sim::OperatorMove move = later == moves.begin() ? sim::OperatorMove{} : *std::prev(later);
+      move.time = time;
+      move.acknowledge = time == press;
+      if (lets_go) move.speed_request = 0.0;
+      moves.insert(later, move);
+    }
+  }
 }
 
 std::string number_text(double value, const char* unit) {
@@ -244,6 +267,7 @@ SoakTask draw_task(const TaskRanges& ranges, const sim::CraneParameters& crane, 
   if (with_faults) {
     const std::int64_t count = 1 + draw.below(ranges.most_faults);
     for (std::int64_t i = 0; i < count; ++i) task.faults.push_back(draw_fault(ranges, crane.drive.group_count, draw));
+    acknowledge(task.faults, ranges, draw, task.moves);
   }
   return task;
 }

@@ -194,11 +194,20 @@ struct Controller {
   controller::AnswerLoop loop;
 };
 
-// Memory within the run: from the first of the looks on it may not grow.
+// Memory within the run: from the first of the looks on it may not grow, but for the messages that faults hold back
+// (their places are kept for the next ones).
 class MemoryWatch {
  public:
-  MemoryWatch(const SoakLimits& limits, std::int64_t duration, Findings& findings)
-      : limits_(limits), interval_(std::max<std::int64_t>(1, duration / kMemoryLooks)), findings_(findings) {}
+  MemoryWatch(const SoakLimits& limits, const sim::LockstepSettings& loop, Findings& findings)
+      : limits_(limits), interval_(std::max<std::int64_t>(1, loop.duration / kMemoryLooks)), findings_(findings) {
+    constexpr std::int64_t kHeldPerKilobyte = 4;  // ENCODER and TORQUE with their places in three lists
+    for (const sim::Fault& fault : loop.faults) {
+      const std::int64_t end = std::min(fault.until, loop.duration);
+      const std::int64_t stopped = std::max<std::int64_t>(0, end - fault.from) / loop.controller_period;
+      if (fault.kind == sim::FaultKind::controller_stopped) limits_.heap_growth += stopped / kHeldPerKilobyte;
+      if (fault.kind == sim::FaultKind::message_delayed) limits_.heap_growth += fault.cycles / kHeldPerKilobyte;
+    }
+  }
   void look(std::int64_t time) {
     if (time < next_) return;
     const MemoryUse now = memory_use();
@@ -208,7 +217,7 @@ class MemoryWatch {
   }
 
  private:
-  const SoakLimits& limits_;
+  SoakLimits limits_;
   std::int64_t interval_;
   Findings& findings_;
   std::int64_t next_ = interval_;
@@ -225,7 +234,7 @@ void run(const sim::Scenario& scenario, const SoakLimits& limits, const fs::path
   const SoakFacts facts = facts_of(crane, scenario, loop);
   WatchedPlant plant(crane, facts, limits, findings);
   MessageInvariants messages(facts);
-  MemoryWatch memory(limits, loop.duration, findings);
+  MemoryWatch memory(limits, loop, findings);
 
   msgs::MemoryWire wire;
   const auto plant_bus = wire.connect();
