@@ -55,6 +55,44 @@ TEST(SoakCommand, GoesOnAfterCtrlC) {
   wait_until_nothing_is_left();
 }
 
+// kill -9 leaves no worker behind, and nothing that the next session trips over.
+TEST(SoakCommand, GoesOnAfterKill) {
+  const TemporaryFolder folder;
+  const std::vector<std::string> command{kSlewlab, "soak", "--hours", "0.1", "--seed", "2", "--jobs", "2", "--set",
+                                         "task.duration=36", "--out", folder.path() / "out"};
+  {
+    RunningProgram first(command);
+    ASSERT_FALSE(first.wait_for_line("of 10 tasks").empty());
+    ::kill(first.pid(), SIGKILL);
+    first.wait_for_end();
+  }
+  wait_until_nothing_is_left();
+  RunningProgram second(command);
+  EXPECT_EQ(second.wait_for_end(), 0) << second.output() << second.complaints();
+  EXPECT_EQ(count_of(contents(folder.path() / "out/journal.jsonl"), "\"outcome\":\"good\""), 10);
+  EXPECT_FALSE(fs::exists(folder.path() / "out/running"));
+}
+
+// A second soak in the same folder is refused, and so is a full disk, each in one line.
+TEST(SoakCommand, SaysWhyItCannotGoOn) {
+  const TemporaryFolder folder;
+  const std::vector<std::string> command{kSlewlab, "soak", "--hours", "1", "--seed", "2", "--out", folder.path() / "out"};
+  RunningProgram first(command);
+  ASSERT_FALSE(first.wait_for_line("of 30 tasks").empty());
+  RunningProgram second(command);
+  EXPECT_EQ(second.wait_for_end(), 1);
+  EXPECT_NE(second.complaints().find("another soak is writing"), std::string::npos) << second.complaints();
+  ::kill(first.pid(), SIGTERM);
+  EXPECT_EQ(first.wait_for_end(), 128 + SIGTERM);
+
+  // Files of at most 512 kB: a task's log does not fit.
+  RunningProgram full({"/bin/sh", "-c", "ulimit -f 1024; trap '' XFSZ; exec \"$@\"", "sh", kSlewlab, "soak", "--hours", "0.1",
+                       "--seed", "2", "--out", folder.path() / "full"});
+  EXPECT_EQ(full.wait_for_end(), 1);
+  EXPECT_NE(full.complaints().find("run.lcmlog.partial: File too large"), std::string::npos) << full.complaints();
+  EXPECT_EQ(count_of(full.complaints(), "\n"), 1) << full.complaints();
+}
+
 TEST(SoakCommand, TheCommandOfAFailureFailsInTheSameWay) {
   const TemporaryFolder folder;
   RunningProgram soak({kSlewlab, "soak", "--hours", "0.005", "--seed", "2", "--set", "task.duration=18", "--set",
