@@ -111,6 +111,19 @@ TEST(SoakCommand, TheCommandOfAFailureFailsInTheSameWay) {
   EXPECT_TRUE(contents(folder.path() / "again/run.lcmlog") == contents(folder.path() / "out/failures/task-000000/run.lcmlog"));
 }
 
+// Two processes over LCM write the bytes that the soak wrote in one: what it finds holds for the real thing, and what it
+// keeps can be run again as any scenario can. Task 9 loses a motor group, lies about an encoder and corrupts ENCODER.
+TEST(SoakCommand, ATaskIsTheSameRunOverTheWire) {
+  const TemporaryFolder folder;
+  RunningProgram soak({kSlewlab, "soak", "--seed", "4", "--faults", "--task", "9", "--set", "task.duration=60", "--out",
+                       folder.path() / "soak"});
+  ASSERT_EQ(soak.wait_for_end(), 0) << soak.output() << soak.complaints();
+  RunningProgram run({kSlewlab, "run", folder.path() / "soak/scenario.yaml", "--out", folder.path() / "run", "--progress",
+                      "none"});
+  ASSERT_EQ(run.wait_for_end(), 0) << run.complaints();
+  EXPECT_TRUE(contents(folder.path() / "soak/run.lcmlog") == contents(folder.path() / "run/run.lcmlog"));
+}
+
 TEST(SoakCommand, AWrongCallIsToldInOneLine) {
   const auto call = [](std::vector<std::string> arguments) {
     arguments.insert(arguments.begin(), {kSlewlab, "soak", "--seed", "1"});
