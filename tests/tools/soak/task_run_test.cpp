@@ -13,7 +13,6 @@
 #include "msgs/configuration_hash.h"
 #include "msgs/run_log.h"
 #include "sim/scenario_file.h"
-#include "tests/common/allocation_guard.h"
 #include "tests/msgs/temporary_folder.h"
 
 namespace slewlab::tools {
@@ -131,27 +130,6 @@ TEST(TaskRun, StopsWhenAsked) {
       run_task(plan_with({{"task.duration", "20"}}), 0, folder.path() / "run", [&] { return ++asked > 1000; });
   EXPECT_FALSE(result.complete);
   EXPECT_LT(result.simulated_time, 20'000'000'000);
-}
-
-// The same task takes the same number of allocations every time, and nothing of them stays: 100 tasks may fill the
-// allocator's own bins of freed blocks, which count as in use, and leave less than 160 bytes each.
-TEST(TaskRun, LeavesNothingOnTheHeap) {
-#if !SLEWLAB_COUNTS_MALLOC
-  GTEST_SKIP() << "the sanitizer's allocator does not count here";
-#endif
-  const TemporaryFolder folder;
-  const SoakPlan plan = plan_with({{"task.duration", "2"}});
-  run_task(plan, 0, folder.path() / "run", kGoOn);
-  const MemoryUse before = memory_use();
-  constexpr int kTasks = 100;
-  long once = 0;
-  for (int i = 0; i < kTasks; ++i) {
-    const tests::AllocationGuard guard;
-    run_task(plan, 0, folder.path() / "run", kGoOn);
-    if (i == 0) once = guard.count();
-    EXPECT_EQ(guard.count(), once);
-  }
-  EXPECT_LE(memory_use().heap - before.heap, 16);  // [kB]
 }
 
 TEST(TaskRun, TheKeptFolderIsARunLikeAnyOther) {
