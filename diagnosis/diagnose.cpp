@@ -7,12 +7,12 @@
 #include <chrono>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <set>
 
 #include "common/unit.h"
 #include "diagnosis/nuisance.h"
 #include "sim/effects/catalogue.h"
-#include "sim/model/drive_line.h"
 
 namespace slewlab::diagnosis {
 
@@ -21,19 +21,35 @@ namespace {
 constexpr double kNinetyPercent = 1.645;       // standard deviations of a normal 90 % interval
 constexpr double kIndistinguishable = 0.97;    // cosine of two signatures, nuisances taken out
 constexpr double kLeastTrusted = 0.3;           // share of a record that must lie away from impacts
-constexpr double kLeastGain = 0.005;            // share of the gap that an effect must take away to be refined
+constexpr double kLeastGain = 6.0;              // fall of the cost, forecast linearly, for which an effect is refined
+constexpr double kLeastPairGain = 40.0;         // fall of the excess below the best single effect's, forecast, to try a pair
+constexpr double kGroupOdds = 20.0;             // of two causes' probabilities, beyond which the records tell them apart
 constexpr double kControllerExplained = 0.1;    // share of its difference that the right effect of a controller leaves at most
+constexpr const char* kCounts = "encoder_quantisation";
+constexpr double kCoarseCount = 1.53e-3;        // [rad] 2 pi / 4096: drives count 12 bits at least, 14 as a rule
+constexpr double kCountError = 1e-3;            // relative, of a quantum found in the positions
 constexpr double kNegligible = 1e-4;            // probability of a part that is not combined further
 constexpr double kSmallShare = 0.25;            // of an effect's typical size, with which it is tried too
 constexpr double kLargestAmount = 20.0;         // of the screened size that a linear forecast is trusted with
-constexpr double kVisible = 0.02;              // mean square of a tried size below which records tell nothing
+constexpr double kVisible = 10.0;               // sum of squares of a tried size below which records tell nothing
+constexpr double kNearlyTried = 0.1;            // of the size: nearer than that to a start is not worth another look
+constexpr double kSameMotion = 1e-6;            // relative difference of two signatures below which two effects are one motion
+constexpr int kStartsPerEffect = 2;             // that are refined
+constexpr int kFreshRounds = 2;                 // at most, for a leader
+constexpr int kPairsPerLeader = 3;              // that are refined beside each of the three best single effects
+constexpr double kParallel = 0.02;              // 1 - cosine^2 of two signatures below which they are not tried as a pair
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
+bool is_all_round(const common::EffectParameter& parameter) {
+  return parameter.unit == common::Unit::radian && !parameter.absent && parameter.lower <= -std::numbers::pi &&
+         parameter.upper >= std::numbers::pi;
+}
+
 // The points from which an effect is tried: its typical size, and a fraction of it, where most laws are still linear;
-// other sizes where the size enters not proportionally; other shapes.
+// other sizes where the size enters not proportionally; other shapes; angles all round, in every combination.
 std::vector<common::EffectInstance> starts_of(const common::EffectAbout& about) {
   const common::EffectInstance typical = common::typical_instance(about);
   std::vector<common::EffectInstance> starts{typical};
@@ -55,10 +71,22 @@ std::vector<common::EffectInstance> starts_of(const common::EffectAbout& about) 
   for (std::size_t p = 0; p < about.parameters.size(); ++p) {
     const common::EffectParameter& parameter = about.parameters[p];
     const bool fades_linearly = parameter.absent && std::isfinite(*parameter.absent);
-    if (fades_linearly) continue;
+    if (fades_linearly || is_all_round(parameter)) continue;
     add(p, -1.0);
     add(p, 1.0);
   }
+  std::vector<common::EffectInstance> turned{typical};
+  for (std::size_t p = 0; p < about.parameters.size(); ++p) {
+    if (!is_all_round(about.parameters[p])) continue;
+    const std::vector<common::EffectInstance> before = turned;
+    for (const double quarter : {-1.0, 1.0, 2.0}) {
+      for (common::EffectInstance start : before) {
+        start.values[p] = 0.5 * std::numbers::pi * quarter;
+        turned.push_back(start);
+      }
+    }
+  }
+  starts.insert(starts.end(), turned.begin() + 1, turned.end());
   return starts;
 }
 
@@ -79,17 +107,15 @@ struct Screened {
   std::string effect;
   common::EffectInstance start;
   Eigen::VectorXd column;       // change of the differences by the start's size
-  double visibility = 0.0;      // mean square of the column, nuisances taken out
+  double visibility = 0.0;      // sum of squares of the column, nuisances taken out
   double amount = 0.0;          // of the start's size, fitted
-  double mean_square = 0.0;     // left by it, linearly
+  double left = 0.0;            // sum of squares that it leaves, linearly
 };
 
-// Projects the nuisances out: what of a column they cannot imitate within their priors.
+// Projects columns out: what of a vector they cannot imitate within their priors.
 class Projector {
  public:
-  Projector(const Problem& problem, const Base& base)
-      : columns_(base.nuisance_columns),
-        weight_(problem.settings.independent_differences / static_cast<double>(base.difference.size())) {
+  Projector(Eigen::MatrixXd columns, double weight) : columns_(std::move(columns)), weight_(weight) {
     Eigen::MatrixXd system = weight_ * columns_.transpose() * columns_;
     system.diagonal().array() += 1.0;
     factor_.compute(system);
@@ -99,10 +125,20 @@ class Projector {
   }
 
  private:
-  const Eigen::MatrixXd& columns_;
+  Eigen::MatrixXd columns_;
   double weight_;
   Eigen::LDLT<Eigen::MatrixXd> factor_;
 };
+
+// How much of `target` a multiple of the column takes away.
+void try_amount(const Eigen::VectorXd& column, const Eigen::VectorXd& target, Screened& screened) {
+  const double norm = column.squaredNorm();
+  screened.amount = norm > 0.0 && std::isfinite(norm) ? -column.dot(target) / norm : 0.0;
+  const common::EffectParameter& parameter = about_effect(screened.effect).parameters.front();
+  const bool may_turn = parameter.lower < 0.0 && parameter.upper > 0.0;
+  screened.amount = std::clamp(screened.amount, may_turn ? -kLargestAmount : 0.0, kLargestAmount);
+  screened.left = (target + screened.amount * column).squaredNorm();
+}
 
 double mean_square(const Eigen::VectorXd& vector) {
   return vector.squaredNorm() / static_cast<double>(vector.size());
@@ -144,7 +180,7 @@ void locate(const Problem& problem, const Eigen::VectorXd& difference, Diagnosis
 void find_moments(const Problem& problem, const Point& point, Diagnosis& diagnosis) {
   const sim::MachineSettings machine = machine_at(problem.nominal, point);
   for (const Record& record : problem.records) {
-    const Shadow follower = shadow(machine, record);
+    const Shadow follower = shadow(machine, record, problem.gains);
     const auto second = static_cast<std::size_t>(std::lround(1.0 / record.step));
     double top_speed = 0.0;
     for (const double speed : record.shaft_speed[0]) top_speed = std::max(top_speed, std::fabs(speed));
@@ -197,14 +233,43 @@ std::vector<Size> sizes_of(const std::vector<common::EffectInstance>& effects, c
   return sizes;
 }
 
-Cause make_cause(const FitResult& result, double gap) {
+Cause make_cause(const FitResult& result, double base_excess, const FitSettings& settings) {
   Cause cause;
   for (const common::EffectInstance& effect : result.point.effects) cause.effects.push_back(effect.name);
   cause.point = result.point;
   cause.mean_square = result.mean_square;
-  cause.explained = gap > 0.0 ? 1.0 - result.mean_square / gap : 0.0;
+  cause.excess = excess(result.difference, settings);
+  cause.penalty = result.penalty;
+  cause.explained = base_excess > 0.0 ? std::clamp(1.0 - cause.excess / base_excess, 0.0, 1.0) : 0.0;
   cause.sizes = sizes_of(result.point.effects, result.deviation);
   return cause;
+}
+
+// Every cause gets the found effect beside what it has. `known` is the probability that it is the catalogue's.
+void add_beside(const common::EffectInstance& effect, const std::vector<Size>& sizes, double known, Diagnosis& diagnosis) {
+  for (Cause& cause : diagnosis.causes) {
+    cause.effects.push_back(effect.name);
+    cause.point.effects.push_back(effect);
+    cause.probability *= known;
+    cause.sizes.insert(cause.sizes.end(), sizes.begin(), sizes.end());
+  }
+  diagnosis.probability_unknown = 1.0 - (1.0 - diagnosis.probability_unknown) * known;
+}
+
+// Counts are seen in the positions themselves, to the count: they need no fit.
+void add_counts(const Problem& problem, const DiagnosisSettings& settings, Diagnosis& diagnosis) {
+  double quantum = 0.0;
+  for (const Record& record : problem.records) quantum = std::max(quantum, record.encoder_quantum);
+  const bool known_already = std::any_of(problem.nominal.effects.begin(), problem.nominal.effects.end(),
+                                         [](const common::EffectInstance& effect) { return effect.name == kCounts; });
+  if (quantum < kCoarseCount || known_already) return;
+  diagnosis.counts = quantum;
+  common::EffectInstance effect = common::typical_instance(about_effect(kCounts));
+  effect.values[0] = quantum;
+  std::vector<double> deviations(effect.values.size(), 0.0);
+  deviations[0] = kCountError * quantum;
+  const bool left_out = std::find(settings.without.begin(), settings.without.end(), kCounts) != settings.without.end();
+  add_beside(effect, sizes_of({effect}, deviations), left_out ? 0.02 : 0.98, diagnosis);
 }
 
 // The controller answers otherwise than its settings say, so every cause needs one of its effects beside what
@@ -234,6 +299,89 @@ void add_controller_causes(const Problem& problem, const controller::ControllerS
   diagnosis.causes = std::move(combined);
 }
 
+bool cheaper(const FitResult& a, const FitResult& b) { return a.cost < b.cost; }
+
+// The best `contenders` get another round, the best `leaders` of them rounds with fresh columns until they settle.
+void go_on(Problem& problem, std::vector<FitResult>& fits, int contenders, int leaders,
+           const std::function<void(double, const FitResult&)>& tell) {
+  std::stable_sort(fits.begin(), fits.end(), cheaper);
+  const auto first = static_cast<double>(contenders), all = static_cast<double>(contenders + leaders);
+  for (std::size_t i = 0; i < fits.size() && static_cast<int>(i) < contenders; ++i) {
+    tell(static_cast<double>(i) / all, fits[i]);
+    improve(problem, fits[i], false);
+  }
+  std::stable_sort(fits.begin(), fits.end(), cheaper);
+  for (std::size_t i = 0; i < fits.size() && static_cast<int>(i) < leaders; ++i) {
+    tell((first + static_cast<double>(i)) / all, fits[i]);
+    for (int round = 0; round < kFreshRounds && improve(problem, fits[i], true); ++round) {
+    }
+  }
+  std::stable_sort(fits.begin(), fits.end(), cheaper);
+}
+
+// Pairs worth refining. First what two columns do jointly from where nothing is added, then what a second effect
+// takes away of what each of the best single fits left: where effects are large, only that is near enough.
+std::vector<Point> pair_starts(const Problem& problem, const Base& base, const Eigen::VectorXd& gap,
+                               const std::vector<const Screened*>& best, const std::vector<FitResult>& singles, int count) {
+  struct Pair {
+    Point start;
+    double left;
+  };
+  const auto by_left = [](const Pair& a, const Pair& b) { return a.left < b.left; };
+  std::vector<Pair> joint;
+  for (std::size_t i = 0; i < best.size(); ++i) {
+    for (std::size_t j = i + 1; j < best.size(); ++j) {
+      const Eigen::VectorXd &a = best[i]->column, &b = best[j]->column;
+      const double aa = best[i]->visibility, bb = best[j]->visibility, ab = a.dot(b);
+      const double determinant = aa * bb - ab * ab;
+      if (!(determinant > kParallel * aa * bb) || aa <= 0.0 || bb <= 0.0) continue;
+      const double ga = a.dot(gap), gb = b.dot(gap);
+      const double x = -(bb * ga - ab * gb) / determinant, y = -(aa * gb - ab * ga) / determinant;
+      const auto allowed = [](const Screened& s, double amount) {
+        const common::EffectParameter& parameter = about_effect(s.effect).parameters.front();
+        return std::fabs(amount) <= kLargestAmount && (amount > 0.0 || (parameter.lower < 0.0 && parameter.upper > 0.0));
+      };
+      if (!allowed(*best[i], x) || !allowed(*best[j], y)) continue;
+      Point start = base.point;
+      start.effects.push_back(scaled(about_effect(best[i]->effect), best[i]->start, x));
+      start.effects.push_back(scaled(about_effect(best[j]->effect), best[j]->start, y));
+      joint.push_back({start, gap.squaredNorm() + x * ga + y * gb});
+    }
+  }
+  std::stable_sort(joint.begin(), joint.end(), by_left);
+  // Forecasts from where nothing is added are compared with each other, those beside a single fit with that fit.
+  double best_single = gap.squaredNorm();
+  for (const Screened* screened : best) best_single = std::min(best_single, screened->left);
+  const double worth = kLeastPairGain / problem.settings.independent_share;
+  std::erase_if(joint, [&](const Pair& pair) { return pair.left > best_single - worth; });
+  std::vector<Point> starts;
+  std::set<std::set<std::string>> taken;
+  const auto take = [&](const Point& start) {
+    if (taken.insert({start.effects[0].name, start.effects[1].name}).second) starts.push_back(start);
+  };
+  for (std::size_t i = 0; i < joint.size() && static_cast<int>(starts.size()) < count / 2; ++i) take(joint[i].start);
+
+  for (std::size_t leader = 0; leader < std::min<std::size_t>(3, singles.size()); ++leader) {
+    const FitResult& single = singles[leader];
+    const Projector project(single.columns,
+                            discounted_weight(excess(single.difference, problem.settings), problem.settings.law_freedom) *
+                                problem.settings.independent_share);
+    const Eigen::VectorXd left = project(single.difference);
+    std::vector<Pair> seconds;
+    for (const Screened* screened : best) {
+      if (screened->effect == single.point.effects[0].name) continue;
+      Screened beside = *screened;
+      try_amount(project(screened->column), left, beside);
+      Point start = single.point;
+      start.effects.push_back(scaled(about_effect(beside.effect), beside.start, beside.amount));
+      if (left.squaredNorm() - beside.left > worth) seconds.push_back({start, beside.left});
+    }
+    std::stable_sort(seconds.begin(), seconds.end(), by_left);
+    for (std::size_t k = 0; k < std::min<std::size_t>(kPairsPerLeader, seconds.size()); ++k) take(seconds[k].start);
+  }
+  return starts;
+}
+
 }  // namespace
 
 Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<controller::ControllerSettings>& controller,
@@ -246,6 +394,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   Diagnosis diagnosis;
   Problem problem;
   problem.nominal = nominal;
+  problem.gains = shadow_gains(nominal.crane);
   problem.settings = settings.fit;
   problem.threads = settings.threads;
   problem.stop = stop;
@@ -255,7 +404,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
                                     record.group_count, nominal.crane.drive.group_count));
     }
     for (const std::string& remark : record.remarks) diagnosis.remarks.push_back(remark);
-    const Shadow follower = shadow(nominal, record);
+    const Shadow follower = shadow(nominal, record, problem.gains);
     for (int g = 0; g < record.group_count; ++g) {
       for (const double torque : follower.missing_torque[static_cast<std::size_t>(g)]) {
         if (!std::isfinite(torque)) {
@@ -276,7 +425,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
       diagnosis.remarks.push_back(fmt::format("{}: {:.0f} % of the record lie near impacts of the gears and are not judged",
                                               record.name, 100.0 * (1.0 - share)));
     }
-    problem.whitening.push_back(make_whitening(record, trusted, sim::drive_inertia(nominal.crane.drive), settings.whitening));
+    problem.whitening.push_back(make_whitening(record, trusted, problem.gains, follower, settings.whitening));
     problem.records.push_back(std::move(record));
   }
 
@@ -294,7 +443,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   const Base base = fit_nuisances(problem);
   diagnosis.mean_square_nominal = base.nominal_mean_square;
   diagnosis.mean_square_parameters = mean_square(base.difference);
-  const double nu = settings.fit.independent_differences;
+  const double base_excess = excess(base.difference, settings.fit);
   locate(problem, base.difference, diagnosis);
   find_moments(problem, base.point, diagnosis);
 
@@ -306,7 +455,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   std::set<std::string> names;
   for (const sim::EffectDescription* description : sim::effect_catalogue()) {
     const std::string name(description->about.name);
-    if (without.count(name) != 0) continue;
+    if (without.count(name) != 0 || name == kCounts) continue;
     // What the nominal crane has already is not missing, and a machine takes an effect once.
     if (std::any_of(nominal.effects.begin(), nominal.effects.end(),
                     [&](const common::EffectInstance& effect) { return effect.name == name; })) {
@@ -320,9 +469,14 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
       points.push_back(point);
     }
   }
-  const Projector project(problem, base);
+  const double base_weight = discounted_weight(base_excess, settings.fit.law_freedom) * settings.fit.independent_share;
+  const Projector project(base.nuisance_columns, base_weight);
   const Eigen::VectorXd gap = project(base.difference);
-  const double gap_square = mean_square(gap);
+  const double gap_square = gap.squaredNorm();
+  const auto forecast = [&](const Screened& screened) {
+    const double nu = settings.fit.law_freedom;
+    return discounted(base_excess, nu) - discounted(base_excess - settings.fit.independent_share * (gap_square - screened.left), nu);
+  };
   {
     const std::size_t batch = 8 * static_cast<std::size_t>(std::max(1, settings.threads));
     for (std::size_t from = 0; from < points.size(); from += batch) {
@@ -331,109 +485,129 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
       for (std::size_t i = 0; i < count; ++i) {
         Screened& screened = tried[from + i];
         screened.column = project(results[i] - base.difference);
-        screened.visibility = mean_square(screened.column);
-        // The differences fall by the column times the amount.
-        const double norm = screened.column.squaredNorm();
-        screened.amount = norm > 0.0 && std::isfinite(norm) ? -screened.column.dot(gap) / norm : 0.0;
-        const common::EffectParameter& parameter = about_effect(screened.effect).parameters.front();
-        const bool may_turn = parameter.lower < 0.0 && parameter.upper > 0.0;
-        screened.amount = std::clamp(screened.amount, may_turn ? -kLargestAmount : 0.0, kLargestAmount);
-        screened.mean_square = mean_square(gap + screened.amount * screened.column);
+        screened.visibility = screened.column.squaredNorm();
+        try_amount(screened.column, gap, screened);
       }
       tell(0.15 + 0.35 * static_cast<double>(from + count) / static_cast<double>(points.size()),
            "trying every effect of the catalogue");
     }
   }
-  // The best start of each effect.
-  std::map<std::string, const Screened*> best;
-  for (const Screened& screened : tried) {
-    const Screened*& entry = best[screened.effect];
-    if (entry == nullptr || screened.mean_square < entry->mean_square) entry = &screened;
+  // A second look at the best of each effect at the size just found: few laws are linear from nothing to their typical size.
+  {
+    std::map<std::string, std::size_t> nearest;
+    for (std::size_t i = 0; i < tried.size(); ++i) {
+      const auto [entry, is_new] = nearest.try_emplace(tried[i].effect, i);
+      if (!is_new && tried[i].left < tried[entry->second].left) entry->second = i;
+    }
+    std::vector<Screened> again;
+    std::vector<Point> at;
+    for (const auto& [name, i] : nearest) {
+      const Screened& screened = tried[i];
+      if (forecast(screened) < kLeastGain || std::fabs(screened.amount - 1.0) < kNearlyTried) continue;
+      again.push_back({name, scaled(about_effect(name), screened.start, screened.amount), {}, 0.0, 0.0, 0.0});
+      at.push_back(base.point);
+      at.back().effects.push_back(again.back().start);
+    }
+    tell(0.47, "looking again at the promising effects");
+    const auto results = differences(problem, at);
+    for (std::size_t i = 0; i < again.size(); ++i) {
+      again[i].column = project(results[i] - base.difference);
+      again[i].visibility = again[i].column.squaredNorm();
+      try_amount(again[i].column, gap, again[i]);
+    }
+    tried.insert(tried.end(), std::make_move_iterator(again.begin()), std::make_move_iterator(again.end()));
   }
-  std::vector<const Screened*> ranked;
-  for (const auto& [name, screened] : best) {
-    ranked.push_back(screened);
-    if (screened->visibility < kVisible) {
+  // All starts by what they leave, and of them the best of each effect.
+  std::vector<const Screened*> ranked, best;
+  for (const Screened& screened : tried) ranked.push_back(&screened);
+  std::stable_sort(ranked.begin(), ranked.end(), [](const Screened* a, const Screened* b) { return a->left < b->left; });
+  std::map<std::string, int> seen;
+  std::map<std::string, double> visibility;
+  for (const Screened* screened : ranked) {
+    if (++seen[screened->effect] == 1) best.push_back(screened);
+    visibility[screened->effect] = std::max(visibility[screened->effect], screened->visibility);
+  }
+  for (const auto& [name, square] : visibility) {
+    if (square < kVisible) {
       diagnosis.cannot_tell.push_back(fmt::format("{}: a typical size changes nothing in these records", name));
     }
   }
-  std::sort(ranked.begin(), ranked.end(),
-            [](const Screened* a, const Screened* b) { return a->mean_square < b->mean_square; });
 
-  // Refine the best ones with everything free.
-  std::vector<FitResult> fits;
-  const auto refine = [&](const std::vector<const Screened*>& effects, const std::vector<double>& amounts) {
-    Point start = base.point;
-    for (std::size_t e = 0; e < effects.size(); ++e) {
-      start.effects.push_back(scaled(about_effect(effects[e]->effect), effects[e]->start, amounts[e]));
+  // Refine the best ones with everything free: what takes away more than chance would.
+  std::vector<const Screened*> chosen;
+  seen.clear();
+  // Two effects that are the same motion are fitted once and named both.
+  std::map<std::string, std::string> same_as;
+  for (const Screened* screened : ranked) {
+    if (static_cast<int>(chosen.size()) >= settings.singles_to_refine || forecast(*screened) < kLeastGain) break;
+    if (same_as.count(screened->effect) != 0) continue;
+    const auto same = std::find_if(chosen.begin(), chosen.end(), [&](const Screened* other) {
+      return other->effect != screened->effect && other->start.values == screened->start.values &&
+             (other->column - screened->column).squaredNorm() <= kSameMotion * kSameMotion * screened->visibility;
+    });
+    if (same != chosen.end()) {
+      same_as[screened->effect] = (*same)->effect;
+    } else if (++seen[screened->effect] <= kStartsPerEffect) {
+      chosen.push_back(screened);
     }
-    fits.push_back(fit(problem, base, start, 1));
-  };
-  const auto converge = [&](const FitResult& from) { return fit(problem, base, from.point, 3); };
-  // Worth refining: what takes away a fair part of the gap, and is not far behind the best.
-  const auto promising = [&](const Screened& screened) {
-    return screened.mean_square < (1.0 - kLeastGain) * gap_square;
-  };
-  const auto singles = static_cast<int>(
-      std::min<std::ptrdiff_t>(settings.singles_to_refine,
-                               std::count_if(ranked.begin(), ranked.end(), [&](const Screened* s) { return promising(*s); })));
-  for (int i = 0; i < singles; ++i) {
-    tell(0.5 + 0.3 * i / singles, "refining " + ranked[static_cast<std::size_t>(i)]->effect);
-    refine({ranked[static_cast<std::size_t>(i)]}, {ranked[static_cast<std::size_t>(i)]->amount});
   }
-  // The leaders again with fresh columns, so that none loses for want of convergence.
-  std::sort(fits.begin(), fits.end(), [](const FitResult& a, const FitResult& b) { return a.cost < b.cost; });
-  for (std::size_t i = 0; i < fits.size() && static_cast<int>(i) < settings.leaders; ++i) {
-    if (fits[i].mean_square < settings.evidence.usual_mean_square) break;
-    tell(0.7 + 0.03 * static_cast<double>(i), "converging " + fits[i].point.effects[0].name);
-    fits[i] = converge(fits[i]);
+  std::erase_if(best, [&](const Screened* screened) { return same_as.count(screened->effect) != 0; });
+  std::vector<FitResult> fits;
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    tell(0.5 + 0.2 * static_cast<double>(i) / static_cast<double>(chosen.size()), "refining " + chosen[i]->effect);
+    Point start = base.point;
+    start.effects.push_back(scaled(about_effect(chosen[i]->effect), chosen[i]->start, chosen[i]->amount));
+    fits.push_back(fit(problem, base, start));
   }
-  double best_single = gap_square;
-  for (const FitResult& result : fits) best_single = std::min(best_single, result.mean_square);
+  // One fit per effect, the better one. The leaders go on, the best of them with fresh columns, so that none loses for
+  // want of convergence.
+  std::stable_sort(fits.begin(), fits.end(), cheaper);
+  seen.clear();
+  std::erase_if(fits, [&](const FitResult& result) { return ++seen[result.point.effects[0].name] > 1; });
+  go_on(problem, fits, settings.contenders, settings.leaders, [&](double share, const FitResult& result) {
+    tell(0.7 + 0.1 * share, "converging " + result.point.effects[0].name);
+  });
+  if (!fits.empty() && settings.pairs_to_refine > 0) {
+    const std::vector<Point> starts = pair_starts(problem, base, gap, best, fits, settings.pairs_to_refine);
+    std::vector<FitResult> pairs;
+    for (std::size_t i = 0; i < starts.size(); ++i) {
+      tell(0.8 + 0.12 * static_cast<double>(i) / static_cast<double>(starts.size()),
+           "refining " + starts[i].effects[0].name + " with " + starts[i].effects[1].name);
+      pairs.push_back(fit(problem, base, starts[i]));
+    }
+    go_on(problem, pairs, settings.pair_contenders, settings.pair_leaders, [&](double share, const FitResult& result) {
+      tell(0.92 + 0.07 * share,
+           "converging " + result.point.effects[0].name + " with " + result.point.effects[1].name);
+    });
+    fits.insert(fits.end(), std::make_move_iterator(pairs.begin()), std::make_move_iterator(pairs.end()));
+  }
 
-  // Pairs, linearly: every two effects' columns jointly, nuisances taken out already.
-  if (best_single > settings.evidence.unknown_floor && settings.pairs_to_refine > 0) {
-    struct Pair {
-      const Screened *first, *second;
-      double amount_first, amount_second, mean_square;
-    };
-    std::vector<Pair> pairs;
-    const double rows = static_cast<double>(gap.size());
-    for (std::size_t i = 0; i < ranked.size(); ++i) {
-      for (std::size_t j = i + 1; j < ranked.size(); ++j) {
-        const Eigen::VectorXd &a = ranked[i]->column, &b = ranked[j]->column;
-        const double aa = a.squaredNorm(), bb = b.squaredNorm(), ab = a.dot(b);
-        const double determinant = aa * bb - ab * ab;
-        if (determinant < 0.02 * aa * bb || aa <= 0.0 || bb <= 0.0) continue;
-        const double ga = a.dot(gap), gb = b.dot(gap);
-        const double x = -(bb * ga - ab * gb) / determinant, y = -(aa * gb - ab * ga) / determinant;
-        const auto allowed = [](const Screened& s, double amount) {
-          const common::EffectParameter& parameter = about_effect(s.effect).parameters.front();
-          return std::fabs(amount) <= kLargestAmount && (amount > 0.0 || (parameter.lower < 0.0 && parameter.upper > 0.0));
-        };
-        if (!allowed(*ranked[i], x) || !allowed(*ranked[j], y)) continue;
-        const double left = (gap.squaredNorm() + x * ga + y * gb) / rows;
-        pairs.push_back({ranked[i], ranked[j], x, y, left});
+  for (const auto& [name, other] : same_as) {
+    for (std::size_t i = 0; i < fits.size(); ++i) {
+      for (std::size_t e = 0; e < fits[i].point.effects.size(); ++e) {
+        if (fits[i].point.effects[e].name != other) continue;
+        FitResult twin = fits[i];
+        twin.point.effects[e].name = name;
+        fits.push_back(std::move(twin));
+        break;
       }
     }
-    std::sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) { return a.mean_square < b.mean_square; });
-    const std::size_t count = std::min<std::size_t>(static_cast<std::size_t>(settings.pairs_to_refine), pairs.size());
-    for (std::size_t i = 0; i < count; ++i) {
-      tell(0.8 + 0.18 * static_cast<double>(i) / static_cast<double>(count),
-           "refining " + pairs[i].first->effect + " with " + pairs[i].second->effect);
-      refine({pairs[i].first, pairs[i].second}, {pairs[i].amount_first, pairs[i].amount_second});
-    }
   }
 
+  // A fit that was shaken to pieces is no candidate.
+  std::erase_if(fits, [](const FitResult& result) { return !std::isfinite(result.cost + result.penalty); });
+
   // Weigh.
-  std::vector<Candidate> candidates{{{}, base.cost / nu}};
+  std::vector<Candidate> candidates{{{}, base_excess, base.penalty}};
   Cause none;
   none.point = base.point;
   none.mean_square = diagnosis.mean_square_parameters;
+  none.excess = base_excess;
+  none.penalty = base.penalty;
   diagnosis.causes.push_back(none);
   for (const FitResult& result : fits) {
-    diagnosis.causes.push_back(make_cause(result, diagnosis.mean_square_parameters));
-    candidates.push_back({diagnosis.causes.back().effects, result.cost / nu});
+    diagnosis.causes.push_back(make_cause(result, base_excess, settings.fit));
+    candidates.push_back({diagnosis.causes.back().effects, diagnosis.causes.back().excess, result.penalty});
   }
   const Probabilities probabilities = weigh(candidates, static_cast<int>(names.size()), settings.evidence);
   for (std::size_t i = 0; i < diagnosis.causes.size(); ++i) {
@@ -451,13 +625,15 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
       const double scale = mine.norm() * other.norm();
       if (scale <= 0.0) continue;
       const double cosine = std::fabs(mine.dot(other)) / scale;
-      if (cosine > kIndistinguishable) {
+      const double odds = probabilities.candidate[j + 1] / std::max(1e-300, probabilities.candidate[i + 1]);
+      if (cosine > kIndistinguishable && odds < kGroupOdds && odds > 1.0 / kGroupOdds) {
         diagnosis.causes[i + 1].group.push_back(fits[j].point.effects[0].name);
         nearest = std::min(nearest, std::sqrt(std::max(0.0, 1.0 - cosine * cosine)));
       }
     }
     diagnosis.causes[i + 1].group_distance = nearest;
   }
+  add_counts(problem, settings, diagnosis);
   if (diagnosis.controller_differs) add_controller_causes(problem, *controller, settings, diagnosis);
   std::stable_sort(diagnosis.causes.begin(), diagnosis.causes.end(),
                    [](const Cause& a, const Cause& b) { return a.probability > b.probability; });
@@ -477,7 +653,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
 
   static const Cause kNone;
   const Cause& first = diagnosis.causes.empty() ? kNone : diagnosis.causes.front();
-  diagnosis.gap = diagnosis.controller_differs || diagnosis.probability_nothing < 0.5;
+  diagnosis.gap = diagnosis.controller_differs || diagnosis.counts > 0.0 || diagnosis.probability_nothing < 0.5;
   if (diagnosis.probability_unknown > first.probability) {
     diagnosis.verdict = "not in the catalogue: no known effect explains what is missing";
   } else if (first.effects.empty()) {

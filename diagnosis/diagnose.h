@@ -20,9 +20,12 @@ struct DiagnosisSettings {
   FitSettings fit;
   EvidenceSettings evidence;
   std::vector<std::string> without;  // effects that are left out of the catalogue
-  int singles_to_refine = 8;
-  int leaders = 3;  // of the refined ones, fitted again with fresh columns
-  int pairs_to_refine = 5;
+  int singles_to_refine = 16;  // starts, two of an effect at most
+  int contenders = 6;  // of the refined ones, with another round
+  int leaders = 3;     // of these, with fresh columns until they settle
+  int pairs_to_refine = 10;
+  int pair_contenders = 4;
+  int pair_leaders = 2;
   int threads = 1;
 };
 
@@ -39,6 +42,7 @@ struct Cause {
   double probability = 0.0;
   double explained = 0.0;             // share of the gap (mean square) that it explains
   double mean_square = 0.0;
+  double excess = 0.0, penalty = 0.0;  // as in evidence.h
   std::vector<Size> sizes;            // of all effects' parameters
   Point point;                                              // the machine's part
   std::vector<common::EffectInstance> controller_effects;  // the controller's part
@@ -63,6 +67,7 @@ struct Moment {
 struct Diagnosis {
   bool gap = false;                     // is there more than parameters and a good model's misses
   bool controller_differs = false;
+  double counts = 0.0;                  // [rad] step of the encoders' positions where it is coarse, else 0
   std::vector<ControllerReplay> controller_replay;
   std::vector<ControllerCause> controller_causes;
   double mean_square_nominal = 0.0;     // with nothing fitted

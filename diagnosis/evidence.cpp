@@ -7,13 +7,16 @@
 namespace slewlab::diagnosis {
 
 Probabilities weigh(const std::vector<Candidate>& candidates, int single_count, const EvidenceSettings& settings) {
-  double gap = -1.0;
+  const Candidate* nothing = nullptr;
   for (const Candidate& candidate : candidates) {
-    if (candidate.effects.empty()) gap = candidate.mean_square;
+    if (candidate.effects.empty()) nothing = &candidate;
   }
-  if (gap < 0.0) throw std::invalid_argument("no candidate stands for nothing missing");
-  const auto likelihood = [&](double mean_square) {
-    return -0.5 * settings.independent_differences * std::log(settings.usual_mean_square + mean_square);
+  if (nothing == nullptr) throw std::invalid_argument("no candidate stands for nothing missing");
+  double floor = 0.0;
+  for (const Candidate& candidate : candidates) floor = std::min(floor, candidate.excess);
+  const double gap = nothing->excess - floor;
+  const auto likelihood = [&](double left, double penalty) {
+    return -0.5 * (settings.law_freedom * std::log1p(left / (settings.law_freedom + settings.law_share * gap)) + penalty);
   };
   const double singles = std::max(1, single_count);
   std::vector<double> score;
@@ -21,10 +24,10 @@ Probabilities weigh(const std::vector<Candidate>& candidates, int single_count, 
     const double prior = candidate.effects.empty()       ? settings.prior_nothing
                          : candidate.effects.size() == 1 ? settings.prior_single / singles
                                                          : settings.prior_pair / (singles * (singles - 1.0) / 2.0);
-    score.push_back(std::log(prior) + likelihood(candidate.mean_square));
+    score.push_back(std::log(prior) + likelihood(candidate.excess - floor, candidate.penalty + settings.price * static_cast<double>(candidate.effects.size())));
   }
   const double unexplained = std::max(settings.unknown_floor, settings.unknown_share * gap);
-  const double unknown = std::log(settings.prior_unknown) + likelihood(unexplained);
+  const double unknown = std::log(settings.prior_unknown) + likelihood(unexplained, nothing->penalty + settings.price);
   const double top = std::max(unknown, *std::max_element(score.begin(), score.end()));
   Probabilities result;
   double sum = std::exp(unknown - top);

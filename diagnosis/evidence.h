@@ -1,9 +1,12 @@
 // From how well each hypothesis fits to how probable it is.
 //
-// The size of what a good model still misses is not known beforehand, only its usual size. With it integrated
-// out, a hypothesis that leaves the mean square m of the whitened differences has the marginal likelihood of a
-// Student distribution, (m_0 + m)^(-nu/2), with nu the number of independent differences in the records.
-// A cause that is in no catalogue is a hypothesis too: it would leave a usual share of the gap.
+//   ln P(hypothesis | records) = ln prior - (k ln(1 + c / (k + r G)) + penalty + price * effects) / 2 + constant
+//
+// c is what the hypothesis leaves above the best one (above what the noise explains, where even the best leaves more), G
+// the gap: what parameters alone leave, counted the same way. The law of a real effect is never quite the catalogue's, so the
+// true cause leaves a usual share r of the gap; with the size of that mismatch integrated out, misfits count by their
+// ratios. penalty is the fit's (fit.h). A cause that is in no catalogue is a hypothesis too: it would leave a usual,
+// larger share of the gap.
 #pragma once
 
 #include <string>
@@ -12,10 +15,11 @@
 namespace slewlab::diagnosis {
 
 struct EvidenceSettings {
-  double independent_differences = 600.0;  // nu: learned on tuning seeds, docs/diagnosis.md
-  double usual_mean_square = 0.2;         // m_0 of machines with nothing missing
-  double unknown_share = 0.12;            // of the gap that a cause outside the catalogue leaves unexplained
-  double unknown_floor = 3.0;             // [-] mean square below which nothing needs an unknown cause
+  double law_freedom = 100.0;    // k: learned on tuning seeds, docs/diagnosis.md, as are all below
+  double law_share = 0.03;       // r
+  double unknown_share = 0.25;   // of the gap that a cause outside the catalogue leaves unexplained
+  double unknown_floor = 60.0;   // [-] c that it leaves at least
+  double price = 25.0;           // of an effect: what mesh and step alone let one take away where nothing is missing
   double prior_nothing = 0.5;
   double prior_single = 0.3;
   double prior_pair = 0.1;
@@ -24,7 +28,8 @@ struct EvidenceSettings {
 
 struct Candidate {
   std::vector<std::string> effects;  // none: nothing missing but parameters
-  double mean_square = 0.0;          // cost / nu of its fit, priors included
+  double excess = 0.0;
+  double penalty = 0.0;
 };
 
 struct Probabilities {

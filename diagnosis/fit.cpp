@@ -43,12 +43,30 @@ Point moved(const Point& point, const Eigen::VectorXd& change) {
   return result;
 }
 
-double cost_of(const Problem& problem, const Point& point, const Eigen::VectorXd& difference) {
-  double cost = problem.settings.independent_differences * difference.squaredNorm() /
-                static_cast<double>(difference.size());
+double prior_cost(const Point& point) {
+  double cost = 0.0;
   for (const double z : point.nuisance) cost += z * z;
   for (const double x : effect_coordinates(point)) cost += x * x;
   return cost;
+}
+
+double cost_of(const Problem& problem, const Point& point, const Eigen::VectorXd& difference) {
+  return discounted(excess(difference, problem.settings), problem.settings.law_freedom) + prior_cost(point);
+}
+
+double data_weight(const Problem& problem, const Eigen::VectorXd& difference) {
+  return problem.settings.independent_share *
+         discounted_weight(excess(difference, problem.settings), problem.settings.law_freedom);
+}
+
+Eigen::MatrixXd curvature(const Problem& problem, const Eigen::VectorXd& difference, const Eigen::MatrixXd& columns) {
+  Eigen::MatrixXd system = data_weight(problem, difference) * columns.transpose() * columns;
+  system.diagonal().array() += 1.0;
+  return system;
+}
+
+double log_determinant(const Eigen::MatrixXd& symmetric) {
+  return symmetric.ldlt().vectorD().array().abs().max(1e-300).log().sum();
 }
 
 Eigen::MatrixXd nuisance_columns(Problem& problem, const Point& point, const Eigen::VectorXd& difference) {
@@ -94,9 +112,8 @@ Eigen::MatrixXd effect_columns(Problem& problem, const Point& point, const Eigen
 // The damped normal equations' step from `point`.
 Eigen::VectorXd newton_step(const Problem& problem, const Point& point, const Eigen::VectorXd& difference,
                             const Eigen::MatrixXd& columns) {
-  const double weight = problem.settings.independent_differences / static_cast<double>(difference.size());
-  Eigen::MatrixXd system = weight * columns.transpose() * columns;
-  system.diagonal().array() += 1.0;
+  const double weight = data_weight(problem, difference);
+  const Eigen::MatrixXd system = curvature(problem, difference, columns);
   Eigen::VectorXd right = -weight * columns.transpose() * difference;
   Eigen::Index i = 0;
   for (const double z : point.nuisance) right(i++) -= z;
@@ -115,7 +132,7 @@ Eigen::VectorXd coordinates_of(const Point& point) {
 }
 
 // Steps from `point` with the columns given, corrected after each step by what it showed (Broyden). Returns
-// the share by which the cost fell.
+// by how much the cost fell.
 double descend(Problem& problem, int iterations, Eigen::MatrixXd& columns, Point& point, Eigen::VectorXd& difference,
                double& cost) {
   const double first_cost = cost;
@@ -131,18 +148,30 @@ double descend(Problem& problem, int iterations, Eigen::MatrixXd& columns, Point
       const double trial_cost = cost_of(problem, trial, trial_difference);
       columns += ((trial_difference - difference - columns * step) / length) * step.transpose();
       if (trial_cost >= cost) continue;
-      fell = trial_cost < cost * (1.0 - problem.settings.enough);
+      fell = trial_cost < cost - problem.settings.enough - problem.settings.enough_share * std::fabs(cost);
       point = trial;
       difference = trial_difference;
       cost = trial_cost;
-      if (!fell) return 1.0 - cost / first_cost;
+      if (!fell) return first_cost - cost;
     }
     if (!fell) break;
   }
-  return 1.0 - cost / first_cost;
+  return first_cost - cost;
 }
 
 }  // namespace
+
+double excess(const Eigen::VectorXd& difference, const FitSettings& settings) {
+  return settings.independent_share * (difference.squaredNorm() - static_cast<double>(difference.size()));
+}
+
+double discounted(double excess, double law_freedom) {
+  return excess > 0.0 ? law_freedom * std::log1p(excess / law_freedom) : excess;
+}
+
+double discounted_weight(double excess, double law_freedom) {
+  return excess > 0.0 ? 1.0 / (1.0 + excess / law_freedom) : 1.0;
+}
 
 sim::MachineSettings machine_at(const sim::MachineSettings& nominal, const Point& point) {
   sim::MachineSettings settings = nominal;
@@ -183,7 +212,7 @@ Eigen::VectorXd differences(Problem& problem, const Point& point) {
   const sim::MachineSettings machine = machine_at(problem.nominal, point);
   for (std::size_t r = 0; r < problem.records.size(); ++r) {
     if (problem.stop != nullptr && problem.stop->load()) throw Interrupted{};
-    const Shadow follower = shadow(machine, problem.records[r]);
+    const Shadow follower = shadow(machine, problem.records[r], problem.gains);
     result.segment(row, problem.whitening[r].size()) = whiten(problem.whitening[r], follower);
     row += problem.whitening[r].size();
     ++problem.simulations;
@@ -222,36 +251,22 @@ Base fit_nuisances(Problem& problem) {
     base.nuisance_columns = nuisance_columns(problem, base.point, base.difference);
     const double fall =
         descend(problem, problem.settings.iterations, base.nuisance_columns, base.point, base.difference, base.cost);
-    if (fall < problem.settings.settled) break;
+    if (fall < problem.settings.settled + problem.settings.settled_share * std::fabs(base.cost)) break;
   }
+  base.penalty = prior_cost(base.point) + log_determinant(curvature(problem, base.difference, base.nuisance_columns));
   return base;
 }
 
-FitResult fit(Problem& problem, const Base& base, const Point& start, int rounds) {
-  FitResult result;
-  result.point = start;
-  result.difference = differences(problem, start);
-  result.cost = cost_of(problem, start, result.difference);
-  const Eigen::Index nuisance_count = base.nuisance_columns.cols();
-  Eigen::MatrixXd columns(result.difference.size(), nuisance_count + coordinates_of(start).size() -
-                                                        static_cast<Eigen::Index>(start.nuisance.size()));
-  columns.leftCols(nuisance_count) = base.nuisance_columns;
-  for (int round = 0; round < rounds; ++round) {
-    if (round > 0) columns.leftCols(nuisance_count) = nuisance_columns(problem, result.point, result.difference);
-    columns.rightCols(columns.cols() - nuisance_count) = effect_columns(problem, result.point, result.difference);
-    const double fall =
-        descend(problem, problem.settings.iterations, columns, result.point, result.difference, result.cost);
-    if (round > 0 && fall < problem.settings.settled) break;
-  }
-  result.mean_square = result.difference.squaredNorm() / static_cast<double>(result.difference.size());
+namespace {
 
-  // Spread of the sizes: curvature of the cost, scaled by what the fit leaves (at least by what a good model
-  // misses).
-  const double weight = problem.settings.independent_differences / static_cast<double>(result.difference.size());
-  Eigen::MatrixXd system = weight / std::max(1.0, result.mean_square) * columns.transpose() * columns;
-  system.diagonal().array() += 1.0;
+// Sizes' spread and Occam's share, from the curvature where the fit stands.
+void conclude(const Problem& problem, FitResult& result) {
+  result.mean_square = result.difference.squaredNorm() / static_cast<double>(result.difference.size());
+  const Eigen::MatrixXd system = curvature(problem, result.difference, result.columns);
+  result.penalty = prior_cost(result.point) + log_determinant(system);
   const Eigen::MatrixXd covariance = system.ldlt().solve(Eigen::MatrixXd::Identity(system.rows(), system.cols()));
-  Eigen::Index e = nuisance_count;
+  auto e = static_cast<Eigen::Index>(result.point.nuisance.size());
+  result.deviation.clear();
   for (const common::EffectInstance& effect : result.point.effects) {
     const common::EffectAbout& about = about_effect(effect.name);
     for (std::size_t p = 0; p < effect.values.size(); ++p, ++e) {
@@ -262,7 +277,34 @@ FitResult fit(Problem& problem, const Base& base, const Point& start, int rounds
       result.deviation.push_back(std::fabs(per_coordinate) * std::sqrt(covariance(e, e)));
     }
   }
+}
+
+}  // namespace
+
+FitResult fit(Problem& problem, const Base& base, const Point& start) {
+  FitResult result;
+  result.point = start;
+  result.difference = differences(problem, start);
+  result.cost = cost_of(problem, start, result.difference);
+  const Eigen::Index nuisance_count = base.nuisance_columns.cols();
+  const auto effect_count = static_cast<Eigen::Index>(effect_coordinates(start).size());
+  result.columns.resize(result.difference.size(), nuisance_count + effect_count);
+  result.columns.leftCols(nuisance_count) = base.nuisance_columns;
+  improve(problem, result, false);
   return result;
+}
+
+bool improve(Problem& problem, FitResult& result, bool fresh_nuisances) {
+  const auto nuisance_count = static_cast<Eigen::Index>(result.point.nuisance.size());
+  if (fresh_nuisances) {
+    result.columns.leftCols(nuisance_count) = nuisance_columns(problem, result.point, result.difference);
+  }
+  result.columns.rightCols(result.columns.cols() - nuisance_count) =
+      effect_columns(problem, result.point, result.difference);
+  const double fall =
+      descend(problem, problem.settings.iterations, result.columns, result.point, result.difference, result.cost);
+  conclude(problem, result);
+  return fall > problem.settings.settled + problem.settings.settled_share * std::fabs(result.cost);
 }
 
 }  // namespace slewlab::diagnosis

@@ -1,10 +1,13 @@
 // Fits a hypothesis (a set of effects) to records with all nuisances free under their priors.
 //
-//   cost = nu * mean(d^2) + sum(z^2) + sum(x^2)
+//   cost = L(s (sum(d^2) - n)) + sum(z^2) + sum(x^2),    L(c) = nu ln(1 + c / nu) for c > 0, c otherwise
 //
-// d are the whitened differences (1 is what a good model still misses), z the nuisances and x the effects'
-// parameters, both in standard deviations of their priors. nu is the number of independent differences that
-// the many correlated ones are worth (learned, docs/diagnosis.md). Gauss-Newton steps, shortened where the cost would
+// d are the n whitened differences (noise alone leaves a mean square of 1), z the nuisances and x the effects'
+// parameters, both in standard deviations of their priors. So cost is -2 ln of the posterior density. s is the share of
+// the differences that are independent of each other: what mesh and step make wrong shows in many of them. What the
+// noise cannot explain is mismatch of mesh, step and laws; its size is not known beforehand, and with it integrated out
+// a sum of squares counts as in a Student distribution of nu degrees of freedom (learned, docs/diagnosis.md): in full while
+// it is small, by ratios when it is large. Gauss-Newton steps with the weight dL/dc, shortened where the cost would
 // rise; the columns are difference quotients, corrected after each step by what it showed.
 #pragma once
 
@@ -24,11 +27,13 @@
 namespace slewlab::diagnosis {
 
 struct FitSettings {
-  double independent_differences = 2000.0;  // nu
+  double law_freedom = 100.0;      // nu
+  double independent_share = 0.3;  // s
   int iterations = 4;      // per round, each round with fresh columns
   int rounds = 4;          // at most, for the nuisances alone
-  double enough = 0.005;   // relative fall of the cost below which an iteration was the last of its round
-  double settled = 0.05;   // relative fall of the cost below which a round was the last
+  // Falls of the cost that were too small to go on: the fixed part in units of -2 ln of a probability.
+  double enough = 0.5, enough_share = 0.002;   // of an iteration
+  double settled = 2.0, settled_share = 0.01;  // of a round
 };
 
 // A point in the space of hypotheses.
@@ -43,6 +48,7 @@ sim::MachineSettings machine_at(const sim::MachineSettings& nominal, const Point
 // Everything that stays the same over one diagnosis. Counts simulations; may be asked to stop.
 struct Problem {
   sim::MachineSettings nominal;
+  ShadowGains gains;                 // of the nominal crane
   std::vector<Record> records;
   std::vector<Whitening> whitening;  // per record
   FitSettings settings;
@@ -59,12 +65,20 @@ Eigen::VectorXd differences(Problem& problem, const Point& point);
 // The same for many points, on `threads` threads.
 std::vector<Eigen::VectorXd> differences(Problem& problem, std::span<const Point> points);
 
+// What of the differences noise alone does not explain: s (sum(d^2) - n).
+double excess(const Eigen::VectorXd& difference, const FitSettings& settings);
+
+// L of the excess, and dL/dc.
+double discounted(double excess, double law_freedom);
+double discounted_weight(double excess, double law_freedom);
+
 // Where the hypotheses are compared: the point with nuisances alone fitted, and the columns there.
 struct Base {
   Point point;
   Eigen::VectorXd difference;
   Eigen::MatrixXd nuisance_columns;  // d difference / d z
   double cost = 0.0;
+  double penalty = 0.0;              // as in FitResult
   double nominal_mean_square = 0.0;  // of the differences before anything is fitted
 };
 Base fit_nuisances(Problem& problem);
@@ -72,14 +86,19 @@ Base fit_nuisances(Problem& problem);
 struct FitResult {
   Point point;
   Eigen::VectorXd difference;
+  Eigen::MatrixXd columns;           // d difference / d z, then d difference / d x
   double cost = 0.0;
+  double penalty = 0.0;              // sum(z^2) + sum(x^2) + ln det of the cost's curvature per prior's: Occam's share
   double mean_square = 0.0;          // of the differences
   std::vector<double> deviation;     // of each effect parameter in order, in its own unit; from the curvature
 };
 
-// Fits the effects of `start` and the nuisances, from there. The first round uses the base's nuisance columns,
-// further ones take them anew.
-FitResult fit(Problem& problem, const Base& base, const Point& start, int rounds);
+// Fits the effects of `start` and the nuisances, from there: one round with the base's nuisance columns.
+FitResult fit(Problem& problem, const Base& base, const Point& start);
+
+// One more round from where it stands, with fresh columns of the effects and, if asked, of the nuisances. False: it was
+// worth little, and so would be another.
+bool improve(Problem& problem, FitResult& result, bool fresh_nuisances);
 
 // Coordinates of effect parameters in standard deviations of their priors.
 double to_coordinate(const common::EffectParameter& parameter, double value);

@@ -35,6 +35,9 @@ struct Record {
   std::array<std::vector<double>, sim::kMaximumGroupCount> motor_torque;
   std::array<std::vector<double>, sim::kMaximumGroupCount> shaft_speed;     // [rad/s]
   std::array<std::vector<double>, sim::kMaximumGroupCount> shaft_position;  // [rad]
+  // [rad/s] Rate of the positions, late by nothing: what a drive reports as its speed comes out of a filter that lags.
+  // Where positions stand still, the reported speed.
+  std::array<std::vector<double>, sim::kMaximumGroupCount> position_rate;
   std::array<std::vector<double>, kAccelerometerCount> acceleration;        // [m/s^2]; empty: not measured
   std::vector<double> slew_angle;                                           // [rad]; empty: not measured
   std::vector<OperatorMove> operator_moves;
@@ -58,6 +61,10 @@ struct AdmissionSettings {
   double total_ratio = 1.0;            // motor turns per turn of the crane, to recognise wrong axes
   std::array<double, kAccelerometerCount> radius{};  // [m] of each accelerometer from the slew axis
 };
+
+// Slope of the cubic that fits 2 `half_width` + 1 values best, at its middle (Savitzky, Golay 1964, Analytical Chemistry
+// 36, p. 1627); near the ends with fewer values, two at least. `half_width` >= 2.
+std::vector<double> cubic_slope(const std::vector<double>& values, std::size_t half_width, double step);
 
 // Throws NotAdmitted. Small gaps (up to 3 missing messages in a row) are bridged and remarked.
 Record make_record(const msgs::RunLog& run, const std::string& name, const AdmissionSettings& settings);

@@ -14,7 +14,7 @@ void start_moving(sim::Machine& machine, const Record& record) {
   double speed = 0.0;
   for (int g = 0; g < record.group_count; ++g) {
     const auto i = static_cast<std::size_t>(g);
-    machine.state.motor_speed[i] = record.shaft_speed[i][0] / machine.model.ratio;
+    machine.state.motor_speed[i] = record.position_rate[i][0] / machine.model.ratio;
     speed += machine.state.motor_speed[i] / record.group_count;
   }
   if (speed == 0.0) return;
@@ -33,7 +33,13 @@ void start_moving(sim::Machine& machine, const Record& record) {
 
 }  // namespace
 
-Shadow shadow(const sim::MachineSettings& settings, const Record& record, const ShadowSettings& gains) {
+ShadowGains shadow_gains(const sim::CraneParameters& nominal, const ShadowSettings& settings) {
+  const double inertia = sim::drive_inertia(nominal.drive);
+  return {settings.speed_rate * inertia, settings.position_rate * inertia, settings.tip_damping_rate * nominal.boom.mass,
+          settings.leak_time};
+}
+
+Shadow shadow(const sim::MachineSettings& settings, const Record& record, const ShadowGains& gains) {
   sim::MachineSettings with_step = settings;
   with_step.step = record.step;
   sim::Machine machine = sim::make_machine(with_step);
@@ -52,8 +58,6 @@ Shadow shadow(const sim::MachineSettings& settings, const Record& record, const 
   }
   const auto cycle = static_cast<std::size_t>(std::lround(record.encoder_period / record.step));
   const bool has_tip = !record.acceleration[kTip].empty();
-  const double inertia = sim::drive_inertia(settings.crane.drive);
-  const double tip_damping = gains.tip_damping_rate * settings.crane.boom.mass;
   const double leak = std::exp(-record.step / gains.leak_time);
   const double to_slew_axis = settings.crane.drive.motors_per_group * machine.model.ratio;
   double tip_error = 0.0;  // [m/s]
@@ -65,8 +69,8 @@ Shadow shadow(const sim::MachineSettings& settings, const Record& record, const 
     for (int g = 0; g < record.group_count; ++g) {
       const auto i = static_cast<std::size_t>(g);
       const double missing =
-          gains.speed_rate * inertia * (record.shaft_speed[i][n] - readings.shaft_speed[i]) +
-          gains.position_rate * inertia * (record.shaft_position[i][n] - origin[i] - readings.shaft_position[i]);
+          gains.speed * (record.position_rate[i][n] - readings.shaft_speed[i]) +
+          gains.position * (record.shaft_position[i][n] - origin[i] - readings.shaft_position[i]);
       result.missing_torque[i][n] = missing;
       command.motor_torque[i] = record.motor_torque[i][n];
       // Past the actuators: what is missing at a motor is not limited or delayed by its drive.
@@ -83,7 +87,7 @@ Shadow shadow(const sim::MachineSettings& settings, const Record& record, const 
     }
     if (has_tip) {
       tip_error = leak * tip_error + record.step * result.acceleration_difference[kTip][n];
-      machine.outside.tip_force = tip_damping * tip_error;
+      machine.outside.tip_force = gains.tip_damping * tip_error;
     }
     sim::step(machine, command);
   }

@@ -27,6 +27,16 @@ struct ShadowSettings {
   double leak_time = 1.0;         // [s] tau: an accelerometer's offset must not become a speed
 };
 
+// Of one diagnosis: taken from the nominal crane and the same for every hypothesis, so that none makes its differences
+// small by making the gains small.
+struct ShadowGains {
+  double speed = 0.0;        // [Nms/rad] K_p
+  double position = 0.0;     // [Nm/rad] K_i
+  double tip_damping = 0.0;  // [Ns/m] D
+  double leak_time = 0.0;    // [s] tau
+};
+ShadowGains shadow_gains(const sim::CraneParameters& nominal, const ShadowSettings& settings = {});
+
 // Series on the record's grid.
 struct Shadow {
   std::array<std::vector<double>, sim::kMaximumGroupCount> missing_torque;       // [Nm] per motor
@@ -35,6 +45,6 @@ struct Shadow {
 };
 
 // Throws std::invalid_argument where the machine cannot be built.
-Shadow shadow(const sim::MachineSettings& machine, const Record& record, const ShadowSettings& settings = {});
+Shadow shadow(const sim::MachineSettings& machine, const Record& record, const ShadowGains& gains);
 
 }  // namespace slewlab::diagnosis

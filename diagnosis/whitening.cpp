@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <numbers>
 #include <unsupported/Eigen/FFT>
 
 namespace slewlab::diagnosis {
@@ -10,8 +11,10 @@ namespace slewlab::diagnosis {
 namespace {
 
 constexpr double kBeforeImpact = 0.3;  // [s] a real crane may let go a little before its model
-constexpr double kAfterImpact = 1.5;   // [s] in which the shadow forgets an impact, two of its time constants
+constexpr double kAfterImpact = 2.5;   // [s] in which the shadow forgets an impact, three of its slowest time constants
 constexpr double kSoftEdge = 0.4;      // [s] over which the window falls beside a stretch that is taken out
+constexpr double kNoiseAlone = 20.0;   // [Hz] from which torque channels hold the encoders' noise alone
+constexpr double kLeastNoise = 0.02;   // of the noise that counts may make
 constexpr double kTaper = 0.02;  // share of the record over which the window rises and falls
 
 // The next length that 2, 3 and 5 divide down to 1: where the transform is fast.
@@ -36,9 +39,15 @@ std::vector<std::complex<double>> transform(const std::vector<double>& values, c
   return spectrum;
 }
 
-// Noise power per bin of a white sensor noise, from the median size of second differences: motion is smooth
-// over 1 ms, noise is not. For white noise the second difference has 6 times its variance.
-double noise_power(const std::vector<double>& values, const std::vector<double>& window) {
+double window_energy(const std::vector<double>& window) {
+  double energy = 0.0;
+  for (const double w : window) energy += w * w;
+  return energy;
+}
+
+// Variance of a white sensor noise, from the median size of second differences: motion is smooth over 1 ms, noise
+// is not. For white noise the second difference has 6 times its variance.
+double noise_variance(const std::vector<double>& values) {
   std::vector<double> differences;
   for (std::size_t n = 2; n < values.size(); ++n) {
     differences.push_back(std::fabs(values[n] - 2.0 * values[n - 1] + values[n - 2]));
@@ -47,9 +56,14 @@ double noise_power(const std::vector<double>& values, const std::vector<double>&
   std::nth_element(differences.begin(), differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2),
                    differences.end());
   const double deviation = differences[differences.size() / 2] / 0.6745 / std::sqrt(6.0);
-  double energy = 0.0;
-  for (const double w : window) energy += w * w;
-  return deviation * deviation * energy;
+  return deviation * deviation;
+}
+
+// Variance of an encoder's positions: counts are off by anything between two of them. A position that is sampled less
+// often than the grid has its noise in fewer, longer pieces.
+double encoder_variance(const Record& record, std::size_t group) {
+  const double counted = record.encoder_quantum * record.encoder_quantum / 12.0;
+  return std::max(counted, noise_variance(record.shaft_position[group])) * record.encoder_period / record.step;
 }
 
 const std::vector<double>& measured(const Record& record, const Channel& channel) {
@@ -73,8 +87,8 @@ std::vector<bool> trusted_stretches(const Record& record, const Shadow& shadow) 
   return trusted;
 }
 
-Whitening make_whitening(const Record& record, const std::vector<bool>& trusted, double motor_inertia,
-                         const WhiteningSettings& settings) {
+Whitening make_whitening(const Record& record, const std::vector<bool>& trusted, const ShadowGains& gains,
+                         const Shadow& nominal, const WhiteningSettings& settings) {
   Whitening whitening;
   const std::size_t count = record.size();
   whitening.transform_length = fast_length(count);
@@ -86,7 +100,7 @@ Whitening make_whitening(const Record& record, const std::vector<bool>& trusted,
   whitening.window.assign(count, 1.0);
   const auto edge = static_cast<std::size_t>(kTaper * static_cast<double>(count));
   for (std::size_t n = 0; n < edge; ++n) {
-    const double rise = 0.5 - 0.5 * std::cos(3.14159265358979 * (static_cast<double>(n) + 0.5) / static_cast<double>(edge));
+    const double rise = 0.5 - 0.5 * std::cos(std::numbers::pi * (static_cast<double>(n) + 0.5) / static_cast<double>(edge));
     whitening.window[n] = rise;
     whitening.window[count - 1 - n] = rise;
   }
@@ -110,29 +124,60 @@ Whitening make_whitening(const Record& record, const std::vector<bool>& trusted,
   for (int a = 0; a < kAccelerometerCount; ++a) {
     if (!record.acceleration[static_cast<std::size_t>(a)].empty()) whitening.channels.push_back({false, a});
   }
+  const double energy = window_energy(whitening.window);
   for (const Channel& channel : whitening.channels) {
     const std::vector<double>& signal = measured(record, channel);
-    const auto spectrum = transform(signal, whitening.window, whitening.transform_length);
-    // Running sums of the power give its mean over any band at once.
-    std::vector<double> sum(spectrum.size() + 1, 0.0);
-    for (std::size_t k = 0; k < spectrum.size(); ++k) sum[k + 1] = sum[k] + std::norm(spectrum[k]);
-    // The torque channel's noise is the encoder's, seen through the shadow's speed gain.
-    const double gain = channel.is_torque ? ShadowSettings{}.speed_rate * motor_inertia : 1.0;
-    const std::vector<double>& noisy =
-        channel.is_torque ? record.shaft_speed[static_cast<std::size_t>(channel.index)] : signal;
-    const double noise = gain * gain * noise_power(noisy, whitening.window) +
-                         1e-9 * sum.back() / static_cast<double>(spectrum.size());
+    // Running sums of the power give its mean over any band at once. What a model misses at one motor goes with what
+    // all of them carry, so torque channels share their mean power.
+    std::vector<double> sum(whitening.transform_length / 2 + 2, 0.0);
+    const int sharing = channel.is_torque ? record.group_count : 1;
+    for (int g = 0; g < sharing; ++g) {
+      const auto spectrum =
+          transform(channel.is_torque ? record.motor_torque[static_cast<std::size_t>(g)] : signal, whitening.window,
+                    whitening.transform_length);
+      double running_sum = 0.0;
+      for (std::size_t k = 0; k < spectrum.size(); ++k) {
+        running_sum += std::norm(spectrum[k]) / sharing;
+        sum[k + 1] += running_sum;
+      }
+    }
+    const std::size_t spectrum_size = sum.size() - 1;
+    const double rounding = 1e-9 * sum.back() / static_cast<double>(spectrum_size);
+    const double variance =
+        channel.is_torque ? encoder_variance(record, static_cast<std::size_t>(channel.index)) : noise_variance(signal);
+    // A torque channel's noise is its encoder's, seen through the shadow's gains.
+    const auto noise_at = [&](std::size_t k) {
+      const double frequency = static_cast<double>(k) * whitening.bin_width;
+      const double omega = 2.0 * std::numbers::pi * frequency;
+      const double gain = channel.is_torque ? std::hypot(gains.speed * omega, gains.position)
+                                            : std::sqrt(1.0 + settings.noise_corner / frequency);
+      return gain * gain * variance * energy + rounding;
+    };
+    double noise_share = 1.0;
+    if (channel.is_torque) {
+      const auto missing = transform(nominal.missing_torque[static_cast<std::size_t>(channel.index)], whitening.window,
+                                     whitening.transform_length);
+      std::vector<double> shares;
+      for (std::size_t k = whitening.first_bin; k < whitening.first_bin + whitening.bin_count; ++k) {
+        if (static_cast<double>(k) * whitening.bin_width >= kNoiseAlone) shares.push_back(std::norm(missing[k]) / noise_at(k));
+      }
+      if (!shares.empty()) {
+        const auto middle = shares.begin() + static_cast<std::ptrdiff_t>(shares.size() / 2);
+        std::nth_element(shares.begin(), middle, shares.end());
+        // Power in a bin of noise has an exponential distribution, whose median is ln 2 of its mean.
+        noise_share = std::clamp(*middle / std::numbers::ln2, kLeastNoise, 1.0);
+      }
+    }
     Eigen::VectorXd weight(static_cast<Eigen::Index>(whitening.bin_count));
     for (std::size_t b = 0; b < whitening.bin_count; ++b) {
       const std::size_t k = whitening.first_bin + b;
       const std::size_t half = 4 + static_cast<std::size_t>(0.5 * settings.smoothing * static_cast<double>(k));
       const std::size_t low = k > half ? k - half : 1;
-      const std::size_t high = std::min(k + half + 1, spectrum.size());
+      const std::size_t high = std::min(k + half + 1, spectrum_size);
       const double power = (sum[high] - sum[low]) / static_cast<double>(high - low);
       const double share = settings.discrepancy_share;
-      const double frequency = static_cast<double>(k) * whitening.bin_width;
-      const double coloured = channel.is_torque ? 1.0 : 1.0 + settings.noise_corner / frequency;
-      weight(static_cast<Eigen::Index>(b)) = 1.0 / std::sqrt(share * share * power + noise * coloured);
+      weight(static_cast<Eigen::Index>(b)) =
+          std::numbers::sqrt2 / std::sqrt(share * share * power + noise_share * noise_at(k));
     }
     whitening.weight.push_back(weight);
   }

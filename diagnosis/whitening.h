@@ -1,11 +1,13 @@
 // Differences between record and shadow as one vector of numbers that are comparable with each other: the
 // spectrum of each channel, divided at each frequency by what a good model may still miss there.
 //
-//   weight(f) = 1 / sqrt(e^2 P(f) + N(f))
+//   weight(f) = sqrt(2 / (e^2 P(f) + N(f)))
 //
 // P is the smoothed power of the measured signal itself, e the share of it that mesh, step and laws of a good
-// model still miss (learned from machines with nothing missing), N the sensor's noise: white
-// as the record's fastest differences show it, rising as 1/f below the corner that its data sheet names.
+// model still miss (learned from machines with nothing missing), the 2 because real and imaginary part share a
+// bin's power: noise alone leaves parts of variance 1, N the sensor's noise. Of an
+// accelerometer: white as the record's fastest differences show it, rising as 1/f below the corner that its data
+// sheet names. Of a torque channel: that of the encoder's counts, (K_p^2 omega^2 + K_i^2) q^2 / 12.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,8 +21,8 @@ namespace slewlab::diagnosis {
 struct WhiteningSettings {
   double highest_frequency = 40.0;   // [Hz] fifth bending mode at 37 Hz (thesis 4.2); none matters above
   double lowest_frequency = 0.02;    // [Hz] below which a record of a minute knows nothing
-  double discrepancy_share = 0.01;   // [-] e
-  double noise_corner = 1.0;         // [Hz] below which an accelerometer's noise rises as 1/f (its data sheet)
+  double discrepancy_share = 0.004;  // [-] e: learned on tuning seeds, docs/diagnosis.md
+  double noise_corner = 50.0;        // [Hz] below which an accelerometer's noise rises as 1/f (its data sheet)
   double smoothing = 0.4;            // [-] width of the smoothing of P as a share of the frequency
 };
 
@@ -40,10 +42,11 @@ struct Whitening {
   Eigen::Index size() const { return static_cast<Eigen::Index>(2 * bin_count * channels.size()); }
 };
 
-// `trusted` holds for each grid point whether it may be judged; the window falls to 0 where it may not.
-// `motor_inertia` [kg m^2] of one motor turns the encoders' noise into the torque channels'.
-Whitening make_whitening(const Record& record, const std::vector<bool>& trusted, double motor_inertia,
-                         const WhiteningSettings& settings);
+// `trusted` holds for each grid point whether it may be judged; the window falls to 0 where it may not. `gains` turn the
+// encoders' noise into the torque channels'. An encoder that stands makes no noise, so how much of it there is shows
+// in what the `nominal` shadow misses above 20 Hz, where motors hardly move; at most what its counts may make.
+Whitening make_whitening(const Record& record, const std::vector<bool>& trusted, const ShadowGains& gains,
+                         const Shadow& nominal, const WhiteningSettings& settings);
 
 // Where a record may be judged: away from impacts, at which every small difference grows to full size. Takes out
 // each stretch in which the shadow's gears are not all in contact, and what follows it until it is forgotten.

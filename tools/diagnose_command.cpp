@@ -40,6 +40,8 @@ nlohmann::json to_json(const Cause& cause) {
   nlohmann::json json{{"effects", cause.effects},
                       {"probability", cause.probability},
                       {"explained_share", cause.explained},
+                      {"excess", cause.excess},
+                      {"penalty", cause.penalty},
                       {"mean_square_left", cause.mean_square},
                       {"cannot_be_told_from", cause.group},
                       {"distance_to_nearest", cause.group_distance}};
@@ -213,7 +215,7 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
         json["gaps"].push_back({{"signal", before_gaps[i].signal}, {"unit", before_gaps[i].unit}, {"measured_rms", before_gaps[i].measured},
                                 {"before", before_gaps[i].gap}, {"after", after_gaps[i].gap}});
       }
-      const diagnosis::Shadow missing = diagnosis::shadow(nominal, last);
+      const diagnosis::Shadow missing = diagnosis::shadow(nominal, last, diagnosis::shadow_gains(nominal.crane));
       const auto stride = static_cast<std::size_t>(std::max(1L, std::lround(0.01 / last.step)));
       write_whole_file(options.out / "series.csv", series_text(last, before, after, missing, stride));
     }

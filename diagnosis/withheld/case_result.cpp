@@ -21,6 +21,8 @@ json to_json(const CaseResult& result) {
     causes.push_back({{"effects", cause.effects},
                       {"probability", cause.probability},
                       {"group", cause.group},
+                      {"excess", cause.excess},
+                      {"penalty", cause.penalty},
                       {"sizes", sizes}});
   }
   for (const auto& [name, probability] : result.subsystems) {
@@ -45,7 +47,7 @@ CaseResult result_from(const json& j) {
   result.gap = j.at("gap");
   result.probability_unknown = j.at("probability_unknown");
   for (const json& c : j.at("causes")) {
-    NamedCause cause{c.at("effects"), c.at("probability"), c.at("group"), {}};
+    NamedCause cause{c.at("effects"), c.at("probability"), c.at("group"), {}, c.at("excess"), c.at("penalty")};
     // JSON has no infinity: a bound that is not given lies there.
     const auto bound = [](const json& value, double otherwise) {
       return value.is_null() ? otherwise : value.get<double>();

@@ -23,6 +23,7 @@ struct NamedCause {
   double probability = 0.0;
   std::vector<std::string> group;    // declared as not to be told apart from it, itself left out
   std::vector<NamedSize> sizes;
+  double excess = 0.0, penalty = 0.0;  // as in evidence.h: probabilities can be weighed again from them
 };
 
 struct CaseResult {

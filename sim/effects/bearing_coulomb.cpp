@@ -1,5 +1,7 @@
 #include "sim/effects/bearing_coulomb.h"
 
+#include "sim/effects/presliding.h"
+
 namespace slewlab::sim {
 
 namespace {
@@ -8,16 +10,25 @@ class BearingCoulomb : public Running<BearingCoulomb> {
  public:
   explicit BearingCoulomb(const EffectStart& start)
       : positive_(start.values[0] * (1.0 + start.values[1])),
-        negative_(start.values[0] * (1.0 - start.values[1])) {}
+        negative_(start.values[0] * (1.0 - start.values[1])),
+        joint_{.give = start.values[2]} {}
 
   void friction(const EffectMoment&, FrictionLevels& levels) override {
+    if (joint_.give > 0.0) return;
     levels.house_positive += positive_;
     levels.house_negative += negative_;
+  }
+
+  void force(const EffectMoment& moment, PortForces& forces) override {
+    if (joint_.give == 0.0) return;
+    const double share = presliding_share(joint_, moment.house_angle);
+    forces.house_torque -= share * (share > 0.0 ? positive_ : negative_);
   }
 
  private:
   double positive_;
   double negative_;
+  Presliding joint_;
 };
 
 }  // namespace
@@ -44,8 +55,17 @@ const EffectDescription& bearing_coulomb() {
                                 .typical = 0.0,
                                 .prior_scale = 0.2,
                                 .scale = common::ParameterScale::linear,
+                                .absent = std::nullopt},
+                               {.name = "give",
+                                .unit = common::Unit::radian,
+                                .meaning = "slew angle by which the bearing gives before it slides; 0: dry friction",
+                                .lower = 0.0,
+                                .upper = 1e-3,
+                                .typical = 3e-5,
+                                .prior_scale = 3e-5,
+                                .scale = common::ParameterScale::linear,
                                 .absent = std::nullopt}}},
-      .ports = {EffectPort::friction},
+      .ports = {EffectPort::friction, EffectPort::force},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<BearingCoulomb>(start);
       }};

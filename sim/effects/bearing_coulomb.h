@@ -1,6 +1,7 @@
 // Coulomb friction of the slew bearing: a torque of constant size against the house's motion, holding at
 // rest,
 //   |T| <= T_c (1 + a) against positive motion, T_c (1 - a) against negative.
+// With `give` > 0 the bearing gives by that angle before it slides (presliding.h).
 // Source: textbook; "static friction" is in the calculations that thesis 1.1 calls current, and not in its
 // model.
 #pragma once

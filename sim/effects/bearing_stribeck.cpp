@@ -2,6 +2,8 @@
 
 #include <cmath>
 
+#include "sim/effects/presliding.h"
+
 namespace slewlab::sim {
 
 namespace {
@@ -12,20 +14,33 @@ class BearingStribeck : public Running<BearingStribeck> {
       : coulomb_(start.values[0]),
         excess_(start.values[1]),
         speed_(start.values[2]),
-        asymmetry_(start.values[3]) {}
+        asymmetry_(start.values[3]),
+        joint_{.give = start.values[4]} {}
 
   void friction(const EffectMoment& moment, FrictionLevels& levels) override {
-    const double ratio = moment.house_speed / speed_;
-    const double level = coulomb_ + excess_ * std::exp(-ratio * ratio);
-    levels.house_positive += (1.0 + asymmetry_) * level;
-    levels.house_negative += (1.0 - asymmetry_) * level;
+    if (joint_.give > 0.0) return;
+    const double sliding = level(moment.house_speed);
+    levels.house_positive += (1.0 + asymmetry_) * sliding;
+    levels.house_negative += (1.0 - asymmetry_) * sliding;
+  }
+
+  void force(const EffectMoment& moment, PortForces& forces) override {
+    if (joint_.give == 0.0) return;
+    const double share = presliding_share(joint_, moment.house_angle);
+    forces.house_torque -= share * (share > 0.0 ? 1.0 + asymmetry_ : 1.0 - asymmetry_) * level(moment.house_speed);
   }
 
  private:
+  double level(double house_speed) const {
+    const double ratio = house_speed / speed_;
+    return coulomb_ + excess_ * std::exp(-ratio * ratio);
+  }
+
   double coulomb_;
   double excess_;
   double speed_;
   double asymmetry_;
+  Presliding joint_;
 };
 
 }  // namespace
@@ -70,8 +85,17 @@ const EffectDescription& bearing_stribeck() {
                                 .typical = 0.0,
                                 .prior_scale = 0.2,
                                 .scale = common::ParameterScale::linear,
+                                .absent = std::nullopt},
+                               {.name = "give",
+                                .unit = common::Unit::radian,
+                                .meaning = "slew angle by which the bearing gives before it slides; 0: dry friction",
+                                .lower = 0.0,
+                                .upper = 1e-3,
+                                .typical = 3e-5,
+                                .prior_scale = 3e-5,
+                                .scale = common::ParameterScale::linear,
                                 .absent = std::nullopt}}},
-      .ports = {EffectPort::friction},
+      .ports = {EffectPort::friction, EffectPort::force},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<BearingStribeck>(start);
       }};

@@ -1,5 +1,6 @@
 #include "sim/effects/dragging_brake.h"
 
+#include "sim/effects/presliding.h"
 #include "sim/integrate/plant.h"
 
 namespace slewlab::sim {
@@ -12,15 +13,25 @@ class DraggingBrake : public Running<DraggingBrake> {
     for (int i = 0; i < group_count_; ++i) {
       level_[i] = start.values[0] * (1.0 + start.values[1] * group_side(i, group_count_)) *
                   start.model.parameters.drive.motors_per_group * start.model.ratio;
+      joint_[static_cast<std::size_t>(i)].give = start.values[2] / start.model.ratio;
     }
   }
 
   void friction(const EffectMoment&, FrictionLevels& levels) override {
+    if (joint_[0].give > 0.0) return;
     for (int i = 0; i < group_count_; ++i) levels.motor[i] += level_[i];
+  }
+
+  void force(const EffectMoment& moment, PortForces& forces) override {
+    if (joint_[0].give == 0.0) return;
+    for (int i = 0; i < group_count_; ++i) {
+      forces.motor_torque[i] -= level_[i] * presliding_share(joint_[static_cast<std::size_t>(i)], moment.motor_angle[i]);
+    }
   }
 
  private:
   GroupArray level_{};  // [Nm] slew axis
+  std::array<Presliding, kMaximumGroupCount> joint_{};
   int group_count_;
 };
 
@@ -48,8 +59,17 @@ const EffectDescription& dragging_brake() {
                                 .typical = 0.0,
                                 .prior_scale = 0.3,
                                 .scale = common::ParameterScale::linear,
+                                .absent = std::nullopt},
+                               {.name = "give",
+                                .unit = common::Unit::radian,
+                                .meaning = "motor angle by which the brake gives before it slides; 0: dry friction",
+                                .lower = 0.0,
+                                .upper = 2.0,
+                                .typical = 0.02,
+                                .prior_scale = 0.02,
+                                .scale = common::ParameterScale::linear,
                                 .absent = std::nullopt}}},
-      .ports = {EffectPort::friction},
+      .ports = {EffectPort::friction, EffectPort::force},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<DraggingBrake>(start);
       }};

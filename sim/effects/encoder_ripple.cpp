@@ -12,18 +12,21 @@ namespace {
 class EncoderRipple : public Running<EncoderRipple> {
  public:
   explicit EncoderRipple(const EffectStart& start)
-      : amplitude_(start.values[0]), phase_(start.values[1]), group_count_(start.model.group_count) {}
+      : amplitude_(start.values[0]), group_count_(start.model.group_count) {
+    for (int i = 0; i < group_count_; ++i) phase_[i] = group_side(i, group_count_) < 0.0 ? start.values[2] : start.values[1];
+  }
 
   void sensor(const SensorMoment&, PlantReadings& readings) override {
     for (int i = 0; i < group_count_; ++i) {
-      const double at = readings.shaft_position[i] + phase_;
-      readings.shaft_position[i] += amplitude_ * (std::sin(at) - std::sin(phase_));
+      const double at = readings.shaft_position[i] + phase_[i];
+      readings.shaft_position[i] += amplitude_ * (std::sin(at) - std::sin(phase_[i]));
       readings.shaft_speed[i] *= 1.0 + amplitude_ * std::cos(at);
     }
   }
 
  private:
-  double amplitude_, phase_;
+  double amplitude_;
+  GroupArray phase_{};  // [rad]
   int group_count_;
 };
 
@@ -45,7 +48,16 @@ const EffectDescription& encoder_ripple() {
                                 .absent = 0.0},
                                {.name = "phase",
                                 .unit = common::Unit::radian,
-                                .meaning = "at the start",
+                                .meaning = "at the start, in the first half of the groups",
+                                .lower = -std::numbers::pi,
+                                .upper = std::numbers::pi,
+                                .typical = 0.0,
+                                .prior_scale = 2.0,
+                                .scale = common::ParameterScale::linear,
+                                .absent = std::nullopt},
+                               {.name = "phase_last",
+                                .unit = common::Unit::radian,
+                                .meaning = "at the start, in the last half",
                                 .lower = -std::numbers::pi,
                                 .upper = std::numbers::pi,
                                 .typical = 0.0,

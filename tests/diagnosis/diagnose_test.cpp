@@ -75,7 +75,7 @@ TEST(Diagnose, SaysNothingIsMissingWhereOnlyParametersAreOff) {
 }
 
 TEST(Diagnose, NamesBearingFrictionWithItsSize) {
-  const Diagnosis found = diagnose_machine({{"bearing_coulomb", {1e5, 0.0}}}, bench().controller, 12);
+  const Diagnosis found = diagnose_machine({{"bearing_coulomb", {1e5, 0.0, 0.0}}}, bench().controller, 12);
   ASSERT_FALSE(found.causes.empty());
   EXPECT_TRUE(found.gap);
   EXPECT_EQ(found.causes[0].effects, std::vector<std::string>{"bearing_coulomb"});
@@ -88,7 +88,7 @@ TEST(Diagnose, SaysNotInTheCatalogueWhereTheCauseIsLeftOut) {
   DiagnosisSettings settings;
   settings.without = {"bearing_coulomb", "bearing_stribeck", "bearing_viscous", "dragging_brake", "gear_friction"};
   settings.pairs_to_refine = 2;
-  const Diagnosis found = diagnose_machine({{"bearing_coulomb", {1.5e5, 0.0}}}, bench().controller, 13, settings);
+  const Diagnosis found = diagnose_machine({{"bearing_coulomb", {1.5e5, 0.0, 0.0}}}, bench().controller, 13, settings);
   EXPECT_TRUE(found.gap);
   EXPECT_GT(found.probability_unknown, 0.5) << found.verdict;
 }
@@ -196,7 +196,7 @@ TEST_F(Admission, AWrongUnitWouldIndeedHaveGivenAWrongAnswer) {
   for (double& speed : record.shaft_speed[0]) speed *= 60.0 / (2.0 * std::numbers::pi);
   sim::MachineSettings nominal;
   nominal.crane = bench().crane;
-  const Shadow follower = shadow(nominal, record);
+  const Shadow follower = shadow(nominal, record, shadow_gains(nominal.crane));
   double missing = 0.0;
   for (const double torque : follower.missing_torque[0]) missing = std::max(missing, std::fabs(torque));
   EXPECT_GT(missing, bench().controller.rated_torque);

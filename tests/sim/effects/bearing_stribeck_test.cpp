@@ -21,7 +21,7 @@ TEST(BearingStribeck, HoldsUpToTheBreakawayTorque) {
   const CraneParameters crane = without_play();
   const double breakaway = 3e5 / (2.0 * torque_factor(crane));  // [Nm] per motor
   for (const double share : {0.95, 1.05}) {
-    const auto samples = run(crane, "bearing_stribeck", {1.5e5, 1.5e5, 0.005, 0.0}, 14.0, [&](double time) {
+    const auto samples = run(crane, "bearing_stribeck", {1.5e5, 1.5e5, 0.005, 0.0, 0.0}, 14.0, [&](double time) {
       const double torque = share * breakaway * std::min(1.0, time / 10.0);
       return constant_drive(torque, torque)(time);
     });
@@ -38,7 +38,7 @@ TEST(BearingStribeck, HoldsUpToTheBreakawayTorque) {
 TEST(BearingStribeck, IsCoulombAtSpeed) {
   const CraneParameters crane = without_play();
   const auto samples =
-      run(crane, "bearing_stribeck", {1.5e5, 1.5e5, 0.002, 0.0}, 4.0, no_drive, {.slew_speed = 0.05});
+      run(crane, "bearing_stribeck", {1.5e5, 1.5e5, 0.002, 0.0, 0.0}, 4.0, no_drive, {.slew_speed = 0.05});
   const double expected = 1.5e5 / whole_inertia(crane);
   EXPECT_NEAR((samples[1499].house_speed - samples[3499].house_speed) / 2.0, expected, 1e-3 * expected);
 }
@@ -46,10 +46,12 @@ TEST(BearingStribeck, IsCoulombAtSpeed) {
 // Without excess it is bearing_coulomb, to the bit.
 TEST(BearingStribeck, WithoutExcessIsCoulomb) {
   const CraneParameters crane = without_play();
-  const auto stribeck =
-      run(crane, "bearing_stribeck", {2e5, 0.0, 0.005, 0.2}, 2.0, no_drive, {.slew_speed = 0.01});
-  const auto coulomb = run(crane, "bearing_coulomb", {2e5, 0.2}, 2.0, no_drive, {.slew_speed = 0.01});
-  EXPECT_EQ(stribeck.back().house_angle, coulomb.back().house_angle);
+  for (const double give : {0.0, 5e-5}) {
+    const auto stribeck =
+        run(crane, "bearing_stribeck", {2e5, 0.0, 0.005, 0.2, give}, 2.0, no_drive, {.slew_speed = 0.01});
+    const auto coulomb = run(crane, "bearing_coulomb", {2e5, 0.2, give}, 2.0, no_drive, {.slew_speed = 0.01});
+    EXPECT_EQ(stribeck.back().house_angle, coulomb.back().house_angle);
+  }
 }
 
 }  // namespace

@@ -14,7 +14,7 @@ TEST(EncoderRipple, ErrsOncePerTurn) {
   constexpr double kAmplitude = 0.02, kPhase = 0.8, kSlew = 0.002;
   const CraneParameters crane = rigid_crane();
   const auto samples =
-      run(crane, "encoder_ripple", {kAmplitude, kPhase}, 2.0, no_drive, {.slew_speed = kSlew});
+      run(crane, "encoder_ripple", {kAmplitude, kPhase, kPhase}, 2.0, no_drive, {.slew_speed = kSlew});
   const double shaft = kSlew * torque_factor(crane) / crane.drive.motors_per_group;
   for (std::size_t k = 1; k + 1 < samples.size(); ++k) {
     const double angle = shaft * samples[k].time;
