@@ -125,6 +125,25 @@ TEST(Predict, TheTrueMachinePredictsItsOwnLogDownToTheNoise) {
   }
 }
 
+// Counts are a fact of the log, whatever else is missing: found to the count, with nothing fitted.
+TEST(Diagnose, SeesCoarseCountsInThePositionsThemselves) {
+  constexpr double kCount = 2.0 * std::numbers::pi / 1000.0;  // [rad]
+  sim::MachineSettings truth;
+  truth.crane = bench().crane;
+  msgs::RunLog log = simulated_log(truth, bench().controller, kThereAndBack, kDuration, 6);
+  for (auto& encoder : log.encoder) {
+    for (double& position : encoder.shaft_position) position = kCount * std::floor(position / kCount);
+  }
+  sim::MachineSettings nominal;
+  nominal.crane = bench().crane;
+  const Diagnosis found = diagnose(nominal, std::nullopt, {make_record(log, "counts", bench().admission)}, {});
+  EXPECT_TRUE(found.gap);
+  ASSERT_FALSE(found.causes.empty());
+  EXPECT_EQ(found.causes[0].effects, std::vector<std::string>{"encoder_quantisation"});
+  ASSERT_FALSE(found.causes[0].sizes.empty());
+  EXPECT_NEAR(found.causes[0].sizes[0].value, kCount, 1e-6 * kCount);
+}
+
 class Admission : public testing::Test {
  protected:
   Admission() {
@@ -193,7 +212,8 @@ TEST_F(Admission, RefusesNotANumber) {
 // more torque than its motors have.
 TEST_F(Admission, AWrongUnitWouldIndeedHaveGivenAWrongAnswer) {
   Record record = make_record(log_, "log", bench().admission);
-  for (double& speed : record.shaft_speed[0]) speed *= 60.0 / (2.0 * std::numbers::pi);
+  for (double& rate : record.position_rate[0]) rate *= 60.0 / (2.0 * std::numbers::pi);
+  for (double& position : record.shaft_position[0]) position *= 60.0 / (2.0 * std::numbers::pi);
   sim::MachineSettings nominal;
   nominal.crane = bench().crane;
   const Shadow follower = shadow(nominal, record, shadow_gains(nominal.crane));

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <numeric>
 
 namespace slewlab::diagnosis {
@@ -12,32 +13,49 @@ double total(const Probabilities& p) {
 }
 
 TEST(Evidence, ProbabilitiesSumToOne) {
-  const Probabilities p = weigh({{{}, 5.0}, {{"a"}, 1.0}, {{"b"}, 3.0}, {{"a", "b"}, 0.9}}, 40, {});
+  const Probabilities p =
+      weigh({{{}, 500.0, 0.0}, {{"a"}, 10.0, 4.0}, {{"b"}, 300.0, 2.0}, {{"a", "b"}, 9.0, 8.0}}, 40, {});
   EXPECT_NEAR(total(p), 1.0, 1e-12);
 }
 
 TEST(Evidence, NothingMissingIsSaidWhereEffectsGainNothing) {
-  const Probabilities p = weigh({{{}, 1.0}, {{"a"}, 0.9999}, {{"a", "b"}, 0.9998}}, 40, {});
+  const Probabilities p = weigh({{{}, 0.0, 0.0}, {{"a"}, -5.0, 5.0}, {{"a", "b"}, -8.0, 9.0}}, 40, {});
   EXPECT_GT(p.candidate[0], 0.9);
 }
 
+// What mesh and step let an effect gain where nothing is missing, settings.price, is no evidence for it.
+TEST(Evidence, AnEffectMustGainItsPrice) {
+  const EvidenceSettings settings;
+  EXPECT_GT(weigh({{{}, 0.0, 0.0}, {{"a"}, -settings.price, 0.0}}, 40, {}).candidate[0], 0.9);
+  EXPECT_LT(weigh({{{}, 0.0, 0.0}, {{"a"}, -4.0 * settings.price, 0.0}}, 40, {}).candidate[0], 0.1);
+}
+
 TEST(Evidence, ASecondEffectMustEarnItsPlace) {
-  const Probabilities p = weigh({{{}, 20.0}, {{"a"}, 1.0}, {{"a", "b"}, 0.999}}, 40, {});
+  const Probabilities p = weigh({{{}, 2000.0, 0.0}, {{"a"}, 10.0, 0.0}, {{"a", "b"}, 0.0, 5.0}}, 40, {});
   EXPECT_GT(p.candidate[1], p.candidate[2]);
 }
 
 TEST(Evidence, UnknownWhereEveryCauseLeavesMuchOfALargeGap) {
-  const Probabilities p = weigh({{{}, 100.0}, {{"a"}, 60.0}, {{"a", "b"}, 50.0}}, 40, {});
+  const Probabilities p = weigh({{{}, 10000.0, 0.0}, {{"a"}, 6000.0, 0.0}, {{"a", "b"}, 5000.0, 0.0}}, 40, {});
   EXPECT_GT(p.unknown, 0.99);
 }
 
 TEST(Evidence, KnownWhereACauseLeavesLittle) {
-  const Probabilities p = weigh({{{}, 100.0}, {{"a"}, 1.0}}, 40, {});
+  const Probabilities p = weigh({{{}, 10000.0, 0.0}, {{"a"}, 100.0, 0.0}}, 40, {});
   EXPECT_LT(p.unknown, 0.01);
 }
 
+// Two causes of equal prior and penalty: their odds are the ratio of their discounted misfits, by the header's formula.
+TEST(Evidence, OddsFollowTheFormula) {
+  EvidenceSettings settings;
+  settings.law_freedom = 10.0;
+  settings.law_share = 0.1;
+  const Probabilities p = weigh({{{}, 1000.0, 0.0}, {{"a"}, 0.0, 0.0}, {{"b"}, 55.0, 0.0}}, 40, settings);
+  EXPECT_NEAR(p.candidate[1] / p.candidate[2], std::pow(1.5, 5.0), 1e-9);
+}
+
 TEST(Evidence, WantsTheCandidateWithoutEffects) {
-  EXPECT_THROW(weigh({{{"a"}, 1.0}}, 40, {}), std::invalid_argument);
+  EXPECT_THROW(weigh({{{"a"}, 1.0, 0.0}}, 40, {}), std::invalid_argument);
 }
 
 }  // namespace
