@@ -15,6 +15,7 @@ constexpr double kAfterImpact = 2.5;   // [s] in which the shadow forgets an imp
 constexpr double kSoftEdge = 0.4;      // [s] over which the window falls beside a stretch that is taken out
 constexpr double kNoiseAlone = 20.0;   // [Hz] from which torque channels hold the encoders' noise alone
 constexpr double kLeastNoise = 0.02;   // of the noise that counts may make
+constexpr double kSmallestPower = 1e-12;  // [signal's unit^2] variance in a channel that stands at zero, far below any sensor's
 constexpr double kTaper = 0.02;  // share of the record over which the window rises and falls
 
 // The next length that 2, 3 and 5 divide down to 1: where the transform is fast.
@@ -142,7 +143,7 @@ Whitening make_whitening(const Record& record, const std::vector<bool>& trusted,
       }
     }
     const std::size_t spectrum_size = sum.size() - 1;
-    const double rounding = 1e-9 * sum.back() / static_cast<double>(spectrum_size);
+    const double rounding = 1e-9 * sum.back() / static_cast<double>(spectrum_size) + kSmallestPower * energy;
     const double variance =
         channel.is_torque ? encoder_variance(record, static_cast<std::size_t>(channel.index)) : noise_variance(signal);
     // A torque channel's noise is its encoder's, seen through the shadow's gains.
