@@ -663,6 +663,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
     if (first.effects.size() > 1) diagnosis.verdict += " with " + first.effects[1];
   }
   diagnosis.simulations = problem.simulations;
+  diagnosis.simulation_seconds = 1e-9 * static_cast<double>(problem.simulation_time);
   diagnosis.total_seconds = seconds_since(start_time);
   tell(1.0, "done");
   return diagnosis;

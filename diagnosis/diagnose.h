@@ -82,6 +82,7 @@ struct Diagnosis {
   std::vector<std::string> remarks;
   std::vector<std::string> cannot_tell;  // effects these records do not excite, with the reason
   std::int64_t simulations = 0;
+  double simulation_seconds = 0.0;  // in them, summed over the threads
   double total_seconds = 0.0;
 };
 

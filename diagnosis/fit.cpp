@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <stdexcept>
 #include <thread>
@@ -212,7 +213,10 @@ Eigen::VectorXd differences(Problem& problem, const Point& point) {
   const sim::MachineSettings machine = machine_at(problem.nominal, point);
   for (std::size_t r = 0; r < problem.records.size(); ++r) {
     if (problem.stop != nullptr && problem.stop->load()) throw Interrupted{};
+    const auto begun = std::chrono::steady_clock::now();
     const Shadow follower = shadow(machine, problem.records[r], problem.gains);
+    problem.simulation_time +=
+        std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now() - begun).count();
     result.segment(row, problem.whitening[r].size()) = whiten(problem.whitening[r], follower);
     row += problem.whitening[r].size();
     ++problem.simulations;

@@ -54,6 +54,7 @@ struct Problem {
   FitSettings settings;
   int threads = 1;
   std::atomic<std::int64_t> simulations{0};
+  std::atomic<std::int64_t> simulation_time{0};  // [ns] in them, summed over the threads
   const std::atomic<bool>* stop = nullptr;  // set from outside: unwind with Interrupted
 };
 

@@ -65,6 +65,7 @@ nlohmann::json to_json(const Diagnosis& diagnosis) {
                       {"probability_nothing_missing", diagnosis.probability_nothing},
                       {"probability_not_in_the_catalogue", diagnosis.probability_unknown},
                       {"simulations", diagnosis.simulations},
+                      {"simulation_seconds", diagnosis.simulation_seconds},
                       {"seconds", diagnosis.total_seconds},
                       {"remarks", diagnosis.remarks},
                       {"cannot_tell", diagnosis.cannot_tell}};
@@ -152,7 +153,8 @@ void print_page(const Diagnosis& diagnosis, const std::vector<diagnosis::SignalG
     out << fmt::format("  {:24} {:10.4g} -> {:10.4g} {}\n", before[i].signal, before[i].gap, after[i].gap, before[i].unit);
   }
   for (const std::string& remark : diagnosis.remarks) out << "  note: " << remark << "\n";
-  out << fmt::format("\n{}\n{} simulations, {:.1f} s\n", diagnosis.verdict, diagnosis.simulations, diagnosis.total_seconds);
+  out << fmt::format("\n{}\n{} simulations with {:.1f} s in them, {:.1f} s in all\n", diagnosis.verdict, diagnosis.simulations,
+                     diagnosis.simulation_seconds, diagnosis.total_seconds);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 // diagnosis: where the axis moves steadily, the commanded force is its friction.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -10,6 +11,7 @@
 #include <filesystem>
 #include <fstream>
 #include <numbers>
+#include <set>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -136,7 +138,17 @@ TEST(ServoAxisDiagnosis, FindsTheFrictionThatTheForceBalanceShows) {
   EXPECT_TRUE(found.gap) << found.verdict;
   ASSERT_FALSE(found.causes.empty());
   const Cause& cause = found.causes.front();
-  EXPECT_GT(cause.probability, 0.9) << found.verdict;
+  EXPECT_GT(cause.probability, 0.5) << found.verdict;
+  // On an axis of one stiff shaft a brake that drags and a bearing that rubs are nearly the same force: dry friction with
+  // viscous friction is what the force balance shows, and what must be certain.
+  const std::set<std::string> dry{"bearing_coulomb", "bearing_stribeck", "dragging_brake"};
+  double dry_and_viscous = 0.0;
+  for (const Cause& one : found.causes) {
+    const std::set<std::string> names(one.effects.begin(), one.effects.end());
+    const bool has_dry = std::any_of(dry.begin(), dry.end(), [&](const std::string& name) { return names.count(name) != 0; });
+    if (names.size() == 2 && has_dry && names.count("bearing_viscous") != 0) dry_and_viscous += one.probability;
+  }
+  EXPECT_GT(dry_and_viscous, 0.99) << found.verdict;
   EXPECT_EQ(found.subsystems.at(0).first, "house") << found.verdict;
 
   // Friction at the steady speeds of the manoeuvre, in the crane's units and back to the carriage's. The axis's
