@@ -28,6 +28,7 @@ constexpr double kControllerExplained = 0.1;    // share of its difference that 
 constexpr const char* kCounts = "encoder_quantisation";
 constexpr double kCoarseCount = 1.53e-3;        // [rad] 2 pi / 4096: drives count 12 bits at least, 14 as a rule
 constexpr double kCountError = 1e-3;            // relative, of a quantum found in the positions
+constexpr double kFarOff = 4.0;                 // [standard deviations] of a parameter, beyond which it may be another crane
 constexpr double kNegligible = 1e-4;            // probability of a part that is not combined further
 constexpr double kSmallShare = 0.25;            // of an effect's typical size, with which it is tried too
 constexpr double kLargestAmount = 20.0;         // of the screened size that a linear forecast is trusted with
@@ -144,13 +145,15 @@ double mean_square(const Eigen::VectorXd& vector) {
   return vector.squaredNorm() / static_cast<double>(vector.size());
 }
 
-void locate(const Problem& problem, const Eigen::VectorXd& difference, Diagnosis& diagnosis) {
+// Where the gap lies: what `difference` has more than `left`, band by band.
+void locate(const Problem& problem, const Eigen::VectorXd& difference, const Eigen::VectorXd& left, Diagnosis& diagnosis) {
   // Bands between the modes that the thesis's cranes have: swinging, first bending, second bending, torsion
   // and higher.
   static constexpr std::array<double, 6> kEdges{0.02, 0.5, 2.5, 8.0, 16.0, 40.0};
-  const double total = difference.squaredNorm();
-  if (total <= 0.0) return;
-  std::map<std::pair<std::string, int>, std::pair<double, double>> sums;  // sum of squares, count
+  struct Sum {
+    double square = 0.0, more = 0.0, count = 0.0;
+  };
+  std::map<std::pair<std::string, int>, Sum> sums;
   Eigen::Index row = 0;
   for (std::size_t r = 0; r < problem.records.size(); ++r) {
     const Whitening& whitening = problem.whitening[r];
@@ -161,17 +164,23 @@ void locate(const Problem& problem, const Eigen::VectorXd& difference, Diagnosis
         const double frequency = static_cast<double>(whitening.first_bin + b) * whitening.bin_width;
         int band = 0;
         while (band + 2 < static_cast<int>(kEdges.size()) && frequency >= kEdges[static_cast<std::size_t>(band + 1)]) ++band;
-        auto& [square, count] = sums[{name, band}];
-        square += difference(row) * difference(row) + difference(row + 1) * difference(row + 1);
-        count += 2.0;
+        Sum& sum = sums[{name, band}];
+        for (const Eigen::Index part : {row, row + 1}) {
+          sum.square += difference(part) * difference(part);
+          sum.more += difference(part) * difference(part) - left(part) * left(part);
+          sum.count += 1.0;
+        }
         row += 2;
       }
     }
   }
-  for (const auto& [key, value] : sums) {
+  double total = 0.0;
+  for (const auto& [key, sum] : sums) total += std::max(0.0, sum.more);
+  if (total <= 0.0) return;
+  for (const auto& [key, sum] : sums) {
     const auto band = static_cast<std::size_t>(key.second);
-    diagnosis.bands.push_back({key.first, kEdges[band], kEdges[band + 1], value.first / total,
-                               value.first / std::max(1.0, value.second)});
+    diagnosis.bands.push_back(
+        {key.first, kEdges[band], kEdges[band + 1], std::max(0.0, sum.more) / total, sum.square / sum.count});
   }
   std::sort(diagnosis.bands.begin(), diagnosis.bands.end(),
             [](const BandShare& a, const BandShare& b) { return a.share > b.share; });
@@ -233,14 +242,13 @@ std::vector<Size> sizes_of(const std::vector<common::EffectInstance>& effects, c
   return sizes;
 }
 
-Cause make_cause(const FitResult& result, double base_excess, const FitSettings& settings) {
+Cause make_cause(const FitResult& result, const FitSettings& settings) {
   Cause cause;
   for (const common::EffectInstance& effect : result.point.effects) cause.effects.push_back(effect.name);
   cause.point = result.point;
   cause.mean_square = result.mean_square;
   cause.excess = excess(result.difference, settings);
   cause.penalty = result.penalty;
-  cause.explained = base_excess > 0.0 ? std::clamp(1.0 - cause.excess / base_excess, 0.0, 1.0) : 0.0;
   cause.sizes = sizes_of(result.point.effects, result.deviation);
   return cause;
 }
@@ -444,7 +452,6 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   diagnosis.mean_square_nominal = base.nominal_mean_square;
   diagnosis.mean_square_parameters = mean_square(base.difference);
   const double base_excess = excess(base.difference, settings.fit);
-  locate(problem, base.difference, diagnosis);
   find_moments(problem, base.point, diagnosis);
 
   // Screen: every effect of the catalogue from each of its starts, one simulation each.
@@ -606,7 +613,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   none.penalty = base.penalty;
   diagnosis.causes.push_back(none);
   for (const FitResult& result : fits) {
-    diagnosis.causes.push_back(make_cause(result, base_excess, settings.fit));
+    diagnosis.causes.push_back(make_cause(result, settings.fit));
     candidates.push_back({diagnosis.causes.back().effects, diagnosis.causes.back().excess, result.penalty});
   }
   const Probabilities probabilities = weigh(candidates, static_cast<int>(names.size()), settings.evidence);
@@ -614,6 +621,19 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
     diagnosis.causes[i].probability = probabilities.candidate[i];
   }
   diagnosis.probability_unknown = probabilities.unknown;
+  // What is explained is counted down to what the noise, or the best of all fits, leaves.
+  double floor = 0.0;
+  for (const Candidate& candidate : candidates) floor = std::min(floor, candidate.excess);
+  for (Cause& cause : diagnosis.causes) {
+    cause.explained = base_excess > floor ? std::clamp((base_excess - cause.excess) / (base_excess - floor), 0.0, 1.0) : 0.0;
+  }
+  // The gap lies where the most probable cause takes something away; where none does, where more than noise is left.
+  const auto likeliest = std::max_element(probabilities.candidate.begin() + 1, probabilities.candidate.end());
+  const bool is_explained = likeliest != probabilities.candidate.end() && probabilities.unknown < *likeliest;
+  locate(problem, base.difference,
+         is_explained ? fits[static_cast<std::size_t>(likeliest - probabilities.candidate.begin() - 1)].difference
+                      : Eigen::VectorXd::Ones(base.difference.size()),
+         diagnosis);
   // Groups: single causes whose signatures, as fitted, cannot be told apart.
   for (std::size_t i = 0; i < fits.size(); ++i) {
     if (fits[i].point.effects.size() != 1) continue;
@@ -661,6 +681,20 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   } else {
     diagnosis.verdict = first.effects[0];
     if (first.effects.size() > 1) diagnosis.verdict += " with " + first.effects[1];
+  }
+  // Parameters that had to go farther than machines of one make differ.
+  const Point& answer = first.point.nuisance.empty() ? base.point : first.point;
+  std::string far;
+  for (std::size_t k = 0; k < answer.nuisance.size(); ++k) {
+    if (std::fabs(answer.nuisance[k]) < kFarOff) continue;
+    far += fmt::format("{}{} {:+.0f} %", far.empty() ? "" : ", ", nuisances()[k].name, 100.0 * nuisances()[k].spread * answer.nuisance[k]);
+  }
+  const bool is_unknown = diagnosis.probability_unknown > first.probability;
+  if (!far.empty() || is_unknown) {
+    diagnosis.remarks.push_back(
+        fmt::format("cannot tell whether this is another crane than the nominal one: {}; check that the crane file is this crane's",
+                    far.empty() ? "neither a known effect nor parameters within their spread explain it"
+                                : "the best fit wants " + far + ", more than machines of one make differ"));
   }
   diagnosis.simulations = problem.simulations;
   diagnosis.simulation_seconds = 1e-9 * static_cast<double>(problem.simulation_time);

@@ -40,7 +40,7 @@ struct Size {
 struct Cause {
   std::vector<std::string> effects;   // one or two; none: only parameters are off
   double probability = 0.0;
-  double explained = 0.0;             // share of the gap (mean square) that it explains
+  double explained = 0.0;             // share of the gap, down to what the best of all fits leaves
   double mean_square = 0.0;
   double excess = 0.0, penalty = 0.0;  // as in evidence.h
   std::vector<Size> sizes;            // of all effects' parameters
@@ -54,8 +54,8 @@ struct Cause {
 struct BandShare {
   std::string channel;
   double from = 0.0, to = 0.0;  // [Hz]
-  double share = 0.0;
-  double mean_square = 0.0;     // 1 is what a good model misses
+  double share = 0.0;           // of what the most probable cause takes away, or of what stands above the noise
+  double mean_square = 0.0;     // of what parameters alone leave; 1 is the noise's
 };
 struct Moment {
   std::string record;

@@ -113,8 +113,12 @@ std::string series_text(const Record& record, const diagnosis::Prediction& befor
 
 void print_page(const Diagnosis& diagnosis, const std::vector<diagnosis::SignalGap>& before,
                 const std::vector<diagnosis::SignalGap>& after, std::ostream& out) {
-  out << fmt::format("\nIs there a gap?  {}. With parameters alone fitted the records differ by {:.2f} times what a good model misses.\n",
-                     diagnosis.gap ? "Yes" : "No", std::sqrt(diagnosis.mean_square_parameters));
+  out << fmt::format("\nIs there a gap?  {}. Parameters alone leave {:.2f} of the mean square that noise makes, the nominal crane {:.2f}",
+                     diagnosis.gap ? "Yes" : "No", diagnosis.mean_square_parameters, diagnosis.mean_square_nominal);
+  if (diagnosis.gap && !diagnosis.causes.empty()) {
+    out << fmt::format(", the first cause {:.2f}", diagnosis.causes.front().mean_square);
+  }
+  out << ".\n";
   out << "Which side?      " << (diagnosis.controller_differs ? "The controller answers otherwise than its settings say.\n"
                                   : diagnosis.controller_replay.empty() ? "The controller was not given.\n"
                                                                         : "The controller answers as its settings say.\n");
@@ -153,6 +157,8 @@ void print_page(const Diagnosis& diagnosis, const std::vector<diagnosis::SignalG
     out << fmt::format("  {:24} {:10.4g} -> {:10.4g} {}\n", before[i].signal, before[i].gap, after[i].gap, before[i].unit);
   }
   for (const std::string& remark : diagnosis.remarks) out << "  note: " << remark << "\n";
+  if (!diagnosis.cannot_tell.empty()) out << "\nCannot tell from these records\n";
+  for (const std::string& what : diagnosis.cannot_tell) out << "  " << what << "\n";
   out << fmt::format("\n{}\n{} simulations with {:.1f} s in them, {:.1f} s in all\n", diagnosis.verdict, diagnosis.simulations,
                      diagnosis.simulation_seconds, diagnosis.total_seconds);
 }

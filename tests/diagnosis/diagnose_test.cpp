@@ -148,6 +148,49 @@ TEST(Diagnose, SeesCoarseCountsInThePositionsThemselves) {
   EXPECT_NEAR(size->value, kCount, 1e-6 * kCount);
 }
 
+// A crawl with the load still excites neither load nor boom: it says so of what acts through them, and names none.
+TEST(Diagnose, ACrawlTellsNothingAboutTheBoom) {
+  sim::MachineSettings truth;
+  truth.crane = bench().crane;
+  truth.crane.boom.element_count = 12;
+  truth.effects = {{"flyjib_torsion", {400.0, 1.0}}};
+  const std::vector<Move> crawl{{2.0, 0.004}};
+  sim::MachineSettings nominal;
+  nominal.crane = bench().crane;
+  const Diagnosis found =
+      diagnose(nominal, bench().controller,
+               {make_record(simulated_log(truth, bench().controller, crawl, kDuration, 8), "crawl", bench().admission)}, {});
+  EXPECT_FALSE(found.gap) << found.verdict;
+  for (const char* name : {"large_angles", "offlead", "air_drag"}) {
+    EXPECT_TRUE(std::any_of(found.cannot_tell.begin(), found.cannot_tell.end(),
+                            [&](const std::string& what) { return what.rfind(name, 0) == 0; }))
+        << name;
+  }
+}
+
+// The log of a crane with half the load again and a boom 0.2 rad lower, against the nominal one.
+TEST(Diagnose, DoubtsThatAnotherCraneIsTheNominalOne) {
+  sim::MachineSettings truth;
+  truth.crane = bench().crane;
+  truth.crane.boom.angle -= 0.2;
+  truth.crane.load.mass *= 1.5;
+  truth.crane.house.inertia *= 1.6;
+  DiagnosisSettings settings;
+  settings.singles_to_refine = 2;
+  settings.pairs_to_refine = 0;
+  sim::MachineSettings nominal;
+  nominal.crane = bench().crane;
+  const Diagnosis found = diagnose(
+      nominal, bench().controller,
+      {make_record(simulated_log(truth, bench().controller, kThereAndBack, kDuration, 9), "other", bench().admission)}, settings);
+  EXPECT_TRUE(found.gap);
+  // Rightly no cause: nothing was missing in that crane, so whatever it named would have been wrong.
+  EXPECT_TRUE(found.probability_unknown > 0.5 || found.causes.at(0).effects.empty()) << found.verdict;
+  EXPECT_TRUE(std::any_of(found.remarks.begin(), found.remarks.end(), [](const std::string& remark) {
+    return remark.find("cannot tell whether this is another crane") != std::string::npos;
+  })) << found.verdict;
+}
+
 class Admission : public testing::Test {
  protected:
   Admission() {
