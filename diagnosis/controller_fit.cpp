@@ -23,17 +23,8 @@ constexpr double kIndependent = 60.0;  // independent differences that the repla
 Eigen::VectorXd torque_differences(std::span<const Record> records, const controller::ControllerSettings& settings) {
   std::vector<double> all;
   for (const Record& record : records) {
-    const ControllerReplay replay = replay_controller(record, settings);
-    std::size_t answer = 0;
-    for (std::size_t k = 0; k < record.encoder.size(); ++k) {
-      while (answer < record.torque.size() && record.torque[answer].answered_sequence < record.encoder[k].sequence) {
-        ++answer;
-      }
-      if (answer >= record.torque.size() || record.torque[answer].answered_sequence != record.encoder[k].sequence) continue;
-      for (std::size_t g = 0; g < static_cast<std::size_t>(record.group_count); ++g) {
-        all.push_back(record.torque[answer].motor_torque[g] - replay.motor_torque[g][k]);
-      }
-    }
+    const std::vector<double> difference = replay_controller(record, settings).difference;
+    all.insert(all.end(), difference.begin(), difference.end());
   }
   return Eigen::Map<Eigen::VectorXd>(all.data(), static_cast<Eigen::Index>(all.size()));
 }
@@ -115,12 +106,9 @@ std::vector<ControllerCause> fit_controller(std::span<const Record> records,
     regular.diagonal().array() += 1e-12 * std::max(1e-300, gram.diagonal().maxCoeff());
     const Eigen::MatrixXd inverse = regular.inverse();
     for (std::size_t p = 0; p < about.parameters.size(); ++p) {
-      const common::EffectParameter& parameter = about.parameters[p];
-      const double per_coordinate = parameter.scale == common::ParameterScale::logarithmic
-                                        ? cause.effect.values[p] * parameter.prior_scale
-                                        : parameter.prior_scale;
+      const double per_deviation = value_per_deviation(about.parameters[p], cause.effect.values[p]);
       const auto i = static_cast<Eigen::Index>(p);
-      cause.deviation.push_back(std::fabs(per_coordinate) * std::sqrt(std::min(1.0, variance * inverse(i, i))));
+      cause.deviation.push_back(std::fabs(per_deviation) * std::sqrt(std::min(1.0, variance * inverse(i, i))));
     }
     causes.push_back(cause);
   }

@@ -20,7 +20,6 @@ ControllerReplay replay_controller(const Record& record, controller::ControllerS
   std::size_t move = 0;
   std::size_t answer = 0;
   double square = 0.0, difference_square = 0.0;
-  std::size_t compared = 0;
   for (const msgs::Encoder& encoder : record.encoder) {
     while (move < record.operator_moves.size() &&
            record.operator_moves[move].simulated_time <= encoder.simulated_time) {
@@ -45,16 +44,17 @@ ControllerReplay replay_controller(const Record& record, controller::ControllerS
       const double difference = recorded - output.motor_torque[i];
       square += recorded * recorded;
       difference_square += difference * difference;
-      ++compared;
+      replay.difference.push_back(difference);
       if (std::fabs(difference) > replay.largest_difference) {
         replay.largest_difference = std::fabs(difference);
         replay.largest_time = static_cast<double>(encoder.simulated_time) * 1e-9;
       }
     }
   }
-  if (compared > 0) {
-    replay.torque_rms = std::sqrt(square / static_cast<double>(compared));
-    replay.difference_rms = std::sqrt(difference_square / static_cast<double>(compared));
+  if (!replay.difference.empty()) {
+    const auto compared = static_cast<double>(replay.difference.size());
+    replay.torque_rms = std::sqrt(square / compared);
+    replay.difference_rms = std::sqrt(difference_square / compared);
   }
   return replay;
 }

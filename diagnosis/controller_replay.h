@@ -12,6 +12,7 @@ namespace slewlab::diagnosis {
 
 struct ControllerReplay {
   std::array<std::vector<double>, sim::kMaximumGroupCount> motor_torque;  // [Nm] per cycle, as computed
+  std::vector<double> difference;  // [Nm] recorded minus computed, group by group in every answered cycle
   double torque_rms = 0.0;      // [Nm] of the recorded commands
   double difference_rms = 0.0;  // [Nm] recorded minus computed
   double largest_difference = 0.0;

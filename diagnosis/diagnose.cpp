@@ -28,6 +28,8 @@ constexpr double kControllerExplained = 0.1;    // share of its difference that 
 constexpr const char* kCounts = "encoder_quantisation";
 constexpr double kCoarseCount = 1.53e-3;        // [rad] 2 pi / 4096: drives count 12 bits at least, 14 as a rule
 constexpr double kCountError = 1e-3;            // relative, of a quantum found in the positions
+constexpr double kSure = 0.98;                  // probability of what needs no fit, or leaves next to nothing
+constexpr double kUnlikely = 0.02;              // probability of what was left out, or leaves much
 constexpr double kFarOff = 4.0;                 // [standard deviations] of a parameter, beyond which it may be another crane
 constexpr double kNegligible = 1e-4;            // probability of a part that is not combined further
 constexpr double kSmallShare = 0.25;            // of an effect's typical size, with which it is tried too
@@ -131,13 +133,17 @@ class Projector {
   Eigen::LDLT<Eigen::MatrixXd> factor_;
 };
 
+// Whether the effect acts the other way round with its size turned.
+bool may_turn(const std::string& effect) {
+  const common::EffectParameter& parameter = about_effect(effect).parameters.front();
+  return parameter.lower < 0.0 && parameter.upper > 0.0;
+}
+
 // How much of `target` a multiple of the column takes away.
 void try_amount(const Eigen::VectorXd& column, const Eigen::VectorXd& target, Screened& screened) {
   const double norm = column.squaredNorm();
   screened.amount = norm > 0.0 && std::isfinite(norm) ? -column.dot(target) / norm : 0.0;
-  const common::EffectParameter& parameter = about_effect(screened.effect).parameters.front();
-  const bool may_turn = parameter.lower < 0.0 && parameter.upper > 0.0;
-  screened.amount = std::clamp(screened.amount, may_turn ? -kLargestAmount : 0.0, kLargestAmount);
+  screened.amount = std::clamp(screened.amount, may_turn(screened.effect) ? -kLargestAmount : 0.0, kLargestAmount);
   screened.left = (target + screened.amount * column).squaredNorm();
 }
 
@@ -253,6 +259,11 @@ Cause make_cause(const FitResult& result, const FitSettings& settings) {
   return cause;
 }
 
+bool has_effect(const sim::MachineSettings& machine, std::string_view name) {
+  return std::any_of(machine.effects.begin(), machine.effects.end(),
+                     [&](const common::EffectInstance& effect) { return effect.name == name; });
+}
+
 // Every cause gets the found effect beside what it has. `known` is the probability that it is the catalogue's.
 void add_beside(const common::EffectInstance& effect, const std::vector<Size>& sizes, double known, Diagnosis& diagnosis) {
   for (Cause& cause : diagnosis.causes) {
@@ -268,16 +279,14 @@ void add_beside(const common::EffectInstance& effect, const std::vector<Size>& s
 void add_counts(const Problem& problem, const DiagnosisSettings& settings, Diagnosis& diagnosis) {
   double quantum = 0.0;
   for (const Record& record : problem.records) quantum = std::max(quantum, record.encoder_quantum);
-  const bool known_already = std::any_of(problem.nominal.effects.begin(), problem.nominal.effects.end(),
-                                         [](const common::EffectInstance& effect) { return effect.name == kCounts; });
-  if (quantum < kCoarseCount || known_already) return;
+  if (quantum < kCoarseCount || has_effect(problem.nominal, kCounts)) return;
   diagnosis.counts = quantum;
   common::EffectInstance effect = common::typical_instance(about_effect(kCounts));
   effect.values[0] = quantum;
   std::vector<double> deviations(effect.values.size(), 0.0);
   deviations[0] = kCountError * quantum;
   const bool left_out = std::find(settings.without.begin(), settings.without.end(), kCounts) != settings.without.end();
-  add_beside(effect, sizes_of({effect}, deviations), left_out ? 0.02 : 0.98, diagnosis);
+  add_beside(effect, sizes_of({effect}, deviations), left_out ? kUnlikely : kSure, diagnosis);
 }
 
 // The controller answers otherwise than its settings say, so every cause needs one of its effects beside what
@@ -287,8 +296,8 @@ void add_controller_causes(const Problem& problem, const controller::ControllerS
   diagnosis.controller_causes = fit_controller(problem.records, controller, settings.without);
   const double known = diagnosis.controller_causes.empty() ||
                                diagnosis.controller_causes.front().share_left > kControllerExplained
-                           ? 0.02
-                           : 0.98;
+                           ? kUnlikely
+                           : kSure;
   std::vector<Cause> combined;
   for (const ControllerCause& part : diagnosis.controller_causes) {
     if (part.probability < kNegligible) continue;
@@ -346,8 +355,7 @@ std::vector<Point> pair_starts(const Problem& problem, const Base& base, const E
       const double ga = a.dot(gap), gb = b.dot(gap);
       const double x = -(bb * ga - ab * gb) / determinant, y = -(aa * gb - ab * ga) / determinant;
       const auto allowed = [](const Screened& s, double amount) {
-        const common::EffectParameter& parameter = about_effect(s.effect).parameters.front();
-        return std::fabs(amount) <= kLargestAmount && (amount > 0.0 || (parameter.lower < 0.0 && parameter.upper > 0.0));
+        return std::fabs(amount) <= kLargestAmount && (amount > 0.0 || may_turn(s.effect));
       };
       if (!allowed(*best[i], x) || !allowed(*best[j], y)) continue;
       Point start = base.point;
@@ -371,9 +379,7 @@ std::vector<Point> pair_starts(const Problem& problem, const Base& base, const E
 
   for (std::size_t leader = 0; leader < std::min<std::size_t>(3, singles.size()); ++leader) {
     const FitResult& single = singles[leader];
-    const Projector project(single.columns,
-                            discounted_weight(excess(single.difference, problem.settings), problem.settings.law_freedom) *
-                                problem.settings.independent_share);
+    const Projector project(single.columns, data_weight(single.difference, problem.settings));
     const Eigen::VectorXd left = project(single.difference);
     std::vector<Pair> seconds;
     for (const Screened* screened : best) {
@@ -464,10 +470,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
     const std::string name(description->about.name);
     if (without.count(name) != 0 || name == kCounts) continue;
     // What the nominal crane has already is not missing, and a machine takes an effect once.
-    if (std::any_of(nominal.effects.begin(), nominal.effects.end(),
-                    [&](const common::EffectInstance& effect) { return effect.name == name; })) {
-      continue;
-    }
+    if (has_effect(nominal, name)) continue;
     names.insert(name);
     for (const common::EffectInstance& start : starts_of(description->about)) {
       Point point = base.point;
@@ -476,10 +479,14 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
       points.push_back(point);
     }
   }
-  const double base_weight = discounted_weight(base_excess, settings.fit.law_freedom) * settings.fit.independent_share;
-  const Projector project(base.nuisance_columns, base_weight);
+  const Projector project(base.nuisance_columns, data_weight(base.difference, settings.fit));
   const Eigen::VectorXd gap = project(base.difference);
   const double gap_square = gap.squaredNorm();
+  const auto look = [&](Screened& screened, const Eigen::VectorXd& difference) {
+    screened.column = project(difference - base.difference);
+    screened.visibility = screened.column.squaredNorm();
+    try_amount(screened.column, gap, screened);
+  };
   const auto forecast = [&](const Screened& screened) {
     const double nu = settings.fit.law_freedom;
     return discounted(base_excess, nu) - discounted(base_excess - settings.fit.independent_share * (gap_square - screened.left), nu);
@@ -489,12 +496,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
     for (std::size_t from = 0; from < points.size(); from += batch) {
       const std::size_t count = std::min(batch, points.size() - from);
       const auto results = differences(problem, std::span<const Point>(points).subspan(from, count));
-      for (std::size_t i = 0; i < count; ++i) {
-        Screened& screened = tried[from + i];
-        screened.column = project(results[i] - base.difference);
-        screened.visibility = screened.column.squaredNorm();
-        try_amount(screened.column, gap, screened);
-      }
+      for (std::size_t i = 0; i < count; ++i) look(tried[from + i], results[i]);
       tell(0.15 + 0.35 * static_cast<double>(from + count) / static_cast<double>(points.size()),
            "trying every effect of the catalogue");
     }
@@ -517,11 +519,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
     }
     tell(0.47, "looking again at the promising effects");
     const auto results = differences(problem, at);
-    for (std::size_t i = 0; i < again.size(); ++i) {
-      again[i].column = project(results[i] - base.difference);
-      again[i].visibility = again[i].column.squaredNorm();
-      try_amount(again[i].column, gap, again[i]);
-    }
+    for (std::size_t i = 0; i < again.size(); ++i) look(again[i], results[i]);
     tried.insert(tried.end(), std::make_move_iterator(again.begin()), std::make_move_iterator(again.end()));
   }
   // All starts by what they leave, and of them the best of each effect.
@@ -589,6 +587,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
     fits.insert(fits.end(), std::make_move_iterator(pairs.begin()), std::make_move_iterator(pairs.end()));
   }
 
+  for (FitResult& result : fits) conclude(problem, result);
   for (const auto& [name, other] : same_as) {
     for (std::size_t i = 0; i < fits.size(); ++i) {
       for (std::size_t e = 0; e < fits[i].point.effects.size(); ++e) {
@@ -622,8 +621,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   }
   diagnosis.probability_unknown = probabilities.unknown;
   // What is explained is counted down to what the noise, or the best of all fits, leaves.
-  double floor = 0.0;
-  for (const Candidate& candidate : candidates) floor = std::min(floor, candidate.excess);
+  const double floor = probabilities.floor;
   for (Cause& cause : diagnosis.causes) {
     cause.explained = base_excess > floor ? std::clamp((base_excess - cause.excess) / (base_excess - floor), 0.0, 1.0) : 0.0;
   }
@@ -635,16 +633,18 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
                       : Eigen::VectorXd::Ones(base.difference.size()),
          diagnosis);
   // Groups: single causes whose signatures, as fitted, cannot be told apart.
+  std::vector<Eigen::VectorXd> signatures(fits.size());  // empty: not a single cause
   for (std::size_t i = 0; i < fits.size(); ++i) {
-    if (fits[i].point.effects.size() != 1) continue;
-    const Eigen::VectorXd mine = project(fits[i].difference - base.difference);
+    if (fits[i].point.effects.size() == 1) signatures[i] = project(fits[i].difference - base.difference);
+  }
+  for (std::size_t i = 0; i < fits.size(); ++i) {
+    if (signatures[i].size() == 0) continue;
     double nearest = 1.0;
     for (std::size_t j = 0; j < fits.size(); ++j) {
-      if (j == i || fits[j].point.effects.size() != 1) continue;
-      const Eigen::VectorXd other = project(fits[j].difference - base.difference);
-      const double scale = mine.norm() * other.norm();
+      if (j == i || signatures[j].size() == 0) continue;
+      const double scale = signatures[i].norm() * signatures[j].norm();
       if (scale <= 0.0) continue;
-      const double cosine = std::fabs(mine.dot(other)) / scale;
+      const double cosine = std::fabs(signatures[i].dot(signatures[j])) / scale;
       const double odds = probabilities.candidate[j + 1] / std::max(1e-300, probabilities.candidate[i + 1]);
       if (cosine > kIndistinguishable && odds < kGroupOdds && odds > 1.0 / kGroupOdds) {
         diagnosis.causes[i + 1].group.push_back(fits[j].point.effects[0].name);
@@ -674,7 +674,8 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   static const Cause kNone;
   const Cause& first = diagnosis.causes.empty() ? kNone : diagnosis.causes.front();
   diagnosis.gap = diagnosis.controller_differs || diagnosis.counts > 0.0 || diagnosis.probability_nothing < 0.5;
-  if (diagnosis.probability_unknown > first.probability) {
+  const bool is_unknown = diagnosis.probability_unknown > first.probability;
+  if (is_unknown) {
     diagnosis.verdict = "not in the catalogue: no known effect explains what is missing";
   } else if (first.effects.empty()) {
     diagnosis.verdict = "no effect is missing; parameters within their spread explain the records";
@@ -689,7 +690,6 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
     if (std::fabs(answer.nuisance[k]) < kFarOff) continue;
     far += fmt::format("{}{} {:+.0f} %", far.empty() ? "" : ", ", nuisances()[k].name, 100.0 * nuisances()[k].spread * answer.nuisance[k]);
   }
-  const bool is_unknown = diagnosis.probability_unknown > first.probability;
   if (!far.empty() || is_unknown) {
     diagnosis.remarks.push_back(
         fmt::format("cannot tell whether this is another crane than the nominal one: {}; check that the crane file is this crane's",

@@ -30,6 +30,7 @@ Probabilities weigh(const std::vector<Candidate>& candidates, int single_count, 
   const double unknown = std::log(settings.prior_unknown) + likelihood(unexplained, nothing->penalty + settings.price);
   const double top = std::max(unknown, *std::max_element(score.begin(), score.end()));
   Probabilities result;
+  result.floor = floor;
   double sum = std::exp(unknown - top);
   for (const double value : score) sum += std::exp(value - top);
   for (const double value : score) result.candidate.push_back(std::exp(value - top) / sum);

@@ -35,6 +35,7 @@ struct Candidate {
 struct Probabilities {
   std::vector<double> candidate;  // in the order of the candidates
   double unknown = 0.0;
+  double floor = 0.0;  // the excess from which c counts
 };
 
 // `candidates` holds exactly one without effects. `single_count` effects could have been named, so many share

@@ -55,13 +55,8 @@ double cost_of(const Problem& problem, const Point& point, const Eigen::VectorXd
   return discounted(excess(difference, problem.settings), problem.settings.law_freedom) + prior_cost(point);
 }
 
-double data_weight(const Problem& problem, const Eigen::VectorXd& difference) {
-  return problem.settings.independent_share *
-         discounted_weight(excess(difference, problem.settings), problem.settings.law_freedom);
-}
-
 Eigen::MatrixXd curvature(const Problem& problem, const Eigen::VectorXd& difference, const Eigen::MatrixXd& columns) {
-  Eigen::MatrixXd system = data_weight(problem, difference) * columns.transpose() * columns;
+  Eigen::MatrixXd system = data_weight(difference, problem.settings) * columns.transpose() * columns;
   system.diagonal().array() += 1.0;
   return system;
 }
@@ -113,7 +108,7 @@ Eigen::MatrixXd effect_columns(Problem& problem, const Point& point, const Eigen
 // The damped normal equations' step from `point`.
 Eigen::VectorXd newton_step(const Problem& problem, const Point& point, const Eigen::VectorXd& difference,
                             const Eigen::MatrixXd& columns) {
-  const double weight = data_weight(problem, difference);
+  const double weight = data_weight(difference, problem.settings);
   const Eigen::MatrixXd system = curvature(problem, difference, columns);
   Eigen::VectorXd right = -weight * columns.transpose() * difference;
   Eigen::Index i = 0;
@@ -174,6 +169,10 @@ double discounted_weight(double excess, double law_freedom) {
   return excess > 0.0 ? 1.0 / (1.0 + excess / law_freedom) : 1.0;
 }
 
+double data_weight(const Eigen::VectorXd& difference, const FitSettings& settings) {
+  return settings.independent_share * discounted_weight(excess(difference, settings), settings.law_freedom);
+}
+
 sim::MachineSettings machine_at(const sim::MachineSettings& nominal, const Point& point) {
   sim::MachineSettings settings = nominal;
   settings.crane = with_nuisances(settings.crane, point.nuisance);
@@ -203,6 +202,10 @@ double from_coordinate(const common::EffectParameter& parameter, double coordina
   }
   const double centre = parameter.absent ? *parameter.absent : parameter.typical;
   return centre + coordinate * parameter.prior_scale;
+}
+
+double value_per_deviation(const common::EffectParameter& parameter, double value) {
+  return parameter.scale == common::ParameterScale::logarithmic ? value * parameter.prior_scale : parameter.prior_scale;
 }
 
 Eigen::VectorXd differences(Problem& problem, const Point& point) {
@@ -261,30 +264,6 @@ Base fit_nuisances(Problem& problem) {
   return base;
 }
 
-namespace {
-
-// Sizes' spread and Occam's share, from the curvature where the fit stands.
-void conclude(const Problem& problem, FitResult& result) {
-  result.mean_square = result.difference.squaredNorm() / static_cast<double>(result.difference.size());
-  const Eigen::MatrixXd system = curvature(problem, result.difference, result.columns);
-  result.penalty = prior_cost(result.point) + log_determinant(system);
-  const Eigen::MatrixXd covariance = system.ldlt().solve(Eigen::MatrixXd::Identity(system.rows(), system.cols()));
-  auto e = static_cast<Eigen::Index>(result.point.nuisance.size());
-  result.deviation.clear();
-  for (const common::EffectInstance& effect : result.point.effects) {
-    const common::EffectAbout& about = about_effect(effect.name);
-    for (std::size_t p = 0; p < effect.values.size(); ++p, ++e) {
-      const common::EffectParameter& parameter = about.parameters[p];
-      const double per_coordinate = parameter.scale == common::ParameterScale::logarithmic
-                                        ? effect.values[p] * parameter.prior_scale
-                                        : parameter.prior_scale;
-      result.deviation.push_back(std::fabs(per_coordinate) * std::sqrt(covariance(e, e)));
-    }
-  }
-}
-
-}  // namespace
-
 FitResult fit(Problem& problem, const Base& base, const Point& start) {
   FitResult result;
   result.point = start;
@@ -307,8 +286,24 @@ bool improve(Problem& problem, FitResult& result, bool fresh_nuisances) {
       effect_columns(problem, result.point, result.difference);
   const double fall =
       descend(problem, problem.settings.iterations, result.columns, result.point, result.difference, result.cost);
-  conclude(problem, result);
   return fall > problem.settings.settled + problem.settings.settled_share * std::fabs(result.cost);
+}
+
+void conclude(const Problem& problem, FitResult& result) {
+  result.mean_square = result.difference.squaredNorm() / static_cast<double>(result.difference.size());
+  const Eigen::MatrixXd system = curvature(problem, result.difference, result.columns);
+  result.penalty = prior_cost(result.point) + log_determinant(system);
+  const Eigen::MatrixXd covariance = system.ldlt().solve(Eigen::MatrixXd::Identity(system.rows(), system.cols()));
+  auto e = static_cast<Eigen::Index>(result.point.nuisance.size());
+  result.deviation.clear();
+  for (const common::EffectInstance& effect : result.point.effects) {
+    const common::EffectAbout& about = about_effect(effect.name);
+    for (std::size_t p = 0; p < effect.values.size(); ++p, ++e) {
+      const common::EffectParameter& parameter = about.parameters[p];
+      result.deviation.push_back(std::fabs(value_per_deviation(parameter, effect.values[p])) *
+                                 std::sqrt(covariance(e, e)));
+    }
+  }
 }
 
 }  // namespace slewlab::diagnosis

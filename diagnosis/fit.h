@@ -73,6 +73,9 @@ double excess(const Eigen::VectorXd& difference, const FitSettings& settings);
 double discounted(double excess, double law_freedom);
 double discounted_weight(double excess, double law_freedom);
 
+// What a squared difference counts in the cost: s dL/dc.
+double data_weight(const Eigen::VectorXd& difference, const FitSettings& settings);
+
 // Where the hypotheses are compared: the point with nuisances alone fitted, and the columns there.
 struct Base {
   Point point;
@@ -97,6 +100,9 @@ struct FitResult {
 // Fits the effects of `start` and the nuisances, from there: one round with the base's nuisance columns.
 FitResult fit(Problem& problem, const Base& base, const Point& start);
 
+// Where the fits have ended: penalty, mean square and the spread of the sizes, from the curvature there.
+void conclude(const Problem& problem, FitResult& result);
+
 // One more round from where it stands, with fresh columns of the effects and, if asked, of the nuisances. False: it was
 // worth little, and so would be another.
 bool improve(Problem& problem, FitResult& result, bool fresh_nuisances);
@@ -104,6 +110,8 @@ bool improve(Problem& problem, FitResult& result, bool fresh_nuisances);
 // Coordinates of effect parameters in standard deviations of their priors.
 double to_coordinate(const common::EffectParameter& parameter, double value);
 double from_coordinate(const common::EffectParameter& parameter, double coordinate);
+// How much `value` changes per standard deviation of its prior, in its own unit.
+double value_per_deviation(const common::EffectParameter& parameter, double value);
 
 const common::EffectAbout& about_effect(const std::string& name);
 

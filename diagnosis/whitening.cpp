@@ -67,9 +67,19 @@ double encoder_variance(const Record& record, std::size_t group) {
   return std::max(counted, noise_variance(record.shaft_position[group])) * record.encoder_period / record.step;
 }
 
-const std::vector<double>& measured(const Record& record, const Channel& channel) {
-  const auto i = static_cast<std::size_t>(channel.index);
-  return channel.is_torque ? record.motor_torque[i] : record.acceleration[i];
+// Running sums of the mean power of some signals: they give its mean over any band at once.
+std::vector<double> running_power(const std::vector<const std::vector<double>*>& signals, const Whitening& whitening) {
+  std::vector<double> sum(whitening.transform_length / 2 + 2, 0.0);
+  const auto count = static_cast<double>(signals.size());
+  for (const std::vector<double>* signal : signals) {
+    const auto spectrum = transform(*signal, whitening.window, whitening.transform_length);
+    double running = 0.0;
+    for (std::size_t k = 0; k < spectrum.size(); ++k) {
+      running += std::norm(spectrum[k]) / count;
+      sum[k + 1] += running;
+    }
+  }
+  return sum;
 }
 
 }  // namespace
@@ -126,26 +136,16 @@ Whitening make_whitening(const Record& record, const std::vector<bool>& trusted,
     if (!record.acceleration[static_cast<std::size_t>(a)].empty()) whitening.channels.push_back({false, a});
   }
   const double energy = window_energy(whitening.window);
+  // What a model misses at one motor goes with what all of them carry, so torque channels share their mean power.
+  std::vector<const std::vector<double>*> torques;
+  for (int g = 0; g < record.group_count; ++g) torques.push_back(&record.motor_torque[static_cast<std::size_t>(g)]);
+  const std::vector<double> torque_power = running_power(torques, whitening);
   for (const Channel& channel : whitening.channels) {
-    const std::vector<double>& signal = measured(record, channel);
-    // Running sums of the power give its mean over any band at once. What a model misses at one motor goes with what
-    // all of them carry, so torque channels share their mean power.
-    std::vector<double> sum(whitening.transform_length / 2 + 2, 0.0);
-    const int sharing = channel.is_torque ? record.group_count : 1;
-    for (int g = 0; g < sharing; ++g) {
-      const auto spectrum =
-          transform(channel.is_torque ? record.motor_torque[static_cast<std::size_t>(g)] : signal, whitening.window,
-                    whitening.transform_length);
-      double running_sum = 0.0;
-      for (std::size_t k = 0; k < spectrum.size(); ++k) {
-        running_sum += std::norm(spectrum[k]) / sharing;
-        sum[k + 1] += running_sum;
-      }
-    }
+    const auto i = static_cast<std::size_t>(channel.index);
+    const std::vector<double> sum = channel.is_torque ? torque_power : running_power({&record.acceleration[i]}, whitening);
     const std::size_t spectrum_size = sum.size() - 1;
     const double rounding = 1e-9 * sum.back() / static_cast<double>(spectrum_size) + kSmallestPower * energy;
-    const double variance =
-        channel.is_torque ? encoder_variance(record, static_cast<std::size_t>(channel.index)) : noise_variance(signal);
+    const double variance = channel.is_torque ? encoder_variance(record, i) : noise_variance(record.acceleration[i]);
     // A torque channel's noise is its encoder's, seen through the shadow's gains.
     const auto noise_at = [&](std::size_t k) {
       const double frequency = static_cast<double>(k) * whitening.bin_width;
@@ -156,8 +156,7 @@ Whitening make_whitening(const Record& record, const std::vector<bool>& trusted,
     };
     double noise_share = 1.0;
     if (channel.is_torque) {
-      const auto missing = transform(nominal.missing_torque[static_cast<std::size_t>(channel.index)], whitening.window,
-                                     whitening.transform_length);
+      const auto missing = transform(nominal.missing_torque[i], whitening.window, whitening.transform_length);
       std::vector<double> shares;
       for (std::size_t k = whitening.first_bin; k < whitening.first_bin + whitening.bin_count; ++k) {
         if (static_cast<double>(k) * whitening.bin_width >= kNoiseAlone) shares.push_back(std::norm(missing[k]) / noise_at(k));
