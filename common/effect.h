@@ -35,6 +35,8 @@ struct EffectParameter {
   double prior_scale = 0.0;
   ParameterScale scale = ParameterScale::linear;
   std::optional<double> absent;
+  // Other values than `typical` from which a diagnosis starts to look, where a fit only converges from nearby.
+  std::vector<double> tries = {};
 };
 
 struct EffectAbout {

@@ -34,7 +34,9 @@ const EffectDescription& torque_limit() {
                                 .typical = 150.0,
                                 .prior_scale = 0.7,
                                 .scale = common::ParameterScale::logarithmic,
-                                .absent = std::numeric_limits<double>::infinity()}}},
+                                .absent = std::numeric_limits<double>::infinity(),
+                                // From 44 % to 92 % of T100 = 250 Nm (config/controllers/thesis.yaml): what a slew may meet.
+                                .tries = {110.0, 130.0, 175.0, 200.0, 230.0}}}},
       .ports = {EffectPort::actuator},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<TorqueLimit>(start);

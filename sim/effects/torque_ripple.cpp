@@ -55,7 +55,8 @@ const EffectDescription& torque_ripple() {
                                 .typical = 6.0,
                                 .prior_scale = 1.0,
                                 .scale = common::ParameterScale::logarithmic,
-                                .absent = std::nullopt},
+                                .absent = std::nullopt,
+                                .tries = {1.0, 2.0, 3.0, 4.0, 12.0}},  // turn, pole pairs, their harmonics
                                {.name = "phase",
                                 .unit = common::Unit::radian,
                                 .meaning = "phase of the ripple at the start",

@@ -55,6 +55,10 @@ TEST(EffectCatalogue, DescribesEveryEffectFully) {
       if (p.scale == common::ParameterScale::logarithmic) {
         EXPECT_GT(p.lower, 0.0);
       }
+      for (const double value : p.tries) {
+        EXPECT_TRUE(value >= p.lower && value <= p.upper) << effect->about.name << " " << p.name << " " << value;
+        EXPECT_NE(value, p.typical) << effect->about.name << " " << p.name;
+      }
       has_size = has_size || p.absent.has_value();
     }
     EXPECT_TRUE(has_size) << effect->about.name << " cannot fade out";
