@@ -12,20 +12,22 @@ namespace {
 class EncoderRipple : public Running<EncoderRipple> {
  public:
   explicit EncoderRipple(const EffectStart& start)
-      : amplitude_(start.values[0]), group_count_(start.model.group_count) {
+      : amplitude_(start.values[0]), second_share_(start.values[3]), group_count_(start.model.group_count) {
     for (int i = 0; i < group_count_; ++i) phase_[i] = group_side(i, group_count_) < 0.0 ? start.values[2] : start.values[1];
   }
 
   void sensor(const SensorMoment&, PlantReadings& readings) override {
     for (int i = 0; i < group_count_; ++i) {
       const double at = readings.shaft_position[i] + phase_[i];
-      readings.shaft_position[i] += amplitude_ * (std::sin(at) - std::sin(phase_[i]));
-      readings.shaft_speed[i] *= 1.0 + amplitude_ * std::cos(at);
+      readings.shaft_position[i] += amplitude_ * (std::sin(at) - std::sin(phase_[i]) +
+                                                  second_share_ * (std::sin(2.0 * at) - std::sin(2.0 * phase_[i])));
+      readings.shaft_speed[i] *= 1.0 + amplitude_ * (std::cos(at) + 2.0 * second_share_ * std::cos(2.0 * at));
     }
   }
 
  private:
   double amplitude_;
+  double second_share_;
   GroupArray phase_{};  // [rad]
   int group_count_;
 };
@@ -63,7 +65,16 @@ const EffectDescription& encoder_ripple() {
                                 .typical = 0.0,
                                 .prior_scale = 2.0,
                                 .scale = common::ParameterScale::linear,
-                                .absent = std::nullopt}}},
+                                .absent = std::nullopt},
+                               {.name = "second_share",
+                                .unit = common::Unit::none,
+                                .meaning = "error twice per turn, share of the amplitude",
+                                .lower = -0.8,
+                                .upper = 0.8,
+                                .typical = 0.0,
+                                .prior_scale = 0.3,
+                                .scale = common::ParameterScale::linear,
+                                .absent = 0.0}}},
       .ports = {EffectPort::sensor},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<EncoderRipple>(start);

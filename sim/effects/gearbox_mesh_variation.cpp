@@ -2,7 +2,8 @@
 
 #include <numbers>
 
-#include "sim/effects/mean_sine.h"
+#include "sim/effects/mesh_torque.h"
+#include "sim/effects/ripple.h"
 #include "sim/integrate/plant.h"
 
 namespace slewlab::sim {
@@ -13,15 +14,17 @@ class GearboxMeshVariation : public Running<GearboxMeshVariation> {
  public:
   explicit GearboxMeshVariation(const EffectStart& start)
       : amplitude_(start.values[0]),
-        phase_(start.values[1]),
-        order_(planetary_mesh_frequency(110, 8, 1.0) * start.model.ratio),
+        ripple_{.order = planetary_mesh_frequency(110, 8, 1.0) * start.model.ratio,
+                .phase = start.values[1],
+                .second_share = start.values[2],
+                .second_phase = start.values[3]},
+        gear_(start.model.gear),
         group_count_(start.model.group_count) {}
 
   void force(const EffectMoment& moment, PortForces& ports) override {
     for (int i = 0; i < group_count_; ++i) {
-      const double change =
-          amplitude_ * moment.gear_torque[i] *
-          mean_sine(order_ * moment.motor_angle[i] + phase_, order_ * moment.motor_speed[i] * moment.step);
+      const double share = amplitude_ * mean_ripple(ripple_, moment.motor_angle[i], moment.motor_speed[i] * moment.step);
+      const double change = mesh_torque(gear_[i], share, moment, i);
       ports.motor_torque[i] -= change;
       ports.house_torque += change;
     }
@@ -29,8 +32,8 @@ class GearboxMeshVariation : public Running<GearboxMeshVariation> {
 
  private:
   double amplitude_;
-  double phase_;
-  double order_;  // [1/rad] meshes per radian of the slew axis
+  Ripple ripple_;  // over the slew axis
+  std::array<GearContact, kMaximumGroupCount> gear_;
   int group_count_;
 };
 
@@ -58,7 +61,9 @@ const EffectDescription& gearbox_mesh_variation() {
                                 .typical = 0.0,
                                 .prior_scale = 2.0,
                                 .scale = common::ParameterScale::linear,
-                                .absent = std::nullopt}}},
+                                .absent = std::nullopt},
+                               second_share_parameter(),
+                               second_phase_parameter()}},
       .ports = {EffectPort::force},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<GearboxMeshVariation>(start);

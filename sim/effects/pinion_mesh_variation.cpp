@@ -2,7 +2,8 @@
 
 #include <numbers>
 
-#include "sim/effects/mean_sine.h"
+#include "sim/effects/mesh_torque.h"
+#include "sim/effects/ripple.h"
 #include "sim/integrate/plant.h"
 
 namespace slewlab::sim {
@@ -15,15 +16,17 @@ class PinionMeshVariation : public Running<PinionMeshVariation> {
  public:
   explicit PinionMeshVariation(const EffectStart& start)
       : amplitude_(start.values[0]),
-        phase_(start.values[1]),
-        order_(kTeeth * start.model.parameters.drive.pinion_ratio),
+        ripple_{.order = kTeeth * start.model.parameters.drive.pinion_ratio,
+                .phase = start.values[1],
+                .second_share = start.values[2],
+                .second_phase = start.values[3]},
+        gear_(start.model.gear),
         group_count_(start.model.group_count) {}
 
   void force(const EffectMoment& moment, PortForces& ports) override {
     for (int i = 0; i < group_count_; ++i) {
-      const double change =
-          amplitude_ * moment.gear_torque[i] *
-          mean_sine(order_ * moment.house_angle + phase_, order_ * moment.house_speed * moment.step);
+      const double share = amplitude_ * mean_ripple(ripple_, moment.house_angle, moment.house_speed * moment.step);
+      const double change = mesh_torque(gear_[i], share, moment, i);
       ports.motor_torque[i] -= change;
       ports.house_torque += change;
     }
@@ -31,8 +34,8 @@ class PinionMeshVariation : public Running<PinionMeshVariation> {
 
  private:
   double amplitude_;
-  double phase_;
-  double order_;  // [1/rad] meshes per radian of the slew axis
+  Ripple ripple_;  // over the slew axis
+  std::array<GearContact, kMaximumGroupCount> gear_;
   int group_count_;
 };
 
@@ -60,7 +63,9 @@ const EffectDescription& pinion_mesh_variation() {
                                 .typical = 0.0,
                                 .prior_scale = 2.0,
                                 .scale = common::ParameterScale::linear,
-                                .absent = std::nullopt}}},
+                                .absent = std::nullopt},
+                               second_share_parameter(),
+                               second_phase_parameter()}},
       .ports = {EffectPort::force},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<PinionMeshVariation>(start);

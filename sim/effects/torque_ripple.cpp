@@ -2,7 +2,7 @@
 
 #include <numbers>
 
-#include "sim/effects/mean_sine.h"
+#include "sim/effects/ripple.h"
 #include "sim/integrate/plant.h"
 
 namespace slewlab::sim {
@@ -13,21 +13,22 @@ class TorqueRipple : public Running<TorqueRipple> {
  public:
   explicit TorqueRipple(const EffectStart& start)
       : amplitude_(start.values[0]),
-        order_(start.values[1] * start.model.ratio),
-        phase_(start.values[2]),
+        ripple_{.order = start.values[1] * start.model.ratio,
+                .phase = start.values[2],
+                .second_share = start.values[3],
+                .second_phase = start.values[4]},
         group_count_(start.model.group_count) {}
 
   void actuator(const EffectMoment& moment, GroupArray& motor_torque) override {
     for (int i = 0; i < group_count_; ++i) {
-      motor_torque[i] += amplitude_ * mean_sine(order_ * moment.motor_angle[i] + phase_,
-                                                order_ * moment.motor_speed[i] * moment.step);
+      motor_torque[i] +=
+          amplitude_ * mean_ripple(ripple_, moment.motor_angle[i], moment.motor_speed[i] * moment.step);
     }
   }
 
  private:
   double amplitude_;
-  double order_;  // [1/rad] of the slew axis
-  double phase_;
+  Ripple ripple_;  // over the slew axis
   int group_count_;
 };
 
@@ -65,7 +66,9 @@ const EffectDescription& torque_ripple() {
                                 .typical = 0.0,
                                 .prior_scale = 2.0,
                                 .scale = common::ParameterScale::linear,
-                                .absent = std::nullopt}}},
+                                .absent = std::nullopt},
+                               second_share_parameter(),
+                               second_phase_parameter()}},
       .ports = {EffectPort::actuator},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<TorqueRipple>(start);

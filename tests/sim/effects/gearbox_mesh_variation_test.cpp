@@ -14,7 +14,7 @@ namespace {
 TEST(GearboxMeshVariation, StiffensTheGearsAtItsTop) {
   // The motor turns while the gears wind up; a stiff drive keeps that small, and the phase follows it.
   CraneParameters crane = fixed_house();
-  const auto samples = run(crane, "gearbox_mesh_variation", {0.05, 0.0}, 8.0, constant_drive(100.0, 100.0));
+  const auto samples = run(crane, "gearbox_mesh_variation", {0.05, 0.0, 0.0, 0.0}, 8.0, constant_drive(100.0, 100.0));
   const double wound = 100.0 * torque_factor(crane) / group_gear_stiffness(crane);
   const BenchSample& end = samples.back();
   const double order =
@@ -32,7 +32,7 @@ TEST(GearboxMeshVariation, FasterThanTheStepAveragesOut) {
   const double ratio = torque_factor(crane) / crane.drive.motors_per_group;
   const double speed = 2.0 * std::numbers::pi / 0.001 / (planetary_mesh_frequency(110, 8, 1.0) * ratio);
   const double torque = 100.0 * torque_factor(crane);
-  const auto samples = run(crane, "gearbox_mesh_variation", {0.05, 0.4}, 0.5, constant_drive(100.0, -100.0),
+  const auto samples = run(crane, "gearbox_mesh_variation", {0.05, 0.4, 0.0, 0.0}, 0.5, constant_drive(100.0, -100.0),
                            {.slew_speed = speed, .gear_torque = {torque, -torque}});
   EXPECT_NEAR(samples.back().gear_torque[0], torque, 1e-6 * torque);
 }
