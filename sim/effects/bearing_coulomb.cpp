@@ -56,15 +56,7 @@ const EffectDescription& bearing_coulomb() {
                                 .prior_scale = 0.2,
                                 .scale = common::ParameterScale::linear,
                                 .absent = std::nullopt},
-                               {.name = "give",
-                                .unit = common::Unit::radian,
-                                .meaning = "slew angle by which the bearing gives before it slides; 0: dry friction",
-                                .lower = 0.0,
-                                .upper = 1e-3,
-                                .typical = 3e-5,
-                                .prior_scale = 3e-5,
-                                .scale = common::ParameterScale::linear,
-                                .absent = std::nullopt}}},
+                               give_parameter("slew angle over which the bearing takes up its friction; 0: dry friction", 1e-3, 3e-5)}},
       .ports = {EffectPort::friction, EffectPort::force},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<BearingCoulomb>(start);

@@ -60,15 +60,7 @@ const EffectDescription& dragging_brake() {
                                 .prior_scale = 0.3,
                                 .scale = common::ParameterScale::linear,
                                 .absent = std::nullopt},
-                               {.name = "give",
-                                .unit = common::Unit::radian,
-                                .meaning = "motor angle by which the brake gives before it slides; 0: dry friction",
-                                .lower = 0.0,
-                                .upper = 2.0,
-                                .typical = 0.02,
-                                .prior_scale = 0.02,
-                                .scale = common::ParameterScale::linear,
-                                .absent = std::nullopt}}},
+                               give_parameter("motor angle over which the brake takes up its friction; 0: dry friction", 2.0, 0.02)}},
       .ports = {EffectPort::friction, EffectPort::force},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<DraggingBrake>(start);

@@ -2,7 +2,7 @@
 // speed,
 //   |T_friction| <= T_drag (1 + u) n_motors i   on the first half of the groups, (1 - u) on the last,
 // against the motion, and holding at rest.
-// With `give` > 0 each brake gives by that motor angle before it slides (presliding.h).
+// With `give` > 0 each brake gives before it slides (presliding.h); `give` is an angle of the motor.
 // Source: thesis 2.5 (brake plates; their details are left out there).
 #pragma once
 

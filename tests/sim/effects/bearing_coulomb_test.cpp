@@ -3,9 +3,9 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
+#include <vector>
 
-#include "sim/effects/presliding.h"
+#include "sim/integrate/plant.h"
 #include "tests/sim/effects/effect_bench.h"
 
 namespace slewlab::sim {
@@ -38,20 +38,26 @@ TEST(BearingCoulomb, SlidesTheSameWhereItGives) {
   EXPECT_NEAR(giving.back().house_angle, dry.back().house_angle, 2.0 * 5e-5);
 }
 
-// The loop of a Jenkins element that swings by more than it gives: the work of a cycle is 4 level (amplitude - give); below
-// that it is a spring and takes none.
-TEST(Presliding, LosesTheWorkOfItsLoop) {
-  for (const double amplitude : {0.8, 3.0}) {
-    Presliding joint{.give = 1.0};
-    double work = 0.0, before = 0.0;
-    constexpr int kSteps = 20000;
-    for (int n = 0; n <= 2 * kSteps; ++n) {  // the second cycle counts, the first one leads into the loop
-      const double angle = amplitude * std::sin(2.0 * std::numbers::pi * n / kSteps);
-      const double share = presliding_share(joint, angle);
-      if (n > kSteps) work += share * (angle - before);
-      before = angle;
+// The held torque grows with the angle, without a jump where it changes its side and level.
+TEST(BearingCoulomb, HeldTorqueIsContinuousThroughZero) {
+  constexpr double kTorque = 2e5, kAsymmetry = 0.4, kGive = 3e-5, kMove = 0.01 * kGive;
+  const PlantModel model = make_plant_model(rigid_crane(), 0.001);
+  const std::vector<double> values{kTorque, kAsymmetry, kGive};
+  const auto effect = bearing_coulomb().start({values, model, 0});
+  EffectMoment moment;
+  double before = 0.0, angle = 0.0;
+  for (const double side : {1.0, -1.0, 1.0}) {
+    for (int k = 0; k < 1000; ++k) {
+      moment.house_angle = angle;
+      PortForces ports;
+      effect->force(moment, ports);
+      const double growth = side * (before - ports.house_torque);
+      EXPECT_GE(growth, 0.0);
+      EXPECT_LE(growth, 1.001 * kTorque * (1.0 + kAsymmetry) * kMove / kGive);
+      before = ports.house_torque;
+      angle += side * kMove;
     }
-    EXPECT_NEAR(work, amplitude > 1.0 ? 4.0 * (amplitude - 1.0) : 0.0, 2e-3) << amplitude;
+    EXPECT_NEAR(before, -side * kTorque * (1.0 + side * kAsymmetry), 1e-9);
   }
 }
 

@@ -102,6 +102,9 @@ TEST(EffectCatalogue, SmoothEffectsAreOfSecondOrderInTheStep) {
         "hoisting", "large_angles", "air_drag", "offlead", "tag_line", "vessel_roll", "gusts"}) {
     common::EffectInstance instance = common::typical_instance(find_effect(name)->about);
     if (instance.name == "hoisting") instance.values = {0.5, 0.0, 8.0};  // ramps of 1 s: at a whole step
+    for (std::size_t p = 0; p < instance.values.size(); ++p) {
+      if (find_effect(name)->about.parameters[p].name == "give") instance.values[p] = 0.0;  // it has corners
+    }
     const auto end = [&](double step) {
       return run({.crane = crane, .effects = {instance}, .step = step}, 1.6, constant_drive(110.0, -95.0),
                  start)
@@ -119,6 +122,24 @@ TEST(EffectCatalogue, SmoothEffectsAreOfSecondOrderInTheStep) {
     ratio(&BenchSample::house_angle, 1e-11);
     ratio(&BenchSample::tip_displacement, 1e-9);
     ratio(&BenchSample::load_displacement, 1e-9);
+  }
+}
+
+// Joints that give pass their corners within a few steps of 1 ms, here at speed from the first: first order, and small.
+TEST(EffectCatalogue, JointsThatGiveAreRightWithinAShareOfTheirEffect) {
+  const CraneParameters crane = flexible_crane();
+  const BenchStart start{.slew_speed = 0.03, .rope_angle = 0.03};
+  for (const char* name : {"dragging_brake", "bearing_coulomb", "bearing_stribeck"}) {
+    const common::EffectInstance instance = common::typical_instance(find_effect(name)->about);
+    const auto end = [&](double step, const std::vector<common::EffectInstance>& effects) {
+      return run({.crane = crane, .effects = effects, .step = step}, 1.6, constant_drive(110.0, 95.0), start).back();
+    };
+    const BenchSample best = end(0.0000625, {instance}), coarse = end(0.001, {instance}), without = end(0.001, {});
+    EXPECT_LT(std::fabs(coarse.house_angle - best.house_angle), 0.01 * std::fabs(without.house_angle - best.house_angle))
+        << name;
+    EXPECT_LT(std::fabs(coarse.tip_displacement - best.tip_displacement),
+              0.01 * std::fabs(without.tip_displacement - best.tip_displacement))
+        << name;
   }
 }
 
