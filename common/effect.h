@@ -37,6 +37,8 @@ struct EffectParameter {
   std::optional<double> absent;
   // Other values than `typical` from which a diagnosis starts to look, where a fit only converges from nearby.
   std::vector<double> tries = {};
+  // A detail of the law that a diagnosis fits once the effect is found, but does not look for.
+  bool detail = false;
 };
 
 struct EffectAbout {

@@ -37,6 +37,7 @@ constexpr double kLargestAmount = 20.0;         // of the screened size that a l
 constexpr double kVisible = 10.0;               // sum of squares of a tried size below which records tell nothing
 constexpr double kNearlyTried = 0.1;            // of the size: nearer than that to a start is not worth another look
 constexpr double kSameMotion = 1e-6;            // relative difference of two signatures below which two effects are one motion
+constexpr double kSameAngle = 1e-9;             // [rad] rounding
 constexpr int kStartsPerEffect = 2;             // that are refined
 constexpr int kFreshRounds = 2;                 // at most, for a leader
 constexpr int kPairsPerLeader = 3;              // that are refined beside each of the three best single effects
@@ -51,11 +52,21 @@ bool is_all_round(const common::EffectParameter& parameter) {
          parameter.upper >= std::numbers::pi;
 }
 
+// The angles of an effect that are looked for all round.
+std::vector<std::size_t> turning_angles(const common::EffectAbout& about) {
+  std::vector<std::size_t> angles;
+  for (std::size_t p = 0; p < about.parameters.size(); ++p) {
+    if (is_all_round(about.parameters[p]) && !about.parameters[p].detail) angles.push_back(p);
+  }
+  return angles;
+}
+
 // The points from which an effect is tried: its typical size, and a fraction of it, where most laws are still linear;
-// other sizes where the size enters not proportionally; other shapes; angles all round, in every combination.
+// other sizes where the size enters not proportionally; other shapes; and all of these at angles all round, in every
+// combination. A single angle that enters as a sine needs two quarters only: the others follow from them (between_quarters).
 std::vector<common::EffectInstance> starts_of(const common::EffectAbout& about) {
   const common::EffectInstance typical = common::typical_instance(about);
-  std::vector<common::EffectInstance> starts{typical};
+  std::vector<common::EffectInstance> shapes{typical};
   common::EffectInstance small = typical;
   for (std::size_t p = 0; p < about.parameters.size(); ++p) {
     const common::EffectParameter& parameter = about.parameters[p];
@@ -63,33 +74,37 @@ std::vector<common::EffectInstance> starts_of(const common::EffectAbout& about) 
     small.values[p] = std::clamp(*parameter.absent + kSmallShare * (typical.values[p] - *parameter.absent),
                                  parameter.lower, parameter.upper);
   }
-  if (small.values != typical.values) starts.push_back(small);
-  const auto add = [&](std::size_t p, double coordinate) {
+  if (small.values != typical.values) shapes.push_back(small);
+  const auto add = [&](std::size_t p, double value) {
     common::EffectInstance start = typical;
-    const common::EffectParameter& parameter = about.parameters[p];
-    start.values[p] = std::clamp(from_coordinate(parameter, to_coordinate(parameter, typical.values[p]) + coordinate),
-                                 parameter.lower, parameter.upper);
-    if (start.values[p] != typical.values[p]) starts.push_back(start);
+    start.values[p] = std::clamp(value, about.parameters[p].lower, about.parameters[p].upper);
+    if (start.values[p] != typical.values[p]) shapes.push_back(start);
   };
   for (std::size_t p = 0; p < about.parameters.size(); ++p) {
     const common::EffectParameter& parameter = about.parameters[p];
     const bool fades_linearly = parameter.absent && std::isfinite(*parameter.absent);
-    if (fades_linearly || is_all_round(parameter)) continue;
-    add(p, -1.0);
-    add(p, 1.0);
-  }
-  std::vector<common::EffectInstance> turned{typical};
-  for (std::size_t p = 0; p < about.parameters.size(); ++p) {
-    if (!is_all_round(about.parameters[p])) continue;
-    const std::vector<common::EffectInstance> before = turned;
-    for (const double quarter : {-1.0, 1.0, 2.0}) {
-      for (common::EffectInstance start : before) {
-        start.values[p] = 0.5 * std::numbers::pi * quarter;
-        turned.push_back(start);
-      }
+    if (fades_linearly || is_all_round(parameter) || parameter.detail) continue;
+    for (const double value : parameter.tries) add(p, value);
+    if (!parameter.tries.empty()) continue;
+    for (const double coordinate : {-1.0, 1.0}) {
+      add(p, from_coordinate(parameter, to_coordinate(parameter, typical.values[p]) + coordinate));
     }
   }
-  starts.insert(starts.end(), turned.begin() + 1, turned.end());
+  const std::vector<std::size_t> angles = turning_angles(about);
+  std::vector<common::EffectInstance> starts;
+  for (const common::EffectInstance& shape : shapes) {
+    std::vector<common::EffectInstance> turned{shape};
+    for (const std::size_t p : angles) {
+      const std::vector<common::EffectInstance> before = turned;
+      for (common::EffectInstance start : before) {
+        for (int quarter = 1; quarter <= (angles.size() == 1 ? 1 : 3); ++quarter) {
+          start.values[p] = std::remainder(shape.values[p] + 0.5 * std::numbers::pi * quarter, 2.0 * std::numbers::pi);
+          turned.push_back(start);
+        }
+      }
+    }
+    starts.insert(starts.end(), turned.begin(), turned.end());
+  }
   return starts;
 }
 
@@ -115,28 +130,44 @@ struct Screened {
   double left = 0.0;            // sum of squares that it leaves, linearly
 };
 
-// Projects columns out: what of a vector they cannot imitate within their priors.
+// Projects out what fitted parameters can imitate. Below the differences stand the rows of their prior, so that an effect
+// that relieves parameters of an unlikely value counts for that too.
 class Projector {
  public:
-  Projector(Eigen::MatrixXd columns, double weight) : columns_(std::move(columns)), weight_(weight) {
-    Eigen::MatrixXd system = weight_ * columns_.transpose() * columns_;
-    system.diagonal().array() += 1.0;
-    factor_.compute(system);
+  Projector(const Eigen::MatrixXd& columns, const Point& point, double weight)
+      : prior_(prior_rows(point)), scale_(1.0 / std::sqrt(weight)), columns_(columns.rows() + columns.cols(), columns.cols()) {
+    columns_.topRows(columns.rows()) = columns;
+    columns_.bottomRows(columns.cols()) = (scale_ * prior_.slope).asDiagonal();
+    factor_.compute(columns_.transpose() * columns_);
   }
-  Eigen::VectorXd operator()(const Eigen::VectorXd& vector) const {
-    return vector - columns_ * factor_.solve(weight_ * columns_.transpose() * vector);
+  // Of the differences at the point itself.
+  Eigen::VectorXd gap(const Eigen::VectorXd& difference) const {
+    Eigen::VectorXd vector(columns_.rows());
+    vector << difference, scale_ * prior_.value;
+    return project(vector);
+  }
+  // Of a change of the differences, or of what another projector has made of one.
+  Eigen::VectorXd operator()(const Eigen::VectorXd& change) const {
+    Eigen::VectorXd vector = Eigen::VectorXd::Zero(columns_.rows());
+    vector.head(change.size()) = change;
+    return project(vector);
   }
 
  private:
+  Eigen::VectorXd project(const Eigen::VectorXd& vector) const {
+    return vector - columns_ * factor_.solve(columns_.transpose() * vector);
+  }
+
+  PriorRows prior_;
+  double scale_;
   Eigen::MatrixXd columns_;
-  double weight_;
   Eigen::LDLT<Eigen::MatrixXd> factor_;
 };
 
 // Whether the effect acts the other way round with its size turned.
 bool may_turn(const std::string& effect) {
   const common::EffectParameter& parameter = about_effect(effect).parameters.front();
-  return parameter.lower < 0.0 && parameter.upper > 0.0;
+  return parameter.absent && parameter.lower < *parameter.absent && parameter.upper > *parameter.absent;
 }
 
 // How much of `target` a multiple of the column takes away.
@@ -145,6 +176,31 @@ void try_amount(const Eigen::VectorXd& column, const Eigen::VectorXd& target, Sc
   screened.amount = norm > 0.0 && std::isfinite(norm) ? -column.dot(target) / norm : 0.0;
   screened.amount = std::clamp(screened.amount, may_turn(screened.effect) ? -kLargestAmount : 0.0, kLargestAmount);
   screened.left = (target + screened.amount * column).squaredNorm();
+}
+
+// Whether `turned` is `first` with the angle a quarter turn on.
+bool is_quarter_on(const common::EffectInstance& first, const common::EffectInstance& turned, std::size_t angle) {
+  if (first.name != turned.name) return false;
+  common::EffectInstance same = first;
+  same.values[angle] = turned.values[angle];
+  const double turn = std::remainder(turned.values[angle] - first.values[angle] - 0.5 * std::numbers::pi, 2.0 * std::numbers::pi);
+  return same.values == turned.values && std::fabs(turn) < kSameAngle;
+}
+
+// The best angle between two looks a quarter turn apart, where the angle enters as a sine.
+Screened between_quarters(const Screened& first, const Screened& turned, std::size_t angle, const Eigen::VectorXd& target) {
+  const Eigen::VectorXd &a = first.column, &b = turned.column;
+  const double aa = a.squaredNorm(), bb = b.squaredNorm(), ab = a.dot(b), at = a.dot(target), bt = b.dot(target);
+  const double determinant = aa * bb - ab * ab;
+  Screened best{first.effect, first.start, {}, 0.0, 0.0, target.squaredNorm()};
+  if (!(determinant > 0.0) || !std::isfinite(determinant)) return best;
+  const double x = -(bb * at - ab * bt) / determinant, y = -(aa * bt - ab * at) / determinant;
+  const double amount = std::hypot(x, y);
+  best.amount = std::min(amount, kLargestAmount);
+  best.start.values[angle] =
+      std::remainder(first.start.values[angle] + std::atan2(y, x), 2.0 * std::numbers::pi);
+  best.left = (target + best.amount / amount * (x * a + y * b)).squaredNorm();
+  return best;
 }
 
 double mean_square(const Eigen::VectorXd& vector) {
@@ -254,7 +310,8 @@ Cause make_cause(const FitResult& result, const FitSettings& settings) {
   cause.point = result.point;
   cause.mean_square = result.mean_square;
   cause.excess = excess(result.difference, settings);
-  cause.penalty = result.penalty;
+  cause.prior = result.prior;
+  cause.information = result.information;
   cause.sizes = sizes_of(result.point.effects, result.deviation);
   return cause;
 }
@@ -318,21 +375,28 @@ void add_controller_causes(const Problem& problem, const controller::ControllerS
 
 bool cheaper(const FitResult& a, const FitResult& b) { return a.cost < b.cost; }
 
-// The best `contenders` get another round, the best `leaders` of them rounds with fresh columns until they settle.
+// The best `contenders` get another round. The best of them goes on with fresh nuisance columns until it settles; `leaders` go on
+// with these columns, and where one of them overtakes, it gets fresh ones as well.
 void go_on(Problem& problem, std::vector<FitResult>& fits, int contenders, int leaders,
            const std::function<void(double, const FitResult&)>& tell) {
-  std::stable_sort(fits.begin(), fits.end(), cheaper);
+  if (fits.empty()) return;
   const auto first = static_cast<double>(contenders), all = static_cast<double>(contenders + leaders);
+  std::stable_sort(fits.begin(), fits.end(), cheaper);
   for (std::size_t i = 0; i < fits.size() && static_cast<int>(i) < contenders; ++i) {
     tell(static_cast<double>(i) / all, fits[i]);
     improve(problem, fits[i], false);
   }
   std::stable_sort(fits.begin(), fits.end(), cheaper);
-  for (std::size_t i = 0; i < fits.size() && static_cast<int>(i) < leaders; ++i) {
-    tell((first + static_cast<double>(i)) / all, fits[i]);
-    for (int round = 0; round < kFreshRounds && improve(problem, fits[i], true); ++round) {
-    }
+  tell(first / all, fits.front());
+  for (int round = 0; round < kFreshRounds && improve(problem, fits.front(), true); ++round) {
   }
+  for (std::size_t i = 1; i < fits.size() && static_cast<int>(i) < leaders; ++i) {
+    tell((first + static_cast<double>(i)) / all, fits[i]);
+    take_nuisance_columns(fits.front().columns, fits[i]);
+    improve(problem, fits[i], false);
+  }
+  const auto best = std::min_element(fits.begin(), fits.end(), cheaper);
+  if (best != fits.begin()) improve(problem, *best, true);
   std::stable_sort(fits.begin(), fits.end(), cheaper);
 }
 
@@ -379,8 +443,8 @@ std::vector<Point> pair_starts(const Problem& problem, const Base& base, const E
 
   for (std::size_t leader = 0; leader < std::min<std::size_t>(3, singles.size()); ++leader) {
     const FitResult& single = singles[leader];
-    const Projector project(single.columns, data_weight(single.difference, problem.settings));
-    const Eigen::VectorXd left = project(single.difference);
+    const Projector project(single.columns, single.point, data_weight(single.difference, problem.settings));
+    const Eigen::VectorXd left = project.gap(single.difference);
     std::vector<Pair> seconds;
     for (const Screened* screened : best) {
       if (screened->effect == single.point.effects[0].name) continue;
@@ -479,8 +543,8 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
       points.push_back(point);
     }
   }
-  const Projector project(base.nuisance_columns, data_weight(base.difference, settings.fit));
-  const Eigen::VectorXd gap = project(base.difference);
+  const Projector project(base.nuisance_columns, base.point, data_weight(base.difference, settings.fit));
+  const Eigen::VectorXd gap = project.gap(base.difference);
   const double gap_square = gap.squaredNorm();
   const auto look = [&](Screened& screened, const Eigen::VectorXd& difference) {
     screened.column = project(difference - base.difference);
@@ -503,16 +567,23 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   }
   // A second look at the best of each effect at the size just found: few laws are linear from nothing to their typical size.
   {
-    std::map<std::string, std::size_t> nearest;
+    std::map<std::string, Screened> nearest;
+    const auto consider = [&](const Screened& screened) {
+      const auto [entry, is_new] = nearest.try_emplace(screened.effect, screened);
+      if (!is_new && screened.left < entry->second.left) entry->second = screened;
+    };
     for (std::size_t i = 0; i < tried.size(); ++i) {
-      const auto [entry, is_new] = nearest.try_emplace(tried[i].effect, i);
-      if (!is_new && tried[i].left < tried[entry->second].left) entry->second = i;
+      consider(tried[i]);
+      const std::vector<std::size_t> angles = turning_angles(about_effect(tried[i].effect));
+      if (angles.size() == 1 && i + 1 < tried.size() && is_quarter_on(tried[i].start, tried[i + 1].start, angles[0])) {
+        consider(between_quarters(tried[i], tried[i + 1], angles[0], gap));
+      }
     }
     std::vector<Screened> again;
     std::vector<Point> at;
-    for (const auto& [name, i] : nearest) {
-      const Screened& screened = tried[i];
-      if (forecast(screened) < kLeastGain || std::fabs(screened.amount - 1.0) < kNearlyTried) continue;
+    for (const auto& [name, screened] : nearest) {
+      const bool is_tried = screened.column.size() != 0 && std::fabs(screened.amount - 1.0) < kNearlyTried;
+      if (forecast(screened) < kLeastGain || is_tried) continue;
       again.push_back({name, scaled(about_effect(name), screened.start, screened.amount), {}, 0.0, 0.0, 0.0});
       at.push_back(base.point);
       at.back().effects.push_back(again.back().start);
@@ -562,7 +633,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
     tell(0.5 + 0.2 * static_cast<double>(i) / static_cast<double>(chosen.size()), "refining " + chosen[i]->effect);
     Point start = base.point;
     start.effects.push_back(scaled(about_effect(chosen[i]->effect), chosen[i]->start, chosen[i]->amount));
-    fits.push_back(fit(problem, base, start));
+    fits.push_back(fit(problem, base.nuisance_columns, start));
   }
   // One fit per effect, the better one. The leaders go on, the best of them with fresh columns, so that none loses for
   // want of convergence.
@@ -578,7 +649,8 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
     for (std::size_t i = 0; i < starts.size(); ++i) {
       tell(0.8 + 0.12 * static_cast<double>(i) / static_cast<double>(starts.size()),
            "refining " + starts[i].effects[0].name + " with " + starts[i].effects[1].name);
-      pairs.push_back(fit(problem, base, starts[i]));
+      pairs.push_back(fit(problem, base.nuisance_columns, starts[i]));
+      take_nuisance_columns(fits.front().columns, pairs.back());
     }
     go_on(problem, pairs, settings.pair_contenders, settings.pair_leaders, [&](double share, const FitResult& result) {
       tell(0.92 + 0.07 * share,
@@ -601,19 +673,20 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   }
 
   // A fit that was shaken to pieces is no candidate.
-  std::erase_if(fits, [](const FitResult& result) { return !std::isfinite(result.cost + result.penalty); });
+  std::erase_if(fits, [](const FitResult& result) { return !std::isfinite(result.cost + result.information.sum()); });
 
   // Weigh.
-  std::vector<Candidate> candidates{{{}, base_excess, base.penalty}};
+  std::vector<Candidate> candidates{{{}, base_excess, base.prior, base.information}};
   Cause none;
   none.point = base.point;
   none.mean_square = diagnosis.mean_square_parameters;
   none.excess = base_excess;
-  none.penalty = base.penalty;
+  none.prior = base.prior;
+  none.information = base.information;
   diagnosis.causes.push_back(none);
   for (const FitResult& result : fits) {
     diagnosis.causes.push_back(make_cause(result, settings.fit));
-    candidates.push_back({diagnosis.causes.back().effects, diagnosis.causes.back().excess, result.penalty});
+    candidates.push_back({diagnosis.causes.back().effects, diagnosis.causes.back().excess, result.prior, result.information});
   }
   const Probabilities probabilities = weigh(candidates, static_cast<int>(names.size()), settings.evidence);
   for (std::size_t i = 0; i < diagnosis.causes.size(); ++i) {
@@ -686,7 +759,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   // Parameters that had to go farther than machines of one make differ.
   const Point& answer = first.point.nuisance.empty() ? base.point : first.point;
   std::string far;
-  for (std::size_t k = 0; k < answer.nuisance.size(); ++k) {
+  for (std::size_t k = 0; k < std::min(answer.nuisance.size(), nuisances().size()); ++k) {
     if (std::fabs(answer.nuisance[k]) < kFarOff) continue;
     far += fmt::format("{}{} {:+.0f} %", far.empty() ? "" : ", ", nuisances()[k].name, 100.0 * nuisances()[k].spread * answer.nuisance[k]);
   }

@@ -42,7 +42,8 @@ struct Cause {
   double probability = 0.0;
   double explained = 0.0;             // share of the gap, down to what the best of all fits leaves
   double mean_square = 0.0;
-  double excess = 0.0, penalty = 0.0;  // as in evidence.h
+  double excess = 0.0, prior = 0.0;    // as in evidence.h
+  Eigen::VectorXd information;         // as in evidence.h
   std::vector<Size> sizes;            // of all effects' parameters
   Point point;                                              // the machine's part
   std::vector<common::EffectInstance> controller_effects;  // the controller's part

@@ -15,8 +15,11 @@ Probabilities weigh(const std::vector<Candidate>& candidates, int single_count, 
   double floor = 0.0;
   for (const Candidate& candidate : candidates) floor = std::min(floor, candidate.excess);
   const double gap = nothing->excess - floor;
-  const auto likelihood = [&](double left, double penalty) {
-    return -0.5 * (settings.law_freedom * std::log1p(left / (settings.law_freedom + settings.law_share * gap)) + penalty);
+  const auto likelihood = [&](double left, const Candidate& candidate, double effects) {
+    const double usual = settings.law_freedom + settings.law_share * gap;
+    const double weight = settings.independent_share * settings.law_freedom / (usual + left);
+    const double occam = (1.0 + weight * candidate.information.array()).log().sum();
+    return -0.5 * (settings.law_freedom * std::log1p(left / usual) + candidate.prior + occam + settings.price * effects);
   };
   const double singles = std::max(1, single_count);
   std::vector<double> score;
@@ -24,10 +27,10 @@ Probabilities weigh(const std::vector<Candidate>& candidates, int single_count, 
     const double prior = candidate.effects.empty()       ? settings.prior_nothing
                          : candidate.effects.size() == 1 ? settings.prior_single / singles
                                                          : settings.prior_pair / (singles * (singles - 1.0) / 2.0);
-    score.push_back(std::log(prior) + likelihood(candidate.excess - floor, candidate.penalty + settings.price * static_cast<double>(candidate.effects.size())));
+    score.push_back(std::log(prior) + likelihood(candidate.excess - floor, candidate, static_cast<double>(candidate.effects.size())));
   }
   const double unexplained = std::max(settings.unknown_floor, settings.unknown_share * gap);
-  const double unknown = std::log(settings.prior_unknown) + likelihood(unexplained, nothing->penalty + settings.price);
+  const double unknown = std::log(settings.prior_unknown) + likelihood(unexplained, *nothing, 1.0);
   const double top = std::max(unknown, *std::max_element(score.begin(), score.end()));
   Probabilities result;
   result.floor = floor;

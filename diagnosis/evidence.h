@@ -1,14 +1,17 @@
 // From how well each hypothesis fits to how probable it is.
 //
-//   ln P(hypothesis | records) = ln prior - (k ln(1 + c / (k + r G)) + penalty + price * effects) / 2 + constant
+//   ln P(hypothesis | records) = ln prior - (M(c) + p + sum(ln(1 + w lambda)) + price * effects) / 2 + constant
+//   M(c) = k ln(1 + c / (k + r G)),    w = s dM/dc
 //
 // c is what the hypothesis leaves above the best one (above what the noise explains, where even the best leaves more), G
 // the gap: what parameters alone leave, counted the same way. The law of a real effect is never quite the catalogue's, so the
 // true cause leaves a usual share r of the gap; with the size of that mismatch integrated out, misfits count by their
-// ratios. penalty is the fit's (fit.h). A cause that is in no catalogue is a hypothesis too: it would leave a usual,
+// ratios. p is -2 ln of the prior where the fit ended, and the sum, over the eigenvalues lambda of what the records say of
+// the parameters (fit.h), Occam's factor: how much narrower they became. A cause that is in no catalogue is a hypothesis too: it would leave a usual,
 // larger share of the gap.
 #pragma once
 
+#include <Eigen/Core>
 #include <string>
 #include <vector>
 
@@ -19,6 +22,7 @@ struct EvidenceSettings {
   double law_share = 0.03;       // r
   double unknown_share = 0.25;   // of the gap that a cause outside the catalogue leaves unexplained
   double unknown_floor = 60.0;   // [-] c that it leaves at least
+  double independent_share = 0.3;  // s, as in fit.h
   double price = 25.0;           // of an effect: what mesh and step alone let one take away where nothing is missing
   double prior_nothing = 0.5;
   double prior_single = 0.3;
@@ -29,7 +33,8 @@ struct EvidenceSettings {
 struct Candidate {
   std::vector<std::string> effects;  // none: nothing missing but parameters
   double excess = 0.0;
-  double penalty = 0.0;
+  double prior = 0.0;
+  Eigen::VectorXd information{};
 };
 
 struct Probabilities {

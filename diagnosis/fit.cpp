@@ -1,6 +1,7 @@
 #include "diagnosis/fit.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -16,6 +17,7 @@ namespace slewlab::diagnosis {
 namespace {
 
 constexpr double kNuisanceStep = 0.3;  // [standard deviations] difference quotient: small against the prior, large against rounding
+constexpr double kFarthest = 6.0;      // [standard deviations] that a nuisance is let go
 constexpr double kEffectStep = 0.05;   // [standard deviations] the same for effects, around a fitted size
 
 std::vector<double> effect_coordinates(const Point& point) {
@@ -32,7 +34,7 @@ std::vector<double> effect_coordinates(const Point& point) {
 Point moved(const Point& point, const Eigen::VectorXd& change) {
   Point result = point;
   Eigen::Index i = 0;
-  for (double& z : result.nuisance) z = std::clamp(z + change(i++), -6.0, 6.0);
+  for (double& z : result.nuisance) z = std::clamp(z + change(i++), -kFarthest, kFarthest);
   for (common::EffectInstance& effect : result.effects) {
     const common::EffectAbout& about = about_effect(effect.name);
     for (std::size_t p = 0; p < effect.values.size(); ++p) {
@@ -46,8 +48,8 @@ Point moved(const Point& point, const Eigen::VectorXd& change) {
 
 double prior_cost(const Point& point) {
   double cost = 0.0;
-  for (const double z : point.nuisance) cost += z * z;
-  for (const double x : effect_coordinates(point)) cost += x * x;
+  for (std::size_t k = 0; k < point.nuisance.size(); ++k) cost += nuisance_prior(k, point.nuisance[k]).cost;
+  for (const double x : effect_coordinates(point)) cost += effect_prior(x).cost;
   return cost;
 }
 
@@ -55,26 +57,59 @@ double cost_of(const Problem& problem, const Point& point, const Eigen::VectorXd
   return discounted(excess(difference, problem.settings), problem.settings.law_freedom) + prior_cost(point);
 }
 
-Eigen::MatrixXd curvature(const Problem& problem, const Eigen::VectorXd& difference, const Eigen::MatrixXd& columns) {
+// The cost's, for Gauss-Newton steps.
+Eigen::MatrixXd curvature(const Problem& problem, const Point& point, const Eigen::VectorXd& difference,
+                          const Eigen::MatrixXd& columns) {
   Eigen::MatrixXd system = data_weight(difference, problem.settings) * columns.transpose() * columns;
-  system.diagonal().array() += 1.0;
+  system.diagonal().array() += prior_rows(point).slope.array().square();
   return system;
 }
 
-double log_determinant(const Eigen::MatrixXd& symmetric) {
-  return symmetric.ldlt().vectorD().array().abs().max(1e-300).log().sum();
+Eigen::VectorXd information_of(const Eigen::MatrixXd& columns) {
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(columns.transpose() * columns, Eigen::EigenvaluesOnly)
+      .eigenvalues()
+      .cwiseMax(0.0);
 }
 
+bool is_held(const Point& point, std::size_t k) {
+  return std::any_of(point.effects.begin(), point.effects.end(),
+                     [&](const common::EffectInstance& effect) { return is_said_by(effect.name, k); });
+}
+
+// Of nuisances that an effect holds: zero.
 Eigen::MatrixXd nuisance_columns(Problem& problem, const Point& point, const Eigen::VectorXd& difference) {
-  const std::size_t count = nuisances().size();
-  std::vector<Point> points(count, point);
-  for (std::size_t k = 0; k < count; ++k) points[k].nuisance[k] += kNuisanceStep;
+  std::vector<std::size_t> free;
+  std::vector<Point> points;
+  for (std::size_t k = 0; k < nuisance_count(); ++k) {
+    if (is_held(point, k)) continue;
+    free.push_back(k);
+    points.push_back(point);
+    points.back().nuisance[k] += kNuisanceStep;
+  }
   const std::vector<Eigen::VectorXd> moved_differences = differences(problem, points);
-  Eigen::MatrixXd columns(difference.size(), static_cast<Eigen::Index>(count));
-  for (std::size_t k = 0; k < count; ++k) {
-    columns.col(static_cast<Eigen::Index>(k)) = (moved_differences[k] - difference) / kNuisanceStep;
+  Eigen::MatrixXd columns =
+      Eigen::MatrixXd::Zero(difference.size(), static_cast<Eigen::Index>(nuisance_count()));
+  for (std::size_t i = 0; i < free.size(); ++i) {
+    columns.col(static_cast<Eigen::Index>(free[i])) = (moved_differences[i] - difference) / kNuisanceStep;
   }
   return columns;
+}
+
+// Nuisances that an effect holds go back to the nominal machine, and what they were becomes the effect's.
+void hand_over(Point& point) {
+  for (common::EffectInstance& effect : point.effects) {
+    bool is_first = true;
+    for (std::size_t k = 0; k < nuisances().size(); ++k) {
+      if (!is_said_by(effect.name, k)) continue;
+      const common::EffectParameter& factor = about_effect(effect.name).parameters.front();
+      if (is_first) {
+        effect.values[0] = std::clamp(effect.values[0] * (1.0 + nuisances()[k].spread * point.nuisance[k]), factor.lower,
+                                      factor.upper);
+      }
+      is_first = false;
+      point.nuisance[k] = 0.0;
+    }
+  }
 }
 
 // The columns d difference / d x of the effects' parameters, by difference quotients.
@@ -109,11 +144,9 @@ Eigen::MatrixXd effect_columns(Problem& problem, const Point& point, const Eigen
 Eigen::VectorXd newton_step(const Problem& problem, const Point& point, const Eigen::VectorXd& difference,
                             const Eigen::MatrixXd& columns) {
   const double weight = data_weight(difference, problem.settings);
-  const Eigen::MatrixXd system = curvature(problem, difference, columns);
-  Eigen::VectorXd right = -weight * columns.transpose() * difference;
-  Eigen::Index i = 0;
-  for (const double z : point.nuisance) right(i++) -= z;
-  for (const double x : effect_coordinates(point)) right(i++) -= x;
+  const Eigen::MatrixXd system = curvature(problem, point, difference, columns);
+  const PriorRows prior = prior_rows(point);
+  const Eigen::VectorXd right = -weight * columns.transpose() * difference - prior.value.cwiseProduct(prior.slope);
   Eigen::VectorXd step = system.ldlt().solve(right);
   // Columns of a machine that was shaken to pieces give no direction; standing still ends the descent.
   if (!step.allFinite()) step.setZero();
@@ -169,6 +202,20 @@ double discounted_weight(double excess, double law_freedom) {
   return excess > 0.0 ? 1.0 / (1.0 + excess / law_freedom) : 1.0;
 }
 
+PriorRows prior_rows(const Point& point) {
+  std::vector<PriorTerm> terms;
+  for (std::size_t k = 0; k < point.nuisance.size(); ++k) terms.push_back(nuisance_prior(k, point.nuisance[k]));
+  for (const double x : effect_coordinates(point)) terms.push_back(effect_prior(x));
+  const auto count = static_cast<Eigen::Index>(terms.size());
+  PriorRows rows{Eigen::VectorXd(count), Eigen::VectorXd(count)};
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const PriorTerm& term = terms[static_cast<std::size_t>(i)];
+    rows.slope(i) = std::sqrt(term.curvature);
+    rows.value(i) = term.slope / rows.slope(i);
+  }
+  return rows;
+}
+
 double data_weight(const Eigen::VectorXd& difference, const FitSettings& settings) {
   return settings.independent_share * discounted_weight(excess(difference, settings), settings.law_freedom);
 }
@@ -217,7 +264,7 @@ Eigen::VectorXd differences(Problem& problem, const Point& point) {
   for (std::size_t r = 0; r < problem.records.size(); ++r) {
     if (problem.stop != nullptr && problem.stop->load()) throw Interrupted{};
     const auto begun = std::chrono::steady_clock::now();
-    const Shadow follower = shadow(machine, problem.records[r], problem.gains);
+    const Shadow follower = shadow(machine, problem.records[r], problem.gains, drive_latency(point.nuisance));
     problem.simulation_time +=
         std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now() - begun).count();
     result.segment(row, problem.whitening[r].size()) = whiten(problem.whitening[r], follower);
@@ -250,7 +297,7 @@ std::vector<Eigen::VectorXd> differences(Problem& problem, std::span<const Point
 
 Base fit_nuisances(Problem& problem) {
   Base base;
-  base.point.nuisance.assign(nuisances().size(), 0.0);
+  base.point.nuisance.assign(nuisance_count(), 0.0);
   base.difference = differences(problem, base.point);
   base.cost = cost_of(problem, base.point, base.difference);
   base.nominal_mean_square = base.difference.squaredNorm() / static_cast<double>(base.difference.size());
@@ -260,21 +307,32 @@ Base fit_nuisances(Problem& problem) {
         descend(problem, problem.settings.iterations, base.nuisance_columns, base.point, base.difference, base.cost);
     if (fall < problem.settings.settled + problem.settings.settled_share * std::fabs(base.cost)) break;
   }
-  base.penalty = prior_cost(base.point) + log_determinant(curvature(problem, base.difference, base.nuisance_columns));
+  base.prior = prior_cost(base.point);
+  base.information = information_of(base.nuisance_columns);
   return base;
 }
 
-FitResult fit(Problem& problem, const Base& base, const Point& start) {
+FitResult fit(Problem& problem, const Eigen::MatrixXd& nuisance_columns, const Point& start) {
   FitResult result;
   result.point = start;
-  result.difference = differences(problem, start);
-  result.cost = cost_of(problem, start, result.difference);
-  const Eigen::Index nuisance_count = base.nuisance_columns.cols();
+  hand_over(result.point);
+  result.difference = differences(problem, result.point);
+  result.cost = cost_of(problem, result.point, result.difference);
   const auto effect_count = static_cast<Eigen::Index>(effect_coordinates(start).size());
-  result.columns.resize(result.difference.size(), nuisance_count + effect_count);
-  result.columns.leftCols(nuisance_count) = base.nuisance_columns;
+  result.columns.resize(result.difference.size(), nuisance_columns.cols() + effect_count);
+  result.columns.leftCols(nuisance_columns.cols()) = nuisance_columns;
+  for (std::size_t k = 0; k < result.point.nuisance.size(); ++k) {
+    if (is_held(result.point, k)) result.columns.col(static_cast<Eigen::Index>(k)).setZero();
+  }
   improve(problem, result, false);
   return result;
+}
+
+void take_nuisance_columns(const Eigen::MatrixXd& columns, FitResult& result) {
+  for (std::size_t k = 0; k < result.point.nuisance.size(); ++k) {
+    const auto column = static_cast<Eigen::Index>(k);
+    if (!is_held(result.point, k) && !columns.col(column).isZero(0.0)) result.columns.col(column) = columns.col(column);
+  }
 }
 
 bool improve(Problem& problem, FitResult& result, bool fresh_nuisances) {
@@ -291,8 +349,9 @@ bool improve(Problem& problem, FitResult& result, bool fresh_nuisances) {
 
 void conclude(const Problem& problem, FitResult& result) {
   result.mean_square = result.difference.squaredNorm() / static_cast<double>(result.difference.size());
-  const Eigen::MatrixXd system = curvature(problem, result.difference, result.columns);
-  result.penalty = prior_cost(result.point) + log_determinant(system);
+  const Eigen::MatrixXd system = curvature(problem, result.point, result.difference, result.columns);
+  result.prior = prior_cost(result.point);
+  result.information = information_of(result.columns);
   const Eigen::MatrixXd covariance = system.ldlt().solve(Eigen::MatrixXd::Identity(system.rows(), system.cols()));
   auto e = static_cast<Eigen::Index>(result.point.nuisance.size());
   result.deviation.clear();

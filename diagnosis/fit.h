@@ -1,9 +1,9 @@
 // Fits a hypothesis (a set of effects) to records with all nuisances free under their priors.
 //
-//   cost = L(s (sum(d^2) - n)) + sum(z^2) + sum(x^2),    L(c) = nu ln(1 + c / nu) for c > 0, c otherwise
+//   cost = L(s (sum(d^2) - n)) + sum(p(z)) + sum(q(x)),    L(c) = nu ln(1 + c / nu) for c > 0, c otherwise
 //
 // d are the n whitened differences (noise alone leaves a mean square of 1), z the nuisances and x the effects'
-// parameters, both in standard deviations of their priors. So cost is -2 ln of the posterior density. s is the share of
+// parameters, both in standard deviations of their priors p and q (nuisance.h). So cost is -2 ln of the posterior density. s is the share of
 // the differences that are independent of each other: what mesh and step make wrong shows in many of them. What the
 // noise cannot explain is mismatch of mesh, step and laws; its size is not known beforehand, and with it integrated out
 // a sum of squares counts as in a Student distribution of nu degrees of freedom (learned, docs/diagnosis.md): in full while
@@ -73,6 +73,12 @@ double excess(const Eigen::VectorXd& difference, const FitSettings& settings);
 double discounted(double excess, double law_freedom);
 double discounted_weight(double excess, double law_freedom);
 
+// The prior as rows below weighted differences: row k says -2 ln prior = (value + slope dz)^2 + constant about the point.
+struct PriorRows {
+  Eigen::VectorXd value, slope;
+};
+PriorRows prior_rows(const Point& point);
+
 // What a squared difference counts in the cost: s dL/dc.
 double data_weight(const Eigen::VectorXd& difference, const FitSettings& settings);
 
@@ -82,7 +88,8 @@ struct Base {
   Eigen::VectorXd difference;
   Eigen::MatrixXd nuisance_columns;  // d difference / d z
   double cost = 0.0;
-  double penalty = 0.0;              // as in FitResult
+  double prior = 0.0;                // as in FitResult
+  Eigen::VectorXd information;
   double nominal_mean_square = 0.0;  // of the differences before anything is fitted
 };
 Base fit_nuisances(Problem& problem);
@@ -92,15 +99,20 @@ struct FitResult {
   Eigen::VectorXd difference;
   Eigen::MatrixXd columns;           // d difference / d z, then d difference / d x
   double cost = 0.0;
-  double penalty = 0.0;              // sum(z^2) + sum(x^2) + ln det of the cost's curvature per prior's: Occam's share
+  double prior = 0.0;                // sum(p(z)) + sum(q(x))
+  Eigen::VectorXd information;       // eigenvalues of columns^T columns
   double mean_square = 0.0;          // of the differences
   std::vector<double> deviation;     // of each effect parameter in order, in its own unit; from the curvature
 };
 
-// Fits the effects of `start` and the nuisances, from there: one round with the base's nuisance columns.
-FitResult fit(Problem& problem, const Base& base, const Point& start);
+// Fits the effects of `start` and the nuisances, from there: one round with nuisance columns from somewhere near. Nuisances that an
+// effect stands for (is_said_by) stay nominal.
+FitResult fit(Problem& problem, const Eigen::MatrixXd& nuisance_columns, const Point& start);
 
-// Where the fits have ended: penalty, mean square and the spread of the sizes, from the curvature there.
+// Goes on with the nuisance columns of another fit, where that has any.
+void take_nuisance_columns(const Eigen::MatrixXd& columns, FitResult& result);
+
+// Where the fits have ended: prior, information, mean square and the spread of the sizes, from the curvature there.
 void conclude(const Problem& problem, FitResult& result);
 
 // One more round from where it stands, with fresh columns of the effects and, if asked, of the nuisances. False: it was

@@ -1,8 +1,20 @@
 #include "diagnosis/nuisance.h"
 
 #include <algorithm>
+#include <cmath>
+#include <map>
 
 namespace slewlab::diagnosis {
+
+namespace {
+
+// 1.73 standard deviations are the 5 %; a little more for what mesh and step make wrong.
+constexpr double kWall = 2.0;        // [standard deviations]
+constexpr double kSteepness = 30.0;  // [-] of a wall, in units of the normal prior's curvature
+
+constexpr double kStudent = 3.0;  // one more than the degrees of freedom
+
+}  // namespace
 
 const std::vector<Nuisance>& nuisances() {
   using sim::CraneParameters;
@@ -34,6 +46,38 @@ const std::vector<Nuisance>& nuisances() {
       {"load damping", kUnitDeviation, [](CraneParameters& c, double f) { c.load.damping_ratio *= f; }},
   };
   return kNuisances;
+}
+
+std::size_t nuisance_count() { return nuisances().size() + 1; }
+
+double drive_latency(const std::vector<double>& amount) {
+  return amount.size() < nuisance_count() ? 0.0 : kLatencyDeviation * amount[nuisances().size()];
+}
+
+PriorTerm nuisance_prior(std::size_t k, double z) {
+  PriorTerm term{z * z, z, 1.0};
+  const double beyond = std::fabs(z) - kWall;
+  if (k < nuisances().size() && beyond > 0.0) {
+    term.cost += kSteepness * beyond * beyond;
+    term.slope += std::copysign(kSteepness * beyond, z);
+    term.curvature += kSteepness;
+  }
+  return term;
+}
+
+bool is_said_by(std::string_view effect, std::size_t k) {
+  static const std::multimap<std::string_view, std::string_view> kSays{
+      {"house_inertia", "house inertia"},         {"boom_damping", "boom damping"},
+      {"boom_stiffness", "boom bending stiffness"}, {"boom_stiffness", "boom torsional stiffness"},
+      {"load_mass", "load mass"},                 {"rope_length", "rope length"}};
+  if (k >= nuisances().size()) return false;
+  const auto [first, last] = kSays.equal_range(effect);
+  return std::any_of(first, last, [&](const auto& entry) { return entry.second == nuisances()[k].name; });
+}
+
+PriorTerm effect_prior(double x) {
+  const double weight = 1.0 / (1.0 + x * x / kStudent);
+  return {kStudent * std::log1p(x * x / kStudent), weight * x, weight};
 }
 
 sim::CraneParameters with_nuisances(sim::CraneParameters crane, const std::vector<double>& amount) {

@@ -22,7 +22,31 @@ inline constexpr double kUnitDeviation = kUnitSpread / 1.7320508075688772;  // [
 
 const std::vector<Nuisance>& nuisances();
 
+// Behind these, one amount more: by how much the drives answer late, or early, which nobody knows to better than a third
+// of a millisecond. Encoder noise goes through the controller into the torque, so a fit can take some of it away by moving
+// the torque in time (by 0.25 ms and more, docs/diagnosis.md); left free here, that favours no cause.
+inline constexpr double kLatencyDeviation = 3e-4;  // [s]
+std::size_t nuisance_count();
+double drive_latency(const std::vector<double>& amount);  // [s]
+
 // The nominal crane with every nuisance moved by `amount[k]` standard deviations.
 sim::CraneParameters with_nuisances(sim::CraneParameters crane, const std::vector<double>& amount);
+
+// -2 ln of a prior, without its constant, and its part in Gauss-Newton steps: half its slope, and a curvature that
+// never overshoots.
+struct PriorTerm {
+  double cost, slope, curvature;
+};
+
+// Of amount `z` of nuisance `k`: normal within the spread from unit to unit, with steep walls where that ends.
+PriorTerm nuisance_prior(std::size_t k, double z);
+
+// Whether nuisance `k` is what the effect itself says of the machine: beside "the rope is longer", the rope's length is not
+// free as well.
+bool is_said_by(std::string_view effect, std::size_t k);
+
+// Of an effect's parameter, `x` standard deviations from its centre: Student's with 2 degrees of freedom. How large an effect is
+// on a machine is known by orders of magnitude at best.
+PriorTerm effect_prior(double x);
 
 }  // namespace slewlab::diagnosis

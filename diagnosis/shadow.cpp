@@ -1,5 +1,6 @@
 #include "diagnosis/shadow.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "sim/machine.h"
@@ -8,6 +9,16 @@
 namespace slewlab::diagnosis {
 
 namespace {
+
+constexpr const char* kEncoderDelay = "encoder_delay";
+
+// The series between its points; at its ends it stands still.
+double between(const std::vector<double>& series, double n) {
+  const double inside = std::clamp(n, 0.0, static_cast<double>(series.size() - 1));
+  const auto i = static_cast<std::size_t>(inside);
+  const double share = inside - static_cast<double>(i);
+  return share == 0.0 ? series[i] : series[i] + share * (series[i + 1] - series[i]);
+}
 
 // A crane that is already turning starts as a rigid body at the motors' mean speed, its teeth where they were.
 void start_moving(sim::Machine& machine, const Record& record) {
@@ -39,9 +50,16 @@ ShadowGains shadow_gains(const sim::CraneParameters& nominal, const ShadowSettin
           settings.leak_time};
 }
 
-Shadow shadow(const sim::MachineSettings& settings, const Record& record, const ShadowGains& gains) {
+Shadow shadow(const sim::MachineSettings& settings, const Record& record, const ShadowGains& gains, double drive_latency) {
   sim::MachineSettings with_step = settings;
   with_step.step = record.step;
+  double encoder_lead = 0.0;  // [steps]
+  std::erase_if(with_step.effects, [&](const common::EffectInstance& effect) {
+    if (effect.name != kEncoderDelay) return false;
+    encoder_lead = effect.values[0] / record.step;
+    return true;
+  });
+  const double torque_lag = drive_latency / record.step;  // [steps]
   sim::Machine machine = sim::make_machine(with_step);
   start_moving(machine, record);
 
@@ -68,11 +86,12 @@ Shadow shadow(const sim::MachineSettings& settings, const Record& record, const 
     command.sequence = static_cast<std::int64_t>(n / std::max<std::size_t>(1, cycle));
     for (int g = 0; g < record.group_count; ++g) {
       const auto i = static_cast<std::size_t>(g);
+      const double now = static_cast<double>(n);
       const double missing =
-          gains.speed * (record.position_rate[i][n] - readings.shaft_speed[i]) +
-          gains.position * (record.shaft_position[i][n] - origin[i] - readings.shaft_position[i]);
+          gains.speed * (between(record.position_rate[i], now + encoder_lead) - readings.shaft_speed[i]) +
+          gains.position * (between(record.shaft_position[i], now + encoder_lead) - origin[i] - readings.shaft_position[i]);
       result.missing_torque[i][n] = missing;
-      command.motor_torque[i] = record.motor_torque[i][n];
+      command.motor_torque[i] = between(record.motor_torque[i], now - torque_lag);
       // Past the actuators: what is missing at a motor is not limited or delayed by its drive.
       machine.outside.motor_torque[i] = missing * to_slew_axis;
       // Gears without play touch always: they change flanks without a shock.

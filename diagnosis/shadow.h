@@ -44,7 +44,10 @@ struct Shadow {
   std::vector<bool> contact_lost;  // some group of the shadow has its teeth apart
 };
 
+// `drive_latency` [s] is how much later (earlier, where negative) than commanded the torques act. An encoder_delay of the machine
+// is taken out of the record instead of put into the shadow, whose feedback it would shake.
 // Throws std::invalid_argument where the machine cannot be built.
-Shadow shadow(const sim::MachineSettings& machine, const Record& record, const ShadowGains& gains);
+Shadow shadow(const sim::MachineSettings& machine, const Record& record, const ShadowGains& gains,
+              double drive_latency = 0.0);
 
 }  // namespace slewlab::diagnosis

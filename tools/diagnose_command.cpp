@@ -41,7 +41,7 @@ nlohmann::json to_json(const Cause& cause) {
                       {"probability", cause.probability},
                       {"explained_share", cause.explained},
                       {"excess", cause.excess},
-                      {"penalty", cause.penalty},
+                      {"prior", cause.prior},
                       {"mean_square_left", cause.mean_square},
                       {"cannot_be_told_from", cause.group},
                       {"distance_to_nearest", cause.group_distance}};
@@ -50,9 +50,10 @@ nlohmann::json to_json(const Cause& cause) {
                              {"low_90", size.low}, {"high_90", size.high}});
   }
   const auto& nuisances = diagnosis::nuisances();
-  for (std::size_t k = 0; k < cause.point.nuisance.size(); ++k) {
+  for (std::size_t k = 0; k < std::min(nuisances.size(), cause.point.nuisance.size()); ++k) {
     json["parameters"][std::string(nuisances[k].name)] = 1.0 + nuisances[k].spread * cause.point.nuisance[k];
   }
+  json["parameters"]["drive latency [s]"] = diagnosis::drive_latency(cause.point.nuisance);
   return json;
 }
 

@@ -22,7 +22,8 @@ json to_json(const CaseResult& result) {
                       {"probability", cause.probability},
                       {"group", cause.group},
                       {"excess", cause.excess},
-                      {"penalty", cause.penalty},
+                      {"prior", cause.prior},
+                      {"information", cause.information},
                       {"sizes", sizes}});
   }
   for (const auto& [name, probability] : result.subsystems) {
@@ -47,7 +48,7 @@ CaseResult result_from(const json& j) {
   result.gap = j.at("gap");
   result.probability_unknown = j.at("probability_unknown");
   for (const json& c : j.at("causes")) {
-    NamedCause cause{c.at("effects"), c.at("probability"), c.at("group"), {}, c.at("excess"), c.at("penalty")};
+    NamedCause cause{c.at("effects"), c.at("probability"), c.at("group"), {}, c.at("excess"), c.at("prior"), c.at("information")};
     // JSON has no infinity: a bound that is not given lies there.
     const auto bound = [](const json& value, double otherwise) {
       return value.is_null() ? otherwise : value.get<double>();

@@ -23,7 +23,9 @@ struct NamedCause {
   double probability = 0.0;
   std::vector<std::string> group;    // declared as not to be told apart from it, itself left out
   std::vector<NamedSize> sizes;
-  double excess = 0.0, penalty = 0.0;  // as in evidence.h: probabilities can be weighed again from them
+  // As in evidence.h: probabilities can be weighed again from them.
+  double excess = 0.0, prior = 0.0;
+  std::vector<double> information;
 };
 
 struct CaseResult {

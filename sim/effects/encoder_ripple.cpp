@@ -74,7 +74,8 @@ const EffectDescription& encoder_ripple() {
                                 .typical = 0.0,
                                 .prior_scale = 0.3,
                                 .scale = common::ParameterScale::linear,
-                                .absent = 0.0}}},
+                                .absent = 0.0,
+                                .detail = true}}},
       .ports = {EffectPort::sensor},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<EncoderRipple>(start);

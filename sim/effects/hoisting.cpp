@@ -74,7 +74,8 @@ const EffectDescription& hoisting() {
                                 .typical = 8.0,
                                 .prior_scale = 10.0,
                                 .scale = common::ParameterScale::linear,
-                                .absent = std::nullopt},
+                                .absent = std::nullopt,
+                                .tries = {2.0, 5.0}},
                                {.name = "duration",
                                 .unit = common::Unit::second,
                                 .meaning = "how long it lasts",
@@ -83,7 +84,8 @@ const EffectDescription& hoisting() {
                                 .typical = 20.0,
                                 .prior_scale = 10.0,
                                 .scale = common::ParameterScale::linear,
-                                .absent = std::nullopt}}},
+                                .absent = std::nullopt,
+                                .tries = {10.0}}}},
       .ports = {EffectPort::force},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<Hoisting>(start);

@@ -18,8 +18,8 @@ class PinionMeshVariation : public Running<PinionMeshVariation> {
       : amplitude_(start.values[0]),
         ripple_{.order = kTeeth * start.model.parameters.drive.pinion_ratio,
                 .phase = start.values[1],
-                .second_share = start.values[2],
-                .second_phase = start.values[3]},
+                .second_sine = start.values[2],
+                .second_cosine = start.values[3]},
         gear_(start.model.gear),
         group_count_(start.model.group_count) {}
 
@@ -64,8 +64,8 @@ const EffectDescription& pinion_mesh_variation() {
                                 .prior_scale = 2.0,
                                 .scale = common::ParameterScale::linear,
                                 .absent = std::nullopt},
-                               second_share_parameter(),
-                               second_phase_parameter()}},
+                               second_sine_parameter(),
+                               second_cosine_parameter()}},
       .ports = {EffectPort::force},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<PinionMeshVariation>(start);

@@ -1,10 +1,9 @@
 // What goes up and down as something turns: a sine and its second harmonic,
-//   sin(n theta + phase) + s sin(2 n theta + second_phase).
+//   sin(n theta + phase) + a sin(2 n theta) + b cos(2 n theta).
 // What acts over a step is the mean along the turned angle, exact for a steady speed.
 #pragma once
 
 #include <numbers>
-#include <optional>
 
 #include "common/effect.h"
 #include "sim/effects/mean_sine.h"
@@ -14,39 +13,36 @@ namespace slewlab::sim {
 struct Ripple {
   double order = 0.0;         // n [-], per radian of the angle that it is asked at
   double phase = 0.0;         // [rad]
-  double second_share = 0.0;  // s [-] of the first harmonic's amplitude
-  double second_phase = 0.0;  // [rad]
+  double second_sine = 0.0, second_cosine = 0.0;  // a, b [-] of the first harmonic's amplitude
 };
 
 // Mean over a step that turns by `turned` [rad] around `angle` [rad].
 inline double mean_ripple(const Ripple& ripple, double angle, double turned) {
   return mean_sine(ripple.order * angle + ripple.phase, ripple.order * turned) +
-         ripple.second_share *
-             mean_sine(2.0 * ripple.order * angle + ripple.second_phase, 2.0 * ripple.order * turned);
+         ripple.second_sine * mean_sine(2.0 * ripple.order * angle, 2.0 * ripple.order * turned) +
+         ripple.second_cosine *
+             mean_sine(2.0 * ripple.order * angle + 0.5 * std::numbers::pi, 2.0 * ripple.order * turned);
 }
 
-inline common::EffectParameter second_share_parameter() {
-  return {.name = "second_share",
+// In both of them at once, so that a fit finds it from nothing whatever its phase.
+inline common::EffectParameter second_sine_parameter() {
+  return {.name = "second_sine",
           .unit = common::Unit::none,
-          .meaning = "second harmonic, share of the amplitude",
-          .lower = 0.0,
+          .meaning = "sine of twice the angle, share of the amplitude",
+          .lower = -1.0,
           .upper = 1.0,
           .typical = 0.0,
           .prior_scale = 0.3,
           .scale = common::ParameterScale::linear,
-          .absent = 0.0};
+          .absent = 0.0,
+          .detail = true};
 }
 
-inline common::EffectParameter second_phase_parameter() {
-  return {.name = "second_phase",
-          .unit = common::Unit::radian,
-          .meaning = "phase of the second harmonic at the start",
-          .lower = -std::numbers::pi,
-          .upper = std::numbers::pi,
-          .typical = 0.0,
-          .prior_scale = 2.0,
-          .scale = common::ParameterScale::linear,
-          .absent = std::nullopt};
+inline common::EffectParameter second_cosine_parameter() {
+  common::EffectParameter parameter = second_sine_parameter();
+  parameter.name = "second_cosine";
+  parameter.meaning = "cosine of twice the angle, share of the amplitude";
+  return parameter;
 }
 
 }  // namespace slewlab::sim

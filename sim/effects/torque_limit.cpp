@@ -55,7 +55,8 @@ const EffectDescription& torque_limit() {
                                 .typical = 0.1,
                                 .prior_scale = 0.2,
                                 .scale = common::ParameterScale::linear,
-                                .absent = std::nullopt}}},
+                                .absent = std::nullopt,
+                                .detail = true}}},
       .ports = {EffectPort::actuator},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<TorqueLimit>(start);

@@ -15,8 +15,8 @@ class TorqueRipple : public Running<TorqueRipple> {
       : amplitude_(start.values[0]),
         ripple_{.order = start.values[1] * start.model.ratio,
                 .phase = start.values[2],
-                .second_share = start.values[3],
-                .second_phase = start.values[4]},
+                .second_sine = start.values[3],
+                .second_cosine = start.values[4]},
         group_count_(start.model.group_count) {}
 
   void actuator(const EffectMoment& moment, GroupArray& motor_torque) override {
@@ -67,8 +67,8 @@ const EffectDescription& torque_ripple() {
                                 .prior_scale = 2.0,
                                 .scale = common::ParameterScale::linear,
                                 .absent = std::nullopt},
-                               second_share_parameter(),
-                               second_phase_parameter()}},
+                               second_sine_parameter(),
+                               second_cosine_parameter()}},
       .ports = {EffectPort::actuator},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<TorqueRipple>(start);
