@@ -203,6 +203,7 @@ void step(Machine& machine, const DriveCommand& command) {
   if (!machine.sensor.empty()) {
     const SensorMoment moment{.time = time_of(machine),
                               .house_angle = machine.state.house_angle,
+                              .house_speed = machine.state.house_speed,
                               .truth = read(model, machine.state)};
     machine.sensed = moment.truth;
     for (const std::size_t i : machine.sensor) machine.effects[i]->sensor(moment, machine.sensed);

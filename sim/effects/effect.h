@@ -58,6 +58,7 @@ struct EffectMoment {
 struct SensorMoment {
   double time = 0.0;         // [s]
   double house_angle = 0.0;  // [rad]
+  double house_speed = 0.0;  // [rad/s]
   PlantReadings truth;
 };
 

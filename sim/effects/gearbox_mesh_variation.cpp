@@ -2,42 +2,11 @@
 
 #include <numbers>
 
-#include "sim/effects/mesh_torque.h"
+#include "sim/effects/mesh_variation.h"
 #include "sim/effects/ripple.h"
 #include "sim/integrate/plant.h"
 
 namespace slewlab::sim {
-
-namespace {
-
-class GearboxMeshVariation : public Running<GearboxMeshVariation> {
- public:
-  explicit GearboxMeshVariation(const EffectStart& start)
-      : amplitude_(start.values[0]),
-        ripple_{.order = planetary_mesh_frequency(110, 8, 1.0) * start.model.ratio,
-                .phase = start.values[1],
-                .second_sine = start.values[2],
-                .second_cosine = start.values[3]},
-        gear_(start.model.gear),
-        group_count_(start.model.group_count) {}
-
-  void force(const EffectMoment& moment, PortForces& ports) override {
-    for (int i = 0; i < group_count_; ++i) {
-      const double share = amplitude_ * mean_ripple(ripple_, moment.motor_angle[i], moment.motor_speed[i] * moment.step);
-      const double change = mesh_torque(gear_[i], share, moment, i);
-      ports.motor_torque[i] -= change;
-      ports.house_torque += change;
-    }
-  }
-
- private:
-  double amplitude_;
-  Ripple ripple_;  // over the slew axis
-  std::array<GearContact, kMaximumGroupCount> gear_;
-  int group_count_;
-};
-
-}  // namespace
 
 const EffectDescription& gearbox_mesh_variation() {
   static const EffectDescription description{
@@ -64,9 +33,13 @@ const EffectDescription& gearbox_mesh_variation() {
                                 .absent = std::nullopt},
                                second_sine_parameter(),
                                second_cosine_parameter()}},
-      .ports = {EffectPort::force},
+      .ports = {EffectPort::force, EffectPort::sensor},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
-        return std::make_unique<GearboxMeshVariation>(start);
+        const Ripple ripple{.order = planetary_mesh_frequency(110, 8, 1.0) * start.model.ratio,
+                            .phase = start.values[1],
+                            .second_sine = start.values[2],
+                            .second_cosine = start.values[3]};
+        return start_mesh_variation(start, start.values[0], ripple, MeshAngle::motor);
       }};
   return description;
 }

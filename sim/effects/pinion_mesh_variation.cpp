@@ -2,7 +2,7 @@
 
 #include <numbers>
 
-#include "sim/effects/mesh_torque.h"
+#include "sim/effects/mesh_variation.h"
 #include "sim/effects/ripple.h"
 #include "sim/integrate/plant.h"
 
@@ -11,33 +11,6 @@ namespace slewlab::sim {
 namespace {
 
 constexpr double kTeeth = 12.0;  // Z_p, thesis Table 2.1
-
-class PinionMeshVariation : public Running<PinionMeshVariation> {
- public:
-  explicit PinionMeshVariation(const EffectStart& start)
-      : amplitude_(start.values[0]),
-        ripple_{.order = kTeeth * start.model.parameters.drive.pinion_ratio,
-                .phase = start.values[1],
-                .second_sine = start.values[2],
-                .second_cosine = start.values[3]},
-        gear_(start.model.gear),
-        group_count_(start.model.group_count) {}
-
-  void force(const EffectMoment& moment, PortForces& ports) override {
-    for (int i = 0; i < group_count_; ++i) {
-      const double share = amplitude_ * mean_ripple(ripple_, moment.house_angle, moment.house_speed * moment.step);
-      const double change = mesh_torque(gear_[i], share, moment, i);
-      ports.motor_torque[i] -= change;
-      ports.house_torque += change;
-    }
-  }
-
- private:
-  double amplitude_;
-  Ripple ripple_;  // over the slew axis
-  std::array<GearContact, kMaximumGroupCount> gear_;
-  int group_count_;
-};
 
 }  // namespace
 
@@ -66,9 +39,13 @@ const EffectDescription& pinion_mesh_variation() {
                                 .absent = std::nullopt},
                                second_sine_parameter(),
                                second_cosine_parameter()}},
-      .ports = {EffectPort::force},
+      .ports = {EffectPort::force, EffectPort::sensor},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
-        return std::make_unique<PinionMeshVariation>(start);
+        const Ripple ripple{.order = kTeeth * start.model.parameters.drive.pinion_ratio,
+                            .phase = start.values[1],
+                            .second_sine = start.values[2],
+                            .second_cosine = start.values[3]};
+        return start_mesh_variation(start, start.values[0], ripple, MeshAngle::house);
       }};
   return description;
 }

@@ -14,14 +14,7 @@ namespace {
 // By hand: k 1000 Nm/rad, c 10 Nms/rad, 0.1 rad of half play.
 TEST(MeshTorque, IsTheStiffnessTimesTheDepth) {
   const GearContact gear{.stiffness = 1000.0, .damping = 10.0, .half_play = 0.1};
-  EffectMoment moment;
-  const auto at = [&](double deflection, double rate, double share) {
-    moment.motor_angle[1] = 2.0 + deflection;
-    moment.motor_speed[1] = 0.5 + rate;
-    moment.house_angle = 2.0;
-    moment.house_speed = 0.5;
-    return mesh_torque(gear, share, moment, 1);
-  };
+  const auto at = [&](double deflection, double rate, double share) { return mesh_torque(gear, share, deflection, rate); };
   EXPECT_NEAR(at(0.3, 0.0, 0.2), 0.2 * 1000.0 * 0.2, 1e-9);
   EXPECT_NEAR(at(0.3, 2.0, 0.2), 0.2 * 1000.0 * 0.2, 1e-9);  // the damping stays
   EXPECT_NEAR(at(-0.3, 0.0, -0.2), 0.2 * 1000.0 * 0.2, 1e-9);
