@@ -4,8 +4,8 @@
 // Z_r = 110, Z_s = 8 (Table 2.1) mesh at 150 Hz where the motor turns at 20 Hz. a is the share of the group's
 // whole stiffness: small, because the fast stage's own compliance counts on the outgoing shaft by its ratio
 // squared. Acts as the contact's torque (gear.h) at k(theta) less the one at k, on the house and back on the
-// motor; the contact's damping stays (mesh_torque.h). The mean over the turned angle of a step is taken, so
-// that a mesh faster than the step does not fold down.
+// motor; the contact's damping stays (mesh_variation.h, mesh_torque.h). The mean over the turned angle of a
+// step is taken, so that a mesh faster than the step does not fold down.
 // Source: thesis (2.1), (2.2).
 #pragma once
 

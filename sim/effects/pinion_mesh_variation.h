@@ -4,8 +4,8 @@
 // the house; the gearbox gives between it and the motor.
 // Z_p = 12 teeth (Table 2.1) mesh at 1.2 Hz where the pinion turns at 0.1 Hz. a is the share of the group's
 // whole stiffness: 20 % of the pinion's (2.7) in series with the gearbox is
-// a = 0.2 k_gearbox / (k_gearbox + k_pinion). Acts as the contact's torque (gear.h) at k(theta) less the one at k, on the house
-// and back on the motor; the contact's damping stays (mesh_torque.h).
+// a = 0.2 k_gearbox / (k_gearbox + k_pinion). Acts as the contact's torque (gear.h) at k(theta) less the one at
+// k, on the house and back on the motor; the contact's damping stays (mesh_variation.h, mesh_torque.h).
 // Source: thesis (2.1), (2.3).
 #pragma once
 

@@ -205,6 +205,8 @@ TEST(EffectCatalogue, EveryEffectHasItsPage) {
     for (const common::EffectParameter& p : about->parameters) {
       EXPECT_NE(text.str().find(common::parameter_row(p)), std::string::npos) << page << "\n"
                                                                               << common::parameter_row(p);
+      EXPECT_NE(text.str().find("    " + std::string(p.name) + ": {value: "), std::string::npos)
+          << page << ": no " << p.name << " in the crane's file";
     }
   }
 }

@@ -13,16 +13,17 @@ namespace {
 TEST(TorqueRipple, IsTheMeanOfItsSinesOverTheTurnedAngle) {
   CraneParameters crane = rigid_crane();
   crane.drive.motor_inertia = 1e9;
-  constexpr double kAmplitude = 20.0, kOrder = 6.0, kPhase = 0.7, kSecond = 0.3, kSecondPhase = -2.0, kSpeed = 0.02, kStep = 0.001;
-  const auto samples = run(crane, "torque_ripple", {kAmplitude, kOrder, kPhase, kSecond, kSecondPhase}, 0.5,
+  constexpr double kAmplitude = 20.0, kOrder = 6.0, kPhase = 0.7, kSine = 0.3, kCosine = -0.2;
+  constexpr double kSpeed = 0.02, kStep = 0.001;
+  const auto samples = run(crane, "torque_ripple", {kAmplitude, kOrder, kPhase, kSine, kCosine}, 0.5,
                            constant_drive(10.0, 10.0), {.slew_speed = kSpeed});
   const double rate = kOrder * kSpeed * torque_factor(crane) / crane.drive.motors_per_group;
   for (const BenchSample& sample : samples) {
     const double to = rate * sample.time, from = to - rate * kStep;
     const double first = (std::cos(from + kPhase) - std::cos(to + kPhase)) / (to - from);
-    const double second =
-        (std::cos(2.0 * from + kSecondPhase) - std::cos(2.0 * to + kSecondPhase)) / (2.0 * (to - from));
-    const double mean = first + kSecond * second;
+    const double sine = (std::cos(2.0 * from) - std::cos(2.0 * to)) / (2.0 * (to - from));
+    const double cosine = (std::sin(2.0 * to) - std::sin(2.0 * from)) / (2.0 * (to - from));
+    const double mean = first + kSine * sine + kCosine * cosine;
     EXPECT_NEAR(sample.applied_torque[0], 10.0 + kAmplitude * mean, 1e-4);
   }
 }
