@@ -62,8 +62,9 @@ std::vector<std::size_t> turning_angles(const common::EffectAbout& about) {
 }
 
 // The points from which an effect is tried: its typical size, and a fraction of it, where most laws are still linear;
-// other sizes where the size enters not proportionally; other shapes; and all of these at angles all round, in every
-// combination. A single angle that enters as a sine needs two quarters only: the others follow from them (between_quarters).
+// other sizes where the size enters not proportionally; other shapes. A single angle that enters as a sine needs two
+// quarters of each: the others follow from them (between_quarters). Two angles are turned all round in every combination, but
+// with the typical size and the values worth a try only.
 std::vector<common::EffectInstance> starts_of(const common::EffectAbout& about) {
   const common::EffectInstance typical = common::typical_instance(about);
   std::vector<common::EffectInstance> shapes{typical};
@@ -74,24 +75,30 @@ std::vector<common::EffectInstance> starts_of(const common::EffectAbout& about) 
     small.values[p] = std::clamp(*parameter.absent + kSmallShare * (typical.values[p] - *parameter.absent),
                                  parameter.lower, parameter.upper);
   }
-  if (small.values != typical.values) shapes.push_back(small);
-  const auto add = [&](std::size_t p, double value) {
+  std::vector<common::EffectInstance> others;
+  if (small.values != typical.values) others.push_back(small);
+  const auto add = [&](std::size_t p, double value, std::vector<common::EffectInstance>& list) {
     common::EffectInstance start = typical;
     start.values[p] = std::clamp(value, about.parameters[p].lower, about.parameters[p].upper);
-    if (start.values[p] != typical.values[p]) shapes.push_back(start);
+    if (start.values[p] != typical.values[p]) list.push_back(start);
   };
   for (std::size_t p = 0; p < about.parameters.size(); ++p) {
     const common::EffectParameter& parameter = about.parameters[p];
     const bool fades_linearly = parameter.absent && std::isfinite(*parameter.absent);
     if (fades_linearly || is_all_round(parameter) || parameter.detail) continue;
-    for (const double value : parameter.tries) add(p, value);
+    for (const double value : parameter.tries) add(p, value, shapes);
     if (!parameter.tries.empty()) continue;
     for (const double coordinate : {-1.0, 1.0}) {
-      add(p, from_coordinate(parameter, to_coordinate(parameter, typical.values[p]) + coordinate));
+      add(p, from_coordinate(parameter, to_coordinate(parameter, typical.values[p]) + coordinate), others);
     }
   }
   const std::vector<std::size_t> angles = turning_angles(about);
   std::vector<common::EffectInstance> starts;
+  if (angles.size() == 1) {
+    shapes.insert(shapes.end(), others.begin(), others.end());
+  } else {
+    starts = others;
+  }
   for (const common::EffectInstance& shape : shapes) {
     std::vector<common::EffectInstance> turned{shape};
     for (const std::size_t p : angles) {

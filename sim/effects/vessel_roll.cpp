@@ -78,7 +78,7 @@ const EffectDescription& vessel_roll() {
                                 .prior_scale = 0.3,
                                 .scale = common::ParameterScale::logarithmic,
                                 .absent = std::nullopt,
-                                .tries = {7.0, 9.0, 12.0, 15.0}},
+                                .tries = {7.0, 13.0}},
                                {.name = "phase",
                                 .unit = common::Unit::radian,
                                 .meaning = "of the roll at the start",

@@ -60,7 +60,8 @@ const EffectDescription& wind() {
                                 .typical = 80.0,
                                 .prior_scale = 0.3,
                                 .scale = common::ParameterScale::logarithmic,
-                                .absent = std::nullopt},
+                                .absent = std::nullopt,
+                                .detail = true},
                                {.name = "load_drag_area",
                                 .unit = common::Unit::square_metre,
                                 .meaning = "drag coefficient times area of the load",
@@ -69,7 +70,8 @@ const EffectDescription& wind() {
                                 .typical = 20.0,
                                 .prior_scale = 0.5,
                                 .scale = common::ParameterScale::logarithmic,
-                                .absent = std::nullopt}}},
+                                .absent = std::nullopt,
+                                .detail = true}}},
       .ports = {EffectPort::force},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<Wind>(start);
