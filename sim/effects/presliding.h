@@ -1,21 +1,17 @@
-// A dry joint that gives before it slides: Jenkins elements (a spring in series with Coulomb friction) in parallel
-// (Iwan),
-//   s_i <- clamp(s_i + (x - x_before) / (r_i give), -1, 1),   s = sum w_i s_i,   torque = -level s,
-// s being the part of the level that the joint holds. Raceways, rollers and brake plates give by micrometres, point after
-// point, and a machine that rests on them rings where dry friction would hold it still. For give -> 0 it is dry friction.
+// A dry joint that gives before it slides, by Dahl's law: over a motion dx the share s of its level that it holds goes as
+//   ds/dx = (1 - s sign(dx)) / give,   s <- sign(dx) - (sign(dx) - s) exp(-|dx| / give)   exactly,   torque = -level s.
+// Raceways, rollers and brake plates give by micrometres, point after point, and a machine that rests on them rings where
+// dry friction would hold it still. From rest s = 1 - exp(-x / give), turned back from sliding s = -1 + 2 exp(-x / give):
+// twice as stiff as from rest. |s| <= 1; for give -> 0 it is dry friction.
 //
-// From rest s follows Dahl's curve 1 - exp(-x / give) as its closest polygon of four corners that starts at the
-// curve's slope 1 / give: corners lie e above the curve, the middles of the sides e below, the last corner, where all
-// elements slide, is s = 1. That is e = 1.7 % (1.8 % as rounded here), corners at x / give = r_i; the slopes m_i of its sides give
-// w_i = r_i (m_i - m_{i+1}). Back and forth it keeps Masing's rule, s = s_turn - 2 s_rest((x_turn - x) / 2), closes
-// every loop and does not drift, as Dahl's own model does.
+// Limits: the joint does not remember where it turned. A small cycle about a load does not close: every swing back and
+// forth by d takes the loop nearer to the one about s = 0, by the factor exp(-2 d / give), so that a joint that holds a
+// load creeps under vibration.
 //
-// Sources: Jenkins 1962, "Analysis of the stress-strain relationships in reactor grade graphite", Br. J. Appl. Phys. 13;
-// Iwan 1966, "A distributed-element model for hysteresis", J. Appl. Mech. 33; Dahl 1968, "A solid friction model".
+// Source: Dahl 1968, "A solid friction model", Aerospace Corporation TOR-0158(3107-18)-1.
 #pragma once
 
-#include <algorithm>
-#include <array>
+#include <cmath>
 #include <optional>
 #include <string_view>
 
@@ -23,30 +19,21 @@
 
 namespace slewlab::sim {
 
-inline constexpr int kPreslidingElements = 4;
-inline constexpr std::array<double, kPreslidingElements> kPreslidingRatio{0.19, 0.87, 1.89, 4.07};  // r_i
-// w_i; of 1024, so that sliding is s = 1 to the bit.
-inline constexpr std::array<double, kPreslidingElements> kPreslidingShare{78.0 / 1024.0, 300.0 / 1024.0,
-                                                                          391.0 / 1024.0, 255.0 / 1024.0};
-
 struct Presliding {
-  double give = 0.0;    // [rad] of the joint, level over its first stiffness; positive
+  double give = 0.0;    // [rad] of the joint, level over its stiffness from rest; positive
   double before = 0.0;  // [rad]
-  std::array<double, kPreslidingElements> held{};  // s_i
+  double held = 0.0;    // s
   bool begun = false;   // the joint is relaxed where it is first asked
 };
 
-// s after the joint has moved to `angle` [rad].
+// s after the joint has moved to `angle` [rad], without a turn on the way.
 inline double presliding_share(Presliding& joint, double angle) {
   const double moved = joint.begun ? (angle - joint.before) / joint.give : 0.0;
   joint.begun = true;
   joint.before = angle;
-  double share = 0.0;
-  for (std::size_t i = 0; i < kPreslidingElements; ++i) {
-    joint.held[i] = std::clamp(joint.held[i] + moved / kPreslidingRatio[i], -1.0, 1.0);
-    share += kPreslidingShare[i] * joint.held[i];
-  }
-  return share;
+  const double sliding = moved < 0.0 ? -1.0 : 1.0;
+  joint.held = sliding - (sliding - joint.held) * std::exp(-std::fabs(moved));
+  return joint.held;
 }
 
 // The parameter `give` of an effect; prior about `typical` and as wide.

@@ -48,16 +48,17 @@ TEST(BearingCoulomb, HeldTorqueIsContinuousThroughZero) {
   double before = 0.0, angle = 0.0;
   for (const double side : {1.0, -1.0, 1.0}) {
     for (int k = 0; k < 1000; ++k) {
+      angle += side * kMove;
       moment.house_angle = angle;
       PortForces ports;
       effect->force(moment, ports);
       const double growth = side * (before - ports.house_torque);
       EXPECT_GE(growth, 0.0);
-      EXPECT_LE(growth, 1.001 * kTorque * (1.0 + kAsymmetry) * kMove / kGive);
+      EXPECT_LE(growth, 2.0 * kTorque * (1.0 + kAsymmetry) * kMove / kGive);  // turned back: twice as stiff
       before = ports.house_torque;
-      angle += side * kMove;
     }
-    EXPECT_NEAR(before, -side * kTorque * (1.0 + side * kAsymmetry), 1e-9);
+    const double level = kTorque * (1.0 + side * kAsymmetry);
+    EXPECT_NEAR(before, -side * level, 2.0 * std::exp(-9.99) * level);  // after a path of ten times the give
   }
 }
 

@@ -103,7 +103,7 @@ TEST(EffectCatalogue, SmoothEffectsAreOfSecondOrderInTheStep) {
     common::EffectInstance instance = common::typical_instance(find_effect(name)->about);
     if (instance.name == "hoisting") instance.values = {0.5, 0.0, 8.0};  // ramps of 1 s: at a whole step
     for (std::size_t p = 0; p < instance.values.size(); ++p) {
-      if (find_effect(name)->about.parameters[p].name == "give") instance.values[p] = 0.0;  // it has corners
+      if (find_effect(name)->about.parameters[p].name == "give") instance.values[p] = 0.0;  // below
     }
     const auto end = [&](double step) {
       return run({.crane = crane, .effects = {instance}, .step = step}, 1.6, constant_drive(110.0, -95.0),
@@ -125,7 +125,7 @@ TEST(EffectCatalogue, SmoothEffectsAreOfSecondOrderInTheStep) {
   }
 }
 
-// Joints that give pass their corners within a few steps of 1 ms, here at speed from the first: first order, and small.
+// Joints that give take up their friction within a step or two of 1 ms here, and turn within one: first order, and small.
 TEST(EffectCatalogue, JointsThatGiveAreRightWithinAShareOfTheirEffect) {
   const CraneParameters crane = flexible_crane();
   const BenchStart start{.slew_speed = 0.03, .rope_angle = 0.03};
