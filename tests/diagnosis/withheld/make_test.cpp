@@ -110,7 +110,7 @@ TEST_F(MakeTest, ScoringIsTakenUpWhereItStopped) {
     stop = true;
     CaseResult result;
     result.name = input.name;
-    result.causes = {{{}, 1.0, {}, {}}};
+    result.causes = {{{}, 1.0, {}, {}, 0.0, 0.0, {}}};
     return result;
   };
   const ScoreSettings score{.directory = set_, .results = "results", .threads = 1};

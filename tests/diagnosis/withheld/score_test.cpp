@@ -25,7 +25,7 @@ Judged judged(Kind kind, const std::vector<std::string>& effects, double visibil
 }
 
 NamedCause cause(const std::vector<std::string>& effects, double probability, const std::vector<std::string>& group = {}) {
-  NamedCause one{effects, probability, group, {}};
+  NamedCause one{effects, probability, group, {}, 0.0, 0.0, {}};
   for (const std::string& effect : effects) one.sizes.push_back({effect, "size", 2.1, 1.9, 2.3});
   return one;
 }
