@@ -12,7 +12,7 @@ void change(EffectValues values, MachineParameters& parameters) {
   for (GearContact& gear : parameters.gear) {
     const double share = pinion / (gear.stiffness + pinion);
     gear.stiffness *= share;
-    gear.damping *= share * share;
+    gear.damping *= share * (share + values[1] * (1.0 - share));
   }
 }
 
@@ -31,7 +31,17 @@ const EffectDescription& pinion_in_series() {
                                 .typical = 5e7,
                                 .prior_scale = 1.0,
                                 .scale = common::ParameterScale::logarithmic,
-                                .absent = std::numeric_limits<double>::infinity()}}},
+                                .absent = std::numeric_limits<double>::infinity()},
+                               {.name = "damping_share",
+                                .unit = common::Unit::none,
+                                .meaning = "loss factor of the teeth over the gearbox's; 0: a bare spring",
+                                .lower = 0.0,
+                                .upper = 2.0,
+                                .typical = 0.0,
+                                .prior_scale = 0.5,
+                                .scale = common::ParameterScale::linear,
+                                .absent = std::nullopt,
+                                .detail = true}}},
       .ports = {EffectPort::parameters},
       .change = change};
   return description;
