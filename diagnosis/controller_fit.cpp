@@ -4,7 +4,9 @@
 #include <Eigen/Core>
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "controller/effects/catalogue.h"
@@ -16,15 +18,22 @@ namespace {
 
 constexpr int kIterations = 12;
 constexpr double kStep = 0.02;  // [standard deviations of the prior] difference quotient
+constexpr double kChangeTime = 0.25;  // [s] short against ramps and integral times, long enough to see a ramp that is late
+constexpr std::array<double, 4> kStartShares{0.03, 0.1, 0.4, 1.5};  // of the typical size
 // Share of the difference that the right effect may leave where the real law differs from the catalogue's.
 constexpr double kUsualShareLeft = 1e-3;
 constexpr double kIndependent = 60.0;  // independent differences that the replay is worth
 
-Eigen::VectorXd torque_differences(std::span<const Record> records, const controller::ControllerSettings& settings) {
+// Of the changes over `change_time` [s]; of the torques themselves where that is 0.
+Eigen::VectorXd torque_differences(std::span<const Record> records, const controller::ControllerSettings& settings,
+                                   double change_time = 0.0) {
   std::vector<double> all;
   for (const Record& record : records) {
     const std::vector<double> difference = replay_controller(record, settings).difference;
-    all.insert(all.end(), difference.begin(), difference.end());
+    // The groups' values stand in turns.
+    const std::size_t lag =
+        static_cast<std::size_t>(record.group_count) * static_cast<std::size_t>(std::lround(change_time / record.encoder_period));
+    for (std::size_t n = lag; n < difference.size(); ++n) all.push_back(difference[n] - (lag > 0 ? difference[n - lag] : 0.0));
   }
   return Eigen::Map<Eigen::VectorXd>(all.data(), static_cast<Eigen::Index>(all.size()));
 }
@@ -50,6 +59,57 @@ Eigen::VectorXd coordinates(const common::EffectAbout& about, const common::Effe
   return x;
 }
 
+// Shares of the typical size, and the other way round where the effect has one.
+std::vector<common::EffectInstance> starts_of(const common::EffectAbout& about) {
+  const common::EffectInstance typical = common::typical_instance(about);
+  std::vector<common::EffectInstance> starts{typical};
+  const common::EffectParameter& size = about.parameters.front();
+  if (!size.absent || !std::isfinite(*size.absent)) return starts;
+  for (const double share : kStartShares) {
+    for (const double direction : {1.0, -1.0}) {
+      common::EffectInstance start = typical;
+      start.values[0] = std::clamp(*size.absent + direction * share * (typical.values[0] - *size.absent), size.lower, size.upper);
+      starts.push_back(start);
+    }
+  }
+  return starts;
+}
+
+// Levenberg-Marquardt from `effect`, by the torques' changes over `change_time`. Gives the differences there and the curvature.
+Eigen::VectorXd descend(std::span<const Record> records, const controller::ControllerSettings& nominal,
+                        const common::EffectAbout& about, double change_time, common::EffectInstance& effect,
+                        Eigen::MatrixXd& gram) {
+  Eigen::VectorXd x = coordinates(about, effect);
+  double damping = 1e-3;
+  Eigen::VectorXd difference = torque_differences(records, with(nominal, effect), change_time);
+  for (int iteration = 0; iteration < kIterations; ++iteration) {
+    Eigen::MatrixXd columns(difference.size(), x.size());
+    for (Eigen::Index p = 0; p < x.size(); ++p) {
+      Eigen::VectorXd moved = x;
+      moved(p) += kStep;
+      columns.col(p) = (torque_differences(records, with(nominal, at(about, moved)), change_time) - difference) / kStep;
+    }
+    gram = columns.transpose() * columns;
+    const double scale = std::max(1e-12, gram.diagonal().maxCoeff());
+    Eigen::MatrixXd system = gram;
+    system.diagonal() += damping * (gram.diagonal().array() + 1e-9 * scale).matrix();
+    const Eigen::VectorXd trial = coordinates(about, at(about, x - system.ldlt().solve(columns.transpose() * difference)));
+    const Eigen::VectorXd trial_difference = torque_differences(records, with(nominal, at(about, trial)), change_time);
+    if (trial_difference.squaredNorm() < difference.squaredNorm()) {
+      const bool settled = trial_difference.squaredNorm() > 0.999 * difference.squaredNorm();
+      x = trial;
+      difference = trial_difference;
+      damping *= 0.2;
+      if (settled) break;
+    } else {
+      damping *= 20.0;
+      if (damping > 1e6) break;
+    }
+  }
+  effect = at(about, x);
+  return difference;
+}
+
 }  // namespace
 
 std::vector<ControllerCause> fit_controller(std::span<const Record> records,
@@ -61,44 +121,18 @@ std::vector<ControllerCause> fit_controller(std::span<const Record> records,
     const common::EffectAbout& about = description->about;
     if (std::find(without.begin(), without.end(), about.name) != without.end()) continue;
     ControllerCause cause;
-    cause.effect = common::typical_instance(about);
-    Eigen::VectorXd x = coordinates(about, cause.effect);
-    // Start where the effect is small: typical sizes may lie on the wrong side.
-    for (std::size_t p = 0; p < about.parameters.size(); ++p) {
-      if (about.parameters[p].absent && std::isfinite(*about.parameters[p].absent) &&
-          about.parameters[p].scale == common::ParameterScale::linear) {
-        x(static_cast<Eigen::Index>(p)) *= 0.1;
-      }
+    // A replayed integral runs away as long as the speed it wants is not quite the recorded one, and its torque leads a descent
+    // nowhere until everything is nearly right. So first the changes, from the best of some sizes, then the torques.
+    double least = std::numeric_limits<double>::infinity();
+    for (const common::EffectInstance& start : starts_of(about)) {
+      const double square = torque_differences(records, with(nominal, start), kChangeTime).squaredNorm();
+      if (square >= least) continue;
+      least = square;
+      cause.effect = start;
     }
-    double damping = 1e-3;
-    cause.effect = at(about, x);
-    Eigen::VectorXd difference = torque_differences(records, with(nominal, cause.effect));
-    Eigen::MatrixXd gram = Eigen::MatrixXd::Identity(x.size(), x.size());
-    for (int iteration = 0; iteration < kIterations; ++iteration) {
-      Eigen::MatrixXd columns(difference.size(), x.size());
-      for (Eigen::Index p = 0; p < x.size(); ++p) {
-        Eigen::VectorXd moved = x;
-        moved(p) += kStep;
-        columns.col(p) = (torque_differences(records, with(nominal, at(about, moved))) - difference) / kStep;
-      }
-      gram = columns.transpose() * columns;
-      const double scale = std::max(1e-12, gram.diagonal().maxCoeff());
-      Eigen::MatrixXd system = gram;
-      system.diagonal() += damping * (gram.diagonal().array() + 1e-9 * scale).matrix();
-      const Eigen::VectorXd trial = coordinates(about, at(about, x - system.ldlt().solve(columns.transpose() * difference)));
-      const Eigen::VectorXd trial_difference = torque_differences(records, with(nominal, at(about, trial)));
-      if (trial_difference.squaredNorm() < difference.squaredNorm()) {
-        const bool settled = trial_difference.squaredNorm() > 0.999 * difference.squaredNorm();
-        x = trial;
-        difference = trial_difference;
-        damping *= 0.2;
-        if (settled) break;
-      } else {
-        damping *= 20.0;
-        if (damping > 1e6) break;
-      }
-    }
-    cause.effect = at(about, x);
+    Eigen::MatrixXd gram;
+    descend(records, nominal, about, kChangeTime, cause.effect, gram);
+    const Eigen::VectorXd difference = descend(records, nominal, about, 0.0, cause.effect, gram);
     cause.share_left = gap > 0.0 ? difference.squaredNorm() / gap : 1.0;
     // What is left is not noise but law; it is worth kIndependent differences.
     const double variance = std::max(difference.squaredNorm(), kUsualShareLeft * gap) / kIndependent;

@@ -26,7 +26,8 @@ constexpr double kLeastPairGain = 40.0;         // fall of the excess below the 
 constexpr double kGroupOdds = 20.0;             // of two causes' probabilities, beyond which the records tell them apart
 constexpr double kControllerExplained = 0.1;    // share of its difference that the right effect of a controller leaves at most
 constexpr const char* kCounts = "encoder_quantisation";
-constexpr double kCoarseCount = 1.53e-3;        // [rad] 2 pi / 4096: drives count 12 bits at least, 14 as a rule
+constexpr double kSlowFollower = 4.0;           // by which the shadow is slower behind coarse counts, or they would shake its boom
+constexpr double kCoarseNoise = 0.1;            // share by which the noise of coarse counts is known
 constexpr double kCountError = 1e-3;            // relative, of a quantum found in the positions
 constexpr double kSure = 0.98;                  // probability of what needs no fit, or leaves next to nothing
 constexpr double kUnlikely = 0.02;              // probability of what was left out, or leaves much
@@ -85,9 +86,8 @@ std::vector<common::EffectInstance> starts_of(const common::EffectAbout& about) 
   for (std::size_t p = 0; p < about.parameters.size(); ++p) {
     const common::EffectParameter& parameter = about.parameters[p];
     const bool fades_linearly = parameter.absent && std::isfinite(*parameter.absent);
-    if (fades_linearly || is_all_round(parameter) || parameter.detail) continue;
     for (const double value : parameter.tries) add(p, value, shapes);
-    if (!parameter.tries.empty()) continue;
+    if (fades_linearly || is_all_round(parameter) || parameter.detail || !parameter.tries.empty()) continue;
     for (const double coordinate : {-1.0, 1.0}) {
       add(p, from_coordinate(parameter, to_coordinate(parameter, typical.values[p]) + coordinate), others);
     }
@@ -479,7 +479,15 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   Diagnosis diagnosis;
   Problem problem;
   problem.nominal = nominal;
-  problem.gains = shadow_gains(nominal.crane);
+  ShadowSettings shadow_settings;
+  const bool is_coarse = std::any_of(records.begin(), records.end(),
+                                     [](const Record& record) { return record.encoder_quantum >= kCoarseCount; });
+  if (is_coarse) {
+    shadow_settings.speed_rate /= kSlowFollower;
+    shadow_settings.position_rate /= kSlowFollower * kSlowFollower;
+  }
+  problem.gains = shadow_gains(nominal.crane, shadow_settings);
+  problem.latency_deviation = is_coarse ? kCoarseLatencyDeviation : kLatencyDeviation;
   problem.settings = settings.fit;
   problem.threads = settings.threads;
   problem.stop = stop;
@@ -695,7 +703,11 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
     diagnosis.causes.push_back(make_cause(result, settings.fit));
     candidates.push_back({diagnosis.causes.back().effects, diagnosis.causes.back().excess, result.prior, result.information});
   }
-  const Probabilities probabilities = weigh(candidates, static_cast<int>(names.size()), settings.evidence);
+  EvidenceSettings evidence = settings.evidence;
+  if (is_coarse) {
+    evidence.unknown_floor += kCoarseNoise * settings.fit.independent_share * static_cast<double>(base.difference.size());
+  }
+  const Probabilities probabilities = weigh(candidates, static_cast<int>(names.size()), evidence);
   for (std::size_t i = 0; i < diagnosis.causes.size(); ++i) {
     diagnosis.causes[i].probability = probabilities.candidate[i];
   }
@@ -733,8 +745,8 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
     }
     diagnosis.causes[i + 1].group_distance = nearest;
   }
-  add_counts(problem, settings, diagnosis);
   if (diagnosis.controller_differs) add_controller_causes(problem, *controller, settings, diagnosis);
+  add_counts(problem, settings, diagnosis);
   std::stable_sort(diagnosis.causes.begin(), diagnosis.causes.end(),
                    [](const Cause& a, const Cause& b) { return a.probability > b.probability; });
   std::map<std::string, double> by_subsystem;

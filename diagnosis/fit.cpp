@@ -264,7 +264,7 @@ Eigen::VectorXd differences(Problem& problem, const Point& point) {
   for (std::size_t r = 0; r < problem.records.size(); ++r) {
     if (problem.stop != nullptr && problem.stop->load()) throw Interrupted{};
     const auto begun = std::chrono::steady_clock::now();
-    const Shadow follower = shadow(machine, problem.records[r], problem.gains, drive_latency(point.nuisance));
+    const Shadow follower = shadow(machine, problem.records[r], problem.gains, encoder_latency(point.nuisance, problem.latency_deviation));
     problem.simulation_time +=
         std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now() - begun).count();
     result.segment(row, problem.whitening[r].size()) = whiten(problem.whitening[r], follower);

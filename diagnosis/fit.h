@@ -52,6 +52,7 @@ struct Problem {
   std::vector<Record> records;
   std::vector<Whitening> whitening;  // per record
   FitSettings settings;
+  double latency_deviation = 0.0;    // [s] of the encoders, nuisance.h
   int threads = 1;
   std::atomic<std::int64_t> simulations{0};
   std::atomic<std::int64_t> simulation_time{0};  // [ns] in them, summed over the threads

@@ -50,8 +50,8 @@ const std::vector<Nuisance>& nuisances() {
 
 std::size_t nuisance_count() { return nuisances().size() + 1; }
 
-double drive_latency(const std::vector<double>& amount) {
-  return amount.size() < nuisance_count() ? 0.0 : kLatencyDeviation * amount[nuisances().size()];
+double encoder_latency(const std::vector<double>& amount, double deviation) {
+  return amount.size() < nuisance_count() ? 0.0 : deviation * amount[nuisances().size()];
 }
 
 PriorTerm nuisance_prior(std::size_t k, double z) {

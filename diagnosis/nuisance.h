@@ -22,12 +22,13 @@ inline constexpr double kUnitDeviation = kUnitSpread / 1.7320508075688772;  // [
 
 const std::vector<Nuisance>& nuisances();
 
-// Behind these, one amount more: by how much the drives answer late, or early, which nobody knows to better than a third
-// of a millisecond. Encoder noise goes through the controller into the torque, so a fit can take some of it away by moving
-// the torque in time (by 0.25 ms and more, docs/diagnosis.md); left free here, that favours no cause.
-inline constexpr double kLatencyDeviation = 3e-4;  // [s]
+// Behind these, one amount more: by how much the encoders read late, or early, which nobody knows to better than a third
+// of a millisecond. Their noise goes through the controller into the torque, so a fit can take some of it away by moving
+// one against the other in time (by 0.25 ms and more, docs/diagnosis.md); left free here, that favours no cause.
+inline constexpr double kLatencyDeviation = 3e-4;        // [s]
+inline constexpr double kCoarseLatencyDeviation = 3e-3;  // [s] where counts are coarse, and their noise goes far into the torque
 std::size_t nuisance_count();
-double drive_latency(const std::vector<double>& amount);  // [s]
+double encoder_latency(const std::vector<double>& amount, double deviation);  // [s]
 
 // The nominal crane with every nuisance moved by `amount[k]` standard deviations.
 sim::CraneParameters with_nuisances(sim::CraneParameters crane, const std::vector<double>& amount);

@@ -50,6 +50,9 @@ struct Record {
   double time(std::size_t n) const { return start_time + step * static_cast<double>(n); }
 };
 
+// [rad] 2 pi / 4096: drives count 12 bits at least, 14 as a rule.
+inline constexpr double kCoarseCount = 1.53e-3;
+
 // A log that must not be judged; what() says why and what would help.
 class NotAdmitted : public std::runtime_error {
  public:

@@ -50,16 +50,15 @@ ShadowGains shadow_gains(const sim::CraneParameters& nominal, const ShadowSettin
           settings.leak_time};
 }
 
-Shadow shadow(const sim::MachineSettings& settings, const Record& record, const ShadowGains& gains, double drive_latency) {
+Shadow shadow(const sim::MachineSettings& settings, const Record& record, const ShadowGains& gains, double encoder_latency) {
   sim::MachineSettings with_step = settings;
   with_step.step = record.step;
-  double encoder_lead = 0.0;  // [steps]
+  double encoder_lead = encoder_latency / record.step;  // [steps]
   std::erase_if(with_step.effects, [&](const common::EffectInstance& effect) {
     if (effect.name != kEncoderDelay) return false;
-    encoder_lead = effect.values[0] / record.step;
+    encoder_lead += effect.values[0] / record.step;
     return true;
   });
-  const double torque_lag = drive_latency / record.step;  // [steps]
   sim::Machine machine = sim::make_machine(with_step);
   start_moving(machine, record);
 
@@ -86,12 +85,12 @@ Shadow shadow(const sim::MachineSettings& settings, const Record& record, const 
     command.sequence = static_cast<std::int64_t>(n / std::max<std::size_t>(1, cycle));
     for (int g = 0; g < record.group_count; ++g) {
       const auto i = static_cast<std::size_t>(g);
-      const double now = static_cast<double>(n);
+      const double read_at = static_cast<double>(n) + encoder_lead;
       const double missing =
-          gains.speed * (between(record.position_rate[i], now + encoder_lead) - readings.shaft_speed[i]) +
-          gains.position * (between(record.shaft_position[i], now + encoder_lead) - origin[i] - readings.shaft_position[i]);
+          gains.speed * (between(record.position_rate[i], read_at) - readings.shaft_speed[i]) +
+          gains.position * (between(record.shaft_position[i], read_at) - origin[i] - readings.shaft_position[i]);
       result.missing_torque[i][n] = missing;
-      command.motor_torque[i] = between(record.motor_torque[i], now - torque_lag);
+      command.motor_torque[i] = record.motor_torque[i][n];
       // Past the actuators: what is missing at a motor is not limited or delayed by its drive.
       machine.outside.motor_torque[i] = missing * to_slew_axis;
       // Gears without play touch always: they change flanks without a shock.

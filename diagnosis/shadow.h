@@ -44,10 +44,10 @@ struct Shadow {
   std::vector<bool> contact_lost;  // some group of the shadow has its teeth apart
 };
 
-// `drive_latency` [s] is how much later (earlier, where negative) than commanded the torques act. An encoder_delay of the machine
-// is taken out of the record instead of put into the shadow, whose feedback it would shake.
+// `encoder_latency` [s] is how late (early, where negative) the encoders read. It, and an encoder_delay of the machine, are taken
+// out of the record instead of put into the shadow, whose feedback they would shake.
 // Throws std::invalid_argument where the machine cannot be built.
 Shadow shadow(const sim::MachineSettings& machine, const Record& record, const ShadowGains& gains,
-              double drive_latency = 0.0);
+              double encoder_latency = 0.0);
 
 }  // namespace slewlab::diagnosis

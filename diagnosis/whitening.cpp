@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <numeric>
 #include <numbers>
 #include <unsupported/Eigen/FFT>
 
@@ -16,6 +17,9 @@ constexpr double kSoftEdge = 0.4;      // [s] over which the window falls beside
 constexpr double kNoiseAlone = 20.0;   // [Hz] from which torque channels hold the encoders' noise alone
 constexpr double kLeastNoise = 0.02;   // of the noise that counts may make
 constexpr double kSmallestPower = 1e-12;  // [signal's unit^2] variance in a channel that stands at zero, far below any sensor's
+constexpr double kCountSmoothing = 0.1;  // [s] either side, over which coarse counts are taken for a smooth motion
+constexpr std::size_t kCountBins = 8;    // either side, over which the power of the counting error is smoothed
+constexpr int kCountPlaces = 4;          // between two counts, at which a motion may have begun
 constexpr double kTaper = 0.02;  // share of the record over which the window rises and falls
 
 // The next length that 2, 3 and 5 divide down to 1: where the transform is fast.
@@ -65,6 +69,31 @@ double noise_variance(const std::vector<double>& values) {
 double encoder_variance(const Record& record, std::size_t group) {
   const double counted = record.encoder_quantum * record.encoder_quantum / 12.0;
   return std::max(counted, noise_variance(record.shaft_position[group])) * record.encoder_period / record.step;
+}
+
+// Power of the counting error itself, where counts are so coarse that it is not white: slow motion stays between two counts for
+// long. The true motion is taken as the positions' running mean, its place between two counts as any.
+std::vector<double> counting_power(const Record& record, std::size_t group, const Whitening& whitening) {
+  const std::vector<double>& counted = record.shaft_position[group];
+  const auto half = static_cast<std::ptrdiff_t>(kCountSmoothing / record.step);
+  const auto count = static_cast<std::ptrdiff_t>(counted.size());
+  std::vector<double> running(counted.size() + 1, 0.0);
+  for (std::size_t n = 0; n < counted.size(); ++n) running[n + 1] = running[n] + counted[n];
+  std::vector<double> power(whitening.transform_length / 2 + 1, 0.0), error(counted.size());
+  for (int part = 0; part < kCountPlaces; ++part) {
+    const double place = (part + 0.5) / kCountPlaces;  // [counts]
+    for (std::ptrdiff_t n = 0; n < count; ++n) {
+      const std::ptrdiff_t low = std::max<std::ptrdiff_t>(0, n - half), high = std::min(count, n + half + 1);
+      const double motion = (running[static_cast<std::size_t>(high)] - running[static_cast<std::size_t>(low)]) /
+                                (static_cast<double>(high - low) * record.encoder_quantum) + place;
+      error[static_cast<std::size_t>(n)] = record.encoder_quantum * (std::floor(motion) - motion);
+    }
+    const double start = error[0];
+    for (double& e : error) e -= start;
+    const auto spectrum = transform(error, whitening.window, whitening.transform_length);
+    for (std::size_t k = 0; k < power.size(); ++k) power[k] += std::norm(spectrum[k]) / kCountPlaces;
+  }
+  return power;
 }
 
 // Running sums of the mean power of some signals: they give its mean over any band at once.
@@ -146,13 +175,22 @@ Whitening make_whitening(const Record& record, const std::vector<bool>& trusted,
     const std::size_t spectrum_size = sum.size() - 1;
     const double rounding = 1e-9 * sum.back() / static_cast<double>(spectrum_size) + kSmallestPower * energy;
     const double variance = channel.is_torque ? encoder_variance(record, i) : noise_variance(record.acceleration[i]);
+    const bool is_coarse = channel.is_torque && record.encoder_quantum >= kCoarseCount;
+    const std::vector<double> counting = is_coarse ? counting_power(record, i, whitening) : std::vector<double>{};
     // A torque channel's noise is its encoder's, seen through the shadow's gains.
     const auto noise_at = [&](std::size_t k) {
       const double frequency = static_cast<double>(k) * whitening.bin_width;
       const double omega = 2.0 * std::numbers::pi * frequency;
       const double gain = channel.is_torque ? std::hypot(gains.speed * omega, gains.position)
                                             : std::sqrt(1.0 + settings.noise_corner / frequency);
-      return gain * gain * variance * energy + rounding;
+      double power = variance * energy;
+      if (is_coarse) {
+        const std::size_t low = k > kCountBins ? k - kCountBins : 1, high = std::min(k + kCountBins + 1, counting.size());
+        power = std::max(power, std::accumulate(counting.begin() + static_cast<std::ptrdiff_t>(low),
+                                                counting.begin() + static_cast<std::ptrdiff_t>(high), 0.0) /
+                                    static_cast<double>(high - low));
+      }
+      return gain * gain * power + rounding;
     };
     double noise_share = 1.0;
     if (channel.is_torque) {

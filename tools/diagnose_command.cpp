@@ -53,7 +53,6 @@ nlohmann::json to_json(const Cause& cause) {
   for (std::size_t k = 0; k < std::min(nuisances.size(), cause.point.nuisance.size()); ++k) {
     json["parameters"][std::string(nuisances[k].name)] = 1.0 + nuisances[k].spread * cause.point.nuisance[k];
   }
-  json["parameters"]["drive latency [s]"] = diagnosis::drive_latency(cause.point.nuisance);
   return json;
 }
 

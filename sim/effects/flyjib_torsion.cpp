@@ -33,7 +33,8 @@ const EffectDescription& flyjib_torsion() {
                                 .typical = 5.0,
                                 .prior_scale = 2.0,
                                 .scale = common::ParameterScale::linear,
-                                .absent = 0.0}}},
+                                .absent = 0.0,
+                                .tries = {2.5}}}},
       .ports = {EffectPort::parameters},
       .change = change};
   return description;

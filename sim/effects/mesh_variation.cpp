@@ -21,7 +21,7 @@ class MeshVariation : public Running<MeshVariation> {
     for (std::size_t k = 0; k < static_cast<std::size_t>(model.mode_count); ++k) {
       pivot += model.pivot[k] * model.house[k];
       middle_ += model.middle[k] * model.house[k];
-      tip_ += model.tip[k] * model.house[k];
+      tip_ += model.tip_sensor[k] * model.house[k];
     }
     house_ = model.parameters.house.sensor_radius * pivot;
     pivot_ = model.parameters.boom.pivot_radius * pivot;

@@ -549,6 +549,10 @@ PlantModel make_plant_model(const CraneParameters& crane, double step, const Gro
   model.house = padded(model.modes.house);
   model.pivot = padded(model.modes.pivot);
   model.tip = padded(model.modes.tip);
+  model.tip_sensor = model.tip;
+  for (std::size_t k = 0; k < model.modes.tip_twist.size(); ++k) {
+    model.tip_sensor[k] -= crane.boom.jib_eccentricity * model.modes.tip_twist[k];
+  }
   model.middle = padded(model.modes.middle);
   model.uniform = padded(model.modes.uniform_load);
   model.damping_rate = padded(model.modes.damping_rate);
@@ -664,7 +668,7 @@ PlantReadings read(const PlantModel& model, const PlantState& state) {
                                 model.uniform[k] * state.other_uniform_force;
     pivot += model.pivot[k] * acceleration;
     middle += model.middle[k] * acceleration;
-    tip += model.tip[k] * acceleration;
+    tip += model.tip_sensor[k] * acceleration;
   }
   readings.house_acceleration = model.parameters.house.sensor_radius * pivot;
   readings.pivot_acceleration = model.parameters.boom.pivot_radius * pivot;

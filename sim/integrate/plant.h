@@ -74,7 +74,8 @@ struct PlantModel {
   GroupArray group_inertia{};                        // [kg m^2] per group, slew axis
   FreeHouseModes modes;
   // Rows that give the house's acceleration from the modal state, and its share per force.
-  std::vector<double> house, pivot, tip, middle;                 // padded shapes
+  std::vector<double> house, pivot, tip, middle;                 // padded shapes; tip: where the rope hangs
+  std::vector<double> tip_sensor;  // padded shape of the boom's own tip, where the accelerometer is: a jib reaches beyond
   std::vector<double> square, damping_rate;               // padded w^2 and d
   std::vector<double> house_acceleration_q, house_acceleration_v;
   std::vector<double> uniform;

@@ -704,7 +704,8 @@ PlantReadings read(const Reference& reference) {
     const double acceleration = rates[r.v() + k];
     pivot += modes.pivot[k] * acceleration;
     readings.middle_acceleration += modes.middle[k] * acceleration;
-    readings.tip_acceleration += modes.tip[k] * acceleration;
+    readings.tip_acceleration +=
+        (modes.tip[k] - r.machine.crane.boom.jib_eccentricity * modes.tip_twist[k]) * acceleration;
   }
   readings.house_acceleration = r.machine.crane.house.sensor_radius * pivot;
   readings.pivot_acceleration = r.machine.crane.boom.pivot_radius * pivot;
