@@ -11,6 +11,7 @@
 #include <set>
 
 #include "common/unit.h"
+#include "diagnosis/chance.h"
 #include "diagnosis/nuisance.h"
 #include "sim/effects/catalogue.h"
 
@@ -28,6 +29,9 @@ constexpr double kControllerExplained = 0.1;    // share of its difference that 
 constexpr const char* kCounts = "encoder_quantisation";
 constexpr double kSlowFollower = 4.0;           // by which the shadow is slower behind coarse counts, or they would shake its boom
 constexpr double kCoarseNoise = 0.1;            // share by which the noise of coarse counts is known
+constexpr double kChanceSize = 0.2;             // relative standard deviation of a size that is found from the power of one draw
+constexpr double kLawShare = 0.03;              // relative standard deviation of a size by its law: learned, docs/diagnosis.md
+constexpr double kCurvatureFactor = 1.5;        // of the standard deviations that the curvature gives: learned as well
 constexpr double kCountError = 1e-3;            // relative, of a quantum found in the positions
 constexpr double kSure = 0.98;                  // probability of what needs no fit, or leaves next to nothing
 constexpr double kUnlikely = 0.02;              // probability of what was left out, or leaves much
@@ -135,6 +139,7 @@ struct Screened {
   double visibility = 0.0;      // sum of squares of the column, nuisances taken out
   double amount = 0.0;          // of the start's size, fitted
   double left = 0.0;            // sum of squares that it leaves, linearly
+  Eigen::VectorXd profile{};    // of an effect that comes by chance (chance.h)
 };
 
 // Projects out what fitted parameters can imitate. Below the differences stand the rows of their prior, so that an effect
@@ -294,7 +299,8 @@ std::vector<Size> sizes_of(const std::vector<common::EffectInstance>& effects, c
     for (std::size_t p = 0; p < effect.values.size(); ++p, ++k) {
       const common::EffectParameter& parameter = about.parameters[p];
       const double value = effect.values[p];
-      const double deviation = deviations[k];
+      // No law is quite the machine's: its size is not known better than that, however well it fits.
+      const double deviation = std::hypot(kCurvatureFactor * deviations[k], kLawShare * value);
       Size size{fmt::format("{}.{}", effect.name, parameter.name), std::string(common::name_of(parameter.unit)), value,
                 deviation, 0.0, 0.0};
       if (parameter.scale == common::ParameterScale::logarithmic) {
@@ -311,12 +317,12 @@ std::vector<Size> sizes_of(const std::vector<common::EffectInstance>& effects, c
   return sizes;
 }
 
-Cause make_cause(const FitResult& result, const FitSettings& settings) {
+Cause make_cause(const FitResult& result) {
   Cause cause;
   for (const common::EffectInstance& effect : result.point.effects) cause.effects.push_back(effect.name);
   cause.point = result.point;
   cause.mean_square = result.mean_square;
-  cause.excess = excess(result.difference, settings);
+  cause.excess = result.excess;
   cause.prior = result.prior;
   cause.information = result.information;
   cause.sizes = sizes_of(result.point.effects, result.deviation);
@@ -380,6 +386,36 @@ void add_controller_causes(const Problem& problem, const controller::ControllerS
   diagnosis.causes = std::move(combined);
 }
 
+// Of each effect that comes by chance its best draw, by the variance of what parameters alone leave.
+void add_chance(const Problem& problem, const Base& base, const std::vector<Screened>& tried, std::vector<FitResult>& fits) {
+  const double free_cost = free_power_cost(problem, base.difference);
+  std::map<std::string, FitResult> best;
+  for (const Screened& screened : tried) {
+    if (screened.profile.size() == 0) continue;
+    const ChanceFit chance = fit_chance(base.difference, screened.profile);
+    if (chance.scale == 0.0 || !is_near_free_power(chance, free_cost, base.difference.size())) continue;
+    FitResult result;
+    result.point = base.point;
+    result.point.effects.push_back(with_power(screened.start, chance.scale));
+    result.difference = base.difference;
+    result.mean_square = mean_square(base.difference);
+    result.excess = problem.settings.independent_share * (chance.cost - static_cast<double>(base.difference.size()));
+    result.prior = base.prior;
+    result.information = base.information;
+    const common::EffectInstance& effect = result.point.effects.front();
+    const common::EffectAbout& about = about_effect(effect.name);
+    for (std::size_t p = 0; p < effect.values.size(); ++p) {
+      const common::EffectParameter& parameter = about.parameters[p];
+      result.prior += effect_prior(to_coordinate(parameter, effect.values[p])).cost;
+      result.deviation.push_back(p == 0 ? kChanceSize * effect.values[p]
+                                        : std::fabs(value_per_deviation(parameter, effect.values[p])));
+    }
+    const auto [entry, is_new] = best.try_emplace(screened.effect, result);
+    if (!is_new && result.excess + result.prior < entry->second.excess + entry->second.prior) entry->second = result;
+  }
+  for (auto& [name, result] : best) fits.push_back(std::move(result));
+}
+
 bool cheaper(const FitResult& a, const FitResult& b) { return a.cost < b.cost; }
 
 // The best `contenders` get another round. The best of them goes on with fresh nuisance columns until it settles; `leaders` go on
@@ -404,6 +440,31 @@ void go_on(Problem& problem, std::vector<FitResult>& fits, int contenders, int l
   }
   const auto best = std::min_element(fits.begin(), fits.end(), cheaper);
   if (best != fits.begin()) improve(problem, *best, true);
+  std::stable_sort(fits.begin(), fits.end(), cheaper);
+}
+
+// From the best fit of `effects` effects to those with one less; they take their places where they are cheaper.
+void go_back(Problem& problem, const Eigen::MatrixXd& nuisance_columns, std::size_t effects, std::vector<FitResult>& fits) {
+  const auto best =
+      std::find_if(fits.begin(), fits.end(), [&](const FitResult& result) { return result.point.effects.size() == effects; });
+  if (best == fits.end()) return;
+  const FitResult from = *best;
+  for (std::size_t left_out = 0; left_out < effects; ++left_out) {
+    Point start = from.point;
+    start.effects.erase(start.effects.begin() + static_cast<std::ptrdiff_t>(left_out));
+    FitResult again = fit(problem, nuisance_columns, start);
+    take_nuisance_columns(from.columns, again);
+    improve(problem, again, false);
+    const auto same = std::find_if(fits.begin(), fits.end(), [&](const FitResult& result) {
+      return std::equal(result.point.effects.begin(), result.point.effects.end(), again.point.effects.begin(), again.point.effects.end(),
+                        [](const common::EffectInstance& a, const common::EffectInstance& b) { return a.name == b.name; });
+    });
+    if (same == fits.end()) {
+      fits.push_back(std::move(again));
+    } else if (again.cost < same->cost) {
+      *same = std::move(again);
+    }
+  }
   std::stable_sort(fits.begin(), fits.end(), cheaper);
 }
 
@@ -533,8 +594,9 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   }
 
   tell(0.02, "fitting the parameters alone");
+  const Point as_given{std::vector<double>(nuisance_count(), 0.0), {}};
+  diagnosis.mean_square_nominal = mean_square(differences(problem, as_given));
   const Base base = fit_nuisances(problem);
-  diagnosis.mean_square_nominal = base.nominal_mean_square;
   diagnosis.mean_square_parameters = mean_square(base.difference);
   const double base_excess = excess(base.difference, settings.fit);
   find_moments(problem, base.point, diagnosis);
@@ -562,6 +624,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   const Eigen::VectorXd gap = project.gap(base.difference);
   const double gap_square = gap.squaredNorm();
   const auto look = [&](Screened& screened, const Eigen::VectorXd& difference) {
+    if (comes_by_chance(screened.effect)) screened.profile = power_profile(problem, difference - base.difference);
     screened.column = project(difference - base.difference);
     screened.visibility = screened.column.squaredNorm();
     try_amount(screened.column, gap, screened);
@@ -610,7 +673,9 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   }
   // All starts by what they leave, and of them the best of each effect.
   std::vector<const Screened*> ranked, best;
-  for (const Screened& screened : tried) ranked.push_back(&screened);
+  for (const Screened& screened : tried) {
+    if (!comes_by_chance(screened.effect)) ranked.push_back(&screened);
+  }
   std::stable_sort(ranked.begin(), ranked.end(), [](const Screened* a, const Screened* b) { return a->left < b->left; });
   std::map<std::string, int> seen;
   std::map<std::string, double> visibility;
@@ -674,7 +739,25 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
     fits.insert(fits.end(), std::make_move_iterator(pairs.begin()), std::make_move_iterator(pairs.end()));
   }
 
+  // What fits with one effect more may show the way to those with less: a descent that stopped short elsewhere goes on from there.
+  tell(0.99, "going back to fewer effects");
+  std::stable_sort(fits.begin(), fits.end(), cheaper);
+  go_back(problem, base.nuisance_columns, 2, fits);
+  go_back(problem, base.nuisance_columns, 1, fits);
+  FitResult nothing;
+  nothing.point = base.point;
+  nothing.difference = base.difference;
+  nothing.columns = base.nuisance_columns;
+  nothing.cost = base.cost;
+  const auto without_effects =
+      std::find_if(fits.begin(), fits.end(), [](const FitResult& result) { return result.point.effects.empty(); });
+  if (without_effects != fits.end()) {
+    if (without_effects->cost < nothing.cost) nothing = *without_effects;
+    fits.erase(without_effects);
+  }
+  conclude(problem, nothing);
   for (FitResult& result : fits) conclude(problem, result);
+  add_chance(problem, base, tried, fits);
   for (const auto& [name, other] : same_as) {
     for (std::size_t i = 0; i < fits.size(); ++i) {
       for (std::size_t e = 0; e < fits[i].point.effects.size(); ++e) {
@@ -691,16 +774,10 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   std::erase_if(fits, [](const FitResult& result) { return !std::isfinite(result.cost + result.information.sum()); });
 
   // Weigh.
-  std::vector<Candidate> candidates{{{}, base_excess, base.prior, base.information}};
-  Cause none;
-  none.point = base.point;
-  none.mean_square = diagnosis.mean_square_parameters;
-  none.excess = base_excess;
-  none.prior = base.prior;
-  none.information = base.information;
-  diagnosis.causes.push_back(none);
+  std::vector<Candidate> candidates{{{}, nothing.excess, nothing.prior, nothing.information}};
+  diagnosis.causes.push_back(make_cause(nothing));
   for (const FitResult& result : fits) {
-    diagnosis.causes.push_back(make_cause(result, settings.fit));
+    diagnosis.causes.push_back(make_cause(result));
     candidates.push_back({diagnosis.causes.back().effects, diagnosis.causes.back().excess, result.prior, result.information});
   }
   EvidenceSettings evidence = settings.evidence;
@@ -715,14 +792,15 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   // What is explained is counted down to what the noise, or the best of all fits, leaves.
   const double floor = probabilities.floor;
   for (Cause& cause : diagnosis.causes) {
-    cause.explained = base_excess > floor ? std::clamp((base_excess - cause.excess) / (base_excess - floor), 0.0, 1.0) : 0.0;
+    cause.explained = nothing.excess > floor ? std::clamp((nothing.excess - cause.excess) / (nothing.excess - floor), 0.0, 1.0) : 0.0;
   }
   // The gap lies where the most probable cause takes something away; where none does, where more than noise is left.
   const auto likeliest = std::max_element(probabilities.candidate.begin() + 1, probabilities.candidate.end());
   const bool is_explained = likeliest != probabilities.candidate.end() && probabilities.unknown < *likeliest;
   locate(problem, base.difference,
-         is_explained ? fits[static_cast<std::size_t>(likeliest - probabilities.candidate.begin() - 1)].difference
-                      : Eigen::VectorXd::Ones(base.difference.size()),
+         is_explained && !comes_by_chance(diagnosis.causes[static_cast<std::size_t>(likeliest - probabilities.candidate.begin())].effects[0])
+             ? fits[static_cast<std::size_t>(likeliest - probabilities.candidate.begin() - 1)].difference
+             : Eigen::VectorXd::Ones(base.difference.size()),
          diagnosis);
   // Groups: single causes whose signatures, as fitted, cannot be told apart.
   std::vector<Eigen::VectorXd> signatures(fits.size());  // empty: not a single cause

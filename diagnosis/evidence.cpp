@@ -19,7 +19,7 @@ Probabilities weigh(const std::vector<Candidate>& candidates, int single_count, 
     const double usual = settings.law_freedom + settings.law_share * gap;
     const double weight = settings.independent_share * settings.law_freedom / (usual + left);
     const double occam = (1.0 + weight * candidate.information.array()).log().sum();
-    return -0.5 * (settings.law_freedom * std::log1p(left / usual) + candidate.prior + occam + settings.price * effects);
+    return -0.5 / settings.temper * (settings.law_freedom * std::log1p(left / usual) + candidate.prior + occam + settings.price * effects);
   };
   const double singles = std::max(1, single_count);
   std::vector<double> score;
@@ -30,7 +30,9 @@ Probabilities weigh(const std::vector<Candidate>& candidates, int single_count, 
     score.push_back(std::log(prior) + likelihood(candidate.excess - floor, candidate, static_cast<double>(candidate.effects.size())));
   }
   const double unexplained = std::max(settings.unknown_floor, settings.unknown_share * gap);
-  const double unknown = std::log(settings.prior_unknown) + likelihood(unexplained, *nothing, 1.0);
+  Candidate outside = *nothing;
+  outside.prior = settings.unknown_prior;
+  const double unknown = std::log(settings.prior_unknown) + likelihood(unexplained, outside, 1.0);
   const double top = std::max(unknown, *std::max_element(score.begin(), score.end()));
   Probabilities result;
   result.floor = floor;

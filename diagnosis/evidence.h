@@ -1,6 +1,6 @@
 // From how well each hypothesis fits to how probable it is.
 //
-//   ln P(hypothesis | records) = ln prior - (M(c) + p + sum(ln(1 + w lambda)) + price * effects) / 2 + constant
+//   ln P(hypothesis | records) = ln prior - (M(c) + p + sum(ln(1 + w lambda)) + price * effects) / (2 T) + constant
 //   M(c) = k ln(1 + c / (k + r G)),    w = s dM/dc
 //
 // c is what the hypothesis leaves above the best one (above what the noise explains, where even the best leaves more), G
@@ -8,7 +8,7 @@
 // true cause leaves a usual share r of the gap; with the size of that mismatch integrated out, misfits count by their
 // ratios. p is -2 ln of the prior where the fit ended, and the sum, over the eigenvalues lambda of what the records say of
 // the parameters (fit.h), Occam's factor: how much narrower they became. A cause that is in no catalogue is a hypothesis too: it would leave a usual,
-// larger share of the gap.
+// larger share of the gap. T tempers it all: what mesh, step and law make wrong is not independent from bin to bin.
 #pragma once
 
 #include <Eigen/Core>
@@ -19,11 +19,13 @@ namespace slewlab::diagnosis {
 
 struct EvidenceSettings {
   double law_freedom = 100.0;    // k: learned on tuning seeds, docs/diagnosis.md, as are all below
-  double law_share = 0.03;       // r
-  double unknown_share = 0.25;   // of the gap that a cause outside the catalogue leaves unexplained
-  double unknown_floor = 60.0;   // [-] c that it leaves at least
+  double law_share = 0.003;      // r
+  double unknown_share = 0.12;   // of the gap that a cause outside the catalogue leaves unexplained
+  double unknown_floor = 100.0;  // [-] c that it leaves at least
+  double unknown_prior = 17.0;   // p of its parameters: what the nuisances of a machine have on the average
+  double temper = 4.0;           // T
   double independent_share = 0.3;  // s, as in fit.h
-  double price = 25.0;           // of an effect: what mesh and step alone let one take away where nothing is missing
+  double price = 8.0;            // of an effect: what mesh and step alone let one take away where nothing is missing
   double prior_nothing = 0.5;
   double prior_single = 0.3;
   double prior_pair = 0.1;

@@ -18,6 +18,7 @@ namespace {
 
 constexpr double kNuisanceStep = 0.3;  // [standard deviations] difference quotient: small against the prior, large against rounding
 constexpr double kFarthest = 6.0;      // [standard deviations] that a nuisance is let go
+constexpr double kAtTheWall = 1.9;     // [standard deviations]
 constexpr double kEffectStep = 0.05;   // [standard deviations] the same for effects, around a fitted size
 
 std::vector<double> effect_coordinates(const Point& point) {
@@ -295,17 +296,34 @@ std::vector<Eigen::VectorXd> differences(Problem& problem, std::span<const Point
   return results;
 }
 
-Base fit_nuisances(Problem& problem) {
-  Base base;
-  base.point.nuisance.assign(nuisance_count(), 0.0);
+namespace {
+
+void settle(Problem& problem, Base& base) {
   base.difference = differences(problem, base.point);
   base.cost = cost_of(problem, base.point, base.difference);
-  base.nominal_mean_square = base.difference.squaredNorm() / static_cast<double>(base.difference.size());
   for (int round = 0; round < problem.settings.rounds; ++round) {
     base.nuisance_columns = nuisance_columns(problem, base.point, base.difference);
     const double fall =
         descend(problem, problem.settings.iterations, base.nuisance_columns, base.point, base.difference, base.cost);
     if (fall < problem.settings.settled + problem.settings.settled_share * std::fabs(base.cost)) break;
+  }
+}
+
+}  // namespace
+
+Base fit_nuisances(Problem& problem) {
+  Base base;
+  base.point.nuisance.assign(nuisance_count(), 0.0);
+  settle(problem, base);
+  // Parameters that ended at the walls may have gone there on the way and not come back.
+  Base again;
+  again.point = base.point;
+  for (std::size_t k = 0; k < nuisances().size(); ++k) {
+    if (std::fabs(again.point.nuisance[k]) > kAtTheWall) again.point.nuisance[k] = 0.0;
+  }
+  if (again.point.nuisance != base.point.nuisance) {
+    settle(problem, again);
+    if (again.cost < base.cost) base = std::move(again);
   }
   base.prior = prior_cost(base.point);
   base.information = information_of(base.nuisance_columns);
@@ -349,6 +367,7 @@ bool improve(Problem& problem, FitResult& result, bool fresh_nuisances) {
 
 void conclude(const Problem& problem, FitResult& result) {
   result.mean_square = result.difference.squaredNorm() / static_cast<double>(result.difference.size());
+  result.excess = excess(result.difference, problem.settings);
   const Eigen::MatrixXd system = curvature(problem, result.point, result.difference, result.columns);
   result.prior = prior_cost(result.point);
   result.information = information_of(result.columns);

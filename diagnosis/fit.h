@@ -91,7 +91,6 @@ struct Base {
   double cost = 0.0;
   double prior = 0.0;                // as in FitResult
   Eigen::VectorXd information;
-  double nominal_mean_square = 0.0;  // of the differences before anything is fitted
 };
 Base fit_nuisances(Problem& problem);
 
@@ -103,6 +102,7 @@ struct FitResult {
   double prior = 0.0;                // sum(p(z)) + sum(q(x))
   Eigen::VectorXd information;       // eigenvalues of columns^T columns
   double mean_square = 0.0;          // of the differences
+  double excess = 0.0;
   std::vector<double> deviation;     // of each effect parameter in order, in its own unit; from the curvature
 };
 

@@ -1,5 +1,7 @@
 #include "sim/effects/command_loss.h"
 
+#include <cmath>
+
 #include "sim/effects/random_number.h"
 
 namespace slewlab::sim {
@@ -8,15 +10,19 @@ namespace {
 
 class CommandLoss : public Running<CommandLoss> {
  public:
-  explicit CommandLoss(const EffectStart& start) : probability_(start.values[0]), seed_(start.seed) {}
+  explicit CommandLoss(const EffectStart& start)
+      : burst_(static_cast<int>(std::lround(start.values[1]))),
+        begins_(start.values[0] / (burst_ * (1.0 - start.values[0]) + start.values[0])),
+        seed_(start.seed) {}
 
   void message(double, DriveCommand& command) override {
     if (!any_ || command.sequence != newest_) {
       any_ = true;
       newest_ = command.sequence;
-      lost_ = uniform_number(seed_, static_cast<std::uint64_t>(command.sequence)) < probability_;
+      if (left_ > 0) --left_;
+      if (left_ == 0 && uniform_number(seed_, static_cast<std::uint64_t>(command.sequence)) < begins_) left_ = burst_;
     }
-    if (lost_) {
+    if (left_ > 0) {
       command = held_;
     } else {
       held_ = command;
@@ -24,11 +30,12 @@ class CommandLoss : public Running<CommandLoss> {
   }
 
  private:
-  double probability_;
+  int burst_;      // [messages]
+  double begins_;  // probability that a burst begins where none is on
   std::uint64_t seed_;
   std::int64_t newest_ = 0;
   bool any_ = false;
-  bool lost_ = false;
+  int left_ = 0;  // messages of the burst that are still to be lost, this one included
   DriveCommand held_;
 };
 
@@ -47,7 +54,17 @@ const EffectDescription& command_loss() {
                                 .typical = 0.3,
                                 .prior_scale = 0.1,
                                 .scale = common::ParameterScale::linear,
-                                .absent = 0.0}}},
+                                .absent = 0.0},
+                               {.name = "burst",
+                                .unit = common::Unit::none,
+                                .meaning = "messages that are lost in a row",
+                                .lower = 1.0,
+                                .upper = 1000.0,
+                                .typical = 1.0,
+                                .prior_scale = 2.0,
+                                .scale = common::ParameterScale::logarithmic,
+                                .absent = std::nullopt,
+                                .tries = {5.0, 20.0}}}},
       .ports = {EffectPort::message},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<CommandLoss>(start);

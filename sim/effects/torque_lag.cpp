@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "sim/effects/delay_line.h"
 #include "sim/integrate/plant.h"
 
 namespace slewlab::sim {
@@ -10,7 +11,10 @@ namespace {
 
 class TorqueLag : public Running<TorqueLag> {
  public:
-  explicit TorqueLag(const EffectStart& start) : time_constant_(start.values[0]) {
+  explicit TorqueLag(const EffectStart& start)
+      : time_constant_(start.values[0] * (1.0 - start.values[1])),
+        delay_(start.values[0] * start.values[1] / start.model.step),
+        line_(delay_) {
     if (time_constant_ == 0.0) return;
     const double decay = -std::expm1(-start.model.step / time_constant_);  // 1 - exp(-h / tau)
     kept_at_end_ = 1.0 - decay;
@@ -18,6 +22,13 @@ class TorqueLag : public Running<TorqueLag> {
   }
 
   void actuator(const EffectMoment&, GroupArray& motor_torque) override {
+    if (delay_ > 0.0) {
+      line_.push({motor_torque});
+      const auto past = line_.at(delay_);
+      for (std::size_t i = 0; i < motor_torque.size(); ++i) {
+        motor_torque[i] = blend(past.older.torque[i], past.newer.torque[i], past.share);
+      }
+    }
     if (time_constant_ == 0.0) return;
     for (std::size_t i = 0; i < motor_torque.size(); ++i) {
       const double command = motor_torque[i];
@@ -28,7 +39,12 @@ class TorqueLag : public Running<TorqueLag> {
   }
 
  private:
-  double time_constant_;
+  struct Sample {
+    GroupArray torque{};
+  };
+  double time_constant_;  // [s] of the lag
+  double delay_;          // [steps] before it
+  DelayLine<Sample> line_;
   double kept_at_end_ = 0.0;
   double kept_in_mean_ = 0.0;
   GroupArray torque_{};  // [Nm] at the step's start
@@ -40,16 +56,26 @@ const EffectDescription& torque_lag() {
   static const EffectDescription description{
       .about = {.name = "torque_lag",
                 .subsystem = common::Subsystem::drive,
-                .physics = "first-order lag of the motor torque behind its command",
+                .physics = "the motor torque follows its command with a lag",
                 .parameters = {{.name = "time_constant",
                                 .unit = common::Unit::second,
-                                .meaning = "time constant of the lag",
+                                .meaning = "of lag and delay together",
                                 .lower = 0.0,
                                 .upper = 0.5,
                                 .typical = 0.05,
                                 .prior_scale = 0.03,
                                 .scale = common::ParameterScale::linear,
-                                .absent = 0.0}}},
+                                .absent = 0.0},
+                               {.name = "delay_share",
+                                .unit = common::Unit::none,
+                                .meaning = "share of the time that is delay before a first-order lag",
+                                .lower = 0.0,
+                                .upper = 0.5,
+                                .typical = 0.0,
+                                .prior_scale = 0.3,
+                                .scale = common::ParameterScale::linear,
+                                .absent = std::nullopt,
+                                .detail = true}}},
       .ports = {EffectPort::actuator},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<TorqueLag>(start);

@@ -27,7 +27,7 @@ TEST(Evidence, NothingMissingIsSaidWhereEffectsGainNothing) {
 TEST(Evidence, AnEffectMustGainItsPrice) {
   const EvidenceSettings settings;
   EXPECT_GT(weigh({{{}, 0.0, 0.0}, {{"a"}, -settings.price, 0.0}}, 40, {}).candidate[0], 0.9);
-  EXPECT_LT(weigh({{{}, 0.0, 0.0}, {{"a"}, -4.0 * settings.price, 0.0}}, 40, {}).candidate[0], 0.1);
+  EXPECT_LT(weigh({{{}, 0.0, 0.0}, {{"a"}, -10.0 * settings.temper * settings.price, 0.0}}, 40, {}).candidate[0], 0.1);
 }
 
 TEST(Evidence, ASecondEffectMustEarnItsPlace) {
@@ -50,6 +50,7 @@ TEST(Evidence, OddsFollowTheFormula) {
   EvidenceSettings settings;
   settings.law_freedom = 10.0;
   settings.law_share = 0.1;
+  settings.temper = 1.0;
   const Probabilities p = weigh({{{}, 1000.0, 0.0}, {{"a"}, 0.0, 0.0}, {{"b"}, 55.0, 0.0}}, 40, settings);
   EXPECT_NEAR(p.candidate[1] / p.candidate[2], std::pow(1.5, 5.0), 1e-9);
 }

@@ -1,0 +1,42 @@
+// Effects that come by chance (jitter, loss): no simulation meets the draw that was, but it has the draw's power. So
+// such an effect is not fitted to the differences but to their variance,
+//
+//   -2 ln P(d) = sum(ln(1 + a S) + d^2 / (1 + a S)) + constant,
+//
+// S being the power that a draw of its own adds to each whitened difference, smoothed over neighbouring frequencies, and a
+// its scale, fitted. In a deterministic fit S = 0 and only the sum of squares is left, so both are compared as they are.
+// Because a smooth power fits nearly any difference better than no effect does, such an effect is a candidate only where it comes
+// near what a free power would reach. Gusts are not among them: their few slow bins do not tell them from other slow causes.
+// Assumes that what is missing adds to the differences independently of the rest; angles between channels are not used.
+#pragma once
+
+#include <Eigen/Core>
+#include <string_view>
+
+#include "common/effect.h"
+#include "diagnosis/fit.h"
+
+namespace slewlab::diagnosis {
+
+bool comes_by_chance(std::string_view effect);
+
+// S from the change of the differences by one draw.
+Eigen::VectorXd power_profile(const Problem& problem, const Eigen::VectorXd& change);
+
+struct ChanceFit {
+  double scale = 0.0;  // a
+  double cost = 0.0;   // the sum; without the effect it is the sum of squares
+};
+ChanceFit fit_chance(const Eigen::VectorXd& difference, const Eigen::VectorXd& profile);
+
+// The same sum for a power that is free in every channel and every third of an octave: what a cause would have to reach whose
+// power nobody knows.
+double free_power_cost(const Problem& problem, const Eigen::VectorXd& difference);
+
+// Whether the fit is near enough to it.
+bool is_near_free_power(const ChanceFit& fit, double free_cost, Eigen::Index count);
+
+// The effect with its size changed so that its power is `scale` times what it was, within its bounds.
+common::EffectInstance with_power(common::EffectInstance effect, double scale);
+
+}  // namespace slewlab::diagnosis
