@@ -65,6 +65,49 @@ Diagnosis diagnose_machine(const std::vector<common::EffectInstance>& effects,
   return diagnose(nominal, bench().controller, std::move(records), settings);
 }
 
+// A ramp far from the settings' makes a replayed integral run away; its own times and shape are exact, so the fit must be.
+TEST(FitController, FindsARampFarFromTheSettings) {
+  const common::EffectInstance ramp{"other_ramp", {1.14, -0.05}};
+  sim::MachineSettings truth;
+  truth.crane = bench().crane;
+  std::vector<Record> records;
+  records.push_back(make_record(simulated_log(truth, controller::with_effects(bench().controller, {ramp}), kThereAndBack, kDuration, 5),
+                                "a", bench().admission));
+  const std::vector<ControllerCause> found = fit_controller(records, bench().controller, {});
+  ASSERT_EQ(found.front().effect.name, "other_ramp");
+  EXPECT_LT(found.front().share_left, 1e-3);
+  EXPECT_NEAR(found.front().effect.values[0], 1.14, 1e-3);
+  EXPECT_NEAR(found.front().effect.values[1], -0.05, 1e-3);
+}
+
+// A delay of 40 ms in the shadow's own feedback (its fastest pole is at 26 rad/s) would shake it to pieces; taken out of
+// the record it leaves what a machine without any delay leaves.
+TEST(Shadow, FollowsEncodersThatReadLate) {
+  sim::MachineSettings truth;
+  truth.crane = bench().crane;
+  const Record on_time = make_record(simulated_log(truth, bench().controller, kThereAndBack, kDuration, 6), "a", bench().admission);
+  Record late = on_time;
+  const auto steps = static_cast<std::size_t>(std::lround(0.04 / late.step));
+  for (int g = 0; g < late.group_count; ++g) {
+    const auto i = static_cast<std::size_t>(g);
+    for (std::size_t n = 0; n < late.size(); ++n) {
+      late.shaft_position[i][n] = on_time.shaft_position[i][n >= steps ? n - steps : 0];
+      late.position_rate[i][n] = on_time.position_rate[i][n >= steps ? n - steps : 0];
+    }
+  }
+  const auto missing = [&](const sim::MachineSettings& machine, const Record& record) {
+    double square = 0.0;
+    // The last 40 ms are not known any more.
+    const Shadow follower = shadow(machine, record, shadow_gains(machine.crane));
+    for (std::size_t n = 0; n + steps < record.size(); ++n) square += follower.missing_torque[0][n] * follower.missing_torque[0][n];
+    return std::sqrt(square / static_cast<double>(record.size()));
+  };
+  sim::MachineSettings with_delay = truth;
+  with_delay.effects = {{"encoder_delay", {0.04}}};
+  EXPECT_NEAR(missing(with_delay, late), missing(truth, on_time), 1e-6 * missing(truth, on_time));
+  EXPECT_GT(missing(truth, late), 2.0 * missing(truth, on_time));
+}
+
 TEST(Diagnose, SaysNothingIsMissingWhereOnlyParametersAreOff) {
   const Diagnosis found = diagnose_machine({}, bench().controller, 11);
   EXPECT_FALSE(found.gap);

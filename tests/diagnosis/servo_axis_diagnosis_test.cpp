@@ -21,6 +21,7 @@
 #include "msgs/run_log.h"
 #include "sim/crane_file.h"
 #include "sim/machine.h"
+#include "sim/model/drive_line.h"
 #include "tests/msgs/temporary_folder.h"
 
 namespace slewlab::diagnosis {
@@ -155,7 +156,10 @@ TEST(ServoAxisDiagnosis, FindsTheFrictionThatTheForceBalanceShows) {
   // friction rises steeply up to some 0.03 m/s and less above (12 N at rest, 28, 34, 41 N at the three speeds), and
   // no law of the catalogue bends so: a straight one misses it by up to 3 N of 28 in between.
   const double to_newton = 1.0 / (kForceScale * kHouseTravel);
-  const double coulomb = size_of(cause, "bearing_coulomb.torque") * to_newton;                                 // [N]
+  // Dry friction is counted wherever it was put: in the bearing, or in the brake on the same stiff shaft.
+  const double brake = size_of(cause, "dragging_brake.torque") * nominal.crane.drive.motors_per_group *
+                       sim::total_ratio(nominal.crane.drive);                                                   // [N m]
+  const double coulomb = (size_of(cause, "bearing_coulomb.torque") + brake) * to_newton;                       // [N]
   const double viscous = size_of(cause, "bearing_viscous.coefficient") * to_newton / kHouseTravel;             // [N s/m]
   for (const double speed : {0.04212, 0.08255, 0.12467, -0.04212, -0.08255, -0.12467}) {
     const double side = speed > 0.0 ? 1.0 : -1.0;

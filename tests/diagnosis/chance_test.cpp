@@ -1,0 +1,90 @@
+// The truth is drawn: differences of unit noise plus a power of known shape and size.
+#include "diagnosis/chance.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <random>
+
+namespace slewlab::diagnosis {
+namespace {
+
+constexpr std::size_t kBins = 4000;
+
+std::unique_ptr<Problem> one_channel() {
+  auto problem = std::make_unique<Problem>();
+  Whitening whitening;
+  whitening.first_bin = 10;
+  whitening.bin_count = kBins;
+  whitening.channels.push_back({true, 0});
+  whitening.weight.push_back(Eigen::VectorXd::Ones(kBins));
+  problem->whitening.push_back(whitening);
+  return problem;
+}
+
+// A power that falls with frequency from 100 to 1.
+Eigen::VectorXd shape() {
+  Eigen::VectorXd power(2 * kBins);
+  for (Eigen::Index i = 0; i < power.size(); ++i) {
+    power(i) = 100.0 * std::pow(0.01, static_cast<double>(i) / static_cast<double>(power.size()));
+  }
+  return power;
+}
+
+Eigen::VectorXd drawn(const Eigen::VectorXd& variance, unsigned seed) {
+  std::mt19937 generator(seed);
+  std::normal_distribution<double> normal;
+  Eigen::VectorXd values(variance.size());
+  for (Eigen::Index i = 0; i < values.size(); ++i) values(i) = std::sqrt(variance(i)) * normal(generator);
+  return values;
+}
+
+// 8000 squares of normal numbers tell their scale within sqrt(2 / 8000) = 1.6 %; five times that is allowed.
+TEST(Chance, FindsThePowerOfADraw) {
+  const Eigen::VectorXd power = shape();
+  const Eigen::VectorXd difference = drawn((1.0 + 3.0 * power.array()).matrix(), 1);
+  const ChanceFit fit = fit_chance(difference, power);
+  EXPECT_NEAR(fit.scale, 3.0, 0.08 * 3.0);
+  const Eigen::ArrayXd variance = 1.0 + fit.scale * power.array();
+  EXPECT_NEAR(fit.cost, (variance.log() + difference.array().square() / variance).sum(), 1e-9 * fit.cost);
+}
+
+TEST(Chance, FindsNothingInNoise) {
+  const Eigen::VectorXd noise = drawn(Eigen::VectorXd::Ones(2 * kBins), 2);
+  const ChanceFit fit = fit_chance(noise, shape());
+  EXPECT_GT(fit.cost, noise.squaredNorm() - 10.0);
+}
+
+// The profile of one draw's change, smoothed, is the power that it was drawn from: 2 * 13 squares at the lowest
+// frequencies, so 28 % there; on the average much less.
+TEST(Chance, ProfileIsTheSmoothedPower) {
+  const Eigen::VectorXd power = shape();
+  const Eigen::VectorXd profile = power_profile(*one_channel(), drawn(power, 3));
+  const Eigen::ArrayXd ratio = profile.array() / power.array();
+  EXPECT_NEAR(ratio.mean(), 1.0, 0.1);
+  EXPECT_LT((ratio - 1.0).abs().maxCoeff(), 1.2);
+}
+
+// What has the profile's power comes near the free one; a few lines at one place do not.
+TEST(Chance, IsTakenOnlyForItsOwnPower) {
+  const auto problem = one_channel();
+  const Eigen::VectorXd power = shape();
+  const Eigen::VectorXd same = drawn((1.0 + 3.0 * power.array()).matrix(), 4);
+  EXPECT_TRUE(is_near_free_power(fit_chance(same, power), free_power_cost(*problem, same), same.size()));
+  Eigen::VectorXd lines = drawn(Eigen::VectorXd::Ones(2 * kBins), 5);
+  lines.segment(3000, 200) *= 50.0;
+  EXPECT_FALSE(is_near_free_power(fit_chance(lines, power), free_power_cost(*problem, lines), lines.size()));
+}
+
+// By the effects' own laws: delays' torque errors go with the spread, so power with its square; a share lost twice as often
+// gives twice the power.
+TEST(Chance, SizesFollowThePower) {
+  EXPECT_NEAR(with_power({"command_jitter", {0.01}}, 4.0).values[0], 0.02, 1e-12);
+  EXPECT_NEAR(with_power({"command_loss", {0.1, 1.0}}, 4.0).values[0], 0.4, 1e-12);
+  EXPECT_TRUE(comes_by_chance("command_loss"));
+  EXPECT_FALSE(comes_by_chance("command_delay"));
+}
+
+}  // namespace
+}  // namespace slewlab::diagnosis

@@ -1,0 +1,55 @@
+#include "diagnosis/nuisance.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace slewlab::diagnosis {
+namespace {
+
+// Both priors: the slope is half the derivative of the cost, by central differences.
+TEST(Prior, SlopeIsHalfTheDerivative) {
+  const double h = 1e-6;
+  for (const double x : {-7.0, -2.5, -1.0, 0.0, 0.4, 1.99, 2.2, 5.0}) {
+    EXPECT_NEAR(nuisance_prior(0, x).slope, (nuisance_prior(0, x + h).cost - nuisance_prior(0, x - h).cost) / (4.0 * h), 1e-5) << x;
+    EXPECT_NEAR(effect_prior(x).slope, (effect_prior(x + h).cost - effect_prior(x - h).cost) / (4.0 * h), 1e-6) << x;
+  }
+}
+
+// Within the spread from unit to unit a nuisance's prior is the normal one; outside it is prohibitive: 10 % are 3.5
+// standard deviations, and e^-40 is never worth a better name.
+TEST(Prior, NuisancesEndWhereUnitsDo) {
+  EXPECT_EQ(nuisance_prior(3, 1.5).cost, 2.25);
+  EXPECT_GT(nuisance_prior(3, 0.10 / kUnitDeviation).cost, 75.0);
+}
+
+// The encoders' latency has no such walls.
+TEST(Prior, LatencyIsNormal) {
+  EXPECT_EQ(nuisance_prior(nuisance_count() - 1, 4.0).cost, 16.0);
+}
+
+// Student's t with 2 degrees of freedom: -2 ln of (1 + x^2 / 2)^(-3/2), with the scale that gives unit curvature at 0.
+TEST(Prior, LargeSizesStayPossible) {
+  EXPECT_NEAR(effect_prior(0.01).cost, 1e-4, 1e-8);
+  EXPECT_NEAR(effect_prior(20.0).cost, 3.0 * std::log(1.0 + 400.0 / 3.0), 1e-12);
+  EXPECT_LT(effect_prior(20.0).cost, 15.0);
+}
+
+TEST(Nuisance, EffectsSayWhatParametersSay) {
+  int said = 0;
+  for (std::size_t k = 0; k < nuisance_count(); ++k) {
+    said += is_said_by("boom_stiffness", k) ? 1 : 0;
+    EXPECT_FALSE(is_said_by("bearing_coulomb", k));
+  }
+  EXPECT_EQ(said, 2);  // bending and torsion
+}
+
+TEST(Nuisance, LatencyIsTheLastAmount) {
+  std::vector<double> amount(nuisance_count(), 0.0);
+  amount.back() = 2.0;
+  EXPECT_DOUBLE_EQ(encoder_latency(amount, 3e-4), 6e-4);
+  EXPECT_EQ(encoder_latency({}, 3e-4), 0.0);
+}
+
+}  // namespace
+}  // namespace slewlab::diagnosis
