@@ -23,8 +23,8 @@ enum class ParameterScale { linear, logarithmic };
 // One number of an effect, in SI. Where the effect fades out as the number goes to some value, that value
 // is `absent` (it may be infinite, outside the bounds); numbers that only shape the effect have none.
 //
-// Prior: normal, cut at the bounds, with `prior_scale` as one standard deviation, about the centre `absent`,
-// or `typical` where there is no finite absent value. Logarithmic: of ln(value / centre).
+// Prior: Student's t with 2 degrees of freedom, (1 + x^2 / 3)^(-3/2), cut at the bounds; x is the distance over
+// `prior_scale` from `absent`, or `typical` where there is no finite absent value. Logarithmic: of ln(value / centre).
 struct EffectParameter {
   std::string_view name;
   Unit unit = Unit::none;
@@ -64,8 +64,8 @@ void check_instance(const EffectAbout& about, const EffectInstance& instance);
 
 // A list of effects as a file holds it; a null node has none.
 //   effects:
-//     - effect: torque_lag
-//       time_constant: {value: 30, unit: ms, source: "..."}
+//     - effect: dead_time
+//       delay: {value: 30, unit: ms, source: "..."}
 // Every parameter of an effect is required. Problems (unknown effect or key, unit, bounds) are added to
 // `problems` with file and line.
 std::vector<EffectInstance> read_effects(const YamlNode& list,

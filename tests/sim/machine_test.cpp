@@ -66,10 +66,10 @@ TEST(Machine, ParameterEffectsEvaluateNothingInAStep) {
 
 TEST(Machine, CopyRunsOnAsTheOriginalDoes) {
   Machine machine = make_machine({.crane = thesis_crane(),
-                                  .effects = {{"torque_lag", {0.05}},
+                                  .effects = {{"torque_lag", {0.05, 0.3}},
                                               {"offlead", {1.0}},
                                               {"encoder_delay", {0.0123}},
-                                              {"command_loss", {0.3}}},
+                                              {"command_loss", {0.3, 5.0}}},
                                   .seed = 7});
   for (std::int64_t k = 0; k < 1000; ++k) step(machine, command_at(k));
   Machine copy = machine;
@@ -137,10 +137,10 @@ TEST(Machine, RefusesWhatItDoesNotKnow) {
   const CraneParameters crane = thesis_crane();
   EXPECT_THROW(make_machine({.crane = crane, .effects = {{"gremlins", {1.0}}}}), std::invalid_argument);
   EXPECT_THROW(make_machine({.crane = crane, .effects = {{"torque_lag", {}}}}), std::invalid_argument);
-  EXPECT_THROW(make_machine({.crane = crane, .effects = {{"torque_lag", {9.0}}}}), std::invalid_argument);
-  EXPECT_THROW(make_machine({.crane = crane, .effects = {{"torque_lag", {std::nan("")}}}}),
+  EXPECT_THROW(make_machine({.crane = crane, .effects = {{"torque_lag", {9.0, 0.0}}}}), std::invalid_argument);
+  EXPECT_THROW(make_machine({.crane = crane, .effects = {{"torque_lag", {std::nan(""), 0.0}}}}),
                std::invalid_argument);
-  EXPECT_THROW(make_machine({.crane = crane, .effects = {{"torque_lag", {0.1}}, {"torque_lag", {0.2}}}}),
+  EXPECT_THROW(make_machine({.crane = crane, .effects = {{"torque_lag", {0.1, 0.0}}, {"torque_lag", {0.2, 0.0}}}}),
                std::invalid_argument);
 }
 

@@ -37,7 +37,7 @@ TEST(ControllerEffects, AbsentSizesChangeNothing) {
 }
 
 TEST(ControllerEffects, RefusesWhatItDoesNotKnow) {
-  EXPECT_THROW(with_effects({}, {{"torque_lag", {0.1}}}), std::invalid_argument);
+  EXPECT_THROW(with_effects({}, {{"torque_lag", {0.1, 0.0}}}), std::invalid_argument);
   EXPECT_THROW(with_effects({}, {{"droop", {-1.0}}}), std::invalid_argument);
   EXPECT_THROW(with_effects({}, {{"droop", {}}}), std::invalid_argument);
 }

@@ -168,25 +168,26 @@ std::string problem_of(const std::string& text) {
 }
 
 TEST(EffectCatalogue, TellsWhatIsWrongInAFile) {
-  EXPECT_EQ(
-      problem_of("effects:\n  - effect: torque_lag\n    time_constant: {value: 30, unit: ms, source: a}\n"),
-      "");
+  const std::string share = "    delay_share: {value: 0.2, unit: \"-\", source: a}\n";
+  EXPECT_EQ(problem_of("effects:\n  - effect: torque_lag\n    time_constant: {value: 30, unit: ms, source: a}\n" + share),
+            "");
   const std::string unknown = problem_of("effects:\n  - effect: torque_lagg\n");
   EXPECT_NE(unknown.find("crane.yaml:2"), std::string::npos) << unknown;
   EXPECT_NE(unknown.find("'torque_lag' is near"), std::string::npos) << unknown;
   const std::string bounds =
-      problem_of("effects:\n  - effect: torque_lag\n    time_constant: {value: 3, unit: s, source: a}\n");
+      problem_of("effects:\n  - effect: torque_lag\n    time_constant: {value: 3, unit: s, source: a}\n" + share);
   EXPECT_NE(bounds.find("time_constant"), std::string::npos) << bounds;
   EXPECT_NE(bounds.find("0.5"), std::string::npos) << bounds;
   const std::string unit =
-      problem_of("effects:\n  - effect: torque_lag\n    time_constant: {value: 0.1, unit: m, source: a}\n");
+      problem_of("effects:\n  - effect: torque_lag\n    time_constant: {value: 0.1, unit: m, source: a}\n" + share);
   EXPECT_NE(unit.find("unit"), std::string::npos) << unit;
   const std::string key = problem_of(
-      "effects:\n  - effect: torque_lag\n    time_constant: {value: 0.1, unit: s, source: a}\n    delay: "
-      "3\n");
-  EXPECT_NE(key.find("delay"), std::string::npos) << key;
+      "effects:\n  - effect: torque_lag\n    time_constant: {value: 0.1, unit: s, source: a}\n" + share +
+      "    overshoot: 3\n");
+  EXPECT_NE(key.find("overshoot"), std::string::npos) << key;
   const std::string missing = problem_of("effects:\n  - effect: torque_lag\n");
   EXPECT_NE(missing.find("time_constant"), std::string::npos) << missing;
+  EXPECT_NE(missing.find("delay_share"), std::string::npos) << missing;
   const std::string twice = problem_of(
       "effects:\n  - effect: load_mass\n    factor: {value: 1.1, unit: \"-\", source: a}\n"
       "  - effect: load_mass\n    factor: {value: 1.2, unit: \"-\", source: a}\n");
