@@ -12,6 +12,7 @@
 #include "diagnosis/controller_replay.h"
 #include "diagnosis/evidence.h"
 #include "diagnosis/fit.h"
+#include "diagnosis/search.h"
 
 namespace slewlab::diagnosis {
 
@@ -20,12 +21,7 @@ struct DiagnosisSettings {
   FitSettings fit;
   EvidenceSettings evidence;
   std::vector<std::string> without;  // effects that are left out of the catalogue
-  int singles_to_refine = 16;  // starts, two of an effect at most
-  int contenders = 6;  // of the refined ones, with another round
-  int leaders = 3;     // of these, with fresh columns until they settle
-  int pairs_to_refine = 10;
-  int pair_contenders = 4;
-  int pair_leaders = 2;
+  SearchSettings search;
   int threads = 1;
 };
 
@@ -86,8 +82,6 @@ struct Diagnosis {
   double simulation_seconds = 0.0;  // in them, summed over the threads
   double total_seconds = 0.0;
 };
-
-using Progress = std::function<void(double share, const std::string& doing)>;
 
 // Throws NotAdmitted, std::invalid_argument, Interrupted.
 Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<controller::ControllerSettings>& controller,

@@ -130,7 +130,7 @@ TEST(Diagnose, NamesBearingFrictionWithItsSize) {
 TEST(Diagnose, SaysNotInTheCatalogueWhereTheCauseIsLeftOut) {
   DiagnosisSettings settings;
   settings.without = {"bearing_coulomb", "bearing_stribeck", "bearing_viscous", "dragging_brake", "gear_friction"};
-  settings.pairs_to_refine = 2;
+  settings.search.pairs_to_refine = 2;
   const Diagnosis found = diagnose_machine({{"bearing_coulomb", {1.5e5, 0.0, 0.0}}}, bench().controller, 13, settings);
   EXPECT_TRUE(found.gap);
   EXPECT_GT(found.probability_unknown, 0.5) << found.verdict;
@@ -141,8 +141,8 @@ TEST(Diagnose, FindsTheControllersOwnEffectWithoutAnyNoise) {
   ASSERT_NE(droop, nullptr);
   const common::EffectInstance effect = common::typical_instance(droop->about);
   DiagnosisSettings settings;
-  settings.singles_to_refine = 1;
-  settings.pairs_to_refine = 0;
+  settings.search.singles_to_refine = 1;
+  settings.search.pairs_to_refine = 0;
   const Diagnosis found = diagnose_machine({}, controller::with_effects(bench().controller, {effect}), 14, settings);
   EXPECT_TRUE(found.controller_differs);
   ASSERT_FALSE(found.causes.empty());
@@ -219,8 +219,8 @@ TEST(Diagnose, DoubtsThatAnotherCraneIsTheNominalOne) {
   truth.crane.load.mass *= 1.5;
   truth.crane.house.inertia *= 1.6;
   DiagnosisSettings settings;
-  settings.singles_to_refine = 2;
-  settings.pairs_to_refine = 0;
+  settings.search.singles_to_refine = 2;
+  settings.search.pairs_to_refine = 0;
   sim::MachineSettings nominal;
   nominal.crane = bench().crane;
   const Diagnosis found = diagnose(

@@ -1,0 +1,219 @@
+#include "diagnosis/screen.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <numbers>
+
+#include "common/unit.h"
+#include "diagnosis/chance.h"
+#include "sim/effects/catalogue.h"
+
+namespace slewlab::diagnosis {
+
+namespace {
+
+constexpr double kSmallShare = 0.25;            // of an effect's typical size, with which it is tried too
+constexpr double kNearlyTried = 0.1;            // of the size: nearer than that to a start is not worth another look
+constexpr double kSameAngle = 1e-9;             // [rad] rounding
+
+bool is_all_round(const common::EffectParameter& parameter) {
+  return parameter.unit == common::Unit::radian && !parameter.absent && parameter.lower <= -std::numbers::pi &&
+         parameter.upper >= std::numbers::pi;
+}
+
+// The angles of an effect that are looked for all round.
+std::vector<std::size_t> turning_angles(const common::EffectAbout& about) {
+  std::vector<std::size_t> angles;
+  for (std::size_t p = 0; p < about.parameters.size(); ++p) {
+    if (is_all_round(about.parameters[p]) && !about.parameters[p].detail) angles.push_back(p);
+  }
+  return angles;
+}
+
+// Whether `turned` is `first` with the angle a quarter turn on.
+bool is_quarter_on(const common::EffectInstance& first, const common::EffectInstance& turned, std::size_t angle) {
+  if (first.name != turned.name) return false;
+  common::EffectInstance same = first;
+  same.values[angle] = turned.values[angle];
+  const double turn = std::remainder(turned.values[angle] - first.values[angle] - 0.5 * std::numbers::pi, 2.0 * std::numbers::pi);
+  return same.values == turned.values && std::fabs(turn) < kSameAngle;
+}
+
+// The best angle between two looks a quarter turn apart, where the angle enters as a sine.
+Screened between_quarters(const Screened& first, const Screened& turned, std::size_t angle, const Eigen::VectorXd& target) {
+  const Eigen::VectorXd &a = first.column, &b = turned.column;
+  const double aa = a.squaredNorm(), bb = b.squaredNorm(), ab = a.dot(b), at = a.dot(target), bt = b.dot(target);
+  const double determinant = aa * bb - ab * ab;
+  Screened best{first.effect, first.start, {}, 0.0, 0.0, target.squaredNorm()};
+  if (!(determinant > 0.0) || !std::isfinite(determinant)) return best;
+  const double x = -(bb * at - ab * bt) / determinant, y = -(aa * bt - ab * at) / determinant;
+  const double amount = std::hypot(x, y);
+  best.amount = std::min(amount, kLargestAmount);
+  best.start.values[angle] =
+      std::remainder(first.start.values[angle] + std::atan2(y, x), 2.0 * std::numbers::pi);
+  best.left = (target + best.amount / amount * (x * a + y * b)).squaredNorm();
+  return best;
+}
+
+}  // namespace
+
+std::vector<common::EffectInstance> starts_of(const common::EffectAbout& about) {
+  const common::EffectInstance typical = common::typical_instance(about);
+  std::vector<common::EffectInstance> shapes{typical};
+  common::EffectInstance small = typical;
+  for (std::size_t p = 0; p < about.parameters.size(); ++p) {
+    const common::EffectParameter& parameter = about.parameters[p];
+    if (!parameter.absent || !std::isfinite(*parameter.absent)) continue;
+    small.values[p] = std::clamp(*parameter.absent + kSmallShare * (typical.values[p] - *parameter.absent),
+                                 parameter.lower, parameter.upper);
+  }
+  std::vector<common::EffectInstance> others;
+  if (small.values != typical.values) others.push_back(small);
+  const auto add = [&](std::size_t p, double value, std::vector<common::EffectInstance>& list) {
+    common::EffectInstance start = typical;
+    start.values[p] = std::clamp(value, about.parameters[p].lower, about.parameters[p].upper);
+    if (start.values[p] != typical.values[p]) list.push_back(start);
+  };
+  for (std::size_t p = 0; p < about.parameters.size(); ++p) {
+    const common::EffectParameter& parameter = about.parameters[p];
+    const bool fades_linearly = parameter.absent && std::isfinite(*parameter.absent);
+    for (const double value : parameter.tries) add(p, value, shapes);
+    if (fades_linearly || is_all_round(parameter) || parameter.detail || !parameter.tries.empty()) continue;
+    for (const double coordinate : {-1.0, 1.0}) {
+      add(p, from_coordinate(parameter, to_coordinate(parameter, typical.values[p]) + coordinate), others);
+    }
+  }
+  const std::vector<std::size_t> angles = turning_angles(about);
+  std::vector<common::EffectInstance> starts;
+  if (angles.size() == 1) {
+    shapes.insert(shapes.end(), others.begin(), others.end());
+  } else {
+    starts = others;
+  }
+  for (const common::EffectInstance& shape : shapes) {
+    std::vector<common::EffectInstance> turned{shape};
+    for (const std::size_t p : angles) {
+      const std::vector<common::EffectInstance> before = turned;
+      for (common::EffectInstance start : before) {
+        for (int quarter = 1; quarter <= (angles.size() == 1 ? 1 : 3); ++quarter) {
+          start.values[p] = std::remainder(shape.values[p] + 0.5 * std::numbers::pi * quarter, 2.0 * std::numbers::pi);
+          turned.push_back(start);
+        }
+      }
+    }
+    starts.insert(starts.end(), turned.begin(), turned.end());
+  }
+  return starts;
+}
+
+common::EffectInstance scaled(const common::EffectAbout& about, common::EffectInstance effect, double factor) {
+  for (std::size_t p = 0; p < about.parameters.size(); ++p) {
+    const common::EffectParameter& parameter = about.parameters[p];
+    if (!parameter.absent) continue;
+    const double absent = *parameter.absent;
+    double value = std::isfinite(absent) ? absent + factor * (effect.values[p] - absent)
+                                         : effect.values[p] / std::max(factor, 1e-3);
+    effect.values[p] = std::clamp(value, parameter.lower, parameter.upper);
+  }
+  return effect;
+}
+
+bool may_turn(const std::string& effect) {
+  const common::EffectParameter& parameter = about_effect(effect).parameters.front();
+  return parameter.absent && parameter.lower < *parameter.absent && parameter.upper > *parameter.absent;
+}
+
+void try_amount(const Eigen::VectorXd& column, const Eigen::VectorXd& target, Screened& screened) {
+  const double norm = column.squaredNorm();
+  screened.amount = norm > 0.0 && std::isfinite(norm) ? -column.dot(target) / norm : 0.0;
+  screened.amount = std::clamp(screened.amount, may_turn(screened.effect) ? -kLargestAmount : 0.0, kLargestAmount);
+  screened.left = (target + screened.amount * column).squaredNorm();
+}
+
+bool has_effect(const sim::MachineSettings& machine, std::string_view name) {
+  return std::any_of(machine.effects.begin(), machine.effects.end(),
+                     [&](const common::EffectInstance& effect) { return effect.name == name; });
+}
+
+double forecast(const Problem& problem, const Base& base, const Screening& screening, const Screened& screened) {
+  const double left = excess(base.difference, problem.settings), nu = problem.settings.law_freedom;
+  const double fall = problem.settings.independent_share * (screening.gap.squaredNorm() - screened.left);
+  return discounted(left, nu) - discounted(left - fall, nu);
+}
+
+Screening screen(Problem& problem, const Base& base, const Projector& project, std::span<const std::string> without,
+                 const Progress& tell) {
+  // Screen: every effect of the catalogue from each of its starts, one simulation each.
+  tell(0.15, "trying every effect of the catalogue");
+  Screening screening;
+  std::vector<Screened>& tried = screening.tried;
+  std::vector<Point> points;
+  for (const sim::EffectDescription* description : sim::effect_catalogue()) {
+    const std::string name(description->about.name);
+    if (std::find(without.begin(), without.end(), name) != without.end() || name == kCounts) continue;
+    // What the nominal crane has already is not missing, and a machine takes an effect once.
+    if (has_effect(problem.nominal, name)) continue;
+    screening.names.insert(name);
+    for (const common::EffectInstance& start : starts_of(description->about)) {
+      Point point = base.point;
+      point.effects.push_back(start);
+      tried.push_back({name, start, {}, 0.0, 0.0, 0.0});
+      points.push_back(point);
+    }
+  }
+  screening.gap = project.gap(base.difference);
+  const Eigen::VectorXd& gap = screening.gap;
+  const auto look = [&](Screened& screened, const Eigen::VectorXd& difference) {
+    if (comes_by_chance(screened.effect)) screened.profile = power_profile(problem, difference - base.difference);
+    screened.column = project(difference - base.difference);
+    screened.visibility = screened.column.squaredNorm();
+    try_amount(screened.column, gap, screened);
+  };
+  {
+    const std::size_t batch = 8 * static_cast<std::size_t>(std::max(1, problem.threads));
+    for (std::size_t from = 0; from < points.size(); from += batch) {
+      const std::size_t count = std::min(batch, points.size() - from);
+      const auto results = differences(problem, std::span<const Point>(points).subspan(from, count));
+      for (std::size_t i = 0; i < count; ++i) look(tried[from + i], results[i]);
+      tell(0.15 + 0.35 * static_cast<double>(from + count) / static_cast<double>(points.size()),
+           "trying every effect of the catalogue");
+    }
+  }
+  // A second look at the best of each effect at the size just found: few laws are linear from nothing to their typical size.
+  {
+    std::map<std::string, Screened> nearest;
+    const auto consider = [&](const Screened& screened) {
+      const auto [entry, is_new] = nearest.try_emplace(screened.effect, screened);
+      if (!is_new && screened.left < entry->second.left) entry->second = screened;
+    };
+    for (std::size_t i = 0; i < tried.size(); ++i) {
+      consider(tried[i]);
+      const std::vector<std::size_t> angles = turning_angles(about_effect(tried[i].effect));
+      if (angles.size() == 1 && i + 1 < tried.size() && is_quarter_on(tried[i].start, tried[i + 1].start, angles[0])) {
+        consider(between_quarters(tried[i], tried[i + 1], angles[0], gap));
+      }
+    }
+    std::vector<Screened> again;
+    std::vector<Point> at;
+    for (const auto& [name, screened] : nearest) {
+      const bool is_tried = screened.column.size() != 0 && std::fabs(screened.amount - 1.0) < kNearlyTried;
+      if (forecast(problem, base, screening, screened) < kLeastGain || is_tried) continue;
+      again.push_back({name, scaled(about_effect(name), screened.start, screened.amount), {}, 0.0, 0.0, 0.0});
+      at.push_back(base.point);
+      at.back().effects.push_back(again.back().start);
+    }
+    tell(0.47, "looking again at the promising effects");
+    const auto results = differences(problem, at);
+    for (std::size_t i = 0; i < again.size(); ++i) look(again[i], results[i]);
+    tried.insert(tried.end(), std::make_move_iterator(again.begin()), std::make_move_iterator(again.end()));
+  }
+  for (const Screened& screened : tried) {
+    if (comes_by_chance(screened.effect)) continue;
+    double& largest = screening.visibility[screened.effect];
+    largest = std::max(largest, screened.visibility);
+  }
+  return screening;
+}
+
+}  // namespace slewlab::diagnosis

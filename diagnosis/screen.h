@@ -1,0 +1,100 @@
+// The whole catalogue, looked at once: what each effect, from each of its starts, could linearly take away of what
+// parameters alone leave. One simulation per start, and a second look at the size which that forecasts.
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <functional>
+#include <map>
+#include <set>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "common/effect.h"
+#include "diagnosis/fit.h"
+
+namespace slewlab::diagnosis {
+
+using Progress = std::function<void(double share, const std::string& doing)>;
+
+// Coarse counts are read off the positions and never fitted.
+inline constexpr const char* kCounts = "encoder_quantisation";
+
+inline constexpr double kLargestAmount = 20.0;         // of the screened size that a linear forecast is trusted with
+inline constexpr double kLeastGain = 6.0;              // fall of the cost, forecast linearly, for which an effect is refined
+
+// The points from which an effect is tried: its typical size, and a fraction of it, where most laws are still linear;
+// other sizes where the size enters not proportionally; other shapes. A single angle that enters as a sine needs two
+// quarters of each: the others follow from them (between_quarters). Two angles are turned all round in every combination, but
+// with the typical size and the values worth a try only.
+std::vector<common::EffectInstance> starts_of(const common::EffectAbout& about);
+
+// The start with its fading parameters scaled by `factor`.
+common::EffectInstance scaled(const common::EffectAbout& about, common::EffectInstance effect, double factor);
+
+struct Screened {
+  std::string effect;
+  common::EffectInstance start;
+  Eigen::VectorXd column;       // change of the differences by the start's size
+  double visibility = 0.0;      // sum of squares of the column, nuisances taken out
+  double amount = 0.0;          // of the start's size, fitted
+  double left = 0.0;            // sum of squares that it leaves, linearly
+  Eigen::VectorXd profile{};    // of an effect that comes by chance (chance.h)
+};
+
+// Projects out what fitted parameters can imitate. Below the differences stand the rows of their prior, so that an effect
+// that relieves parameters of an unlikely value counts for that too.
+class Projector {
+ public:
+  Projector(const Eigen::MatrixXd& columns, const Point& point, double weight)
+      : prior_(prior_rows(point)), scale_(1.0 / std::sqrt(weight)), columns_(columns.rows() + columns.cols(), columns.cols()) {
+    columns_.topRows(columns.rows()) = columns;
+    columns_.bottomRows(columns.cols()) = (scale_ * prior_.slope).asDiagonal();
+    factor_.compute(columns_.transpose() * columns_);
+  }
+  // Of the differences at the point itself.
+  Eigen::VectorXd gap(const Eigen::VectorXd& difference) const {
+    Eigen::VectorXd vector(columns_.rows());
+    vector << difference, scale_ * prior_.value;
+    return project(vector);
+  }
+  // Of a change of the differences, or of what another projector has made of one.
+  Eigen::VectorXd operator()(const Eigen::VectorXd& change) const {
+    Eigen::VectorXd vector = Eigen::VectorXd::Zero(columns_.rows());
+    vector.head(change.size()) = change;
+    return project(vector);
+  }
+
+ private:
+  Eigen::VectorXd project(const Eigen::VectorXd& vector) const {
+    return vector - columns_ * factor_.solve(columns_.transpose() * vector);
+  }
+
+  PriorRows prior_;
+  double scale_;
+  Eigen::MatrixXd columns_;
+  Eigen::LDLT<Eigen::MatrixXd> factor_;
+};
+
+// Whether the effect acts the other way round with its size turned.
+bool may_turn(const std::string& effect);
+
+// How much of `target` a multiple of the column takes away.
+void try_amount(const Eigen::VectorXd& column, const Eigen::VectorXd& target, Screened& screened);
+
+bool has_effect(const sim::MachineSettings& machine, std::string_view name);
+
+struct Screening {
+  std::set<std::string> names;               // of the effects that could have been named
+  std::vector<Screened> tried;               // all starts and second looks
+  std::map<std::string, double> visibility;  // largest of each effect's
+  Eigen::VectorXd gap;                       // what parameters alone leave, as the projector shows it
+};
+Screening screen(Problem& problem, const Base& base, const Projector& project, std::span<const std::string> without,
+                 const Progress& tell);
+
+// Fall of the cost that the start promises.
+double forecast(const Problem& problem, const Base& base, const Screening& screening, const Screened& screened);
+
+}  // namespace slewlab::diagnosis

@@ -1,0 +1,269 @@
+#include "diagnosis/search.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <map>
+#include <set>
+#include <string>
+
+#include "diagnosis/chance.h"
+#include "diagnosis/nuisance.h"
+
+namespace slewlab::diagnosis {
+
+namespace {
+
+constexpr double kLeastPairGain = 40.0;         // fall of the excess below the best single effect's, forecast, to try a pair
+constexpr double kChanceSize = 0.2;             // relative standard deviation of a size that is found from the power of one draw
+constexpr double kSameMotion = 1e-6;            // relative difference of two signatures below which two effects are one motion
+constexpr int kStartsPerEffect = 2;             // that are refined
+constexpr int kFreshRounds = 2;                 // at most, for a leader
+constexpr int kPairsPerLeader = 3;              // that are refined beside each of the three best single effects
+constexpr double kParallel = 0.02;              // 1 - cosine^2 of two signatures below which they are not tried as a pair
+
+// Of each effect that comes by chance its best draw, by the variance of what parameters alone leave.
+void add_chance(const Problem& problem, const Base& base, const std::vector<Screened>& tried, std::vector<FitResult>& fits) {
+  const double free_cost = free_power_cost(problem, base.difference);
+  std::map<std::string, FitResult> best;
+  for (const Screened& screened : tried) {
+    if (screened.profile.size() == 0) continue;
+    const ChanceFit chance = fit_chance(base.difference, screened.profile);
+    if (chance.scale == 0.0 || !is_near_free_power(chance, free_cost, base.difference.size())) continue;
+    FitResult result;
+    result.point = base.point;
+    result.point.effects.push_back(with_power(screened.start, chance.scale));
+    result.difference = base.difference;
+    result.mean_square = base.difference.squaredNorm() / static_cast<double>(base.difference.size());
+    result.excess = problem.settings.independent_share * (chance.cost - static_cast<double>(base.difference.size()));
+    result.prior = base.prior;
+    result.information = base.information;
+    const common::EffectInstance& effect = result.point.effects.front();
+    const common::EffectAbout& about = about_effect(effect.name);
+    for (std::size_t p = 0; p < effect.values.size(); ++p) {
+      const common::EffectParameter& parameter = about.parameters[p];
+      result.prior += effect_prior(to_coordinate(parameter, effect.values[p])).cost;
+      result.deviation.push_back(p == 0 ? kChanceSize * effect.values[p]
+                                        : std::fabs(value_per_deviation(parameter, effect.values[p])));
+    }
+    const auto [entry, is_new] = best.try_emplace(screened.effect, result);
+    if (!is_new && result.excess + result.prior < entry->second.excess + entry->second.prior) entry->second = result;
+  }
+  for (auto& [name, result] : best) fits.push_back(std::move(result));
+}
+
+bool cheaper(const FitResult& a, const FitResult& b) { return a.cost < b.cost; }
+
+// The best `contenders` get another round. The best of them goes on with fresh nuisance columns until it settles; `leaders` go on
+// with these columns, and where one of them overtakes, it gets fresh ones as well.
+void go_on(Problem& problem, std::vector<FitResult>& fits, int contenders, int leaders,
+           const std::function<void(double, const FitResult&)>& tell) {
+  if (fits.empty()) return;
+  const auto first = static_cast<double>(contenders), all = static_cast<double>(contenders + leaders);
+  std::stable_sort(fits.begin(), fits.end(), cheaper);
+  for (std::size_t i = 0; i < fits.size() && static_cast<int>(i) < contenders; ++i) {
+    tell(static_cast<double>(i) / all, fits[i]);
+    improve(problem, fits[i], false);
+  }
+  std::stable_sort(fits.begin(), fits.end(), cheaper);
+  tell(first / all, fits.front());
+  for (int round = 0; round < kFreshRounds && improve(problem, fits.front(), true); ++round) {
+  }
+  for (std::size_t i = 1; i < fits.size() && static_cast<int>(i) < leaders; ++i) {
+    tell((first + static_cast<double>(i)) / all, fits[i]);
+    take_nuisance_columns(fits.front().columns, fits[i]);
+    improve(problem, fits[i], false);
+  }
+  const auto best = std::min_element(fits.begin(), fits.end(), cheaper);
+  if (best != fits.begin()) improve(problem, *best, true);
+  std::stable_sort(fits.begin(), fits.end(), cheaper);
+}
+
+// From the best fit of `effects` effects to those with one less; they take their places where they are cheaper.
+void go_back(Problem& problem, const Eigen::MatrixXd& nuisance_columns, std::size_t effects, std::vector<FitResult>& fits) {
+  const auto best =
+      std::find_if(fits.begin(), fits.end(), [&](const FitResult& result) { return result.point.effects.size() == effects; });
+  if (best == fits.end()) return;
+  const FitResult from = *best;
+  for (std::size_t left_out = 0; left_out < effects; ++left_out) {
+    Point start = from.point;
+    start.effects.erase(start.effects.begin() + static_cast<std::ptrdiff_t>(left_out));
+    FitResult again = fit(problem, nuisance_columns, start);
+    take_nuisance_columns(from.columns, again);
+    improve(problem, again, false);
+    const auto same = std::find_if(fits.begin(), fits.end(), [&](const FitResult& result) {
+      return std::equal(result.point.effects.begin(), result.point.effects.end(), again.point.effects.begin(), again.point.effects.end(),
+                        [](const common::EffectInstance& a, const common::EffectInstance& b) { return a.name == b.name; });
+    });
+    if (same == fits.end()) {
+      fits.push_back(std::move(again));
+    } else if (again.cost < same->cost) {
+      *same = std::move(again);
+    }
+  }
+  std::stable_sort(fits.begin(), fits.end(), cheaper);
+}
+
+// Pairs worth refining. First what two columns do jointly from where nothing is added, then what a second effect
+// takes away of what each of the best single fits left: where effects are large, only that is near enough.
+std::vector<Point> pair_starts(const Problem& problem, const Base& base, const Eigen::VectorXd& gap,
+                               const std::vector<const Screened*>& best, const std::vector<FitResult>& singles, int count) {
+  struct Pair {
+    Point start;
+    double left;
+  };
+  const auto by_left = [](const Pair& a, const Pair& b) { return a.left < b.left; };
+  std::vector<Pair> joint;
+  for (std::size_t i = 0; i < best.size(); ++i) {
+    for (std::size_t j = i + 1; j < best.size(); ++j) {
+      const Eigen::VectorXd &a = best[i]->column, &b = best[j]->column;
+      const double aa = best[i]->visibility, bb = best[j]->visibility, ab = a.dot(b);
+      const double determinant = aa * bb - ab * ab;
+      if (!(determinant > kParallel * aa * bb) || aa <= 0.0 || bb <= 0.0) continue;
+      const double ga = a.dot(gap), gb = b.dot(gap);
+      const double x = -(bb * ga - ab * gb) / determinant, y = -(aa * gb - ab * ga) / determinant;
+      const auto allowed = [](const Screened& s, double amount) {
+        return std::fabs(amount) <= kLargestAmount && (amount > 0.0 || may_turn(s.effect));
+      };
+      if (!allowed(*best[i], x) || !allowed(*best[j], y)) continue;
+      Point start = base.point;
+      start.effects.push_back(scaled(about_effect(best[i]->effect), best[i]->start, x));
+      start.effects.push_back(scaled(about_effect(best[j]->effect), best[j]->start, y));
+      joint.push_back({start, gap.squaredNorm() + x * ga + y * gb});
+    }
+  }
+  std::stable_sort(joint.begin(), joint.end(), by_left);
+  // Forecasts from where nothing is added are compared with each other, those beside a single fit with that fit.
+  double best_single = gap.squaredNorm();
+  for (const Screened* screened : best) best_single = std::min(best_single, screened->left);
+  const double worth = kLeastPairGain / problem.settings.independent_share;
+  std::erase_if(joint, [&](const Pair& pair) { return pair.left > best_single - worth; });
+  std::vector<Point> starts;
+  std::set<std::set<std::string>> taken;
+  const auto take = [&](const Point& start) {
+    if (taken.insert({start.effects[0].name, start.effects[1].name}).second) starts.push_back(start);
+  };
+  for (std::size_t i = 0; i < joint.size() && static_cast<int>(starts.size()) < count / 2; ++i) take(joint[i].start);
+
+  for (std::size_t leader = 0; leader < std::min<std::size_t>(3, singles.size()); ++leader) {
+    const FitResult& single = singles[leader];
+    const Projector project(single.columns, single.point, data_weight(single.difference, problem.settings));
+    const Eigen::VectorXd left = project.gap(single.difference);
+    std::vector<Pair> seconds;
+    for (const Screened* screened : best) {
+      if (screened->effect == single.point.effects[0].name) continue;
+      Screened beside = *screened;
+      try_amount(project(screened->column), left, beside);
+      Point start = single.point;
+      start.effects.push_back(scaled(about_effect(beside.effect), beside.start, beside.amount));
+      if (left.squaredNorm() - beside.left > worth) seconds.push_back({start, beside.left});
+    }
+    std::stable_sort(seconds.begin(), seconds.end(), by_left);
+    for (std::size_t k = 0; k < std::min<std::size_t>(kPairsPerLeader, seconds.size()); ++k) take(seconds[k].start);
+  }
+  return starts;
+}
+
+}  // namespace
+
+Found search(Problem& problem, const Base& base, const Screening& screening, const SearchSettings& settings,
+             const Progress& tell) {
+  // All starts by what they leave, and of them the best of each effect.
+  std::vector<const Screened*> ranked, best;
+  for (const Screened& screened : screening.tried) {
+    if (!comes_by_chance(screened.effect)) ranked.push_back(&screened);
+  }
+  std::stable_sort(ranked.begin(), ranked.end(), [](const Screened* a, const Screened* b) { return a->left < b->left; });
+  std::map<std::string, int> seen;
+  for (const Screened* screened : ranked) {
+    if (++seen[screened->effect] == 1) best.push_back(screened);
+  }
+
+  // Refine the best ones with everything free: what takes away more than chance would.
+  std::vector<const Screened*> chosen;
+  seen.clear();
+  // Two effects that are the same motion are fitted once and named both.
+  std::map<std::string, std::string> same_as;
+  for (const Screened* screened : ranked) {
+    if (static_cast<int>(chosen.size()) >= settings.singles_to_refine || forecast(problem, base, screening, *screened) < kLeastGain) break;
+    if (same_as.count(screened->effect) != 0) continue;
+    const auto same = std::find_if(chosen.begin(), chosen.end(), [&](const Screened* other) {
+      return other->effect != screened->effect && other->start.values == screened->start.values &&
+             (other->column - screened->column).squaredNorm() <= kSameMotion * kSameMotion * screened->visibility;
+    });
+    if (same != chosen.end()) {
+      same_as[screened->effect] = (*same)->effect;
+    } else if (++seen[screened->effect] <= kStartsPerEffect) {
+      chosen.push_back(screened);
+    }
+  }
+  std::erase_if(best, [&](const Screened* screened) { return same_as.count(screened->effect) != 0; });
+  Found found;
+  std::vector<FitResult>& fits = found.fits;
+  for (std::size_t i = 0; i < chosen.size(); ++i) {
+    tell(0.5 + 0.2 * static_cast<double>(i) / static_cast<double>(chosen.size()), "refining " + chosen[i]->effect);
+    Point start = base.point;
+    start.effects.push_back(scaled(about_effect(chosen[i]->effect), chosen[i]->start, chosen[i]->amount));
+    fits.push_back(fit(problem, base.nuisance_columns, start));
+  }
+  // One fit per effect, the better one. The leaders go on, the best of them with fresh columns, so that none loses for
+  // want of convergence.
+  std::stable_sort(fits.begin(), fits.end(), cheaper);
+  seen.clear();
+  std::erase_if(fits, [&](const FitResult& result) { return ++seen[result.point.effects[0].name] > 1; });
+  go_on(problem, fits, settings.contenders, settings.leaders, [&](double share, const FitResult& result) {
+    tell(0.7 + 0.1 * share, "converging " + result.point.effects[0].name);
+  });
+  if (!fits.empty() && settings.pairs_to_refine > 0) {
+    const std::vector<Point> starts = pair_starts(problem, base, screening.gap, best, fits, settings.pairs_to_refine);
+    std::vector<FitResult> pairs;
+    for (std::size_t i = 0; i < starts.size(); ++i) {
+      tell(0.8 + 0.12 * static_cast<double>(i) / static_cast<double>(starts.size()),
+           "refining " + starts[i].effects[0].name + " with " + starts[i].effects[1].name);
+      pairs.push_back(fit(problem, base.nuisance_columns, starts[i]));
+      take_nuisance_columns(fits.front().columns, pairs.back());
+    }
+    go_on(problem, pairs, settings.pair_contenders, settings.pair_leaders, [&](double share, const FitResult& result) {
+      tell(0.92 + 0.07 * share,
+           "converging " + result.point.effects[0].name + " with " + result.point.effects[1].name);
+    });
+    fits.insert(fits.end(), std::make_move_iterator(pairs.begin()), std::make_move_iterator(pairs.end()));
+  }
+
+  // What fits with one effect more may show the way to those with less: a descent that stopped short elsewhere goes on from there.
+  tell(0.99, "going back to fewer effects");
+  std::stable_sort(fits.begin(), fits.end(), cheaper);
+  go_back(problem, base.nuisance_columns, 2, fits);
+  go_back(problem, base.nuisance_columns, 1, fits);
+  FitResult& nothing = found.nothing;
+  nothing.point = base.point;
+  nothing.difference = base.difference;
+  nothing.columns = base.nuisance_columns;
+  nothing.cost = base.cost;
+  const auto without_effects =
+      std::find_if(fits.begin(), fits.end(), [](const FitResult& result) { return result.point.effects.empty(); });
+  if (without_effects != fits.end()) {
+    if (without_effects->cost < nothing.cost) nothing = *without_effects;
+    fits.erase(without_effects);
+  }
+  conclude(problem, nothing);
+  for (FitResult& result : fits) conclude(problem, result);
+  add_chance(problem, base, screening.tried, fits);
+  for (const auto& [name, other] : same_as) {
+    for (std::size_t i = 0; i < fits.size(); ++i) {
+      for (std::size_t e = 0; e < fits[i].point.effects.size(); ++e) {
+        if (fits[i].point.effects[e].name != other) continue;
+        FitResult twin = fits[i];
+        twin.point.effects[e].name = name;
+        fits.push_back(std::move(twin));
+        break;
+      }
+    }
+  }
+
+  // A fit that was shaken to pieces is no candidate.
+  std::erase_if(fits, [](const FitResult& result) { return !std::isfinite(result.cost + result.information.sum()); });
+  return found;
+}
+
+}  // namespace slewlab::diagnosis

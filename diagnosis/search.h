@@ -1,0 +1,27 @@
+// From what the screening promises to fitted hypotheses: single effects, pairs, effects by chance, and nothing missing.
+#pragma once
+
+#include <vector>
+
+#include "diagnosis/fit.h"
+#include "diagnosis/screen.h"
+
+namespace slewlab::diagnosis {
+
+struct SearchSettings {
+  int singles_to_refine = 16;  // starts, two of an effect at most
+  int contenders = 6;          // of the refined ones, with another round
+  int leaders = 3;             // of these, the best with fresh columns until it settles
+  int pairs_to_refine = 10;
+  int pair_contenders = 4;
+  int pair_leaders = 2;
+};
+
+struct Found {
+  FitResult nothing;            // parameters alone
+  std::vector<FitResult> fits;  // of one or two effects
+};
+Found search(Problem& problem, const Base& base, const Screening& screening, const SearchSettings& settings,
+             const Progress& tell);
+
+}  // namespace slewlab::diagnosis
