@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <numbers>
 #include <stdexcept>
 
 #include "common/yaml_node.h"
@@ -34,6 +35,18 @@ std::string_view name_of(Subsystem subsystem) {
   constexpr std::array<std::string_view, 8> kNames{"drive",       "house",  "boom", "load",
                                                    "environment", "sensor", "wire", "controller"};
   return kNames[static_cast<std::size_t>(subsystem)];
+}
+
+EffectParameter angle_parameter(std::string_view name, std::string_view meaning, double typical) {
+  return {.name = name,
+          .unit = Unit::radian,
+          .meaning = meaning,
+          .lower = -std::numbers::pi,
+          .upper = std::numbers::pi,
+          .typical = typical,
+          .prior_scale = 2.0,  // wide: any angle is as likely
+          .scale = ParameterScale::linear,
+          .absent = std::nullopt};
 }
 
 std::string parameter_row(const EffectParameter& parameter) {

@@ -41,6 +41,9 @@ struct EffectParameter {
   bool detail = false;
 };
 
+// An angle that may be any: a phase or a direction, -pi ... pi.
+EffectParameter angle_parameter(std::string_view name, std::string_view meaning, double typical = 0.0);
+
 struct EffectAbout {
   std::string_view name;
   Subsystem subsystem = Subsystem::drive;

@@ -252,6 +252,12 @@ std::string YamlReader::text(std::string_view key) {
 
 std::string YamlReader::optional_text(std::string_view key) { return has(key) ? text(key) : std::string{}; }
 
+void YamlReader::heading(std::string_view kind) {
+  const std::string found = text("kind");
+  if (!found.empty() && found != kind) report("kind", found, std::string(kind));
+  optional_text("description");
+}
+
 std::filesystem::path YamlReader::file(std::string_view key) {
   const YamlNode* entry = need(key, "the name of a file");
   if (entry == nullptr) return {};

@@ -55,6 +55,8 @@ class YamlReader {
   std::size_t choice(std::string_view key, std::initializer_list<std::string_view> choices);
   std::string text(std::string_view key);
   std::string optional_text(std::string_view key);
+  // What every file begins with: its kind, which must be this one, and perhaps a description.
+  void heading(std::string_view kind);
   // A file named relative to the file in which the key stands.
   std::filesystem::path file(std::string_view key);
 

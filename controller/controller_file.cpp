@@ -86,9 +86,7 @@ ControllerFile load_controller_file(const std::filesystem::path& file,
   ControllerFile result;
   ControllerSettings& settings = result.settings;
   YamlReader reader(root, "", problems);
-  const std::string kind = reader.text("kind");
-  if (!kind.empty() && kind != "controller") reader.report("kind", kind, "controller");
-  reader.optional_text("description");
+  reader.heading("controller");
   settings.group_count = reader.integer("groups", 1, kMaximumGroups);
   settings.total_ratio = reader.number("total_ratio", Unit::none, positive());
   settings.rated_torque = reader.number("motor_torque_rated", Unit::newton_metre, positive());

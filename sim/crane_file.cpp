@@ -153,9 +153,7 @@ CraneFile load_crane_file(const std::filesystem::path& file, const std::vector<c
   CraneFile result;
   CraneParameters& crane = result.parameters;
   YamlReader reader(root, "", problems);
-  const std::string kind = reader.text("kind");
-  if (!kind.empty() && kind != "crane") reader.report("kind", kind, "crane");
-  reader.optional_text("description");
+  reader.heading("crane");
   crane.drive = read_drive(reader.map("drive"));
   crane.house = read_house(reader.map("house"));
   if (reader.has("boom")) {

@@ -79,9 +79,7 @@ std::vector<OperatorMove> read_moves(YamlReader& scenario, std::int64_t plant_st
 }
 
 void read_scenario(YamlReader& reader, Scenario& scenario) {
-  const std::string kind = reader.text("kind");
-  if (!kind.empty() && kind != "scenario") reader.report("kind", kind, "scenario");
-  reader.optional_text("description");
+  reader.heading("scenario");
   scenario.crane_file = reader.file("crane");
   scenario.controller_file = reader.file("controller");
   scenario.duration = read_time(reader, "duration");

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "sim/effects/asymmetry.h"
 #include "sim/effects/presliding.h"
 
 namespace slewlab::sim {
@@ -77,15 +78,7 @@ const EffectDescription& bearing_stribeck() {
                                 .prior_scale = 0.5,
                                 .scale = common::ParameterScale::logarithmic,
                                 .absent = std::nullopt},
-                               {.name = "asymmetry",
-                                .unit = common::Unit::none,
-                                .meaning = "relative excess against positive motion, lack against negative",
-                                .lower = -1.0,
-                                .upper = 1.0,
-                                .typical = 0.0,
-                                .prior_scale = 0.2,
-                                .scale = common::ParameterScale::linear,
-                                .absent = std::nullopt},
+                               asymmetry_parameter(),
                                give_parameter("slew angle over which the bearing takes up its friction; 0: dry friction", 1e-3, 3e-5)}},
       .ports = {EffectPort::friction, EffectPort::force},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {

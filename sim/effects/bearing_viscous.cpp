@@ -1,5 +1,7 @@
 #include "sim/effects/bearing_viscous.h"
 
+#include "sim/effects/asymmetry.h"
+
 namespace slewlab::sim {
 
 namespace {
@@ -35,15 +37,7 @@ const EffectDescription& bearing_viscous() {
                                 .prior_scale = 2e6,
                                 .scale = common::ParameterScale::linear,
                                 .absent = 0.0},
-                               {.name = "asymmetry",
-                                .unit = common::Unit::none,
-                                .meaning = "relative excess against positive motion, lack against negative",
-                                .lower = -1.0,
-                                .upper = 1.0,
-                                .typical = 0.0,
-                                .prior_scale = 0.2,
-                                .scale = common::ParameterScale::linear,
-                                .absent = std::nullopt}}},
+                               asymmetry_parameter()}},
       .ports = {EffectPort::force},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<BearingViscous>(start);

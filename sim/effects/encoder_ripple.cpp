@@ -1,7 +1,6 @@
 #include "sim/effects/encoder_ripple.h"
 
 #include <cmath>
-#include <numbers>
 
 #include "sim/integrate/plant.h"
 
@@ -48,24 +47,8 @@ const EffectDescription& encoder_ripple() {
                                 .prior_scale = 0.005,
                                 .scale = common::ParameterScale::linear,
                                 .absent = 0.0},
-                               {.name = "phase",
-                                .unit = common::Unit::radian,
-                                .meaning = "at the start, in the first half of the groups",
-                                .lower = -std::numbers::pi,
-                                .upper = std::numbers::pi,
-                                .typical = 0.0,
-                                .prior_scale = 2.0,
-                                .scale = common::ParameterScale::linear,
-                                .absent = std::nullopt},
-                               {.name = "phase_last",
-                                .unit = common::Unit::radian,
-                                .meaning = "at the start, in the last half",
-                                .lower = -std::numbers::pi,
-                                .upper = std::numbers::pi,
-                                .typical = 0.0,
-                                .prior_scale = 2.0,
-                                .scale = common::ParameterScale::linear,
-                                .absent = std::nullopt},
+                               common::angle_parameter("phase", "at the start, in the first half of the groups"),
+                               common::angle_parameter("phase_last", "at the start, in the last half"),
                                {.name = "second_share",
                                 .unit = common::Unit::none,
                                 .meaning = "error twice per turn, share of the amplitude",

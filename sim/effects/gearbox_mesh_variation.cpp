@@ -1,6 +1,5 @@
 #include "sim/effects/gearbox_mesh_variation.h"
 
-#include <numbers>
 
 #include "sim/effects/mesh_variation.h"
 #include "sim/effects/ripple.h"
@@ -22,15 +21,7 @@ const EffectDescription& gearbox_mesh_variation() {
                                 .prior_scale = 0.002,
                                 .scale = common::ParameterScale::linear,
                                 .absent = 0.0},
-                               {.name = "phase",
-                                .unit = common::Unit::radian,
-                                .meaning = "phase of the mesh at the start",
-                                .lower = -std::numbers::pi,
-                                .upper = std::numbers::pi,
-                                .typical = 0.0,
-                                .prior_scale = 2.0,
-                                .scale = common::ParameterScale::linear,
-                                .absent = std::nullopt},
+                               common::angle_parameter("phase", "phase of the mesh at the start"),
                                second_sine_parameter(),
                                second_cosine_parameter()}},
       .ports = {EffectPort::force, EffectPort::sensor},

@@ -51,15 +51,8 @@ const EffectDescription& heel() {
                                 .prior_scale = 0.01,
                                 .scale = common::ParameterScale::linear,
                                 .absent = 0.0},
-                               {.name = "direction",
-                                .unit = common::Unit::radian,
-                                .meaning = "downhill, from the boom's first direction",
-                                .lower = -std::numbers::pi,
-                                .upper = std::numbers::pi,
-                                .typical = 0.5 * std::numbers::pi,
-                                .prior_scale = 2.0,
-                                .scale = common::ParameterScale::linear,
-                                .absent = std::nullopt}}},
+                               common::angle_parameter("direction",
+                                                       "downhill, from the boom's first direction", 0.5 * std::numbers::pi)}},
       .ports = {EffectPort::force, EffectPort::sensor},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<Heel>(start);

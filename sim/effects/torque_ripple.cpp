@@ -1,6 +1,5 @@
 #include "sim/effects/torque_ripple.h"
 
-#include <numbers>
 
 #include "sim/effects/ripple.h"
 #include "sim/integrate/plant.h"
@@ -58,15 +57,7 @@ const EffectDescription& torque_ripple() {
                                 .scale = common::ParameterScale::logarithmic,
                                 .absent = std::nullopt,
                                 .tries = {1.0, 2.0, 3.0, 4.0, 12.0}},  // turn, pole pairs, their harmonics
-                               {.name = "phase",
-                                .unit = common::Unit::radian,
-                                .meaning = "phase of the ripple at the start",
-                                .lower = -std::numbers::pi,
-                                .upper = std::numbers::pi,
-                                .typical = 0.0,
-                                .prior_scale = 2.0,
-                                .scale = common::ParameterScale::linear,
-                                .absent = std::nullopt},
+                               common::angle_parameter("phase", "phase of the ripple at the start"),
                                second_sine_parameter(),
                                second_cosine_parameter()}},
       .ports = {EffectPort::actuator},

@@ -2,6 +2,32 @@
 
 namespace slewlab::sim {
 
+common::EffectParameter boom_drag_area_parameter() {
+  return {.name = "boom_drag_area",
+          .unit = common::Unit::square_metre,
+          .meaning = "drag coefficient times side area of the boom",
+          .lower = 1.0,
+          .upper = 500.0,
+          .typical = 80.0,
+          .prior_scale = 0.3,
+          .scale = common::ParameterScale::logarithmic,
+          .absent = std::nullopt,
+          .detail = true};
+}
+
+common::EffectParameter load_drag_area_parameter() {
+  return {.name = "load_drag_area",
+          .unit = common::Unit::square_metre,
+          .meaning = "drag coefficient times area of the load",
+          .lower = 0.1,
+          .upper = 500.0,
+          .typical = 20.0,
+          .prior_scale = 0.5,
+          .scale = common::ParameterScale::logarithmic,
+          .absent = std::nullopt,
+          .detail = true};
+}
+
 DragAreas drag_areas(const CraneParameters& crane, double boom, double load) {
   return {.boom_per_length = crane.boom.length > 0.0 ? boom / crane.boom.length : 0.0,
           .load = crane.load.mass > 0.0 ? load : 0.0};

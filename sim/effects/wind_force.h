@@ -12,6 +12,10 @@ struct DragAreas {
   double load = 0.0;             // [m^2]
 };
 
+// Both are guesses before a wind is measured; a diagnosis fits them beside the wind's speed.
+common::EffectParameter boom_drag_area_parameter();
+common::EffectParameter load_drag_area_parameter();
+
 // `boom` [m^2] of the whole boom, `load` [m^2]; 0 where the crane has no boom or no load.
 DragAreas drag_areas(const CraneParameters& crane, double boom, double load);
 

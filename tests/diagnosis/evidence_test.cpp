@@ -45,7 +45,7 @@ TEST(Evidence, KnownWhereACauseLeavesLittle) {
   EXPECT_LT(p.unknown, 0.01);
 }
 
-// Two causes of equal prior and penalty: their odds are the ratio of their discounted misfits, by the header's formula.
+// Two causes of equal prior: their odds are the ratio of their discounted misfits, by the header's formula.
 TEST(Evidence, OddsFollowTheFormula) {
   EvidenceSettings settings;
   settings.law_freedom = 10.0;

@@ -14,9 +14,7 @@ AcceptanceLimits load_acceptance_limits(const std::filesystem::path& file) {
   const common::YamlNode root = common::load_yaml_file(file, {}, problems);
   if (root.kind != common::YamlNode::Kind::map) throw common::InputError(problems);
   common::YamlReader reader(root, "", problems);
-  const std::string kind = reader.text("kind");
-  if (!kind.empty() && kind != "acceptance") reader.report("kind", kind, "acceptance");
-  reader.optional_text("description");
+  reader.heading("acceptance");
 
   constexpr int kMany = 1'000'000;
   const auto count = [&](const char* key) -> std::optional<int> {

@@ -94,9 +94,7 @@ SoakSettings load_soak_settings(const std::filesystem::path& file, const std::ve
   const common::YamlNode root = common::load_yaml_file(file, overrides, problems);
   if (root.kind != common::YamlNode::Kind::map) throw common::InputError(problems);
   YamlReader reader(root, "", problems);
-  const std::string kind = reader.text("kind");
-  if (!kind.empty() && kind != "soak") reader.report("kind", kind, "soak");
-  reader.optional_text("description");
+  reader.heading("soak");
   SoakSettings settings;
   settings.ranges = read_ranges(reader);
   settings.limits = read_limits(reader.map("limits"));
