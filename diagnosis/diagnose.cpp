@@ -37,10 +37,6 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 }
 
-double mean_square(const Eigen::VectorXd& vector) {
-  return vector.squaredNorm() / static_cast<double>(vector.size());
-}
-
 // Where the gap lies: what `difference` has more than `left`, band by band.
 void locate(const Problem& problem, const Eigen::VectorXd& difference, const Eigen::VectorXd& left, Diagnosis& diagnosis) {
   // Bands between the modes that the thesis's cranes have: swinging, first bending, second bending, torsion
@@ -269,9 +265,8 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   }
 
   tell(0.02, "fitting the parameters alone");
-  const Point as_given{std::vector<double>(nuisance_count(), 0.0), {}};
-  diagnosis.mean_square_nominal = mean_square(differences(problem, as_given));
   const Base base = fit_nuisances(problem);
+  diagnosis.mean_square_nominal = base.nominal_mean_square;
   diagnosis.mean_square_parameters = mean_square(base.difference);
   find_moments(problem, base.point, diagnosis);
 
@@ -294,6 +289,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
     candidates.push_back({diagnosis.causes.back().effects, diagnosis.causes.back().excess, result.prior, result.information});
   }
   EvidenceSettings evidence = settings.evidence;
+  evidence.independent_share = settings.fit.independent_share;
   if (is_coarse) {
     evidence.unknown_floor += kCoarseNoise * settings.fit.independent_share * static_cast<double>(base.difference.size());
   }

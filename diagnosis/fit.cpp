@@ -191,6 +191,10 @@ double descend(Problem& problem, int iterations, Eigen::MatrixXd& columns, Point
 
 }  // namespace
 
+double mean_square(const Eigen::VectorXd& difference) {
+  return difference.squaredNorm() / static_cast<double>(difference.size());
+}
+
 double excess(const Eigen::VectorXd& difference, const FitSettings& settings) {
   return settings.independent_share * (difference.squaredNorm() - static_cast<double>(difference.size()));
 }
@@ -298,8 +302,8 @@ std::vector<Eigen::VectorXd> differences(Problem& problem, std::span<const Point
 
 namespace {
 
+// From where it stands, with the differences there.
 void settle(Problem& problem, Base& base) {
-  base.difference = differences(problem, base.point);
   base.cost = cost_of(problem, base.point, base.difference);
   for (int round = 0; round < problem.settings.rounds; ++round) {
     base.nuisance_columns = nuisance_columns(problem, base.point, base.difference);
@@ -314,6 +318,8 @@ void settle(Problem& problem, Base& base) {
 Base fit_nuisances(Problem& problem) {
   Base base;
   base.point.nuisance.assign(nuisance_count(), 0.0);
+  base.difference = differences(problem, base.point);
+  base.nominal_mean_square = mean_square(base.difference);
   settle(problem, base);
   // Parameters that ended at the walls may have gone there on the way and not come back.
   Base again;
@@ -322,6 +328,8 @@ Base fit_nuisances(Problem& problem) {
     if (std::fabs(again.point.nuisance[k]) > kAtTheWall) again.point.nuisance[k] = 0.0;
   }
   if (again.point.nuisance != base.point.nuisance) {
+    again.difference = differences(problem, again.point);
+    again.nominal_mean_square = base.nominal_mean_square;
     settle(problem, again);
     if (again.cost < base.cost) base = std::move(again);
   }
@@ -366,7 +374,7 @@ bool improve(Problem& problem, FitResult& result, bool fresh_nuisances) {
 }
 
 void conclude(const Problem& problem, FitResult& result) {
-  result.mean_square = result.difference.squaredNorm() / static_cast<double>(result.difference.size());
+  result.mean_square = mean_square(result.difference);
   result.excess = excess(result.difference, problem.settings);
   const Eigen::MatrixXd system = curvature(problem, result.point, result.difference, result.columns);
   result.prior = prior_cost(result.point);

@@ -67,6 +67,8 @@ Eigen::VectorXd differences(Problem& problem, const Point& point);
 // The same for many points, on `threads` threads.
 std::vector<Eigen::VectorXd> differences(Problem& problem, std::span<const Point> points);
 
+double mean_square(const Eigen::VectorXd& difference);
+
 // What of the differences noise alone does not explain: s (sum(d^2) - n).
 double excess(const Eigen::VectorXd& difference, const FitSettings& settings);
 
@@ -91,6 +93,7 @@ struct Base {
   double cost = 0.0;
   double prior = 0.0;                // as in FitResult
   Eigen::VectorXd information;
+  double nominal_mean_square = 0.0;  // of the differences before anything is fitted
 };
 Base fit_nuisances(Problem& problem);
 

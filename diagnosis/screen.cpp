@@ -42,17 +42,15 @@ bool is_quarter_on(const common::EffectInstance& first, const common::EffectInst
 
 // The best angle between two looks a quarter turn apart, where the angle enters as a sine.
 Screened between_quarters(const Screened& first, const Screened& turned, std::size_t angle, const Eigen::VectorXd& target) {
-  const Eigen::VectorXd &a = first.column, &b = turned.column;
-  const double aa = a.squaredNorm(), bb = b.squaredNorm(), ab = a.dot(b), at = a.dot(target), bt = b.dot(target);
-  const double determinant = aa * bb - ab * ab;
-  Screened best{first.effect, first.start, {}, 0.0, 0.0, target.squaredNorm()};
-  if (!(determinant > 0.0) || !std::isfinite(determinant)) return best;
-  const double x = -(bb * at - ab * bt) / determinant, y = -(aa * bt - ab * at) / determinant;
+  Screened best{first.start, {}, 0.0, 0.0, target.squaredNorm()};
+  const std::optional<Amounts> amounts = joint_amounts(first.column, turned.column, target, 0.0);
+  if (!amounts) return best;
+  const double x = amounts->x, y = amounts->y;
   const double amount = std::hypot(x, y);
   best.amount = std::min(amount, kLargestAmount);
   best.start.values[angle] =
       std::remainder(first.start.values[angle] + std::atan2(y, x), 2.0 * std::numbers::pi);
-  best.left = (target + best.amount / amount * (x * a + y * b)).squaredNorm();
+  best.left = (target + best.amount / amount * (x * first.column + y * turned.column)).squaredNorm();
   return best;
 }
 
@@ -127,8 +125,15 @@ bool may_turn(const std::string& effect) {
 void try_amount(const Eigen::VectorXd& column, const Eigen::VectorXd& target, Screened& screened) {
   const double norm = column.squaredNorm();
   screened.amount = norm > 0.0 && std::isfinite(norm) ? -column.dot(target) / norm : 0.0;
-  screened.amount = std::clamp(screened.amount, may_turn(screened.effect) ? -kLargestAmount : 0.0, kLargestAmount);
+  screened.amount = std::clamp(screened.amount, may_turn(screened.start.name) ? -kLargestAmount : 0.0, kLargestAmount);
   screened.left = (target + screened.amount * column).squaredNorm();
+}
+
+std::optional<Amounts> joint_amounts(const Eigen::VectorXd& a, const Eigen::VectorXd& b, const Eigen::VectorXd& target, double least) {
+  const double aa = a.squaredNorm(), bb = b.squaredNorm(), ab = a.dot(b), at = a.dot(target), bt = b.dot(target);
+  const double determinant = aa * bb - ab * ab;
+  if (!(determinant > least * aa * bb) || !std::isfinite(determinant)) return std::nullopt;
+  return Amounts{-(bb * at - ab * bt) / determinant, -(aa * bt - ab * at) / determinant, at, bt};
 }
 
 bool has_effect(const sim::MachineSettings& machine, std::string_view name) {
@@ -158,14 +163,14 @@ Screening screen(Problem& problem, const Base& base, const Projector& project, s
     for (const common::EffectInstance& start : starts_of(description->about)) {
       Point point = base.point;
       point.effects.push_back(start);
-      tried.push_back({name, start, {}, 0.0, 0.0, 0.0});
+      tried.push_back({start, {}, 0.0, 0.0, 0.0});
       points.push_back(point);
     }
   }
   screening.gap = project.gap(base.difference);
   const Eigen::VectorXd& gap = screening.gap;
   const auto look = [&](Screened& screened, const Eigen::VectorXd& difference) {
-    if (comes_by_chance(screened.effect)) screened.profile = power_profile(problem, difference - base.difference);
+    if (comes_by_chance(screened.start.name)) screened.profile = power_profile(problem, difference - base.difference);
     screened.column = project(difference - base.difference);
     screened.visibility = screened.column.squaredNorm();
     try_amount(screened.column, gap, screened);
@@ -184,12 +189,12 @@ Screening screen(Problem& problem, const Base& base, const Projector& project, s
   {
     std::map<std::string, Screened> nearest;
     const auto consider = [&](const Screened& screened) {
-      const auto [entry, is_new] = nearest.try_emplace(screened.effect, screened);
+      const auto [entry, is_new] = nearest.try_emplace(screened.start.name, screened);
       if (!is_new && screened.left < entry->second.left) entry->second = screened;
     };
     for (std::size_t i = 0; i < tried.size(); ++i) {
       consider(tried[i]);
-      const std::vector<std::size_t> angles = turning_angles(about_effect(tried[i].effect));
+      const std::vector<std::size_t> angles = turning_angles(about_effect(tried[i].start.name));
       if (angles.size() == 1 && i + 1 < tried.size() && is_quarter_on(tried[i].start, tried[i + 1].start, angles[0])) {
         consider(between_quarters(tried[i], tried[i + 1], angles[0], gap));
       }
@@ -199,7 +204,7 @@ Screening screen(Problem& problem, const Base& base, const Projector& project, s
     for (const auto& [name, screened] : nearest) {
       const bool is_tried = screened.column.size() != 0 && std::fabs(screened.amount - 1.0) < kNearlyTried;
       if (forecast(problem, base, screening, screened) < kLeastGain || is_tried) continue;
-      again.push_back({name, scaled(about_effect(name), screened.start, screened.amount), {}, 0.0, 0.0, 0.0});
+      again.push_back({scaled(about_effect(name), screened.start, screened.amount), {}, 0.0, 0.0, 0.0});
       at.push_back(base.point);
       at.back().effects.push_back(again.back().start);
     }
@@ -209,8 +214,8 @@ Screening screen(Problem& problem, const Base& base, const Projector& project, s
     tried.insert(tried.end(), std::make_move_iterator(again.begin()), std::make_move_iterator(again.end()));
   }
   for (const Screened& screened : tried) {
-    if (comes_by_chance(screened.effect)) continue;
-    double& largest = screening.visibility[screened.effect];
+    if (comes_by_chance(screened.start.name)) continue;
+    double& largest = screening.visibility[screened.start.name];
     largest = std::max(largest, screened.visibility);
   }
   return screening;

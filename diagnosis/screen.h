@@ -6,6 +6,7 @@
 #include <Eigen/Core>
 #include <functional>
 #include <map>
+#include <optional>
 #include <set>
 #include <span>
 #include <string>
@@ -34,7 +35,6 @@ std::vector<common::EffectInstance> starts_of(const common::EffectAbout& about);
 common::EffectInstance scaled(const common::EffectAbout& about, common::EffectInstance effect, double factor);
 
 struct Screened {
-  std::string effect;
   common::EffectInstance start;
   Eigen::VectorXd column;       // change of the differences by the start's size
   double visibility = 0.0;      // sum of squares of the column, nuisances taken out
@@ -82,6 +82,14 @@ bool may_turn(const std::string& effect);
 
 // How much of `target` a multiple of the column takes away.
 void try_amount(const Eigen::VectorXd& column, const Eigen::VectorXd& target, Screened& screened);
+
+// The multiples x, y of two columns that take most of `target` away together; nothing where the columns are parallel: where
+// 1 - cosine^2 is not above `least`.
+struct Amounts {
+  double x, y;
+  double a_target, b_target;  // the columns' products with the target
+};
+std::optional<Amounts> joint_amounts(const Eigen::VectorXd& a, const Eigen::VectorXd& b, const Eigen::VectorXd& target, double least);
 
 bool has_effect(const sim::MachineSettings& machine, std::string_view name);
 

@@ -34,7 +34,7 @@ void add_chance(const Problem& problem, const Base& base, const std::vector<Scre
     result.point = base.point;
     result.point.effects.push_back(with_power(screened.start, chance.scale));
     result.difference = base.difference;
-    result.mean_square = base.difference.squaredNorm() / static_cast<double>(base.difference.size());
+    result.mean_square = mean_square(base.difference);
     result.excess = problem.settings.independent_share * (chance.cost - static_cast<double>(base.difference.size()));
     result.prior = base.prior;
     result.information = base.information;
@@ -46,7 +46,7 @@ void add_chance(const Problem& problem, const Base& base, const std::vector<Scre
       result.deviation.push_back(p == 0 ? kChanceSize * effect.values[p]
                                         : std::fabs(value_per_deviation(parameter, effect.values[p])));
     }
-    const auto [entry, is_new] = best.try_emplace(screened.effect, result);
+    const auto [entry, is_new] = best.try_emplace(screened.start.name, result);
     if (!is_new && result.excess + result.prior < entry->second.excess + entry->second.prior) entry->second = result;
   }
   for (auto& [name, result] : best) fits.push_back(std::move(result));
@@ -116,20 +116,17 @@ std::vector<Point> pair_starts(const Problem& problem, const Base& base, const E
   std::vector<Pair> joint;
   for (std::size_t i = 0; i < best.size(); ++i) {
     for (std::size_t j = i + 1; j < best.size(); ++j) {
-      const Eigen::VectorXd &a = best[i]->column, &b = best[j]->column;
-      const double aa = best[i]->visibility, bb = best[j]->visibility, ab = a.dot(b);
-      const double determinant = aa * bb - ab * ab;
-      if (!(determinant > kParallel * aa * bb) || aa <= 0.0 || bb <= 0.0) continue;
-      const double ga = a.dot(gap), gb = b.dot(gap);
-      const double x = -(bb * ga - ab * gb) / determinant, y = -(aa * gb - ab * ga) / determinant;
+      const std::optional<Amounts> amounts = joint_amounts(best[i]->column, best[j]->column, gap, kParallel);
+      if (!amounts) continue;
+      const auto [x, y, a_target, b_target] = *amounts;
       const auto allowed = [](const Screened& s, double amount) {
-        return std::fabs(amount) <= kLargestAmount && (amount > 0.0 || may_turn(s.effect));
+        return std::fabs(amount) <= kLargestAmount && (amount > 0.0 || may_turn(s.start.name));
       };
       if (!allowed(*best[i], x) || !allowed(*best[j], y)) continue;
       Point start = base.point;
-      start.effects.push_back(scaled(about_effect(best[i]->effect), best[i]->start, x));
-      start.effects.push_back(scaled(about_effect(best[j]->effect), best[j]->start, y));
-      joint.push_back({start, gap.squaredNorm() + x * ga + y * gb});
+      start.effects.push_back(scaled(about_effect(best[i]->start.name), best[i]->start, x));
+      start.effects.push_back(scaled(about_effect(best[j]->start.name), best[j]->start, y));
+      joint.push_back({start, gap.squaredNorm() + x * a_target + y * b_target});
     }
   }
   std::stable_sort(joint.begin(), joint.end(), by_left);
@@ -151,11 +148,11 @@ std::vector<Point> pair_starts(const Problem& problem, const Base& base, const E
     const Eigen::VectorXd left = project.gap(single.difference);
     std::vector<Pair> seconds;
     for (const Screened* screened : best) {
-      if (screened->effect == single.point.effects[0].name) continue;
+      if (screened->start.name == single.point.effects[0].name) continue;
       Screened beside = *screened;
       try_amount(project(screened->column), left, beside);
       Point start = single.point;
-      start.effects.push_back(scaled(about_effect(beside.effect), beside.start, beside.amount));
+      start.effects.push_back(scaled(about_effect(beside.start.name), beside.start, beside.amount));
       if (left.squaredNorm() - beside.left > worth) seconds.push_back({start, beside.left});
     }
     std::stable_sort(seconds.begin(), seconds.end(), by_left);
@@ -171,12 +168,12 @@ Found search(Problem& problem, const Base& base, const Screening& screening, con
   // All starts by what they leave, and of them the best of each effect.
   std::vector<const Screened*> ranked, best;
   for (const Screened& screened : screening.tried) {
-    if (!comes_by_chance(screened.effect)) ranked.push_back(&screened);
+    if (!comes_by_chance(screened.start.name)) ranked.push_back(&screened);
   }
   std::stable_sort(ranked.begin(), ranked.end(), [](const Screened* a, const Screened* b) { return a->left < b->left; });
   std::map<std::string, int> seen;
   for (const Screened* screened : ranked) {
-    if (++seen[screened->effect] == 1) best.push_back(screened);
+    if (++seen[screened->start.name] == 1) best.push_back(screened);
   }
 
   // Refine the best ones with everything free: what takes away more than chance would.
@@ -186,24 +183,24 @@ Found search(Problem& problem, const Base& base, const Screening& screening, con
   std::map<std::string, std::string> same_as;
   for (const Screened* screened : ranked) {
     if (static_cast<int>(chosen.size()) >= settings.singles_to_refine || forecast(problem, base, screening, *screened) < kLeastGain) break;
-    if (same_as.count(screened->effect) != 0) continue;
+    if (same_as.count(screened->start.name) != 0) continue;
     const auto same = std::find_if(chosen.begin(), chosen.end(), [&](const Screened* other) {
-      return other->effect != screened->effect && other->start.values == screened->start.values &&
+      return other->start.name != screened->start.name && other->start.values == screened->start.values &&
              (other->column - screened->column).squaredNorm() <= kSameMotion * kSameMotion * screened->visibility;
     });
     if (same != chosen.end()) {
-      same_as[screened->effect] = (*same)->effect;
-    } else if (++seen[screened->effect] <= kStartsPerEffect) {
+      same_as[screened->start.name] = (*same)->start.name;
+    } else if (++seen[screened->start.name] <= kStartsPerEffect) {
       chosen.push_back(screened);
     }
   }
-  std::erase_if(best, [&](const Screened* screened) { return same_as.count(screened->effect) != 0; });
+  std::erase_if(best, [&](const Screened* screened) { return same_as.count(screened->start.name) != 0; });
   Found found;
   std::vector<FitResult>& fits = found.fits;
   for (std::size_t i = 0; i < chosen.size(); ++i) {
-    tell(0.5 + 0.2 * static_cast<double>(i) / static_cast<double>(chosen.size()), "refining " + chosen[i]->effect);
+    tell(0.5 + 0.2 * static_cast<double>(i) / static_cast<double>(chosen.size()), "refining " + chosen[i]->start.name);
     Point start = base.point;
-    start.effects.push_back(scaled(about_effect(chosen[i]->effect), chosen[i]->start, chosen[i]->amount));
+    start.effects.push_back(scaled(about_effect(chosen[i]->start.name), chosen[i]->start, chosen[i]->amount));
     fits.push_back(fit(problem, base.nuisance_columns, start));
   }
   // One fit per effect, the better one. The leaders go on, the best of them with fresh columns, so that none loses for

@@ -1,6 +1,5 @@
 #include "sim/effects/pinion_mesh_variation.h"
 
-
 #include "sim/effects/mesh_variation.h"
 #include "sim/effects/ripple.h"
 #include "sim/integrate/plant.h"
