@@ -7,7 +7,8 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
+#include <set>
+#include <utility>
 
 #include "controller/effects/catalogue.h"
 #include "diagnosis/fit.h"
@@ -20,9 +21,17 @@ constexpr int kIterations = 12;
 constexpr double kStep = 0.02;  // [standard deviations of the prior] difference quotient
 constexpr double kChangeTime = 0.25;  // [s] short against ramps and integral times, long enough to see a ramp that is late
 constexpr std::array<double, 4> kStartShares{0.03, 0.1, 0.4, 1.5};  // of the typical size
+constexpr std::array<double, 4> kOtherStarts{-1.0, -0.3, 0.3, 1.0};  // [standard deviations] of a second parameter
+constexpr int kStartsToGoOn = 3;
+constexpr double kFirstStride = 0.1, kLastStride = 1e-4;  // [standard deviations] of the search without slopes
+constexpr double kExact = 1e-9;         // share of the difference below which nothing is left to find
+constexpr int kSinglesToPair = 3;
 // Share of the difference that the right effect may leave where the real law differs from the catalogue's.
 constexpr double kUsualShareLeft = 1e-3;
 constexpr double kIndependent = 60.0;  // independent differences that the replay is worth
+constexpr double kPairPrior = 0.1;     // of two effects, against one
+
+using Effects = std::vector<common::EffectInstance>;
 
 // Of the changes over `change_time` [s]; of the torques themselves where that is 0.
 Eigen::VectorXd torque_differences(std::span<const Record> records, const controller::ControllerSettings& settings,
@@ -38,63 +47,83 @@ Eigen::VectorXd torque_differences(std::span<const Record> records, const contro
   return Eigen::Map<Eigen::VectorXd>(all.data(), static_cast<Eigen::Index>(all.size()));
 }
 
-controller::ControllerSettings with(const controller::ControllerSettings& nominal, const common::EffectInstance& effect) {
-  return controller::with_effects(nominal, {effect});
-}
-
-common::EffectInstance at(const common::EffectAbout& about, const Eigen::VectorXd& x) {
-  common::EffectInstance effect{std::string(about.name), {}};
-  for (std::size_t p = 0; p < about.parameters.size(); ++p) {
-    const common::EffectParameter& parameter = about.parameters[p];
-    effect.values.push_back(std::clamp(from_coordinate(parameter, x(static_cast<Eigen::Index>(p))), parameter.lower, parameter.upper));
+Eigen::VectorXd coordinates(const Effects& effects) {
+  std::vector<double> x;
+  for (const common::EffectInstance& effect : effects) {
+    const common::EffectAbout& about = about_effect(effect.name);
+    for (std::size_t p = 0; p < effect.values.size(); ++p) x.push_back(to_coordinate(about.parameters[p], effect.values[p]));
   }
-  return effect;
+  return Eigen::Map<const Eigen::VectorXd>(x.data(), static_cast<Eigen::Index>(x.size()));
 }
 
-Eigen::VectorXd coordinates(const common::EffectAbout& about, const common::EffectInstance& effect) {
-  Eigen::VectorXd x(static_cast<Eigen::Index>(effect.values.size()));
-  for (std::size_t p = 0; p < effect.values.size(); ++p) {
-    x(static_cast<Eigen::Index>(p)) = to_coordinate(about.parameters[p], effect.values[p]);
+// The same effects with the parameters at `x`, within their bounds.
+Effects at(Effects effects, const Eigen::VectorXd& x) {
+  Eigen::Index i = 0;
+  for (common::EffectInstance& effect : effects) {
+    const common::EffectAbout& about = about_effect(effect.name);
+    for (std::size_t p = 0; p < effect.values.size(); ++p) {
+      const common::EffectParameter& parameter = about.parameters[p];
+      effect.values[p] = std::clamp(from_coordinate(parameter, x(i++)), parameter.lower, parameter.upper);
+    }
   }
-  return x;
+  return effects;
 }
 
-// Shares of the typical size, and the other way round where the effect has one.
+// What the fits of one controller share.
+struct Replays {
+  std::span<const Record> records;
+  const controller::ControllerSettings& nominal;
+  Eigen::VectorXd operator()(const Effects& effects, double change_time) const {
+    return torque_differences(records, controller::with_effects(nominal, effects), change_time);
+  }
+};
+
+// Shares of the typical size, and the other way round where the effect has one, each with some values of the other parameters.
 std::vector<common::EffectInstance> starts_of(const common::EffectAbout& about) {
   const common::EffectInstance typical = common::typical_instance(about);
   std::vector<common::EffectInstance> starts{typical};
   const common::EffectParameter& size = about.parameters.front();
-  if (!size.absent || !std::isfinite(*size.absent)) return starts;
-  for (const double share : kStartShares) {
-    for (const double direction : {1.0, -1.0}) {
-      common::EffectInstance start = typical;
-      start.values[0] = std::clamp(*size.absent + direction * share * (typical.values[0] - *size.absent), size.lower, size.upper);
-      starts.push_back(start);
+  if (size.absent && std::isfinite(*size.absent)) {
+    for (const double share : kStartShares) {
+      for (const double direction : {1.0, -1.0}) {
+        common::EffectInstance start = typical;
+        start.values[0] = std::clamp(*size.absent + direction * share * (typical.values[0] - *size.absent), size.lower, size.upper);
+        starts.push_back(start);
+      }
+    }
+  }
+  for (std::size_t p = 1; p < about.parameters.size(); ++p) {
+    const common::EffectParameter& parameter = about.parameters[p];
+    const std::vector<common::EffectInstance> before = starts;
+    for (common::EffectInstance start : before) {
+      for (const double coordinate : kOtherStarts) {
+        const double x = to_coordinate(parameter, typical.values[p]) + coordinate;
+        start.values[p] = std::clamp(from_coordinate(parameter, x), parameter.lower, parameter.upper);
+        starts.push_back(start);
+      }
     }
   }
   return starts;
 }
 
-// Levenberg-Marquardt from `effect`, by the torques' changes over `change_time`. Gives the differences there and the curvature.
-Eigen::VectorXd descend(std::span<const Record> records, const controller::ControllerSettings& nominal,
-                        const common::EffectAbout& about, double change_time, common::EffectInstance& effect,
-                        Eigen::MatrixXd& gram) {
-  Eigen::VectorXd x = coordinates(about, effect);
+// Levenberg-Marquardt from `effects`, by the torques' changes over `change_time`. Gives the differences there and the curvature.
+Eigen::VectorXd descend(const Replays& replays, double change_time, Effects& effects, Eigen::MatrixXd& gram) {
+  Eigen::VectorXd x = coordinates(effects);
   double damping = 1e-3;
-  Eigen::VectorXd difference = torque_differences(records, with(nominal, effect), change_time);
+  Eigen::VectorXd difference = replays(effects, change_time);
   for (int iteration = 0; iteration < kIterations; ++iteration) {
     Eigen::MatrixXd columns(difference.size(), x.size());
     for (Eigen::Index p = 0; p < x.size(); ++p) {
       Eigen::VectorXd moved = x;
       moved(p) += kStep;
-      columns.col(p) = (torque_differences(records, with(nominal, at(about, moved)), change_time) - difference) / kStep;
+      columns.col(p) = (replays(at(effects, moved), change_time) - difference) / kStep;
     }
     gram = columns.transpose() * columns;
     const double scale = std::max(1e-12, gram.diagonal().maxCoeff());
     Eigen::MatrixXd system = gram;
     system.diagonal() += damping * (gram.diagonal().array() + 1e-9 * scale).matrix();
-    const Eigen::VectorXd trial = coordinates(about, at(about, x - system.ldlt().solve(columns.transpose() * difference)));
-    const Eigen::VectorXd trial_difference = torque_differences(records, with(nominal, at(about, trial)), change_time);
+    const Eigen::VectorXd trial = coordinates(at(effects, x - system.ldlt().solve(columns.transpose() * difference)));
+    const Eigen::VectorXd trial_difference = replays(at(effects, trial), change_time);
     if (trial_difference.squaredNorm() < difference.squaredNorm()) {
       const bool settled = trial_difference.squaredNorm() > 0.999 * difference.squaredNorm();
       x = trial;
@@ -106,8 +135,72 @@ Eigen::VectorXd descend(std::span<const Record> records, const controller::Contr
       if (damping > 1e6) break;
     }
   }
-  effect = at(about, x);
+  effects = at(effects, x);
   return difference;
+}
+
+// Where a ramp's changes of direction come a cycle earlier or later, slopes lead nowhere: one parameter after the other, by
+// strides that are halved where none helps.
+void feel_around(const Replays& replays, double change_time, Effects& effects) {
+  Eigen::VectorXd x = coordinates(effects);
+  double least = replays(effects, change_time).squaredNorm();
+  for (double stride = kFirstStride; stride > kLastStride;) {
+    bool fell = false;
+    for (Eigen::Index p = 0; p < x.size(); ++p) {
+      for (const double direction : {1.0, -1.0}) {
+        Eigen::VectorXd moved = x;
+        moved(p) += direction * stride;
+        moved = coordinates(at(effects, moved));
+        const double square = replays(at(effects, moved), change_time).squaredNorm();
+        if (square >= least) continue;
+        least = square;
+        x = moved;
+        fell = true;
+        break;
+      }
+    }
+    if (!fell) stride *= 0.5;
+  }
+  effects = at(effects, x);
+}
+
+// A replayed integral runs away as long as the speed it wants is not quite the recorded one, and its torque leads a descent
+// nowhere until everything is nearly right. So first the changes, from the best of the starts, then the torques.
+ControllerCause fit_effects(const Replays& replays, double gap, const std::vector<Effects>& starts, bool without_slopes) {
+  std::vector<std::pair<double, std::size_t>> ranked;
+  for (std::size_t i = 0; i < starts.size(); ++i) ranked.emplace_back(replays(starts[i], kChangeTime).squaredNorm(), i);
+  std::sort(ranked.begin(), ranked.end());
+  ControllerCause best;
+  best.share_left = std::numeric_limits<double>::infinity();
+  Eigen::MatrixXd best_gram;
+  for (std::size_t i = 0; i < std::min<std::size_t>(kStartsToGoOn, ranked.size()) && best.share_left > kExact; ++i) {
+    Effects effects = starts[ranked[i].second];
+    Eigen::MatrixXd gram;
+    const auto consider = [&](const Eigen::VectorXd& difference) {
+      const double share = gap > 0.0 ? difference.squaredNorm() / gap : 1.0;
+      if (share >= best.share_left) return;
+      best.share_left = share;
+      best.effects = effects;
+      best_gram = gram;
+    };
+    descend(replays, kChangeTime, effects, gram);
+    if (without_slopes) feel_around(replays, kChangeTime, effects);
+    consider(descend(replays, 0.0, effects, gram));
+  }
+  // What is left is not noise but law; it is worth kIndependent differences.
+  const double variance = std::max(best.share_left, kUsualShareLeft) * gap / kIndependent;
+  Eigen::MatrixXd regular = best_gram;
+  regular.diagonal().array() += 1e-12 * std::max(1e-300, best_gram.diagonal().maxCoeff());
+  const Eigen::MatrixXd inverse = regular.inverse();
+  Eigen::Index i = 0;
+  for (const common::EffectInstance& effect : best.effects) {
+    const common::EffectAbout& about = about_effect(effect.name);
+    for (std::size_t p = 0; p < effect.values.size(); ++p, ++i) {
+      const double per_deviation = value_per_deviation(about.parameters[p], effect.values[p]);
+      best.deviation.push_back(std::fabs(per_deviation) * std::sqrt(std::min(1.0, variance * inverse(i, i))));
+    }
+  }
+  return best;
 }
 
 }  // namespace
@@ -115,44 +208,50 @@ Eigen::VectorXd descend(std::span<const Record> records, const controller::Contr
 std::vector<ControllerCause> fit_controller(std::span<const Record> records,
                                             const controller::ControllerSettings& nominal,
                                             std::span<const std::string> without) {
-  const double gap = torque_differences(records, nominal).squaredNorm();
+  const Replays replays{records, nominal};
+  const double gap = replays({}, 0.0).squaredNorm();
+  std::vector<const common::EffectAbout*> catalogue;
+  for (const common::EffectAbout* about : controller::effect_abouts()) {
+    if (std::find(without.begin(), without.end(), about->name) == without.end()) catalogue.push_back(about);
+  }
+  const auto leaves_less = [](const ControllerCause& a, const ControllerCause& b) { return a.share_left < b.share_left; };
   std::vector<ControllerCause> causes;
-  for (const controller::ControllerEffect* description : controller::effect_catalogue()) {
-    const common::EffectAbout& about = description->about;
-    if (std::find(without.begin(), without.end(), about.name) != without.end()) continue;
-    ControllerCause cause;
-    // A replayed integral runs away as long as the speed it wants is not quite the recorded one, and its torque leads a descent
-    // nowhere until everything is nearly right. So first the changes, from the best of some sizes, then the torques.
-    double least = std::numeric_limits<double>::infinity();
-    for (const common::EffectInstance& start : starts_of(about)) {
-      const double square = torque_differences(records, with(nominal, start), kChangeTime).squaredNorm();
-      if (square >= least) continue;
-      least = square;
-      cause.effect = start;
+  // The search without slopes takes longer and is left out where it is not needed.
+  for (const bool without_slopes : {false, true}) {
+    if (!causes.empty() && causes.front().share_left <= kExact) break;
+    causes.clear();
+    for (const common::EffectAbout* about : catalogue) {
+      std::vector<Effects> starts;
+      for (const common::EffectInstance& start : starts_of(*about)) starts.push_back({start});
+      causes.push_back(fit_effects(replays, gap, starts, without_slopes));
     }
-    Eigen::MatrixXd gram;
-    descend(records, nominal, about, kChangeTime, cause.effect, gram);
-    const Eigen::VectorXd difference = descend(records, nominal, about, 0.0, cause.effect, gram);
-    cause.share_left = gap > 0.0 ? difference.squaredNorm() / gap : 1.0;
-    // What is left is not noise but law; it is worth kIndependent differences.
-    const double variance = std::max(difference.squaredNorm(), kUsualShareLeft * gap) / kIndependent;
-    Eigen::MatrixXd regular = gram;
-    regular.diagonal().array() += 1e-12 * std::max(1e-300, gram.diagonal().maxCoeff());
-    const Eigen::MatrixXd inverse = regular.inverse();
-    for (std::size_t p = 0; p < about.parameters.size(); ++p) {
-      const double per_deviation = value_per_deviation(about.parameters[p], cause.effect.values[p]);
-      const auto i = static_cast<Eigen::Index>(p);
-      cause.deviation.push_back(std::fabs(per_deviation) * std::sqrt(std::min(1.0, variance * inverse(i, i))));
+    std::sort(causes.begin(), causes.end(), leaves_less);
+  }
+  // Two effects, where one is not the whole answer.
+  if (!causes.empty() && causes.front().share_left > kExact) {
+    const std::size_t singles = std::min<std::size_t>(kSinglesToPair, causes.size());
+    std::set<std::set<std::string>> tried;
+    for (std::size_t i = 0; i < singles; ++i) {
+      const common::EffectInstance first = causes[i].effects.front();
+      for (const common::EffectAbout* about : catalogue) {
+        const std::string second(about->name);
+        if (second == first.name || !tried.insert({first.name, second}).second) continue;
+        std::vector<Effects> starts;
+        for (const common::EffectInstance& start : starts_of(*about)) starts.push_back({first, start});
+        causes.push_back(fit_effects(replays, gap, starts, false));
+      }
     }
-    causes.push_back(cause);
+    std::sort(causes.begin(), causes.end(), leaves_less);
   }
   double sum = 0.0;
   for (ControllerCause& cause : causes) {
-    cause.probability = std::pow(kUsualShareLeft + cause.share_left, -0.5 * kIndependent);
+    const double prior = cause.effects.size() > 1 ? kPairPrior : 1.0;
+    cause.probability = prior * std::pow((kUsualShareLeft + cause.share_left) / kUsualShareLeft, -0.5 * kIndependent);
     sum += cause.probability;
   }
   for (ControllerCause& cause : causes) cause.probability /= sum;
-  std::sort(causes.begin(), causes.end(), [](const ControllerCause& a, const ControllerCause& b) { return a.probability > b.probability; });
+  std::stable_sort(causes.begin(), causes.end(),
+                   [](const ControllerCause& a, const ControllerCause& b) { return a.probability > b.probability; });
   return causes;
 }
 

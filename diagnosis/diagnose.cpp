@@ -21,7 +21,7 @@ constexpr double kNinetyPercent = 1.645;       // standard deviations of a norma
 constexpr double kIndistinguishable = 0.97;    // cosine of two signatures, nuisances taken out
 constexpr double kLeastTrusted = 0.3;           // share of a record that must lie away from impacts
 constexpr double kGroupOdds = 20.0;             // of two causes' probabilities, beyond which the records tell them apart
-constexpr double kControllerExplained = 0.1;    // share of its difference that the right effect of a controller leaves at most
+constexpr double kControllerExplained = 0.01;   // share of its difference that the right effect of a controller leaves at most
 constexpr double kSlowFollower = 4.0;           // by which the shadow is slower behind coarse counts, or they would shake its boom
 constexpr double kCoarseNoise = 0.1;            // share by which the noise of coarse counts is known
 constexpr double kLawShare = 0.03;              // relative standard deviation of a size by its law: learned, docs/diagnosis.md
@@ -135,7 +135,7 @@ std::vector<Size> sizes_of(const std::vector<common::EffectInstance>& effects, c
   return sizes;
 }
 
-Cause make_cause(const FitResult& result) {
+Cause make_cause(const Problem& problem, const FitResult& result) {
   Cause cause;
   for (const common::EffectInstance& effect : result.point.effects) cause.effects.push_back(effect.name);
   cause.point = result.point;
@@ -143,6 +143,7 @@ Cause make_cause(const FitResult& result) {
   cause.excess = result.excess;
   cause.prior = result.prior;
   cause.information = result.information;
+  cause.bands = bands_of(problem, result.difference).square;
   cause.sizes = sizes_of(result.point.effects, result.deviation);
   return cause;
 }
@@ -185,17 +186,21 @@ void add_controller_causes(const Problem& problem, const controller::ControllerS
   for (const ControllerCause& part : diagnosis.controller_causes) {
     if (part.probability < kNegligible) continue;
     for (const Cause& cause : diagnosis.causes) {
-      if (cause.effects.size() > 1) continue;
+      if (cause.effects.size() + part.effects.size() > 2) continue;
       Cause both = cause;
-      both.effects.push_back(part.effect.name);
-      both.controller_effects = {part.effect};
+      for (const common::EffectInstance& effect : part.effects) both.effects.push_back(effect.name);
+      both.controller_effects = part.effects;
       both.probability *= part.probability * known;
-      const std::vector<Size> sizes = sizes_of({part.effect}, part.deviation);
+      const std::vector<Size> sizes = sizes_of(part.effects, part.deviation);
       both.sizes.insert(both.sizes.end(), sizes.begin(), sizes.end());
       combined.push_back(both);
     }
   }
   diagnosis.probability_unknown = 1.0 - (1.0 - diagnosis.probability_unknown) * known;
+  // The third effect that some of them would have needed is not looked for.
+  double sum = 0.0;
+  for (const Cause& cause : combined) sum += cause.probability;
+  for (Cause& cause : combined) cause.probability *= (1.0 - diagnosis.probability_unknown) / sum;
   diagnosis.causes = std::move(combined);
 }
 
@@ -282,10 +287,11 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   const std::vector<FitResult>& fits = found.fits;
 
   // Weigh.
+  diagnosis.band_counts = bands_of(problem, base.difference).count;
   std::vector<Candidate> candidates{{{}, nothing.excess, nothing.prior, nothing.information}};
-  diagnosis.causes.push_back(make_cause(nothing));
+  diagnosis.causes.push_back(make_cause(problem, nothing));
   for (const FitResult& result : fits) {
-    diagnosis.causes.push_back(make_cause(result));
+    diagnosis.causes.push_back(make_cause(problem, result));
     candidates.push_back({diagnosis.causes.back().effects, diagnosis.causes.back().excess, result.prior, result.information});
   }
   EvidenceSettings evidence = settings.evidence;

@@ -24,6 +24,7 @@ json to_json(const CaseResult& result) {
                       {"excess", cause.excess},
                       {"prior", cause.prior},
                       {"information", cause.information},
+                      {"bands", cause.bands},
                       {"sizes", sizes}});
   }
   for (const auto& [name, probability] : result.subsystems) {
@@ -38,7 +39,8 @@ json to_json(const CaseResult& result) {
           {"unseen_before", result.unseen_before},
           {"unseen_after", result.unseen_after},
           {"seconds", result.seconds},
-          {"simulations", result.simulations}};
+          {"simulations", result.simulations},
+          {"band_counts", result.band_counts}};
 }
 
 CaseResult result_from(const json& j) {
@@ -48,7 +50,7 @@ CaseResult result_from(const json& j) {
   result.gap = j.at("gap");
   result.probability_unknown = j.at("probability_unknown");
   for (const json& c : j.at("causes")) {
-    NamedCause cause{c.at("effects"), c.at("probability"), c.at("group"), {}, c.at("excess"), c.at("prior"), c.at("information")};
+    NamedCause cause{c.at("effects"), c.at("probability"), c.at("group"), {}, c.at("excess"), c.at("prior"), c.at("information"), c.value("bands", std::vector<double>{})};
     // JSON has no infinity: a bound that is not given lies there.
     const auto bound = [](const json& value, double otherwise) {
       return value.is_null() ? otherwise : value.get<double>();
@@ -65,6 +67,7 @@ CaseResult result_from(const json& j) {
   result.unseen_after = j.at("unseen_after");
   result.seconds = j.at("seconds");
   result.simulations = j.at("simulations");
+  result.band_counts = j.value("band_counts", std::vector<double>{});
   return result;
 }
 

@@ -74,10 +74,11 @@ TEST(FitController, FindsARampFarFromTheSettings) {
   records.push_back(make_record(simulated_log(truth, controller::with_effects(bench().controller, {ramp}), kThereAndBack, kDuration, 5),
                                 "a", bench().admission));
   const std::vector<ControllerCause> found = fit_controller(records, bench().controller, {});
-  ASSERT_EQ(found.front().effect.name, "other_ramp");
+  ASSERT_EQ(found.front().effects.size(), 1u);
+  EXPECT_EQ(found.front().effects[0].name, "other_ramp");
   EXPECT_LT(found.front().share_left, 1e-3);
-  EXPECT_NEAR(found.front().effect.values[0], 1.14, 1e-3);
-  EXPECT_NEAR(found.front().effect.values[1], -0.05, 1e-3);
+  EXPECT_NEAR(found.front().effects[0].values[0], 1.14, 1e-3);
+  EXPECT_NEAR(found.front().effects[0].values[1], -0.05, 1e-3);
 }
 
 // A delay of 40 ms in the shadow's own feedback (its fastest pole is at 26 rad/s) would shake it to pieces; taken out of
