@@ -288,14 +288,21 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
 
   // Weigh.
   diagnosis.band_counts = bands_of(problem, base.difference).count;
-  std::vector<Candidate> candidates{{{}, nothing.excess, nothing.prior, nothing.information}};
-  diagnosis.causes.push_back(make_cause(problem, nothing));
-  for (const FitResult& result : fits) {
-    diagnosis.causes.push_back(make_cause(problem, result));
-    candidates.push_back({diagnosis.causes.back().effects, diagnosis.causes.back().excess, result.prior, result.information});
-  }
   EvidenceSettings evidence = settings.evidence;
   evidence.independent_share = settings.fit.independent_share;
+  double least = std::min(0.0, nothing.excess);
+  for (const FitResult& result : fits) least = std::min(least, result.excess);
+  std::vector<Candidate> candidates;
+  const auto add_candidate = [&](const FitResult& result) {
+    Cause cause = make_cause(problem, result);
+    const Relaxed relaxed = relax(problem, result, evidence.law_freedom, usual_misfit(evidence, nothing.excess - least), least);
+    cause.excess = relaxed.excess;
+    cause.prior = relaxed.prior;
+    candidates.push_back({cause.effects, cause.excess, cause.prior, cause.information});
+    diagnosis.causes.push_back(std::move(cause));
+  };
+  add_candidate(nothing);
+  for (const FitResult& result : fits) add_candidate(result);
   if (is_coarse) {
     evidence.unknown_floor += kCoarseNoise * settings.fit.independent_share * static_cast<double>(base.difference.size());
   }

@@ -6,6 +6,8 @@
 
 namespace slewlab::diagnosis {
 
+double usual_misfit(const EvidenceSettings& settings, double gap) { return settings.law_freedom + settings.law_share * gap; }
+
 Probabilities weigh(const std::vector<Candidate>& candidates, int single_count, const EvidenceSettings& settings) {
   const Candidate* nothing = nullptr;
   for (const Candidate& candidate : candidates) {
@@ -16,7 +18,7 @@ Probabilities weigh(const std::vector<Candidate>& candidates, int single_count, 
   for (const Candidate& candidate : candidates) floor = std::min(floor, candidate.excess);
   const double gap = nothing->excess - floor;
   const auto likelihood = [&](double left, const Candidate& candidate, double effects) {
-    const double usual = settings.law_freedom + settings.law_share * gap;
+    const double usual = usual_misfit(settings, gap);
     const double weight = settings.independent_share * settings.law_freedom / (usual + left);
     const double occam = (1.0 + weight * candidate.information.array()).log().sum();
     return -0.5 / settings.temper * (settings.law_freedom * std::log1p(left / usual) + candidate.prior + occam + settings.price * effects);

@@ -6,7 +6,7 @@
 // c is what the hypothesis leaves above the best one (above what the noise explains, where even the best leaves more), G
 // the gap: what parameters alone leave, counted the same way. The law of a real effect is never quite the catalogue's, so the
 // true cause leaves a usual share r of the gap; with the size of that mismatch integrated out, misfits count by their
-// ratios. p is -2 ln of the prior where the fit ended, and the sum, over the eigenvalues lambda of what the records say of
+// ratios. p is -2 ln of the prior where M + p is least (relax() in fit.h), and the sum, over the eigenvalues lambda of what the records say of
 // the parameters (fit.h), Occam's factor: how much narrower they became. A cause that is in no catalogue is a hypothesis too: it would leave a usual,
 // larger share of the gap. T tempers it all: what mesh, step and law make wrong is not independent from bin to bin.
 #pragma once
@@ -31,6 +31,9 @@ struct EvidenceSettings {
   double prior_pair = 0.1;
   double prior_unknown = 0.1;
 };
+
+// k + r G of the gap.
+double usual_misfit(const EvidenceSettings& settings, double gap);
 
 struct Candidate {
   std::vector<std::string> effects;  // none: nothing missing but parameters

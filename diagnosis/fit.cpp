@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <stdexcept>
 #include <thread>
 #include <tuple>
@@ -21,6 +22,7 @@ namespace {
 constexpr double kNuisanceStep = 0.3;  // [standard deviations] difference quotient: small against the prior, large against rounding
 constexpr double kFarthest = 6.0;      // [standard deviations] that a nuisance is let go
 constexpr double kLowestBand = 0.1;    // [Hz] upper edge of the first band, which holds all below
+constexpr int kRelaxations = 8;
 constexpr double kAtTheWall = 1.9;     // [standard deviations]
 constexpr double kEffectStep = 0.05;   // [standard deviations] the same for effects, around a fitted size
 
@@ -44,10 +46,32 @@ Point moved(const Point& point, const Eigen::VectorXd& change) {
     for (std::size_t p = 0; p < effect.values.size(); ++p) {
       const common::EffectParameter& parameter = about.parameters[p];
       const double x = to_coordinate(parameter, effect.values[p]) + change(i++);
-      effect.values[p] = std::clamp(from_coordinate(parameter, x), parameter.lower, parameter.upper);
+      const double value = from_coordinate(parameter, x);
+      effect.values[p] = is_all_round(parameter) ? std::remainder(value, 2.0 * std::numbers::pi)
+                                                 : std::clamp(value, parameter.lower, parameter.upper);
     }
   }
   return result;
+}
+
+Eigen::VectorXd coordinates_of(const Point& point) {
+  std::vector<double> all = point.nuisance;
+  const std::vector<double> effects = effect_coordinates(point);
+  all.insert(all.end(), effects.begin(), effects.end());
+  return Eigen::Map<const Eigen::VectorXd>(all.data(), static_cast<Eigen::Index>(all.size()));
+}
+
+// In coordinates, angles by the shorter way round.
+Eigen::VectorXd step_between(const Point& from, const Point& to) {
+  Eigen::VectorXd step = coordinates_of(to) - coordinates_of(from);
+  auto i = static_cast<Eigen::Index>(from.nuisance.size());
+  for (const common::EffectInstance& effect : from.effects) {
+    for (const common::EffectParameter& parameter : about_effect(effect.name).parameters) {
+      if (is_all_round(parameter)) step(i) = std::remainder(step(i), 2.0 * std::numbers::pi / parameter.prior_scale);
+      ++i;
+    }
+  }
+  return step;
 }
 
 double prior_cost(const Point& point) {
@@ -118,20 +142,18 @@ void hand_over(Point& point) {
 
 // The columns d difference / d x of the effects' parameters, by difference quotients.
 Eigen::MatrixXd effect_columns(Problem& problem, const Point& point, const Eigen::VectorXd& difference) {
-  const std::vector<double> here = effect_coordinates(point);
   const auto nuisance_count = static_cast<Eigen::Index>(point.nuisance.size());
-  const auto count = static_cast<Eigen::Index>(here.size());
+  const auto count = static_cast<Eigen::Index>(effect_coordinates(point).size());
   std::vector<Point> points;
   std::vector<double> steps;
   for (Eigen::Index e = 0; e < count; ++e) {
-    const auto i = static_cast<std::size_t>(e);
     Eigen::VectorXd change = Eigen::VectorXd::Zero(nuisance_count + count);
     change(nuisance_count + e) = kEffectStep;
     points.push_back(moved(point, change));
-    steps.push_back(effect_coordinates(points.back())[i] - here[i]);
+    steps.push_back(step_between(point, points.back())(nuisance_count + e));
     if (std::fabs(steps.back()) < 0.5 * kEffectStep) {  // at its upper bound: look the other way
       points.back() = moved(point, -change);
-      steps.back() = effect_coordinates(points.back())[i] - here[i];
+      steps.back() = step_between(point, points.back())(nuisance_count + e);
     }
   }
   const std::vector<Eigen::VectorXd> moved_differences = differences(problem, points);
@@ -157,13 +179,6 @@ Eigen::VectorXd newton_step(const Problem& problem, const Point& point, const Ei
   return step;
 }
 
-Eigen::VectorXd coordinates_of(const Point& point) {
-  std::vector<double> all = point.nuisance;
-  const std::vector<double> effects = effect_coordinates(point);
-  all.insert(all.end(), effects.begin(), effects.end());
-  return Eigen::Map<const Eigen::VectorXd>(all.data(), static_cast<Eigen::Index>(all.size()));
-}
-
 // Steps from `point` with the columns given, corrected after each step by what it showed (Broyden). Returns
 // by how much the cost fell.
 double descend(Problem& problem, int iterations, Eigen::MatrixXd& columns, Point& point, Eigen::VectorXd& difference,
@@ -174,7 +189,7 @@ double descend(Problem& problem, int iterations, Eigen::MatrixXd& columns, Point
     bool fell = false;
     for (int halving = 0; halving < 3 && !fell; ++halving, change *= 0.35) {
       const Point trial = moved(point, change);
-      const Eigen::VectorXd step = coordinates_of(trial) - coordinates_of(point);
+      const Eigen::VectorXd step = step_between(point, trial);
       const double length = step.squaredNorm();
       if (length == 0.0) break;
       const Eigen::VectorXd trial_difference = differences(problem, trial);
@@ -279,6 +294,11 @@ double from_coordinate(const common::EffectParameter& parameter, double coordina
   }
   const double centre = parameter.absent ? *parameter.absent : parameter.typical;
   return centre + coordinate * parameter.prior_scale;
+}
+
+bool is_all_round(const common::EffectParameter& parameter) {
+  return parameter.unit == common::Unit::radian && !parameter.absent && parameter.lower <= -std::numbers::pi &&
+         parameter.upper >= std::numbers::pi;
 }
 
 double value_per_deviation(const common::EffectParameter& parameter, double value) {
@@ -396,6 +416,43 @@ bool improve(Problem& problem, FitResult& result, bool fresh_nuisances) {
   const double fall =
       descend(problem, problem.settings.iterations, result.columns, result.point, result.difference, result.cost);
   return fall > problem.settings.settled + problem.settings.settled_share * std::fabs(result.cost);
+}
+
+Relaxed relax(const Problem& problem, const FitResult& result, double law_freedom, double usual, double floor) {
+  if (result.columns.size() == 0) return {result.excess, result.prior};  // of a power, not of a motion
+  const double share = problem.settings.independent_share;
+  const Eigen::MatrixXd gram = result.columns.transpose() * result.columns;
+  const Eigen::VectorXd slope = result.columns.transpose() * result.difference;
+  const auto excess_at = [&](const Eigen::VectorXd& step) {
+    return result.excess + share * (2.0 * slope.dot(step) + step.dot(gram * step));
+  };
+  const auto cost_at = [&](const Relaxed& relaxed) {
+    return law_freedom * std::log1p(std::max(0.0, relaxed.excess - floor) / usual) + relaxed.prior;
+  };
+  Relaxed best{result.excess, result.prior};
+  Point point = result.point;
+  Eigen::VectorXd step = Eigen::VectorXd::Zero(gram.cols());
+  for (int iteration = 0; iteration < kRelaxations; ++iteration) {
+    const double weight = share * law_freedom / (usual + std::max(0.0, best.excess - floor));
+    const PriorRows prior = prior_rows(point);
+    Eigen::MatrixXd system = weight * gram;
+    system.diagonal() += prior.slope.cwiseProduct(prior.slope);
+    Eigen::VectorXd change = system.ldlt().solve(-weight * (slope + gram * step) - prior.value.cwiseProduct(prior.slope));
+    if (!change.allFinite()) break;
+    bool fell = false;
+    for (int halving = 0; halving < 4 && !fell; ++halving, change *= 0.5) {
+      const Point trial = moved(point, change);
+      const Eigen::VectorXd trial_step = step_between(result.point, trial);
+      const Relaxed relaxed{excess_at(trial_step), prior_cost(trial)};
+      if (cost_at(relaxed) >= cost_at(best)) continue;
+      fell = true;
+      best = relaxed;
+      point = trial;
+      step = trial_step;
+    }
+    if (!fell) break;
+  }
+  return best;
 }
 
 void conclude(const Problem& problem, FitResult& result) {

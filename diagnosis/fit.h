@@ -125,6 +125,15 @@ void take_nuisance_columns(const Eigen::MatrixXd& columns, FitResult& result);
 // Where the fits have ended: prior, information, mean square and the spread of the sizes, from the curvature there.
 void conclude(const Problem& problem, FitResult& result);
 
+// What a fit leaves and what its point costs where misfits count less than in the fit: where the parameters would stand if
+//   k ln(1 + (excess - floor) / usual) + prior
+// were what is made small, by the fit's columns. A fit takes every unlikely value that noise or a law's misfit asks for; an evidence that
+// forgives the misfit must not charge for the value.
+struct Relaxed {
+  double excess = 0.0, prior = 0.0;
+};
+Relaxed relax(const Problem& problem, const FitResult& result, double law_freedom, double usual, double floor);
+
 // One more round from where it stands, with fresh columns of the effects and, if asked, of the nuisances. False: it was
 // worth little, and so would be another.
 bool improve(Problem& problem, FitResult& result, bool fresh_nuisances);
@@ -132,6 +141,8 @@ bool improve(Problem& problem, FitResult& result, bool fresh_nuisances);
 // Coordinates of effect parameters in standard deviations of their priors.
 double to_coordinate(const common::EffectParameter& parameter, double value);
 double from_coordinate(const common::EffectParameter& parameter, double coordinate);
+// An angle that may be any: what goes beyond half a turn comes back from the other side.
+bool is_all_round(const common::EffectParameter& parameter);
 // How much `value` changes per standard deviation of its prior, in its own unit.
 double value_per_deviation(const common::EffectParameter& parameter, double value);
 

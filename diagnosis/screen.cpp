@@ -17,11 +17,6 @@ constexpr double kSmallShare = 0.25;            // of an effect's typical size, 
 constexpr double kNearlyTried = 0.1;            // of the size: nearer than that to a start is not worth another look
 constexpr double kSameAngle = 1e-9;             // [rad] rounding
 
-bool is_all_round(const common::EffectParameter& parameter) {
-  return parameter.unit == common::Unit::radian && !parameter.absent && parameter.lower <= -std::numbers::pi &&
-         parameter.upper >= std::numbers::pi;
-}
-
 // The angles of an effect that are looked for all round.
 std::vector<std::size_t> turning_angles(const common::EffectAbout& about) {
   std::vector<std::size_t> angles;
