@@ -18,11 +18,16 @@ constexpr std::array<ByChance, 2> kByChance{{{"command_jitter", 2.0}, {"command_
 
 constexpr double kSmoothing = 0.2;  // of a frequency, over which S is smoothed either side
 constexpr double kBand = 1.26;  // highest by lowest frequency of a third of an octave
-constexpr double kNear = 0.15;       // share of what a free power leaves above the noise
+constexpr double kNear = 0.2;       // share of what a free power leaves above the noise
+constexpr double kNearEnoughToLook = 1.0;
 constexpr double kLeastFound = 0.1;  // of the noise, below which nothing is above it
 constexpr std::size_t kLeastBins = 6;
 constexpr double kLowestScale = -9.0, kHighestScale = 9.0;  // ln a: a factor of 90 in size either way
 constexpr int kScales = 37;
+
+bool is_within(double share, const ChanceFit& fit, double free_cost, Eigen::Index count) {
+  return fit.cost - free_cost < share * (free_cost - (1.0 - kLeastFound) * static_cast<double>(count));
+}
 
 double cost_at(const Eigen::VectorXd& difference, const Eigen::VectorXd& profile, double scale) {
   const Eigen::ArrayXd variance = 1.0 + scale * profile.array();
@@ -34,6 +39,8 @@ double cost_at(const Eigen::VectorXd& difference, const Eigen::VectorXd& profile
 bool comes_by_chance(std::string_view effect) {
   return std::any_of(kByChance.begin(), kByChance.end(), [&](const ByChance& one) { return one.effect == effect; });
 }
+
+bool is_mean_of_chance(std::string_view effect) { return effect == "command_delay" || effect == "dead_time" || effect == "torque_lag"; }
 
 Eigen::VectorXd power_profile(const Problem& problem, const Eigen::VectorXd& change) {
   Eigen::VectorXd profile(change.size());
@@ -99,8 +106,11 @@ double free_power_cost(const Problem& problem, const Eigen::VectorXd& difference
 }
 
 bool is_near_free_power(const ChanceFit& fit, double free_cost, Eigen::Index count) {
-  const auto noise = static_cast<double>(count);
-  return fit.cost - free_cost < kNear * (free_cost - (1.0 - kLeastFound) * noise);
+  return is_within(kNear, fit, free_cost, count);
+}
+
+bool is_worth_a_look(const ChanceFit& fit, double free_cost, Eigen::Index count) {
+  return is_within(kNearEnoughToLook, fit, free_cost, count);
 }
 
 common::EffectInstance with_power(common::EffectInstance effect, double scale) {

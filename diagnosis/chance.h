@@ -20,6 +20,9 @@ namespace slewlab::diagnosis {
 
 bool comes_by_chance(std::string_view effect);
 
+// Whether the effect is what such an effect does on the average: a delay, or a lag.
+bool is_mean_of_chance(std::string_view effect);
+
 // S from the change of the differences by one draw.
 Eigen::VectorXd power_profile(const Problem& problem, const Eigen::VectorXd& change);
 
@@ -33,7 +36,8 @@ ChanceFit fit_chance(const Eigen::VectorXd& difference, const Eigen::VectorXd& p
 // power nobody knows.
 double free_power_cost(const Problem& problem, const Eigen::VectorXd& difference);
 
-// Whether the fit is near enough to it.
+// Whether the fit is near enough to it, and whether it may become so with a better profile.
+bool is_worth_a_look(const ChanceFit& fit, double free_cost, Eigen::Index count);
 bool is_near_free_power(const ChanceFit& fit, double free_cost, Eigen::Index count);
 
 // The effect with its size changed so that its power is `scale` times what it was, within its bounds.

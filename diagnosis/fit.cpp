@@ -268,6 +268,7 @@ double data_weight(const Eigen::VectorXd& difference, const FitSettings& setting
 sim::MachineSettings machine_at(const sim::MachineSettings& nominal, const Point& point) {
   sim::MachineSettings settings = nominal;
   settings.crane = with_nuisances(settings.crane, point.nuisance);
+  if (point.seed != 0) settings.seed = point.seed;
   settings.effects.insert(settings.effects.end(), point.effects.begin(), point.effects.end());
   return settings;
 }
@@ -423,8 +424,9 @@ Relaxed relax(const Problem& problem, const FitResult& result, double law_freedo
   const double share = problem.settings.independent_share;
   const Eigen::MatrixXd gram = result.columns.transpose() * result.columns;
   const Eigen::VectorXd slope = result.columns.transpose() * result.difference;
+  // The columns of a fit that has not settled promise what is not there: nothing less is left than where it stands.
   const auto excess_at = [&](const Eigen::VectorXd& step) {
-    return result.excess + share * (2.0 * slope.dot(step) + step.dot(gram * step));
+    return result.excess + std::max(0.0, share * (2.0 * slope.dot(step) + step.dot(gram * step)));
   };
   const auto cost_at = [&](const Relaxed& relaxed) {
     return law_freedom * std::log1p(std::max(0.0, relaxed.excess - floor) / usual) + relaxed.prior;

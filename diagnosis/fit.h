@@ -40,6 +40,7 @@ struct FitSettings {
 struct Point {
   std::vector<double> nuisance;                 // in standard deviations
   std::vector<common::EffectInstance> effects;  // parameter values in SI
+  std::uint64_t seed = 0;                       // of the effects that draw numbers
 };
 
 // The nominal machine moved to a point.

@@ -165,7 +165,6 @@ Screening screen(Problem& problem, const Base& base, const Projector& project, s
   screening.gap = project.gap(base.difference);
   const Eigen::VectorXd& gap = screening.gap;
   const auto look = [&](Screened& screened, const Eigen::VectorXd& difference) {
-    if (comes_by_chance(screened.start.name)) screened.profile = power_profile(problem, difference - base.difference);
     screened.column = project(difference - base.difference);
     screened.visibility = screened.column.squaredNorm();
     try_amount(screened.column, gap, screened);

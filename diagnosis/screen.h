@@ -40,7 +40,6 @@ struct Screened {
   double visibility = 0.0;      // sum of squares of the column, nuisances taken out
   double amount = 0.0;          // of the start's size, fitted
   double left = 0.0;            // sum of squares that it leaves, linearly
-  Eigen::VectorXd profile{};    // of an effect that comes by chance (chance.h)
 };
 
 // Projects out what fitted parameters can imitate. Below the differences stand the rows of their prior, so that an effect

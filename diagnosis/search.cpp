@@ -8,6 +8,7 @@
 #include <string>
 
 #include "diagnosis/chance.h"
+#include "diagnosis/chance_fit.h"
 #include "diagnosis/nuisance.h"
 
 namespace slewlab::diagnosis {
@@ -15,42 +16,11 @@ namespace slewlab::diagnosis {
 namespace {
 
 constexpr double kLeastPairGain = 40.0;         // fall of the excess below the best single effect's, forecast, to try a pair
-constexpr double kChanceSize = 0.2;             // relative standard deviation of a size that is found from the power of one draw
 constexpr double kSameMotion = 1e-6;            // relative difference of two signatures below which two effects are one motion
 constexpr int kStartsPerEffect = 2;             // that are refined
 constexpr int kFreshRounds = 2;                 // at most, for a leader
 constexpr int kPairsPerLeader = 3;              // that are refined beside each of the three best single effects
 constexpr double kParallel = 0.02;              // 1 - cosine^2 of two signatures below which they are not tried as a pair
-
-// Of each effect that comes by chance its best draw, by the variance of what parameters alone leave.
-void add_chance(const Problem& problem, const Base& base, const std::vector<Screened>& tried, std::vector<FitResult>& fits) {
-  const double free_cost = free_power_cost(problem, base.difference);
-  std::map<std::string, FitResult> best;
-  for (const Screened& screened : tried) {
-    if (screened.profile.size() == 0) continue;
-    const ChanceFit chance = fit_chance(base.difference, screened.profile);
-    if (chance.scale == 0.0 || !is_near_free_power(chance, free_cost, base.difference.size())) continue;
-    FitResult result;
-    result.point = base.point;
-    result.point.effects.push_back(with_power(screened.start, chance.scale));
-    result.difference = base.difference;
-    result.mean_square = mean_square(base.difference);
-    result.excess = problem.settings.independent_share * (chance.cost - static_cast<double>(base.difference.size()));
-    result.prior = base.prior;
-    result.information = base.information;
-    const common::EffectInstance& effect = result.point.effects.front();
-    const common::EffectAbout& about = about_effect(effect.name);
-    for (std::size_t p = 0; p < effect.values.size(); ++p) {
-      const common::EffectParameter& parameter = about.parameters[p];
-      result.prior += effect_prior(to_coordinate(parameter, effect.values[p])).cost;
-      result.deviation.push_back(p == 0 ? kChanceSize * effect.values[p]
-                                        : std::fabs(value_per_deviation(parameter, effect.values[p])));
-    }
-    const auto [entry, is_new] = best.try_emplace(screened.start.name, result);
-    if (!is_new && result.excess + result.prior < entry->second.excess + entry->second.prior) entry->second = result;
-  }
-  for (auto& [name, result] : best) fits.push_back(std::move(result));
-}
 
 bool cheaper(const FitResult& a, const FitResult& b) { return a.cost < b.cost; }
 
@@ -245,7 +215,8 @@ Found search(Problem& problem, const Base& base, const Screening& screening, con
   }
   conclude(problem, nothing);
   for (FitResult& result : fits) conclude(problem, result);
-  add_chance(problem, base, screening.tried, fits);
+  std::vector<FitResult> by_chance = chance_fits(problem, base, screening, nothing, fits);
+  fits.insert(fits.end(), std::make_move_iterator(by_chance.begin()), std::make_move_iterator(by_chance.end()));
   for (const auto& [name, other] : same_as) {
     for (std::size_t i = 0; i < fits.size(); ++i) {
       for (std::size_t e = 0; e < fits[i].point.effects.size(); ++e) {
