@@ -131,10 +131,17 @@ std::optional<Amounts> joint_amounts(const Eigen::VectorXd& a, const Eigen::Vect
   return Amounts{-(bb * at - ab * bt) / determinant, -(aa * bt - ab * at) / determinant, at, bt};
 }
 
-bool has_effect(const sim::MachineSettings& machine, std::string_view name) {
-  return std::any_of(machine.effects.begin(), machine.effects.end(),
-                     [&](const common::EffectInstance& effect) { return effect.name == name; });
+namespace {
+
+bool is_among(const std::vector<common::EffectInstance>& effects, std::string_view name) {
+  return std::any_of(effects.begin(), effects.end(), [&](const common::EffectInstance& effect) { return effect.name == name; });
 }
+
+}  // namespace
+
+bool has_effect(const sim::MachineSettings& machine, std::string_view name) { return is_among(machine.effects, name); }
+
+bool has_effect(const Point& point, std::string_view name) { return is_among(point.effects, name); }
 
 double forecast(const Problem& problem, const Base& base, const Screening& screening, const Screened& screened) {
   const double left = excess(base.difference, problem.settings), nu = problem.settings.law_freedom;
@@ -145,7 +152,7 @@ double forecast(const Problem& problem, const Base& base, const Screening& scree
 Screening screen(Problem& problem, const Base& base, const Projector& project, std::span<const std::string> without,
                  const Progress& tell) {
   // Screen: every effect of the catalogue from each of its starts, one simulation each.
-  tell(0.15, "trying every effect of the catalogue");
+  tell(0.0, "trying every effect of the catalogue");
   Screening screening;
   std::vector<Screened>& tried = screening.tried;
   std::vector<Point> points;
@@ -153,7 +160,7 @@ Screening screen(Problem& problem, const Base& base, const Projector& project, s
     const std::string name(description->about.name);
     if (std::find(without.begin(), without.end(), name) != without.end() || name == kCounts) continue;
     // What the nominal crane has already is not missing, and a machine takes an effect once.
-    if (has_effect(problem.nominal, name)) continue;
+    if (has_effect(problem.nominal, name) || has_effect(base.point, name)) continue;
     screening.names.insert(name);
     for (const common::EffectInstance& start : starts_of(description->about)) {
       Point point = base.point;
@@ -175,8 +182,7 @@ Screening screen(Problem& problem, const Base& base, const Projector& project, s
       const std::size_t count = std::min(batch, points.size() - from);
       const auto results = differences(problem, std::span<const Point>(points).subspan(from, count));
       for (std::size_t i = 0; i < count; ++i) look(tried[from + i], results[i]);
-      tell(0.15 + 0.35 * static_cast<double>(from + count) / static_cast<double>(points.size()),
-           "trying every effect of the catalogue");
+      tell(0.9 * static_cast<double>(from + count) / static_cast<double>(points.size()), "trying every effect of the catalogue");
     }
   }
   // A second look at the best of each effect at the size just found: few laws are linear from nothing to their typical size.
@@ -202,7 +208,7 @@ Screening screen(Problem& problem, const Base& base, const Projector& project, s
       at.push_back(base.point);
       at.back().effects.push_back(again.back().start);
     }
-    tell(0.47, "looking again at the promising effects");
+    tell(0.9, "looking again at the promising effects");
     const auto results = differences(problem, at);
     for (std::size_t i = 0; i < again.size(); ++i) look(again[i], results[i]);
     tried.insert(tried.end(), std::make_move_iterator(again.begin()), std::make_move_iterator(again.end()));

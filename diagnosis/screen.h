@@ -91,6 +91,7 @@ struct Amounts {
 std::optional<Amounts> joint_amounts(const Eigen::VectorXd& a, const Eigen::VectorXd& b, const Eigen::VectorXd& target, double least);
 
 bool has_effect(const sim::MachineSettings& machine, std::string_view name);
+bool has_effect(const Point& point, std::string_view name);
 
 struct Screening {
   std::set<std::string> names;               // of the effects that could have been named
@@ -98,6 +99,7 @@ struct Screening {
   std::map<std::string, double> visibility;  // largest of each effect's
   Eigen::VectorXd gap;                       // what parameters alone leave, as the projector shows it
 };
+// Beside what the base's point has already. The projector takes out what is fitted there.
 Screening screen(Problem& problem, const Base& base, const Projector& project, std::span<const std::string> without,
                  const Progress& tell);
 

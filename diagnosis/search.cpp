@@ -19,7 +19,8 @@ constexpr double kLeastPairGain = 40.0;         // fall of the excess below the 
 constexpr double kSameMotion = 1e-6;            // relative difference of two signatures below which two effects are one motion
 constexpr int kStartsPerEffect = 2;             // that are refined
 constexpr int kFreshRounds = 2;                 // at most, for a leader
-constexpr int kPairsPerLeader = 3;              // that are refined beside each of the three best single effects
+constexpr std::size_t kPairLeaders = 3;         // single effects beside which a second one is looked for
+constexpr int kPairsPerLeader = 3;              // that are refined beside each of them but the best
 constexpr double kParallel = 0.02;              // 1 - cosine^2 of two signatures below which they are not tried as a pair
 
 bool cheaper(const FitResult& a, const FitResult& b) { return a.cost < b.cost; }
@@ -74,10 +75,12 @@ void go_back(Problem& problem, const Eigen::MatrixXd& nuisance_columns, std::siz
   std::stable_sort(fits.begin(), fits.end(), cheaper);
 }
 
-// Pairs worth refining. First what two columns do jointly from where nothing is added, then what a second effect
-// takes away of what each of the best single fits left: where effects are large, only that is near enough.
-std::vector<Point> pair_starts(const Problem& problem, const Base& base, const Eigen::VectorXd& gap,
-                               const std::vector<const Screened*>& best, const std::vector<FitResult>& singles, int count) {
+// Pairs worth refining. First what two columns do jointly from where nothing is added. Then a second effect beside the best single
+// one, with the catalogue screened again there: where effects are large, only that is near enough. Then, by the
+// columns at hand, beside two more single ones.
+std::vector<Point> pair_starts(Problem& problem, const Base& base, const Eigen::VectorXd& gap, const std::vector<const Screened*>& best,
+                               const std::vector<FitResult>& singles, const std::map<std::string, std::string>& same_as, std::span<const std::string> without, const SearchSettings& settings,
+                               const Progress& tell) {
   struct Pair {
     Point start;
     double left;
@@ -110,31 +113,47 @@ std::vector<Point> pair_starts(const Problem& problem, const Base& base, const E
   const auto take = [&](const Point& start) {
     if (taken.insert({start.effects[0].name, start.effects[1].name}).second) starts.push_back(start);
   };
-  for (std::size_t i = 0; i < joint.size() && static_cast<int>(starts.size()) < count / 2; ++i) take(joint[i].start);
+  for (std::size_t i = 0; i < joint.size() && static_cast<int>(starts.size()) < settings.pairs_to_refine / 2; ++i) take(joint[i].start);
 
-  for (std::size_t leader = 0; leader < std::min<std::size_t>(3, singles.size()); ++leader) {
+  for (std::size_t leader = 0; leader < std::min<std::size_t>(kPairLeaders, singles.size()); ++leader) {
     const FitResult& single = singles[leader];
     const Projector project(single.columns, single.point, data_weight(single.difference, problem.settings));
     const Eigen::VectorXd left = project.gap(single.difference);
-    std::vector<Pair> seconds;
-    for (const Screened* screened : best) {
-      if (screened->start.name == single.point.effects[0].name) continue;
-      Screened beside = *screened;
-      try_amount(project(screened->column), left, beside);
+    std::map<std::string, Pair> seconds;
+    const auto consider = [&](const Screened& beside) {
+      if (left.squaredNorm() - beside.left <= worth || comes_by_chance(beside.start.name)) return;
       Point start = single.point;
       start.effects.push_back(scaled(about_effect(beside.start.name), beside.start, beside.amount));
-      if (left.squaredNorm() - beside.left > worth) seconds.push_back({start, beside.left});
+      const auto [entry, is_new] = seconds.try_emplace(beside.start.name, Pair{start, beside.left});
+      if (!is_new && beside.left < entry->second.left) entry->second = {start, beside.left};
+    };
+    const bool is_best = leader == 0;
+    if (is_best) {
+      std::vector<std::string> left_out(without.begin(), without.end());
+      for (const auto& [name, other] : same_as) left_out.push_back(name);
+      const Base here{single.point, single.difference, single.columns, single.cost, single.prior, {}, base.nominal_mean_square};
+      for (const Screened& beside : screen(problem, here, project, left_out, tell).tried) consider(beside);
+    } else {
+      for (const Screened* screened : best) {
+        if (screened->start.name == single.point.effects[0].name) continue;
+        Screened beside = *screened;
+        try_amount(project(screened->column), left, beside);
+        consider(beside);
+      }
     }
-    std::stable_sort(seconds.begin(), seconds.end(), by_left);
-    for (std::size_t k = 0; k < std::min<std::size_t>(kPairsPerLeader, seconds.size()); ++k) take(seconds[k].start);
+    std::vector<Pair> ranked;
+    for (auto& [name, pair] : seconds) ranked.push_back(std::move(pair));
+    std::stable_sort(ranked.begin(), ranked.end(), by_left);
+    const auto most = static_cast<std::size_t>(is_best ? settings.beside_the_best : kPairsPerLeader);
+    for (std::size_t k = 0; k < std::min(most, ranked.size()); ++k) take(ranked[k].start);
   }
   return starts;
 }
 
 }  // namespace
 
-Found search(Problem& problem, const Base& base, const Screening& screening, const SearchSettings& settings,
-             const Progress& tell) {
+Found search(Problem& problem, const Base& base, const Screening& screening, std::span<const std::string> without,
+             const SearchSettings& settings, const Progress& tell) {
   // All starts by what they leave, and of them the best of each effect.
   std::vector<const Screened*> ranked, best;
   for (const Screened& screened : screening.tried) {
@@ -168,7 +187,7 @@ Found search(Problem& problem, const Base& base, const Screening& screening, con
   Found found;
   std::vector<FitResult>& fits = found.fits;
   for (std::size_t i = 0; i < chosen.size(); ++i) {
-    tell(0.5 + 0.2 * static_cast<double>(i) / static_cast<double>(chosen.size()), "refining " + chosen[i]->start.name);
+    tell(0.4 + 0.15 * static_cast<double>(i) / static_cast<double>(chosen.size()), "refining " + chosen[i]->start.name);
     Point start = base.point;
     start.effects.push_back(scaled(about_effect(chosen[i]->start.name), chosen[i]->start, chosen[i]->amount));
     fits.push_back(fit(problem, base.nuisance_columns, start));
@@ -179,26 +198,28 @@ Found search(Problem& problem, const Base& base, const Screening& screening, con
   seen.clear();
   std::erase_if(fits, [&](const FitResult& result) { return ++seen[result.point.effects[0].name] > 1; });
   go_on(problem, fits, settings.contenders, settings.leaders, [&](double share, const FitResult& result) {
-    tell(0.7 + 0.1 * share, "converging " + result.point.effects[0].name);
+    tell(0.55 + 0.1 * share, "converging " + result.point.effects[0].name);
   });
   if (!fits.empty() && settings.pairs_to_refine > 0) {
-    const std::vector<Point> starts = pair_starts(problem, base, screening.gap, best, fits, settings.pairs_to_refine);
+    const std::vector<Point> starts = pair_starts(
+        problem, base, screening.gap, best, fits, same_as, without, settings,
+        [&](double share, const std::string& doing) { tell(0.65 + 0.2 * share, doing + " beside " + fits.front().point.effects[0].name); });
     std::vector<FitResult> pairs;
     for (std::size_t i = 0; i < starts.size(); ++i) {
-      tell(0.8 + 0.12 * static_cast<double>(i) / static_cast<double>(starts.size()),
+      tell(0.85 + 0.08 * static_cast<double>(i) / static_cast<double>(starts.size()),
            "refining " + starts[i].effects[0].name + " with " + starts[i].effects[1].name);
       pairs.push_back(fit(problem, base.nuisance_columns, starts[i]));
       take_nuisance_columns(fits.front().columns, pairs.back());
     }
     go_on(problem, pairs, settings.pair_contenders, settings.pair_leaders, [&](double share, const FitResult& result) {
-      tell(0.92 + 0.07 * share,
+      tell(0.93 + 0.05 * share,
            "converging " + result.point.effects[0].name + " with " + result.point.effects[1].name);
     });
     fits.insert(fits.end(), std::make_move_iterator(pairs.begin()), std::make_move_iterator(pairs.end()));
   }
 
   // What fits with one effect more may show the way to those with less: a descent that stopped short elsewhere goes on from there.
-  tell(0.99, "going back to fewer effects");
+  tell(0.98, "going back to fewer effects");
   std::stable_sort(fits.begin(), fits.end(), cheaper);
   go_back(problem, base.nuisance_columns, 2, fits);
   go_back(problem, base.nuisance_columns, 1, fits);

@@ -13,6 +13,7 @@ struct SearchSettings {
   int contenders = 6;          // of the refined ones, with another round
   int leaders = 3;             // of these, the best with fresh columns until it settles
   int pairs_to_refine = 10;
+  int beside_the_best = 5;     // of them at most beside the best single effect
   int pair_contenders = 4;
   int pair_leaders = 2;
 };
@@ -21,7 +22,7 @@ struct Found {
   FitResult nothing;            // parameters alone
   std::vector<FitResult> fits;  // of one or two effects
 };
-Found search(Problem& problem, const Base& base, const Screening& screening, const SearchSettings& settings,
-             const Progress& tell);
+Found search(Problem& problem, const Base& base, const Screening& screening, std::span<const std::string> without,
+             const SearchSettings& settings, const Progress& tell);
 
 }  // namespace slewlab::diagnosis
