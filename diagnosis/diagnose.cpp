@@ -23,6 +23,7 @@ constexpr double kLeastTrusted = 0.3;           // share of a record that must l
 constexpr double kGroupOdds = 20.0;             // of two causes' probabilities, beyond which the records tell them apart
 constexpr double kControllerExplained = 0.01;   // share of its difference that the right effect of a controller leaves at most
 constexpr double kSlowFollower = 4.0;           // by which the shadow is slower behind coarse counts, or they would shake its boom
+constexpr double kCoarseDiscrepancy = 5.0;      // by which mesh and step miss more there: the controller's steps shake the high modes
 constexpr double kCoarseNoise = 0.1;            // share by which the noise of coarse counts is known
 constexpr double kLawShare = 0.03;              // relative standard deviation of a size by its law: learned, docs/diagnosis.md
 constexpr double kCurvatureFactor = 1.5;        // of the standard deviations that the curvature gives: learned as well
@@ -219,7 +220,9 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   ShadowSettings shadow_settings;
   const bool is_coarse = std::any_of(records.begin(), records.end(),
                                      [](const Record& record) { return record.encoder_quantum >= kCoarseCount; });
+  WhiteningSettings whitening = settings.whitening;
   if (is_coarse) {
+    whitening.discrepancy_share *= kCoarseDiscrepancy;
     shadow_settings.speed_rate /= kSlowFollower;
     shadow_settings.position_rate /= kSlowFollower * kSlowFollower;
   }
@@ -255,7 +258,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
       diagnosis.remarks.push_back(fmt::format("{}: {:.0f} % of the record lie near impacts of the gears and are not judged",
                                               record.name, 100.0 * (1.0 - share)));
     }
-    problem.whitening.push_back(make_whitening(record, trusted, problem.gains, follower, settings.whitening));
+    problem.whitening.push_back(make_whitening(record, trusted, problem.gains, follower, whitening));
     problem.records.push_back(std::move(record));
   }
 

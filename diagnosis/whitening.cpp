@@ -19,6 +19,7 @@ constexpr double kLeastNoise = 0.02;   // of the noise that counts may make
 constexpr double kSmallestPower = 1e-12;  // [signal's unit^2] variance in a channel that stands at zero, far below any sensor's
 constexpr double kCountSmoothing = 0.1;  // [s] either side, over which coarse counts are taken for a smooth motion
 constexpr std::size_t kCountBins = 8;    // either side, over which the power of the counting error is smoothed
+constexpr double kShakenFrom = 8.0;      // [Hz] from which coarse counts, through the shadow's torque, shake its accelerometers more than their noise
 constexpr int kCountPlaces = 4;          // between two counts, at which a motion may have begun
 constexpr double kTaper = 0.02;  // share of the record over which the window rises and falls
 
@@ -177,6 +178,8 @@ Whitening make_whitening(const Record& record, const std::vector<bool>& trusted,
     const double variance = channel.is_torque ? encoder_variance(record, i) : noise_variance(record.acceleration[i]);
     const bool is_coarse = channel.is_torque && record.encoder_quantum >= kCoarseCount;
     const std::vector<double> counting = is_coarse ? counting_power(record, i, whitening) : std::vector<double>{};
+    const bool is_shaken = !channel.is_torque && record.encoder_quantum >= kCoarseCount;
+    const std::vector<double> shaken = is_shaken ? running_power({&nominal.acceleration_difference[i]}, whitening) : std::vector<double>{};
     // A torque channel's noise is its encoder's, seen through the shadow's gains.
     const auto noise_at = [&](std::size_t k) {
       const double frequency = static_cast<double>(k) * whitening.bin_width;
@@ -190,7 +193,12 @@ Whitening make_whitening(const Record& record, const std::vector<bool>& trusted,
                                                 counting.begin() + static_cast<std::ptrdiff_t>(high), 0.0) /
                                     static_cast<double>(high - low));
       }
-      return gain * gain * power + rounding;
+      double noise = gain * gain * power + rounding;
+      if (is_shaken && frequency >= kShakenFrom) {
+        const std::size_t low = k - std::min(k, kCountBins), high = std::min(k + kCountBins + 1, spectrum_size);
+        noise = std::max(noise, (shaken[high] - shaken[low]) / static_cast<double>(high - low));
+      }
+      return noise;
     };
     double noise_share = 1.0;
     if (channel.is_torque) {
