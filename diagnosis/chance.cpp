@@ -25,8 +25,8 @@ constexpr std::size_t kLeastBins = 6;
 constexpr double kLowestScale = -9.0, kHighestScale = 9.0;  // ln a: a factor of 90 in size either way
 constexpr int kScales = 37;
 
-bool is_within(double share, const ChanceFit& fit, double free_cost, Eigen::Index count) {
-  return fit.cost - free_cost < share * (free_cost - (1.0 - kLeastFound) * static_cast<double>(count));
+bool is_within(double share, const ChanceFit& fit, const FreePower& free, Eigen::Index count) {
+  return fit.cost - free.cost < share * (free.cost - free.noise + kLeastFound * static_cast<double>(count));
 }
 
 double cost_at(const Eigen::VectorXd& difference, const Eigen::VectorXd& profile, double scale) {
@@ -85,8 +85,8 @@ ChanceFit fit_chance(const Eigen::VectorXd& difference, const Eigen::VectorXd& p
   return best;
 }
 
-double free_power_cost(const Problem& problem, const Eigen::VectorXd& difference) {
-  double cost = 0.0;
+FreePower free_power(const Problem& problem, const Eigen::VectorXd& difference) {
+  FreePower free;
   Eigen::Index row = 0;
   for (const Whitening& whitening : problem.whitening) {
     for (std::size_t c = 0; c < whitening.channels.size(); ++c) {
@@ -96,21 +96,22 @@ double free_power_cost(const Problem& problem, const Eigen::VectorXd& difference
         const std::size_t end = std::min(whitening.bin_count, std::max(b + 1, last - whitening.first_bin));
         const auto size = static_cast<Eigen::Index>(2 * (end - b));
         const double power = difference.segment(row, size).squaredNorm() / static_cast<double>(size);
-        cost += static_cast<double>(size) * (power > 1.0 ? 1.0 + std::log(power) : power);
+        free.cost += static_cast<double>(size) * (power > 1.0 ? 1.0 + std::log(power) : power);
+        free.noise += static_cast<double>(size) * std::min(1.0, power);
         row += size;
         b = end;
       }
     }
   }
-  return cost;
+  return free;
 }
 
-bool is_near_free_power(const ChanceFit& fit, double free_cost, Eigen::Index count) {
-  return is_within(kNear, fit, free_cost, count);
+bool is_near_free_power(const ChanceFit& fit, const FreePower& free, Eigen::Index count) {
+  return is_within(kNear, fit, free, count);
 }
 
-bool is_worth_a_look(const ChanceFit& fit, double free_cost, Eigen::Index count) {
-  return is_within(kNearEnoughToLook, fit, free_cost, count);
+bool is_worth_a_look(const ChanceFit& fit, const FreePower& free, Eigen::Index count) {
+  return is_within(kNearEnoughToLook, fit, free, count);
 }
 
 common::EffectInstance with_power(common::EffectInstance effect, double scale) {

@@ -34,11 +34,15 @@ ChanceFit fit_chance(const Eigen::VectorXd& difference, const Eigen::VectorXd& p
 
 // The same sum for a power that is free in every channel and every third of an octave: what a cause would have to reach whose
 // power nobody knows.
-double free_power_cost(const Problem& problem, const Eigen::VectorXd& difference);
+struct FreePower {
+  double cost = 0.0;
+  double noise = 0.0;  // the part of it that no power above the noise is needed for
+};
+FreePower free_power(const Problem& problem, const Eigen::VectorXd& difference);
 
 // Whether the fit is near enough to it, and whether it may become so with a better profile.
-bool is_worth_a_look(const ChanceFit& fit, double free_cost, Eigen::Index count);
-bool is_near_free_power(const ChanceFit& fit, double free_cost, Eigen::Index count);
+bool is_worth_a_look(const ChanceFit& fit, const FreePower& free, Eigen::Index count);
+bool is_near_free_power(const ChanceFit& fit, const FreePower& free, Eigen::Index count);
 
 // The effect with its size changed so that its power is `scale` times what it was, within its bounds.
 common::EffectInstance with_power(common::EffectInstance effect, double scale);

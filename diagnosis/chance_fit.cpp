@@ -62,11 +62,12 @@ std::vector<FitResult> chance_fits(Problem& problem, const Base& base, const Scr
   for (const Screened& screened : screening.tried) {
     if (is_mean_of_chance(screened.start.name)) delays.push_back(screened.column);
   }
-  double free_cost = free_power_cost(problem, nothing.difference);
+  FreePower free = free_power(problem, nothing.difference);
   std::vector<Beside> besides{{&nothing, 0}};
   std::size_t singles = 0;
   for (const FitResult& result : fits) {
-    free_cost = std::min(free_cost, free_power_cost(problem, result.difference));
+    const FreePower of_this = free_power(problem, result.difference);
+    if (of_this.cost < free.cost) free = of_this;
     const std::vector<common::EffectInstance>& effects = result.point.effects;
     const auto mean = std::find_if(effects.begin(), effects.end(), [](const auto& effect) { return is_mean_of_chance(effect.name); });
     const bool is_single = effects.size() == 1 && singles++ < kBeside;
@@ -87,7 +88,7 @@ std::vector<FitResult> chance_fits(Problem& problem, const Base& base, const Scr
   std::map<std::set<std::string>, FitResult> best;
   for (auto& [key, one] : tries) {
     const auto count = base.difference.size();
-    if (!is_worth_a_look(one.chance, free_cost, count)) continue;
+    if (!is_worth_a_look(one.chance, free, count)) continue;
     // Draws at the size found, where the fit stands; what they do on the average is a delay.
     const FitResult& fit = *one.beside.fit;
     Point still = fit.point;
@@ -118,7 +119,7 @@ std::vector<FitResult> chance_fits(Problem& problem, const Base& base, const Scr
       }
       one.effect = with_power(one.effect, chance.scale);
     }
-    if (!is_near_free_power(one.chance, free_cost, count)) continue;
+    if (!is_near_free_power(one.chance, free, count)) continue;
 
     FitResult result;
     result.point = still;

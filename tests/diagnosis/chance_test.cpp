@@ -71,10 +71,10 @@ TEST(Chance, IsTakenOnlyForItsOwnPower) {
   const auto problem = one_channel();
   const Eigen::VectorXd power = shape();
   const Eigen::VectorXd same = drawn((1.0 + 3.0 * power.array()).matrix(), 4);
-  EXPECT_TRUE(is_near_free_power(fit_chance(same, power), free_power_cost(*problem, same), same.size()));
+  EXPECT_TRUE(is_near_free_power(fit_chance(same, power), free_power(*problem, same), same.size()));
   Eigen::VectorXd lines = drawn(Eigen::VectorXd::Ones(2 * kBins), 5);
   lines.segment(3000, 200) *= 50.0;
-  EXPECT_FALSE(is_near_free_power(fit_chance(lines, power), free_power_cost(*problem, lines), lines.size()));
+  EXPECT_FALSE(is_near_free_power(fit_chance(lines, power), free_power(*problem, lines), lines.size()));
 }
 
 // By the effects' own laws: delays' torque errors go with the spread, so power with its square; a share lost twice as often
@@ -84,6 +84,8 @@ TEST(Chance, SizesFollowThePower) {
   EXPECT_NEAR(with_power({"command_loss", {0.1, 1.0}}, 4.0).values[0], 0.4, 1e-12);
   EXPECT_TRUE(comes_by_chance("command_loss"));
   EXPECT_FALSE(comes_by_chance("command_delay"));
+  EXPECT_TRUE(is_mean_of_chance("command_delay"));
+  EXPECT_FALSE(is_mean_of_chance("command_loss"));
 }
 
 }  // namespace

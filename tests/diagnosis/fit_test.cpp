@@ -27,5 +27,53 @@ TEST(Excess, IsWhatStandsAboveTheNoise) {
   EXPECT_NEAR(excess(Eigen::VectorXd::Constant(10, 2.0), settings), 0.5 * (40.0 - 10.0), 1e-12);
 }
 
+// One nuisance (the first) moves one difference; the fit stands at z = 3, far behind the wall at 2, where nothing is left.
+class Relaxation : public testing::Test {
+ protected:
+  Relaxation() {
+    result_.point.nuisance.assign(17, 0.0);
+    result_.point.nuisance[0] = 3.0;
+    result_.difference = Eigen::VectorXd::Zero(40);
+    result_.columns = Eigen::MatrixXd::Zero(40, 17);
+    result_.columns(0, 0) = 10.0;
+    result_.excess = 0.0;
+    result_.prior = 9.0 + 30.0;  // z^2 and the wall's 30 (z - 2)^2, nuisance.h
+  }
+  Problem problem_;
+  FitResult result_;
+};
+
+// Limits: where misfits cost nothing the parameter goes back to 0 and leaves s (10 * 3)^2; where they cost all it stays.
+TEST_F(Relaxation, TradesMisfitForLikelyValues) {
+  const Relaxed forgiven = relax(problem_, result_, 100.0, 1e12, 0.0);
+  EXPECT_NEAR(forgiven.prior, 0.0, 1e-6);
+  EXPECT_NEAR(forgiven.excess, problem_.settings.independent_share * 900.0, 1e-3);
+  const Relaxed charged = relax(problem_, result_, 100.0, 1e-3, 0.0);
+  EXPECT_NEAR(charged.prior, result_.prior, 0.05);
+  EXPECT_NEAR(charged.excess, 0.0, 1e-3);
+}
+
+// The minimum of 100 ln(1 + 0.3 (10 (z - 3))^2 / 1000) + z^2 + 30 max(0, z - 2)^2, by search over z.
+TEST_F(Relaxation, FindsTheLeastOfBoth) {
+  double least = 1e300, prior = 0.0;
+  for (double z = 0.0; z < 3.0; z += 1e-4) {
+    const double p = z * z + 30.0 * std::pow(std::max(0.0, z - 2.0), 2.0);
+    const double cost = 100.0 * std::log1p(0.3 * 100.0 * (z - 3.0) * (z - 3.0) / 1000.0) + p;
+    if (cost >= least) continue;
+    least = cost;
+    prior = p;
+  }
+  const Relaxed relaxed = relax(problem_, result_, 100.0, 1000.0, 0.0);
+  EXPECT_NEAR(100.0 * std::log1p(relaxed.excess / 1000.0) + relaxed.prior, least, 0.02);
+  EXPECT_NEAR(relaxed.prior, prior, 0.3);
+}
+
+// Columns that promise less than the fit has reached are not believed: they are those of a fit that has not settled.
+TEST_F(Relaxation, PromisesNothingThatWasNotReached) {
+  result_.difference(0) = 30.0;
+  result_.excess = 500.0;
+  EXPECT_GE(relax(problem_, result_, 100.0, 1e-3, 0.0).excess, 500.0);
+}
+
 }  // namespace
 }  // namespace slewlab::diagnosis
