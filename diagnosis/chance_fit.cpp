@@ -4,7 +4,6 @@
 #include <cmath>
 #include <map>
 #include <set>
-#include <string>
 
 #include "diagnosis/chance.h"
 #include "diagnosis/nuisance.h"
@@ -14,15 +13,19 @@ namespace slewlab::diagnosis {
 namespace {
 
 constexpr double kChanceSize = 0.2;  // relative standard deviation of a size that is found from the power of one draw
+constexpr double kOccam = 3.2;       // 2 ln(1 / 0.2): what a parameter costs that is known so well and has no column
 constexpr int kLooks = 2;            // at the power of the size just found
 constexpr std::uint64_t kDraws = 3;  // of which a look takes the mean power
+constexpr std::uint64_t kForceDraws = 8;  // the same for a force, whose direction they give as well
 constexpr double kMeanSpread = 0.4;  // of the logarithm of the mean that a draw's power goes with: laws differ
 constexpr double kLeastMean = 0.02;  // of the fitted delay's, below which there is none
 constexpr double kNoPart = 1e-12;    // share of a column that another leaves, below which they are one
 constexpr std::size_t kBeside = 6;   // single fits beside which chance is tried
+constexpr std::size_t kSeconds = 4;  // effects that are fitted beside the best chance
+constexpr double kLeastSecondGain = 40.0;  // fall of the excess, forecast, for which they are
 
 // The change without what is parallel to the columns.
-Eigen::VectorXd without(Eigen::VectorXd change, const std::vector<Eigen::VectorXd>& columns) {
+Eigen::VectorXd without_columns(Eigen::VectorXd change, const std::vector<Eigen::VectorXd>& columns) {
   std::vector<Eigen::VectorXd> basis;
   for (Eigen::VectorXd column : columns) {
     const double whole = column.squaredNorm();
@@ -34,134 +37,208 @@ Eigen::VectorXd without(Eigen::VectorXd change, const std::vector<Eigen::VectorX
   return change;
 }
 
-struct Beside {
-  const FitResult* fit;
-  std::size_t mean;  // which of its effects is only the mean of the chance; beyond the last: none
-};
-
+// An effect by chance beside a fit.
 struct Try {
-  Beside beside{};
+  FitResult fit;             // without it
+  std::size_t mean = 0;      // which of the fit's effects is only what the chance does on the average; beyond the last: none
   common::EffectInstance effect;
-  ChanceFit chance{};
-  Eigen::VectorXd profile;
-  double mean_cost = 0.0;  // in -2 ln: that the draws' mean is not what was fitted
+  ChanceFit found;
+  ChanceProfile profile;
+  double mean_cost = 0.0;    // in -2 ln: that the draws' mean is not what was fitted
+
+  bool has_mean() const { return mean < fit.point.effects.size(); }
 };
 
-// The mean of the draws against the delay that was fitted; where none was, all of it is missed.
-double cost_of_mean(const Eigen::VectorXd& fitted, const Eigen::VectorXd& mean, const ChanceFit& chance, const Eigen::VectorXd& profile) {
-  if (fitted.size() == 0) return (mean.array().square() / (1.0 + chance.scale * profile.array())).sum();
-  const double ratio = std::max(kLeastMean, mean.dot(fitted) / fitted.squaredNorm());
-  return std::pow(std::log(ratio) / kMeanSpread, 2.0);
+// Draws at the size found, where the fit stands.
+void look(Problem& problem, const std::vector<Eigen::VectorXd>& delays, Try& one) {
+  const bool is_force = is_one_force(one.effect.name);
+  Point still = one.fit.point;
+  if (one.has_mean()) still.effects.erase(still.effects.begin() + static_cast<std::ptrdiff_t>(one.mean));
+  const Eigen::VectorXd here = one.has_mean() ? differences(problem, still) : one.fit.difference;
+  const auto count = here.size();
+  std::vector<Eigen::VectorXd> means;
+  if (!is_force) {
+    for (const Eigen::VectorXd& delay : delays) means.push_back(delay.head(count));
+  }
+  if (one.has_mean()) means.push_back(one.fit.difference - here);
+  for (int round = 0; round < kLooks; ++round) {
+    std::vector<Point> points(is_force ? kForceDraws : kDraws, still);
+    for (std::size_t draw = 0; draw < points.size(); ++draw) {
+      points[draw].effects.push_back(one.effect);
+      points[draw].seed = draw + 1;
+    }
+    std::vector<Eigen::VectorXd> changes = differences(problem, points);
+    Eigen::VectorXd mean = Eigen::VectorXd::Zero(count);
+    for (Eigen::VectorXd& change : changes) {
+      change -= here;
+      const Eigen::VectorXd random = without_columns(change, means);
+      mean += (change - random) / static_cast<double>(changes.size());
+      change = random;
+    }
+    const ChanceProfile profile = is_force ? force_profile(problem, changes) : power_profile(problem, changes);
+    const ChanceFit found = fit_chance(problem, one.fit.difference, profile);
+    if (found.scale == 0.0) return;
+    if (found.cost < one.found.cost || round == 0) {
+      one.found = found;
+      one.profile = profile;
+      // Where no delay was fitted, all of the mean is missed.
+      if (one.has_mean()) {
+        const Eigen::VectorXd fitted = one.fit.difference - here;
+        one.mean_cost = std::pow(std::log(std::max(kLeastMean, mean.dot(fitted) / fitted.squaredNorm())) / kMeanSpread, 2.0);
+      } else {
+        one.mean_cost = problem.settings.independent_share * divided(problem, {profile, found.scale}, mean).squaredNorm();
+      }
+    }
+    one.effect = with_power(one.effect, found.scale);
+  }
+}
+
+// The fit with the chance in the place of its mean. `difference` and `columns` are the fit's, already divided.
+FitResult with_chance(const Problem& problem, const Try& one, const FitResult& fit, const Eigen::VectorXd& difference,
+                      const Eigen::MatrixXd& columns, double logarithm_sum) {
+  FitResult result;
+  result.point.nuisance = fit.point.nuisance;
+  result.point.effects = {one.effect};
+  result.difference = difference;
+  // The chance's own parameters have no columns.
+  const auto nuisances = static_cast<Eigen::Index>(fit.point.nuisance.size());
+  auto width = nuisances + static_cast<Eigen::Index>(one.effect.values.size());
+  std::vector<std::pair<Eigen::Index, Eigen::Index>> kept;
+  Eigen::Index from = nuisances;
+  for (std::size_t e = 0; e < fit.point.effects.size(); ++e) {
+    const auto size = static_cast<Eigen::Index>(fit.point.effects[e].values.size());
+    if (!one.has_mean() || e != one.mean) {
+      result.point.effects.push_back(fit.point.effects[e]);
+      kept.emplace_back(from, size);
+      width += size;
+    }
+    from += size;
+  }
+  result.columns = Eigen::MatrixXd::Zero(difference.size(), width);
+  result.columns.leftCols(nuisances) = columns.leftCols(nuisances);
+  Eigen::Index to = nuisances + static_cast<Eigen::Index>(one.effect.values.size());
+  for (const auto& [first, size] : kept) {
+    result.columns.middleCols(to, size) = columns.middleCols(first, size);
+    to += size;
+  }
+  conclude(problem, result);
+  result.excess += problem.settings.independent_share * logarithm_sum;
+  result.prior += one.mean_cost + kOccam * static_cast<double>(one.effect.values.size());
+  result.cost = result.excess + result.prior;
+  const common::EffectAbout& about = about_effect(one.effect.name);
+  for (std::size_t p = 0; p < one.effect.values.size(); ++p) {
+    result.deviation[p] =
+        p == 0 ? kChanceSize * one.effect.values[p] : std::fabs(value_per_deviation(about.parameters[p], one.effect.values[p]));
+  }
+  return result;
+}
+
+Eigen::MatrixXd divided_columns(const Problem& problem, const Chance& chance, const Eigen::MatrixXd& columns) {
+  Eigen::MatrixXd result(columns.rows(), columns.cols());
+  for (Eigen::Index c = 0; c < columns.cols(); ++c) result.col(c) = divided(problem, chance, columns.col(c));
+  return result;
+}
+
+// The chance alone again, and with a second effect beside it.
+std::vector<FitResult> seconds(Problem& problem, const Base& base, const Screening& catalogue, const Try& one, const Progress& tell) {
+  const Chance chance{one.profile, one.found.scale};
+  const double logarithm_sum = logarithms(problem, chance);
+  const Eigen::MatrixXd columns = divided_columns(problem, chance, one.fit.columns);
+  const Base here{one.fit.point, divided(problem, chance, one.fit.difference), columns, one.fit.cost, one.fit.prior, {}, base.nominal_mean_square};
+  const Projector project(columns, one.fit.point, data_weight(here.difference, problem.settings));
+  std::vector<common::EffectInstance> starts = best_starts(catalogue);
+  std::erase_if(starts, [](const common::EffectInstance& start) { return comes_by_chance(start.name) || is_mean_of_chance(start.name); });
+  problem.chance = &chance;
+  const Screening screening = screen(problem, here, project, starts, tell);
+  std::map<std::string, const Screened*> best;
+  for (const Screened& screened : screening.tried) {
+    if (problem.settings.independent_share * (screening.gap.squaredNorm() - screened.left) < kLeastSecondGain) continue;
+    const Screened*& entry = best[screened.start.name];
+    if (entry == nullptr || screened.left < entry->left) entry = &screened;
+  }
+  std::vector<const Screened*> ranked;
+  for (const auto& [name, screened] : best) ranked.push_back(screened);
+  std::stable_sort(ranked.begin(), ranked.end(), [](const Screened* a, const Screened* b) { return a->left < b->left; });
+  std::vector<FitResult> results;
+  const Eigen::MatrixXd nuisance_columns = columns.leftCols(static_cast<Eigen::Index>(one.fit.point.nuisance.size()));
+  const auto add = [&](const Point& start) {
+    FitResult result = fit(problem, nuisance_columns, start);
+    improve(problem, result, false);
+    results.push_back(with_chance(problem, one, result, result.difference, result.columns, logarithm_sum));
+  };
+  add(one.fit.point);  // what was fitted before knew nothing of the chance
+  for (std::size_t i = 0; i < std::min(kSeconds, ranked.size()); ++i) {
+    Point start = one.fit.point;
+    start.effects.push_back(scaled(about_effect(ranked[i]->start.name), ranked[i]->start, ranked[i]->amount));
+    add(start);
+  }
+  problem.chance = nullptr;
+  return results;
 }
 
 }  // namespace
 
-std::vector<FitResult> chance_fits(Problem& problem, const Base& base, const Screening& screening,
-                                   const FitResult& nothing, const std::vector<FitResult>& fits) {
+std::vector<FitResult> chance_fits(Problem& problem, const Base& base, const Screening& screening, const FitResult& nothing,
+                                   const std::vector<FitResult>& fits, const Progress& tell) {
   std::vector<Eigen::VectorXd> delays;
   for (const Screened& screened : screening.tried) {
     if (is_mean_of_chance(screened.start.name)) delays.push_back(screened.column);
   }
   FreePower free = free_power(problem, nothing.difference);
-  std::vector<Beside> besides{{&nothing, 0}};
+  std::vector<const FitResult*> besides{&nothing};
   std::size_t singles = 0;
   for (const FitResult& result : fits) {
     const FreePower of_this = free_power(problem, result.difference);
     if (of_this.cost < free.cost) free = of_this;
     const std::vector<common::EffectInstance>& effects = result.point.effects;
-    const auto mean = std::find_if(effects.begin(), effects.end(), [](const auto& effect) { return is_mean_of_chance(effect.name); });
-    const bool is_single = effects.size() == 1 && singles++ < kBeside;
-    if (is_single || mean != effects.end()) besides.push_back({&result, static_cast<std::size_t>(mean - effects.begin())});
+    const bool has_mean = std::any_of(effects.begin(), effects.end(), [](const auto& effect) { return is_mean_of_chance(effect.name); });
+    if (has_mean || (effects.size() == 1 && singles++ < kBeside)) besides.push_back(&result);
   }
   // Of each effect by chance and each fit the best profile of the screening.
+  const auto count = base.difference.size();
   std::map<std::pair<std::string, const FitResult*>, Try> tries;
   for (const Screened& screened : screening.tried) {
-    if (!comes_by_chance(screened.start.name)) continue;
-    const Eigen::VectorXd profile = power_profile(problem, without(screened.column, delays).head(base.difference.size()));
-    for (const Beside& beside : besides) {
-      const ChanceFit chance = fit_chance(beside.fit->difference, profile);
-      if (chance.scale == 0.0) continue;
-      Try& best = tries.try_emplace({screened.start.name, beside.fit}, Try{beside, screened.start, {0.0, 1e300}, profile}).first->second;
-      if (chance.cost < best.chance.cost) best = {beside, with_power(screened.start, chance.scale), chance, profile};
+    const std::string& name = screened.start.name;
+    if (!comes_by_chance(name)) continue;
+    const Eigen::VectorXd change = screened.column.head(count);
+    const std::vector<Eigen::VectorXd> changes{is_one_force(name) ? change : without_columns(screened.column, delays).head(count)};
+    const ChanceProfile profile = power_profile(problem, changes);
+    for (const FitResult* beside : besides) {
+      const std::vector<common::EffectInstance>& effects = beside->point.effects;
+      const auto mean = std::find_if(effects.begin(), effects.end(), [](const auto& effect) { return is_mean_of_chance(effect.name); });
+      if (is_one_force(name) && effects.size() > 1) continue;
+      const ChanceFit found = fit_chance(problem, beside->difference, profile);
+      if (found.scale == 0.0) continue;
+      const auto [entry, is_new] = tries.try_emplace({name, beside});
+      if (!is_new && found.cost >= entry->second.found.cost) continue;
+      const std::size_t part = is_one_force(name) ? effects.size() : static_cast<std::size_t>(mean - effects.begin());
+      entry->second = {*beside, part, with_power(screened.start, found.scale), found, profile};
     }
   }
   std::map<std::set<std::string>, FitResult> best;
-  for (auto& [key, one] : tries) {
-    const auto count = base.difference.size();
-    if (!is_worth_a_look(one.chance, free, count)) continue;
-    // Draws at the size found, where the fit stands; what they do on the average is a delay.
-    const FitResult& fit = *one.beside.fit;
-    Point still = fit.point;
-    const bool has_mean = one.beside.mean < still.effects.size();
-    if (has_mean) still.effects.erase(still.effects.begin() + static_cast<std::ptrdiff_t>(one.beside.mean));
-    const Eigen::VectorXd here = has_mean ? differences(problem, still) : fit.difference;
-    std::vector<Eigen::VectorXd> means;
-    for (const Eigen::VectorXd& delay : delays) means.push_back(delay.head(count));
-    if (has_mean) means.push_back(fit.difference - here);
-    for (int look = 0; look < kLooks; ++look) {
-      std::vector<Point> points(kDraws, still);
-      for (std::uint64_t draw = 0; draw < kDraws; ++draw) {
-        points[draw].effects.push_back(one.effect);
-        points[draw].seed = draw + 1;
-      }
-      Eigen::VectorXd profile = Eigen::VectorXd::Zero(count), mean = Eigen::VectorXd::Zero(count);
-      for (const Eigen::VectorXd& drawn : differences(problem, points)) {
-        const Eigen::VectorXd change = drawn - here, random = without(change, means);
-        profile += power_profile(problem, random) / static_cast<double>(kDraws);
-        mean += (change - random) / static_cast<double>(kDraws);
-      }
-      const ChanceFit chance = fit_chance(fit.difference, profile);
-      if (chance.scale == 0.0) break;
-      if (chance.cost < one.chance.cost || look == 0) {
-        one.chance = chance;
-        one.profile = profile;
-        one.mean_cost = cost_of_mean(has_mean ? Eigen::VectorXd(fit.difference - here) : Eigen::VectorXd(), mean, chance, profile);
-      }
-      one.effect = with_power(one.effect, chance.scale);
-    }
-    if (!is_near_free_power(one.chance, free, count)) continue;
-
-    FitResult result;
-    result.point = still;
-    result.point.effects.insert(result.point.effects.begin(), one.effect);
-    const Eigen::VectorXd deviation = (1.0 + one.chance.scale * one.profile.array()).sqrt();
-    result.difference = fit.difference.cwiseQuotient(deviation);
-    const auto nuisances = static_cast<Eigen::Index>(fit.point.nuisance.size());
-    // Columns of the chance's own parameters: none; of the other effect: as fitted.
-    auto from = nuisances, to = nuisances + static_cast<Eigen::Index>(one.effect.values.size());
-    auto others = to;
-    for (const common::EffectInstance& effect : still.effects) others += static_cast<Eigen::Index>(effect.values.size());
-    result.columns = Eigen::MatrixXd::Zero(count, others);
-    result.columns.leftCols(nuisances) = deviation.cwiseInverse().asDiagonal() * fit.columns.leftCols(nuisances);
-    for (std::size_t e = 0; e < fit.point.effects.size(); ++e) {
-      const auto size = static_cast<Eigen::Index>(fit.point.effects[e].values.size());
-      if (e != one.beside.mean) {
-        result.columns.middleCols(to, size) = deviation.cwiseInverse().asDiagonal() * fit.columns.middleCols(from, size);
-        to += size;
-      }
-      from += size;
-    }
-    conclude(problem, result);
-    result.excess = problem.settings.independent_share * (one.chance.cost - static_cast<double>(count));
-    if (has_mean) {
-      result.prior += one.mean_cost;
-    } else {
-      result.excess += problem.settings.independent_share * one.mean_cost;
-    }
-    result.cost = result.excess + result.prior;
-    const common::EffectAbout& about = about_effect(one.effect.name);
-    for (std::size_t p = 0; p < one.effect.values.size(); ++p) {
-      result.deviation[p] = p == 0 ? kChanceSize * one.effect.values[p]
-                                   : std::fabs(value_per_deviation(about.parameters[p], one.effect.values[p]));
-    }
+  const auto keep = [&](FitResult result) {
     std::set<std::string> names;
     for (const common::EffectInstance& effect : result.point.effects) names.insert(effect.name);
     const auto [entry, is_new] = best.try_emplace(names, result);
     if (!is_new && result.cost < entry->second.cost) entry->second = std::move(result);
+  };
+  const Try* alone = nullptr;
+  for (auto& [key, one] : tries) {
+    if (!is_worth_a_look(one.found, free, count)) continue;
+    look(problem, delays, one);
+    if (!is_near_free_power(one.found, free, count, is_one_force(one.effect.name))) continue;
+    const Chance chance{one.profile, one.found.scale};
+    keep(with_chance(problem, one, one.fit, divided(problem, chance, one.fit.difference), divided_columns(problem, chance, one.fit.columns),
+                     logarithms(problem, chance)));
+    const bool is_alone = one.fit.point.effects.size() == (one.has_mean() ? 1U : 0U);
+    if (is_alone && (alone == nullptr || one.found.cost + one.mean_cost < alone->found.cost + alone->mean_cost)) alone = &one;
   }
-  std::vector<FitResult> found;
-  for (auto& [names, result] : best) found.push_back(std::move(result));
-  return found;
+  if (alone != nullptr) {
+    for (FitResult& result : seconds(problem, base, screening, *alone, tell)) keep(std::move(result));
+  }
+  std::vector<FitResult> results;
+  for (auto& [names, result] : best) results.push_back(std::move(result));
+  return results;
 }
 
 }  // namespace slewlab::diagnosis

@@ -1,6 +1,7 @@
-// Candidates in which an effect by chance (chance.h) has a part, from fits without it: beside the fit of parameters alone, and beside that
-// of each single effect. A delay is the mean of such an effect, so beside a fitted delay it is named alone. The power comes from
-// draws of its own at the fitted size, delays and parameters taken out.
+// Candidates in which an effect by chance (chance.h) has a part. First beside the fits without it: that of parameters alone and those of
+// single effects. A delay is what jitter and loss do on the average, so beside a fitted delay they are named alone. The power comes
+// from draws of its own at the fitted size. Then, beside the best of these alone, a second effect is looked for with the whole
+// catalogue, all differences divided by what the chance adds to them.
 #pragma once
 
 #include <vector>
@@ -10,10 +11,9 @@
 
 namespace slewlab::diagnosis {
 
-// One fit at most per effect by chance and per set of effects beside it, and only where its power comes near what a free one reaches
-// and no fit without chance leaves less than that. Their differences and columns are those divided by the standard deviation that
-// the chance gives them. `fits` are concluded.
-std::vector<FitResult> chance_fits(Problem& problem, const Base& base, const Screening& screening,
-                                   const FitResult& nothing, const std::vector<FitResult>& fits);
+// One fit at most per set of effects, and only where the power comes near what a free one reaches and no fit without chance leaves less
+// than that. Their differences and columns are the divided ones, the effect by chance comes first. `fits` are concluded.
+std::vector<FitResult> chance_fits(Problem& problem, const Base& base, const Screening& screening, const FitResult& nothing,
+                                   const std::vector<FitResult>& fits, const Progress& tell);
 
 }  // namespace slewlab::diagnosis

@@ -279,14 +279,14 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   find_moments(problem, base.point, diagnosis);
 
   const Projector project(base.nuisance_columns, base.point, data_weight(base.difference, settings.fit));
-  const Screening screening = screen(problem, base, project, settings.without,
+  const Screening screening = screen(problem, base, project, catalogue_starts(problem.nominal, settings.without),
                                      [&](double share, const std::string& doing) { tell(0.12 + 0.28 * share, doing); });
   for (const auto& [name, square] : screening.visibility) {
     if (square < kVisible) {
       diagnosis.cannot_tell.push_back(fmt::format("{}: a typical size changes nothing in these records", name));
     }
   }
-  const Found found = search(problem, base, screening, settings.without, settings.search, tell);
+  const Found found = search(problem, base, screening, settings.search, tell);
   const FitResult& nothing = found.nothing;
   const std::vector<FitResult>& fits = found.fits;
 

@@ -12,6 +12,7 @@
 #include <tuple>
 
 #include "controller/effects/catalogue.h"
+#include "diagnosis/chance.h"
 #include "diagnosis/nuisance.h"
 #include "sim/effects/catalogue.h"
 
@@ -324,7 +325,7 @@ Eigen::VectorXd differences(Problem& problem, const Point& point) {
   }
   // A machine that an odd point shakes to pieces counts as very far off, not as a number that spreads.
   if (!result.allFinite()) result.setConstant(1e3);
-  return result;
+  return problem.chance == nullptr ? result : divided(problem, *problem.chance, result);
 }
 
 std::vector<Eigen::VectorXd> differences(Problem& problem, std::span<const Point> points) {

@@ -46,6 +46,8 @@ struct Point {
 // The nominal machine moved to a point.
 sim::MachineSettings machine_at(const sim::MachineSettings& nominal, const Point& point);
 
+struct Chance;  // chance.h
+
 // Everything that stays the same over one diagnosis. Counts simulations; may be asked to stop.
 struct Problem {
   sim::MachineSettings nominal;
@@ -57,6 +59,7 @@ struct Problem {
   int threads = 1;
   std::atomic<std::int64_t> simulations{0};
   std::atomic<std::int64_t> simulation_time{0};  // [ns] in them, summed over the threads
+  const Chance* chance = nullptr;           // by whose power the differences are divided
   const std::atomic<bool>* stop = nullptr;  // set from outside: unwind with Interrupted
 };
 

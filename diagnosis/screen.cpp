@@ -141,33 +141,57 @@ bool is_among(const std::vector<common::EffectInstance>& effects, std::string_vi
 
 bool has_effect(const sim::MachineSettings& machine, std::string_view name) { return is_among(machine.effects, name); }
 
-bool has_effect(const Point& point, std::string_view name) { return is_among(point.effects, name); }
-
 double forecast(const Problem& problem, const Base& base, const Screening& screening, const Screened& screened) {
   const double left = excess(base.difference, problem.settings), nu = problem.settings.law_freedom;
   const double fall = problem.settings.independent_share * (screening.gap.squaredNorm() - screened.left);
   return discounted(left, nu) - discounted(left - fall, nu);
 }
 
-Screening screen(Problem& problem, const Base& base, const Projector& project, std::span<const std::string> without,
-                 const Progress& tell) {
-  // Screen: every effect of the catalogue from each of its starts, one simulation each.
-  tell(0.0, "trying every effect of the catalogue");
-  Screening screening;
-  std::vector<Screened>& tried = screening.tried;
-  std::vector<Point> points;
+std::vector<common::EffectInstance> catalogue_starts(const sim::MachineSettings& nominal, std::span<const std::string> without) {
+  std::vector<common::EffectInstance> starts;
   for (const sim::EffectDescription* description : sim::effect_catalogue()) {
     const std::string name(description->about.name);
     if (std::find(without.begin(), without.end(), name) != without.end() || name == kCounts) continue;
     // What the nominal crane has already is not missing, and a machine takes an effect once.
-    if (has_effect(problem.nominal, name) || has_effect(base.point, name)) continue;
-    screening.names.insert(name);
-    for (const common::EffectInstance& start : starts_of(description->about)) {
-      Point point = base.point;
-      point.effects.push_back(start);
-      tried.push_back({start, {}, 0.0, 0.0, 0.0});
-      points.push_back(point);
+    if (is_among(nominal.effects, name)) continue;
+    const std::vector<common::EffectInstance> own = starts_of(description->about);
+    starts.insert(starts.end(), own.begin(), own.end());
+  }
+  return starts;
+}
+
+std::vector<common::EffectInstance> best_starts(const Screening& screening) {
+  std::map<std::string, const Screened*> best;
+  for (const Screened& screened : screening.tried) {
+    const Screened*& entry = best[screened.start.name];
+    if (entry == nullptr || screened.left < entry->left) entry = &screened;
+  }
+  std::vector<common::EffectInstance> starts;
+  for (const auto& [name, screened] : best) {
+    starts.push_back(screened->start);
+    for (const std::size_t p : turning_angles(about_effect(name))) {
+      common::EffectInstance turned = screened->start;
+      turned.values[p] = std::remainder(turned.values[p] + 0.5 * std::numbers::pi, 2.0 * std::numbers::pi);
+      starts.push_back(turned);
     }
+  }
+  return starts;
+}
+
+Screening screen(Problem& problem, const Base& base, const Projector& project, std::span<const common::EffectInstance> starts,
+                 const Progress& tell) {
+  // One simulation from each start.
+  tell(0.0, "trying every effect of the catalogue");
+  Screening screening;
+  std::vector<Screened>& tried = screening.tried;
+  std::vector<Point> points;
+  for (const common::EffectInstance& start : starts) {
+    if (is_among(base.point.effects, start.name)) continue;
+    screening.names.insert(start.name);
+    Point point = base.point;
+    point.effects.push_back(start);
+    tried.push_back({start, {}, 0.0, 0.0, 0.0});
+    points.push_back(point);
   }
   screening.gap = project.gap(base.difference);
   const Eigen::VectorXd& gap = screening.gap;

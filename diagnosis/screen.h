@@ -91,16 +91,21 @@ struct Amounts {
 std::optional<Amounts> joint_amounts(const Eigen::VectorXd& a, const Eigen::VectorXd& b, const Eigen::VectorXd& target, double least);
 
 bool has_effect(const sim::MachineSettings& machine, std::string_view name);
-bool has_effect(const Point& point, std::string_view name);
 
 struct Screening {
-  std::set<std::string> names;               // of the effects that could have been named
+  std::set<std::string> names;               // of the effects that were tried
   std::vector<Screened> tried;               // all starts and second looks
   std::map<std::string, double> visibility;  // largest of each effect's
   Eigen::VectorXd gap;                       // what parameters alone leave, as the projector shows it
 };
+// All starts of the catalogue but of `without`.
+std::vector<common::EffectInstance> catalogue_starts(const sim::MachineSettings& nominal, std::span<const std::string> without);
+
+// Of each effect the start that left least, and where it has angles that one a quarter turn on: enough to look from elsewhere.
+std::vector<common::EffectInstance> best_starts(const Screening& screening);
+
 // Beside what the base's point has already. The projector takes out what is fitted there.
-Screening screen(Problem& problem, const Base& base, const Projector& project, std::span<const std::string> without,
+Screening screen(Problem& problem, const Base& base, const Projector& project, std::span<const common::EffectInstance> starts,
                  const Progress& tell);
 
 // Fall of the cost that the start promises.

@@ -78,9 +78,10 @@ void go_back(Problem& problem, const Eigen::MatrixXd& nuisance_columns, std::siz
 // Pairs worth refining. First what two columns do jointly from where nothing is added. Then a second effect beside the best single
 // one, with the catalogue screened again there: where effects are large, only that is near enough. Then, by the
 // columns at hand, beside two more single ones.
-std::vector<Point> pair_starts(Problem& problem, const Base& base, const Eigen::VectorXd& gap, const std::vector<const Screened*>& best,
-                               const std::vector<FitResult>& singles, const std::map<std::string, std::string>& same_as, std::span<const std::string> without, const SearchSettings& settings,
-                               const Progress& tell) {
+std::vector<Point> pair_starts(Problem& problem, const Base& base, const Screening& screening, const std::vector<const Screened*>& best,
+                               const std::vector<FitResult>& singles, const std::map<std::string, std::string>& same_as,
+                               const SearchSettings& settings, const Progress& tell) {
+  const Eigen::VectorXd& gap = screening.gap;
   struct Pair {
     Point start;
     double left;
@@ -129,10 +130,12 @@ std::vector<Point> pair_starts(Problem& problem, const Base& base, const Eigen::
     };
     const bool is_best = leader == 0;
     if (is_best) {
-      std::vector<std::string> left_out(without.begin(), without.end());
-      for (const auto& [name, other] : same_as) left_out.push_back(name);
+      std::vector<common::EffectInstance> starts_here = best_starts(screening);
+      std::erase_if(starts_here, [&](const common::EffectInstance& start) {
+        return same_as.contains(start.name) || comes_by_chance(start.name);
+      });
       const Base here{single.point, single.difference, single.columns, single.cost, single.prior, {}, base.nominal_mean_square};
-      for (const Screened& beside : screen(problem, here, project, left_out, tell).tried) consider(beside);
+      for (const Screened& beside : screen(problem, here, project, starts_here, tell).tried) consider(beside);
     } else {
       for (const Screened* screened : best) {
         if (screened->start.name == single.point.effects[0].name) continue;
@@ -152,8 +155,8 @@ std::vector<Point> pair_starts(Problem& problem, const Base& base, const Eigen::
 
 }  // namespace
 
-Found search(Problem& problem, const Base& base, const Screening& screening, std::span<const std::string> without,
-             const SearchSettings& settings, const Progress& tell) {
+Found search(Problem& problem, const Base& base, const Screening& screening, const SearchSettings& settings,
+             const Progress& tell) {
   // All starts by what they leave, and of them the best of each effect.
   std::vector<const Screened*> ranked, best;
   for (const Screened& screened : screening.tried) {
@@ -202,7 +205,7 @@ Found search(Problem& problem, const Base& base, const Screening& screening, std
   });
   if (!fits.empty() && settings.pairs_to_refine > 0) {
     const std::vector<Point> starts = pair_starts(
-        problem, base, screening.gap, best, fits, same_as, without, settings,
+        problem, base, screening, best, fits, same_as, settings,
         [&](double share, const std::string& doing) { tell(0.65 + 0.2 * share, doing + " beside " + fits.front().point.effects[0].name); });
     std::vector<FitResult> pairs;
     for (std::size_t i = 0; i < starts.size(); ++i) {
@@ -236,7 +239,9 @@ Found search(Problem& problem, const Base& base, const Screening& screening, std
   }
   conclude(problem, nothing);
   for (FitResult& result : fits) conclude(problem, result);
-  std::vector<FitResult> by_chance = chance_fits(problem, base, screening, nothing, fits);
+  std::vector<FitResult> by_chance = chance_fits(
+      problem, base, screening, nothing, fits,
+      [&](double share, const std::string& doing) { tell(0.98 + 0.02 * share, doing + " beside chance"); });
   fits.insert(fits.end(), std::make_move_iterator(by_chance.begin()), std::make_move_iterator(by_chance.end()));
   for (const auto& [name, other] : same_as) {
     for (std::size_t i = 0; i < fits.size(); ++i) {

@@ -12,9 +12,9 @@ namespace slewlab::sim {
 
 namespace {
 
-constexpr int kSineCount = 24;
+constexpr int kSineCount = 64;
 constexpr double kLowest = 0.01;  // [Hz]
-constexpr double kHighest = 1.0;  // [Hz]
+constexpr double kHighest = 5.0;  // [Hz]
 
 class Gusts : public Running<Gusts> {
  public:
