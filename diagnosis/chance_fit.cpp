@@ -22,6 +22,7 @@ constexpr double kLeastMean = 0.02;  // of the fitted delay's, below which there
 constexpr double kNoPart = 1e-12;    // share of a column that another leaves, below which they are one
 constexpr std::size_t kBeside = 6;   // single fits beside which chance is tried
 constexpr std::size_t kSeconds = 4;  // effects that are fitted beside the best chance
+constexpr double kLeastFall = 20.0;      // of the excess, for which draws are made
 constexpr double kLeastSecondGain = 40.0;  // fall of the excess, forecast, for which they are
 
 // The change without what is parallel to the columns.
@@ -224,7 +225,8 @@ std::vector<FitResult> chance_fits(Problem& problem, const Base& base, const Scr
   };
   const Try* alone = nullptr;
   for (auto& [key, one] : tries) {
-    if (!is_worth_a_look(one.found, free, count)) continue;
+    const double fall = problem.settings.independent_share * (one.fit.difference.squaredNorm() - one.found.cost);
+    if (fall < kLeastFall || !is_worth_a_look(one.found, free, count)) continue;
     look(problem, delays, one);
     if (!is_near_free_power(one.found, free, count, is_one_force(one.effect.name))) continue;
     const Chance chance{one.profile, one.found.scale};

@@ -433,6 +433,7 @@ Relaxed relax(const Problem& problem, const FitResult& result, double law_freedo
     return law_freedom * std::log1p(std::max(0.0, relaxed.excess - floor) / usual) + relaxed.prior;
   };
   Relaxed best{result.excess, result.prior};
+  const double besides = result.prior - prior_cost(result.point);  // what does not go with where the parameters stand
   Point point = result.point;
   Eigen::VectorXd step = Eigen::VectorXd::Zero(gram.cols());
   for (int iteration = 0; iteration < kRelaxations; ++iteration) {
@@ -446,7 +447,7 @@ Relaxed relax(const Problem& problem, const FitResult& result, double law_freedo
     for (int halving = 0; halving < 4 && !fell; ++halving, change *= 0.5) {
       const Point trial = moved(point, change);
       const Eigen::VectorXd trial_step = step_between(result.point, trial);
-      const Relaxed relaxed{excess_at(trial_step), prior_cost(trial)};
+      const Relaxed relaxed{excess_at(trial_step), prior_cost(trial) + besides};
       if (cost_at(relaxed) >= cost_at(best)) continue;
       fell = true;
       best = relaxed;

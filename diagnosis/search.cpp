@@ -20,7 +20,7 @@ constexpr double kSameMotion = 1e-6;            // relative difference of two si
 constexpr int kStartsPerEffect = 2;             // that are refined
 constexpr int kFreshRounds = 2;                 // at most, for a leader
 constexpr std::size_t kPairLeaders = 3;         // single effects beside which a second one is looked for
-constexpr int kPairsPerLeader = 3;              // that are refined beside each of them but the best
+constexpr int kPairsPerLeader = 2;              // that are refined beside each of them but the best
 constexpr double kParallel = 0.02;              // 1 - cosine^2 of two signatures below which they are not tried as a pair
 
 bool cheaper(const FitResult& a, const FitResult& b) { return a.cost < b.cost; }

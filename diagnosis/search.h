@@ -9,12 +9,12 @@
 namespace slewlab::diagnosis {
 
 struct SearchSettings {
-  int singles_to_refine = 16;  // starts, two of an effect at most
-  int contenders = 6;          // of the refined ones, with another round
+  int singles_to_refine = 14;  // starts, two of an effect at most
+  int contenders = 5;          // of the refined ones, with another round
   int leaders = 3;             // of these, the best with fresh columns until it settles
-  int pairs_to_refine = 10;
+  int pairs_to_refine = 8;
   int beside_the_best = 5;     // of them at most beside the best single effect
-  int pair_contenders = 4;
+  int pair_contenders = 3;
   int pair_leaders = 2;
 };
 

@@ -12,7 +12,7 @@ namespace slewlab::sim {
 
 namespace {
 
-constexpr int kSineCount = 64;
+constexpr int kSineCount = 32;
 constexpr double kLowest = 0.01;  // [Hz]
 constexpr double kHighest = 5.0;  // [Hz]
 

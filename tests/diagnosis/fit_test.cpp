@@ -53,6 +53,12 @@ TEST_F(Relaxation, TradesMisfitForLikelyValues) {
   EXPECT_NEAR(charged.excess, 0.0, 1e-3);
 }
 
+// A price that does not go with where the parameters stand is paid wherever they go.
+TEST_F(Relaxation, KeepsWhatIsChargedBesides) {
+  result_.prior += 25.0;
+  EXPECT_NEAR(relax(problem_, result_, 100.0, 1e12, 0.0).prior, 25.0, 1e-6);
+}
+
 // The minimum of 100 ln(1 + 0.3 (10 (z - 3))^2 / 1000) + z^2 + 30 max(0, z - 2)^2, by search over z.
 TEST_F(Relaxation, FindsTheLeastOfBoth) {
   double least = 1e300, prior = 0.0;
