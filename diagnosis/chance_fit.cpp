@@ -14,6 +14,7 @@ namespace {
 
 constexpr double kChanceSize = 0.2;  // relative standard deviation of a size that is found from the power of one draw
 constexpr double kOccam = 3.2;       // 2 ln(1 / 0.2): what a parameter costs that is known so well and has no column
+constexpr double kForcePrice = 60.0;  // -2 ln: what a free force takes away of mesh and step where nothing is missing
 constexpr int kLooks = 2;            // at the power of the size just found
 constexpr std::uint64_t kDraws = 3;  // of which a look takes the mean power
 constexpr std::uint64_t kForceDraws = 8;  // the same for a force, whose direction they give as well
@@ -125,6 +126,7 @@ FitResult with_chance(const Problem& problem, const Try& one, const FitResult& f
   conclude(problem, result);
   result.excess += problem.settings.independent_share * logarithm_sum;
   result.prior += one.mean_cost + kOccam * static_cast<double>(one.effect.values.size());
+  if (is_one_force(one.effect.name)) result.prior += kForcePrice;
   result.cost = result.excess + result.prior;
   const common::EffectAbout& about = about_effect(one.effect.name);
   for (std::size_t p = 0; p < one.effect.values.size(); ++p) {
