@@ -50,10 +50,9 @@ withheld::CaseResult diagnose_case(const withheld::CaseInput& input, const CaseS
     result.subsystems = diagnosis.subsystems;
     result.seconds = diagnosis.total_seconds;
     result.simulations = diagnosis.simulations;
-    result.band_counts = diagnosis.band_counts;
     for (const Cause& cause : diagnosis.causes) {
       withheld::NamedCause named{cause.effects, cause.probability, cause.group, {}, cause.excess, cause.prior,
-                                 {cause.information.begin(), cause.information.end()}, cause.bands};
+                                 {cause.information.begin(), cause.information.end()}};
       for (const Size& size : cause.sizes) {
         const std::size_t dot = size.parameter.find('.');
         named.sizes.push_back({size.parameter.substr(0, dot), size.parameter.substr(dot + 1), size.value, size.low, size.high});

@@ -6,7 +6,6 @@
 #include <set>
 
 #include "diagnosis/chance.h"
-#include "diagnosis/nuisance.h"
 
 namespace slewlab::diagnosis {
 
@@ -226,7 +225,9 @@ std::vector<FitResult> chance_fits(Problem& problem, const Base& base, const Scr
     if (!is_new && result.cost < entry->second.cost) entry->second = std::move(result);
   };
   const Try* alone = nullptr;
+  std::size_t looked = 0;
   for (auto& [key, one] : tries) {
+    tell(0.5 * static_cast<double>(looked++) / static_cast<double>(tries.size()), "drawing " + one.effect.name);
     const double fall = problem.settings.independent_share * (one.fit.difference.squaredNorm() - one.found.cost);
     if (fall < kLeastFall || !is_worth_a_look(one.found, free, count)) continue;
     look(problem, delays, one);
@@ -238,7 +239,10 @@ std::vector<FitResult> chance_fits(Problem& problem, const Base& base, const Scr
     if (is_alone && (alone == nullptr || one.found.cost + one.mean_cost < alone->found.cost + alone->mean_cost)) alone = &one;
   }
   if (alone != nullptr) {
-    for (FitResult& result : seconds(problem, base, screening, *alone, tell)) keep(std::move(result));
+    const auto tell_second = [&](double share, const std::string& doing) {
+      tell(0.5 + 0.5 * share, doing + " beside " + alone->effect.name);
+    };
+    for (FitResult& result : seconds(problem, base, screening, *alone, tell_second)) keep(std::move(result));
   }
   std::vector<FitResult> results;
   for (auto& [names, result] : best) results.push_back(std::move(result));

@@ -136,7 +136,7 @@ std::vector<Size> sizes_of(const std::vector<common::EffectInstance>& effects, c
   return sizes;
 }
 
-Cause make_cause(const Problem& problem, const FitResult& result) {
+Cause make_cause(const FitResult& result) {
   Cause cause;
   for (const common::EffectInstance& effect : result.point.effects) cause.effects.push_back(effect.name);
   cause.point = result.point;
@@ -144,7 +144,6 @@ Cause make_cause(const Problem& problem, const FitResult& result) {
   cause.excess = result.excess;
   cause.prior = result.prior;
   cause.information = result.information;
-  cause.bands = bands_of(problem, result.difference).square;
   cause.sizes = sizes_of(result.point.effects, result.deviation);
   return cause;
 }
@@ -291,14 +290,13 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   const std::vector<FitResult>& fits = found.fits;
 
   // Weigh.
-  diagnosis.band_counts = bands_of(problem, base.difference).count;
   EvidenceSettings evidence = settings.evidence;
   evidence.independent_share = settings.fit.independent_share;
   double least = std::min(0.0, nothing.excess);
   for (const FitResult& result : fits) least = std::min(least, result.excess);
   std::vector<Candidate> candidates;
   const auto add_candidate = [&](const FitResult& result) {
-    Cause cause = make_cause(problem, result);
+    Cause cause = make_cause(result);
     const Relaxed relaxed = relax(problem, result, evidence.law_freedom, usual_misfit(evidence, nothing.excess - least), least);
     cause.excess = relaxed.excess;
     cause.prior = relaxed.prior;

@@ -40,7 +40,6 @@ struct Cause {
   double mean_square = 0.0;
   double excess = 0.0, prior = 0.0;    // as in evidence.h
   Eigen::VectorXd information;         // as in evidence.h
-  std::vector<double> bands;           // sums of squares of the differences, as bands_of() has them
   std::vector<Size> sizes;            // of all effects' parameters
   Point point;                                              // the machine's part
   std::vector<common::EffectInstance> controller_effects;  // the controller's part
@@ -79,7 +78,6 @@ struct Diagnosis {
   std::vector<Moment> moments;
   std::vector<std::string> remarks;
   std::vector<std::string> cannot_tell;  // effects these records do not excite, with the reason
-  std::vector<double> band_counts;       // of differences in each of a cause's bands
   std::int64_t simulations = 0;
   double simulation_seconds = 0.0;  // in them, summed over the threads
   double total_seconds = 0.0;

@@ -5,11 +5,9 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
-#include <map>
 #include <numbers>
 #include <stdexcept>
 #include <thread>
-#include <tuple>
 
 #include "controller/effects/catalogue.h"
 #include "diagnosis/chance.h"
@@ -22,7 +20,6 @@ namespace {
 
 constexpr double kNuisanceStep = 0.3;  // [standard deviations] difference quotient: small against the prior, large against rounding
 constexpr double kFarthest = 6.0;      // [standard deviations] that a nuisance is let go
-constexpr double kLowestBand = 0.1;    // [Hz] upper edge of the first band, which holds all below
 constexpr int kRelaxations = 8;
 constexpr double kAtTheWall = 1.9;     // [standard deviations]
 constexpr double kEffectStep = 0.05;   // [standard deviations] the same for effects, around a fitted size
@@ -212,28 +209,6 @@ double descend(Problem& problem, int iterations, Eigen::MatrixXd& columns, Point
 
 double mean_square(const Eigen::VectorXd& difference) {
   return difference.squaredNorm() / static_cast<double>(difference.size());
-}
-
-Bands bands_of(const Problem& problem, const Eigen::VectorXd& difference) {
-  std::map<std::tuple<bool, int, int>, std::pair<double, double>> sums;
-  Eigen::Index row = 0;
-  for (const Whitening& whitening : problem.whitening) {
-    for (const Channel& channel : whitening.channels) {
-      for (std::size_t b = 0; b < whitening.bin_count; ++b, row += 2) {
-        const double frequency = static_cast<double>(whitening.first_bin + b) * whitening.bin_width;
-        const int band = static_cast<int>(std::floor(3.0 * std::log2(frequency / kLowestBand)));
-        auto& [count, square] = sums[{channel.is_torque, channel.index, std::max(0, band)}];
-        count += 2.0;
-        square += difference.segment<2>(row).squaredNorm();
-      }
-    }
-  }
-  Bands bands;
-  for (const auto& [key, sum] : sums) {
-    bands.count.push_back(sum.first);
-    bands.square.push_back(sum.second);
-  }
-  return bands;
 }
 
 double excess(const Eigen::VectorXd& difference, const FitSettings& settings) {

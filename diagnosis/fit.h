@@ -73,12 +73,6 @@ std::vector<Eigen::VectorXd> differences(Problem& problem, std::span<const Point
 
 double mean_square(const Eigen::VectorXd& difference);
 
-// Thirds of an octave of each channel, all records together: how many differences there are, and their sum of squares.
-struct Bands {
-  std::vector<double> count, square;
-};
-Bands bands_of(const Problem& problem, const Eigen::VectorXd& difference);
-
 // What of the differences noise alone does not explain: s (sum(d^2) - n).
 double excess(const Eigen::VectorXd& difference, const FitSettings& settings);
 

@@ -9,7 +9,6 @@
 
 #include "diagnosis/chance.h"
 #include "diagnosis/chance_fit.h"
-#include "diagnosis/nuisance.h"
 
 namespace slewlab::diagnosis {
 
@@ -190,7 +189,7 @@ Found search(Problem& problem, const Base& base, const Screening& screening, con
   Found found;
   std::vector<FitResult>& fits = found.fits;
   for (std::size_t i = 0; i < chosen.size(); ++i) {
-    tell(0.4 + 0.15 * static_cast<double>(i) / static_cast<double>(chosen.size()), "refining " + chosen[i]->start.name);
+    tell(0.4 + 0.13 * static_cast<double>(i) / static_cast<double>(chosen.size()), "refining " + chosen[i]->start.name);
     Point start = base.point;
     start.effects.push_back(scaled(about_effect(chosen[i]->start.name), chosen[i]->start, chosen[i]->amount));
     fits.push_back(fit(problem, base.nuisance_columns, start));
@@ -201,28 +200,28 @@ Found search(Problem& problem, const Base& base, const Screening& screening, con
   seen.clear();
   std::erase_if(fits, [&](const FitResult& result) { return ++seen[result.point.effects[0].name] > 1; });
   go_on(problem, fits, settings.contenders, settings.leaders, [&](double share, const FitResult& result) {
-    tell(0.55 + 0.1 * share, "converging " + result.point.effects[0].name);
+    tell(0.53 + 0.07 * share, "converging " + result.point.effects[0].name);
   });
   if (!fits.empty() && settings.pairs_to_refine > 0) {
     const std::vector<Point> starts = pair_starts(
         problem, base, screening, best, fits, same_as, settings,
-        [&](double share, const std::string& doing) { tell(0.65 + 0.2 * share, doing + " beside " + fits.front().point.effects[0].name); });
+        [&](double share, const std::string& doing) { tell(0.6 + 0.1 * share, doing + " beside " + fits.front().point.effects[0].name); });
     std::vector<FitResult> pairs;
     for (std::size_t i = 0; i < starts.size(); ++i) {
-      tell(0.85 + 0.08 * static_cast<double>(i) / static_cast<double>(starts.size()),
+      tell(0.7 + 0.1 * static_cast<double>(i) / static_cast<double>(starts.size()),
            "refining " + starts[i].effects[0].name + " with " + starts[i].effects[1].name);
       pairs.push_back(fit(problem, base.nuisance_columns, starts[i]));
       take_nuisance_columns(fits.front().columns, pairs.back());
     }
     go_on(problem, pairs, settings.pair_contenders, settings.pair_leaders, [&](double share, const FitResult& result) {
-      tell(0.93 + 0.05 * share,
+      tell(0.8 + 0.06 * share,
            "converging " + result.point.effects[0].name + " with " + result.point.effects[1].name);
     });
     fits.insert(fits.end(), std::make_move_iterator(pairs.begin()), std::make_move_iterator(pairs.end()));
   }
 
   // What fits with one effect more may show the way to those with less: a descent that stopped short elsewhere goes on from there.
-  tell(0.98, "going back to fewer effects");
+  tell(0.86, "going back to fewer effects");
   std::stable_sort(fits.begin(), fits.end(), cheaper);
   go_back(problem, base.nuisance_columns, 2, fits);
   go_back(problem, base.nuisance_columns, 1, fits);
@@ -241,7 +240,7 @@ Found search(Problem& problem, const Base& base, const Screening& screening, con
   for (FitResult& result : fits) conclude(problem, result);
   std::vector<FitResult> by_chance = chance_fits(
       problem, base, screening, nothing, fits,
-      [&](double share, const std::string& doing) { tell(0.98 + 0.02 * share, doing + " beside chance"); });
+      [&](double share, const std::string& doing) { tell(0.9 + 0.1 * share, doing); });
   fits.insert(fits.end(), std::make_move_iterator(by_chance.begin()), std::make_move_iterator(by_chance.end()));
   for (const auto& [name, other] : same_as) {
     for (std::size_t i = 0; i < fits.size(); ++i) {

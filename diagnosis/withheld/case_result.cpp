@@ -24,7 +24,6 @@ json to_json(const CaseResult& result) {
                       {"excess", cause.excess},
                       {"prior", cause.prior},
                       {"information", cause.information},
-                      {"bands", cause.bands},
                       {"sizes", sizes}});
   }
   for (const auto& [name, probability] : result.subsystems) {
@@ -39,8 +38,7 @@ json to_json(const CaseResult& result) {
           {"unseen_before", result.unseen_before},
           {"unseen_after", result.unseen_after},
           {"seconds", result.seconds},
-          {"simulations", result.simulations},
-          {"band_counts", result.band_counts}};
+          {"simulations", result.simulations}};
 }
 
 CaseResult result_from(const json& j) {
@@ -50,7 +48,7 @@ CaseResult result_from(const json& j) {
   result.gap = j.at("gap");
   result.probability_unknown = j.at("probability_unknown");
   for (const json& c : j.at("causes")) {
-    NamedCause cause{c.at("effects"), c.at("probability"), c.at("group"), {}, c.at("excess"), c.at("prior"), c.at("information"), c.value("bands", std::vector<double>{})};
+    NamedCause cause{c.at("effects"), c.at("probability"), c.at("group"), {}, c.at("excess"), c.at("prior"), c.at("information")};
     // JSON has no infinity: a bound that is not given lies there.
     const auto bound = [](const json& value, double otherwise) {
       return value.is_null() ? otherwise : value.get<double>();
@@ -67,7 +65,6 @@ CaseResult result_from(const json& j) {
   result.unseen_after = j.at("unseen_after");
   result.seconds = j.at("seconds");
   result.simulations = j.at("simulations");
-  result.band_counts = j.value("band_counts", std::vector<double>{});
   return result;
 }
 

@@ -26,7 +26,6 @@ struct NamedCause {
   // As in evidence.h: probabilities can be weighed again from them.
   double excess = 0.0, prior = 0.0;
   std::vector<double> information;
-  std::vector<double> bands;
 };
 
 struct CaseResult {
@@ -40,7 +39,6 @@ struct CaseResult {
   double unseen_before = 0.0, unseen_after = 0.0;
   double seconds = 0.0;  // wall clock
   long long simulations = 0;
-  std::vector<double> band_counts;       // as bands_of() has them
 };
 
 struct TrueEffect {
