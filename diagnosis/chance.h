@@ -1,20 +1,13 @@
-// Effects that come by chance (jitter, loss, gusts): no simulation meets the draw that was, but it has the draw's power. So
+// Effects that come by chance (jitter, loss): no simulation meets the draw that was, but it has the draw's power. So
 // such an effect is not fitted to the differences but to their variance,
 //
 //   -2 ln P(d) = sum(ln(1 + a S) + d^2 / (1 + a S)) + constant,
 //
 // S being the power that a draw of its own adds to each whitened difference, smoothed over neighbouring frequencies, and a
 // its scale, fitted. In a deterministic fit S = 0 and only the sum of squares is left, so both are compared as they are.
-// Gusts act as one force at every frequency, which goes through the machine to all sensors alike: what the draws do to them has one
-// direction h there, and only along it stands their power,
-//
-//   -2 ln P(d) = sum over frequencies(2 ln(1 + a S) + |h* d|^2 / (1 + a S)
-//                                     + 2 (C - 1) ln(1 + e a S) + (|d|^2 - |h* d|^2) / (1 + e a S)) + constant,
-//
-// C channels, e = 0.02 for what is not quite one force.
-//
 // Because a smooth power fits nearly any difference better than no effect does, such an effect is a candidate only where it comes
-// near what a free power would reach.
+// near what a free power would reach. Gusts are not among them: a force with a free power was named for causes that are in no
+// catalogue (docs/diagnosis.md).
 // Assumes that what is missing adds to the differences independently of the rest.
 #pragma once
 
@@ -29,34 +22,25 @@ namespace slewlab::diagnosis {
 
 bool comes_by_chance(std::string_view effect);
 
-// Whether it acts as one force.
-bool is_one_force(std::string_view effect);
-
 // Whether the effect is what jitter or loss does on the average: a delay, or a lag.
 bool is_mean_of_chance(std::string_view effect);
 
-struct ChanceProfile {
-  Eigen::VectorXd power;      // S of each difference
-  Eigen::VectorXd direction;  // h, laid out as the differences are; empty: each difference has its own draw
-};
-
-// From the changes of the differences by draws.
-ChanceProfile power_profile(const Problem& problem, std::span<const Eigen::VectorXd> changes);
-ChanceProfile force_profile(const Problem& problem, std::span<const Eigen::VectorXd> changes);
+// S of each difference, from the changes of the differences by draws.
+Eigen::VectorXd power_profile(const Problem& problem, std::span<const Eigen::VectorXd> changes);
 
 struct ChanceFit {
   double scale = 0.0;  // a
   double cost = 0.0;   // the sum; without the effect it is the sum of squares
 };
-ChanceFit fit_chance(const Problem& problem, const Eigen::VectorXd& difference, const ChanceProfile& profile);
+ChanceFit fit_chance(const Eigen::VectorXd& difference, const Eigen::VectorXd& profile);
 
 // What the chance makes of unit variance: sum of logarithms in the cost, and differences (or columns) divided by what it adds.
 struct Chance {
-  ChanceProfile profile;
+  Eigen::VectorXd profile;
   double scale = 0.0;
 };
-double logarithms(const Problem& problem, const Chance& chance);
-Eigen::VectorXd divided(const Problem& problem, const Chance& chance, const Eigen::VectorXd& values);
+double logarithms(const Chance& chance);
+Eigen::VectorXd divided(const Chance& chance, const Eigen::VectorXd& values);
 
 // The same sum for a power that is free in every channel and every third of an octave: what a cause would have to reach whose
 // power nobody knows.
@@ -68,7 +52,7 @@ FreePower free_power(const Problem& problem, const Eigen::VectorXd& difference);
 
 // Whether the fit is near enough to it, and whether it may become so with a better profile.
 bool is_worth_a_look(const ChanceFit& fit, const FreePower& free, Eigen::Index count);
-bool is_near_free_power(const ChanceFit& fit, const FreePower& free, Eigen::Index count, bool is_force);
+bool is_near_free_power(const ChanceFit& fit, const FreePower& free, Eigen::Index count);
 
 // The effect with its size changed so that its power is `scale` times what it was, within its bounds.
 common::EffectInstance with_power(common::EffectInstance effect, double scale);

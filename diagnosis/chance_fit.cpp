@@ -13,10 +13,8 @@ namespace {
 
 constexpr double kChanceSize = 0.2;  // relative standard deviation of a size that is found from the power of one draw
 constexpr double kOccam = 3.2;       // 2 ln(1 / 0.2): what a parameter costs that is known so well and has no column
-constexpr double kForcePrice = 60.0;  // -2 ln: what a free force takes away of mesh and step where nothing is missing
 constexpr int kLooks = 2;            // at the power of the size just found
 constexpr std::uint64_t kDraws = 3;  // of which a look takes the mean power
-constexpr std::uint64_t kForceDraws = 8;  // the same for a force, whose direction they give as well
 constexpr double kMeanSpread = 0.4;  // of the logarithm of the mean that a draw's power goes with: laws differ
 constexpr double kLeastMean = 0.02;  // of the fitted delay's, below which there is none
 constexpr double kNoPart = 1e-12;    // share of a column that another leaves, below which they are one
@@ -44,7 +42,7 @@ struct Try {
   std::size_t mean = 0;      // which of the fit's effects is only what the chance does on the average; beyond the last: none
   common::EffectInstance effect;
   ChanceFit found;
-  ChanceProfile profile;
+  Eigen::VectorXd profile;
   double mean_cost = 0.0;    // in -2 ln: that the draws' mean is not what was fitted
 
   bool has_mean() const { return mean < fit.point.effects.size(); }
@@ -52,18 +50,15 @@ struct Try {
 
 // Draws at the size found, where the fit stands.
 void look(Problem& problem, const std::vector<Eigen::VectorXd>& delays, Try& one) {
-  const bool is_force = is_one_force(one.effect.name);
   Point still = one.fit.point;
   if (one.has_mean()) still.effects.erase(still.effects.begin() + static_cast<std::ptrdiff_t>(one.mean));
   const Eigen::VectorXd here = one.has_mean() ? differences(problem, still) : one.fit.difference;
   const auto count = here.size();
   std::vector<Eigen::VectorXd> means;
-  if (!is_force) {
-    for (const Eigen::VectorXd& delay : delays) means.push_back(delay.head(count));
-  }
+  for (const Eigen::VectorXd& delay : delays) means.push_back(delay.head(count));
   if (one.has_mean()) means.push_back(one.fit.difference - here);
   for (int round = 0; round < kLooks; ++round) {
-    std::vector<Point> points(is_force ? kForceDraws : kDraws, still);
+    std::vector<Point> points(kDraws, still);
     for (std::size_t draw = 0; draw < points.size(); ++draw) {
       points[draw].effects.push_back(one.effect);
       points[draw].seed = draw + 1;
@@ -76,8 +71,8 @@ void look(Problem& problem, const std::vector<Eigen::VectorXd>& delays, Try& one
       mean += (change - random) / static_cast<double>(changes.size());
       change = random;
     }
-    const ChanceProfile profile = is_force ? force_profile(problem, changes) : power_profile(problem, changes);
-    const ChanceFit found = fit_chance(problem, one.fit.difference, profile);
+    const Eigen::VectorXd profile = power_profile(problem, changes);
+    const ChanceFit found = fit_chance(one.fit.difference, profile);
     if (found.scale == 0.0) return;
     if (found.cost < one.found.cost || round == 0) {
       one.found = found;
@@ -87,7 +82,7 @@ void look(Problem& problem, const std::vector<Eigen::VectorXd>& delays, Try& one
         const Eigen::VectorXd fitted = one.fit.difference - here;
         one.mean_cost = std::pow(std::log(std::max(kLeastMean, mean.dot(fitted) / fitted.squaredNorm())) / kMeanSpread, 2.0);
       } else {
-        one.mean_cost = problem.settings.independent_share * divided(problem, {profile, found.scale}, mean).squaredNorm();
+        one.mean_cost = problem.settings.independent_share * divided({profile, found.scale}, mean).squaredNorm();
       }
     }
     one.effect = with_power(one.effect, found.scale);
@@ -125,7 +120,6 @@ FitResult with_chance(const Problem& problem, const Try& one, const FitResult& f
   conclude(problem, result);
   result.excess += problem.settings.independent_share * logarithm_sum;
   result.prior += one.mean_cost + kOccam * static_cast<double>(one.effect.values.size());
-  if (is_one_force(one.effect.name)) result.prior += kForcePrice;
   result.cost = result.excess + result.prior;
   const common::EffectAbout& about = about_effect(one.effect.name);
   for (std::size_t p = 0; p < one.effect.values.size(); ++p) {
@@ -135,18 +129,18 @@ FitResult with_chance(const Problem& problem, const Try& one, const FitResult& f
   return result;
 }
 
-Eigen::MatrixXd divided_columns(const Problem& problem, const Chance& chance, const Eigen::MatrixXd& columns) {
+Eigen::MatrixXd divided_columns(const Chance& chance, const Eigen::MatrixXd& columns) {
   Eigen::MatrixXd result(columns.rows(), columns.cols());
-  for (Eigen::Index c = 0; c < columns.cols(); ++c) result.col(c) = divided(problem, chance, columns.col(c));
+  for (Eigen::Index c = 0; c < columns.cols(); ++c) result.col(c) = divided(chance, columns.col(c));
   return result;
 }
 
 // The chance alone again, and with a second effect beside it.
 std::vector<FitResult> seconds(Problem& problem, const Base& base, const Screening& catalogue, const Try& one, const Progress& tell) {
   const Chance chance{one.profile, one.found.scale};
-  const double logarithm_sum = logarithms(problem, chance);
-  const Eigen::MatrixXd columns = divided_columns(problem, chance, one.fit.columns);
-  const Base here{one.fit.point, divided(problem, chance, one.fit.difference), columns, one.fit.cost, one.fit.prior, {}, base.nominal_mean_square};
+  const double logarithm_sum = logarithms(chance);
+  const Eigen::MatrixXd columns = divided_columns(chance, one.fit.columns);
+  const Base here{one.fit.point, divided(chance, one.fit.difference), columns, one.fit.cost, one.fit.prior, {}, base.nominal_mean_square};
   const Projector project(columns, one.fit.point, data_weight(here.difference, problem.settings));
   std::vector<common::EffectInstance> starts = best_starts(catalogue);
   std::erase_if(starts, [](const common::EffectInstance& start) { return comes_by_chance(start.name) || is_mean_of_chance(start.name); });
@@ -202,18 +196,16 @@ std::vector<FitResult> chance_fits(Problem& problem, const Base& base, const Scr
   for (const Screened& screened : screening.tried) {
     const std::string& name = screened.start.name;
     if (!comes_by_chance(name)) continue;
-    const Eigen::VectorXd change = screened.column.head(count);
-    const std::vector<Eigen::VectorXd> changes{is_one_force(name) ? change : without_columns(screened.column, delays).head(count)};
-    const ChanceProfile profile = power_profile(problem, changes);
+    const std::vector<Eigen::VectorXd> changes{without_columns(screened.column, delays).head(count)};
+    const Eigen::VectorXd profile = power_profile(problem, changes);
     for (const FitResult* beside : besides) {
       const std::vector<common::EffectInstance>& effects = beside->point.effects;
       const auto mean = std::find_if(effects.begin(), effects.end(), [](const auto& effect) { return is_mean_of_chance(effect.name); });
-      if (is_one_force(name) && effects.size() > 1) continue;
-      const ChanceFit found = fit_chance(problem, beside->difference, profile);
+      const ChanceFit found = fit_chance(beside->difference, profile);
       if (found.scale == 0.0) continue;
       const auto [entry, is_new] = tries.try_emplace({name, beside});
       if (!is_new && found.cost >= entry->second.found.cost) continue;
-      const std::size_t part = is_one_force(name) ? effects.size() : static_cast<std::size_t>(mean - effects.begin());
+      const auto part = static_cast<std::size_t>(mean - effects.begin());
       entry->second = {*beside, part, with_power(screened.start, found.scale), found, profile};
     }
   }
@@ -231,10 +223,10 @@ std::vector<FitResult> chance_fits(Problem& problem, const Base& base, const Scr
     const double fall = problem.settings.independent_share * (one.fit.difference.squaredNorm() - one.found.cost);
     if (fall < kLeastFall || !is_worth_a_look(one.found, free, count)) continue;
     look(problem, delays, one);
-    if (!is_near_free_power(one.found, free, count, is_one_force(one.effect.name))) continue;
+    if (!is_near_free_power(one.found, free, count)) continue;
     const Chance chance{one.profile, one.found.scale};
-    keep(with_chance(problem, one, one.fit, divided(problem, chance, one.fit.difference), divided_columns(problem, chance, one.fit.columns),
-                     logarithms(problem, chance)));
+    keep(with_chance(problem, one, one.fit, divided(chance, one.fit.difference), divided_columns(chance, one.fit.columns),
+                     logarithms(chance)));
     const bool is_alone = one.fit.point.effects.size() == (one.has_mean() ? 1U : 0U);
     if (is_alone && (alone == nullptr || one.found.cost + one.mean_cost < alone->found.cost + alone->mean_cost)) alone = &one;
   }

@@ -18,9 +18,9 @@
 namespace slewlab::diagnosis {
 
 struct EvidenceSettings {
-  double law_freedom = 50.0;    // k: learned on tuning seeds, docs/diagnosis.md, as are all below
-  double law_share = 0.001;      // r
-  double unknown_share = 0.2;   // of the gap that a cause outside the catalogue leaves unexplained
+  double law_freedom = 100.0;    // k: learned on tuning seeds, docs/diagnosis.md, as are all below
+  double law_share = 0.003;      // r
+  double unknown_share = 0.12;   // of the gap that a cause outside the catalogue leaves unexplained
   double unknown_floor = 100.0;  // [-] c that it leaves at least
   double unknown_prior = 17.0;   // p of its parameters: what the nuisances of a machine have on the average
   double temper = 4.0;           // T

@@ -300,7 +300,7 @@ Eigen::VectorXd differences(Problem& problem, const Point& point) {
   }
   // A machine that an odd point shakes to pieces counts as very far off, not as a number that spreads.
   if (!result.allFinite()) result.setConstant(1e3);
-  return problem.chance == nullptr ? result : divided(problem, *problem.chance, result);
+  return problem.chance == nullptr ? result : divided(*problem.chance, result);
 }
 
 std::vector<Eigen::VectorXd> differences(Problem& problem, std::span<const Point> points) {
