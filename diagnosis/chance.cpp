@@ -18,16 +18,10 @@ constexpr std::array<ByChance, 2> kByChance{{{"command_jitter", 2.0}, {"command_
 
 constexpr double kSmoothing = 0.2;  // of a frequency, over which S is smoothed either side
 constexpr double kBand = 1.26;  // highest by lowest frequency of a third of an octave
-constexpr double kNear = 0.2;       // share of what a free power leaves above the noise
-constexpr double kNearEnoughToLook = 1.0;
 constexpr double kLeastFound = 0.1;  // of the noise, below which nothing is above it
 constexpr std::size_t kLeastBins = 6;
 constexpr double kLowestScale = -9.0, kHighestScale = 9.0;  // ln a: a factor of 90 in size either way
 constexpr int kScales = 37;
-
-bool is_within(double share, const ChanceFit& fit, const FreePower& free, Eigen::Index count) {
-  return fit.cost - free.cost < share * (free.cost - free.noise + kLeastFound * static_cast<double>(count));
-}
 
 double cost_at(const Eigen::VectorXd& difference, const Eigen::VectorXd& profile, double scale) {
   const Eigen::ArrayXd variance = 1.0 + scale * profile.array();
@@ -120,12 +114,8 @@ FreePower free_power(const Problem& problem, const Eigen::VectorXd& difference) 
   return free;
 }
 
-bool is_near_free_power(const ChanceFit& fit, const FreePower& free, Eigen::Index count) {
-  return is_within(kNear, fit, free, count);
-}
-
-bool is_worth_a_look(const ChanceFit& fit, const FreePower& free, Eigen::Index count) {
-  return is_within(kNearEnoughToLook, fit, free, count);
+double above_free_power(const ChanceFit& fit, const FreePower& free, Eigen::Index count) {
+  return (fit.cost - free.cost) / (free.cost - free.noise + kLeastFound * static_cast<double>(count));
 }
 
 common::EffectInstance with_power(common::EffectInstance effect, double scale) {

@@ -50,9 +50,9 @@ struct FreePower {
 };
 FreePower free_power(const Problem& problem, const Eigen::VectorXd& difference);
 
-// Whether the fit is near enough to it, and whether it may become so with a better profile.
-bool is_worth_a_look(const ChanceFit& fit, const FreePower& free, Eigen::Index count);
-bool is_near_free_power(const ChanceFit& fit, const FreePower& free, Eigen::Index count);
+// How much more the fit of `count` differences costs, as a share of what the free power leaves above the noise.
+inline constexpr double kNearFreePower = 0.2;  // below which it may be the cause
+double above_free_power(const ChanceFit& fit, const FreePower& free, Eigen::Index count);
 
 // The effect with its size changed so that its power is `scale` times what it was, within its bounds.
 common::EffectInstance with_power(common::EffectInstance effect, double scale);

@@ -20,8 +20,9 @@ constexpr double kLeastMean = 0.02;  // of the fitted delay's, below which there
 constexpr double kNoPart = 1e-12;    // share of a column that another leaves, below which they are one
 constexpr std::size_t kBeside = 6;   // single fits beside which chance is tried
 constexpr std::size_t kSeconds = 4;  // effects that are fitted beside the best chance
-constexpr double kLeastFall = 20.0;      // of the excess, for which draws are made
-constexpr double kLeastSecondGain = 40.0;  // fall of the excess, forecast, for which they are
+constexpr double kWorthALook = 1.0;  // above the free power, before its own draws were made
+constexpr double kLeastFall = 20.0;  // of the excess, for which draws are made
+constexpr double kLeastSecondGain = 40.0;  // fall of the excess, forecast, for which a second effect is fitted
 
 // The change without what is parallel to the columns.
 Eigen::VectorXd without_columns(Eigen::VectorXd change, const std::vector<Eigen::VectorXd>& columns) {
@@ -36,10 +37,28 @@ Eigen::VectorXd without_columns(Eigen::VectorXd change, const std::vector<Eigen:
   return change;
 }
 
+// Which of the effects is only what a chance does on the average; beyond the last: none.
+std::size_t mean_among(const std::vector<common::EffectInstance>& effects) {
+  const auto is_mean = [](const common::EffectInstance& effect) { return is_mean_of_chance(effect.name); };
+  return static_cast<std::size_t>(std::find_if(effects.begin(), effects.end(), is_mean) - effects.begin());
+}
+
+// All differences are divided by what a chance adds to them, as long as it lives.
+class UnderChance {
+ public:
+  UnderChance(Problem& problem, const Chance& chance) : problem_(problem) { problem_.chance = &chance; }
+  ~UnderChance() { problem_.chance = nullptr; }
+  UnderChance(const UnderChance&) = delete;
+  UnderChance& operator=(const UnderChance&) = delete;
+
+ private:
+  Problem& problem_;
+};
+
 // An effect by chance beside a fit.
 struct Try {
   FitResult fit;             // without it
-  std::size_t mean = 0;      // which of the fit's effects is only what the chance does on the average; beyond the last: none
+  std::size_t mean = 0;      // mean_among its effects
   common::EffectInstance effect;
   ChanceFit found;
   Eigen::VectorXd profile;
@@ -136,27 +155,25 @@ Eigen::MatrixXd divided_columns(const Chance& chance, const Eigen::MatrixXd& col
 }
 
 // The chance alone again, and with a second effect beside it.
-std::vector<FitResult> seconds(Problem& problem, const Base& base, const Screening& catalogue, const Try& one, const Progress& tell) {
+std::vector<FitResult> seconds(Problem& problem, const Screening& catalogue, const Try& one, const Progress& tell) {
   const Chance chance{one.profile, one.found.scale};
   const double logarithm_sum = logarithms(chance);
-  const Eigen::MatrixXd columns = divided_columns(chance, one.fit.columns);
-  const Base here{one.fit.point, divided(chance, one.fit.difference), columns, one.fit.cost, one.fit.prior, {}, base.nominal_mean_square};
-  const Projector project(columns, one.fit.point, data_weight(here.difference, problem.settings));
+  FitResult here = one.fit;
+  here.difference = divided(chance, one.fit.difference);
+  here.columns = divided_columns(chance, one.fit.columns);
+  const Projector project(here.columns, here.point, data_weight(here.difference, problem.settings));
   std::vector<common::EffectInstance> starts = best_starts(catalogue);
   std::erase_if(starts, [](const common::EffectInstance& start) { return comes_by_chance(start.name) || is_mean_of_chance(start.name); });
-  problem.chance = &chance;
+  const UnderChance under_chance(problem, chance);
   const Screening screening = screen(problem, here, project, starts, tell);
-  std::map<std::string, const Screened*> best;
-  for (const Screened& screened : screening.tried) {
-    if (problem.settings.independent_share * (screening.gap.squaredNorm() - screened.left) < kLeastSecondGain) continue;
-    const Screened*& entry = best[screened.start.name];
-    if (entry == nullptr || screened.left < entry->left) entry = &screened;
-  }
   std::vector<const Screened*> ranked;
-  for (const auto& [name, screened] : best) ranked.push_back(screened);
-  std::stable_sort(ranked.begin(), ranked.end(), [](const Screened* a, const Screened* b) { return a->left < b->left; });
+  for (const Screened& screened : screening.tried) {
+    const double gain = problem.settings.independent_share * (screening.gap.squaredNorm() - screened.left);
+    if (gain >= kLeastSecondGain) ranked.push_back(&screened);
+  }
+  ranked = best_of_each(std::move(ranked));
   std::vector<FitResult> results;
-  const Eigen::MatrixXd nuisance_columns = columns.leftCols(static_cast<Eigen::Index>(one.fit.point.nuisance.size()));
+  const Eigen::MatrixXd nuisance_columns = here.columns.leftCols(static_cast<Eigen::Index>(one.fit.point.nuisance.size()));
   const auto add = [&](const Point& start) {
     FitResult result = fit(problem, nuisance_columns, start);
     improve(problem, result, false);
@@ -168,13 +185,12 @@ std::vector<FitResult> seconds(Problem& problem, const Base& base, const Screeni
     start.effects.push_back(scaled(about_effect(ranked[i]->start.name), ranked[i]->start, ranked[i]->amount));
     add(start);
   }
-  problem.chance = nullptr;
   return results;
 }
 
 }  // namespace
 
-std::vector<FitResult> chance_fits(Problem& problem, const Base& base, const Screening& screening, const FitResult& nothing,
+std::vector<FitResult> chance_fits(Problem& problem, const Screening& screening, const FitResult& nothing,
                                    const std::vector<FitResult>& fits, const Progress& tell) {
   std::vector<Eigen::VectorXd> delays;
   for (const Screened& screened : screening.tried) {
@@ -187,11 +203,11 @@ std::vector<FitResult> chance_fits(Problem& problem, const Base& base, const Scr
     const FreePower of_this = free_power(problem, result.difference);
     if (of_this.cost < free.cost) free = of_this;
     const std::vector<common::EffectInstance>& effects = result.point.effects;
-    const bool has_mean = std::any_of(effects.begin(), effects.end(), [](const auto& effect) { return is_mean_of_chance(effect.name); });
+    const bool has_mean = mean_among(effects) < effects.size();
     if (has_mean || (effects.size() == 1 && singles++ < kBeside)) besides.push_back(&result);
   }
   // Of each effect by chance and each fit the best profile of the screening.
-  const auto count = base.difference.size();
+  const auto count = nothing.difference.size();
   std::map<std::pair<std::string, const FitResult*>, Try> tries;
   for (const Screened& screened : screening.tried) {
     const std::string& name = screened.start.name;
@@ -199,14 +215,11 @@ std::vector<FitResult> chance_fits(Problem& problem, const Base& base, const Scr
     const std::vector<Eigen::VectorXd> changes{without_columns(screened.column, delays).head(count)};
     const Eigen::VectorXd profile = power_profile(problem, changes);
     for (const FitResult* beside : besides) {
-      const std::vector<common::EffectInstance>& effects = beside->point.effects;
-      const auto mean = std::find_if(effects.begin(), effects.end(), [](const auto& effect) { return is_mean_of_chance(effect.name); });
       const ChanceFit found = fit_chance(beside->difference, profile);
       if (found.scale == 0.0) continue;
       const auto [entry, is_new] = tries.try_emplace({name, beside});
       if (!is_new && found.cost >= entry->second.found.cost) continue;
-      const auto part = static_cast<std::size_t>(mean - effects.begin());
-      entry->second = {*beside, part, with_power(screened.start, found.scale), found, profile};
+      entry->second = {*beside, mean_among(beside->point.effects), with_power(screened.start, found.scale), found, profile};
     }
   }
   std::map<std::set<std::string>, FitResult> best;
@@ -221,9 +234,9 @@ std::vector<FitResult> chance_fits(Problem& problem, const Base& base, const Scr
   for (auto& [key, one] : tries) {
     tell(0.5 * static_cast<double>(looked++) / static_cast<double>(tries.size()), "drawing " + one.effect.name);
     const double fall = problem.settings.independent_share * (one.fit.difference.squaredNorm() - one.found.cost);
-    if (fall < kLeastFall || !is_worth_a_look(one.found, free, count)) continue;
+    if (fall < kLeastFall || above_free_power(one.found, free, count) >= kWorthALook) continue;
     look(problem, delays, one);
-    if (!is_near_free_power(one.found, free, count)) continue;
+    if (above_free_power(one.found, free, count) >= kNearFreePower) continue;
     const Chance chance{one.profile, one.found.scale};
     keep(with_chance(problem, one, one.fit, divided(chance, one.fit.difference), divided_columns(chance, one.fit.columns),
                      logarithms(chance)));
@@ -234,7 +247,7 @@ std::vector<FitResult> chance_fits(Problem& problem, const Base& base, const Scr
     const auto tell_second = [&](double share, const std::string& doing) {
       tell(0.5 + 0.5 * share, doing + " beside " + alone->effect.name);
     };
-    for (FitResult& result : seconds(problem, base, screening, *alone, tell_second)) keep(std::move(result));
+    for (FitResult& result : seconds(problem, screening, *alone, tell_second)) keep(std::move(result));
   }
   std::vector<FitResult> results;
   for (auto& [names, result] : best) results.push_back(std::move(result));

@@ -13,7 +13,7 @@ namespace slewlab::diagnosis {
 
 // One fit at most per set of effects, and only where the power comes near what a free one reaches and no fit without chance leaves less
 // than that. Their differences and columns are the divided ones, the effect by chance comes first. `fits` are concluded.
-std::vector<FitResult> chance_fits(Problem& problem, const Base& base, const Screening& screening, const FitResult& nothing,
+std::vector<FitResult> chance_fits(Problem& problem, const Screening& screening, const FitResult& nothing,
                                    const std::vector<FitResult>& fits, const Progress& tell);
 
 }  // namespace slewlab::diagnosis

@@ -47,28 +47,6 @@ Eigen::VectorXd torque_differences(std::span<const Record> records, const contro
   return Eigen::Map<Eigen::VectorXd>(all.data(), static_cast<Eigen::Index>(all.size()));
 }
 
-Eigen::VectorXd coordinates(const Effects& effects) {
-  std::vector<double> x;
-  for (const common::EffectInstance& effect : effects) {
-    const common::EffectAbout& about = about_effect(effect.name);
-    for (std::size_t p = 0; p < effect.values.size(); ++p) x.push_back(to_coordinate(about.parameters[p], effect.values[p]));
-  }
-  return Eigen::Map<const Eigen::VectorXd>(x.data(), static_cast<Eigen::Index>(x.size()));
-}
-
-// The same effects with the parameters at `x`, within their bounds.
-Effects at(Effects effects, const Eigen::VectorXd& x) {
-  Eigen::Index i = 0;
-  for (common::EffectInstance& effect : effects) {
-    const common::EffectAbout& about = about_effect(effect.name);
-    for (std::size_t p = 0; p < effect.values.size(); ++p) {
-      const common::EffectParameter& parameter = about.parameters[p];
-      effect.values[p] = std::clamp(from_coordinate(parameter, x(i++)), parameter.lower, parameter.upper);
-    }
-  }
-  return effects;
-}
-
 // What the fits of one controller share.
 struct Replays {
   std::span<const Record> records;
@@ -98,7 +76,7 @@ std::vector<common::EffectInstance> starts_of(const common::EffectAbout& about) 
     for (common::EffectInstance start : before) {
       for (const double coordinate : kOtherStarts) {
         const double x = to_coordinate(parameter, typical.values[p]) + coordinate;
-        start.values[p] = std::clamp(from_coordinate(parameter, x), parameter.lower, parameter.upper);
+        start.values[p] = value_at(parameter, x);
         starts.push_back(start);
       }
     }
@@ -108,7 +86,7 @@ std::vector<common::EffectInstance> starts_of(const common::EffectAbout& about) 
 
 // Levenberg-Marquardt from `effects`, by the torques' changes over `change_time`. Gives the differences there and the curvature.
 Eigen::VectorXd descend(const Replays& replays, double change_time, Effects& effects, Eigen::MatrixXd& gram) {
-  Eigen::VectorXd x = coordinates(effects);
+  Eigen::VectorXd x = effect_coordinates(effects);
   double damping = 1e-3;
   Eigen::VectorXd difference = replays(effects, change_time);
   for (int iteration = 0; iteration < kIterations; ++iteration) {
@@ -116,14 +94,14 @@ Eigen::VectorXd descend(const Replays& replays, double change_time, Effects& eff
     for (Eigen::Index p = 0; p < x.size(); ++p) {
       Eigen::VectorXd moved = x;
       moved(p) += kStep;
-      columns.col(p) = (replays(at(effects, moved), change_time) - difference) / kStep;
+      columns.col(p) = (replays(effects_at(effects, moved), change_time) - difference) / kStep;
     }
     gram = columns.transpose() * columns;
     const double scale = std::max(1e-12, gram.diagonal().maxCoeff());
     Eigen::MatrixXd system = gram;
     system.diagonal() += damping * (gram.diagonal().array() + 1e-9 * scale).matrix();
-    const Eigen::VectorXd trial = coordinates(at(effects, x - system.ldlt().solve(columns.transpose() * difference)));
-    const Eigen::VectorXd trial_difference = replays(at(effects, trial), change_time);
+    const Eigen::VectorXd trial = effect_coordinates(effects_at(effects, x - system.ldlt().solve(columns.transpose() * difference)));
+    const Eigen::VectorXd trial_difference = replays(effects_at(effects, trial), change_time);
     if (trial_difference.squaredNorm() < difference.squaredNorm()) {
       const bool settled = trial_difference.squaredNorm() > 0.999 * difference.squaredNorm();
       x = trial;
@@ -135,14 +113,14 @@ Eigen::VectorXd descend(const Replays& replays, double change_time, Effects& eff
       if (damping > 1e6) break;
     }
   }
-  effects = at(effects, x);
+  effects = effects_at(effects, x);
   return difference;
 }
 
 // Where a ramp's changes of direction come a cycle earlier or later, slopes lead nowhere: one parameter after the other, by
 // strides that are halved where none helps.
 void feel_around(const Replays& replays, double change_time, Effects& effects) {
-  Eigen::VectorXd x = coordinates(effects);
+  Eigen::VectorXd x = effect_coordinates(effects);
   double least = replays(effects, change_time).squaredNorm();
   for (double stride = kFirstStride; stride > kLastStride;) {
     bool fell = false;
@@ -150,8 +128,8 @@ void feel_around(const Replays& replays, double change_time, Effects& effects) {
       for (const double direction : {1.0, -1.0}) {
         Eigen::VectorXd moved = x;
         moved(p) += direction * stride;
-        moved = coordinates(at(effects, moved));
-        const double square = replays(at(effects, moved), change_time).squaredNorm();
+        moved = effect_coordinates(effects_at(effects, moved));
+        const double square = replays(effects_at(effects, moved), change_time).squaredNorm();
         if (square >= least) continue;
         least = square;
         x = moved;
@@ -161,7 +139,7 @@ void feel_around(const Replays& replays, double change_time, Effects& effects) {
     }
     if (!fell) stride *= 0.5;
   }
-  effects = at(effects, x);
+  effects = effects_at(effects, x);
 }
 
 // A replayed integral runs away as long as the speed it wants is not quite the recorded one, and its torque leads a descent

@@ -163,7 +163,7 @@ void add_beside(const common::EffectInstance& effect, const std::vector<Size>& s
 void add_counts(const Problem& problem, const DiagnosisSettings& settings, Diagnosis& diagnosis) {
   double quantum = 0.0;
   for (const Record& record : problem.records) quantum = std::max(quantum, record.encoder_quantum);
-  if (quantum < kCoarseCount || has_effect(problem.nominal, kCounts)) return;
+  if (quantum < kCoarseCount || has_effect(problem.nominal.effects, kCounts)) return;
   diagnosis.counts = quantum;
   common::EffectInstance effect = common::typical_instance(about_effect(kCounts));
   effect.values[0] = quantum;
@@ -272,12 +272,13 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   }
 
   tell(0.02, "fitting the parameters alone");
-  const Base base = fit_nuisances(problem);
-  diagnosis.mean_square_nominal = base.nominal_mean_square;
-  diagnosis.mean_square_parameters = mean_square(base.difference);
+  const FitResult nominal_machine = nominal_fit(problem);
+  const FitResult base = fit_nuisances(problem, nominal_machine);
+  diagnosis.mean_square_nominal = nominal_machine.mean_square;
+  diagnosis.mean_square_parameters = base.mean_square;
   find_moments(problem, base.point, diagnosis);
 
-  const Projector project(base.nuisance_columns, base.point, data_weight(base.difference, settings.fit));
+  const Projector project(base.columns, base.point, data_weight(base.difference, settings.fit));
   const Screening screening = screen(problem, base, project, catalogue_starts(problem.nominal, settings.without),
                                      [&](double share, const std::string& doing) { tell(0.12 + 0.28 * share, doing); });
   for (const auto& [name, square] : screening.visibility) {
@@ -320,11 +321,12 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   }
   // The gap lies where the most probable cause takes something away; where none does, where more than noise is left.
   const auto likeliest = std::max_element(probabilities.candidate.begin() + 1, probabilities.candidate.end());
-  const bool is_explained = likeliest != probabilities.candidate.end() && probabilities.unknown < *likeliest;
+  const FitResult* const answer_fit = likeliest != probabilities.candidate.end() && probabilities.unknown < *likeliest
+                                          ? &fits[static_cast<std::size_t>(likeliest - probabilities.candidate.begin() - 1)]
+                                          : nullptr;
   locate(problem, base.difference,
-         is_explained && !comes_by_chance(diagnosis.causes[static_cast<std::size_t>(likeliest - probabilities.candidate.begin())].effects[0])
-             ? fits[static_cast<std::size_t>(likeliest - probabilities.candidate.begin() - 1)].difference
-             : Eigen::VectorXd::Ones(base.difference.size()),
+         answer_fit != nullptr && !comes_by_chance(answer_fit->point.effects[0].name) ? answer_fit->difference
+                                                                                      : Eigen::VectorXd::Ones(base.difference.size()),
          diagnosis);
   // Groups: single causes whose signatures, as fitted, cannot be told apart.
   std::vector<Eigen::VectorXd> signatures(fits.size());  // empty: not a single cause

@@ -24,39 +24,23 @@ constexpr int kRelaxations = 8;
 constexpr double kAtTheWall = 1.9;     // [standard deviations]
 constexpr double kEffectStep = 0.05;   // [standard deviations] the same for effects, around a fitted size
 
-std::vector<double> effect_coordinates(const Point& point) {
-  std::vector<double> x;
-  for (const common::EffectInstance& effect : point.effects) {
-    const common::EffectAbout& about = about_effect(effect.name);
-    for (std::size_t p = 0; p < effect.values.size(); ++p) {
-      x.push_back(to_coordinate(about.parameters[p], effect.values[p]));
-    }
-  }
-  return x;
-}
-
 Point moved(const Point& point, const Eigen::VectorXd& change) {
   Point result = point;
-  Eigen::Index i = 0;
-  for (double& z : result.nuisance) z = std::clamp(z + change(i++), -kFarthest, kFarthest);
-  for (common::EffectInstance& effect : result.effects) {
-    const common::EffectAbout& about = about_effect(effect.name);
-    for (std::size_t p = 0; p < effect.values.size(); ++p) {
-      const common::EffectParameter& parameter = about.parameters[p];
-      const double x = to_coordinate(parameter, effect.values[p]) + change(i++);
-      const double value = from_coordinate(parameter, x);
-      effect.values[p] = is_all_round(parameter) ? std::remainder(value, 2.0 * std::numbers::pi)
-                                                 : std::clamp(value, parameter.lower, parameter.upper);
-    }
+  const auto nuisances = static_cast<Eigen::Index>(point.nuisance.size());
+  for (Eigen::Index i = 0; i < nuisances; ++i) {
+    double& z = result.nuisance[static_cast<std::size_t>(i)];
+    z = std::clamp(z + change(i), -kFarthest, kFarthest);
   }
+  result.effects = effects_at(point.effects, effect_coordinates(point.effects) + change.tail(change.size() - nuisances));
   return result;
 }
 
 Eigen::VectorXd coordinates_of(const Point& point) {
-  std::vector<double> all = point.nuisance;
-  const std::vector<double> effects = effect_coordinates(point);
-  all.insert(all.end(), effects.begin(), effects.end());
-  return Eigen::Map<const Eigen::VectorXd>(all.data(), static_cast<Eigen::Index>(all.size()));
+  const Eigen::VectorXd effects = effect_coordinates(point.effects);
+  const auto nuisances = static_cast<Eigen::Index>(point.nuisance.size());
+  Eigen::VectorXd all(nuisances + effects.size());
+  all << Eigen::Map<const Eigen::VectorXd>(point.nuisance.data(), nuisances), effects;
+  return all;
 }
 
 // In coordinates, angles by the shorter way round.
@@ -75,7 +59,7 @@ Eigen::VectorXd step_between(const Point& from, const Point& to) {
 double prior_cost(const Point& point) {
   double cost = 0.0;
   for (std::size_t k = 0; k < point.nuisance.size(); ++k) cost += nuisance_prior(k, point.nuisance[k]).cost;
-  for (const double x : effect_coordinates(point)) cost += effect_prior(x).cost;
+  for (const double x : effect_coordinates(point.effects)) cost += effect_prior(x).cost;
   return cost;
 }
 
@@ -141,7 +125,7 @@ void hand_over(Point& point) {
 // The columns d difference / d x of the effects' parameters, by difference quotients.
 Eigen::MatrixXd effect_columns(Problem& problem, const Point& point, const Eigen::VectorXd& difference) {
   const auto nuisance_count = static_cast<Eigen::Index>(point.nuisance.size());
-  const auto count = static_cast<Eigen::Index>(effect_coordinates(point).size());
+  const auto count = effect_coordinates(point.effects).size();
   std::vector<Point> points;
   std::vector<double> steps;
   for (Eigen::Index e = 0; e < count; ++e) {
@@ -226,7 +210,7 @@ double discounted_weight(double excess, double law_freedom) {
 PriorRows prior_rows(const Point& point) {
   std::vector<PriorTerm> terms;
   for (std::size_t k = 0; k < point.nuisance.size(); ++k) terms.push_back(nuisance_prior(k, point.nuisance[k]));
-  for (const double x : effect_coordinates(point)) terms.push_back(effect_prior(x));
+  for (const double x : effect_coordinates(point.effects)) terms.push_back(effect_prior(x));
   const auto count = static_cast<Eigen::Index>(terms.size());
   PriorRows rows{Eigen::VectorXd(count), Eigen::VectorXd(count)};
   for (Eigen::Index i = 0; i < count; ++i) {
@@ -265,17 +249,35 @@ double to_coordinate(const common::EffectParameter& parameter, double value) {
   return (value - centre) / parameter.prior_scale;
 }
 
-double from_coordinate(const common::EffectParameter& parameter, double coordinate) {
-  if (parameter.scale == common::ParameterScale::logarithmic) {
-    return parameter.typical * std::exp(coordinate * parameter.prior_scale);
-  }
-  const double centre = parameter.absent ? *parameter.absent : parameter.typical;
-  return centre + coordinate * parameter.prior_scale;
-}
-
 bool is_all_round(const common::EffectParameter& parameter) {
   return parameter.unit == common::Unit::radian && !parameter.absent && parameter.lower <= -std::numbers::pi &&
          parameter.upper >= std::numbers::pi;
+}
+
+double value_at(const common::EffectParameter& parameter, double coordinate) {
+  const double centre = parameter.absent ? *parameter.absent : parameter.typical;
+  const double value = parameter.scale == common::ParameterScale::logarithmic
+                           ? parameter.typical * std::exp(coordinate * parameter.prior_scale)
+                           : centre + coordinate * parameter.prior_scale;
+  return is_all_round(parameter) ? std::remainder(value, 2.0 * std::numbers::pi) : std::clamp(value, parameter.lower, parameter.upper);
+}
+
+Eigen::VectorXd effect_coordinates(std::span<const common::EffectInstance> effects) {
+  std::vector<double> x;
+  for (const common::EffectInstance& effect : effects) {
+    const common::EffectAbout& about = about_effect(effect.name);
+    for (std::size_t p = 0; p < effect.values.size(); ++p) x.push_back(to_coordinate(about.parameters[p], effect.values[p]));
+  }
+  return Eigen::Map<const Eigen::VectorXd>(x.data(), static_cast<Eigen::Index>(x.size()));
+}
+
+std::vector<common::EffectInstance> effects_at(std::vector<common::EffectInstance> effects, const Eigen::VectorXd& coordinates) {
+  Eigen::Index i = 0;
+  for (common::EffectInstance& effect : effects) {
+    const common::EffectAbout& about = about_effect(effect.name);
+    for (std::size_t p = 0; p < effect.values.size(); ++p) effect.values[p] = value_at(about.parameters[p], coordinates(i++));
+  }
+  return effects;
 }
 
 double value_per_deviation(const common::EffectParameter& parameter, double value) {
@@ -325,39 +327,41 @@ std::vector<Eigen::VectorXd> differences(Problem& problem, std::span<const Point
 namespace {
 
 // From where it stands, with the differences there.
-void settle(Problem& problem, Base& base) {
-  base.cost = cost_of(problem, base.point, base.difference);
+void settle(Problem& problem, FitResult& result) {
+  result.cost = cost_of(problem, result.point, result.difference);
   for (int round = 0; round < problem.settings.rounds; ++round) {
-    base.nuisance_columns = nuisance_columns(problem, base.point, base.difference);
-    const double fall =
-        descend(problem, problem.settings.iterations, base.nuisance_columns, base.point, base.difference, base.cost);
-    if (fall < problem.settings.settled + problem.settings.settled_share * std::fabs(base.cost)) break;
+    result.columns = nuisance_columns(problem, result.point, result.difference);
+    const double fall = descend(problem, problem.settings.iterations, result.columns, result.point, result.difference, result.cost);
+    if (fall < problem.settings.settled + problem.settings.settled_share * std::fabs(result.cost)) break;
   }
 }
 
 }  // namespace
 
-Base fit_nuisances(Problem& problem) {
-  Base base;
-  base.point.nuisance.assign(nuisance_count(), 0.0);
-  base.difference = differences(problem, base.point);
-  base.nominal_mean_square = mean_square(base.difference);
-  settle(problem, base);
+FitResult nominal_fit(Problem& problem) {
+  FitResult result;
+  result.point.nuisance.assign(nuisance_count(), 0.0);
+  result.difference = differences(problem, result.point);
+  result.mean_square = mean_square(result.difference);
+  return result;
+}
+
+FitResult fit_nuisances(Problem& problem, const FitResult& nominal) {
+  FitResult best = nominal;
+  settle(problem, best);
   // Parameters that ended at the walls may have gone there on the way and not come back.
-  Base again;
-  again.point = base.point;
+  FitResult again;
+  again.point = best.point;
   for (std::size_t k = 0; k < nuisances().size(); ++k) {
     if (std::fabs(again.point.nuisance[k]) > kAtTheWall) again.point.nuisance[k] = 0.0;
   }
-  if (again.point.nuisance != base.point.nuisance) {
+  if (again.point.nuisance != best.point.nuisance) {
     again.difference = differences(problem, again.point);
-    again.nominal_mean_square = base.nominal_mean_square;
     settle(problem, again);
-    if (again.cost < base.cost) base = std::move(again);
+    if (again.cost < best.cost) best = std::move(again);
   }
-  base.prior = prior_cost(base.point);
-  base.information = information_of(base.nuisance_columns);
-  return base;
+  conclude(problem, best);
+  return best;
 }
 
 FitResult fit(Problem& problem, const Eigen::MatrixXd& nuisance_columns, const Point& start) {
@@ -366,7 +370,7 @@ FitResult fit(Problem& problem, const Eigen::MatrixXd& nuisance_columns, const P
   hand_over(result.point);
   result.difference = differences(problem, result.point);
   result.cost = cost_of(problem, result.point, result.difference);
-  const auto effect_count = static_cast<Eigen::Index>(effect_coordinates(start).size());
+  const auto effect_count = effect_coordinates(start.effects).size();
   result.columns.resize(result.difference.size(), nuisance_columns.cols() + effect_count);
   result.columns.leftCols(nuisance_columns.cols()) = nuisance_columns;
   for (std::size_t k = 0; k < result.point.nuisance.size(); ++k) {

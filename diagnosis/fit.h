@@ -89,18 +89,6 @@ PriorRows prior_rows(const Point& point);
 // What a squared difference counts in the cost: s dL/dc.
 double data_weight(const Eigen::VectorXd& difference, const FitSettings& settings);
 
-// Where the hypotheses are compared: the point with nuisances alone fitted, and the columns there.
-struct Base {
-  Point point;
-  Eigen::VectorXd difference;
-  Eigen::MatrixXd nuisance_columns;  // d difference / d z
-  double cost = 0.0;
-  double prior = 0.0;                // as in FitResult
-  Eigen::VectorXd information;
-  double nominal_mean_square = 0.0;  // of the differences before anything is fitted
-};
-Base fit_nuisances(Problem& problem);
-
 struct FitResult {
   Point point;
   Eigen::VectorXd difference;
@@ -112,6 +100,12 @@ struct FitResult {
   double excess = 0.0;
   std::vector<double> deviation;     // of each effect parameter in order, in its own unit; from the curvature
 };
+
+// The nominal machine, before anything is fitted: no columns.
+FitResult nominal_fit(Problem& problem);
+
+// Where the hypotheses are compared: with the nuisances alone fitted, concluded.
+FitResult fit_nuisances(Problem& problem, const FitResult& nominal);
 
 // Fits the effects of `start` and the nuisances, from there: one round with nuisance columns from somewhere near. Nuisances that an
 // effect stands for (is_said_by) stay nominal.
@@ -138,11 +132,16 @@ bool improve(Problem& problem, FitResult& result, bool fresh_nuisances);
 
 // Coordinates of effect parameters in standard deviations of their priors.
 double to_coordinate(const common::EffectParameter& parameter, double value);
-double from_coordinate(const common::EffectParameter& parameter, double coordinate);
+// The same back, within the parameter's bounds.
+double value_at(const common::EffectParameter& parameter, double coordinate);
 // An angle that may be any: what goes beyond half a turn comes back from the other side.
 bool is_all_round(const common::EffectParameter& parameter);
 // How much `value` changes per standard deviation of its prior, in its own unit.
 double value_per_deviation(const common::EffectParameter& parameter, double value);
+
+// Of all parameters of the effects, in their order; and the effects with their parameters there, within their bounds.
+Eigen::VectorXd effect_coordinates(std::span<const common::EffectInstance> effects);
+std::vector<common::EffectInstance> effects_at(std::vector<common::EffectInstance> effects, const Eigen::VectorXd& coordinates);
 
 const common::EffectAbout& about_effect(const std::string& name);
 

@@ -74,7 +74,7 @@ std::vector<common::EffectInstance> starts_of(const common::EffectAbout& about) 
     for (const double value : parameter.tries) add(p, value, shapes);
     if (fades_linearly || is_all_round(parameter) || parameter.detail || !parameter.tries.empty()) continue;
     for (const double coordinate : {-1.0, 1.0}) {
-      add(p, from_coordinate(parameter, to_coordinate(parameter, typical.values[p]) + coordinate), others);
+      add(p, value_at(parameter, to_coordinate(parameter, typical.values[p]) + coordinate), others);
     }
   }
   const std::vector<std::size_t> angles = turning_angles(about);
@@ -131,18 +131,12 @@ std::optional<Amounts> joint_amounts(const Eigen::VectorXd& a, const Eigen::Vect
   return Amounts{-(bb * at - ab * bt) / determinant, -(aa * bt - ab * at) / determinant, at, bt};
 }
 
-namespace {
-
-bool is_among(const std::vector<common::EffectInstance>& effects, std::string_view name) {
+bool has_effect(std::span<const common::EffectInstance> effects, std::string_view name) {
   return std::any_of(effects.begin(), effects.end(), [&](const common::EffectInstance& effect) { return effect.name == name; });
 }
 
-}  // namespace
-
-bool has_effect(const sim::MachineSettings& machine, std::string_view name) { return is_among(machine.effects, name); }
-
-double forecast(const Problem& problem, const Base& base, const Screening& screening, const Screened& screened) {
-  const double left = excess(base.difference, problem.settings), nu = problem.settings.law_freedom;
+double forecast(const Problem& problem, const FitResult& from, const Screening& screening, const Screened& screened) {
+  const double left = excess(from.difference, problem.settings), nu = problem.settings.law_freedom;
   const double fall = problem.settings.independent_share * (screening.gap.squaredNorm() - screened.left);
   return discounted(left, nu) - discounted(left - fall, nu);
 }
@@ -153,23 +147,27 @@ std::vector<common::EffectInstance> catalogue_starts(const sim::MachineSettings&
     const std::string name(description->about.name);
     if (std::find(without.begin(), without.end(), name) != without.end() || name == kCounts) continue;
     // What the nominal crane has already is not missing, and a machine takes an effect once.
-    if (is_among(nominal.effects, name)) continue;
+    if (has_effect(nominal.effects, name)) continue;
     const std::vector<common::EffectInstance> own = starts_of(description->about);
     starts.insert(starts.end(), own.begin(), own.end());
   }
   return starts;
 }
 
+std::vector<const Screened*> best_of_each(std::vector<const Screened*> screened) {
+  std::stable_sort(screened.begin(), screened.end(), [](const Screened* a, const Screened* b) { return a->left < b->left; });
+  std::set<std::string> seen;
+  std::erase_if(screened, [&](const Screened* one) { return !seen.insert(one->start.name).second; });
+  return screened;
+}
+
 std::vector<common::EffectInstance> best_starts(const Screening& screening) {
-  std::map<std::string, const Screened*> best;
-  for (const Screened& screened : screening.tried) {
-    const Screened*& entry = best[screened.start.name];
-    if (entry == nullptr || screened.left < entry->left) entry = &screened;
-  }
+  std::vector<const Screened*> tried;
+  for (const Screened& screened : screening.tried) tried.push_back(&screened);
   std::vector<common::EffectInstance> starts;
-  for (const auto& [name, screened] : best) {
+  for (const Screened* screened : best_of_each(std::move(tried))) {
     starts.push_back(screened->start);
-    for (const std::size_t p : turning_angles(about_effect(name))) {
+    for (const std::size_t p : turning_angles(about_effect(screened->start.name))) {
       common::EffectInstance turned = screened->start;
       turned.values[p] = std::remainder(turned.values[p] + 0.5 * std::numbers::pi, 2.0 * std::numbers::pi);
       starts.push_back(turned);
@@ -178,7 +176,7 @@ std::vector<common::EffectInstance> best_starts(const Screening& screening) {
   return starts;
 }
 
-Screening screen(Problem& problem, const Base& base, const Projector& project, std::span<const common::EffectInstance> starts,
+Screening screen(Problem& problem, const FitResult& from, const Projector& project, std::span<const common::EffectInstance> starts,
                  const Progress& tell) {
   // One simulation from each start.
   tell(0.0, "trying every effect of the catalogue");
@@ -186,50 +184,48 @@ Screening screen(Problem& problem, const Base& base, const Projector& project, s
   std::vector<Screened>& tried = screening.tried;
   std::vector<Point> points;
   for (const common::EffectInstance& start : starts) {
-    if (is_among(base.point.effects, start.name)) continue;
+    if (has_effect(from.point.effects, start.name)) continue;
     screening.names.insert(start.name);
-    Point point = base.point;
+    Point point = from.point;
     point.effects.push_back(start);
     tried.push_back({start, {}, 0.0, 0.0, 0.0});
     points.push_back(point);
   }
-  screening.gap = project.gap(base.difference);
+  screening.gap = project.gap(from.difference);
   const Eigen::VectorXd& gap = screening.gap;
   const auto look = [&](Screened& screened, const Eigen::VectorXd& difference) {
-    screened.column = project(difference - base.difference);
+    screened.column = project(difference - from.difference);
     screened.visibility = screened.column.squaredNorm();
     try_amount(screened.column, gap, screened);
   };
   {
     const std::size_t batch = 8 * static_cast<std::size_t>(std::max(1, problem.threads));
-    for (std::size_t from = 0; from < points.size(); from += batch) {
-      const std::size_t count = std::min(batch, points.size() - from);
-      const auto results = differences(problem, std::span<const Point>(points).subspan(from, count));
-      for (std::size_t i = 0; i < count; ++i) look(tried[from + i], results[i]);
-      tell(0.9 * static_cast<double>(from + count) / static_cast<double>(points.size()), "trying every effect of the catalogue");
+    for (std::size_t first = 0; first < points.size(); first += batch) {
+      const std::size_t count = std::min(batch, points.size() - first);
+      const auto results = differences(problem, std::span<const Point>(points).subspan(first, count));
+      for (std::size_t i = 0; i < count; ++i) look(tried[first + i], results[i]);
+      tell(0.9 * static_cast<double>(first + count) / static_cast<double>(points.size()), "trying every effect of the catalogue");
     }
   }
   // A second look at the best of each effect at the size just found: few laws are linear from nothing to their typical size.
   {
-    std::map<std::string, Screened> nearest;
-    const auto consider = [&](const Screened& screened) {
-      const auto [entry, is_new] = nearest.try_emplace(screened.start.name, screened);
-      if (!is_new && screened.left < entry->second.left) entry->second = screened;
-    };
-    for (std::size_t i = 0; i < tried.size(); ++i) {
-      consider(tried[i]);
+    std::vector<Screened> between;
+    for (std::size_t i = 0; i + 1 < tried.size(); ++i) {
       const std::vector<std::size_t> angles = turning_angles(about_effect(tried[i].start.name));
-      if (angles.size() == 1 && i + 1 < tried.size() && is_quarter_on(tried[i].start, tried[i + 1].start, angles[0])) {
-        consider(between_quarters(tried[i], tried[i + 1], angles[0], gap));
+      if (angles.size() == 1 && is_quarter_on(tried[i].start, tried[i + 1].start, angles[0])) {
+        between.push_back(between_quarters(tried[i], tried[i + 1], angles[0], gap));
       }
     }
+    std::vector<const Screened*> looks;
+    for (const Screened& screened : tried) looks.push_back(&screened);
+    for (const Screened& screened : between) looks.push_back(&screened);
     std::vector<Screened> again;
     std::vector<Point> at;
-    for (const auto& [name, screened] : nearest) {
-      const bool is_tried = screened.column.size() != 0 && std::fabs(screened.amount - 1.0) < kNearlyTried;
-      if (forecast(problem, base, screening, screened) < kLeastGain || is_tried) continue;
-      again.push_back({scaled(about_effect(name), screened.start, screened.amount), {}, 0.0, 0.0, 0.0});
-      at.push_back(base.point);
+    for (const Screened* screened : best_of_each(std::move(looks))) {
+      const bool is_tried = screened->column.size() != 0 && std::fabs(screened->amount - 1.0) < kNearlyTried;
+      if (forecast(problem, from, screening, *screened) < kLeastGain || is_tried) continue;
+      again.push_back({scaled(about_effect(screened->start.name), screened->start, screened->amount), {}, 0.0, 0.0, 0.0});
+      at.push_back(from.point);
       at.back().effects.push_back(again.back().start);
     }
     tell(0.9, "looking again at the promising effects");

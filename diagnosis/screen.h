@@ -76,10 +76,10 @@ class Projector {
   Eigen::LDLT<Eigen::MatrixXd> factor_;
 };
 
-// Whether the effect acts the other way round with its size turned.
+// Whether the effect acts the other way round with its size turned, and so by a negative amount.
 bool may_turn(const std::string& effect);
 
-// How much of `target` a multiple of the column takes away.
+// Gives `screened` the multiple of the column that takes most of `target` away, and what that leaves.
 void try_amount(const Eigen::VectorXd& column, const Eigen::VectorXd& target, Screened& screened);
 
 // The multiples x, y of two columns that take most of `target` away together; nothing where the columns are parallel: where
@@ -90,7 +90,7 @@ struct Amounts {
 };
 std::optional<Amounts> joint_amounts(const Eigen::VectorXd& a, const Eigen::VectorXd& b, const Eigen::VectorXd& target, double least);
 
-bool has_effect(const sim::MachineSettings& machine, std::string_view name);
+bool has_effect(std::span<const common::EffectInstance> effects, std::string_view name);
 
 struct Screening {
   std::set<std::string> names;               // of the effects that were tried
@@ -101,14 +101,17 @@ struct Screening {
 // All starts of the catalogue but of `without`.
 std::vector<common::EffectInstance> catalogue_starts(const sim::MachineSettings& nominal, std::span<const std::string> without);
 
-// Of each effect the start that left least, and where it has angles that one a quarter turn on: enough to look from elsewhere.
+// Of each effect the one that leaves least, by what they leave.
+std::vector<const Screened*> best_of_each(std::vector<const Screened*> screened);
+
+// The best of each effect, and where it has angles that one a quarter turn on: enough to look from elsewhere.
 std::vector<common::EffectInstance> best_starts(const Screening& screening);
 
-// Beside what the base's point has already. The projector takes out what is fitted there.
-Screening screen(Problem& problem, const Base& base, const Projector& project, std::span<const common::EffectInstance> starts,
+// Beside what `from` has already. The projector takes out what is fitted there.
+Screening screen(Problem& problem, const FitResult& from, const Projector& project, std::span<const common::EffectInstance> starts,
                  const Progress& tell);
 
 // Fall of the cost that the start promises.
-double forecast(const Problem& problem, const Base& base, const Screening& screening, const Screened& screened);
+double forecast(const Problem& problem, const FitResult& from, const Screening& screening, const Screened& screened);
 
 }  // namespace slewlab::diagnosis

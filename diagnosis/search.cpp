@@ -77,7 +77,7 @@ void go_back(Problem& problem, const Eigen::MatrixXd& nuisance_columns, std::siz
 // Pairs worth refining. First what two columns do jointly from where nothing is added. Then a second effect beside the best single
 // one, with the catalogue screened again there: where effects are large, only that is near enough. Then, by the
 // columns at hand, beside two more single ones.
-std::vector<Point> pair_starts(Problem& problem, const Base& base, const Screening& screening, const std::vector<const Screened*>& best,
+std::vector<Point> pair_starts(Problem& problem, const FitResult& base, const Screening& screening, const std::vector<const Screened*>& best,
                                const std::vector<FitResult>& singles, const std::map<std::string, std::string>& same_as,
                                const SearchSettings& settings, const Progress& tell) {
   const Eigen::VectorXd& gap = screening.gap;
@@ -85,7 +85,6 @@ std::vector<Point> pair_starts(Problem& problem, const Base& base, const Screeni
     Point start;
     double left;
   };
-  const auto by_left = [](const Pair& a, const Pair& b) { return a.left < b.left; };
   std::vector<Pair> joint;
   for (std::size_t i = 0; i < best.size(); ++i) {
     for (std::size_t j = i + 1; j < best.size(); ++j) {
@@ -102,7 +101,7 @@ std::vector<Point> pair_starts(Problem& problem, const Base& base, const Screeni
       joint.push_back({start, gap.squaredNorm() + x * a_target + y * b_target});
     }
   }
-  std::stable_sort(joint.begin(), joint.end(), by_left);
+  std::stable_sort(joint.begin(), joint.end(), [](const Pair& a, const Pair& b) { return a.left < b.left; });
   // Forecasts from where nothing is added are compared with each other, those beside a single fit with that fit.
   double best_single = gap.squaredNorm();
   for (const Screened* screened : best) best_single = std::min(best_single, screened->left);
@@ -119,57 +118,51 @@ std::vector<Point> pair_starts(Problem& problem, const Base& base, const Screeni
     const FitResult& single = singles[leader];
     const Projector project(single.columns, single.point, data_weight(single.difference, problem.settings));
     const Eigen::VectorXd left = project.gap(single.difference);
-    std::map<std::string, Pair> seconds;
-    const auto consider = [&](const Screened& beside) {
-      if (left.squaredNorm() - beside.left <= worth || comes_by_chance(beside.start.name)) return;
-      Point start = single.point;
-      start.effects.push_back(scaled(about_effect(beside.start.name), beside.start, beside.amount));
-      const auto [entry, is_new] = seconds.try_emplace(beside.start.name, Pair{start, beside.left});
-      if (!is_new && beside.left < entry->second.left) entry->second = {start, beside.left};
-    };
+    std::vector<Screened> beside;
     const bool is_best = leader == 0;
     if (is_best) {
       std::vector<common::EffectInstance> starts_here = best_starts(screening);
       std::erase_if(starts_here, [&](const common::EffectInstance& start) {
         return same_as.contains(start.name) || comes_by_chance(start.name);
       });
-      const Base here{single.point, single.difference, single.columns, single.cost, single.prior, {}, base.nominal_mean_square};
-      for (const Screened& beside : screen(problem, here, project, starts_here, tell).tried) consider(beside);
+      beside = screen(problem, single, project, starts_here, tell).tried;
     } else {
       for (const Screened* screened : best) {
         if (screened->start.name == single.point.effects[0].name) continue;
-        Screened beside = *screened;
-        try_amount(project(screened->column), left, beside);
-        consider(beside);
+        beside.push_back(*screened);
+        try_amount(project(screened->column), left, beside.back());
       }
     }
-    std::vector<Pair> ranked;
-    for (auto& [name, pair] : seconds) ranked.push_back(std::move(pair));
-    std::stable_sort(ranked.begin(), ranked.end(), by_left);
+    std::vector<const Screened*> ranked;
+    for (const Screened& screened : beside) {
+      if (left.squaredNorm() - screened.left > worth) ranked.push_back(&screened);
+    }
+    ranked = best_of_each(std::move(ranked));
     const auto most = static_cast<std::size_t>(is_best ? settings.beside_the_best : kPairsPerLeader);
-    for (std::size_t k = 0; k < std::min(most, ranked.size()); ++k) take(ranked[k].start);
+    for (std::size_t k = 0; k < std::min(most, ranked.size()); ++k) {
+      Point start = single.point;
+      start.effects.push_back(scaled(about_effect(ranked[k]->start.name), ranked[k]->start, ranked[k]->amount));
+      take(start);
+    }
   }
   return starts;
 }
 
 }  // namespace
 
-Found search(Problem& problem, const Base& base, const Screening& screening, const SearchSettings& settings,
+Found search(Problem& problem, const FitResult& base, const Screening& screening, const SearchSettings& settings,
              const Progress& tell) {
   // All starts by what they leave, and of them the best of each effect.
-  std::vector<const Screened*> ranked, best;
+  std::vector<const Screened*> ranked;
   for (const Screened& screened : screening.tried) {
     if (!comes_by_chance(screened.start.name)) ranked.push_back(&screened);
   }
   std::stable_sort(ranked.begin(), ranked.end(), [](const Screened* a, const Screened* b) { return a->left < b->left; });
-  std::map<std::string, int> seen;
-  for (const Screened* screened : ranked) {
-    if (++seen[screened->start.name] == 1) best.push_back(screened);
-  }
+  std::vector<const Screened*> best = best_of_each(ranked);
 
   // Refine the best ones with everything free: what takes away more than chance would.
   std::vector<const Screened*> chosen;
-  seen.clear();
+  std::map<std::string, int> seen;
   // Two effects that are the same motion are fitted once and named both.
   std::map<std::string, std::string> same_as;
   for (const Screened* screened : ranked) {
@@ -192,7 +185,7 @@ Found search(Problem& problem, const Base& base, const Screening& screening, con
     tell(0.4 + 0.13 * static_cast<double>(i) / static_cast<double>(chosen.size()), "refining " + chosen[i]->start.name);
     Point start = base.point;
     start.effects.push_back(scaled(about_effect(chosen[i]->start.name), chosen[i]->start, chosen[i]->amount));
-    fits.push_back(fit(problem, base.nuisance_columns, start));
+    fits.push_back(fit(problem, base.columns, start));
   }
   // One fit per effect, the better one. The leaders go on, the best of them with fresh columns, so that none loses for
   // want of convergence.
@@ -210,7 +203,7 @@ Found search(Problem& problem, const Base& base, const Screening& screening, con
     for (std::size_t i = 0; i < starts.size(); ++i) {
       tell(0.7 + 0.1 * static_cast<double>(i) / static_cast<double>(starts.size()),
            "refining " + starts[i].effects[0].name + " with " + starts[i].effects[1].name);
-      pairs.push_back(fit(problem, base.nuisance_columns, starts[i]));
+      pairs.push_back(fit(problem, base.columns, starts[i]));
       take_nuisance_columns(fits.front().columns, pairs.back());
     }
     go_on(problem, pairs, settings.pair_contenders, settings.pair_leaders, [&](double share, const FitResult& result) {
@@ -223,13 +216,10 @@ Found search(Problem& problem, const Base& base, const Screening& screening, con
   // What fits with one effect more may show the way to those with less: a descent that stopped short elsewhere goes on from there.
   tell(0.86, "going back to fewer effects");
   std::stable_sort(fits.begin(), fits.end(), cheaper);
-  go_back(problem, base.nuisance_columns, 2, fits);
-  go_back(problem, base.nuisance_columns, 1, fits);
+  go_back(problem, base.columns, 2, fits);
+  go_back(problem, base.columns, 1, fits);
   FitResult& nothing = found.nothing;
-  nothing.point = base.point;
-  nothing.difference = base.difference;
-  nothing.columns = base.nuisance_columns;
-  nothing.cost = base.cost;
+  nothing = base;
   const auto without_effects =
       std::find_if(fits.begin(), fits.end(), [](const FitResult& result) { return result.point.effects.empty(); });
   if (without_effects != fits.end()) {
@@ -239,7 +229,7 @@ Found search(Problem& problem, const Base& base, const Screening& screening, con
   conclude(problem, nothing);
   for (FitResult& result : fits) conclude(problem, result);
   std::vector<FitResult> by_chance = chance_fits(
-      problem, base, screening, nothing, fits,
+      problem, screening, nothing, fits,
       [&](double share, const std::string& doing) { tell(0.9 + 0.1 * share, doing); });
   fits.insert(fits.end(), std::make_move_iterator(by_chance.begin()), std::make_move_iterator(by_chance.end()));
   for (const auto& [name, other] : same_as) {

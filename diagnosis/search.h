@@ -22,7 +22,7 @@ struct Found {
   FitResult nothing;            // parameters alone
   std::vector<FitResult> fits;  // of one or two effects
 };
-Found search(Problem& problem, const Base& base, const Screening& screening, const SearchSettings& settings,
+Found search(Problem& problem, const FitResult& base, const Screening& screening, const SearchSettings& settings,
              const Progress& tell);
 
 }  // namespace slewlab::diagnosis

@@ -1,6 +1,5 @@
 #include "sim/effects/torque_ripple.h"
 
-
 #include "sim/effects/ripple.h"
 #include "sim/integrate/plant.h"
 

@@ -16,16 +16,13 @@ common::EffectParameter boom_drag_area_parameter() {
 }
 
 common::EffectParameter load_drag_area_parameter() {
-  return {.name = "load_drag_area",
-          .unit = common::Unit::square_metre,
-          .meaning = "drag coefficient times area of the load",
-          .lower = 0.1,
-          .upper = 500.0,
-          .typical = 20.0,
-          .prior_scale = 0.5,
-          .scale = common::ParameterScale::logarithmic,
-          .absent = std::nullopt,
-          .detail = true};
+  common::EffectParameter parameter = boom_drag_area_parameter();
+  parameter.name = "load_drag_area";
+  parameter.meaning = "drag coefficient times area of the load";
+  parameter.lower = 0.1;
+  parameter.typical = 20.0;
+  parameter.prior_scale = 0.5;
+  return parameter;
 }
 
 DragAreas drag_areas(const CraneParameters& crane, double boom, double load) {
