@@ -230,6 +230,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   problem.settings = settings.fit;
   problem.threads = settings.threads;
   problem.stop = stop;
+  std::string not_judged;  // the records that are left out, with the reason
   for (Record& record : records) {
     if (record.group_count != nominal.crane.drive.group_count) {
       throw NotAdmitted(fmt::format("{}: the log has {} motor groups, the nominal crane {}: another crane?", record.name,
@@ -249,9 +250,9 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
     const std::vector<bool> trusted = trusted_stretches(record, follower);
     const double share = static_cast<double>(std::count(trusted.begin(), trusted.end(), true)) / static_cast<double>(record.size());
     if (share < kLeastTrusted) {
-      throw NotAdmitted(fmt::format("{}: only {:.0f} % of the record lies away from impacts of the gears, at least {:.0f} % are "
-                                    "needed; switch play compensation on, or accelerate more gently",
-                                    record.name, 100.0 * share, 100.0 * kLeastTrusted));
+      not_judged += fmt::format("{}{}: only {:.0f} % of the record lies away from impacts of the gears, at least {:.0f} % are needed",
+                                not_judged.empty() ? "" : "; ", record.name, 100.0 * share, 100.0 * kLeastTrusted);
+      continue;
     }
     if (share < 0.999) {
       diagnosis.remarks.push_back(fmt::format("{}: {:.0f} % of the record lie near impacts of the gears and are not judged",
@@ -260,6 +261,11 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
     problem.whitening.push_back(make_whitening(record, trusted, problem.gains, follower, whitening));
     problem.records.push_back(std::move(record));
   }
+
+  if (problem.records.empty()) {
+    throw NotAdmitted(not_judged + "; switch play compensation on, or accelerate more gently");
+  }
+  if (!not_judged.empty()) diagnosis.remarks.push_back(not_judged + "; left out, the answer stands on the other records");
 
   tell(0.0, "replaying the controller");
   if (controller) {

@@ -61,20 +61,26 @@ std::vector<common::EffectInstance> starts_of(const common::EffectAbout& about) 
     small.values[p] = std::clamp(*parameter.absent + kSmallShare * (typical.values[p] - *parameter.absent),
                                  parameter.lower, parameter.upper);
   }
+  // Values worth a try, those of several parameters in every combination.
+  for (std::size_t p = 0; p < about.parameters.size(); ++p) {
+    const std::vector<common::EffectInstance> before = shapes;
+    for (common::EffectInstance shape : before) {
+      for (const double value : about.parameters[p].tries) {
+        shape.values[p] = value;
+        shapes.push_back(shape);
+      }
+    }
+  }
   std::vector<common::EffectInstance> others;
   if (small.values != typical.values) others.push_back(small);
-  const auto add = [&](std::size_t p, double value, std::vector<common::EffectInstance>& list) {
-    common::EffectInstance start = typical;
-    start.values[p] = std::clamp(value, about.parameters[p].lower, about.parameters[p].upper);
-    if (start.values[p] != typical.values[p]) list.push_back(start);
-  };
   for (std::size_t p = 0; p < about.parameters.size(); ++p) {
     const common::EffectParameter& parameter = about.parameters[p];
     const bool fades_linearly = parameter.absent && std::isfinite(*parameter.absent);
-    for (const double value : parameter.tries) add(p, value, shapes);
     if (fades_linearly || is_all_round(parameter) || parameter.detail || !parameter.tries.empty()) continue;
     for (const double coordinate : {-1.0, 1.0}) {
-      add(p, value_at(parameter, to_coordinate(parameter, typical.values[p]) + coordinate), others);
+      common::EffectInstance start = typical;
+      start.values[p] = value_at(parameter, to_coordinate(parameter, typical.values[p]) + coordinate);
+      if (start.values[p] != typical.values[p]) others.push_back(start);
     }
   }
   const std::vector<std::size_t> angles = turning_angles(about);

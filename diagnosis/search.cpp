@@ -24,9 +24,10 @@ constexpr double kParallel = 0.02;              // 1 - cosine^2 of two signature
 
 bool cheaper(const FitResult& a, const FitResult& b) { return a.cost < b.cost; }
 
-// The best `contenders` get another round. The best of them goes on with fresh nuisance columns until it settles; `leaders` go on
+// The best `contenders` get another round, and one from the nominal machine with their effects: where parameters had gone far to stand
+// for what is now said by an effect, a descent does not bring them back. The best of them goes on with fresh nuisance columns until it settles; `leaders` go on
 // with these columns, and where one of them overtakes, it gets fresh ones as well.
-void go_on(Problem& problem, std::vector<FitResult>& fits, int contenders, int leaders,
+void go_on(Problem& problem, const Eigen::MatrixXd& nuisance_columns, std::vector<FitResult>& fits, int contenders, int leaders,
            const std::function<void(double, const FitResult&)>& tell) {
   if (fits.empty()) return;
   const auto first = static_cast<double>(contenders), all = static_cast<double>(contenders + leaders);
@@ -34,6 +35,10 @@ void go_on(Problem& problem, std::vector<FitResult>& fits, int contenders, int l
   for (std::size_t i = 0; i < fits.size() && static_cast<int>(i) < contenders; ++i) {
     tell(static_cast<double>(i) / all, fits[i]);
     improve(problem, fits[i], false);
+    Point start = fits[i].point;
+    std::fill(start.nuisance.begin(), start.nuisance.end(), 0.0);
+    FitResult again = fit(problem, nuisance_columns, start);
+    if (again.cost < fits[i].cost) fits[i] = std::move(again);
   }
   std::stable_sort(fits.begin(), fits.end(), cheaper);
   tell(first / all, fits.front());
@@ -192,7 +197,7 @@ Found search(Problem& problem, const FitResult& base, const Screening& screening
   std::stable_sort(fits.begin(), fits.end(), cheaper);
   seen.clear();
   std::erase_if(fits, [&](const FitResult& result) { return ++seen[result.point.effects[0].name] > 1; });
-  go_on(problem, fits, settings.contenders, settings.leaders, [&](double share, const FitResult& result) {
+  go_on(problem, base.columns, fits, settings.contenders, settings.leaders, [&](double share, const FitResult& result) {
     tell(0.53 + 0.07 * share, "converging " + result.point.effects[0].name);
   });
   if (!fits.empty() && settings.pairs_to_refine > 0) {
@@ -206,7 +211,7 @@ Found search(Problem& problem, const FitResult& base, const Screening& screening
       pairs.push_back(fit(problem, base.columns, starts[i]));
       take_nuisance_columns(fits.front().columns, pairs.back());
     }
-    go_on(problem, pairs, settings.pair_contenders, settings.pair_leaders, [&](double share, const FitResult& result) {
+    go_on(problem, base.columns, pairs, settings.pair_contenders, settings.pair_leaders, [&](double share, const FitResult& result) {
       tell(0.8 + 0.06 * share,
            "converging " + result.point.effects[0].name + " with " + result.point.effects[1].name);
     });

@@ -9,7 +9,6 @@ namespace slewlab::sim {
 namespace {
 
 constexpr double kShortestRope = 2.0;  // [m]
-constexpr double kRampTime = 1.0;      // [s] of the hoisting speed, chosen: a usual winch
 
 class Hoisting : public Running<Hoisting> {
  public:
@@ -17,17 +16,15 @@ class Hoisting : public Running<Hoisting> {
       : speed_(start.values[0]),
         start_(start.values[1]),
         duration_(start.values[2]),
-        ramp_(std::min(kRampTime, 0.5 * start.values[2])),
+        ramp_(std::min(start.values[3], 0.5 * start.values[2])),
         mass_(start.model.parameters.load.mass),
         length_(start.model.parameters.load.rope_length) {}
 
   void force(const EffectMoment& moment, PortForces& ports) override {
     const double since = moment.time - start_;
     if (since <= 0.0 || mass_ == 0.0) return;
-    const double hoisted = speed_ * (ramped(since) - ramped(since - (duration_ - ramp_)));
-    double acceleration = 0.0;
-    if (since < ramp_) acceleration = speed_ / ramp_;
-    if (since > duration_ - ramp_ && since < duration_) acceleration -= speed_ / ramp_;
+    const double hoisted = speed_ * (way(since) - way(since - (duration_ - ramp_)));
+    double acceleration = speed_ * (rise(since) - rise(since - (duration_ - ramp_)));
     double length = length_ - hoisted;
     if (length < kShortestRope) {
       length = kShortestRope;
@@ -40,10 +37,17 @@ class Hoisting : public Running<Hoisting> {
   }
 
  private:
-  // [s] way per speed after `since` of a speed that rises linearly within ramp_ and stays.
-  double ramped(double since) const {
+  // Per hoisting speed, `since` [s] after a ramp's begin: the way [s] and the acceleration [1/s].
+  double way(double since) const {
     if (since <= 0.0) return 0.0;
-    return since < ramp_ ? 0.5 * since * since / ramp_ : since - 0.5 * ramp_;
+    if (since >= ramp_) return since - 0.5 * ramp_;
+    const double share = since / ramp_;
+    return ramp_ * share * share * share * (1.0 - 0.5 * share);
+  }
+  double rise(double since) const {
+    if (since <= 0.0 || since >= ramp_) return 0.0;
+    const double share = since / ramp_;
+    return 6.0 * share * (1.0 - share) / ramp_;
   }
 
   double speed_, start_, duration_, ramp_;
@@ -75,7 +79,7 @@ const EffectDescription& hoisting() {
                                 .prior_scale = 10.0,
                                 .scale = common::ParameterScale::linear,
                                 .absent = std::nullopt,
-                                .tries = {2.0, 5.0}},
+                                .tries = {2.0, 5.0, 12.0}},
                                {.name = "duration",
                                 .unit = common::Unit::second,
                                 .meaning = "how long it lasts",
@@ -85,7 +89,17 @@ const EffectDescription& hoisting() {
                                 .prior_scale = 10.0,
                                 .scale = common::ParameterScale::linear,
                                 .absent = std::nullopt,
-                                .tries = {10.0}}}},
+                                .tries = {8.0, 14.0}},
+                               {.name = "ramp_time",
+                                .unit = common::Unit::second,
+                                .meaning = "in which the speed is brought up, and down",
+                                .lower = 0.1,
+                                .upper = 20.0,
+                                .typical = 1.5,
+                                .prior_scale = 0.4,
+                                .scale = common::ParameterScale::logarithmic,
+                                .absent = std::nullopt,
+                                .detail = true}}},
       .ports = {EffectPort::force},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<Hoisting>(start);

@@ -75,7 +75,8 @@ const EffectDescription& pedestal_flexibility() {
                                 .typical = 1e8,
                                 .prior_scale = 1.0,
                                 .scale = common::ParameterScale::logarithmic,
-                                .absent = std::numeric_limits<double>::infinity()},
+                                .absent = std::numeric_limits<double>::infinity(),
+                                .tries = {3e7, 5.5e7, 1.8e8, 3e8, 1e9}},  // each with a resonance of its own
                                {.name = "top_mass",
                                 .unit = common::Unit::kilogram,
                                 .meaning = "house and the pedestal's share that moves with it",
@@ -93,7 +94,8 @@ const EffectDescription& pedestal_flexibility() {
                                 .typical = 0.02,
                                 .prior_scale = 0.5,
                                 .scale = common::ParameterScale::logarithmic,
-                                .absent = std::nullopt}}},
+                                .absent = std::nullopt,
+                                .tries = {0.15}}}},  // a wide resonance, which is seen from farther off
       .ports = {EffectPort::force, EffectPort::sensor},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<PedestalFlexibility>(start);
