@@ -18,11 +18,13 @@ namespace slewlab::diagnosis {
 
 namespace {
 
-constexpr double kNuisanceStep = 0.3;  // [standard deviations] difference quotient: small against the prior, large against rounding
+constexpr double kNuisanceStep = 0.3;  // [standard deviations] difference quotient: small against the prior
 constexpr double kFarthest = 6.0;      // [standard deviations] that a nuisance is let go
 constexpr int kRelaxations = 8;
 constexpr double kAtTheWall = 1.9;     // [standard deviations]
 constexpr double kEffectStep = 0.05;   // [standard deviations] the same for effects, around a fitted size
+constexpr double kStepDeviations = 2.0;  // the step where it is known how well the records tell the parameter, in what they leave open
+constexpr double kSmallestStep = 0.2;    // share of the first step, large against rounding
 
 Point moved(const Point& point, const Eigen::VectorXd& change) {
   Point result = point;
@@ -86,21 +88,42 @@ bool is_held(const Point& point, std::size_t k) {
                      [&](const common::EffectInstance& effect) { return is_said_by(effect.name, k); });
 }
 
+Eigen::VectorXd first_steps(const Point& point) {
+  const auto nuisances = static_cast<Eigen::Index>(point.nuisance.size());
+  Eigen::VectorXd steps = Eigen::VectorXd::Constant(nuisances + effect_coordinates(point.effects).size(), kEffectStep);
+  steps.head(nuisances).setConstant(kNuisanceStep);
+  return steps;
+}
+
+// Steps of difference quotients where columns are known: no longer than what the records leave open, or a law's curvature is
+// taken for its slope.
+Eigen::VectorXd steps_at(const Problem& problem, const Point& point, const Eigen::VectorXd& difference, const Eigen::MatrixXd& columns) {
+  const Eigen::MatrixXd system = curvature(problem, point, difference, columns);
+  const Eigen::VectorXd variance = system.ldlt().solve(Eigen::MatrixXd::Identity(system.rows(), system.cols())).diagonal();
+  Eigen::VectorXd steps = first_steps(point);
+  for (Eigen::Index i = 0; i < steps.size(); ++i) {
+    const double open = kStepDeviations * std::sqrt(variance(i));
+    if (std::isfinite(open)) steps(i) *= std::clamp(open / steps(i), kSmallestStep, 1.0);
+  }
+  return steps;
+}
+
 // Of nuisances that an effect holds: zero.
-Eigen::MatrixXd nuisance_columns(Problem& problem, const Point& point, const Eigen::VectorXd& difference) {
+Eigen::MatrixXd nuisance_columns(Problem& problem, const Point& point, const Eigen::VectorXd& difference, const Eigen::VectorXd& steps) {
   std::vector<std::size_t> free;
   std::vector<Point> points;
   for (std::size_t k = 0; k < nuisance_count(); ++k) {
     if (is_held(point, k)) continue;
     free.push_back(k);
     points.push_back(point);
-    points.back().nuisance[k] += kNuisanceStep;
+    points.back().nuisance[k] += steps(static_cast<Eigen::Index>(k));
   }
   const std::vector<Eigen::VectorXd> moved_differences = differences(problem, points);
   Eigen::MatrixXd columns =
       Eigen::MatrixXd::Zero(difference.size(), static_cast<Eigen::Index>(nuisance_count()));
   for (std::size_t i = 0; i < free.size(); ++i) {
-    columns.col(static_cast<Eigen::Index>(free[i])) = (moved_differences[i] - difference) / kNuisanceStep;
+    const auto k = static_cast<Eigen::Index>(free[i]);
+    columns.col(k) = (moved_differences[i] - difference) / steps(k);
   }
   return columns;
 }
@@ -123,17 +146,17 @@ void hand_over(Point& point) {
 }
 
 // The columns d difference / d x of the effects' parameters, by difference quotients.
-Eigen::MatrixXd effect_columns(Problem& problem, const Point& point, const Eigen::VectorXd& difference) {
+Eigen::MatrixXd effect_columns(Problem& problem, const Point& point, const Eigen::VectorXd& difference, const Eigen::VectorXd& asked) {
   const auto nuisance_count = static_cast<Eigen::Index>(point.nuisance.size());
-  const auto count = effect_coordinates(point.effects).size();
+  const Eigen::Index count = asked.size() - nuisance_count;
   std::vector<Point> points;
   std::vector<double> steps;
   for (Eigen::Index e = 0; e < count; ++e) {
     Eigen::VectorXd change = Eigen::VectorXd::Zero(nuisance_count + count);
-    change(nuisance_count + e) = kEffectStep;
+    change(nuisance_count + e) = asked(nuisance_count + e);
     points.push_back(moved(point, change));
     steps.push_back(step_between(point, points.back())(nuisance_count + e));
-    if (std::fabs(steps.back()) < 0.5 * kEffectStep) {  // at its upper bound: look the other way
+    if (std::fabs(steps.back()) < 0.5 * asked(nuisance_count + e)) {  // at its upper bound: look the other way
       points.back() = moved(point, -change);
       steps.back() = step_between(point, points.back())(nuisance_count + e);
     }
@@ -330,7 +353,8 @@ namespace {
 void settle(Problem& problem, FitResult& result) {
   result.cost = cost_of(problem, result.point, result.difference);
   for (int round = 0; round < problem.settings.rounds; ++round) {
-    result.columns = nuisance_columns(problem, result.point, result.difference);
+    const Eigen::VectorXd steps = round == 0 ? first_steps(result.point) : steps_at(problem, result.point, result.difference, result.columns);
+    result.columns = nuisance_columns(problem, result.point, result.difference, steps);
     const double fall = descend(problem, problem.settings.iterations, result.columns, result.point, result.difference, result.cost);
     if (fall < problem.settings.settled + problem.settings.settled_share * std::fabs(result.cost)) break;
   }
@@ -373,6 +397,7 @@ FitResult fit(Problem& problem, const Eigen::MatrixXd& nuisance_columns, const P
   const auto effect_count = effect_coordinates(start.effects).size();
   result.columns.resize(result.difference.size(), nuisance_columns.cols() + effect_count);
   result.columns.leftCols(nuisance_columns.cols()) = nuisance_columns;
+  result.columns.rightCols(effect_count).setZero();  // nothing is known of them: the first steps
   for (std::size_t k = 0; k < result.point.nuisance.size(); ++k) {
     if (is_held(result.point, k)) result.columns.col(static_cast<Eigen::Index>(k)).setZero();
   }
@@ -389,11 +414,12 @@ void take_nuisance_columns(const Eigen::MatrixXd& columns, FitResult& result) {
 
 bool improve(Problem& problem, FitResult& result, bool fresh_nuisances) {
   const auto nuisance_count = static_cast<Eigen::Index>(result.point.nuisance.size());
+  const Eigen::VectorXd steps = steps_at(problem, result.point, result.difference, result.columns);
   if (fresh_nuisances) {
-    result.columns.leftCols(nuisance_count) = nuisance_columns(problem, result.point, result.difference);
+    result.columns.leftCols(nuisance_count) = nuisance_columns(problem, result.point, result.difference, steps);
   }
   result.columns.rightCols(result.columns.cols() - nuisance_count) =
-      effect_columns(problem, result.point, result.difference);
+      effect_columns(problem, result.point, result.difference, steps);
   const double fall =
       descend(problem, problem.settings.iterations, result.columns, result.point, result.difference, result.cost);
   return fall > problem.settings.settled + problem.settings.settled_share * std::fabs(result.cost);
