@@ -18,18 +18,18 @@
 namespace slewlab::diagnosis {
 
 struct EvidenceSettings {
-  double law_freedom = 100.0;    // k: learned on tuning seeds, docs/diagnosis.md, as are all below
-  double law_share = 0.003;      // r
-  double unknown_share = 0.12;   // of the gap that a cause outside the catalogue leaves unexplained
+  double law_freedom = 50.0;     // k: learned on tuning seeds, docs/diagnosis.md, as are all below
+  double law_share = 0.002;      // r
+  double unknown_share = 0.2;    // of the gap that a cause outside the catalogue leaves unexplained
   double unknown_floor = 100.0;  // [-] c that it leaves at least
   double unknown_prior = 17.0;   // p of its parameters: what the nuisances of a machine have on the average
-  double temper = 4.0;           // T
+  double temper = 3.0;           // T
   double independent_share = 0.3;  // s, as in fit.h
   double price = 8.0;            // of an effect: what mesh and step alone let one take away where nothing is missing
-  double prior_nothing = 0.5;
-  double prior_single = 0.3;
-  double prior_pair = 0.1;
-  double prior_unknown = 0.1;
+  double prior_nothing = 0.4;
+  double prior_single = 0.24;
+  double prior_pair = 0.28;
+  double prior_unknown = 0.08;
 };
 
 // k + r G of the gap.
