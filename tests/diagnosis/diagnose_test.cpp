@@ -169,6 +169,46 @@ TEST(Diagnose, FindsTheSmallerOfTwoEffects) {
   EXPECT_EQ(named, (std::set<std::string>{"gear_friction", "uneven_gearbox_stiffness"})) << found.verdict;
 }
 
+// 1.3 Hz with 3 % damping, which no start of the catalogue meets: the nominal machine's parameters go far to stand for it, and
+// beside those it cannot be seen.
+TEST(Diagnose, FindsAResonanceBetweenItsStarts) {
+  const Diagnosis found = diagnose_machine({{"pedestal_flexibility", {4.4e7, 6e5, 0.033}}}, bench().controller, 19);
+  ASSERT_FALSE(found.causes.empty());
+  ASSERT_EQ(found.causes[0].effects, std::vector<std::string>{"pedestal_flexibility"}) << found.verdict;
+  EXPECT_NEAR(found.causes[0].sizes[0].value, 4.4e7, 0.1 * 4.4e7);
+}
+
+// Half a minute of waves with a period that lies between the starts.
+TEST(Diagnose, FindsARollOfAnyPeriod) {
+  const Diagnosis found = diagnose_machine({{"vessel_roll", {5e-4, 8.05, 2.1, 1.3, 20.0}}}, bench().controller, 20);
+  ASSERT_FALSE(found.causes.empty());
+  ASSERT_EQ(found.causes[0].effects, std::vector<std::string>{"vessel_roll"}) << found.verdict;
+  EXPECT_NEAR(found.causes[0].sizes[0].value, 5e-4, 0.1 * 5e-4);
+  EXPECT_NEAR(found.causes[0].sizes[1].value, 8.05, 0.05 * 8.05);
+}
+
+// One log full of impacts tells nothing, and must not keep the other one from being judged; where there is no other, no answer.
+// The knocking comes of commands that are 60 ms late on one day: the speed loop then swings from flank to flank all the time.
+TEST(Diagnose, LeavesOutALogThatLiesNearImpacts) {
+  sim::MachineSettings truth;
+  truth.crane = spread_crane(21);
+  truth.effects = {{"bearing_coulomb", {1e5, 0.0, 3e-5}}};
+  sim::MachineSettings knocking = truth;
+  knocking.effects.push_back({"command_delay", {0.06}});
+  const Record knocked = make_record(simulated_log(knocking, bench().controller, kInching, kDuration, 21), "knocked", bench().admission);
+  const Record sound = make_record(simulated_log(truth, bench().controller, kThereAndBack, kDuration, 22), "sound", bench().admission);
+  sim::MachineSettings nominal;
+  nominal.crane = bench().crane;
+  EXPECT_THROW(diagnose(nominal, bench().controller, {knocked}, {}), NotAdmitted);
+  DiagnosisSettings settings;
+  settings.search.pairs_to_refine = 0;
+  const Diagnosis found = diagnose(nominal, bench().controller, {knocked, sound}, settings);
+  EXPECT_TRUE(std::any_of(found.remarks.begin(), found.remarks.end(), [](const std::string& remark) {
+    return remark.rfind("knocked: only", 0) == 0 && remark.find("left out") != std::string::npos;
+  }));
+  EXPECT_EQ(found.verdict, "bearing_coulomb");
+}
+
 // Its draw is another one than any that the diagnosis can make. Below the 40 Hz that are judged, bursts of a few messages and
 // delays of a few milliseconds have one power, so the other one may be named, but then as one that cannot be told from it.
 TEST(Diagnose, FindsJitterWithoutItsDraw) {

@@ -24,6 +24,24 @@ TEST(Hoisting, EndsAsAShorterPendulum) {
   EXPECT_NEAR(amplitude / (0.02 * 60.0), std::pow(30.5 / 60.0, 0.25), 0.01);
 }
 
+// A pendulum held out by x feels M (g + s'') x / L: the hoisted speed's largest jerk, 6 v / t_r^2 where a ramp begins and ends, is all
+// that the load's acceleration may change by, beside the slow M g s' x / L^2.
+TEST(Hoisting, HasNoStepsOfAcceleration) {
+  constexpr double kSpeed = 0.5, kRamp = 1.0, kRope = 60.0, kStep = 1e-3;  // [m/s], [s], [m], [s]
+  const auto samples = run(pendulum(), "hoisting", {kSpeed, 1.0, 8.0, kRamp}, 10.0, no_drive, {.rope_angle = 0.02});
+  const double displacement = 0.02 * kRope;  // [m]
+  const double jerk = 6.0 * kSpeed / (kRamp * kRamp) * displacement / kRope;
+  const double shorter_rope = 9.81 * kSpeed * displacement / ((kRope - 4.0) * (kRope - 4.0));
+  const double swing = std::pow(9.81 / (kRope - 4.0), 1.5) * displacement;
+  double largest = 0.0;
+  for (std::size_t n = 2; n < samples.size(); ++n) {
+    const double change = samples[n].load_velocity - 2.0 * samples[n - 1].load_velocity + samples[n - 2].load_velocity;
+    largest = std::max(largest, std::fabs(change) / (kStep * kStep));
+  }
+  EXPECT_LT(largest, 1.05 * (jerk + shorter_rope + swing));
+  EXPECT_GT(largest, 0.5 * jerk);
+}
+
 TEST(Hoisting, ChangesNothingBeforeItBegins) {
   const auto with = run(pendulum(), "hoisting", {0.5, 5.0, 60.0, 1.0}, 4.9, no_drive, {.rope_angle = 0.02});
   const auto without =

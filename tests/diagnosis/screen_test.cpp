@@ -1,0 +1,58 @@
+// What the screening forecasts, on columns whose answers are known in closed form, and from where it starts.
+#include "diagnosis/screen.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+namespace slewlab::diagnosis {
+namespace {
+
+Screened screened(const char* effect, double left) { return {{effect, {}}, {}, 0.0, 0.0, left}; }
+
+TEST(Screen, TakesTheBestOfEachEffectByWhatTheyLeave) {
+  const std::vector<Screened> all{screened("wind", 5.0), screened("heel", 3.0), screened("wind", 2.0), screened("heel", 4.0)};
+  std::vector<const Screened*> looks;
+  for (const Screened& one : all) looks.push_back(&one);
+  const std::vector<const Screened*> best = best_of_each(looks);
+  ASSERT_EQ(best.size(), 2u);
+  EXPECT_EQ(best[0], &all[2]);
+  EXPECT_EQ(best[1], &all[1]);
+}
+
+// target + 2 a - 3 b = 0 by construction; parallel columns have no answer.
+TEST(Screen, SolvesTwoColumnsJointly) {
+  const Eigen::Vector3d a(1.0, 2.0, 0.0), b(0.0, 1.0, 1.0);
+  const std::optional<Amounts> amounts = joint_amounts(a, b, -2.0 * a + 3.0 * b, 1e-6);
+  ASSERT_TRUE(amounts);
+  EXPECT_NEAR(amounts->x, 2.0, 1e-12);
+  EXPECT_NEAR(amounts->y, -3.0, 1e-12);
+  EXPECT_FALSE(joint_amounts(a, 2.0 * a, b, 1e-6));
+}
+
+// Of an effect that acts one way only no negative multiple is forecast.
+TEST(Screen, TurnsOnlyWhatMayTurn) {
+  const Eigen::Vector2d column(1.0, 0.0), target(3.0, 4.0);
+  Screened turning = screened("hoisting", 0.0), fixed = screened("air_drag", 0.0);
+  try_amount(column, target, turning);
+  try_amount(column, target, fixed);
+  EXPECT_DOUBLE_EQ(turning.amount, -3.0);
+  EXPECT_DOUBLE_EQ(turning.left, 16.0);
+  EXPECT_DOUBLE_EQ(fixed.amount, 0.0);
+  EXPECT_DOUBLE_EQ(fixed.left, 25.0);
+}
+
+TEST(Screen, StartsFromEveryCombinationOfValuesWorthATry) {
+  const common::EffectAbout& about = about_effect("hoisting");
+  std::size_t combinations = 1;
+  for (const common::EffectParameter& parameter : about.parameters) combinations *= 1 + parameter.tries.size();
+  std::set<std::vector<double>> different;
+  for (const common::EffectInstance& start : starts_of(about)) {
+    EXPECT_TRUE(different.insert(start.values).second);
+  }
+  EXPECT_EQ(different.size(), combinations + 1);  // and the small one
+}
+
+}  // namespace
+}  // namespace slewlab::diagnosis
