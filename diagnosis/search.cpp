@@ -24,9 +24,9 @@ constexpr double kParallel = 0.02;              // 1 - cosine^2 of two signature
 
 bool cheaper(const FitResult& a, const FitResult& b) { return a.cost < b.cost; }
 
-// The best `contenders` get another round, and one from the nominal machine with their effects: where parameters had gone far to stand
-// for what is now said by an effect, a descent does not bring them back. The best of them goes on with fresh nuisance columns until it settles; `leaders` go on
-// with these columns, and where one of them overtakes, it gets fresh ones as well.
+// The best `contenders` get another round, and one from the nominal machine with their effects: where parameters had gone far to
+// stand for what an effect says now, a descent does not bring them back. The best of them goes on with fresh nuisance columns until
+// it settles; `leaders` go on with these columns, and where one of them overtakes, it gets fresh ones as well.
 void go_on(Problem& problem, const Eigen::MatrixXd& nuisance_columns, std::vector<FitResult>& fits, int contenders, int leaders,
            const std::function<void(double, const FitResult&)>& tell) {
   if (fits.empty()) return;

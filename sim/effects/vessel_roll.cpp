@@ -78,7 +78,7 @@ const EffectDescription& vessel_roll() {
                                 .prior_scale = 0.3,
                                 .scale = common::ParameterScale::logarithmic,
                                 .absent = std::nullopt,
-                                .tries = {6.7, 7.5, 8.6, 12.0, 15.0}},  // within a quarter turn of each other over a minute
+                                .tries = {6.7, 7.5, 8.6, 12.0, 15.0}},  // a period between two of them is a quarter turn off after half a minute
                                common::angle_parameter("phase", "of the roll at the start"),
                                common::angle_parameter("direction",
                                                        "of the positive roll's downhill, from the boom's first direction", 0.5 * std::numbers::pi),
