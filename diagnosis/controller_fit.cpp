@@ -4,7 +4,6 @@
 #include <Eigen/Core>
 #include <Eigen/LU>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <set>
@@ -20,8 +19,13 @@ namespace {
 constexpr int kIterations = 12;
 constexpr double kStep = 0.02;  // [standard deviations of the prior] difference quotient
 constexpr double kChangeTime = 0.25;  // [s] short against ramps and integral times, long enough to see a ramp that is late
-constexpr std::array<double, 4> kStartShares{0.03, 0.1, 0.4, 1.5};  // of the typical size
-constexpr std::array<double, 4> kOtherStarts{-1.0, -0.3, 0.3, 1.0};  // [standard deviations] of a second parameter
+// Strides of the starts, and how far they go, in standard deviations: of an effect's size from where it is absent, and of its other
+// parameters from their typical values. A ramp that turns more than a twentieth too early is not found by any descent.
+struct Grid {
+  double size_stride, other_stride;
+};
+constexpr Grid kFine{0.25, 0.5}, kCoarse{1.0, 1.5};
+constexpr double kSizeReach = 4.0, kOtherReach = 3.0;
 constexpr int kStartsToGoOn = 3;
 constexpr double kFirstStride = 0.1, kLastStride = 1e-4;  // [standard deviations] of the search without slopes
 constexpr double kExact = 1e-9;         // share of the difference below which nothing is left to find
@@ -56,30 +60,24 @@ struct Replays {
   }
 };
 
-// Shares of the typical size, and the other way round where the effect has one, each with some values of the other parameters.
-std::vector<common::EffectInstance> starts_of(const common::EffectAbout& about) {
+std::vector<common::EffectInstance> starts_of(const common::EffectAbout& about, const Grid& grid) {
   const common::EffectInstance typical = common::typical_instance(about);
   std::vector<common::EffectInstance> starts{typical};
-  const common::EffectParameter& size = about.parameters.front();
-  if (size.absent && std::isfinite(*size.absent)) {
-    for (const double share : kStartShares) {
-      for (const double direction : {1.0, -1.0}) {
-        common::EffectInstance start = typical;
-        start.values[0] = std::clamp(*size.absent + direction * share * (typical.values[0] - *size.absent), size.lower, size.upper);
-        starts.push_back(start);
-      }
-    }
-  }
-  for (std::size_t p = 1; p < about.parameters.size(); ++p) {
+  for (std::size_t p = 0; p < about.parameters.size(); ++p) {
     const common::EffectParameter& parameter = about.parameters[p];
-    const std::vector<common::EffectInstance> before = starts;
-    for (common::EffectInstance start : before) {
-      for (const double coordinate : kOtherStarts) {
-        const double x = to_coordinate(parameter, typical.values[p]) + coordinate;
-        start.values[p] = value_at(parameter, x);
-        starts.push_back(start);
+    const bool is_size = p == 0 && parameter.absent && std::isfinite(*parameter.absent);
+    const double centre = to_coordinate(parameter, is_size ? *parameter.absent : typical.values[p]);
+    const double stride = is_size ? grid.size_stride : grid.other_stride, reach = is_size ? kSizeReach : kOtherReach;
+    std::vector<common::EffectInstance> along;
+    for (common::EffectInstance start : starts) {
+      double before = std::numeric_limits<double>::quiet_NaN();
+      for (double change = -reach; change <= reach; change += stride) {
+        start.values[p] = value_at(parameter, centre + change);
+        if (start.values[p] != before) along.push_back(start);
+        before = start.values[p];
       }
     }
+    starts = std::move(along);
   }
   return starts;
 }
@@ -142,17 +140,24 @@ void feel_around(const Replays& replays, double change_time, Effects& effects) {
   effects = effects_at(effects, x);
 }
 
-// A replayed integral runs away as long as the speed it wants is not quite the recorded one, and its torque leads a descent
-// nowhere until everything is nearly right. So first the changes, from the best of the starts, then the torques.
-ControllerCause fit_effects(const Replays& replays, double gap, const std::vector<Effects>& starts, bool without_slopes) {
+// The starts that leave least of the changes.
+std::vector<Effects> best_of(const Replays& replays, const std::vector<Effects>& starts) {
   std::vector<std::pair<double, std::size_t>> ranked;
   for (std::size_t i = 0; i < starts.size(); ++i) ranked.emplace_back(replays(starts[i], kChangeTime).squaredNorm(), i);
   std::sort(ranked.begin(), ranked.end());
+  std::vector<Effects> best;
+  for (std::size_t i = 0; i < std::min<std::size_t>(kStartsToGoOn, ranked.size()); ++i) best.push_back(starts[ranked[i].second]);
+  return best;
+}
+
+// A replayed integral runs away as long as the speed it wants is not quite the recorded one, and its torque leads a descent
+// nowhere until everything is nearly right. So first the changes, then the torques.
+ControllerCause fit_effects(const Replays& replays, double gap, const std::vector<Effects>& starts, bool without_slopes) {
   ControllerCause best;
   best.share_left = std::numeric_limits<double>::infinity();
   Eigen::MatrixXd best_gram;
-  for (std::size_t i = 0; i < std::min<std::size_t>(kStartsToGoOn, ranked.size()) && best.share_left > kExact; ++i) {
-    Effects effects = starts[ranked[i].second];
+  for (Effects effects : starts) {
+    if (best.share_left <= kExact) break;
     Eigen::MatrixXd gram;
     const auto consider = [&](const Eigen::VectorXd& difference) {
       const double share = gap > 0.0 ? difference.squaredNorm() / gap : 1.0;
@@ -193,30 +198,32 @@ std::vector<ControllerCause> fit_controller(std::span<const Record> records,
     if (std::find(without.begin(), without.end(), about->name) == without.end()) catalogue.push_back(about);
   }
   const auto leaves_less = [](const ControllerCause& a, const ControllerCause& b) { return a.share_left < b.share_left; };
+  std::vector<std::vector<Effects>> singles;  // of each effect the starts to go on from
+  for (const common::EffectAbout* about : catalogue) {
+    std::vector<Effects> starts;
+    for (const common::EffectInstance& start : starts_of(*about, kFine)) starts.push_back({start});
+    singles.push_back(best_of(replays, starts));
+  }
   std::vector<ControllerCause> causes;
   // The search without slopes takes longer and is left out where it is not needed.
   for (const bool without_slopes : {false, true}) {
     if (!causes.empty() && causes.front().share_left <= kExact) break;
     causes.clear();
-    for (const common::EffectAbout* about : catalogue) {
-      std::vector<Effects> starts;
-      for (const common::EffectInstance& start : starts_of(*about)) starts.push_back({start});
-      causes.push_back(fit_effects(replays, gap, starts, without_slopes));
-    }
+    for (const std::vector<Effects>& starts : singles) causes.push_back(fit_effects(replays, gap, starts, without_slopes));
     std::sort(causes.begin(), causes.end(), leaves_less);
   }
   // Two effects, where one is not the whole answer.
   if (!causes.empty() && causes.front().share_left > kExact) {
-    const std::size_t singles = std::min<std::size_t>(kSinglesToPair, causes.size());
+    const std::size_t firsts = std::min<std::size_t>(kSinglesToPair, causes.size());
     std::set<std::set<std::string>> tried;
-    for (std::size_t i = 0; i < singles; ++i) {
+    for (std::size_t i = 0; i < firsts; ++i) {
       const common::EffectInstance first = causes[i].effects.front();
       for (const common::EffectAbout* about : catalogue) {
         const std::string second(about->name);
         if (second == first.name || !tried.insert({first.name, second}).second) continue;
         std::vector<Effects> starts;
-        for (const common::EffectInstance& start : starts_of(*about)) starts.push_back({first, start});
-        causes.push_back(fit_effects(replays, gap, starts, false));
+        for (const common::EffectInstance& start : starts_of(*about, kCoarse)) starts.push_back({first, start});
+        causes.push_back(fit_effects(replays, gap, best_of(replays, starts), false));
       }
     }
     std::sort(causes.begin(), causes.end(), leaves_less);
