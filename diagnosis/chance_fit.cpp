@@ -181,9 +181,7 @@ std::vector<FitResult> seconds(Problem& problem, const Screening& catalogue, con
   };
   add(one.fit.point);  // what was fitted before knew nothing of the chance
   for (std::size_t i = 0; i < std::min(kSeconds, ranked.size()); ++i) {
-    Point start = one.fit.point;
-    start.effects.push_back(scaled(about_effect(ranked[i]->start.name), ranked[i]->start, ranked[i]->amount));
-    add(start);
+    add(with_amount(one.fit.point, *ranked[i], ranked[i]->amount));
   }
   return results;
 }

@@ -95,11 +95,16 @@ Eigen::VectorXd first_steps(const Point& point) {
   return steps;
 }
 
+// Of what the records and the priors leave open, in coordinates.
+Eigen::MatrixXd covariance(const Problem& problem, const Point& point, const Eigen::VectorXd& difference, const Eigen::MatrixXd& columns) {
+  const Eigen::MatrixXd system = curvature(problem, point, difference, columns);
+  return system.ldlt().solve(Eigen::MatrixXd::Identity(system.rows(), system.cols()));
+}
+
 // Steps of difference quotients where columns are known: no longer than what the records leave open, or a law's curvature is
 // taken for its slope.
 Eigen::VectorXd steps_at(const Problem& problem, const Point& point, const Eigen::VectorXd& difference, const Eigen::MatrixXd& columns) {
-  const Eigen::MatrixXd system = curvature(problem, point, difference, columns);
-  const Eigen::VectorXd variance = system.ldlt().solve(Eigen::MatrixXd::Identity(system.rows(), system.cols())).diagonal();
+  const Eigen::VectorXd variance = covariance(problem, point, difference, columns).diagonal();
   Eigen::VectorXd steps = first_steps(point);
   for (Eigen::Index i = 0; i < steps.size(); ++i) {
     const double open = kStepDeviations * std::sqrt(variance(i));
@@ -466,10 +471,9 @@ Relaxed relax(const Problem& problem, const FitResult& result, double law_freedo
 void conclude(const Problem& problem, FitResult& result) {
   result.mean_square = mean_square(result.difference);
   result.excess = excess(result.difference, problem.settings);
-  const Eigen::MatrixXd system = curvature(problem, result.point, result.difference, result.columns);
   result.prior = prior_cost(result.point);
   result.information = information_of(result.columns);
-  const Eigen::MatrixXd covariance = system.ldlt().solve(Eigen::MatrixXd::Identity(system.rows(), system.cols()));
+  const Eigen::VectorXd variance = covariance(problem, result.point, result.difference, result.columns).diagonal();
   auto e = static_cast<Eigen::Index>(result.point.nuisance.size());
   result.deviation.clear();
   for (const common::EffectInstance& effect : result.point.effects) {
@@ -477,7 +481,7 @@ void conclude(const Problem& problem, FitResult& result) {
     for (std::size_t p = 0; p < effect.values.size(); ++p, ++e) {
       const common::EffectParameter& parameter = about.parameters[p];
       result.deviation.push_back(std::fabs(value_per_deviation(parameter, effect.values[p])) *
-                                 std::sqrt(covariance(e, e)));
+                                 std::sqrt(variance(e)));
     }
   }
 }

@@ -106,16 +106,18 @@ std::vector<common::EffectInstance> starts_of(const common::EffectAbout& about) 
   return starts;
 }
 
-common::EffectInstance scaled(const common::EffectAbout& about, common::EffectInstance effect, double factor) {
+Point with_amount(Point point, const Screened& screened, double amount) {
+  common::EffectInstance effect = screened.start;
+  const common::EffectAbout& about = about_effect(effect.name);
   for (std::size_t p = 0; p < about.parameters.size(); ++p) {
     const common::EffectParameter& parameter = about.parameters[p];
     if (!parameter.absent) continue;
     const double absent = *parameter.absent;
-    double value = std::isfinite(absent) ? absent + factor * (effect.values[p] - absent)
-                                         : effect.values[p] / std::max(factor, 1e-3);
+    const double value = std::isfinite(absent) ? absent + amount * (effect.values[p] - absent) : effect.values[p] / std::max(amount, 1e-3);
     effect.values[p] = std::clamp(value, parameter.lower, parameter.upper);
   }
-  return effect;
+  point.effects.push_back(std::move(effect));
+  return point;
 }
 
 bool may_turn(const std::string& effect) {
@@ -230,9 +232,8 @@ Screening screen(Problem& problem, const FitResult& from, const Projector& proje
     for (const Screened* screened : best_of_each(std::move(looks))) {
       const bool is_tried = screened->column.size() != 0 && std::fabs(screened->amount - 1.0) < kNearlyTried;
       if (forecast(problem, from, screening, *screened) < kLeastGain || is_tried) continue;
-      again.push_back({scaled(about_effect(screened->start.name), screened->start, screened->amount), {}, 0.0, 0.0, 0.0});
-      at.push_back(from.point);
-      at.back().effects.push_back(again.back().start);
+      at.push_back(with_amount(from.point, *screened, screened->amount));
+      again.push_back({at.back().effects.back(), {}, 0.0, 0.0, 0.0});
     }
     tell(0.9, "looking again at the promising effects");
     const auto results = differences(problem, at);

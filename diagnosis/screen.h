@@ -31,9 +31,6 @@ inline constexpr double kLeastGain = 6.0;              // fall of the cost, fore
 // with the typical size and the values worth a try only.
 std::vector<common::EffectInstance> starts_of(const common::EffectAbout& about);
 
-// The start with its fading parameters scaled by `factor`.
-common::EffectInstance scaled(const common::EffectAbout& about, common::EffectInstance effect, double factor);
-
 struct Screened {
   common::EffectInstance start;
   Eigen::VectorXd column;       // change of the differences by the start's size
@@ -41,6 +38,9 @@ struct Screened {
   double amount = 0.0;          // of the start's size, fitted
   double left = 0.0;            // sum of squares that it leaves, linearly
 };
+
+// The point with the start added, its fading parameters scaled by `amount`.
+Point with_amount(Point point, const Screened& screened, double amount);
 
 // Projects out what fitted parameters can imitate. Below the differences stand the rows of their prior, so that an effect
 // that relieves parameters of an unlikely value counts for that too.

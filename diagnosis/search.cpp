@@ -100,10 +100,7 @@ std::vector<Point> pair_starts(Problem& problem, const FitResult& base, const Sc
         return std::fabs(amount) <= kLargestAmount && (amount > 0.0 || may_turn(s.start.name));
       };
       if (!allowed(*best[i], x) || !allowed(*best[j], y)) continue;
-      Point start = base.point;
-      start.effects.push_back(scaled(about_effect(best[i]->start.name), best[i]->start, x));
-      start.effects.push_back(scaled(about_effect(best[j]->start.name), best[j]->start, y));
-      joint.push_back({start, gap.squaredNorm() + x * a_target + y * b_target});
+      joint.push_back({with_amount(with_amount(base.point, *best[i], x), *best[j], y), gap.squaredNorm() + x * a_target + y * b_target});
     }
   }
   std::stable_sort(joint.begin(), joint.end(), [](const Pair& a, const Pair& b) { return a.left < b.left; });
@@ -145,9 +142,7 @@ std::vector<Point> pair_starts(Problem& problem, const FitResult& base, const Sc
     ranked = best_of_each(std::move(ranked));
     const auto most = static_cast<std::size_t>(is_best ? settings.beside_the_best : kPairsPerLeader);
     for (std::size_t k = 0; k < std::min(most, ranked.size()); ++k) {
-      Point start = single.point;
-      start.effects.push_back(scaled(about_effect(ranked[k]->start.name), ranked[k]->start, ranked[k]->amount));
-      take(start);
+      take(with_amount(single.point, *ranked[k], ranked[k]->amount));
     }
   }
   return starts;
@@ -188,9 +183,7 @@ Found search(Problem& problem, const FitResult& base, const Screening& screening
   std::vector<FitResult>& fits = found.fits;
   for (std::size_t i = 0; i < chosen.size(); ++i) {
     tell(0.4 + 0.13 * static_cast<double>(i) / static_cast<double>(chosen.size()), "refining " + chosen[i]->start.name);
-    Point start = base.point;
-    start.effects.push_back(scaled(about_effect(chosen[i]->start.name), chosen[i]->start, chosen[i]->amount));
-    fits.push_back(fit(problem, base.columns, start));
+    fits.push_back(fit(problem, base.columns, with_amount(base.point, *chosen[i], chosen[i]->amount)));
   }
   // One fit per effect, the better one. The leaders go on, the best of them with fresh columns, so that none loses for
   // want of convergence.
@@ -223,6 +216,7 @@ Found search(Problem& problem, const FitResult& base, const Screening& screening
   std::stable_sort(fits.begin(), fits.end(), cheaper);
   go_back(problem, base.columns, 2, fits);
   go_back(problem, base.columns, 1, fits);
+  for (FitResult& result : fits) conclude(problem, result);
   FitResult& nothing = found.nothing;
   nothing = base;
   const auto without_effects =
@@ -231,8 +225,6 @@ Found search(Problem& problem, const FitResult& base, const Screening& screening
     if (without_effects->cost < nothing.cost) nothing = *without_effects;
     fits.erase(without_effects);
   }
-  conclude(problem, nothing);
-  for (FitResult& result : fits) conclude(problem, result);
   std::vector<FitResult> by_chance = chance_fits(
       problem, screening, nothing, fits,
       [&](double share, const std::string& doing) { tell(0.9 + 0.1 * share, doing); });
