@@ -44,11 +44,20 @@ struct EffectParameter {
 // An angle that may be any: a phase or a direction, -pi ... pi.
 EffectParameter angle_parameter(std::string_view name, std::string_view meaning, double typical = 0.0);
 
+// Indices of the parameters of an effect that begins at `begin` and, fading within `fade`, ends `duration` later: to first order in
+// its size it is one that begins there and never ends, less another one that begins `duration` - `fade` later.
+struct Spell {
+  std::size_t begin = 0, duration = 0, fade = 0;
+};
+
 struct EffectAbout {
   std::string_view name;
   Subsystem subsystem = Subsystem::drive;
   std::string_view physics;
   std::vector<EffectParameter> parameters;
+  std::optional<Spell> spell = std::nullopt;
+  // Two angles that may be any enter as two sines multiplied (a roll's phase and direction), not each in its own place.
+  bool angles_multiply = false;
 };
 
 // An effect switched on, values in the order of its parameters.

@@ -3,10 +3,23 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 namespace slewlab::diagnosis {
 
 double usual_misfit(const EvidenceSettings& settings, double gap) { return settings.law_freedom + settings.law_share * gap; }
+
+namespace {
+
+// The cause of one effect that leaves least; nothing missing where there is none.
+const Candidate& best_single(const std::vector<Candidate>& candidates) {
+  const auto rank = [](const Candidate& candidate) {
+    return std::pair(candidate.effects.size() == 1 ? 0 : candidate.effects.empty() ? 1 : 2, candidate.excess);
+  };
+  return *std::min_element(candidates.begin(), candidates.end(), [&](const Candidate& a, const Candidate& b) { return rank(a) < rank(b); });
+}
+
+}  // namespace
 
 Probabilities weigh(const std::vector<Candidate>& candidates, int single_count, const EvidenceSettings& settings) {
   const Candidate* nothing = nullptr;
@@ -32,7 +45,7 @@ Probabilities weigh(const std::vector<Candidate>& candidates, int single_count, 
     score.push_back(std::log(prior) + likelihood(candidate.excess - floor, candidate, static_cast<double>(candidate.effects.size())));
   }
   const double unexplained = std::max(settings.unknown_floor, settings.unknown_share * gap);
-  Candidate outside = *nothing;
+  Candidate outside = best_single(candidates);
   outside.prior = settings.unknown_prior;
   const double unknown = std::log(settings.prior_unknown) + likelihood(unexplained, outside, 1.0);
   const double top = std::max(unknown, *std::max_element(score.begin(), score.end()));

@@ -8,7 +8,7 @@
 // true cause leaves a usual share r of the gap; with the size of that mismatch integrated out, misfits count by their
 // ratios. p is -2 ln of the prior where M + p is least (relax() in fit.h), and the sum, over the eigenvalues lambda of what the records say of
 // the parameters (fit.h), Occam's factor: how much narrower they became. A cause that is in no catalogue is a hypothesis too: it would leave a usual,
-// larger share of the gap. T tempers it all: what mesh, step and law make wrong is not independent from bin to bin.
+// larger share of the gap, and its parameters, whichever they are, would be as narrow as those of the single cause that fits best. T tempers it all: what mesh, step and law make wrong is not independent from bin to bin.
 #pragma once
 
 #include <Eigen/Core>
@@ -20,7 +20,7 @@ namespace slewlab::diagnosis {
 struct EvidenceSettings {
   double law_freedom = 50.0;     // k: learned on tuning seeds, docs/diagnosis.md, as are all below
   double law_share = 0.002;      // r
-  double unknown_share = 0.2;    // of the gap that a cause outside the catalogue leaves unexplained
+  double unknown_share = 0.15;   // of the gap that a cause outside the catalogue leaves unexplained
   double unknown_floor = 100.0;  // [-] c that it leaves at least
   double unknown_prior = 17.0;   // p of its parameters: what the nuisances of a machine have on the average
   double temper = 3.0;           // T

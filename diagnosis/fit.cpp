@@ -23,6 +23,7 @@ constexpr double kFarthest = 6.0;      // [standard deviations] that a nuisance 
 constexpr int kRelaxations = 8;
 constexpr double kAtTheWall = 1.9;     // [standard deviations]
 constexpr double kEffectStep = 0.05;   // [standard deviations] the same for effects, around a fitted size
+constexpr double kSpellStep = 0.05;    // of the time in which a spell fades: its beginning and end are as sharp as that
 constexpr double kStepDeviations = 2.0;  // the step where it is known how well the records tell the parameter, in what they leave open
 constexpr double kSmallestStep = 0.2;    // share of the first step, large against rounding
 
@@ -92,6 +93,17 @@ Eigen::VectorXd first_steps(const Point& point) {
   const auto nuisances = static_cast<Eigen::Index>(point.nuisance.size());
   Eigen::VectorXd steps = Eigen::VectorXd::Constant(nuisances + effect_coordinates(point.effects).size(), kEffectStep);
   steps.head(nuisances).setConstant(kNuisanceStep);
+  Eigen::Index first = nuisances;
+  for (const common::EffectInstance& effect : point.effects) {
+    const common::EffectAbout& about = about_effect(effect.name);
+    if (about.spell) {
+      const double step = kSpellStep * effect.values[about.spell->fade];
+      for (const std::size_t p : {about.spell->begin, about.spell->duration}) {
+        steps(first + static_cast<Eigen::Index>(p)) = step / value_per_deviation(about.parameters[p], effect.values[p]);
+      }
+    }
+    first += static_cast<Eigen::Index>(effect.values.size());
+  }
   return steps;
 }
 

@@ -240,7 +240,7 @@ void check_units(Record& record, const AdmissionSettings& settings) {
     const Fit fit = fit_line(angular, level);
     const double factor = fit.slope / settings.radius[i];
     // A flexible boom swings about the level value, so only gross factors and signs are told from it.
-    if (std::fabs(fit.correlation) > 0.7 && (factor < 0.3 || factor > 3.0)) {
+    if (std::fabs(fit.correlation) > 0.85 && (factor < 0.3 || factor > 3.0)) {
       const std::string words = explain_factor(factor);
       throw NotAdmitted(fmt::format("{}: acceleration at the {} is {:.3g} times what the motors' speed and its radius "
                                     "of {:.1f} m give{}{}; check sign, unit and place of the sensor",

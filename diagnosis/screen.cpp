@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <limits>
 #include <numbers>
 
 #include "common/unit.h"
@@ -14,7 +15,12 @@ namespace slewlab::diagnosis {
 namespace {
 
 constexpr double kSmallShare = 0.25;            // of an effect's typical size, with which it is tried too
+constexpr double kSpellEvery = 0.5;             // [s] beginnings from which an effect that lasts for a spell is tried: it shakes the boom
+constexpr int kSpellBeginnings = 60;            // of them: a manoeuvre of half a minute
+constexpr int kCloserLooks = 3;                 // at most, at a size that the last one forecast
+constexpr double kCloserAmount = 2.0;           // at most, of a size that was forecast: forecasts of forecasts run away
 constexpr double kNearlyTried = 0.1;            // of the size: nearer than that to a start is not worth another look
+constexpr int kSecondAngles = 16;               // half round, between which the better one of two angles is looked for
 constexpr double kSameAngle = 1e-9;             // [rad] rounding
 
 // The angles of an effect that are looked for all round.
@@ -35,21 +41,85 @@ bool is_quarter_on(const common::EffectInstance& first, const common::EffectInst
   return same.values == turned.values && std::fabs(turn) < kSameAngle;
 }
 
-// The best angle between two looks a quarter turn apart, where the angle enters as a sine.
-Screened between_quarters(const Screened& first, const Screened& turned, std::size_t angle, const Eigen::VectorXd& target) {
-  Screened best{first.start, {}, 0.0, 0.0, target.squaredNorm()};
-  const std::optional<Amounts> amounts = joint_amounts(first.column, turned.column, target, 0.0);
+// An angle of a start, moved on.
+void turn(common::EffectInstance& start, std::size_t angle, double by) {
+  start.values[angle] = std::remainder(start.values[angle] + by, 2.0 * std::numbers::pi);
+}
+
+// The start with each of its angles as it is and up to so many quarter turns on, in every combination; the first angle changes fastest.
+std::vector<common::EffectInstance> all_turned(const common::EffectInstance& start, const std::vector<std::size_t>& angles, int quarters) {
+  std::vector<common::EffectInstance> turned{start};
+  for (const std::size_t angle : angles) {
+    const std::vector<common::EffectInstance> before = turned;
+    for (common::EffectInstance one : before) {
+      for (int quarter = 1; quarter <= quarters; ++quarter) {
+        turn(one, angle, 0.5 * std::numbers::pi);
+        turned.push_back(one);
+      }
+    }
+  }
+  return turned;
+}
+
+// The best angle between two looks a quarter turn apart, `first` and `turned` their columns, where the angle enters as a sine.
+Screened between_quarters(const common::EffectInstance& start, const Eigen::VectorXd& first, const Eigen::VectorXd& turned,
+                          std::size_t angle, const Eigen::VectorXd& target) {
+  Screened best{start, {}, 0.0, 0.0, target.squaredNorm()};
+  const std::optional<Amounts> amounts = joint_amounts(first, turned, target, 0.0);
   if (!amounts) return best;
   const double x = amounts->x, y = amounts->y;
   const double amount = std::hypot(x, y);
   best.amount = std::min(amount, kLargestAmount);
-  best.start.values[angle] =
-      std::remainder(first.start.values[angle] + std::atan2(y, x), 2.0 * std::numbers::pi);
-  best.left = (target + best.amount / amount * (x * first.column + y * turned.column)).squaredNorm();
+  turn(best.start, angle, std::atan2(y, x));
+  best.left = (target + best.amount / amount * (x * first + y * turned)).squaredNorm();
   return best;
 }
 
+// The same for two angles that both enter as sines, from looks at `looks[0]`, with the first angle a quarter on, with the second, with both.
+Screened between_quarters(std::span<const Screened> looks, std::size_t first_angle, std::size_t second_angle, const Eigen::VectorXd& target) {
+  Screened best{looks[0].start, {}, 0.0, 0.0, std::numeric_limits<double>::infinity()};
+  for (int k = 0; k < kSecondAngles; ++k) {  // half a turn: the first angle goes all round
+    const double by = std::numbers::pi * k / kSecondAngles;
+    common::EffectInstance start = looks[0].start;
+    turn(start, second_angle, by);
+    const double cosine = std::cos(by), sine = std::sin(by);
+    Screened between = between_quarters(start, cosine * looks[0].column + sine * looks[2].column,
+                                        cosine * looks[1].column + sine * looks[3].column, first_angle, target);
+    if (between.left < best.left) best = std::move(between);
+  }
+  return best;
+}
+
+// Gives `screened` what of a column with this square and product with the target serves best.
+void try_amount(double square, double product, double target_square, Screened& screened, double farthest) {
+  screened.amount = square > 0.0 && std::isfinite(square) ? -product / square : 0.0;
+  screened.amount = std::clamp(screened.amount, may_turn(screened.start.name) ? -farthest : 0.0, farthest);
+  screened.left = target_square + screened.amount * (2.0 * product + screened.amount * square);
+}
+
 }  // namespace
+
+Screened between_beginnings(const std::vector<const Screened*>& endless, const common::EffectParameter& duration, const common::Spell& spell,
+                            const Eigen::VectorXd& target) {
+  Eigen::MatrixXd columns(target.size(), static_cast<Eigen::Index>(endless.size()));
+  for (Eigen::Index i = 0; i < columns.cols(); ++i) columns.col(i) = endless[static_cast<std::size_t>(i)]->column;
+  const Eigen::MatrixXd products = columns.transpose() * columns;
+  const Eigen::VectorXd with_target = columns.transpose() * target;
+  const double target_square = target.squaredNorm();
+  Screened best{{}, {}, 0.0, 0.0, std::numeric_limits<double>::infinity()};
+  for (Eigen::Index i = 0; i < columns.cols(); ++i) {
+    for (Eigen::Index j = i + 1; j < columns.cols(); ++j) {
+      Screened spent{endless[static_cast<std::size_t>(i)]->start, {}, 0.0, 0.0, 0.0};
+      try_amount(products(i, i) + products(j, j) - 2.0 * products(i, j), with_target(i) - with_target(j), target_square, spent, kLargestAmount);
+      if (spent.left >= best.left) continue;
+      std::vector<double>& values = spent.start.values;
+      const double lasts = endless[static_cast<std::size_t>(j)]->start.values[spell.begin] - values[spell.begin] + values[spell.fade];
+      values[spell.duration] = std::clamp(lasts, duration.lower, duration.upper);
+      best = std::move(spent);
+    }
+  }
+  return best;
+}
 
 std::vector<common::EffectInstance> starts_of(const common::EffectAbout& about) {
   const common::EffectInstance typical = common::typical_instance(about);
@@ -76,11 +146,20 @@ std::vector<common::EffectInstance> starts_of(const common::EffectAbout& about) 
   for (std::size_t p = 0; p < about.parameters.size(); ++p) {
     const common::EffectParameter& parameter = about.parameters[p];
     const bool fades_linearly = parameter.absent && std::isfinite(*parameter.absent);
-    if (fades_linearly || is_all_round(parameter) || parameter.detail || !parameter.tries.empty()) continue;
+    const bool is_when = about.spell && (p == about.spell->begin || p == about.spell->duration);
+    if (fades_linearly || is_all_round(parameter) || parameter.detail || is_when || !parameter.tries.empty()) continue;
     for (const double coordinate : {-1.0, 1.0}) {
       common::EffectInstance start = typical;
       start.values[p] = value_at(parameter, to_coordinate(parameter, typical.values[p]) + coordinate);
       if (start.values[p] != typical.values[p]) others.push_back(start);
+    }
+  }
+  if (about.spell) {
+    for (int k = 0; k < kSpellBeginnings; ++k) {
+      common::EffectInstance endless = typical;
+      endless.values[about.spell->begin] = kSpellEvery * k;
+      endless.values[about.spell->duration] = about.parameters[about.spell->duration].upper;
+      others.push_back(endless);
     }
   }
   const std::vector<std::size_t> angles = turning_angles(about);
@@ -90,17 +169,9 @@ std::vector<common::EffectInstance> starts_of(const common::EffectAbout& about) 
   } else {
     starts = others;
   }
+  const int quarters = angles.size() == 1 || about.angles_multiply ? 1 : 3;
   for (const common::EffectInstance& shape : shapes) {
-    std::vector<common::EffectInstance> turned{shape};
-    for (const std::size_t p : angles) {
-      const std::vector<common::EffectInstance> before = turned;
-      for (common::EffectInstance start : before) {
-        for (int quarter = 1; quarter <= (angles.size() == 1 ? 1 : 3); ++quarter) {
-          start.values[p] = std::remainder(shape.values[p] + 0.5 * std::numbers::pi * quarter, 2.0 * std::numbers::pi);
-          turned.push_back(start);
-        }
-      }
-    }
+    const std::vector<common::EffectInstance> turned = all_turned(shape, angles, quarters);
     starts.insert(starts.end(), turned.begin(), turned.end());
   }
   return starts;
@@ -125,11 +196,8 @@ bool may_turn(const std::string& effect) {
   return parameter.absent && parameter.lower < *parameter.absent && parameter.upper > *parameter.absent;
 }
 
-void try_amount(const Eigen::VectorXd& column, const Eigen::VectorXd& target, Screened& screened) {
-  const double norm = column.squaredNorm();
-  screened.amount = norm > 0.0 && std::isfinite(norm) ? -column.dot(target) / norm : 0.0;
-  screened.amount = std::clamp(screened.amount, may_turn(screened.start.name) ? -kLargestAmount : 0.0, kLargestAmount);
-  screened.left = (target + screened.amount * column).squaredNorm();
+void try_amount(const Eigen::VectorXd& column, const Eigen::VectorXd& target, Screened& screened, double farthest) {
+  try_amount(column.squaredNorm(), column.dot(target), target.squaredNorm(), screened, farthest);
 }
 
 std::optional<Amounts> joint_amounts(const Eigen::VectorXd& a, const Eigen::VectorXd& b, const Eigen::VectorXd& target, double least) {
@@ -174,11 +242,12 @@ std::vector<common::EffectInstance> best_starts(const Screening& screening) {
   for (const Screened& screened : screening.tried) tried.push_back(&screened);
   std::vector<common::EffectInstance> starts;
   for (const Screened* screened : best_of_each(std::move(tried))) {
-    starts.push_back(screened->start);
-    for (const std::size_t p : turning_angles(about_effect(screened->start.name))) {
-      common::EffectInstance turned = screened->start;
-      turned.values[p] = std::remainder(turned.values[p] + 0.5 * std::numbers::pi, 2.0 * std::numbers::pi);
-      starts.push_back(turned);
+    const common::EffectAbout& about = about_effect(screened->start.name);
+    const std::vector<common::EffectInstance> turned = all_turned(screened->start, turning_angles(about), 1);
+    starts.insert(starts.end(), turned.begin(), turned.end());
+    if (about.spell) {  // when, cannot be told before the place is known
+      const std::vector<common::EffectInstance> all = starts_of(about);
+      starts.insert(starts.end(), all.begin(), all.end());
     }
   }
   return starts;
@@ -201,32 +270,48 @@ Screening screen(Problem& problem, const FitResult& from, const Projector& proje
   }
   screening.gap = project.gap(from.difference);
   const Eigen::VectorXd& gap = screening.gap;
-  const auto look = [&](Screened& screened, const Eigen::VectorXd& difference) {
+  const auto look = [&](Screened& screened, const Eigen::VectorXd& difference, double farthest) {
     screened.column = project(difference - from.difference);
     screened.visibility = screened.column.squaredNorm();
-    try_amount(screened.column, gap, screened);
+    try_amount(screened.column, gap, screened, farthest);
   };
   {
     const std::size_t batch = 8 * static_cast<std::size_t>(std::max(1, problem.threads));
     for (std::size_t first = 0; first < points.size(); first += batch) {
       const std::size_t count = std::min(batch, points.size() - first);
       const auto results = differences(problem, std::span<const Point>(points).subspan(first, count));
-      for (std::size_t i = 0; i < count; ++i) look(tried[first + i], results[i]);
+      for (std::size_t i = 0; i < count; ++i) look(tried[first + i], results[i], kLargestAmount);
       tell(0.9 * static_cast<double>(first + count) / static_cast<double>(points.size()), "trying every effect of the catalogue");
     }
   }
-  // A second look at the best of each effect at the size just found: few laws are linear from nothing to their typical size.
-  {
-    std::vector<Screened> between;
-    for (std::size_t i = 0; i + 1 < tried.size(); ++i) {
-      const std::vector<std::size_t> angles = turning_angles(about_effect(tried[i].start.name));
-      if (angles.size() == 1 && is_quarter_on(tried[i].start, tried[i + 1].start, angles[0])) {
-        between.push_back(between_quarters(tried[i], tried[i + 1], angles[0], gap));
-      }
+  // Closer looks at the best of each effect at the size just found: few laws are linear from nothing to their typical size.
+  std::vector<Screened> between;
+  std::map<std::string, std::vector<const Screened*>> endless;
+  for (std::size_t i = 0; i < tried.size(); ++i) {
+    const common::EffectAbout& about = about_effect(tried[i].start.name);
+    const std::vector<std::size_t> angles = turning_angles(about);
+    const auto is_turned = [&](std::size_t one, std::size_t other, std::size_t angle) {
+      return other < tried.size() && is_quarter_on(tried[one].start, tried[other].start, angle);
+    };
+    if (angles.size() == 1 && is_turned(i, i + 1, angles[0])) {
+      between.push_back(between_quarters(tried[i].start, tried[i].column, tried[i + 1].column, angles[0], gap));
     }
-    std::vector<const Screened*> looks;
-    for (const Screened& screened : tried) looks.push_back(&screened);
-    for (const Screened& screened : between) looks.push_back(&screened);
+    if (about.angles_multiply && is_turned(i, i + 1, angles[0]) && is_turned(i, i + 2, angles[1]) && is_turned(i + 2, i + 3, angles[0])) {
+      between.push_back(between_quarters(std::span<const Screened>(tried).subspan(i, 4), angles[0], angles[1], gap));
+    }
+    if (about.spell && tried[i].start.values[about.spell->duration] == about.parameters[about.spell->duration].upper) {
+      endless[tried[i].start.name].push_back(&tried[i]);
+    }
+  }
+  for (const auto& [name, beginnings] : endless) {
+    const common::EffectAbout& about = about_effect(name);
+    if (beginnings.size() < 2) continue;
+    between.push_back(between_beginnings(beginnings, about.parameters[about.spell->duration], *about.spell, gap));
+  }
+  std::vector<const Screened*> looks;
+  for (const Screened& screened : tried) looks.push_back(&screened);
+  for (const Screened& screened : between) looks.push_back(&screened);
+  for (int closer = 0; closer < kCloserLooks; ++closer) {
     std::vector<Screened> again;
     std::vector<Point> at;
     for (const Screened* screened : best_of_each(std::move(looks))) {
@@ -235,10 +320,13 @@ Screening screen(Problem& problem, const FitResult& from, const Projector& proje
       at.push_back(with_amount(from.point, *screened, screened->amount));
       again.push_back({at.back().effects.back(), {}, 0.0, 0.0, 0.0});
     }
-    tell(0.9, "looking again at the promising effects");
+    tell(0.9 + 0.1 * closer / kCloserLooks, "looking again at the promising effects");
     const auto results = differences(problem, at);
-    for (std::size_t i = 0; i < again.size(); ++i) look(again[i], results[i]);
+    for (std::size_t i = 0; i < again.size(); ++i) look(again[i], results[i], kCloserAmount);
+    const std::size_t known = tried.size();
     tried.insert(tried.end(), std::make_move_iterator(again.begin()), std::make_move_iterator(again.end()));
+    looks.clear();
+    for (std::size_t i = known; i < tried.size(); ++i) looks.push_back(&tried[i]);
   }
   for (const Screened& screened : tried) {
     if (comes_by_chance(screened.start.name)) continue;

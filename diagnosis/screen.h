@@ -1,5 +1,5 @@
 // The whole catalogue, looked at once: what each effect, from each of its starts, could linearly take away of what
-// parameters alone leave. One simulation per start, and a second look at the size which that forecasts.
+// parameters alone leave. One simulation per start, and closer looks at the size which that forecasts.
 #pragma once
 
 #include <Eigen/Cholesky>
@@ -26,9 +26,10 @@ inline constexpr double kLargestAmount = 20.0;         // of the screened size t
 inline constexpr double kLeastGain = 6.0;              // fall of the cost, forecast linearly, for which an effect is refined
 
 // The points from which an effect is tried: its typical size, and a fraction of it, where most laws are still linear;
-// other sizes where the size enters not proportionally; other shapes. A single angle that enters as a sine needs two
-// quarters of each: the others follow from them (between_quarters). Two angles are turned all round in every combination, but
-// with the typical size and the values worth a try only.
+// other sizes where the size enters not proportionally; other shapes. An angle that enters as a sine needs two
+// quarters of each: the others follow from them (between_quarters), of two that multiply as well. Where there are two angles, only the
+// typical size and the values worth a try are turned, all round and in every combination where the two do not multiply. An effect that lasts for a spell begins at many moments
+// and never ends (between_beginnings).
 std::vector<common::EffectInstance> starts_of(const common::EffectAbout& about);
 
 struct Screened {
@@ -79,8 +80,12 @@ class Projector {
 // Whether the effect acts the other way round with its size turned, and so by a negative amount.
 bool may_turn(const std::string& effect);
 
-// Gives `screened` the multiple of the column that takes most of `target` away, and what that leaves.
-void try_amount(const Eigen::VectorXd& column, const Eigen::VectorXd& target, Screened& screened);
+// Gives `screened` the multiple of the column that takes most of `target` away, at most `farthest`, and what that leaves.
+void try_amount(const Eigen::VectorXd& column, const Eigen::VectorXd& target, Screened& screened, double farthest = kLargestAmount);
+
+// Of effects that begin at one moment each and never end, the best one from one beginning to a later one; by rising beginnings.
+Screened between_beginnings(const std::vector<const Screened*>& endless, const common::EffectParameter& duration,
+                            const common::Spell& spell, const Eigen::VectorXd& target);
 
 // The multiples x, y of two columns that take most of `target` away together; nothing where the columns are parallel: where
 // 1 - cosine^2 is not above `least`.
@@ -94,7 +99,7 @@ bool has_effect(std::span<const common::EffectInstance> effects, std::string_vie
 
 struct Screening {
   std::set<std::string> names;               // of the effects that were tried
-  std::vector<Screened> tried;               // all starts and second looks
+  std::vector<Screened> tried;               // all starts and closer looks
   std::map<std::string, double> visibility;  // largest of each effect's
   Eigen::VectorXd gap;                       // what parameters alone leave, as the projector shows it
 };

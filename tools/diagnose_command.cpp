@@ -139,9 +139,14 @@ void print_page(const Diagnosis& diagnosis, const std::vector<diagnosis::SignalG
                        moment.phase, moment.missing_torque);
   }
   out << "\nCauses\n";
-  out << fmt::format("  {:5.1f} %  not in the catalogue\n", 100 * diagnosis.probability_unknown);
+  const std::string unknown = fmt::format("  {:5.1f} %  not in the catalogue\n", 100 * diagnosis.probability_unknown);
+  bool is_unknown_told = false;
   for (std::size_t i = 0; i < diagnosis.causes.size() && i < 5; ++i) {
     const Cause& cause = diagnosis.causes[i];
+    if (!is_unknown_told && diagnosis.probability_unknown > cause.probability) {
+      out << unknown;
+      is_unknown_told = true;
+    }
     out << fmt::format("  {:5.1f} %  {} (explains {:.1f} % of the gap)\n", 100 * cause.probability, name_of(cause), 100 * cause.explained);
     if (i > 1) continue;
     for (const diagnosis::Size& size : cause.sizes) {
@@ -152,6 +157,7 @@ void print_page(const Diagnosis& diagnosis, const std::vector<diagnosis::SignalG
                          100 * cause.group_distance);
     }
   }
+  if (!is_unknown_told) out << unknown;
   out << "\nGap on the last log given, in closed loop from the operator's moves\n";
   for (std::size_t i = 0; i < before.size(); ++i) {
     out << fmt::format("  {:24} {:10.4g} -> {:10.4g} {}\n", before[i].signal, before[i].gap, after[i].gap, before[i].unit);

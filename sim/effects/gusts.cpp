@@ -41,8 +41,9 @@ class Gusts : public Running<Gusts> {
     for (std::size_t k = 0; k < kSineCount; ++k) {
       speed += amplitude_[k] * std::sin(frequency_[k] * moment.time + phase_[k]);
     }
-    const double pressure = 0.5 * kAirDensity * (speed * std::fabs(speed) - mean_ * mean_);
-    add_wind(areas_, pressure * std::sin(direction_ - moment.house_angle), ports);
+    const double pressure =
+        0.5 * kAirDensity * (speed * std::fabs(speed) - mean_ * mean_) * std::sin(direction_ - moment.house_angle);
+    add_wind(areas_, pressure, pressure, ports);
   }
 
  private:

@@ -90,7 +90,8 @@ const EffectDescription& vessel_roll() {
                                 .typical = 20.0,
                                 .prior_scale = 10.0,
                                 .scale = common::ParameterScale::linear,
-                                .absent = std::nullopt}}},
+                                .absent = std::nullopt}},
+                .angles_multiply = true},
       .ports = {EffectPort::force, EffectPort::sensor},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<VesselRoll>(start);

@@ -5,6 +5,7 @@
 
 #include "sim/effects/wind_force.h"
 #include "sim/integrate/plant.h"
+#include "sim/model/boom.h"
 
 namespace slewlab::sim {
 
@@ -13,17 +14,23 @@ namespace {
 class Wind : public Running<Wind> {
  public:
   explicit Wind(const EffectStart& start)
-      : pressure_(0.5 * kAirDensity * start.values[0] * start.values[0]),
+      : speed_(start.values[0]),
         direction_(start.values[1]),
+        boom_radius_(0.5 * (start.model.parameters.boom.pivot_radius + tip_radius(start.model.parameters.boom))),
         areas_(drag_areas(start.model.parameters, start.values[2], start.values[3])) {}
 
   void force(const EffectMoment& moment, PortForces& ports) override {
-    add_wind(areas_, pressure_ * std::sin(direction_ - moment.house_angle), ports);
+    const double sine = std::sin(direction_ - moment.house_angle);
+    const double still = speed_ * speed_ * sine;
+    const double damping = speed_ * (1.0 + sine * sine);
+    add_wind(areas_, 0.5 * kAirDensity * (still - damping * boom_radius_ * moment.house_speed),
+             0.5 * kAirDensity * (still - damping * moment.load_velocity), ports);
   }
 
  private:
-  double pressure_;  // [N/m^2]
-  double direction_;
+  double speed_;        // [m/s]
+  double direction_;    // [rad]
+  double boom_radius_;  // [m] of the boom's middle
   DragAreas areas_;
 };
 

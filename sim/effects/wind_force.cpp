@@ -30,9 +30,9 @@ DragAreas drag_areas(const CraneParameters& crane, double boom, double load) {
           .load = crane.load.mass > 0.0 ? load : 0.0};
 }
 
-void add_wind(const DragAreas& areas, double pressure, PortForces& ports) {
-  ports.uniform_force += areas.boom_per_length * pressure;
-  ports.load_force += areas.load * pressure;
+void add_wind(const DragAreas& areas, double on_boom, double on_load, PortForces& ports) {
+  ports.uniform_force += areas.boom_per_length * on_boom;
+  ports.load_force += areas.load * on_load;
 }
 
 }  // namespace slewlab::sim

@@ -1,4 +1,4 @@
-// What a dynamic pressure across the boom does to boom and load.
+// What dynamic pressures across the boom do to boom and load.
 #pragma once
 
 #include "sim/effects/effect.h"
@@ -19,7 +19,7 @@ common::EffectParameter load_drag_area_parameter();
 // `boom` [m^2] of the whole boom, `load` [m^2]; 0 where the crane has no boom or no load.
 DragAreas drag_areas(const CraneParameters& crane, double boom, double load);
 
-// `pressure` [N/m^2] across the boom.
-void add_wind(const DragAreas& areas, double pressure, PortForces& ports);
+// Pressures [N/m^2] across the boom.
+void add_wind(const DragAreas& areas, double on_boom, double on_load, PortForces& ports);
 
 }  // namespace slewlab::sim
