@@ -32,6 +32,7 @@ constexpr double kSure = 0.98;                  // probability of what needs no 
 constexpr double kUnlikely = 0.02;              // probability of what was left out, or leaves much
 constexpr double kFarOff = 2.6;                 // [standard deviations] of a parameter, beyond which it may be another crane
 constexpr double kNegligible = 1e-4;            // probability of a part that is not combined further
+constexpr int kHeldOutRounds = 3;               // at most, with fresh columns
 constexpr double kVisible = 10.0;               // sum of squares of a tried size below which records tell nothing
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
@@ -202,6 +203,41 @@ void add_controller_causes(const Problem& problem, const controller::ControllerS
   for (const Cause& cause : combined) sum += cause.probability;
   for (Cause& cause : combined) cause.probability *= (1.0 - diagnosis.probability_unknown) / sum;
   diagnosis.causes = std::move(combined);
+}
+
+// The cause fitted once more, from the nominal machine, without the last record, or of a single one without its second half.
+HeldOut fit_without_last(Problem& problem, const WhiteningSettings& settings, const Point& answer) {
+  Problem part;
+  part.nominal = problem.nominal;
+  part.gains = problem.gains;
+  part.settings = problem.settings;
+  part.latency_deviation = problem.latency_deviation;
+  part.threads = problem.threads;
+  part.stop = problem.stop;
+  part.records = problem.records;
+  part.whitening = problem.whitening;
+  const Record& last = problem.records.back();
+  HeldOut held{answer, last.name, last.start_time, problem.records.size() == 1};
+  if (!held.is_half) {
+    part.records.pop_back();
+    part.whitening.pop_back();
+  } else {
+    const Shadow follower = shadow(problem.nominal, last, problem.gains);
+    std::vector<bool> trusted = trusted_stretches(last, follower);
+    std::fill(trusted.begin() + static_cast<std::ptrdiff_t>(last.size() / 2), trusted.end(), false);
+    part.whitening = {make_whitening(last, trusted, problem.gains, follower, settings)};
+    held.from_time = last.time(last.size() / 2);
+  }
+  std::fill(held.point.nuisance.begin(), held.point.nuisance.end(), 0.0);
+  Eigen::Index rows = 0;
+  for (const Whitening& whitening : part.whitening) rows += whitening.size();
+  FitResult result = fit(part, Eigen::MatrixXd::Zero(rows, static_cast<Eigen::Index>(nuisance_count())), held.point);
+  for (int round = 0; round < kHeldOutRounds && improve(part, result, true); ++round) {
+  }
+  held.point = result.point;
+  problem.simulations += part.simulations;
+  problem.simulation_time += part.simulation_time;
+  return held;
 }
 
 }  // namespace
@@ -397,6 +433,13 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
         fmt::format("cannot tell whether this is another crane than the nominal one: {}; check that the crane file is this crane's",
                     far.empty() ? "neither a known effect nor parameters within their spread explain it"
                                 : "the best fit wants " + far + ", more than machines of one make differ"));
+  }
+  const bool has_a_fit = std::none_of(first.point.effects.begin(), first.point.effects.end(), [](const common::EffectInstance& effect) {
+    return effect.name == kCounts || comes_by_chance(effect.name);
+  });
+  if (settings.hold_out && has_a_fit && !first.point.nuisance.empty()) {
+    tell(0.98, "fitting the answer without the last record");
+    diagnosis.held_out = fit_without_last(problem, whitening, first.point);
   }
   diagnosis.simulations = problem.simulations;
   diagnosis.simulation_seconds = 1e-9 * static_cast<double>(problem.simulation_time);

@@ -22,6 +22,7 @@ struct DiagnosisSettings {
   EvidenceSettings evidence;
   std::vector<std::string> without;  // effects that are left out of the catalogue
   SearchSettings search;
+  bool hold_out = false;             // fit the answer's sizes once more, without the last record
   int threads = 1;
 };
 
@@ -61,6 +62,14 @@ struct Moment {
   double missing_torque = 0.0;  // [Nm per motor] RMS in that second
 };
 
+// The first cause with sizes and parameters fitted again without some of what was measured, so that there is something to predict.
+struct HeldOut {
+  Point point;
+  std::string record;      // that it did not see: the last one, or of a single one the second half
+  double from_time = 0.0;  // [s] from which it did not
+  bool is_half = false;
+};
+
 struct Diagnosis {
   bool gap = false;                     // is there more than parameters and a good model's misses
   bool controller_differs = false;
@@ -78,6 +87,7 @@ struct Diagnosis {
   std::vector<Moment> moments;
   std::vector<std::string> remarks;
   std::vector<std::string> cannot_tell;  // effects these records do not excite, with the reason
+  std::optional<HeldOut> held_out;       // nothing where it was not asked for, or the cause has no fit of the machine
   std::int64_t simulations = 0;
   double simulation_seconds = 0.0;  // in them, summed over the threads
   double total_seconds = 0.0;

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <numeric>
+#include <span>
 
 #include "sim/machine.h"
 
@@ -11,8 +12,8 @@ namespace slewlab::diagnosis {
 
 namespace {
 
-SignalGap compare(const std::string& signal, const char* unit, const std::vector<double>& measured,
-                  const std::vector<double>& predicted) {
+SignalGap compare(const std::string& signal, const char* unit, std::span<const double> measured,
+                  std::span<const double> predicted) {
   const double count = static_cast<double>(measured.size());
   const double mean = std::accumulate(measured.begin(), measured.end(), 0.0) / count;
   double square = 0.0, difference = 0.0;
@@ -26,7 +27,7 @@ SignalGap compare(const std::string& signal, const char* unit, const std::vector
 }  // namespace
 
 Prediction predict(const sim::MachineSettings& settings, const controller::ControllerSettings& controller_settings,
-                   const Record& record) {
+                   const Record& record, double from_time) {
   sim::MachineSettings with_step = settings;
   with_step.step = record.step;
   sim::Machine machine = sim::make_machine(with_step);
@@ -77,14 +78,19 @@ Prediction predict(const sim::MachineSettings& settings, const controller::Contr
     sim::step(machine, command);
   }
 
+  std::size_t from = 0;
+  while (from + 1 < record.size() && record.time(from) < from_time) ++from;
+  const auto compared = [&](const std::string& signal, const char* unit, const std::vector<double>& measured, const std::vector<double>& predicted) {
+    prediction.gaps.push_back(compare(signal, unit, std::span(measured).subspan(from), std::span(predicted).subspan(from)));
+  };
   for (std::size_t g = 0; g < groups; ++g) {
-    prediction.gaps.push_back(compare(fmt::format("torque of group {}", g + 1), "Nm", record.motor_torque[g], series.motor_torque[g]));
-    prediction.gaps.push_back(compare(fmt::format("shaft speed of group {}", g + 1), "rad/s", record.shaft_speed[g], series.shaft_speed[g]));
+    compared(fmt::format("torque of group {}", g + 1), "Nm", record.motor_torque[g], series.motor_torque[g]);
+    compared(fmt::format("shaft speed of group {}", g + 1), "rad/s", record.shaft_speed[g], series.shaft_speed[g]);
   }
   for (int a = 0; a < kAccelerometerCount; ++a) {
     const auto i = static_cast<std::size_t>(a);
     if (record.acceleration[i].empty()) continue;
-    prediction.gaps.push_back(compare(fmt::format("{} acceleration", accelerometer_name(a)), "m/s^2", record.acceleration[i], series.acceleration[i]));
+    compared(fmt::format("{} acceleration", accelerometer_name(a)), "m/s^2", record.acceleration[i], series.acceleration[i]);
   }
   double sum = 0.0;
   for (const SignalGap& gap : prediction.gaps) {

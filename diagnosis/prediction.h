@@ -24,7 +24,8 @@ struct Prediction {
   double relative_gap = 0.0;     // root of the mean square, over signals, of gap / measured
 };
 
+// The gaps count from `from_time` [s] on.
 Prediction predict(const sim::MachineSettings& machine, const controller::ControllerSettings& controller,
-                   const Record& record);
+                   const Record& record, double from_time = 0.0);
 
 }  // namespace slewlab::diagnosis

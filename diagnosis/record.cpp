@@ -239,8 +239,10 @@ void check_units(Record& record, const AdmissionSettings& settings) {
     const std::vector<double> level = smooth(smooth(record.acceleration[i], slow), slow);
     const Fit fit = fit_line(angular, level);
     const double factor = fit.slope / settings.radius[i];
-    // A flexible boom swings about the level value, so only gross factors and signs are told from it.
-    if (std::fabs(fit.correlation) > 0.85 && (factor < 0.3 || factor > 3.0)) {
+    // A flexible boom swings about the level value, so only gross factors and signs are told from it. What stands on the stiff house
+    // must follow closely before it is refused: near the axis a rolling vessel's gravity is larger than any slewing.
+    const double close = a == kHouse || a == kPivot ? 0.97 : 0.7;
+    if (std::fabs(fit.correlation) > close && (factor < 0.3 || factor > 3.0)) {
       const std::string words = explain_factor(factor);
       throw NotAdmitted(fmt::format("{}: acceleration at the {} is {:.3g} times what the motors' speed and its radius "
                                     "of {:.1f} m give{}{}; check sign, unit and place of the sensor",

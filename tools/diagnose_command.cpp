@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -14,6 +15,7 @@
 #include "controller/controller_file.h"
 #include "controller/effects/catalogue.h"
 #include "diagnosis/diagnose.h"
+#include "diagnosis/discriminate.h"
 #include "diagnosis/nuisance.h"
 #include "diagnosis/prediction.h"
 #include "sim/crane_file.h"
@@ -27,6 +29,7 @@ namespace {
 
 using diagnosis::Cause;
 using diagnosis::Diagnosis;
+using diagnosis::Point;
 using diagnosis::Record;
 
 std::string name_of(const Cause& cause) {
@@ -34,6 +37,26 @@ std::string name_of(const Cause& cause) {
   std::string name = cause.effects[0];
   for (std::size_t e = 1; e < cause.effects.size(); ++e) name += " with " + cause.effects[e];
   return name;
+}
+
+// What would tell the first cause from each of its group, in its order; empty without a controller to run with.
+using ToldApartBy = std::vector<diagnosis::Separation>;
+
+ToldApartBy told_apart_by(const sim::MachineSettings& nominal, const std::optional<controller::ControllerSettings>& controller,
+                          const Diagnosis& found) {
+  ToldApartBy best;
+  if (!controller || found.causes.empty()) return best;
+  const Cause& first = found.causes.front();
+  for (const std::string& name : first.group) {
+    const auto other = std::find_if(found.causes.begin(), found.causes.end(), [&](const Cause& cause) {
+      return cause.effects == std::vector<std::string>{name};
+    });
+    if (other == found.causes.end()) return {};
+    best.push_back(diagnosis::separations(diagnosis::machine_at(nominal, first.point), *controller,
+                                          diagnosis::machine_at(nominal, other->point), *controller)
+                       .front());
+  }
+  return best;
 }
 
 nlohmann::json to_json(const Cause& cause) {
@@ -111,8 +134,24 @@ std::string series_text(const Record& record, const diagnosis::Prediction& befor
   return text;
 }
 
-void print_page(const Diagnosis& diagnosis, const std::vector<diagnosis::SignalGap>& before,
-                const std::vector<diagnosis::SignalGap>& after, std::ostream& out) {
+std::string advice(const diagnosis::Separation& apart) {
+  if (apart.noise_floors < diagnosis::kSeparated) {
+    return "no manoeuvre tried and no sensor on crane or motors would: measure the effect itself";
+  }
+  return fmt::format("{} would: {} {:.2g} {} apart, {:.0f} times its noise", apart.manoeuvre, apart.signal, apart.difference, apart.unit,
+                     apart.noise_floors);
+}
+
+// Where the gaps were taken, in words.
+std::string place_of_gaps(const Diagnosis& diagnosis, const Record& last) {
+  if (!diagnosis.held_out) return last.name + ", which was fitted";
+  return diagnosis.held_out->is_half
+             ? fmt::format("{} from {:.1f} s on, sizes fitted again without that", diagnosis.held_out->record, diagnosis.held_out->from_time)
+             : diagnosis.held_out->record + ", sizes fitted again without it";
+}
+
+void print_page(const Diagnosis& diagnosis, const ToldApartBy& apart, const std::vector<diagnosis::SignalGap>& before,
+                const std::vector<diagnosis::SignalGap>& after, const std::string& place, std::ostream& out) {
   out << fmt::format("\nIs there a gap?  {}. Parameters alone leave {:.2f} of the mean square that noise makes, the nominal crane {:.2f}",
                      diagnosis.gap ? "Yes" : "No", diagnosis.mean_square_parameters, diagnosis.mean_square_nominal);
   if (diagnosis.gap && !diagnosis.causes.empty()) {
@@ -152,13 +191,14 @@ void print_page(const Diagnosis& diagnosis, const std::vector<diagnosis::SignalG
     for (const diagnosis::Size& size : cause.sizes) {
       out << fmt::format("            {} = {:.4g} {} (90 %: {:.4g} to {:.4g})\n", size.parameter, size.value, size.unit, size.low, size.high);
     }
-    for (const std::string& other : cause.group) {
-      out << fmt::format("            these records cannot tell it from {} (nearest signature: {:.1f} % apart)\n", other,
+    for (std::size_t k = 0; k < cause.group.size(); ++k) {
+      out << fmt::format("            these records cannot tell it from {} (nearest signature: {:.1f} % apart)\n", cause.group[k],
                          100 * cause.group_distance);
+      if (i == 0 && k < apart.size()) out << "              " << advice(apart[k]) << "\n";
     }
   }
   if (!is_unknown_told) out << unknown;
-  out << "\nGap on the last log given, in closed loop from the operator's moves\n";
+  if (!before.empty()) out << "\nGap in closed loop from the operator's moves, on " << place << "\n";
   for (std::size_t i = 0; i < before.size(); ++i) {
     out << fmt::format("  {:24} {:10.4g} -> {:10.4g} {}\n", before[i].signal, before[i].gap, after[i].gap, before[i].unit);
   }
@@ -205,6 +245,7 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
     diagnosis::DiagnosisSettings settings;
     settings.without = options.without;
     settings.threads = options.threads;
+    settings.hold_out = true;
     const auto start = std::chrono::steady_clock::now();
     const auto progress = [&](double share, const std::string& doing) {
       if (common::stop_signal() != 0) stop = true;
@@ -218,13 +259,26 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
     const Cause& first = found.causes.empty() ? nothing : found.causes.front();
     std::filesystem::create_directories(options.out);
     nlohmann::json json = to_json(found);
+    const ToldApartBy apart = told_apart_by(nominal, controller, found);
+    for (std::size_t k = 0; k < apart.size(); ++k) {
+      json["told_apart_by"].push_back({{"from", first.group[k]}, {"manoeuvre", apart[k].manoeuvre}, {"signal", apart[k].signal},
+                                       {"difference_rms", apart[k].difference}, {"unit", apart[k].unit},
+                                       {"noise_floors", apart[k].noise_floors}, {"advice", advice(apart[k])}});
+    }
+    const std::string place = place_of_gaps(found, last);
     std::vector<diagnosis::SignalGap> before_gaps, after_gaps;
     if (controller) {
       const diagnosis::Prediction before = diagnosis::predict(nominal, *controller, last);
-      const diagnosis::Prediction after =
-          diagnosis::predict(diagnosis::machine_at(nominal, first.point), controller::with_effects(*controller, first.controller_effects), last);
-      before_gaps = before.gaps;
-      after_gaps = after.gaps;
+      const controller::ControllerSettings explained_controller = controller::with_effects(*controller, first.controller_effects);
+      const diagnosis::Prediction after = diagnosis::predict(diagnosis::machine_at(nominal, first.point), explained_controller, last);
+      const double from_time = found.held_out ? found.held_out->from_time : last.start_time;
+      const Record& unseen = found.held_out ? *std::find_if(records.begin(), records.end(),
+                                                            [&](const Record& record) { return record.name == found.held_out->record; })
+                                            : last;
+      const Point& unbiased = found.held_out ? found.held_out->point : first.point;
+      before_gaps = diagnosis::predict(nominal, *controller, unseen, from_time).gaps;
+      after_gaps = diagnosis::predict(diagnosis::machine_at(nominal, unbiased), explained_controller, unseen, from_time).gaps;
+      json["gaps_on"] = place;
       for (std::size_t i = 0; i < before_gaps.size(); ++i) {
         json["gaps"].push_back({{"signal", before_gaps[i].signal}, {"unit", before_gaps[i].unit}, {"measured_rms", before_gaps[i].measured},
                                 {"before", before_gaps[i].gap}, {"after", after_gaps[i].gap}});
@@ -240,7 +294,7 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
                                    std::filesystem::absolute(options.crane).string());
     if (!effects.empty()) text += common::effects_text(effects, sim::effect_abouts(), "slewlab diagnose, " + found.verdict);
     write_whole_file(options.out / "crane_with_effect.yaml", text);
-    print_page(found, before_gaps, after_gaps, out);
+    print_page(found, apart, before_gaps, after_gaps, place, out);
     out << "files: " << options.out.string() << std::endl;
     // Becomes the program that draws; without an interpreter it says so, and the findings stand all the same.
     run_python("diagnosis_report.py", {options.out.string()});

@@ -140,13 +140,22 @@ TEST(Diagnose, SaysNothingIsMissingWhereOnlyParametersAreOff) {
 }
 
 TEST(Diagnose, NamesBearingFrictionWithItsSize) {
-  const Diagnosis found = diagnose_machine({{"bearing_coulomb", {1e5, 0.0, 3e-5}}}, bench().controller, 12);
+  DiagnosisSettings settings;
+  settings.hold_out = true;
+  const Diagnosis found = diagnose_machine({{"bearing_coulomb", {1e5, 0.0, 3e-5}}}, bench().controller, 12, settings);
   ASSERT_FALSE(found.causes.empty());
   EXPECT_TRUE(found.gap);
   EXPECT_EQ(found.causes[0].effects, std::vector<std::string>{"bearing_coulomb"});
   ASSERT_FALSE(found.causes[0].sizes.empty());
   EXPECT_NEAR(found.causes[0].sizes[0].value, 1e5, 0.1 * 1e5);
   EXPECT_EQ(found.subsystems[0].first, "house");
+  // The same size from the first record alone, and the truth again on the second, which it has not seen.
+  ASSERT_TRUE(found.held_out);
+  EXPECT_EQ(found.held_out->record, "b");
+  EXPECT_FALSE(found.held_out->is_half);
+  ASSERT_EQ(found.held_out->point.effects.size(), 1u);
+  EXPECT_NE(found.held_out->point.effects[0].values[0], found.causes[0].point.effects[0].values[0]);
+  EXPECT_NEAR(found.held_out->point.effects[0].values[0], 1e5, 0.1 * 1e5);
 }
 
 // Angles near half a turn, from which a descent that stops there does not come back.
@@ -202,11 +211,19 @@ TEST(Diagnose, LeavesOutALogThatLiesNearImpacts) {
   EXPECT_THROW(diagnose(nominal, bench().controller, {knocked}, {}), NotAdmitted);
   DiagnosisSettings settings;
   settings.search.pairs_to_refine = 0;
+  settings.hold_out = true;
   const Diagnosis found = diagnose(nominal, bench().controller, {knocked, sound}, settings);
   EXPECT_TRUE(std::any_of(found.remarks.begin(), found.remarks.end(), [](const std::string& remark) {
     return remark.rfind("knocked: only", 0) == 0 && remark.find("left out") != std::string::npos;
   }));
   EXPECT_EQ(found.verdict, "bearing_coulomb");
+  // Of a single record that is judged, the second half is held out.
+  ASSERT_TRUE(found.held_out);
+  EXPECT_TRUE(found.held_out->is_half);
+  EXPECT_EQ(found.held_out->record, "sound");
+  EXPECT_NEAR(found.held_out->from_time, 0.5 * kDuration, 0.01 * kDuration);
+  ASSERT_EQ(found.held_out->point.effects.size(), 1u);
+  EXPECT_NEAR(found.held_out->point.effects[0].values[0], 1e5, 0.2 * 1e5);
 }
 
 // Its draw is another one than any that the diagnosis can make. Below the 40 Hz that are judged, bursts of a few messages and
@@ -268,6 +285,18 @@ TEST(Predict, TheTrueMachinePredictsItsOwnLogDownToTheNoise) {
       EXPECT_LT(gap.gap, 2.0 * 40.0 * 2e-3) << gap.signal;
     }
   }
+}
+
+// What lies before `from_time` does not count.
+TEST(Predict, CountsTheGapFromWhereItIsAskedTo) {
+  sim::MachineSettings truth;
+  truth.crane = bench().crane;
+  Record record = make_record(simulated_log(truth, bench().controller, kThereAndBack, kDuration, 5), "own", bench().admission);
+  const double half = record.time(record.size() / 2);
+  const double whole_gap = predict(truth, bench().controller, record, half).gaps[0].gap;
+  for (std::size_t n = 0; n < record.size() / 2; ++n) record.motor_torque[0][n] += 100.0;
+  EXPECT_DOUBLE_EQ(predict(truth, bench().controller, record, half).gaps[0].gap, whole_gap);
+  EXPECT_GT(predict(truth, bench().controller, record).gaps[0].gap, 50.0);
 }
 
 // Counts are a fact of the log, whatever else is missing: found to the count, with nothing fitted.
@@ -395,6 +424,31 @@ TEST_F(Admission, NamesATurnedSign) {
   EXPECT_NE(refusal().find("sign is turned"), std::string::npos) << refusal();
 }
 
+TEST_F(Admission, NamesATurnedAccelerometer) {
+  for (auto& sensors : log_.sensors) sensors.house_acceleration = -sensors.house_acceleration;
+  EXPECT_NE(refusal().find("acceleration at the house"), std::string::npos) << refusal();
+  EXPECT_NE(refusal().find("sign is turned"), std::string::npos) << refusal();
+  for (auto& sensors : log_.sensors) {
+    sensors.house_acceleration = -sensors.house_acceleration;
+    sensors.tip_acceleration = -sensors.tip_acceleration;
+  }
+  EXPECT_NE(refusal().find("acceleration at the tip"), std::string::npos) << refusal();
+}
+
+// On a vessel that rolls the accelerometers weigh gravity: what stands near the slew axis shows more of it than of slewing, and
+// that is no turned sign.
+TEST_F(Admission, TakesARollForNoTurnedSign) {
+  sim::MachineSettings truth;
+  truth.crane = bench().crane;
+  truth.effects = {{"vessel_roll", {0.007, 8.0, 0.0, 1.57, 18.0}}};
+  const std::vector<Move> in_its_rhythm{{2.0, 0.5}, {6.0, 0.0}, {10.0, 0.5}, {14.0, 0.0}, {18.0, 0.5}, {22.0, 0.0}};
+  for (int eighth = -3; eighth <= 4; ++eighth) {
+    truth.effects[0].values[2] = 0.25 * std::numbers::pi * eighth;
+    log_ = simulated_log(truth, bench().controller, in_its_rhythm, kDuration, 4);
+    EXPECT_EQ(refusal(), "") << eighth;
+  }
+}
+
 TEST_F(Admission, RefusesNotANumber) {
   log_.encoder[100].shaft_speed[1] = std::nan("");
   EXPECT_NE(refusal().find("shaft speed of group 2 is not a number at 0.100 s"), std::string::npos) << refusal();
@@ -412,6 +466,45 @@ TEST_F(Admission, AWrongUnitWouldIndeedHaveGivenAWrongAnswer) {
   double missing = 0.0;
   for (const double torque : follower.missing_torque[0]) missing = std::max(missing, std::fabs(torque));
   EXPECT_GT(missing, bench().controller.rated_torque);
+}
+
+// The mean square that parameters alone leave of a record, taken as it is.
+double left_by_parameters(const Record& record) {
+  Problem problem;
+  problem.nominal.crane = bench().crane;
+  problem.gains = shadow_gains(bench().crane);
+  problem.latency_deviation = 3e-4;
+  const Shadow follower = shadow(problem.nominal, record, problem.gains);
+  problem.whitening.push_back(make_whitening(record, trusted_stretches(record, follower), problem.gains, follower, {}));
+  problem.records.push_back(record);
+  return fit_nuisances(problem, nominal_fit(problem)).mean_square;
+}
+
+// What is refused would indeed have been answered wrongly: in the crane of this log nothing is missing, and with each of these
+// faults bridged in silence parameters would leave several times what noise makes, which is a gap that no crane has.
+TEST_F(Admission, WhatIsRefusedWouldHaveLookedLikeAGap) {
+  const Record sound = make_record(log_, "log", bench().admission);
+  EXPECT_LT(left_by_parameters(sound), 1.2);
+
+  Record late = sound;  // a clock that jumps back by half a second
+  for (std::size_t n = late.size() / 2; n < late.size(); ++n) late.acceleration[kTip][n] = sound.acceleration[kTip][n - 500];
+  EXPECT_GT(left_by_parameters(late), 3.0);
+
+  Record gap = sound;  // a second without sensors, the last value held
+  for (std::size_t n = 4000; n < 5000; ++n) gap.acceleration[kTip][n] = sound.acceleration[kTip][3999];
+  EXPECT_GT(left_by_parameters(gap), 3.0);
+
+  Record frozen = sound;
+  for (std::size_t n = 4000; n < frozen.size(); ++n) frozen.acceleration[kTip][n] = sound.acceleration[kTip][4000];
+  EXPECT_GT(left_by_parameters(frozen), 3.0);
+
+  Record clipped = sound;
+  for (double& acceleration : clipped.acceleration[kTip]) acceleration = std::clamp(acceleration, -0.1, 0.1);
+  EXPECT_GT(left_by_parameters(clipped), 3.0);
+
+  Record turned = sound;
+  for (double& acceleration : turned.acceleration[kTip]) acceleration = -acceleration;
+  EXPECT_GT(left_by_parameters(turned), 3.0);
 }
 
 }  // namespace

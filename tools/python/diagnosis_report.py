@@ -92,7 +92,20 @@ def table(found):
     rows = "".join(
         f"<tr><td>{html.escape(g['signal'])}</td><td>{g['before']:.4g}</td><td>{g['after']:.4g}</td>"
         f"<td>{html.escape(g['unit'])}</td></tr>" for g in found.get("gaps", []))
-    return f"<table><tr><th>signal</th><th>gap before</th><th>after</th><th>unit</th></tr>{rows}</table>"
+    if not rows:
+        return ""
+    return (f"<h3>Gap in closed loop, on {html.escape(found.get('gaps_on', 'the last log'))}</h3>"
+            f"<table><tr><th>signal</th><th>gap before</th><th>after</th><th>unit</th></tr>{rows}</table>")
+
+
+def group(found):
+    """What the records cannot tell from the first cause, and what would."""
+    if not found["causes"] or not found["causes"][0].get("cannot_be_told_from"):
+        return ""
+    advice = {one["from"]: one["advice"] for one in found.get("told_apart_by", [])}
+    items = "".join(f"<li>{html.escape(name)}{': ' + html.escape(advice[name]) if name in advice else ''}</li>"
+                    for name in found["causes"][0]["cannot_be_told_from"])
+    return f"<p>These records cannot tell the first cause from:</p><ul>{items}</ul>"
 
 
 def page(directory):
@@ -111,7 +124,7 @@ def page(directory):
                    for index, figure in enumerate(figures))
     return (f"<!doctype html><meta charset='utf-8'><title>slewlab diagnosis</title>"
             f"<style>body{{font-family:sans-serif;max-width:1200px;margin:2em auto}}td,th{{padding:2px 12px;"
-            f"text-align:left}}</style><h1>{html.escape(found['verdict'])}</h1><ul>{sizes}</ul>{table(found)}{body}")
+            f"text-align:left}}</style><h1>{html.escape(found['verdict'])}</h1><ul>{sizes}</ul>{group(found)}{table(found)}{body}")
 
 
 def main():
