@@ -7,6 +7,7 @@
 #include <cmath>
 #include <map>
 #include <set>
+#include <span>
 
 #include "common/unit.h"
 #include "diagnosis/chance.h"
@@ -21,6 +22,7 @@ constexpr double kNinetyPercent = 1.645;       // standard deviations of a norma
 constexpr double kIndistinguishable = 0.97;    // cosine of two signatures, nuisances taken out
 constexpr double kLeastTrusted = 0.3;           // share of a record that must lie away from impacts
 constexpr double kGroupOdds = 20.0;             // of two causes' probabilities, beyond which the records tell them apart
+constexpr double kWorthAGroup = 0.005;          // probability of a pair below which nobody asks what it is like
 constexpr double kControllerExplained = 0.01;   // share of its difference that the right effect of a controller leaves at most
 constexpr double kSlowFollower = 4.0;           // by which the shadow is slower behind coarse counts, or they would shake its boom
 constexpr double kCoarseDiscrepancy = 5.0;      // by which mesh and step miss more there: the controller's steps shake the high modes
@@ -149,6 +151,47 @@ Cause make_cause(const FitResult& result) {
   return cause;
 }
 
+// Causes whose signatures, as fitted, cannot be told apart: single ones by all that they do, pairs that share an effect by what
+// the other one does beside it. Probabilities and causes stand in the order of the fits.
+void find_groups(const Problem& problem, const FitResult& base, const Projector& project, const std::vector<FitResult>& fits,
+                 std::span<const double> probability, std::span<Cause> causes) {
+  struct Signature {
+    std::size_t fit;
+    std::string beside;  // the effect shared; none of single causes
+    Eigen::VectorXd column;
+  };
+  std::vector<Signature> signatures;
+  for (std::size_t k = 0; k < fits.size(); ++k) {
+    if (fits[k].point.effects.size() != 1) continue;
+    signatures.push_back({k, "", project(fits[k].difference - base.difference)});
+    if (fits[k].columns.size() == 0) continue;
+    const std::string& shared = fits[k].point.effects[0].name;
+    std::optional<Projector> beside;
+    for (std::size_t i = 0; i < fits.size(); ++i) {
+      const std::vector<common::EffectInstance>& effects = fits[i].point.effects;
+      const bool is_pair = effects.size() == 2 && probability[i] > kWorthAGroup && has_effect(effects, shared);
+      if (!is_pair || comes_by_chance(effects[0].name) || comes_by_chance(effects[1].name)) continue;
+      if (!beside) beside.emplace(fits[k].columns, fits[k].point, data_weight(fits[k].difference, problem.settings));
+      signatures.push_back({i, shared, (*beside)(fits[i].difference - fits[k].difference)});
+    }
+  }
+  for (Cause& cause : causes) cause.group_distance = 1.0;
+  for (const Signature& one : signatures) {
+    Cause& cause = causes[one.fit];
+    for (const Signature& other : signatures) {
+      if (other.fit == one.fit || other.beside != one.beside) continue;
+      const double scale = one.column.norm() * other.column.norm();
+      if (scale <= 0.0) continue;
+      const double cosine = std::fabs(one.column.dot(other.column)) / scale;
+      const double odds = probability[other.fit] / std::max(1e-300, probability[one.fit]);
+      if (cosine > kIndistinguishable && odds < kGroupOdds && odds > 1.0 / kGroupOdds) {
+        cause.group.push_back(name_of(causes[other.fit]));
+        cause.group_distance = std::min(cause.group_distance, std::sqrt(std::max(0.0, 1.0 - cosine * cosine)));
+      }
+    }
+  }
+}
+
 // Every cause gets the found effect beside what it has. `known` is the probability that it is the catalogue's.
 void add_beside(const common::EffectInstance& effect, const std::vector<Size>& sizes, double known, Diagnosis& diagnosis) {
   for (Cause& cause : diagnosis.causes) {
@@ -241,6 +284,13 @@ HeldOut fit_without_last(Problem& problem, const WhiteningSettings& settings, co
 }
 
 }  // namespace
+
+std::string name_of(const Cause& cause) {
+  if (cause.effects.empty()) return "only parameters are off";
+  std::string name = cause.effects[0];
+  for (std::size_t e = 1; e < cause.effects.size(); ++e) name += " with " + cause.effects[e];
+  return name;
+}
 
 Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<controller::ControllerSettings>& controller,
                    std::vector<Record> records, const DiagnosisSettings& settings, const Progress& progress,
@@ -370,27 +420,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
          answer_fit != nullptr && !comes_by_chance(answer_fit->point.effects[0].name) ? answer_fit->difference
                                                                                       : Eigen::VectorXd::Ones(base.difference.size()),
          diagnosis);
-  // Groups: single causes whose signatures, as fitted, cannot be told apart.
-  std::vector<Eigen::VectorXd> signatures(fits.size());  // empty: not a single cause
-  for (std::size_t i = 0; i < fits.size(); ++i) {
-    if (fits[i].point.effects.size() == 1) signatures[i] = project(fits[i].difference - base.difference);
-  }
-  for (std::size_t i = 0; i < fits.size(); ++i) {
-    if (signatures[i].size() == 0) continue;
-    double nearest = 1.0;
-    for (std::size_t j = 0; j < fits.size(); ++j) {
-      if (j == i || signatures[j].size() == 0) continue;
-      const double scale = signatures[i].norm() * signatures[j].norm();
-      if (scale <= 0.0) continue;
-      const double cosine = std::fabs(signatures[i].dot(signatures[j])) / scale;
-      const double odds = probabilities.candidate[j + 1] / std::max(1e-300, probabilities.candidate[i + 1]);
-      if (cosine > kIndistinguishable && odds < kGroupOdds && odds > 1.0 / kGroupOdds) {
-        diagnosis.causes[i + 1].group.push_back(fits[j].point.effects[0].name);
-        nearest = std::min(nearest, std::sqrt(std::max(0.0, 1.0 - cosine * cosine)));
-      }
-    }
-    diagnosis.causes[i + 1].group_distance = nearest;
-  }
+  find_groups(problem, base, project, fits, std::span(probabilities.candidate).subspan(1), std::span(diagnosis.causes).subspan(1));
   if (diagnosis.controller_differs) add_controller_causes(problem, *controller, settings, diagnosis);
   add_counts(problem, settings, diagnosis);
   std::stable_sort(diagnosis.causes.begin(), diagnosis.causes.end(),
@@ -418,8 +448,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   } else if (first.effects.empty()) {
     diagnosis.verdict = "no effect is missing; parameters within their spread explain the records";
   } else {
-    diagnosis.verdict = first.effects[0];
-    if (first.effects.size() > 1) diagnosis.verdict += " with " + first.effects[1];
+    diagnosis.verdict = name_of(first);
   }
   // Parameters that had to go farther than machines of one make differ.
   const Point& answer = first.point.nuisance.empty() ? base.point : first.point;

@@ -44,9 +44,12 @@ struct Cause {
   std::vector<Size> sizes;            // of all effects' parameters
   Point point;                                              // the machine's part
   std::vector<common::EffectInstance> controller_effects;  // the controller's part
-  std::vector<std::string> group;     // effects that these records cannot tell from it, itself left out
+  std::vector<std::string> group;     // names of the causes that these records cannot tell from it
   double group_distance = 0.0;        // share of this cause's signature by which the nearest of them differs
 };
+
+// "a", "a with b" or "only parameters are off".
+std::string name_of(const Cause& cause);
 
 // Where the gap lies before any effect is added, as shares that sum to 1.
 struct BandShare {

@@ -32,13 +32,6 @@ using diagnosis::Diagnosis;
 using diagnosis::Point;
 using diagnosis::Record;
 
-std::string name_of(const Cause& cause) {
-  if (cause.effects.empty()) return "only parameters are off";
-  std::string name = cause.effects[0];
-  for (std::size_t e = 1; e < cause.effects.size(); ++e) name += " with " + cause.effects[e];
-  return name;
-}
-
 // What would tell the first cause from each of its group, in its order; empty without a controller to run with.
 using ToldApartBy = std::vector<diagnosis::Separation>;
 
@@ -48,9 +41,8 @@ ToldApartBy told_apart_by(const sim::MachineSettings& nominal, const std::option
   if (!controller || found.causes.empty()) return best;
   const Cause& first = found.causes.front();
   for (const std::string& name : first.group) {
-    const auto other = std::find_if(found.causes.begin(), found.causes.end(), [&](const Cause& cause) {
-      return cause.effects == std::vector<std::string>{name};
-    });
+    const auto other =
+        std::find_if(found.causes.begin(), found.causes.end(), [&](const Cause& cause) { return name_of(cause) == name; });
     if (other == found.causes.end()) return {};
     best.push_back(diagnosis::separations(diagnosis::machine_at(nominal, first.point), *controller,
                                           diagnosis::machine_at(nominal, other->point), *controller)

@@ -178,6 +178,22 @@ TEST(Diagnose, FindsTheSmallerOfTwoEffects) {
   EXPECT_EQ(named, (std::set<std::string>{"gear_friction", "uneven_gearbox_stiffness"})) << found.verdict;
 }
 
+// A torque that waits on the wire and one that waits in the drive are one motion, beside another effect as well.
+TEST(Diagnose, DeclaresAGroupOfPairs) {
+  const Diagnosis found = diagnose_machine({{"gear_friction", {0.12, 0.001}}, {"dead_time", {0.012}}}, bench().controller, 23);
+  ASSERT_FALSE(found.causes.empty());
+  const Cause& first = found.causes[0];
+  ASSERT_EQ(first.effects.size(), 2u) << found.verdict;
+  std::set<std::string> named(first.effects.begin(), first.effects.end());
+  named.insert(first.group.begin(), first.group.end());
+  EXPECT_TRUE(named.contains("gear_friction")) << found.verdict;
+  const bool is_dead_time = named.contains("dead_time");
+  EXPECT_TRUE(std::any_of(first.group.begin(), first.group.end(), [&](const std::string& other) {
+    return other.find(is_dead_time ? "command_delay" : "dead_time") != std::string::npos && other.find("gear_friction") != std::string::npos;
+  })) << found.verdict;
+  EXPECT_LT(first.group_distance, 1e-6);
+}
+
 // 1.3 Hz with 3 % damping, which no start of the catalogue meets: the nominal machine's parameters go far to stand for it, and
 // beside those it cannot be seen.
 TEST(Diagnose, FindsAResonanceBetweenItsStarts) {
