@@ -248,38 +248,27 @@ void add_controller_causes(const Problem& problem, const controller::ControllerS
   diagnosis.causes = std::move(combined);
 }
 
-// The cause fitted once more, from the nominal machine, without the last record, or of a single one without its second half.
+// The cause fitted once more, from the nominal machine, without the last record, or of a single one without its second half: that is
+// taken out of the problem for good.
 HeldOut fit_without_last(Problem& problem, const WhiteningSettings& settings, const Point& answer) {
-  Problem part;
-  part.nominal = problem.nominal;
-  part.gains = problem.gains;
-  part.settings = problem.settings;
-  part.latency_deviation = problem.latency_deviation;
-  part.threads = problem.threads;
-  part.stop = problem.stop;
-  part.records = problem.records;
-  part.whitening = problem.whitening;
   const Record& last = problem.records.back();
   HeldOut held{answer, last.name, last.start_time, problem.records.size() == 1};
-  if (!held.is_half) {
-    part.records.pop_back();
-    part.whitening.pop_back();
-  } else {
+  if (held.is_half) {
     const Shadow follower = shadow(problem.nominal, last, problem.gains);
     std::vector<bool> trusted = trusted_stretches(last, follower);
     std::fill(trusted.begin() + static_cast<std::ptrdiff_t>(last.size() / 2), trusted.end(), false);
-    part.whitening = {make_whitening(last, trusted, problem.gains, follower, settings)};
+    problem.whitening = {make_whitening(last, trusted, problem.gains, follower, settings)};
     held.from_time = last.time(last.size() / 2);
+  } else {
+    problem.records.pop_back();
+    problem.whitening.pop_back();
   }
   std::fill(held.point.nuisance.begin(), held.point.nuisance.end(), 0.0);
-  Eigen::Index rows = 0;
-  for (const Whitening& whitening : part.whitening) rows += whitening.size();
-  FitResult result = fit(part, Eigen::MatrixXd::Zero(rows, static_cast<Eigen::Index>(nuisance_count())), held.point);
-  for (int round = 0; round < kHeldOutRounds && improve(part, result, true); ++round) {
+  const auto nuisances = static_cast<Eigen::Index>(nuisance_count());
+  FitResult result = fit(problem, Eigen::MatrixXd::Zero(difference_count(problem), nuisances), held.point);
+  for (int round = 0; round < kHeldOutRounds && improve(problem, result, true); ++round) {
   }
   held.point = result.point;
-  problem.simulations += part.simulations;
-  problem.simulation_time += part.simulation_time;
   return held;
 }
 

@@ -1,7 +1,5 @@
 #include "diagnosis/discriminate.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -55,33 +53,24 @@ Record blank_record(const Manoeuvre& manoeuvre, const controller::ControllerSett
   return record;
 }
 
-double distance(const std::vector<double>& a, const std::vector<double>& b) {
-  double square = 0.0;
-  for (std::size_t n = 0; n < a.size(); ++n) square += (a[n] - b[n]) * (a[n] - b[n]);
-  return std::sqrt(square / static_cast<double>(std::max<std::size_t>(1, a.size())));
+double noise_of(const std::string& unit) {
+  if (unit == "Nm") return kTorqueNoise;
+  if (unit == "rad/s") return kSpeedNoise;
+  return unit == "rad" ? kAngleNoise : kAccelerationNoise;
 }
 
 }  // namespace
 
-std::vector<Separation> separations(const sim::MachineSettings& one, const controller::ControllerSettings& controller_of_one,
-                                    const sim::MachineSettings& other, const controller::ControllerSettings& controller_of_other) {
+std::vector<Separation> separations(const sim::MachineSettings& one, const sim::MachineSettings& other,
+                                    const controller::ControllerSettings& controller) {
   std::vector<Separation> all;
   for (const Manoeuvre& manoeuvre : manoeuvres()) {
-    const Record a = predict(one, controller_of_one, blank_record(manoeuvre, controller_of_one)).series;
-    const Record b = predict(other, controller_of_other, blank_record(manoeuvre, controller_of_other)).series;
-    const auto add = [&](const std::string& signal, const char* unit, double difference, double noise) {
-      all.push_back({manoeuvre.name, signal, unit, difference, difference / noise});
-    };
-    for (int g = 0; g < a.group_count; ++g) {
-      const auto i = static_cast<std::size_t>(g);
-      add(fmt::format("torque of group {}", g + 1), "Nm", distance(a.motor_torque[i], b.motor_torque[i]), kTorqueNoise);
-      add(fmt::format("shaft speed of group {}", g + 1), "rad/s", distance(a.shaft_speed[i], b.shaft_speed[i]), kSpeedNoise);
-    }
-    for (int k = 0; k < kAccelerometerCount; ++k) {
-      const auto i = static_cast<std::size_t>(k);
-      add(fmt::format("{} acceleration", accelerometer_name(k)), "m/s^2", distance(a.acceleration[i], b.acceleration[i]), kAccelerationNoise);
-    }
-    add("slew angle", "rad", distance(a.slew_angle, b.slew_angle), kAngleNoise);
+    const Record blank = blank_record(manoeuvre, controller);
+    const Record a = predict(one, controller, blank).series;
+    const Record b = predict(other, controller, blank).series;
+    std::vector<SignalGap> gaps = signal_gaps(a, b);
+    gaps.push_back(gap_between("slew angle", "rad", a.slew_angle, b.slew_angle));
+    for (const SignalGap& gap : gaps) all.push_back({manoeuvre.name, gap.signal, gap.unit, gap.gap, gap.gap / noise_of(gap.unit)});
   }
   std::stable_sort(all.begin(), all.end(), [](const Separation& a, const Separation& b) { return a.noise_floors > b.noise_floors; });
   return all;

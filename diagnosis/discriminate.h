@@ -26,7 +26,7 @@ inline constexpr double kSeparated = 3.0;
 
 // Of every manoeuvre and signal, the farthest apart first: a slew there and back at half and at full speed, inching, a reversal at full
 // speed without a stop. Throws std::invalid_argument where machine and controller do not fit each other.
-std::vector<Separation> separations(const sim::MachineSettings& one, const controller::ControllerSettings& controller_of_one,
-                                    const sim::MachineSettings& other, const controller::ControllerSettings& controller_of_other);
+std::vector<Separation> separations(const sim::MachineSettings& one, const sim::MachineSettings& other,
+                                    const controller::ControllerSettings& controller);
 
 }  // namespace slewlab::diagnosis

@@ -8,7 +8,8 @@
 // true cause leaves a usual share r of the gap; with the size of that mismatch integrated out, misfits count by their
 // ratios. p is -2 ln of the prior where M + p is least (relax() in fit.h), and the sum, over the eigenvalues lambda of what the records say of
 // the parameters (fit.h), Occam's factor: how much narrower they became. A cause that is in no catalogue is a hypothesis too: it would leave a usual,
-// larger share of the gap, and its parameters, whichever they are, would be as narrow as those of the single cause that fits best. T tempers it all: what mesh, step and law make wrong is not independent from bin to bin.
+// larger share of the gap, and its parameters, whichever they are, would be as narrow as those of the single cause that fits best.
+// T tempers it all: what mesh, step and law make wrong is not independent from bin to bin.
 #pragma once
 
 #include <Eigen/Core>

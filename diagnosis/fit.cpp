@@ -324,10 +324,14 @@ double value_per_deviation(const common::EffectParameter& parameter, double valu
   return parameter.scale == common::ParameterScale::logarithmic ? value * parameter.prior_scale : parameter.prior_scale;
 }
 
+Eigen::Index difference_count(const Problem& problem) {
+  Eigen::Index count = 0;
+  for (const Whitening& whitening : problem.whitening) count += whitening.size();
+  return count;
+}
+
 Eigen::VectorXd differences(Problem& problem, const Point& point) {
-  Eigen::Index total = 0;
-  for (const Whitening& whitening : problem.whitening) total += whitening.size();
-  Eigen::VectorXd result(total);
+  Eigen::VectorXd result(difference_count(problem));
   Eigen::Index row = 0;
   const sim::MachineSettings machine = machine_at(problem.nominal, point);
   for (std::size_t r = 0; r < problem.records.size(); ++r) {

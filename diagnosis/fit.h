@@ -65,6 +65,9 @@ struct Problem {
 
 struct Interrupted {};
 
+// How many whitened differences all records have.
+Eigen::Index difference_count(const Problem& problem);
+
 // The whitened differences of all records, one below the other.
 Eigen::VectorXd differences(Problem& problem, const Point& point);
 

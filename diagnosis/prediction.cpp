@@ -10,10 +10,7 @@
 
 namespace slewlab::diagnosis {
 
-namespace {
-
-SignalGap compare(const std::string& signal, const char* unit, std::span<const double> measured,
-                  std::span<const double> predicted) {
+SignalGap gap_between(const std::string& signal, const char* unit, std::span<const double> measured, std::span<const double> predicted) {
   const double count = static_cast<double>(measured.size());
   const double mean = std::accumulate(measured.begin(), measured.end(), 0.0) / count;
   double square = 0.0, difference = 0.0;
@@ -24,7 +21,25 @@ SignalGap compare(const std::string& signal, const char* unit, std::span<const d
   return {signal, unit, std::sqrt(square / count), std::sqrt(difference / count)};
 }
 
-}  // namespace
+std::vector<SignalGap> signal_gaps(const Record& measured, const Record& predicted, double from_time) {
+  std::size_t from = 0;
+  while (from + 1 < measured.size() && measured.time(from) < from_time) ++from;
+  std::vector<SignalGap> gaps;
+  const auto add = [&](const std::string& signal, const char* unit, const std::vector<double>& a, const std::vector<double>& b) {
+    gaps.push_back(gap_between(signal, unit, std::span(a).subspan(from), std::span(b).subspan(from)));
+  };
+  for (int g = 0; g < measured.group_count; ++g) {
+    const auto i = static_cast<std::size_t>(g);
+    add(fmt::format("torque of group {}", g + 1), "Nm", measured.motor_torque[i], predicted.motor_torque[i]);
+    add(fmt::format("shaft speed of group {}", g + 1), "rad/s", measured.shaft_speed[i], predicted.shaft_speed[i]);
+  }
+  for (int a = 0; a < kAccelerometerCount; ++a) {
+    const auto i = static_cast<std::size_t>(a);
+    if (measured.acceleration[i].empty()) continue;
+    add(fmt::format("{} acceleration", accelerometer_name(a)), "m/s^2", measured.acceleration[i], predicted.acceleration[i]);
+  }
+  return gaps;
+}
 
 Prediction predict(const sim::MachineSettings& settings, const controller::ControllerSettings& controller_settings,
                    const Record& record, double from_time) {
@@ -78,20 +93,7 @@ Prediction predict(const sim::MachineSettings& settings, const controller::Contr
     sim::step(machine, command);
   }
 
-  std::size_t from = 0;
-  while (from + 1 < record.size() && record.time(from) < from_time) ++from;
-  const auto compared = [&](const std::string& signal, const char* unit, const std::vector<double>& measured, const std::vector<double>& predicted) {
-    prediction.gaps.push_back(compare(signal, unit, std::span(measured).subspan(from), std::span(predicted).subspan(from)));
-  };
-  for (std::size_t g = 0; g < groups; ++g) {
-    compared(fmt::format("torque of group {}", g + 1), "Nm", record.motor_torque[g], series.motor_torque[g]);
-    compared(fmt::format("shaft speed of group {}", g + 1), "rad/s", record.shaft_speed[g], series.shaft_speed[g]);
-  }
-  for (int a = 0; a < kAccelerometerCount; ++a) {
-    const auto i = static_cast<std::size_t>(a);
-    if (record.acceleration[i].empty()) continue;
-    compared(fmt::format("{} acceleration", accelerometer_name(a)), "m/s^2", record.acceleration[i], series.acceleration[i]);
-  }
+  prediction.gaps = signal_gaps(record, series, from_time);
   double sum = 0.0;
   for (const SignalGap& gap : prediction.gaps) {
     const double share = gap.measured > 0.0 ? gap.gap / gap.measured : 0.0;

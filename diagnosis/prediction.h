@@ -2,6 +2,7 @@
 // operator's moves alone, against what was measured, per signal.
 #pragma once
 
+#include <span>
 #include <string>
 #include <vector>
 
@@ -17,6 +18,11 @@ struct SignalGap {
   double measured = 0.0;  // RMS about its mean
   double gap = 0.0;       // RMS of measured minus predicted
 };
+
+SignalGap gap_between(const std::string& signal, const char* unit, std::span<const double> measured, std::span<const double> predicted);
+
+// Of torques, shaft speeds and the accelerations that were measured, from `from_time` [s] on.
+std::vector<SignalGap> signal_gaps(const Record& measured, const Record& predicted, double from_time = 0.0);
 
 struct Prediction {
   Record series;                 // on the grid of the record it was made for; only its signals are filled

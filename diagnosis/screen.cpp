@@ -99,8 +99,10 @@ void try_amount(double square, double product, double target_square, Screened& s
 
 }  // namespace
 
-Screened between_beginnings(const std::vector<const Screened*>& endless, const common::EffectParameter& duration, const common::Spell& spell,
-                            const Eigen::VectorXd& target) {
+Screened between_beginnings(const std::vector<const Screened*>& endless, const Eigen::VectorXd& target) {
+  const common::EffectAbout& about = about_effect(endless.front()->start.name);
+  const common::Spell& spell = *about.spell;
+  const common::EffectParameter& duration = about.parameters[spell.duration];
   Eigen::MatrixXd columns(target.size(), static_cast<Eigen::Index>(endless.size()));
   for (Eigen::Index i = 0; i < columns.cols(); ++i) columns.col(i) = endless[static_cast<std::size_t>(i)]->column;
   const Eigen::MatrixXd products = columns.transpose() * columns;
@@ -304,9 +306,7 @@ Screening screen(Problem& problem, const FitResult& from, const Projector& proje
     }
   }
   for (const auto& [name, beginnings] : endless) {
-    const common::EffectAbout& about = about_effect(name);
-    if (beginnings.size() < 2) continue;
-    between.push_back(between_beginnings(beginnings, about.parameters[about.spell->duration], *about.spell, gap));
+    if (beginnings.size() > 1) between.push_back(between_beginnings(beginnings, gap));
   }
   std::vector<const Screened*> looks;
   for (const Screened& screened : tried) looks.push_back(&screened);

@@ -28,8 +28,8 @@ inline constexpr double kLeastGain = 6.0;              // fall of the cost, fore
 // The points from which an effect is tried: its typical size, and a fraction of it, where most laws are still linear;
 // other sizes where the size enters not proportionally; other shapes. An angle that enters as a sine needs two
 // quarters of each: the others follow from them (between_quarters), of two that multiply as well. Where there are two angles, only the
-// typical size and the values worth a try are turned, all round and in every combination where the two do not multiply. An effect that lasts for a spell begins at many moments
-// and never ends (between_beginnings).
+// typical size and the values worth a try are turned, all round and in every combination where the two do not multiply. An effect
+// that lasts for a spell begins at many moments and never ends (between_beginnings).
 std::vector<common::EffectInstance> starts_of(const common::EffectAbout& about);
 
 struct Screened {
@@ -83,9 +83,9 @@ bool may_turn(const std::string& effect);
 // Gives `screened` the multiple of the column that takes most of `target` away, at most `farthest`, and what that leaves.
 void try_amount(const Eigen::VectorXd& column, const Eigen::VectorXd& target, Screened& screened, double farthest = kLargestAmount);
 
-// Of effects that begin at one moment each and never end, the best one from one beginning to a later one; by rising beginnings.
-Screened between_beginnings(const std::vector<const Screened*>& endless, const common::EffectParameter& duration,
-                            const common::Spell& spell, const Eigen::VectorXd& target);
+// Of one effect that begins at one moment each and never ends, at least two of them by rising beginnings, the best one from one
+// beginning to a later one.
+Screened between_beginnings(const std::vector<const Screened*>& endless, const Eigen::VectorXd& target);
 
 // The multiples x, y of two columns that take most of `target` away together; nothing where the columns are parallel: where
 // 1 - cosine^2 is not above `least`.

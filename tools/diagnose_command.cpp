@@ -44,9 +44,9 @@ ToldApartBy told_apart_by(const sim::MachineSettings& nominal, const std::option
     const auto other =
         std::find_if(found.causes.begin(), found.causes.end(), [&](const Cause& cause) { return name_of(cause) == name; });
     if (other == found.causes.end()) return {};
-    best.push_back(diagnosis::separations(diagnosis::machine_at(nominal, first.point), *controller,
-                                          diagnosis::machine_at(nominal, other->point), *controller)
-                       .front());
+    best.push_back(
+        diagnosis::separations(diagnosis::machine_at(nominal, first.point), diagnosis::machine_at(nominal, other->point), *controller)
+            .front());
   }
   return best;
 }

@@ -149,7 +149,7 @@ TEST(Diagnose, NamesBearingFrictionWithItsSize) {
   ASSERT_FALSE(found.causes[0].sizes.empty());
   EXPECT_NEAR(found.causes[0].sizes[0].value, 1e5, 0.1 * 1e5);
   EXPECT_EQ(found.subsystems[0].first, "house");
-  // The same size from the first record alone, and the truth again on the second, which it has not seen.
+  // The same size from the first record alone.
   ASSERT_TRUE(found.held_out);
   EXPECT_EQ(found.held_out->record, "b");
   EXPECT_FALSE(found.held_out->is_half);

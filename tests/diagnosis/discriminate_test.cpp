@@ -22,7 +22,7 @@ sim::MachineSettings machine_with(const std::vector<common::EffectInstance>& eff
 std::vector<Separation> between(const std::vector<common::EffectInstance>& one, const std::vector<common::EffectInstance>& other) {
   const controller::ControllerSettings controller =
       controller::load_controller_file(SLEWLAB_SOURCE_DIR "/config/controllers/thesis.yaml").settings;
-  return separations(machine_with(one), controller, machine_with(other), controller);
+  return separations(machine_with(one), machine_with(other), controller);
 }
 
 // A torque that comes late is the same motion whether it waits on the wire or in the drive.

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <utility>
+#include <vector>
 
 namespace slewlab::diagnosis {
 namespace {
@@ -46,14 +48,31 @@ TEST(Screen, TurnsOnlyWhatMayTurn) {
 
 TEST(Screen, StartsFromEveryCombinationOfValuesWorthATry) {
   const common::EffectAbout& about = about_effect("pedestal_flexibility");
-  std::size_t combinations = 1;
-  for (const common::EffectParameter& parameter : about.parameters) combinations *= 1 + parameter.tries.size();
+  std::vector<std::vector<double>> combinations{{}};
+  for (const common::EffectParameter& parameter : about.parameters) {
+    std::vector<double> worth_a_try = parameter.tries;
+    worth_a_try.push_back(parameter.typical);
+    std::vector<std::vector<double>> longer;
+    for (const std::vector<double>& values : combinations) {
+      for (const double value : worth_a_try) {
+        longer.push_back(values);
+        longer.back().push_back(value);
+      }
+    }
+    combinations = std::move(longer);
+  }
+  EXPECT_GT(combinations.size(), 3u);
   std::set<std::vector<double>> different;
   for (const common::EffectInstance& start : starts_of(about)) {
     EXPECT_TRUE(different.insert(start.values).second);
   }
-  EXPECT_GT(combinations, 3u);
-  EXPECT_GE(different.size(), combinations);
+  for (const std::vector<double>& values : combinations) EXPECT_TRUE(different.contains(values));
+  std::size_t others = 0;  // a standard deviation up and down where there is neither a size that fades linearly nor a value worth a try
+  for (const common::EffectParameter& parameter : about.parameters) {
+    const bool fades_linearly = parameter.absent && std::isfinite(*parameter.absent);
+    if (!fades_linearly && !parameter.detail && parameter.tries.empty()) others += 2;
+  }
+  EXPECT_EQ(different.size(), combinations.size() + others);
 }
 
 // Columns of ramps: what begins at 1 s and ends, 1.5 s of ramp included, 3 s later is a ramp from 1 s less one from 2.5 s.
@@ -71,8 +90,7 @@ TEST(Screen, FindsABeginningAndAnEndFromBeginningsAlone) {
   };
   std::vector<const Screened*> looks;
   for (const Screened& one : endless) looks.push_back(&one);
-  const Screened best = between_beginnings(looks, about.parameters[about.spell->duration], *about.spell,
-                                           -1.5 * (beginning_at(1.0) - beginning_at(2.5)));
+  const Screened best = between_beginnings(looks, -1.5 * (beginning_at(1.0) - beginning_at(2.5)));
   EXPECT_DOUBLE_EQ(best.start.values[about.spell->begin], 1.0);
   EXPECT_DOUBLE_EQ(best.start.values[about.spell->duration], 3.0);
   EXPECT_NEAR(best.amount, 1.5, 1e-9);
