@@ -33,6 +33,7 @@ constexpr double kCountError = 1e-3;            // relative, of a quantum found 
 constexpr double kSure = 0.98;                  // probability of what needs no fit, or leaves next to nothing
 constexpr double kUnlikely = 0.02;              // probability of what was left out, or leaves much
 constexpr double kFarOff = 2.6;                 // [standard deviations] of a parameter, beyond which it may be another crane
+constexpr double kWorthASwing = 2e-3;           // [rad] of the load at a record's beginning: an eighth of a metre below 60 m of rope
 constexpr double kNegligible = 1e-4;            // probability of a part that is not combined further
 constexpr int kHeldOutRounds = 3;               // at most, with fresh columns
 constexpr double kVisible = 10.0;               // sum of squares of a tried size below which records tell nothing
@@ -83,9 +84,9 @@ void locate(const Problem& problem, const Eigen::VectorXd& difference, const Eig
 }
 
 void find_moments(const Problem& problem, const Point& point, Diagnosis& diagnosis) {
-  const sim::MachineSettings machine = machine_at(problem.nominal, point);
-  for (const Record& record : problem.records) {
-    const Shadow follower = shadow(machine, record, problem.gains);
+  for (std::size_t r = 0; r < problem.records.size(); ++r) {
+    const Record& record = problem.records[r];
+    const Shadow follower = shadow_at(problem, point, r);
     const auto second = static_cast<std::size_t>(std::lround(1.0 / record.step));
     double top_speed = 0.0;
     for (const double speed : record.shaft_speed[0]) top_speed = std::max(top_speed, std::fabs(speed));
@@ -263,8 +264,8 @@ HeldOut fit_without_last(Problem& problem, const WhiteningSettings& settings, co
     problem.records.pop_back();
     problem.whitening.pop_back();
   }
-  std::fill(held.point.nuisance.begin(), held.point.nuisance.end(), 0.0);
-  const auto nuisances = static_cast<Eigen::Index>(nuisance_count());
+  held.point.nuisance.assign(nuisance_count(problem), 0.0);
+  const auto nuisances = static_cast<Eigen::Index>(held.point.nuisance.size());
   FitResult result = fit(problem, Eigen::MatrixXd::Zero(difference_count(problem), nuisances), held.point);
   for (int round = 0; round < kHeldOutRounds && improve(problem, result, true); ++round) {
   }
@@ -441,10 +442,19 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   }
   // Parameters that had to go farther than machines of one make differ.
   const Point& answer = first.point.nuisance.empty() ? base.point : first.point;
+  const bool has_load = problem.nominal.crane.load.mass > 0.0;
   std::string far;
   for (std::size_t k = 0; k < std::min(answer.nuisance.size(), nuisances().size()); ++k) {
     if (std::fabs(answer.nuisance[k]) < kFarOff) continue;
     far += fmt::format("{}{} {:+.0f} %", far.empty() ? "" : ", ", nuisances()[k].name, 100.0 * nuisances()[k].spread * answer.nuisance[k]);
+  }
+  for (std::size_t r = 0; r < problem.records.size() && has_load; ++r) {
+    const double rope = problem.nominal.crane.load.rope_length;
+    const Swing swing = swing_at_start(answer.nuisance, r, rope);
+    const double reach = std::hypot(swing.angle, swing.rate * std::sqrt(rope / sim::kGravity));
+    if (reach < kWorthASwing) continue;
+    diagnosis.remarks.push_back(fmt::format("{}: the load swings when the record begins, up to {:.1f} mrad from where it would hang still",
+                                            problem.records[r].name, 1e3 * reach));
   }
   if (!far.empty() || is_unknown) {
     diagnosis.remarks.push_back(

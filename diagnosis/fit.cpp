@@ -127,20 +127,39 @@ Eigen::VectorXd steps_at(const Problem& problem, const Point& point, const Eigen
 
 // Of nuisances that an effect holds: zero.
 Eigen::MatrixXd nuisance_columns(Problem& problem, const Point& point, const Eigen::VectorXd& difference, const Eigen::VectorXd& steps) {
+  const std::size_t common = common_nuisance_count(), all = nuisance_count(problem);
   std::vector<std::size_t> free;
   std::vector<Point> points;
-  for (std::size_t k = 0; k < nuisance_count(); ++k) {
+  for (std::size_t k = 0; k < common; ++k) {
     if (is_held(point, k)) continue;
     free.push_back(k);
     points.push_back(point);
     points.back().nuisance[k] += steps(static_cast<Eigen::Index>(k));
   }
+  // What belongs to one record changes no other: moved in all of them at once.
+  const bool has_load = problem.nominal.crane.load.mass > 0.0;
+  for (std::size_t k = common; has_load && k < std::min(all, nuisance_count(1)); ++k) {
+    points.push_back(point);
+    for (std::size_t own = k; own < all; own += nuisance_count(1) - common) {
+      points.back().nuisance[own] += steps(static_cast<Eigen::Index>(own));
+    }
+  }
   const std::vector<Eigen::VectorXd> moved_differences = differences(problem, points);
-  Eigen::MatrixXd columns =
-      Eigen::MatrixXd::Zero(difference.size(), static_cast<Eigen::Index>(nuisance_count()));
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(difference.size(), static_cast<Eigen::Index>(all));
   for (std::size_t i = 0; i < free.size(); ++i) {
     const auto k = static_cast<Eigen::Index>(free[i]);
     columns.col(k) = (moved_differences[i] - difference) / steps(k);
+  }
+  for (std::size_t i = free.size(); i < points.size(); ++i) {
+    std::size_t own = common + i - free.size();
+    Eigen::Index row = 0;
+    for (const Whitening& whitening : problem.whitening) {
+      const auto k = static_cast<Eigen::Index>(own);
+      columns.col(k).segment(row, whitening.size()) =
+          (moved_differences[i] - difference).segment(row, whitening.size()) / steps(k);
+      row += whitening.size();
+      own += nuisance_count(1) - common;
+    }
   }
   return columns;
 }
@@ -330,14 +349,21 @@ Eigen::Index difference_count(const Problem& problem) {
   return count;
 }
 
+std::size_t nuisance_count(const Problem& problem) { return nuisance_count(problem.records.size()); }
+
+Shadow shadow_at(const Problem& problem, const Point& point, std::size_t record) {
+  return shadow(machine_at(problem.nominal, point), problem.records[record], problem.gains,
+                encoder_latency(point.nuisance, problem.latency_deviation),
+                swing_at_start(point.nuisance, record, problem.nominal.crane.load.rope_length));
+}
+
 Eigen::VectorXd differences(Problem& problem, const Point& point) {
   Eigen::VectorXd result(difference_count(problem));
   Eigen::Index row = 0;
-  const sim::MachineSettings machine = machine_at(problem.nominal, point);
   for (std::size_t r = 0; r < problem.records.size(); ++r) {
     if (problem.stop != nullptr && problem.stop->load()) throw Interrupted{};
     const auto begun = std::chrono::steady_clock::now();
-    const Shadow follower = shadow(machine, problem.records[r], problem.gains, encoder_latency(point.nuisance, problem.latency_deviation));
+    const Shadow follower = shadow_at(problem, point, r);
     problem.simulation_time +=
         std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now() - begun).count();
     result.segment(row, problem.whitening[r].size()) = whiten(problem.whitening[r], follower);
@@ -384,7 +410,7 @@ void settle(Problem& problem, FitResult& result) {
 
 FitResult nominal_fit(Problem& problem) {
   FitResult result;
-  result.point.nuisance.assign(nuisance_count(), 0.0);
+  result.point.nuisance.assign(nuisance_count(problem), 0.0);
   result.difference = differences(problem, result.point);
   result.mean_square = mean_square(result.difference);
   return result;

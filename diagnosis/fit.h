@@ -65,6 +65,11 @@ struct Problem {
 
 struct Interrupted {};
 
+std::size_t nuisance_count(const Problem& problem);
+
+// The machine at a point as it follows one of the records.
+Shadow shadow_at(const Problem& problem, const Point& point, std::size_t record);
+
 // How many whitened differences all records have.
 Eigen::Index difference_count(const Problem& problem);
 

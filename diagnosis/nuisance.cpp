@@ -48,11 +48,19 @@ const std::vector<Nuisance>& nuisances() {
   return kNuisances;
 }
 
-std::size_t nuisance_count() { return nuisances().size() + 1; }
-
 double encoder_latency(const std::vector<double>& amount, double deviation) {
-  return amount.size() < nuisance_count() ? 0.0 : deviation * amount[nuisances().size()];
+  return amount.size() < common_nuisance_count() ? 0.0 : deviation * amount[nuisances().size()];
 }
+
+Swing swing_at_start(const std::vector<double>& amount, std::size_t record, double rope_length) {
+  const std::size_t first = nuisance_count(record);
+  if (amount.size() < first + 2 || !(rope_length > 0.0)) return {};
+  return {kSwingDeviation * amount[first], kSwingDeviation * std::sqrt(sim::kGravity / rope_length) * amount[first + 1]};
+}
+
+std::size_t common_nuisance_count() { return nuisances().size() + 1; }
+
+std::size_t nuisance_count(std::size_t records) { return common_nuisance_count() + 2 * records; }
 
 PriorTerm nuisance_prior(std::size_t k, double z) {
   PriorTerm term{z * z, z, 1.0};

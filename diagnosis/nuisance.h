@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "diagnosis/shadow.h"
 #include "sim/model/crane_parameters.h"
 
 namespace slewlab::diagnosis {
@@ -27,8 +28,15 @@ const std::vector<Nuisance>& nuisances();
 // one against the other in time (by 0.25 ms and more, docs/diagnosis.md); left free here, that favours no cause.
 inline constexpr double kLatencyDeviation = 3e-4;        // [s]
 inline constexpr double kCoarseLatencyDeviation = 3e-3;  // [s] where counts are coarse, and their noise goes far into the torque
-std::size_t nuisance_count();
 double encoder_latency(const std::vector<double>& amount, double deviation);  // [s]
+
+// Behind that, two amounts of each record: angle and rate of the swing that the load has when the record begins. A crane that
+// is measured at work has some, and a swing that is not free is taken for a cause that pushes the load.
+inline constexpr double kSwingDeviation = 5e-3;  // [rad], chosen: 0.3 m below 60 m of rope; of the rate as a pendulum's
+Swing swing_at_start(const std::vector<double>& amount, std::size_t record, double rope_length);
+
+std::size_t common_nuisance_count();  // of all records together
+std::size_t nuisance_count(std::size_t records);
 
 // The nominal crane with every nuisance moved by `amount[k]` standard deviations.
 sim::CraneParameters with_nuisances(sim::CraneParameters crane, const std::vector<double>& amount);

@@ -42,6 +42,20 @@ void start_moving(sim::Machine& machine, const Record& record) {
   sim::forget_past(machine);
 }
 
+void start_swinging(sim::Machine& machine, const Swing& swing) {
+  if (!machine.model.has_load || (swing.angle == 0.0 && swing.rate == 0.0)) return;
+  const sim::LoadOnSpring& load = machine.model.load;
+  // A straight line from the tip; modal amplitudes are V^T M [L angle; angle].
+  const Eigen::Vector2d line(machine.model.parameters.load.rope_length, 1.0);
+  const Eigen::Vector2d share = load.modes.transpose() * (load.mass * line);
+  for (int j = 0; j < 2; ++j) {
+    machine.state.load_q[static_cast<std::size_t>(j)] += share(j) * swing.angle;
+    machine.state.load_v[static_cast<std::size_t>(j)] += share(j) * swing.rate;
+  }
+  sim::refresh(machine.model, machine.state);
+  sim::forget_past(machine);
+}
+
 }  // namespace
 
 ShadowGains shadow_gains(const sim::CraneParameters& nominal, const ShadowSettings& settings) {
@@ -50,7 +64,8 @@ ShadowGains shadow_gains(const sim::CraneParameters& nominal, const ShadowSettin
           settings.leak_time};
 }
 
-Shadow shadow(const sim::MachineSettings& settings, const Record& record, const ShadowGains& gains, double encoder_latency) {
+Shadow shadow(const sim::MachineSettings& settings, const Record& record, const ShadowGains& gains, double encoder_latency,
+              const Swing& swing) {
   sim::MachineSettings with_step = settings;
   with_step.step = record.step;
   double encoder_lead = encoder_latency / record.step;  // [steps]
@@ -61,6 +76,7 @@ Shadow shadow(const sim::MachineSettings& settings, const Record& record, const 
   });
   sim::Machine machine = sim::make_machine(with_step);
   start_moving(machine, record);
+  start_swinging(machine, swing);
 
   Shadow result;
   const std::size_t count = record.size();

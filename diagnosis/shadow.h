@@ -44,10 +44,16 @@ struct Shadow {
   std::vector<bool> contact_lost;  // some group of the shadow has its teeth apart
 };
 
+// What the load does when a record begins, beside hanging still: rope and rod in one line.
+struct Swing {
+  double angle = 0.0;  // [rad]
+  double rate = 0.0;   // [rad/s]
+};
+
 // `encoder_latency` [s] is how late (early, where negative) the encoders read. It, and an encoder_delay of the machine, are taken
 // out of the record instead of put into the shadow, whose feedback they would shake.
 // Throws std::invalid_argument where the machine cannot be built.
 Shadow shadow(const sim::MachineSettings& machine, const Record& record, const ShadowGains& gains,
-              double encoder_latency = 0.0);
+              double encoder_latency = 0.0, const Swing& swing = {});
 
 }  // namespace slewlab::diagnosis

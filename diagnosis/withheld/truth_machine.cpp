@@ -86,6 +86,7 @@ TruthRun run_truth(TruthMachine machine, const Manoeuvre& manoeuvre, const RunOp
   }
   const sim::ReferencePointer reference =
       sim::make_reference(reference_machine, options.reference, make_extra(machine));
+  sim::hang_load(*reference);
 
   Random phases(options.noise_seed, "encoder phase");
   std::vector<CountingEncoder> encoders;

@@ -625,6 +625,42 @@ void set_state(Reference& r, const PlantState& state, double time) {
   r.count.restarts = before.restarts;
 }
 
+void hang_load(Reference& r) {
+  if (r.load_count == 0 || !r.extra.forces) return;
+  constexpr int kMostSteps = 50;
+  constexpr double kNudge = 1e-6;     // [m sqrt(kg)] of a modal coordinate, for slopes
+  constexpr double kStill = 1e-12;    // [m sqrt(kg)/s^2] beside what the rope alone gives
+  double* q = N_VGetArrayPointer(r.state.get()) + r.load_q();
+  std::vector<double> rates(static_cast<std::size_t>(r.size));
+  const auto acceleration = [&] {
+    derive(r, r.now, N_VGetArrayPointer(r.state.get()), rates.data());
+    return Eigen::Vector2d(rates[static_cast<std::size_t>(r.load_v())], rates[static_cast<std::size_t>(r.load_v() + 1)]);
+  };
+  // Newton's steps; of a point load the second mode does not exist.
+  const int modes = r.load_square[1] > 0.0 ? 2 : 1;
+  Eigen::Vector2d now = acceleration();
+  for (int step = 0; step < kMostSteps; ++step) {
+    const double scale = r.load_square[0] * std::fabs(q[0]) + r.load_square[1] * std::fabs(q[1]) + 1.0;
+    if (now.head(modes).cwiseAbs().maxCoeff() <= kStill * scale) {
+      restart(r);
+      r.count = {};
+      return;
+    }
+    Eigen::Matrix2d slopes = Eigen::Matrix2d::Identity();
+    for (int j = 0; j < modes; ++j) {
+      const double stood = q[j];
+      q[j] = stood + kNudge;
+      slopes.col(j) = (acceleration() - now) / kNudge;
+      q[j] = stood;
+    }
+    if (modes == 1) slopes.row(1) << 0.0, 1.0;
+    const Eigen::Vector2d change = slopes.partialPivLu().solve(-now);
+    for (int j = 0; j < modes; ++j) q[j] += change(j);
+    now = acceleration();
+  }
+  throw std::runtime_error("the load finds no place to hang still under the forces on it");
+}
+
 void advance(Reference& r, const GroupArray& motor_torque, double until) {
   if (!(until >= r.now)) throw std::invalid_argument("the reference cannot go back in time");
   const double since = r.now - r.held_since;

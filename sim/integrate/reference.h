@@ -116,6 +116,10 @@ ReferencePointer make_reference(ReferenceMachine machine, const ReferenceOptions
 // Takes over a state of the plant of the same crane at `time` [s]; an extra keeps its states.
 void set_state(Reference& reference, const PlantState& state, double time);
 
+// At rest, before anything moves: the load goes where it hangs still under the forces of the extra (an inclined crane's
+// gravity, wind), the crane held where it stands. Throws std::runtime_error where it finds no such place.
+void hang_load(Reference& reference);
+
 // Integrates to `until` [s] with the torque [Nm] per motor of each group, on the fast axis.
 void advance(Reference& reference, const GroupArray& motor_torque, double until);
 

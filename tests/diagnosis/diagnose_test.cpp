@@ -2,6 +2,7 @@
 // parameters off by up to 5 %, noise of ordinary sensors. The truth is known, so the expected answers are it.
 #include "diagnosis/diagnose.h"
 
+#include <Eigen/LU>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -128,6 +129,44 @@ TEST(Shadow, FollowsEncodersThatReadLate) {
   with_delay.effects = {{"encoder_delay", {0.04}}};
   EXPECT_NEAR(missing(with_delay, late), missing(truth, on_time), 1e-6 * missing(truth, on_time));
   EXPECT_GT(missing(truth, late), 2.0 * missing(truth, on_time));
+}
+
+// A pendulum let go from an angle, or passing its lowest point, while the crane stands and then moves.
+TEST(Fit, FindsTheSwingThatALoadHasWhenTheRecordBegins) {
+  const sim::LoadParameters& load = bench().crane.load;
+  const std::array<Swing, 2> swings{{{8e-3, 0.0}, {-3e-3, 2e-3}}};  // [rad], [rad/s]
+  Problem problem;
+  problem.nominal.crane = bench().crane;
+  problem.gains = shadow_gains(bench().crane);
+  problem.latency_deviation = kLatencyDeviation;
+  for (const Swing& swing : swings) {
+    sim::MachineSettings truth;
+    truth.crane = bench().crane;
+    truth.step = kStep;
+    sim::Machine machine = sim::make_machine(truth);
+    const Eigen::Vector2d line(load.rope_length, 1.0);  // rope's end and rod's angle per angle of the line
+    const Eigen::Vector2d shape = machine.model.load.modes.inverse() * line;
+    for (int j = 0; j < 2; ++j) {
+      machine.state.load_q[static_cast<std::size_t>(j)] = shape(j) * swing.angle;
+      machine.state.load_v[static_cast<std::size_t>(j)] = shape(j) * swing.rate;
+    }
+    sim::refresh(machine.model, machine.state);
+    sim::forget_past(machine);
+    EXPECT_NEAR(sim::rope_angle(machine.model, machine.state), swing.angle, 1e-12);
+    EXPECT_NEAR(sim::rod_angle(machine.model, machine.state), swing.angle, 1e-12);
+    const Record record = make_record(simulated_log(machine, bench().controller, kThereAndBack, kDuration, 3), "a", bench().admission);
+    const Shadow follower = shadow(problem.nominal, record, problem.gains);
+    problem.whitening.push_back(make_whitening(record, trusted_stretches(record, follower), problem.gains, follower, {}));
+    problem.records.push_back(record);
+  }
+  const FitResult nominal = nominal_fit(problem), fitted = fit_nuisances(problem, nominal);
+  // Taken for a load that hangs still it is a gap many times an effect's price.
+  EXPECT_GT(excess(nominal.difference, problem.settings), fitted.excess + 1000.0);
+  for (std::size_t r = 0; r < swings.size(); ++r) {
+    const Swing found = swing_at_start(fitted.point.nuisance, r, load.rope_length);
+    EXPECT_NEAR(found.angle, swings[r].angle, 5e-4);
+    EXPECT_NEAR(found.rate, swings[r].rate, 2e-4);
+  }
 }
 
 TEST(Diagnose, SaysNothingIsMissingWhereOnlyParametersAreOff) {

@@ -25,7 +25,7 @@ TEST(Prior, NuisancesEndWhereUnitsDo) {
 
 // The encoders' latency has no such walls.
 TEST(Prior, LatencyIsNormal) {
-  EXPECT_EQ(nuisance_prior(nuisance_count() - 1, 4.0).cost, 16.0);
+  EXPECT_EQ(nuisance_prior(common_nuisance_count() - 1, 4.0).cost, 16.0);
 }
 
 // Student's t with 2 degrees of freedom: -2 ln of (1 + x^2 / 2)^(-3/2), with the scale that gives unit curvature at 0.
@@ -37,18 +37,29 @@ TEST(Prior, LargeSizesStayPossible) {
 
 TEST(Nuisance, EffectsSayWhatParametersSay) {
   int said = 0;
-  for (std::size_t k = 0; k < nuisance_count(); ++k) {
+  for (std::size_t k = 0; k < nuisance_count(2); ++k) {
     said += is_said_by("boom_stiffness", k) ? 1 : 0;
     EXPECT_FALSE(is_said_by("bearing_coulomb", k));
   }
   EXPECT_EQ(said, 2);  // bending and torsion
 }
 
-TEST(Nuisance, LatencyIsTheLastAmount) {
-  std::vector<double> amount(nuisance_count(), 0.0);
-  amount.back() = 2.0;
+TEST(Nuisance, LatencyComesBehindTheParameters) {
+  std::vector<double> amount(nuisance_count(1), 0.0);
+  amount[common_nuisance_count() - 1] = 2.0;
   EXPECT_DOUBLE_EQ(encoder_latency(amount, 3e-4), 6e-4);
   EXPECT_EQ(encoder_latency({}, 3e-4), 0.0);
+}
+
+// Two amounts per record behind the others; the rate's goes with the pendulum's frequency sqrt(g / L).
+TEST(Nuisance, EachRecordHasItsSwing) {
+  std::vector<double> amount(nuisance_count(2), 0.0);
+  amount[nuisance_count(1)] = 2.0;
+  amount[nuisance_count(1) + 1] = -1.0;
+  EXPECT_EQ(swing_at_start(amount, 0, 40.0).angle, 0.0);
+  EXPECT_DOUBLE_EQ(swing_at_start(amount, 1, 40.0).angle, 2.0 * kSwingDeviation);
+  EXPECT_DOUBLE_EQ(swing_at_start(amount, 1, 40.0).rate, -kSwingDeviation * std::sqrt(9.81 / 40.0));
+  EXPECT_EQ(swing_at_start(amount, 2, 40.0).angle, 0.0);
 }
 
 }  // namespace

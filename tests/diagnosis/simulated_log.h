@@ -19,17 +19,17 @@ struct Move {
   double speed_request;  // [-]
 };
 
-inline msgs::RunLog simulated_log(sim::MachineSettings machine_settings, controller::ControllerSettings controller,
-                                  const std::vector<Move>& moves, double duration, unsigned seed) {
-  constexpr double kStep = 1e-3;                                  // [s]
+inline constexpr double kStep = 1e-3;  // [s] of the machine, and the controller's period
+
+// From the state that the machine has; its step is kStep.
+inline msgs::RunLog simulated_log(sim::Machine machine, controller::ControllerSettings controller, const std::vector<Move>& moves,
+                                  double duration, unsigned seed) {
   constexpr double kCount = 2.0 * std::numbers::pi / 16384.0;     // [rad] encoder of 16384 counts per turn
   constexpr double kSpeedNoise = 2e-3;                            // [rad/s]
   constexpr double kAccelerometerNoise = 5e-3;                    // [m/s^2]
   std::mt19937 generator(seed);
   std::normal_distribution<double> normal;
-  machine_settings.step = kStep;
   controller.period = kStep;
-  sim::Machine machine = sim::make_machine(machine_settings);
   const int groups = machine.model.group_count;
   controller::ControllerState state;
   controller::ControllerInput input;
@@ -88,6 +88,12 @@ inline msgs::RunLog simulated_log(sim::MachineSettings machine_settings, control
     sim::step(machine, command);
   }
   return log;
+}
+
+inline msgs::RunLog simulated_log(sim::MachineSettings machine, const controller::ControllerSettings& controller,
+                                  const std::vector<Move>& moves, double duration, unsigned seed) {
+  machine.step = kStep;
+  return simulated_log(sim::make_machine(machine), controller, moves, duration, seed);
 }
 
 }  // namespace slewlab::diagnosis

@@ -298,6 +298,34 @@ TEST_P(ReferenceTest, ExtraForcesReachHouseTipAndLoad) {
   }
 }
 
+TEST_P(ReferenceTest, LoadHangsStillFromTheStartUnderSteadyForcesAndASpring) {
+  CraneParameters crane = thesis_crane(0);
+  crane.house.inertia = kFixedHouse;
+  crane.load.damping_ratio = 0.0;  // a swing would stay
+  ReferenceExtra extra;
+  const double side_force = 1000.0, spring = 2000.0;  // [N], [N/m] on the rope's lower end
+  const double moment = 500.0;                        // [Nm] on the rod
+  extra.forces = [&](const ReferenceMotion& motion, const double*, ReferenceForces& forces, double*) {
+    forces.load_force = side_force - spring * motion.rope_end_displacement;
+    forces.rod_moment = moment;
+  };
+  const ReferencePointer reference = make_reference(reference_machine(crane), options(), extra);
+  hang_load(*reference);
+  // (3.19), and the spring beside M g / L_wr; the boom then gives by what the rope pulls.
+  const double rope = crane.load.mass * kGravity / crane.load.rope_length;
+  EXPECT_NEAR(rope_angle(*reference), side_force / (rope + spring) / crane.load.rope_length, 1e-12);
+  const double rod = moment / (0.5 * crane.load.mass * kGravity * crane.load.rod_length);
+  EXPECT_NEAR(rod_angle(*reference), rod, 1e-12);
+
+  CraneParameters stiff = crane;
+  stiff.boom.youngs_modulus *= 1e6;
+  const ReferencePointer still = make_reference(reference_machine(stiff), options(), extra);
+  hang_load(*still);
+  advance(*still, {}, 7.0);
+  EXPECT_NEAR(rod_angle(*still), rod, 1e-6);
+  EXPECT_NEAR(rope_angle(*still), side_force / (rope + spring) / stiff.load.rope_length, 1e-6);
+}
+
 TEST_P(ReferenceTest, GearOffsetMovesTheFlankAndSofterGearsGiveMore) {
   CraneParameters crane = rigid_crane_on_one_group();
   crane.house.inertia = kFixedHouse;
