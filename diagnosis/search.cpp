@@ -17,7 +17,7 @@ namespace {
 constexpr double kLeastPairGain = 40.0;         // fall of the excess below the best single effect's, forecast, to try a pair
 constexpr double kSameMotion = 1e-6;            // relative difference of two signatures below which two effects are one motion
 constexpr int kStartsPerEffect = 2;             // that are refined
-constexpr int kFreshRounds = 2;                 // at most, for a leader
+constexpr int kFreshRounds = 5;                 // at most, for a leader
 constexpr std::size_t kPairLeaders = 3;         // single effects beside which a second one is looked for
 constexpr int kPairsPerLeader = 2;              // that are refined beside each of them but the best
 constexpr double kParallel = 0.02;              // 1 - cosine^2 of two signatures below which they are not tried as a pair
@@ -79,10 +79,17 @@ void go_back(Problem& problem, const Eigen::MatrixXd& nuisance_columns, std::siz
   std::stable_sort(fits.begin(), fits.end(), cheaper);
 }
 
+// Where a pair is fitted from, and the fit of whose columns it begins with: those of a machine without the pair's larger effect
+// lead it astray.
+struct PairStart {
+  Point point;
+  const FitResult* from;
+};
+
 // Pairs worth refining. First what two columns do jointly from where nothing is added. Then a second effect beside the best single
 // one, with the catalogue screened again there: where effects are large, only that is near enough. Then, by the
 // columns at hand, beside two more single ones.
-std::vector<Point> pair_starts(Problem& problem, const FitResult& base, const Screening& screening, const std::vector<const Screened*>& best,
+std::vector<PairStart> pair_starts(Problem& problem, const FitResult& base, const Screening& screening, const std::vector<const Screened*>& best,
                                const std::vector<FitResult>& singles, const std::map<std::string, std::string>& same_as,
                                const SearchSettings& settings, const Progress& tell) {
   const Eigen::VectorXd& gap = screening.gap;
@@ -109,12 +116,12 @@ std::vector<Point> pair_starts(Problem& problem, const FitResult& base, const Sc
   for (const Screened* screened : best) best_single = std::min(best_single, screened->left);
   const double worth = kLeastPairGain / problem.settings.independent_share;
   std::erase_if(joint, [&](const Pair& pair) { return pair.left > best_single - worth; });
-  std::vector<Point> starts;
+  std::vector<PairStart> starts;
   std::set<std::set<std::string>> taken;
-  const auto take = [&](const Point& start) {
-    if (taken.insert({start.effects[0].name, start.effects[1].name}).second) starts.push_back(start);
+  const auto take = [&](const Point& start, const FitResult& from) {
+    if (taken.insert({start.effects[0].name, start.effects[1].name}).second) starts.push_back({start, &from});
   };
-  for (std::size_t i = 0; i < joint.size() && static_cast<int>(starts.size()) < settings.pairs_to_refine / 2; ++i) take(joint[i].start);
+  for (std::size_t i = 0; i < joint.size() && static_cast<int>(starts.size()) < settings.pairs_to_refine / 2; ++i) take(joint[i].start, base);
 
   for (std::size_t leader = 0; leader < std::min<std::size_t>(kPairLeaders, singles.size()); ++leader) {
     const FitResult& single = singles[leader];
@@ -142,7 +149,7 @@ std::vector<Point> pair_starts(Problem& problem, const FitResult& base, const Sc
     ranked = best_of_each(std::move(ranked));
     const auto most = static_cast<std::size_t>(is_best ? settings.beside_the_best : kPairsPerLeader);
     for (std::size_t k = 0; k < std::min(most, ranked.size()); ++k) {
-      take(with_amount(single.point, *ranked[k], ranked[k]->amount));
+      take(with_amount(single.point, *ranked[k], ranked[k]->amount), single);
     }
   }
   return starts;
@@ -194,14 +201,16 @@ Found search(Problem& problem, const FitResult& base, const Screening& screening
     tell(0.53 + 0.07 * share, "converging " + result.point.effects[0].name);
   });
   if (!fits.empty() && settings.pairs_to_refine > 0) {
-    const std::vector<Point> starts = pair_starts(
+    const std::vector<PairStart> starts = pair_starts(
         problem, base, screening, best, fits, same_as, settings,
         [&](double share, const std::string& doing) { tell(0.6 + 0.1 * share, doing + " beside " + fits.front().point.effects[0].name); });
     std::vector<FitResult> pairs;
     for (std::size_t i = 0; i < starts.size(); ++i) {
+      const auto& [start, from] = starts[i];
       tell(0.7 + 0.1 * static_cast<double>(i) / static_cast<double>(starts.size()),
-           "refining " + starts[i].effects[0].name + " with " + starts[i].effects[1].name);
-      pairs.push_back(fit(problem, base.columns, starts[i]));
+           "refining " + start.effects[0].name + " with " + start.effects[1].name);
+      const auto nuisances = static_cast<Eigen::Index>(start.nuisance.size());
+      pairs.push_back(fit(problem, from->columns.leftCols(nuisances), start));
       take_nuisance_columns(fits.front().columns, pairs.back());
     }
     go_on(problem, base.columns, pairs, settings.pair_contenders, settings.pair_leaders, [&](double share, const FitResult& result) {
