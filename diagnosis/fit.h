@@ -38,7 +38,7 @@ struct FitSettings {
 
 // A point in the space of hypotheses.
 struct Point {
-  std::vector<double> nuisance;                 // in standard deviations
+  std::vector<double> nuisance;                 // in standard deviations: parameters, latency, each record's swing (nuisance.h)
   std::vector<common::EffectInstance> effects;  // parameter values in SI
   std::uint64_t seed = 0;                       // of the effects that draw numbers
 };

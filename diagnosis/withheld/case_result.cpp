@@ -75,7 +75,7 @@ CaseAnswer answer_from(const json& j) {
   answer.visibility = j.at("visibility");
   answer.most_visible = j.at("most_visible");
   for (const json& e : j.at("effects")) {
-    TrueEffect effect{e.at("law"), e.at("effect"), e.at("subsystem"), {}};
+    TrueEffect effect{e.at("law"), e.at("effect"), e.at("subsystem"), {}, e.at("visibility")};
     for (const json& s : e.at("sizes")) {
       effect.sizes.push_back({s.at("parameter"), s.at("value"), s.at("comparable")});
     }

@@ -46,6 +46,7 @@ struct TrueEffect {
   std::string effect;  // the catalogue's; empty: in no catalogue
   std::string subsystem;
   std::vector<TrueSize> sizes;
+  double visibility = 0.0;  // [-] noise floors, beside the case's other effect
 };
 
 struct CaseAnswer {

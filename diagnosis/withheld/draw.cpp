@@ -213,14 +213,14 @@ std::vector<DrawnCase> draw_cases(int count, std::uint64_t seed) {
 }
 
 TruthMachine build(const DrawnCase& drawn, const sim::CraneParameters& nominal,
-                   const controller::ControllerSettings& controller, bool with_laws,
+                   const controller::ControllerSettings& controller, const std::vector<bool>& on,
                    std::vector<std::vector<TrueSize>>* sizes) {
   sim::CraneParameters crane = nominal;
   const std::vector<SpreadParameter>& parameters = spread_parameters();
   for (std::size_t k = 0; k < parameters.size(); ++k) parameters[k].scale(crane, drawn.spread[k]);
   TruthMachine machine = make_truth_machine(crane, controller);
-  if (!with_laws) return machine;
   for (std::size_t k = 0; k < drawn.laws.size(); ++k) {
+    if (!on[k]) continue;
     Random random(drawn.law_seed, drawn.laws[k].law, k);
     std::vector<TrueSize> values = law_named(drawn.laws[k].law).apply(machine, drawn.laws[k].size, random);
     if (sizes != nullptr) sizes->push_back(std::move(values));

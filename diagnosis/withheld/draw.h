@@ -51,9 +51,9 @@ struct DrawnCase {
 // the catalogue 7.5 %, in no catalogue 7.5 %; every effect is drawn equally often (within one).
 std::vector<DrawnCase> draw_cases(int count, std::uint64_t seed);
 
-// The machine of a case, without its laws where `with_laws` is false; true sizes of law k to `sizes[k]`.
+// The machine of a case with those of its laws that are `on`, each as it is with all of them; true sizes, in their order, to `sizes`.
 TruthMachine build(const DrawnCase& drawn, const sim::CraneParameters& nominal,
-                   const controller::ControllerSettings& controller, bool with_laws,
+                   const controller::ControllerSettings& controller, const std::vector<bool>& on,
                    std::vector<std::vector<TrueSize>>* sizes = nullptr);
 
 }  // namespace slewlab::diagnosis::withheld

@@ -181,30 +181,40 @@ json make_case(const MakeSettings& settings, const Nominal& nominal, const Drawn
   const fs::path folder = settings.directory / case_name(drawn.number);
   fs::create_directories(folder);
   std::vector<std::vector<TrueSize>> sizes;
-  const TruthMachine machine = build(drawn, nominal.crane, nominal.controller, true, &sizes);
+  const std::size_t laws = drawn.laws.size();
+  const TruthMachine machine = build(drawn, nominal.crane, nominal.controller, std::vector<bool>(laws, true), &sizes);
   const RunOptions options{.noise_seed = 0,
                            .reference = {.method = sim::ReferenceMethod::kDirk, .tolerance = 1e-5, .order = 3}};
-  Visibility seen;
+  Visibility seen;                        // of all laws together
+  std::vector<Visibility> each(laws);     // of one beside the others
+  const auto see = [&](const TruthRun& run, std::size_t log, const RunOptions& here, const std::vector<bool>& on, Visibility& most) {
+    const TruthMachine without = build(drawn, nominal.crane, nominal.controller, on);
+    const Visibility one = visibility(run, run_truth(without, drawn.manoeuvres[log], here), without);
+    if (one.largest > most.largest) most = one;
+  };
   for (std::size_t m = 0; m < kLogNames.size(); ++m) {
     RunOptions here = options;
     here.noise_seed = drawn.noise_seeds[m];
     const TruthRun run = run_truth(machine, drawn.manoeuvres[m], here);
-    if (!drawn.laws.empty() && m < 2) {
-      const TruthMachine without = build(drawn, nominal.crane, nominal.controller, false);
-      const Visibility one = visibility(run, run_truth(without, drawn.manoeuvres[m], here), without);
-      if (one.largest > seen.largest) seen = one;
+    if (laws > 0 && m < 2) see(run, m, here, std::vector<bool>(laws, false), seen);
+    for (std::size_t k = 0; laws > 1 && m < 2 && k < laws; ++k) {
+      std::vector<bool> on(laws, true);
+      on[k] = false;
+      see(run, m, here, on, each[k]);
     }
     write_log(run, nominal.hash, folder / kLogNames[m]);
   }
   write_whole(folder / "given.json", json{{"without", drawn.without}}.dump() + "\n");
   json effects = json::array();
-  for (std::size_t k = 0; k < drawn.laws.size(); ++k) {
+  if (laws == 1) each[0] = seen;
+  for (std::size_t k = 0; k < laws; ++k) {
     const Law& law = law_named(drawn.laws[k].law);
     json values = json::array();
     for (const TrueSize& size : sizes[k]) {
       values.push_back({{"parameter", size.parameter}, {"value", size.value}, {"comparable", size.comparable}});
     }
-    effects.push_back({{"law", law.name}, {"effect", law.effect}, {"subsystem", law.subsystem}, {"sizes", values}});
+    effects.push_back({{"law", law.name}, {"effect", law.effect}, {"subsystem", law.subsystem},
+                       {"visibility", each[k].largest}, {"sizes", values}});
   }
   json spread = json::object();
   for (std::size_t k = 0; k < drawn.spread.size(); ++k) spread[spread_parameters()[k].name] = drawn.spread[k];

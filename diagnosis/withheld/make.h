@@ -9,7 +9,8 @@
 //   DIR/digest.txt              SHA-256 of answers.json
 //
 // Visibility of an effect: the same machine with the same noise runs without it; the largest of all signals' RMS
-// difference in the manoeuvres a and b over the signal's noise floor. Two seconds from every meeting or parting of
+// difference in the manoeuvres a and b over the signal's noise floor; of a case, without all its effects; of each of two,
+// without that one. Two seconds from every meeting or parting of
 // teeth in either run are left out: an impact a little earlier or later is a large difference that means little. Floors: accelerometers their noise; encoder
 // speeds what counting does to them (counting_noise()); torques that times the proportional gain.
 #pragma once

@@ -111,7 +111,7 @@ ScoreTable tabulate(const std::vector<Judged>& cases) {
   ScoreTable table;
   std::vector<double> alarms, detected, subsystem, first, three, probability, both, unknown, covered, closed;
   std::vector<double> all_detected, all_subsystem, all_first, all_three, all_probability, all_both, all_unknown;
-  std::vector<double> refused, seconds, left_out, no_catalogue;
+  std::vector<double> refused, seconds, left_out, no_catalogue, each_visible;
   std::map<std::string, std::vector<double>> per_effect;
   struct Stated {
     double probability;
@@ -183,7 +183,12 @@ ScoreTable tabulate(const std::vector<Judged>& cases) {
                              answer.effects[0].sizes.empty() ? 0.0 : answer.effects[0].sizes[0].value,
                              answer.visibility, result.gap, now});
     }
-    if (answer.kind == Kind::kTwoEffects) add(both, all_both, right ? 1.0 : 0.0);
+    if (answer.kind == Kind::kTwoEffects) {
+      add(both, all_both, right ? 1.0 : 0.0);
+      const bool each_is_visible = std::all_of(answer.effects.begin(), answer.effects.end(),
+                                               [](const TrueEffect& effect) { return effect.visibility > kVisible; });
+      if (each_is_visible) each_visible.push_back(right ? 1.0 : 0.0);
+    }
     if (is_outside(answer.kind)) {
       add(unknown, all_unknown, top.unknown ? 1.0 : 0.0);
       if (visible) (answer.kind == Kind::kLeftOut ? left_out : no_catalogue).push_back(top.unknown ? 1.0 : 0.0);
@@ -225,6 +230,7 @@ ScoreTable tabulate(const std::vector<Judged>& cases) {
                 mean_score("true cause in the first three, all effects", all_three, 0.0, 1.0),
                 mean_score("mean probability on the true cause, all effects", all_probability, 0.0, 1.0),
                 mean_score("both of two effects named, all", all_both, 0.0, 1.0),
+                mean_score("both of two effects named, each visible", each_visible, 0.0, 1.0),
                 mean_score("\"not in the catalogue\" where due, all", all_unknown, 0.0, 1.0),
                 mean_score("\"not in the catalogue\", left out", left_out, 0.0, 1.0),
                 mean_score("\"not in the catalogue\", no catalogue", no_catalogue, 0.0, 1.0),

@@ -10,7 +10,7 @@
 // - first cause: one effect; 1 where the first answer is it alone, 1/size where the first answer declares a group of
 //   that size with the truth in it. First three: the same over the first three answers, the best of them.
 // - probability on the true cause: one effect; that of the cause with the true effect alone.
-// - two effects: the first answer names both.
+// - two effects: the first answer names both; also given where each of them alone is visible beside the other.
 // - unknown: left-out and no-catalogue cases whose first answer is "not in the catalogue".
 // - calibration: the first answer's probability against how often it is right, 10 bins, mean absolute difference
 //   weighted by cases; over cases whose truth can be known (nothing, parameters, visible effects).

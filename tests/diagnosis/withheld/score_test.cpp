@@ -15,7 +15,7 @@ Judged judged(Kind kind, const std::vector<std::string>& effects, double visibil
   one.answer.kind = kind;
   one.answer.visibility = visibility;
   for (const std::string& effect : effects) {
-    one.answer.effects.push_back({"a law", effect, "drive", {{"size", 2.0, true}, {"shape", 1.0, false}}});
+    one.answer.effects.push_back({"a law", effect, "drive", {{"size", 2.0, true}, {"shape", 1.0, false}}, visibility});
   }
   one.result.causes = std::move(causes);
   one.result.probability_unknown = unknown;
@@ -84,6 +84,17 @@ TEST(Score, BothOfTwoAreNamedTogetherInAnyOrder) {
       tabulate({judged(Kind::kTwoEffects, {"lag", "wind"}, 9, {cause({"wind", "lag"}, 0.8)}, 0, true),
                 judged(Kind::kTwoEffects, {"lag", "wind"}, 9, {cause({"lag"}, 0.8)}, 0, true)});
   EXPECT_DOUBLE_EQ(score_named(table, "both of two effects named").value, 0.5);
+}
+
+// A pair of which one alone changes no signal by three floors is a pair like any other, but not one of two visible effects.
+TEST(Score, PairsOfTwoVisibleEffectsAreCountedBesides) {
+  std::vector<Judged> cases{judged(Kind::kTwoEffects, {"lag", "wind"}, 9, {cause({"wind", "lag"}, 0.8)}, 0, true),
+                            judged(Kind::kTwoEffects, {"lag", "wind"}, 9, {cause({"lag"}, 0.8)}, 0, true)};
+  cases[1].answer.effects[1].visibility = 2.9;
+  EXPECT_DOUBLE_EQ(score_named(tabulate(cases), "both of two effects named").value, 0.5);
+  const Score score = score_named(tabulate(cases), "both of two effects named, each visible");
+  EXPECT_DOUBLE_EQ(score.value, 1.0);
+  EXPECT_EQ(score.cases, 1);
 }
 
 // Four answers of 0.9, three of them right: stated 0.9, right 0.75.
