@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "msgs/codec.h"
+#include "sim/drive/plant_output.h"
 
 namespace slewlab::sim {
 namespace {
@@ -26,8 +27,8 @@ class Lockstep {
       : settings_(settings),
         plant_(plant),
         bus_(bus),
-        log_(log),
         hooks_(hooks),
+        output_(settings, plant, bus, log),
         faults_(settings.faults, settings.controller_period) {
     require_multiple(settings.controller_period, settings.plant_step, "a controller period");
     require_multiple(settings.sensors_period, settings.plant_step, "a sensors period");
@@ -40,13 +41,13 @@ class Lockstep {
 
   LockstepCounts run() {
     const std::int64_t steps_per_period = settings_.controller_period / settings_.plant_step;
-    output();
+    output_.send_series(counts_.simulated_time);
     while (counts_.simulated_time < settings_.duration && !stop_asked()) {
       if (!talk()) break;
       for (std::int64_t i = 0; i < steps_per_period; ++i) {
         plant_.step(faults_.conditions(counts_.simulated_time));
         counts_.simulated_time += settings_.plant_step;
-        output();
+        output_.send_series(counts_.simulated_time);
       }
       ++counts_.cycles;
       if (hooks_.after_cycle) hooks_.after_cycle(counts_);
@@ -57,28 +58,15 @@ class Lockstep {
  private:
   bool stop_asked() const { return hooks_.stop && hooks_.stop(); }
 
-  template <class Message>
-  void set_head(Message& message, std::int64_t sequence) {
-    message.sequence = sequence;
-    message.simulated_time = counts_.simulated_time;
-    message.configuration_hash = settings_.configuration_hash;
-  }
-
-  void log(const char* channel, const ByteBuffer& bytes) {
-    log_(channel, counts_.simulated_time / 1000, bytes);
-  }
+  void log(const char* channel, const ByteBuffer& bytes) { output_.log(channel, counts_.simulated_time, bytes); }
 
   // What plant and controller say to each other at the start of a period; false if asked to stop meanwhile.
   bool talk() {
-    const auto& moves = settings_.operator_moves;
-    while (next_move_ < moves.size() && moves[next_move_].time <= counts_.simulated_time) {
-      send_operator(moves[next_move_++]);
-    }
     // The controller is told where the joystick stands before it is asked for the first time.
-    if (operator_sequence_ < 0) send_operator(OperatorMove{});
+    output_.send_operator_moves(counts_.simulated_time);
 
-    set_head(encoder_, counts_.cycles);
-    encoder_.operator_sequence = operator_sequence_;
+    output_.set_head(encoder_, counts_.cycles, counts_.simulated_time);
+    encoder_.operator_sequence = output_.operator_sequence();
     plant_.read_encoder(encoder_);
     faults_.alter(counts_.simulated_time, encoder_);
     msgs::encode(encoder_, encoder_bytes_);
@@ -136,7 +124,7 @@ class Lockstep {
     if (msgs::decode(message.bytes, incoming_encoder_) != msgs::DecodeStatus::ok) return Reading::no_question;
     if (incoming_encoder_.sequence != message.sequence ||
         incoming_encoder_.configuration_hash != settings_.configuration_hash ||
-        incoming_encoder_.operator_sequence < 0 || incoming_encoder_.operator_sequence > operator_sequence_) {
+        incoming_encoder_.operator_sequence < 0 || incoming_encoder_.operator_sequence > output_.operator_sequence()) {
       return Reading::other_question;
     }
     return message.sequence > asked_ ? Reading::question : Reading::no_question;
@@ -168,19 +156,9 @@ class Lockstep {
     return true;
   }
 
-  void send_operator(const OperatorMove& move) {
-    set_head(operator_, ++operator_sequence_);
-    operator_.speed_request = move.speed_request;
-    operator_.emergency_stop = move.emergency_stop;
-    operator_.acknowledge = move.acknowledge;
-    msgs::encode(operator_, operator_bytes_);
-    log(msgs::kOperatorChannel, operator_bytes_);
-    bus_.publish(msgs::kOperatorChannel, operator_bytes_);
-  }
-
   // With the newest OPERATOR, where that may have been lost or the controller has only just come up.
   void send_question(const ByteBuffer& question, bool with_operator) {
-    if (with_operator) bus_.publish(msgs::kOperatorChannel, operator_bytes_);
+    if (with_operator) output_.repeat_operator();
     bus_.publish(msgs::kEncoderChannel, question);
     ++questions_;
   }
@@ -224,47 +202,15 @@ class Lockstep {
     have_state_ = true;
   }
 
-  void output() {
-    const std::int64_t time = counts_.simulated_time;
-    const bool live = time % settings_.live_period == 0;
-    if (time % settings_.sensors_period == 0) {
-      set_head(sensors_, sensors_sequence_++);
-      plant_.read_sensors(sensors_);
-      output(msgs::kSensorsChannel, sensors_, live);
-    }
-    if (time % settings_.truth_period == 0) {
-      set_head(truth_, truth_sequence_++);
-      plant_.read_truth(truth_);
-      output(msgs::kTruthChannel, truth_, live);
-    }
-    if (time % settings_.status_period == 0) {
-      set_head(status_, status_sequence_++);
-      plant_.read_status(status_);
-      output(msgs::kPlantStatusChannel, status_, live);
-    }
-  }
-
-  template <class Message>
-  void output(const char* channel, const Message& message, bool live) {
-    msgs::encode(message, output_bytes_);
-    log(channel, output_bytes_);
-    if (live) bus_.publish(channel, output_bytes_);
-  }
-
   const LockstepSettings& settings_;
   DrivenPlant& plant_;
   msgs::Bus& bus_;
-  const LogSink& log_;
   const LockstepHooks& hooks_;
+  PlantOutput output_;
 
   LockstepCounts counts_;
-  std::size_t next_move_ = 0;
-  std::int64_t operator_sequence_ = -1;
   std::int64_t asked_ = -1;  // the newest ENCODER that was to be answered
   bool introduce_ = false;   // the controller has only just come up
-  std::int64_t sensors_sequence_ = 0;
-  std::int64_t truth_sequence_ = 0;
-  std::int64_t status_sequence_ = 0;
   std::int64_t newest_torque_ = -1;  // sequence number of the controller's newest TORQUE
   std::int64_t questions_ = 0;       // how often the present ENCODER was sent
   std::int64_t answers_ = 0;         // TORQUE heard since
@@ -277,19 +223,13 @@ class Lockstep {
 
   msgs::Encoder encoder_{};
   msgs::Encoder incoming_encoder_{};
-  msgs::Operator operator_{};
   msgs::Torque torque_{};
   msgs::Torque incoming_torque_{};
   msgs::ControllerState state_{};
-  msgs::Sensors sensors_{};
-  msgs::Truth truth_{};
-  msgs::PlantStatus status_{};
 
-  ByteBuffer operator_bytes_;  // the newest
   ByteBuffer encoder_bytes_;
   ByteBuffer torque_bytes_;
   ByteBuffer state_bytes_;
-  ByteBuffer output_bytes_;
 };
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <stdexcept>
 
 #include "msgs/codec.h"
+#include "sim/drive/plant_output.h"
 
 namespace slewlab::sim {
 namespace {
@@ -18,9 +19,9 @@ class WallClock {
         speed_(speed),
         plant_(plant),
         bus_(bus),
-        log_(log),
         clock_(clock),
         hooks_(hooks),
+        output_(settings, plant, bus, log),
         faults_(settings.faults, settings.controller_period, Stopping::process_stopped) {
     if (!(speed > 0.0) || !std::isfinite(speed)) throw std::invalid_argument("a speed must be a positive number");
     if (settings.plant_step <= 0 || settings.controller_period % settings.plant_step != 0) {
@@ -31,7 +32,7 @@ class WallClock {
   }
 
   WallClockReport run() {
-    output();
+    send_series();
     if (!meet_controller()) return report_;
     const std::int64_t start = clock_.now();
     const auto due = [&](std::int64_t step) {
@@ -49,7 +50,7 @@ class WallClock {
       if (step > 0 && report_.simulated_time % settings_.controller_period == 0) begin_period();
       plant_.step(faults_.conditions(report_.simulated_time));
       report_.simulated_time += settings_.plant_step;
-      output();
+      send_series();
 
       const std::int64_t done = clock_.now();
       report_.step_time.add(done - awake);
@@ -64,13 +65,10 @@ class WallClock {
  private:
   bool stop_asked() const { return hooks_.stop && hooks_.stop(); }
 
-  void log(const char* channel, msgs::Bytes bytes) { log_(channel, report_.simulated_time / 1000, bytes); }
+  void log(const char* channel, msgs::Bytes bytes) { output_.log(channel, report_.simulated_time, bytes); }
 
-  template <class Message>
-  void set_head(Message& message, std::int64_t sequence) {
-    message.sequence = sequence;
-    message.simulated_time = report_.simulated_time;
-    message.configuration_hash = settings_.configuration_hash;
+  void send_series() {
+    output_.send_series(report_.simulated_time, [this](msgs::PlantStatus& status) { add_health(status); });
   }
 
   // Asks for the first time until something comes back; false if asked to stop before.
@@ -80,7 +78,7 @@ class WallClock {
     while (!heard_) {
       if (stop_asked()) return false;
       if (bus_.handle_one(kPatience)) continue;
-      bus_.publish(msgs::kOperatorChannel, operator_bytes_);
+      output_.repeat_operator();
       bus_.publish(msgs::kEncoderChannel, encoder_bytes_);
     }
     return true;
@@ -100,14 +98,12 @@ class WallClock {
         if (action == ControllerAction::start) newcomer_until_ = time + kIntroduction;
       }
     }
-    const auto& moves = settings_.operator_moves;
-    while (next_move_ < moves.size() && moves[next_move_].time <= time) send_operator(moves[next_move_++]);
-    if (operator_sequence_ < 0) send_operator(OperatorMove{});
+    output_.send_operator_moves(time);
     // A controller that was started anew subscribes when it is ready, and nobody waits for it.
-    if (time < newcomer_until_) bus_.publish(msgs::kOperatorChannel, operator_bytes_);
+    if (time < newcomer_until_) output_.repeat_operator();
 
-    set_head(encoder_, ++encoder_sequence_);
-    encoder_.operator_sequence = operator_sequence_;
+    output_.set_head(encoder_, ++encoder_sequence_, time);
+    encoder_.operator_sequence = output_.operator_sequence();
     plant_.read_encoder(encoder_);
     faults_.alter(time, encoder_);
     msgs::encode(encoder_, encoder_bytes_);
@@ -128,16 +124,6 @@ class WallClock {
     faults_.begin_period(FaultChannel::torque, time);
     handed_over_ = 0;
     hand_over();
-  }
-
-  void send_operator(const OperatorMove& move) {
-    set_head(operator_, ++operator_sequence_);
-    operator_.speed_request = move.speed_request;
-    operator_.emergency_stop = move.emergency_stop;
-    operator_.acknowledge = move.acknowledge;
-    msgs::encode(operator_, operator_bytes_);
-    log(msgs::kOperatorChannel, operator_bytes_);
-    bus_.publish(msgs::kOperatorChannel, operator_bytes_);
   }
 
   void receive_torque(msgs::Bytes bytes) {
@@ -164,46 +150,18 @@ class WallClock {
     plant_.receive(status, torque_);
   }
 
-  void output() {
-    const std::int64_t time = report_.simulated_time;
-    const bool live = time % settings_.live_period == 0;
-    if (time % settings_.sensors_period == 0) {
-      set_head(sensors_, sensors_sequence_++);
-      plant_.read_sensors(sensors_);
-      output(msgs::kSensorsChannel, sensors_, live);
-    }
-    if (time % settings_.truth_period == 0) {
-      set_head(truth_, truth_sequence_++);
-      plant_.read_truth(truth_);
-      output(msgs::kTruthChannel, truth_, live);
-    }
-    if (time % settings_.status_period == 0) {
-      set_head(status_, status_sequence_++);
-      plant_.read_status(status_);
-      fill_health();
-      output(msgs::kPlantStatusChannel, status_, live);
-    }
-  }
-
-  void fill_health() {
+  void add_health(msgs::PlantStatus& status) const {
     constexpr double kNanosecond = 1e-9;  // [s]
-    status_.missed_deadlines = report_.missed_deadlines;
-    status_.bin_count = LatencyHistogram::kOctaves;
-    status_.bin_edge.resize(LatencyHistogram::kOctaves);
-    status_.wakeup_latency.resize(LatencyHistogram::kOctaves);
-    status_.step_time.resize(LatencyHistogram::kOctaves);
+    status.missed_deadlines = report_.missed_deadlines;
+    status.bin_count = LatencyHistogram::kOctaves;
+    status.bin_edge.resize(LatencyHistogram::kOctaves);
+    status.wakeup_latency.resize(LatencyHistogram::kOctaves);
+    status.step_time.resize(LatencyHistogram::kOctaves);
     for (int i = 0; i < LatencyHistogram::kOctaves; ++i) {
-      status_.bin_edge[i] = LatencyHistogram::octave_edge(i) * kNanosecond;
-      status_.wakeup_latency[i] = report_.wakeup_latency.octave_count(i);
-      status_.step_time[i] = report_.step_time.octave_count(i);
+      status.bin_edge[i] = LatencyHistogram::octave_edge(i) * kNanosecond;
+      status.wakeup_latency[i] = report_.wakeup_latency.octave_count(i);
+      status.step_time[i] = report_.step_time.octave_count(i);
     }
-  }
-
-  template <class Message>
-  void output(const char* channel, const Message& message, bool live) {
-    msgs::encode(message, output_bytes_);
-    log(channel, output_bytes_);
-    if (live) bus_.publish(channel, output_bytes_);
   }
 
   static constexpr std::int64_t kIntroduction = 5'000'000'000;  // [ns] a program takes that long to come up at most
@@ -212,31 +170,20 @@ class WallClock {
   double speed_;
   DrivenPlant& plant_;
   msgs::Bus& bus_;
-  const LogSink& log_;
   LoopClock& clock_;
   const WallClockHooks& hooks_;
+  PlantOutput output_;
   FaultInjector faults_;
 
   WallClockReport report_;
   bool heard_ = false;
   std::size_t handed_over_ = 0;  // of the TORQUE that arrived in this period
-  std::size_t next_move_ = 0;
   std::int64_t newcomer_until_ = 0;  // [ns]
-  std::int64_t operator_sequence_ = -1;
   std::int64_t encoder_sequence_ = -1;
-  std::int64_t sensors_sequence_ = 0;
-  std::int64_t truth_sequence_ = 0;
-  std::int64_t status_sequence_ = 0;
 
   msgs::Encoder encoder_{};
-  msgs::Operator operator_{};
   msgs::Torque torque_{};
-  msgs::Sensors sensors_{};
-  msgs::Truth truth_{};
-  msgs::PlantStatus status_{};
-  ByteBuffer operator_bytes_;
   ByteBuffer encoder_bytes_;
-  ByteBuffer output_bytes_;
 };
 
 }  // namespace

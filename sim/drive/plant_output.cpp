@@ -1,0 +1,47 @@
+#include "sim/drive/plant_output.h"
+
+namespace slewlab::sim {
+
+void PlantOutput::send_operator_moves(std::int64_t simulated_time) {
+  const std::vector<OperatorMove>& moves = settings_.operator_moves;
+  while (next_move_ < moves.size() && moves[next_move_].time <= simulated_time) send_operator(moves[next_move_++], simulated_time);
+  if (operator_sequence_ < 0) send_operator(OperatorMove{}, simulated_time);
+}
+
+void PlantOutput::send_operator(const OperatorMove& move, std::int64_t simulated_time) {
+  set_head(operator_, ++operator_sequence_, simulated_time);
+  operator_.speed_request = move.speed_request;
+  operator_.emergency_stop = move.emergency_stop;
+  operator_.acknowledge = move.acknowledge;
+  msgs::encode(operator_, operator_bytes_);
+  log(msgs::kOperatorChannel, simulated_time, operator_bytes_);
+  repeat_operator();
+}
+
+void PlantOutput::send_series(std::int64_t simulated_time, const std::function<void(msgs::PlantStatus&)>& complete) {
+  if (simulated_time % settings_.sensors_period == 0) {
+    set_head(sensors_, sensors_sequence_++, simulated_time);
+    plant_.read_sensors(sensors_);
+    send(msgs::kSensorsChannel, simulated_time, sensors_);
+  }
+  if (simulated_time % settings_.truth_period == 0) {
+    set_head(truth_, truth_sequence_++, simulated_time);
+    plant_.read_truth(truth_);
+    send(msgs::kTruthChannel, simulated_time, truth_);
+  }
+  if (simulated_time % settings_.status_period == 0) {
+    set_head(status_, status_sequence_++, simulated_time);
+    plant_.read_status(status_);
+    if (complete) complete(status_);
+    send(msgs::kPlantStatusChannel, simulated_time, status_);
+  }
+}
+
+template <class Message>
+void PlantOutput::send(const char* channel, std::int64_t simulated_time, const Message& message) {
+  msgs::encode(message, bytes_);
+  log(channel, simulated_time, bytes_);
+  if (simulated_time % settings_.live_period == 0) bus_.publish(channel, bytes_);
+}
+
+}  // namespace slewlab::sim
