@@ -84,6 +84,31 @@ void ask_launcher(ControllerAction action) {
   }
 }
 
+// Puts the log in order and says how the run went, `own` being what only this way of running has to say. The exit code.
+int end_run(const LockstepSettings& settings, const CranePlant& plant, msgs::LogWriter& log, std::int64_t simulated_time,
+            double wall_seconds, const nlohmann::ordered_json& own) {
+  const bool complete = simulated_time >= settings.duration;
+  if (complete) {
+    log.finish();
+  } else {
+    log.flush();
+  }
+  const double simulated_seconds = static_cast<double>(simulated_time) / kNanosecondsPerSecond;
+  nlohmann::ordered_json summary{{"complete", complete},
+                                 {"configuration_hash", msgs::hash_text(settings.configuration_hash)},
+                                 {"simulated_seconds", simulated_seconds},
+                                 {"wall_seconds", wall_seconds}};
+  summary.update(own);
+  summary["drive"] = drive_summary(plant.drive());
+  summary["log_events"] = log.event_count();
+  summary["log_bytes"] = log.byte_count();
+  std::printf("summary %s\n", summary.dump().c_str());
+  std::fflush(stdout);
+  if (complete) return 0;
+  std::fprintf(stderr, "slewlab-plant: stopped by signal %d at %.3f s of simulated time\n", common::stop_signal(), simulated_seconds);
+  return 128 + common::stop_signal();
+}
+
 int run_in_lockstep(const LockstepSettings& settings, CranePlant& plant, msgs::Bus& bus, msgs::LogWriter& log) {
   const WallClock::time_point begin = WallClock::now();
   WallClock::time_point next_progress = begin;
@@ -106,34 +131,14 @@ int run_in_lockstep(const LockstepSettings& settings, CranePlant& plant, msgs::B
   const LockstepCounts counts = run_lockstep(settings, plant, bus, log, hooks);
   const double wall_seconds = std::chrono::duration<double>(WallClock::now() - begin).count();
   print_progress(counts, settings);
-  const bool complete = counts.simulated_time >= settings.duration;
-  if (complete) {
-    log.finish();
-  } else {
-    log.flush();
-  }
-
   const double simulated_seconds = static_cast<double>(counts.simulated_time) / kNanosecondsPerSecond;
-  const nlohmann::ordered_json summary{
-      {"complete", complete},
-      {"configuration_hash", msgs::hash_text(settings.configuration_hash)},
-      {"simulated_seconds", simulated_seconds},
-      {"wall_seconds", wall_seconds},
+  return end_run(settings, plant, log, counts.simulated_time, wall_seconds, {
       {"rate_against_real_time", simulated_seconds / wall_seconds},
       {"lockstep_cycles", counts.cycles},
       {"lockstep_cycles_per_second", static_cast<double>(counts.cycles) / wall_seconds},
       {"resends", counts.resends},
       {"stale_answers", counts.stale_answers},
-      {"wrong_answers", counts.wrong_answers},
-      {"drive", drive_summary(plant.drive())},
-      {"log_events", log.event_count()},
-      {"log_bytes", log.byte_count()}};
-  std::printf("summary %s\n", summary.dump().c_str());
-  std::fflush(stdout);
-  if (complete) return 0;
-  std::fprintf(stderr, "slewlab-plant: stopped by signal %d at %.3f s of simulated time\n", common::stop_signal(),
-               simulated_seconds);
-  return 128 + common::stop_signal();
+      {"wrong_answers", counts.wrong_answers}});
 }
 
 nlohmann::ordered_json latency_summary(const LatencyHistogram& histogram) {
@@ -175,18 +180,7 @@ int run_in_real_time(const Options& options, const LockstepSettings& settings, C
   const double wall_seconds = static_cast<double>(clock.now() - begin) / kNanosecondsPerSecond;
   print_progress({.simulated_time = report.simulated_time}, settings);
   queue.finish();
-  const bool complete = report.simulated_time >= settings.duration;
-  if (complete) {
-    log.finish();
-  } else {
-    log.flush();
-  }
-  const double simulated_seconds = static_cast<double>(report.simulated_time) / kNanosecondsPerSecond;
-  const nlohmann::ordered_json summary{
-      {"complete", complete},
-      {"configuration_hash", msgs::hash_text(settings.configuration_hash)},
-      {"simulated_seconds", simulated_seconds},
-      {"wall_seconds", wall_seconds},
+  return end_run(settings, plant, log, report.simulated_time, wall_seconds, {
       {"realtime",
        {{"speed", options.speed},
         {"permissions", permissions},
@@ -195,16 +189,7 @@ int run_in_real_time(const Options& options, const LockstepSettings& settings, C
         {"wakeup_latency", latency_summary(report.wakeup_latency)},
         {"step_time", latency_summary(report.step_time)},
         {"log_events_left_out", queue.left_out()}}},
-      {"controller_cycles", report.cycles},
-      {"drive", drive_summary(plant.drive())},
-      {"log_events", log.event_count()},
-      {"log_bytes", log.byte_count()}};
-  std::printf("summary %s\n", summary.dump().c_str());
-  std::fflush(stdout);
-  if (complete) return 0;
-  std::fprintf(stderr, "slewlab-plant: stopped by signal %d at %.3f s of simulated time\n", common::stop_signal(),
-               simulated_seconds);
-  return 128 + common::stop_signal();
+      {"controller_cycles", report.cycles}});
 }
 
 int run(const Options& options) {
