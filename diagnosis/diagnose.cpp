@@ -442,16 +442,13 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   }
   // Parameters that had to go farther than machines of one make differ.
   const Point& answer = first.point.nuisance.empty() ? base.point : first.point;
-  const bool has_load = problem.nominal.crane.load.mass > 0.0;
   std::string far;
   for (std::size_t k = 0; k < std::min(answer.nuisance.size(), nuisances().size()); ++k) {
     if (std::fabs(answer.nuisance[k]) < kFarOff) continue;
     far += fmt::format("{}{} {:+.0f} %", far.empty() ? "" : ", ", nuisances()[k].name, 100.0 * nuisances()[k].spread * answer.nuisance[k]);
   }
-  for (std::size_t r = 0; r < problem.records.size() && has_load; ++r) {
-    const double rope = problem.nominal.crane.load.rope_length;
-    const Swing swing = swing_at_start(answer.nuisance, r, rope);
-    const double reach = std::hypot(swing.angle, swing.rate * std::sqrt(rope / sim::kGravity));
+  for (std::size_t r = 0; r < problem.records.size(); ++r) {
+    const double reach = swing_reach(answer.nuisance, r);
     if (reach < kWorthASwing) continue;
     diagnosis.remarks.push_back(fmt::format("{}: the load swings when the record begins, up to {:.1f} mrad from where it would hang still",
                                             problem.records[r].name, 1e3 * reach));

@@ -128,37 +128,30 @@ Eigen::VectorXd steps_at(const Problem& problem, const Point& point, const Eigen
 // Of nuisances that an effect holds: zero.
 Eigen::MatrixXd nuisance_columns(Problem& problem, const Point& point, const Eigen::VectorXd& difference, const Eigen::VectorXd& steps) {
   const std::size_t common = common_nuisance_count(), all = nuisance_count(problem);
-  std::vector<std::size_t> free;
-  std::vector<Point> points;
+  // Nuisances that are moved together: a record's own change no other record, so each of them goes with its likes.
+  std::vector<std::vector<std::size_t>> moves;
   for (std::size_t k = 0; k < common; ++k) {
-    if (is_held(point, k)) continue;
-    free.push_back(k);
-    points.push_back(point);
-    points.back().nuisance[k] += steps(static_cast<Eigen::Index>(k));
+    if (!is_held(point, k)) moves.push_back({k});
   }
-  // What belongs to one record changes no other: moved in all of them at once.
-  const bool has_load = problem.nominal.crane.load.mass > 0.0;
-  for (std::size_t k = common; has_load && k < std::min(all, nuisance_count(1)); ++k) {
-    points.push_back(point);
-    for (std::size_t own = k; own < all; own += nuisance_count(1) - common) {
-      points.back().nuisance[own] += steps(static_cast<Eigen::Index>(own));
-    }
+  for (std::size_t part = 0; part < kSwingAmounts && problem.nominal.crane.load.mass > 0.0; ++part) {
+    std::vector<std::size_t>& move = moves.emplace_back();
+    for (std::size_t k = common + part; k < all; k += kSwingAmounts) move.push_back(k);
+  }
+  std::vector<Point> points(moves.size(), point);
+  for (std::size_t i = 0; i < moves.size(); ++i) {
+    for (const std::size_t k : moves[i]) points[i].nuisance[k] += steps(static_cast<Eigen::Index>(k));
   }
   const std::vector<Eigen::VectorXd> moved_differences = differences(problem, points);
+  std::vector<Eigen::Index> first_row{0};  // of each record
+  for (const Whitening& whitening : problem.whitening) first_row.push_back(first_row.back() + whitening.size());
   Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(difference.size(), static_cast<Eigen::Index>(all));
-  for (std::size_t i = 0; i < free.size(); ++i) {
-    const auto k = static_cast<Eigen::Index>(free[i]);
-    columns.col(k) = (moved_differences[i] - difference) / steps(k);
-  }
-  for (std::size_t i = free.size(); i < points.size(); ++i) {
-    std::size_t own = common + i - free.size();
-    Eigen::Index row = 0;
-    for (const Whitening& whitening : problem.whitening) {
-      const auto k = static_cast<Eigen::Index>(own);
-      columns.col(k).segment(row, whitening.size()) =
-          (moved_differences[i] - difference).segment(row, whitening.size()) / steps(k);
-      row += whitening.size();
-      own += nuisance_count(1) - common;
+  for (std::size_t i = 0; i < moves.size(); ++i) {
+    for (const std::size_t k : moves[i]) {
+      const bool is_of_all = k < common;
+      const std::size_t record = is_of_all ? 0 : (k - common) / kSwingAmounts;
+      const Eigen::Index from = first_row[record], to = is_of_all ? first_row.back() : first_row[record + 1];
+      const auto column = static_cast<Eigen::Index>(k);
+      columns.col(column).segment(from, to - from) = (moved_differences[i] - difference).segment(from, to - from) / steps(column);
     }
   }
   return columns;

@@ -54,13 +54,18 @@ double encoder_latency(const std::vector<double>& amount, double deviation) {
 
 Swing swing_at_start(const std::vector<double>& amount, std::size_t record, double rope_length) {
   const std::size_t first = nuisance_count(record);
-  if (amount.size() < first + 2 || !(rope_length > 0.0)) return {};
+  if (amount.size() < first + kSwingAmounts || !(rope_length > 0.0)) return {};
   return {kSwingDeviation * amount[first], kSwingDeviation * std::sqrt(sim::kGravity / rope_length) * amount[first + 1]};
+}
+
+double swing_reach(const std::vector<double>& amount, std::size_t record) {
+  const std::size_t first = nuisance_count(record);
+  return amount.size() < first + kSwingAmounts ? 0.0 : kSwingDeviation * std::hypot(amount[first], amount[first + 1]);
 }
 
 std::size_t common_nuisance_count() { return nuisances().size() + 1; }
 
-std::size_t nuisance_count(std::size_t records) { return common_nuisance_count() + 2 * records; }
+std::size_t nuisance_count(std::size_t records) { return common_nuisance_count() + kSwingAmounts * records; }
 
 PriorTerm nuisance_prior(std::size_t k, double z) {
   PriorTerm term{z * z, z, 1.0};

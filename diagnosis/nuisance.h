@@ -33,7 +33,10 @@ double encoder_latency(const std::vector<double>& amount, double deviation);  //
 // Behind that, two amounts of each record: angle and rate of the swing that the load has when the record begins. A crane that
 // is measured at work has some, and a swing that is not free is taken for a cause that pushes the load.
 inline constexpr double kSwingDeviation = 5e-3;  // [rad], chosen: 0.3 m below 60 m of rope; of the rate as a pendulum's
+inline constexpr std::size_t kSwingAmounts = 2;  // per record
 Swing swing_at_start(const std::vector<double>& amount, std::size_t record, double rope_length);
+// [rad] how far it swings from where the load would hang still.
+double swing_reach(const std::vector<double>& amount, std::size_t record);
 
 std::size_t common_nuisance_count();  // of all records together
 std::size_t nuisance_count(std::size_t records);

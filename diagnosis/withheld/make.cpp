@@ -31,6 +31,7 @@ std::string case_name(int number) {
 namespace {
 
 constexpr std::array<const char*, 3> kLogNames{"a.lcmlog", "b.lcmlog", "unseen.lcmlog"};
+constexpr std::size_t kDiagnosedLogs = 2;  // of them, the first ones
 constexpr double kImpactTime = 2.0;  // [s] that visibility leaves out from a contact change on
 constexpr std::int64_t kStepNs = 1'000'000;  // kBaseStep [ns]
 
@@ -185,28 +186,32 @@ json make_case(const MakeSettings& settings, const Nominal& nominal, const Drawn
   const TruthMachine machine = build(drawn, nominal.crane, nominal.controller, std::vector<bool>(laws, true), &sizes);
   const RunOptions options{.noise_seed = 0,
                            .reference = {.method = sim::ReferenceMethod::kDirk, .tolerance = 1e-5, .order = 3}};
-  Visibility seen;                        // of all laws together
-  std::vector<Visibility> each(laws);     // of one beside the others
-  const auto see = [&](const TruthRun& run, std::size_t log, const RunOptions& here, const std::vector<bool>& on, Visibility& most) {
-    const TruthMachine without = build(drawn, nominal.crane, nominal.controller, on);
-    const Visibility one = visibility(run, run_truth(without, drawn.manoeuvres[log], here), without);
-    if (one.largest > most.largest) most = one;
+  // What the machine is compared with in the manoeuvres to diagnose: itself without any law, and without each of several.
+  struct Comparison {
+    std::vector<bool> on;
+    Visibility seen{};
   };
+  std::vector<Comparison> comparisons;
+  if (laws > 0) comparisons.push_back({std::vector<bool>(laws, false)});
+  for (std::size_t k = 0; laws > 1 && k < laws; ++k) {
+    comparisons.push_back({std::vector<bool>(laws, true)});
+    comparisons.back().on[k] = false;
+  }
   for (std::size_t m = 0; m < kLogNames.size(); ++m) {
     RunOptions here = options;
     here.noise_seed = drawn.noise_seeds[m];
     const TruthRun run = run_truth(machine, drawn.manoeuvres[m], here);
-    if (laws > 0 && m < 2) see(run, m, here, std::vector<bool>(laws, false), seen);
-    for (std::size_t k = 0; laws > 1 && m < 2 && k < laws; ++k) {
-      std::vector<bool> on(laws, true);
-      on[k] = false;
-      see(run, m, here, on, each[k]);
-    }
     write_log(run, nominal.hash, folder / kLogNames[m]);
+    if (m >= kDiagnosedLogs) continue;
+    for (Comparison& other : comparisons) {
+      const TruthMachine without = build(drawn, nominal.crane, nominal.controller, other.on);
+      const Visibility one = visibility(run, run_truth(without, drawn.manoeuvres[m], here), without);
+      if (one.largest > other.seen.largest) other.seen = one;
+    }
   }
+  const Visibility seen = comparisons.empty() ? Visibility{} : comparisons.front().seen;
   write_whole(folder / "given.json", json{{"without", drawn.without}}.dump() + "\n");
   json effects = json::array();
-  if (laws == 1) each[0] = seen;
   for (std::size_t k = 0; k < laws; ++k) {
     const Law& law = law_named(drawn.laws[k].law);
     json values = json::array();
@@ -214,7 +219,7 @@ json make_case(const MakeSettings& settings, const Nominal& nominal, const Drawn
       values.push_back({{"parameter", size.parameter}, {"value", size.value}, {"comparable", size.comparable}});
     }
     effects.push_back({{"law", law.name}, {"effect", law.effect}, {"subsystem", law.subsystem},
-                       {"visibility", each[k].largest}, {"sizes", values}});
+                       {"visibility", comparisons[laws == 1 ? 0 : k + 1].seen.largest}, {"sizes", values}});
   }
   json spread = json::object();
   for (std::size_t k = 0; k < drawn.spread.size(); ++k) spread[spread_parameters()[k].name] = drawn.spread[k];

@@ -60,6 +60,9 @@ TEST(Nuisance, EachRecordHasItsSwing) {
   EXPECT_DOUBLE_EQ(swing_at_start(amount, 1, 40.0).angle, 2.0 * kSwingDeviation);
   EXPECT_DOUBLE_EQ(swing_at_start(amount, 1, 40.0).rate, -kSwingDeviation * std::sqrt(9.81 / 40.0));
   EXPECT_EQ(swing_at_start(amount, 2, 40.0).angle, 0.0);
+  EXPECT_EQ(swing_reach(amount, 0), 0.0);
+  EXPECT_DOUBLE_EQ(swing_reach(amount, 1), std::sqrt(5.0) * kSwingDeviation);
+  EXPECT_EQ(swing_reach(amount, 2), 0.0);
 }
 
 }  // namespace
