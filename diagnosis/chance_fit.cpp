@@ -227,19 +227,27 @@ std::vector<FitResult> chance_fits(Problem& problem, const Screening& screening,
     const auto [entry, is_new] = best.try_emplace(names, result);
     if (!is_new && result.cost < entry->second.cost) entry->second = std::move(result);
   };
-  const Try* alone = nullptr;
-  std::size_t looked = 0;
+  std::vector<Try*> looked;
+  std::set<std::string> near;  // effects by chance whose power comes near enough, alone or beside another
+  std::size_t told = 0;
   for (auto& [key, one] : tries) {
-    tell(0.5 * static_cast<double>(looked++) / static_cast<double>(tries.size()), "drawing " + one.effect.name);
+    tell(0.5 * static_cast<double>(told++) / static_cast<double>(tries.size()), "drawing " + one.effect.name);
     const double fall = problem.settings.independent_share * (one.fit.difference.squaredNorm() - one.found.cost);
     if (fall < kLeastFall || above_free_power(one.found, free, count) >= kWorthALook) continue;
     look(problem, delays, one);
-    if (above_free_power(one.found, free, count) >= kNearFreePower) continue;
-    const Chance chance{one.profile, one.found.scale};
-    keep(with_chance(problem, one, one.fit, divided(chance, one.fit.difference), divided_columns(chance, one.fit.columns),
+    looked.push_back(&one);
+    if (above_free_power(one.found, free, count) < kNearFreePower) near.insert(one.effect.name);
+  }
+  const Try* alone = nullptr;
+  for (const Try* one : looked) {
+    // What is near enough with a second effect is offered without it too: the second one may only stand for what laws differ in.
+    const bool is_alone = one->fit.point.effects.size() == (one->has_mean() ? 1U : 0U);
+    const bool is_near = above_free_power(one->found, free, count) < kNearFreePower || (is_alone && near.contains(one->effect.name));
+    if (!is_near) continue;
+    const Chance chance{one->profile, one->found.scale};
+    keep(with_chance(problem, *one, one->fit, divided(chance, one->fit.difference), divided_columns(chance, one->fit.columns),
                      logarithms(chance)));
-    const bool is_alone = one.fit.point.effects.size() == (one.has_mean() ? 1U : 0U);
-    if (is_alone && (alone == nullptr || one.found.cost + one.mean_cost < alone->found.cost + alone->mean_cost)) alone = &one;
+    if (is_alone && (alone == nullptr || one->found.cost + one->mean_cost < alone->found.cost + alone->mean_cost)) alone = one;
   }
   if (alone != nullptr) {
     const auto tell_second = [&](double share, const std::string& doing) {

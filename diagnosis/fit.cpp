@@ -393,7 +393,9 @@ namespace {
 void settle(Problem& problem, FitResult& result) {
   result.cost = cost_of(problem, result.point, result.difference);
   for (int round = 0; round < problem.settings.rounds; ++round) {
-    result.columns = nuisance_columns(problem, result.point, result.difference, first_steps(result.point));
+    const Eigen::VectorXd steps =
+        round == 0 ? first_steps(result.point) : steps_at(problem, result.point, result.difference, result.columns);
+    result.columns = nuisance_columns(problem, result.point, result.difference, steps);
     const double fall = descend(problem, problem.settings.iterations, result.columns, result.point, result.difference, result.cost);
     if (fall < problem.settings.settled + problem.settings.settled_share * std::fabs(result.cost)) break;
   }

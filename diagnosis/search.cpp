@@ -20,6 +20,7 @@ constexpr int kStartsPerEffect = 2;             // that are refined
 constexpr int kFreshRounds = 5;                 // at most, for a leader
 constexpr std::size_t kPairLeaders = 3;         // single effects beside which a second one is looked for
 constexpr int kPairsPerLeader = 2;              // that are refined beside each of them but the best
+constexpr double kDoubtful = 1000.0;            // excess of parameters alone below which they may be the answer
 constexpr double kParallel = 0.02;              // 1 - cosine^2 of two signatures below which they are not tried as a pair
 
 bool cheaper(const FitResult& a, const FitResult& b) { return a.cost < b.cost; }
@@ -54,7 +55,8 @@ void go_on(Problem& problem, const Eigen::MatrixXd& nuisance_columns, std::vecto
   std::stable_sort(fits.begin(), fits.end(), cheaper);
 }
 
-// From the best fit of `effects` effects to those with one less; they take their places where they are cheaper.
+// From the best fit of `effects` effects to those with one less; they take their places where they are cheaper. Parameters alone, where
+// they may be the answer, go on until they settle: their first fit may have stopped at the walls.
 void go_back(Problem& problem, const Eigen::MatrixXd& nuisance_columns, std::size_t effects, std::vector<FitResult>& fits) {
   const auto best =
       std::find_if(fits.begin(), fits.end(), [&](const FitResult& result) { return result.point.effects.size() == effects; });
@@ -66,6 +68,10 @@ void go_back(Problem& problem, const Eigen::MatrixXd& nuisance_columns, std::siz
     FitResult again = fit(problem, nuisance_columns, start);
     take_nuisance_columns(from.columns, again);
     improve(problem, again, false);
+    if (again.point.effects.empty() && excess(again.difference, problem.settings) < kDoubtful) {
+      for (int round = 0; round < kFreshRounds && improve(problem, again, true); ++round) {
+      }
+    }
     const auto same = std::find_if(fits.begin(), fits.end(), [&](const FitResult& result) {
       return std::equal(result.point.effects.begin(), result.point.effects.end(), again.point.effects.begin(), again.point.effects.end(),
                         [](const common::EffectInstance& a, const common::EffectInstance& b) { return a.name == b.name; });
@@ -86,9 +92,9 @@ struct PairStart {
   const FitResult* from;
 };
 
-// Pairs worth refining. First what two columns do jointly from where nothing is added. Then a second effect beside the best single
-// one, with the catalogue screened again there: where effects are large, only that is near enough. Then, by the
-// columns at hand, beside two more single ones.
+// Pairs worth refining, each from one point. First a second effect beside the best single one, with the catalogue screened again
+// there: where effects are large, only that is near enough. Then, by the columns at hand, beside two more single ones. Last what two
+// columns do jointly from where nothing is added: a pair that is met both ways begins beside its larger effect.
 std::vector<PairStart> pair_starts(Problem& problem, const FitResult& base, const Screening& screening, const std::vector<const Screened*>& best,
                                const std::vector<FitResult>& singles, const std::map<std::string, std::string>& same_as,
                                const SearchSettings& settings, const Progress& tell) {
@@ -121,8 +127,6 @@ std::vector<PairStart> pair_starts(Problem& problem, const FitResult& base, cons
   const auto take = [&](const Point& start, const FitResult& from) {
     if (taken.insert({start.effects[0].name, start.effects[1].name}).second) starts.push_back({start, &from});
   };
-  for (std::size_t i = 0; i < joint.size() && static_cast<int>(starts.size()) < settings.pairs_to_refine / 2; ++i) take(joint[i].start, base);
-
   for (std::size_t leader = 0; leader < std::min<std::size_t>(kPairLeaders, singles.size()); ++leader) {
     const FitResult& single = singles[leader];
     const Projector project(single.columns, single.point, data_weight(single.difference, problem.settings));
@@ -152,6 +156,8 @@ std::vector<PairStart> pair_starts(Problem& problem, const FitResult& base, cons
       take(with_amount(single.point, *ranked[k], ranked[k]->amount), single);
     }
   }
+  const std::size_t most_of_all = starts.size() + static_cast<std::size_t>(settings.joint_pairs);
+  for (std::size_t i = 0; i < joint.size() && starts.size() < most_of_all; ++i) take(joint[i].start, base);
   return starts;
 }
 
@@ -200,7 +206,7 @@ Found search(Problem& problem, const FitResult& base, const Screening& screening
   go_on(problem, base.columns, fits, settings.contenders, settings.leaders, [&](double share, const FitResult& result) {
     tell(0.53 + 0.07 * share, "converging " + result.point.effects[0].name);
   });
-  if (!fits.empty() && settings.pairs_to_refine > 0) {
+  if (!fits.empty() && settings.joint_pairs > 0) {
     const std::vector<PairStart> starts = pair_starts(
         problem, base, screening, best, fits, same_as, settings,
         [&](double share, const std::string& doing) { tell(0.6 + 0.1 * share, doing + " beside " + fits.front().point.effects[0].name); });

@@ -265,7 +265,7 @@ TEST(Diagnose, LeavesOutALogThatLiesNearImpacts) {
   nominal.crane = bench().crane;
   EXPECT_THROW(diagnose(nominal, bench().controller, {knocked}, {}), NotAdmitted);
   DiagnosisSettings settings;
-  settings.search.pairs_to_refine = 0;
+  settings.search.joint_pairs = 0;
   settings.hold_out = true;
   const Diagnosis found = diagnose(nominal, bench().controller, {knocked, sound}, settings);
   EXPECT_TRUE(std::any_of(found.remarks.begin(), found.remarks.end(), [](const std::string& remark) {
@@ -304,7 +304,7 @@ TEST(Diagnose, FindsJitterWithoutItsDraw) {
 TEST(Diagnose, SaysNotInTheCatalogueWhereTheCauseIsLeftOut) {
   DiagnosisSettings settings;
   settings.without = {"bearing_coulomb", "bearing_stribeck", "bearing_viscous", "dragging_brake", "gear_friction"};
-  settings.search.pairs_to_refine = 2;
+  settings.search.joint_pairs = 1;
   const Diagnosis found = diagnose_machine({{"bearing_coulomb", {1.5e5, 0.0, 0.0}}}, bench().controller, 13, settings);
   EXPECT_TRUE(found.gap);
   EXPECT_GT(found.probability_unknown, 0.5) << found.verdict;
@@ -316,7 +316,7 @@ TEST(Diagnose, FindsTheControllersOwnEffectWithoutAnyNoise) {
   const common::EffectInstance effect = common::typical_instance(droop->about);
   DiagnosisSettings settings;
   settings.search.singles_to_refine = 1;
-  settings.search.pairs_to_refine = 0;
+  settings.search.joint_pairs = 0;
   const Diagnosis found = diagnose_machine({}, controller::with_effects(bench().controller, {effect}), 14, settings);
   EXPECT_TRUE(found.controller_differs);
   ASSERT_FALSE(found.causes.empty());
@@ -406,7 +406,7 @@ TEST(Diagnose, DoubtsThatAnotherCraneIsTheNominalOne) {
   truth.crane.house.inertia *= 1.6;
   DiagnosisSettings settings;
   settings.search.singles_to_refine = 2;
-  settings.search.pairs_to_refine = 0;
+  settings.search.joint_pairs = 0;
   sim::MachineSettings nominal;
   nominal.crane = bench().crane;
   const Diagnosis found = diagnose(
