@@ -335,7 +335,15 @@ std::vector<CaseAnswer> open_answers(const fs::path& directory) {
   }
   std::vector<CaseAnswer> answers;
   const json sealed = json::parse(text);
-  for (const json& one : sealed.at("cases")) answers.push_back(answer_from(one));
+  for (const json& one : sealed.at("cases")) {
+    try {
+      answers.push_back(answer_from(one));
+    } catch (const json::exception& problem) {
+      throw std::runtime_error(fmt::format("{}: {}: {}; made by another version of slewlab? Make the set again with its seed (about.json)",
+                                           (directory / "sealed" / "answers.json").string(), one.value("case", "a case without a name"),
+                                           problem.what()));
+    }
+  }
   return answers;
 }
 

@@ -301,6 +301,33 @@ TEST(Diagnose, FindsJitterWithoutItsDraw) {
   EXPECT_TRUE(named.contains("command_jitter")) << found.verdict;
 }
 
+// Beside the fitted gearboxes the roll is found; from where nothing is added the pair goes astray.
+TEST(Diagnose, FindsARollBesideUnevenGearboxes) {
+  const Diagnosis found = diagnose_machine(
+      {{"uneven_gearbox_stiffness", {0.49}}, {"vessel_roll", {0.0031, 9.99, 0.87, -1.26, 20.0}}}, bench().controller, 31);
+  ASSERT_FALSE(found.causes.empty());
+  ASSERT_EQ(std::set<std::string>(found.causes[0].effects.begin(), found.causes[0].effects.end()),
+            (std::set<std::string>{"uneven_gearbox_stiffness", "vessel_roll"}))
+      << found.verdict;
+}
+
+// Bursts three times as long as the longest of the catalogue, so that their power is not quite the catalogue's: a second effect that
+// delays as well comes nearer to it, and must not be named for that.
+TEST(Diagnose, FindsLongBurstsOfLossAlone) {
+  sim::MachineSettings truth;
+  truth.crane = spread_crane(24);
+  truth.effects = {{"command_loss", {0.3, 60.0}}};
+  truth.seed = 99;
+  std::vector<Record> records;
+  records.push_back(make_record(simulated_log(truth, bench().controller, kThereAndBack, kDuration, 24), "a", bench().admission));
+  records.push_back(make_record(simulated_log(truth, bench().controller, kInching, kDuration, 25), "b", bench().admission));
+  sim::MachineSettings nominal;
+  nominal.crane = bench().crane;
+  const Diagnosis found = diagnose(nominal, bench().controller, std::move(records), {});
+  ASSERT_FALSE(found.causes.empty());
+  EXPECT_EQ(found.causes[0].effects, std::vector<std::string>{"command_loss"}) << found.verdict;
+}
+
 TEST(Diagnose, SaysNotInTheCatalogueWhereTheCauseIsLeftOut) {
   DiagnosisSettings settings;
   settings.without = {"bearing_coulomb", "bearing_stribeck", "bearing_viscous", "dragging_brake", "gear_friction"};

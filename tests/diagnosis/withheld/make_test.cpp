@@ -74,6 +74,28 @@ TEST_F(MakeTest, AnswersOpenOnlyUnderTheirDigest) {
   EXPECT_NO_THROW(open_answers(set_));
 }
 
+// What an older version sealed lacks what this one scores: said with case, key and what to do.
+TEST_F(MakeTest, AnswersOfAnotherVersionAreNamed) {
+  const fs::path file = set_ / "sealed" / "answers.json", digest_file = set_ / "digest.txt";
+  const std::string sealed = read_whole(file), digest = read_whole(digest_file);
+  nlohmann::json older = nlohmann::json::parse(sealed);
+  older.at("cases").at(1).erase("visibility");
+  write_whole(file, older.dump());
+  write_whole(digest_file, sha256(older.dump()));
+  try {
+    open_answers(set_);
+    ADD_FAILURE() << "opened";
+  } catch (const std::runtime_error& problem) {
+    const std::string said = problem.what();
+    for (const char* part : {"answers.json", "case_0002", "visibility", "Make the set again"}) {
+      EXPECT_NE(said.find(part), std::string::npos) << part << " in: " << said;
+    }
+  }
+  write_whole(file, sealed);
+  write_whole(digest_file, digest);
+  EXPECT_NO_THROW(open_answers(set_));
+}
+
 TEST_F(MakeTest, ASecondCallMakesOnlyWhatIsMissingAndTheSameBits) {
   const fs::path log = set_ / "case_0002" / "b.lcmlog";
   const std::string before = sha256(read_whole(log)), digest = read_whole(set_ / "digest.txt");
