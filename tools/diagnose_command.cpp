@@ -242,8 +242,9 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
     const auto progress = [&](double share, const std::string& doing) {
       if (common::stop_signal() != 0) stop = true;
       const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-      const double left = share > 0.02 ? seconds / share * (1.0 - share) : 0.0;
-      out << fmt::format("\r{:3.0f} %  about {:3.0f} s left  {:60}", 100 * share, left, doing.substr(0, 60)) << std::flush;
+      // A time left that is forecast from the first instants would be a guess.
+      const std::string left = share > 0.02 ? fmt::format("about {:3.0f} s left", seconds / share * (1.0 - share)) : "";
+      out << fmt::format("\r{:3.0f} %  {:16}  {:60}", 100 * share, left, doing.substr(0, 60)) << std::flush;
     };
     const Diagnosis found = diagnosis::diagnose(nominal, controller, records, settings, progress, &stop);
 
