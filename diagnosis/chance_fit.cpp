@@ -227,7 +227,7 @@ std::vector<FitResult> chance_fits(Problem& problem, const Screening& screening,
     const auto [entry, is_new] = best.try_emplace(names, result);
     if (!is_new && result.cost < entry->second.cost) entry->second = std::move(result);
   };
-  std::vector<Try*> looked;
+  std::vector<const Try*> looked;
   std::set<std::string> near;  // effects by chance whose power comes near enough, alone or beside another
   std::size_t told = 0;
   for (auto& [key, one] : tries) {

@@ -267,8 +267,7 @@ HeldOut fit_without_last(Problem& problem, const WhiteningSettings& settings, co
   held.point.nuisance.assign(nuisance_count(problem), 0.0);
   const auto nuisances = static_cast<Eigen::Index>(held.point.nuisance.size());
   FitResult result = fit(problem, Eigen::MatrixXd::Zero(difference_count(problem), nuisances), held.point);
-  for (int round = 0; round < kHeldOutRounds && improve(problem, result, true); ++round) {
-  }
+  settle(problem, result, kHeldOutRounds);
   held.point = result.point;
   return held;
 }

@@ -390,15 +390,11 @@ std::vector<Eigen::VectorXd> differences(Problem& problem, std::span<const Point
 namespace {
 
 // From where it stands, with the differences there.
-void settle(Problem& problem, FitResult& result) {
+void settle_nuisances(Problem& problem, FitResult& result) {
   result.cost = cost_of(problem, result.point, result.difference);
-  for (int round = 0; round < problem.settings.rounds; ++round) {
-    const Eigen::VectorXd steps =
-        round == 0 ? first_steps(result.point) : steps_at(problem, result.point, result.difference, result.columns);
-    result.columns = nuisance_columns(problem, result.point, result.difference, steps);
-    const double fall = descend(problem, problem.settings.iterations, result.columns, result.point, result.difference, result.cost);
-    if (fall < problem.settings.settled + problem.settings.settled_share * std::fabs(result.cost)) break;
-  }
+  const auto nuisances = static_cast<Eigen::Index>(result.point.nuisance.size());
+  result.columns = Eigen::MatrixXd::Zero(result.difference.size(), nuisances);  // nothing is known of them: the first steps
+  settle(problem, result, problem.settings.rounds);
 }
 
 }  // namespace
@@ -413,7 +409,7 @@ FitResult nominal_fit(Problem& problem) {
 
 FitResult fit_nuisances(Problem& problem, const FitResult& nominal) {
   FitResult best = nominal;
-  settle(problem, best);
+  settle_nuisances(problem, best);
   // Parameters that ended at the walls may have gone there on the way and not come back.
   FitResult again;
   again.point = best.point;
@@ -422,7 +418,7 @@ FitResult fit_nuisances(Problem& problem, const FitResult& nominal) {
   }
   if (again.point.nuisance != best.point.nuisance) {
     again.difference = differences(problem, again.point);
-    settle(problem, again);
+    settle_nuisances(problem, again);
     if (again.cost < best.cost) best = std::move(again);
   }
   conclude(problem, best);
@@ -464,6 +460,11 @@ bool improve(Problem& problem, FitResult& result, bool fresh_nuisances) {
   const double fall =
       descend(problem, problem.settings.iterations, result.columns, result.point, result.difference, result.cost);
   return fall > problem.settings.settled + problem.settings.settled_share * std::fabs(result.cost);
+}
+
+void settle(Problem& problem, FitResult& result, int rounds) {
+  for (int round = 0; round < rounds && improve(problem, result, true); ++round) {
+  }
 }
 
 Relaxed relax(const Problem& problem, const FitResult& result, double law_freedom, double usual, double floor) {

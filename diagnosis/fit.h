@@ -138,6 +138,9 @@ Relaxed relax(const Problem& problem, const FitResult& result, double law_freedo
 // worth little, and so would be another.
 bool improve(Problem& problem, FitResult& result, bool fresh_nuisances);
 
+// Rounds with fresh columns of both, at most as many, until one was worth little.
+void settle(Problem& problem, FitResult& result, int rounds);
+
 // Coordinates of effect parameters in standard deviations of their priors.
 double to_coordinate(const common::EffectParameter& parameter, double value);
 // The same back, within the parameter's bounds.

@@ -43,8 +43,7 @@ void go_on(Problem& problem, const Eigen::MatrixXd& nuisance_columns, std::vecto
   }
   std::stable_sort(fits.begin(), fits.end(), cheaper);
   tell(first / all, fits.front());
-  for (int round = 0; round < kFreshRounds && improve(problem, fits.front(), true); ++round) {
-  }
+  settle(problem, fits.front(), kFreshRounds);
   for (std::size_t i = 1; i < fits.size() && static_cast<int>(i) < leaders; ++i) {
     tell((first + static_cast<double>(i)) / all, fits[i]);
     take_nuisance_columns(fits.front().columns, fits[i]);
@@ -68,10 +67,7 @@ void go_back(Problem& problem, const Eigen::MatrixXd& nuisance_columns, std::siz
     FitResult again = fit(problem, nuisance_columns, start);
     take_nuisance_columns(from.columns, again);
     improve(problem, again, false);
-    if (again.point.effects.empty() && excess(again.difference, problem.settings) < kDoubtful) {
-      for (int round = 0; round < kFreshRounds && improve(problem, again, true); ++round) {
-      }
-    }
+    if (again.point.effects.empty() && excess(again.difference, problem.settings) < kDoubtful) settle(problem, again, kFreshRounds);
     const auto same = std::find_if(fits.begin(), fits.end(), [&](const FitResult& result) {
       return std::equal(result.point.effects.begin(), result.point.effects.end(), again.point.effects.begin(), again.point.effects.end(),
                         [](const common::EffectInstance& a, const common::EffectInstance& b) { return a.name == b.name; });

@@ -56,18 +56,24 @@ sim::CraneParameters spread_crane(unsigned seed) {
   return crane;
 }
 
+// There and back, then inching.
+Diagnosis diagnose_truth(const sim::MachineSettings& truth, const controller::ControllerSettings& controller, unsigned noise_seed,
+                         const DiagnosisSettings& settings = {}) {
+  std::vector<Record> records;
+  records.push_back(make_record(simulated_log(truth, controller, kThereAndBack, kDuration, noise_seed), "a", bench().admission));
+  records.push_back(make_record(simulated_log(truth, controller, kInching, kDuration, noise_seed + 1), "b", bench().admission));
+  sim::MachineSettings nominal;
+  nominal.crane = bench().crane;
+  return diagnose(nominal, bench().controller, std::move(records), settings);
+}
+
 Diagnosis diagnose_machine(const std::vector<common::EffectInstance>& effects,
                            const controller::ControllerSettings& controller, unsigned seed,
                            const DiagnosisSettings& settings = {}) {
   sim::MachineSettings truth;
   truth.crane = spread_crane(seed);
   truth.effects = effects;
-  std::vector<Record> records;
-  records.push_back(make_record(simulated_log(truth, controller, kThereAndBack, kDuration, seed), "a", bench().admission));
-  records.push_back(make_record(simulated_log(truth, controller, kInching, kDuration, seed + 1), "b", bench().admission));
-  sim::MachineSettings nominal;
-  nominal.crane = bench().crane;
-  return diagnose(nominal, bench().controller, std::move(records), settings);
+  return diagnose_truth(truth, controller, seed, settings);
 }
 
 // A ramp far from the settings' makes a replayed integral run away; its own times and shape are exact, so the fit must be.
@@ -288,12 +294,7 @@ TEST(Diagnose, FindsJitterWithoutItsDraw) {
   truth.crane = spread_crane(17);
   truth.effects = {{"command_jitter", {0.03}}};
   truth.seed = 99;
-  std::vector<Record> records;
-  records.push_back(make_record(simulated_log(truth, bench().controller, kThereAndBack, kDuration, 17), "a", bench().admission));
-  records.push_back(make_record(simulated_log(truth, bench().controller, kInching, kDuration, 18), "b", bench().admission));
-  sim::MachineSettings nominal;
-  nominal.crane = bench().crane;
-  const Diagnosis found = diagnose(nominal, bench().controller, std::move(records), {});
+  const Diagnosis found = diagnose_truth(truth, bench().controller, 17);
   ASSERT_FALSE(found.causes.empty());
   ASSERT_EQ(found.causes[0].effects.size(), 1u) << found.verdict;
   std::set<std::string> named(found.causes[0].group.begin(), found.causes[0].group.end());
@@ -318,12 +319,7 @@ TEST(Diagnose, FindsLongBurstsOfLossAlone) {
   truth.crane = spread_crane(24);
   truth.effects = {{"command_loss", {0.3, 60.0}}};
   truth.seed = 99;
-  std::vector<Record> records;
-  records.push_back(make_record(simulated_log(truth, bench().controller, kThereAndBack, kDuration, 24), "a", bench().admission));
-  records.push_back(make_record(simulated_log(truth, bench().controller, kInching, kDuration, 25), "b", bench().admission));
-  sim::MachineSettings nominal;
-  nominal.crane = bench().crane;
-  const Diagnosis found = diagnose(nominal, bench().controller, std::move(records), {});
+  const Diagnosis found = diagnose_truth(truth, bench().controller, 24);
   ASSERT_FALSE(found.causes.empty());
   EXPECT_EQ(found.causes[0].effects, std::vector<std::string>{"command_loss"}) << found.verdict;
 }
