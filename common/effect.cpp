@@ -20,7 +20,9 @@ const EffectAbout* find(const std::vector<const EffectAbout*>& catalogue, std::s
   return place == catalogue.end() ? nullptr : *place;
 }
 
-std::string expected_names(const std::vector<const EffectAbout*>& catalogue, std::string_view name) {
+}  // namespace
+
+std::string expected_effect_name(const std::vector<const EffectAbout*>& catalogue, std::string_view name) {
   std::vector<std::string> known;
   for (const EffectAbout* about : catalogue) known.emplace_back(about->name);
   if (const auto near = nearest_name(name, known)) return "the name of an effect; '" + *near + "' is near";
@@ -28,8 +30,6 @@ std::string expected_names(const std::vector<const EffectAbout*>& catalogue, std
   for (const std::string& one : known) all += (all.empty() ? "" : ", ") + one;
   return "one of " + all;
 }
-
-}  // namespace
 
 std::string_view name_of(Subsystem subsystem) {
   constexpr std::array<std::string_view, 8> kNames{"drive",       "house",  "boom", "load",
@@ -103,7 +103,7 @@ std::vector<EffectInstance> read_effects(const YamlNode& list,
     if (instance.name.empty()) continue;  // the reader has told why
     const EffectAbout* about = find(catalogue, instance.name);
     if (about == nullptr) {
-      entry.report("effect", instance.name, expected_names(catalogue, instance.name));
+      entry.report("effect", instance.name, expected_effect_name(catalogue, instance.name));
       continue;
     }
     const bool repeated = std::any_of(instances.begin(), instances.end(), [&](const EffectInstance& other) {

@@ -74,6 +74,9 @@ EffectInstance typical_instance(const EffectAbout& about);
 // Throws std::invalid_argument where a value is missing, not finite or out of bounds.
 void check_instance(const EffectAbout& about, const EffectInstance& instance);
 
+// What would be right where `name` is no effect of the catalogue: the name that is near, else all of them.
+std::string expected_effect_name(const std::vector<const EffectAbout*>& catalogue, std::string_view name);
+
 // A list of effects as a file holds it; a null node has none.
 //   effects:
 //     - effect: dead_time

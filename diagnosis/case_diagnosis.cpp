@@ -44,7 +44,7 @@ withheld::CaseResult diagnose_case(const withheld::CaseInput& input, const CaseS
     CaseData data = load_case(input, settings.accelerometers);
     DiagnosisSettings with = settings.diagnosis;
     with.without = input.without;
-    const Diagnosis diagnosis = diagnose(data.nominal, data.controller, data.records, with, {}, stop);
+    const Diagnosis diagnosis = diagnose(data.nominal, data.controller, data.records, with, {}, [&] { return stop != nullptr && stop->load(); });
     result.gap = diagnosis.gap;
     result.probability_unknown = diagnosis.probability_unknown;
     result.subsystems = diagnosis.subsystems;

@@ -172,17 +172,17 @@ std::vector<FitResult> seconds(Problem& problem, const Screening& catalogue, con
     if (gain >= kLeastSecondGain) ranked.push_back(&screened);
   }
   ranked = best_of_each(std::move(ranked));
-  std::vector<FitResult> results;
   const Eigen::MatrixXd nuisance_columns = here.columns.leftCols(static_cast<Eigen::Index>(one.fit.point.nuisance.size()));
-  const auto add = [&](const Point& start) {
-    FitResult result = fit(problem, nuisance_columns, start);
-    improve(problem, result, false);
-    results.push_back(with_chance(problem, one, result, result.difference, result.columns, logarithm_sum));
-  };
-  add(one.fit.point);  // what was fitted before knew nothing of the chance
+  std::vector<Point> from{one.fit.point};  // what was fitted before knew nothing of the chance
   for (std::size_t i = 0; i < std::min(kSeconds, ranked.size()); ++i) {
-    add(with_amount(one.fit.point, *ranked[i], ranked[i]->amount));
+    from.push_back(with_amount(one.fit.point, *ranked[i], ranked[i]->amount));
   }
+  std::vector<FitResult> results(from.size());
+  share_out(problem, from.size(), [&](std::size_t i) {
+    FitResult result = fit(problem, nuisance_columns, from[i]);
+    improve(problem, result, false);
+    results[i] = with_chance(problem, one, result, result.difference, result.columns, logarithm_sum);
+  });
   return results;
 }
 
@@ -230,8 +230,9 @@ std::vector<FitResult> chance_fits(Problem& problem, const Screening& screening,
   std::vector<const Try*> looked;
   std::set<std::string> near;  // effects by chance whose power comes near enough, alone or beside another
   std::size_t told = 0;
+  const Progress draw = within(tell, {0.0, 0.5});
   for (auto& [key, one] : tries) {
-    tell(0.5 * static_cast<double>(told++) / static_cast<double>(tries.size()), "drawing " + one.effect.name);
+    draw(static_cast<double>(told++) / static_cast<double>(tries.size()), "drawing " + one.effect.name);
     const double fall = problem.settings.independent_share * (one.fit.difference.squaredNorm() - one.found.cost);
     if (fall < kLeastFall || above_free_power(one.found, free, count) >= kWorthALook) continue;
     look(problem, delays, one);
@@ -251,7 +252,7 @@ std::vector<FitResult> chance_fits(Problem& problem, const Screening& screening,
   }
   if (alone != nullptr) {
     const auto tell_second = [&](double share, const std::string& doing) {
-      tell(0.5 + 0.5 * share, doing + " beside " + alone->effect.name);
+      within(tell, {0.5, 1.0})(share, doing + " beside " + alone->effect.name);
     };
     for (FitResult& result : seconds(problem, screening, *alone, tell_second)) keep(std::move(result));
   }

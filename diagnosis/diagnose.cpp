@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <map>
+#include <mutex>
 #include <set>
 #include <span>
 
@@ -283,9 +284,11 @@ std::string name_of(const Cause& cause) {
 
 Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<controller::ControllerSettings>& controller,
                    std::vector<Record> records, const DiagnosisSettings& settings, const Progress& progress,
-                   const std::atomic<bool>* stop) {
+                   const std::function<bool()>& is_stopped) {
   const auto start_time = std::chrono::steady_clock::now();
+  std::mutex telling;
   const auto tell = [&](double share, const std::string& doing) {
+    const std::lock_guard lock(telling);
     if (progress) progress(share, doing);
   };
   Diagnosis diagnosis;
@@ -304,7 +307,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   problem.latency_deviation = is_coarse ? kCoarseLatencyDeviation : kLatencyDeviation;
   problem.settings = settings.fit;
   problem.threads = settings.threads;
-  problem.stop = stop;
+  if (is_stopped) problem.is_stopped = is_stopped;
   std::string not_judged;  // the records that are left out, with the reason
   for (Record& record : records) {
     if (record.group_count != nominal.crane.drive.group_count) {
@@ -352,7 +355,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
     }
   }
 
-  tell(0.02, "fitting the parameters alone");
+  tell(kFitParameters.from, "fitting the parameters alone");
   const FitResult nominal_machine = nominal_fit(problem);
   const FitResult base = fit_nuisances(problem, nominal_machine);
   diagnosis.mean_square_nominal = nominal_machine.mean_square;
@@ -361,7 +364,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
 
   const Projector project(base.columns, base.point, data_weight(base.difference, settings.fit));
   const Screening screening = screen(problem, base, project, catalogue_starts(problem.nominal, settings.without),
-                                     [&](double share, const std::string& doing) { tell(0.12 + 0.28 * share, doing); });
+                                     within(tell, kScreen));
   for (const auto& [name, square] : screening.visibility) {
     if (square < kVisible) {
       diagnosis.cannot_tell.push_back(fmt::format("{}: a typical size changes nothing in these records", name));
@@ -376,10 +379,11 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   evidence.independent_share = settings.fit.independent_share;
   double least = std::min(0.0, nothing.excess);
   for (const FitResult& result : fits) least = std::min(least, result.excess);
+  const MisfitCost misfit_cost(evidence, nothing.excess - least);
   std::vector<Candidate> candidates;
   const auto add_candidate = [&](const FitResult& result) {
     Cause cause = make_cause(result);
-    const Relaxed relaxed = relax(problem, result, evidence.law_freedom, usual_misfit(evidence, nothing.excess - least), least);
+    const Relaxed relaxed = relax(problem, result, misfit_cost, least);
     cause.excess = relaxed.excess;
     cause.prior = relaxed.prior;
     candidates.push_back({cause.effects, cause.excess, cause.prior, cause.information});
@@ -462,7 +466,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
     return effect.name == kCounts || comes_by_chance(effect.name);
   });
   if (settings.hold_out && has_a_fit && !first.point.nuisance.empty()) {
-    tell(0.98, "fitting the answer without the last record");
+    tell(kHoldOut.from, "fitting the answer without the last record");
     diagnosis.held_out = fit_without_last(problem, whitening, first.point);
   }
   diagnosis.simulations = problem.simulations;

@@ -1,7 +1,6 @@
 // From records and a nominal crane to ranked causes (docs/diagnosis.md).
 #pragma once
 
-#include <atomic>
 #include <functional>
 #include <optional>
 #include <string>
@@ -96,9 +95,10 @@ struct Diagnosis {
   double total_seconds = 0.0;
 };
 
-// Throws NotAdmitted, std::invalid_argument, Interrupted.
+// `progress` is told from any thread, one at a time; `is_stopped` is asked before every simulation, from any thread, and ends it all
+// with Interrupted. Throws NotAdmitted, std::invalid_argument, Interrupted.
 Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<controller::ControllerSettings>& controller,
                    std::vector<Record> records, const DiagnosisSettings& settings, const Progress& progress = {},
-                   const std::atomic<bool>* stop = nullptr);
+                   const std::function<bool()>& is_stopped = {});
 
 }  // namespace slewlab::diagnosis

@@ -7,7 +7,17 @@
 
 namespace slewlab::diagnosis {
 
-double usual_misfit(const EvidenceSettings& settings, double gap) { return settings.law_freedom + settings.law_share * gap; }
+MisfitCost::MisfitCost(const EvidenceSettings& settings, double gap)
+    : law_freedom_(settings.law_freedom),
+      usual_(settings.law_freedom + settings.law_share * gap),
+      near_freedom_(settings.near_freedom),
+      near_misfit_(settings.near_misfit) {}
+
+double MisfitCost::operator()(double left) const {
+  return law_freedom_ * std::log1p(left / usual_) + near_freedom_ * std::log1p(left / near_misfit_);
+}
+
+double MisfitCost::slope(double left) const { return law_freedom_ / (usual_ + left) + near_freedom_ / (near_misfit_ + left); }
 
 namespace {
 
@@ -30,11 +40,11 @@ Probabilities weigh(const std::vector<Candidate>& candidates, int single_count, 
   double floor = 0.0;
   for (const Candidate& candidate : candidates) floor = std::min(floor, candidate.excess);
   const double gap = nothing->excess - floor;
+  const MisfitCost misfit_cost(settings, gap);
   const auto likelihood = [&](double left, const Candidate& candidate, double effects) {
-    const double usual = usual_misfit(settings, gap);
-    const double weight = settings.independent_share * settings.law_freedom / (usual + left);
+    const double weight = settings.independent_share * misfit_cost.slope(left);
     const double occam = (1.0 + weight * candidate.information.array()).log().sum();
-    return -0.5 / settings.temper * (settings.law_freedom * std::log1p(left / usual) + candidate.prior + occam + settings.price * effects);
+    return -0.5 / settings.temper * (misfit_cost(left) + candidate.prior + occam + settings.price * effects);
   };
   const double singles = std::max(1, single_count);
   std::vector<double> score;

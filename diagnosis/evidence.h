@@ -1,12 +1,12 @@
 // From how well each hypothesis fits to how probable it is.
 //
 //   ln P(hypothesis | records) = ln prior - (M(c) + p + sum(ln(1 + w lambda)) + price * effects) / (2 T) + constant
-//   M(c) = k ln(1 + c / (k + r G)),    w = s dM/dc
+//   M(c) = k ln(1 + c / (k + r G)) + m ln(1 + c / n),    w = s dM/dc
 //
 // c is what the hypothesis leaves above the best one (above what the noise explains, where even the best leaves more), G
-// the gap: what parameters alone leave, counted the same way. The law of a real effect is never quite the catalogue's, so the
-// true cause leaves a usual share r of the gap; with the size of that mismatch integrated out, misfits count by their
-// ratios. p is -2 ln of the prior where M + p is least (relax() in fit.h), and the sum, over the eigenvalues lambda of what the records say of
+// the gap: what parameters alone leave, counted the same way. The law of a real effect is never quite the catalogue's: of some
+// the true cause leaves a usual share r of the gap, of most no more than n. With the size of that mismatch integrated out, misfits
+// count by their ratios. p is -2 ln of the prior where M + p is least (relax() in fit.h), and the sum, over the eigenvalues lambda of what the records say of
 // the parameters (fit.h), Occam's factor: how much narrower they became. A cause that is in no catalogue is a hypothesis too: it would leave a usual,
 // larger share of the gap, and its parameters, whichever they are, would be as narrow as those of the single cause that fits best.
 // T tempers it all: what mesh, step and law make wrong is not independent from bin to bin.
@@ -21,6 +21,8 @@ namespace slewlab::diagnosis {
 struct EvidenceSettings {
   double law_freedom = 50.0;     // k: learned on tuning seeds, docs/diagnosis.md, as are all below
   double law_share = 0.002;      // r
+  double near_freedom = 20.0;    // m
+  double near_misfit = 100.0;    // n
   double unknown_share = 0.15;   // of the gap that a cause outside the catalogue leaves unexplained
   double unknown_floor = 100.0;  // [-] c that it leaves at least
   double unknown_prior = 17.0;   // p of its parameters: what the nuisances of a machine have on the average
@@ -33,8 +35,16 @@ struct EvidenceSettings {
   double prior_unknown = 0.08;
 };
 
-// k + r G of the gap.
-double usual_misfit(const EvidenceSettings& settings, double gap);
+// M and dM/dc of a gap.
+class MisfitCost {
+ public:
+  MisfitCost(const EvidenceSettings& settings, double gap);
+  double operator()(double left) const;
+  double slope(double left) const;
+
+ private:
+  double law_freedom_, usual_, near_freedom_, near_misfit_;
+};
 
 struct Candidate {
   std::vector<std::string> effects;  // none: nothing missing but parameters

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <exception>
+#include <mutex>
 #include <numbers>
 #include <stdexcept>
 #include <thread>
@@ -125,6 +127,13 @@ Eigen::VectorXd steps_at(const Problem& problem, const Point& point, const Eigen
   return steps;
 }
 
+// Where the differences of each record begin, and where the last ones end.
+std::vector<Eigen::Index> first_rows(const Problem& problem) {
+  std::vector<Eigen::Index> rows{0};
+  for (const Whitening& whitening : problem.whitening) rows.push_back(rows.back() + whitening.size());
+  return rows;
+}
+
 // Of nuisances that an effect holds: zero.
 Eigen::MatrixXd nuisance_columns(Problem& problem, const Point& point, const Eigen::VectorXd& difference, const Eigen::VectorXd& steps) {
   const std::size_t common = common_nuisance_count(), all = nuisance_count(problem);
@@ -142,8 +151,7 @@ Eigen::MatrixXd nuisance_columns(Problem& problem, const Point& point, const Eig
     for (const std::size_t k : moves[i]) points[i].nuisance[k] += steps(static_cast<Eigen::Index>(k));
   }
   const std::vector<Eigen::VectorXd> moved_differences = differences(problem, points);
-  std::vector<Eigen::Index> first_row{0};  // of each record
-  for (const Whitening& whitening : problem.whitening) first_row.push_back(first_row.back() + whitening.size());
+  const std::vector<Eigen::Index> first_row = first_rows(problem);
   Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(difference.size(), static_cast<Eigen::Index>(all));
   for (std::size_t i = 0; i < moves.size(); ++i) {
     for (const std::size_t k : moves[i]) {
@@ -280,6 +288,8 @@ double data_weight(const Eigen::VectorXd& difference, const FitSettings& setting
 sim::MachineSettings machine_at(const sim::MachineSettings& nominal, const Point& point) {
   sim::MachineSettings settings = nominal;
   settings.crane = with_nuisances(settings.crane, point.nuisance);
+  int& elements = settings.crane.boom.element_count;
+  if (elements > 0) elements = std::max(elements, kBoomElements);
   if (point.seed != 0) settings.seed = point.seed;
   settings.effects.insert(settings.effects.end(), point.effects.begin(), point.effects.end());
   return settings;
@@ -337,9 +347,7 @@ double value_per_deviation(const common::EffectParameter& parameter, double valu
 }
 
 Eigen::Index difference_count(const Problem& problem) {
-  Eigen::Index count = 0;
-  for (const Whitening& whitening : problem.whitening) count += whitening.size();
-  return count;
+  return first_rows(problem).back();
 }
 
 std::size_t nuisance_count(const Problem& problem) { return nuisance_count(problem.records.size()); }
@@ -350,19 +358,47 @@ Shadow shadow_at(const Problem& problem, const Point& point, std::size_t record)
                 swing_at_start(point.nuisance, record, problem.nominal.crane.load.rope_length));
 }
 
+void share_out(Problem& problem, std::size_t count, const std::function<void(std::size_t)>& work) {
+  std::atomic<std::size_t> next{0};
+  std::mutex failing;
+  std::exception_ptr failure;
+  const auto take_shares = [&] {
+    try {
+      for (std::size_t i = next++; i < count; i = next++) work(i);
+    } catch (...) {
+      next = count;
+      const std::lock_guard lock(failing);
+      if (!failure) failure = std::current_exception();
+    }
+  };
+  std::vector<std::jthread> helpers;
+  while (helpers.size() + 1 < count) {
+    if (++problem.helpers >= problem.threads) {
+      --problem.helpers;
+      break;
+    }
+    helpers.emplace_back([&] {
+      take_shares();
+      --problem.helpers;
+    });
+  }
+  take_shares();
+  helpers.clear();
+  if (failure) std::rethrow_exception(failure);
+}
+
 Eigen::VectorXd differences(Problem& problem, const Point& point) {
-  Eigen::VectorXd result(difference_count(problem));
-  Eigen::Index row = 0;
-  for (std::size_t r = 0; r < problem.records.size(); ++r) {
-    if (problem.stop != nullptr && problem.stop->load()) throw Interrupted{};
+  const std::vector<Eigen::Index> first_row = first_rows(problem);
+  Eigen::VectorXd result(first_row.back());
+  share_out(problem, problem.records.size(), [&](std::size_t r) {
+    if (problem.is_stopped()) throw Interrupted{};
     const auto begun = std::chrono::steady_clock::now();
     const Shadow follower = shadow_at(problem, point, r);
     problem.simulation_time +=
         std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now() - begun).count();
-    result.segment(row, problem.whitening[r].size()) = whiten(problem.whitening[r], follower);
-    row += problem.whitening[r].size();
+    result.segment(first_row[r], problem.whitening[r].size()) = whiten(problem.whitening[r], follower);
     ++problem.simulations;
-  }
+  });
   // A machine that an odd point shakes to pieces counts as very far off, not as a number that spreads.
   if (!result.allFinite()) result.setConstant(1e3);
   return problem.chance == nullptr ? result : divided(*problem.chance, result);
@@ -370,20 +406,7 @@ Eigen::VectorXd differences(Problem& problem, const Point& point) {
 
 std::vector<Eigen::VectorXd> differences(Problem& problem, std::span<const Point> points) {
   std::vector<Eigen::VectorXd> results(points.size());
-  std::atomic<std::size_t> next{0};
-  std::atomic<bool> interrupted{false};
-  const auto work = [&] {
-    try {
-      for (std::size_t i = next++; i < points.size(); i = next++) results[i] = differences(problem, points[i]);
-    } catch (const Interrupted&) {
-      interrupted = true;
-    }
-  };
-  std::vector<std::thread> threads;
-  for (int t = 1; t < problem.threads; ++t) threads.emplace_back(work);
-  work();
-  for (std::thread& thread : threads) thread.join();
-  if (interrupted) throw Interrupted{};
+  share_out(problem, points.size(), [&](std::size_t i) { results[i] = differences(problem, points[i]); });
   return results;
 }
 
@@ -467,7 +490,7 @@ void settle(Problem& problem, FitResult& result, int rounds) {
   }
 }
 
-Relaxed relax(const Problem& problem, const FitResult& result, double law_freedom, double usual, double floor) {
+Relaxed relax(const Problem& problem, const FitResult& result, const MisfitCost& misfit_cost, double floor) {
   if (result.columns.size() == 0) return {result.excess, result.prior};  // of a power, not of a motion
   const double share = problem.settings.independent_share;
   const Eigen::MatrixXd gram = result.columns.transpose() * result.columns;
@@ -477,14 +500,14 @@ Relaxed relax(const Problem& problem, const FitResult& result, double law_freedo
     return result.excess + std::max(0.0, share * (2.0 * slope.dot(step) + step.dot(gram * step)));
   };
   const auto cost_at = [&](const Relaxed& relaxed) {
-    return law_freedom * std::log1p(std::max(0.0, relaxed.excess - floor) / usual) + relaxed.prior;
+    return misfit_cost(std::max(0.0, relaxed.excess - floor)) + relaxed.prior;
   };
   Relaxed best{result.excess, result.prior};
   const double besides = result.prior - prior_cost(result.point);  // what does not go with where the parameters stand
   Point point = result.point;
   Eigen::VectorXd step = Eigen::VectorXd::Zero(gram.cols());
   for (int iteration = 0; iteration < kRelaxations; ++iteration) {
-    const double weight = share * law_freedom / (usual + std::max(0.0, best.excess - floor));
+    const double weight = share * misfit_cost.slope(std::max(0.0, best.excess - floor));
     const PriorRows prior = prior_rows(point);
     Eigen::MatrixXd system = weight * gram;
     system.diagonal() += prior.slope.cwiseProduct(prior.slope);

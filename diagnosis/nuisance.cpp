@@ -1,8 +1,12 @@
 #include "diagnosis/nuisance.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
+
+#include "common/yaml_node.h"
 
 namespace slewlab::diagnosis {
 
@@ -17,33 +21,41 @@ constexpr double kStudent = 3.0;  // one more than the degrees of freedom
 }  // namespace
 
 const std::vector<Nuisance>& nuisances() {
+  using common::Unit;
   using sim::CraneParameters;
   static const std::vector<Nuisance> kNuisances{
       {"drive inertia", kUnitDeviation,
-       [](CraneParameters& c, double f) {
-         c.drive.motor_inertia *= f;
-         c.drive.brake_inertia *= f;
-         c.drive.gearbox_inertia *= f;
-       }},
-      {"gearbox stiffness", kUnitDeviation, [](CraneParameters& c, double f) { c.drive.gearbox_stiffness *= f; }},
-      {"gear damping", kUnitDeviation, [](CraneParameters& c, double f) { c.drive.gear_damping_ratio *= f; }},
+       {{"drive", "motor_inertia", Unit::kilogram_square_metre, [](CraneParameters& c) -> double& { return c.drive.motor_inertia; }},
+        {"drive", "brake_inertia", Unit::kilogram_square_metre, [](CraneParameters& c) -> double& { return c.drive.brake_inertia; }},
+        {"drive", "gearbox_inertia", Unit::kilogram_square_metre, [](CraneParameters& c) -> double& { return c.drive.gearbox_inertia; }}}},
+      {"gearbox stiffness", kUnitDeviation,
+       {{"drive", "gearbox_stiffness", Unit::newton_metre_per_radian, [](CraneParameters& c) -> double& { return c.drive.gearbox_stiffness; }}}},
+      {"gear damping", kUnitDeviation,
+       {{"drive", "gear_damping_ratio", Unit::none, [](CraneParameters& c) -> double& { return c.drive.gear_damping_ratio; }}}},
       {"play", kUnitDeviation,
-       [](CraneParameters& c, double f) {
-         c.drive.gearbox_play *= f;
-         c.drive.pinion_play *= f;
-       }},
-      {"house inertia", kUnitDeviation, [](CraneParameters& c, double f) { c.house.inertia *= f; }},
-      {"house sensor radius", kUnitDeviation, [](CraneParameters& c, double f) { c.house.sensor_radius *= f; }},
-      {"boom mass", kUnitDeviation, [](CraneParameters& c, double f) { c.boom.mass *= f; }},
-      {"boom bending stiffness", kUnitDeviation, [](CraneParameters& c, double f) { c.boom.youngs_modulus *= f; }},
-      {"boom torsional stiffness", kUnitDeviation, [](CraneParameters& c, double f) { c.boom.torsion_constant *= f; }},
-      {"boom damping", kUnitDeviation, [](CraneParameters& c, double f) { c.boom.damping_ratio *= f; }},
-      {"boom angle", kUnitDeviation, [](CraneParameters& c, double f) { c.boom.angle *= f; }},
-      {"pivot radius", kUnitDeviation, [](CraneParameters& c, double f) { c.boom.pivot_radius *= f; }},
-      {"load mass", kUnitDeviation, [](CraneParameters& c, double f) { c.load.mass *= f; }},
-      {"rope length", kUnitDeviation, [](CraneParameters& c, double f) { c.load.rope_length *= f; }},
-      {"rod length", kUnitDeviation, [](CraneParameters& c, double f) { c.load.rod_length *= f; }},
-      {"load damping", kUnitDeviation, [](CraneParameters& c, double f) { c.load.damping_ratio *= f; }},
+       {{"drive", "gearbox_play", Unit::radian, [](CraneParameters& c) -> double& { return c.drive.gearbox_play; }},
+        {"drive", "pinion_play", Unit::radian, [](CraneParameters& c) -> double& { return c.drive.pinion_play; }}}},
+      {"house inertia", kUnitDeviation,
+       {{"house", "inertia", Unit::kilogram_square_metre, [](CraneParameters& c) -> double& { return c.house.inertia; }}}},
+      {"house sensor radius", kUnitDeviation,
+       {{"house", "sensor_radius", Unit::metre, [](CraneParameters& c) -> double& { return c.house.sensor_radius; }}}},
+      {"boom mass", kUnitDeviation, {{"boom", "mass", Unit::kilogram, [](CraneParameters& c) -> double& { return c.boom.mass; }}}},
+      {"boom bending stiffness", kUnitDeviation,
+       {{"boom", "youngs_modulus", Unit::pascal, [](CraneParameters& c) -> double& { return c.boom.youngs_modulus; }}}},
+      {"boom torsional stiffness", kUnitDeviation,
+       {{"boom", "torsion_constant", Unit::metre_to_the_fourth, [](CraneParameters& c) -> double& { return c.boom.torsion_constant; }}}},
+      {"boom damping", kUnitDeviation,
+       {{"boom", "damping_ratio", Unit::none, [](CraneParameters& c) -> double& { return c.boom.damping_ratio; }}}},
+      {"boom angle", kUnitDeviation, {{"boom", "angle", Unit::radian, [](CraneParameters& c) -> double& { return c.boom.angle; }}}},
+      {"pivot radius", kUnitDeviation,
+       {{"boom", "pivot_radius", Unit::metre, [](CraneParameters& c) -> double& { return c.boom.pivot_radius; }}}},
+      {"load mass", kUnitDeviation, {{"load", "mass", Unit::kilogram, [](CraneParameters& c) -> double& { return c.load.mass; }}}},
+      {"rope length", kUnitDeviation,
+       {{"load", "rope_length", Unit::metre, [](CraneParameters& c) -> double& { return c.load.rope_length; }}}},
+      {"rod length", kUnitDeviation,
+       {{"load", "rod_length", Unit::metre, [](CraneParameters& c) -> double& { return c.load.rod_length; }}}},
+      {"load damping", kUnitDeviation,
+       {{"load", "damping_ratio", Unit::none, [](CraneParameters& c) -> double& { return c.load.damping_ratio; }}}},
   };
   return kNuisances;
 }
@@ -97,9 +109,26 @@ sim::CraneParameters with_nuisances(sim::CraneParameters crane, const std::vecto
   const std::vector<Nuisance>& all = nuisances();
   for (std::size_t k = 0; k < all.size() && k < amount.size(); ++k) {
     // A factor stays positive however far an optimiser reaches.
-    all[k].scale(crane, std::max(0.05, 1.0 + all[k].spread * amount[k]));
+    const double factor = std::max(0.05, 1.0 + all[k].spread * amount[k]);
+    for (const CraneNumber& number : all[k].numbers) number.of(crane) *= factor;
   }
   return crane;
+}
+
+std::string parameters_text(const sim::CraneParameters& nominal, const std::vector<double>& amount, std::string_view source) {
+  sim::CraneParameters crane = with_nuisances(nominal, amount);
+  std::map<std::string_view, std::string> sections;
+  for (std::size_t k = 0; k < nuisances().size() && k < amount.size(); ++k) {
+    if (amount[k] == 0.0) continue;
+    for (const CraneNumber& number : nuisances()[k].numbers) {
+      sections[number.section] += fmt::format("  {}: {{value: {}, unit: \"{}\", source: \"{}, {:+.1f} %\"}}\n", number.key,
+                                              common::shortest(number.of(crane)), common::name_of(number.unit), source,
+                                              100.0 * nuisances()[k].spread * amount[k]);
+    }
+  }
+  std::string text;
+  for (const auto& [section, numbers] : sections) text += fmt::format("{}:\n{}", section, numbers);
+  return text;
 }
 
 }  // namespace slewlab::diagnosis

@@ -3,18 +3,27 @@
 // of them free under their priors.
 #pragma once
 
+#include <string>
 #include <string_view>
 #include <vector>
 
+#include "common/unit.h"
 #include "diagnosis/shadow.h"
 #include "sim/model/crane_parameters.h"
 
 namespace slewlab::diagnosis {
 
+// One number of a crane, and where it stands in a crane file.
+struct CraneNumber {
+  std::string_view section, key;
+  common::Unit unit;
+  double& (*of)(sim::CraneParameters&);
+};
+
 struct Nuisance {
   std::string_view name;
-  double spread;  // [-] one standard deviation of the factor on the nominal value
-  void (*scale)(sim::CraneParameters&, double factor);
+  double spread;                     // [-] one standard deviation of the factor on the nominal values
+  std::vector<CraneNumber> numbers;  // that it multiplies
 };
 
 // 5 % either way with equal chance is a standard deviation of 5 % / sqrt(3).
@@ -43,6 +52,9 @@ std::size_t nuisance_count(std::size_t records);
 
 // The nominal crane with every nuisance moved by `amount[k]` standard deviations.
 sim::CraneParameters with_nuisances(sim::CraneParameters crane, const std::vector<double>& amount);
+
+// The numbers that differ from the nominal crane's, as sections of a crane file that is laid over it.
+std::string parameters_text(const sim::CraneParameters& nominal, const std::vector<double>& amount, std::string_view source);
 
 // -2 ln of a prior, without its constant, and its part in Gauss-Newton steps: half its slope, and a curvature that
 // never overshoots.

@@ -14,10 +14,9 @@
 
 #include "common/effect.h"
 #include "diagnosis/fit.h"
+#include "diagnosis/progress.h"
 
 namespace slewlab::diagnosis {
-
-using Progress = std::function<void(double share, const std::string& doing)>;
 
 // Coarse counts are read off the positions and never fitted.
 inline constexpr const char* kCounts = "encoder_quantisation";

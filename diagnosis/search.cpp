@@ -25,30 +25,37 @@ constexpr double kParallel = 0.02;              // 1 - cosine^2 of two signature
 
 bool cheaper(const FitResult& a, const FitResult& b) { return a.cost < b.cost; }
 
+std::string effects_of(const Point& point) {
+  std::string names;
+  for (const common::EffectInstance& effect : point.effects) names += (names.empty() ? "" : " with ") + effect.name;
+  return names;
+}
+
 // The best `contenders` get another round, and one from the nominal machine with their effects: where parameters had gone far to
 // stand for what an effect says now, a descent does not bring them back. The best of them goes on with fresh nuisance columns until
 // it settles; `leaders` go on with these columns, and where one of them overtakes, it gets fresh ones as well.
 void go_on(Problem& problem, const Eigen::MatrixXd& nuisance_columns, std::vector<FitResult>& fits, int contenders, int leaders,
-           const std::function<void(double, const FitResult&)>& tell) {
+           const Progress& tell) {
   if (fits.empty()) return;
   const auto first = static_cast<double>(contenders), all = static_cast<double>(contenders + leaders);
   std::stable_sort(fits.begin(), fits.end(), cheaper);
-  for (std::size_t i = 0; i < fits.size() && static_cast<int>(i) < contenders; ++i) {
-    tell(static_cast<double>(i) / all, fits[i]);
+  share_out(problem, std::min(fits.size(), static_cast<std::size_t>(contenders)), [&](std::size_t i) {
+    tell(static_cast<double>(i) / all, "converging " + effects_of(fits[i].point));
     improve(problem, fits[i], false);
     Point start = fits[i].point;
     std::fill(start.nuisance.begin(), start.nuisance.end(), 0.0);
     FitResult again = fit(problem, nuisance_columns, start);
     if (again.cost < fits[i].cost) fits[i] = std::move(again);
-  }
+  });
   std::stable_sort(fits.begin(), fits.end(), cheaper);
-  tell(first / all, fits.front());
+  tell(first / all, "settling " + effects_of(fits.front().point));
   settle(problem, fits.front(), kFreshRounds);
-  for (std::size_t i = 1; i < fits.size() && static_cast<int>(i) < leaders; ++i) {
-    tell((first + static_cast<double>(i)) / all, fits[i]);
-    take_nuisance_columns(fits.front().columns, fits[i]);
-    improve(problem, fits[i], false);
-  }
+  share_out(problem, std::min(fits.size(), static_cast<std::size_t>(std::max(1, leaders))) - 1, [&](std::size_t behind) {
+    FitResult& leader = fits[behind + 1];
+    tell((first + static_cast<double>(behind + 1)) / all, "converging " + effects_of(leader.point));
+    take_nuisance_columns(fits.front().columns, leader);
+    improve(problem, leader, false);
+  });
   const auto best = std::min_element(fits.begin(), fits.end(), cheaper);
   if (best != fits.begin()) improve(problem, *best, true);
   std::stable_sort(fits.begin(), fits.end(), cheaper);
@@ -61,13 +68,17 @@ void go_back(Problem& problem, const Eigen::MatrixXd& nuisance_columns, std::siz
       std::find_if(fits.begin(), fits.end(), [&](const FitResult& result) { return result.point.effects.size() == effects; });
   if (best == fits.end()) return;
   const FitResult from = *best;
-  for (std::size_t left_out = 0; left_out < effects; ++left_out) {
+  std::vector<FitResult> fewer(effects);
+  share_out(problem, effects, [&](std::size_t left_out) {
     Point start = from.point;
     start.effects.erase(start.effects.begin() + static_cast<std::ptrdiff_t>(left_out));
-    FitResult again = fit(problem, nuisance_columns, start);
+    FitResult& again = fewer[left_out];
+    again = fit(problem, nuisance_columns, start);
     take_nuisance_columns(from.columns, again);
     improve(problem, again, false);
     if (again.point.effects.empty() && excess(again.difference, problem.settings) < kDoubtful) settle(problem, again, kFreshRounds);
+  });
+  for (FitResult& again : fewer) {
     const auto same = std::find_if(fits.begin(), fits.end(), [&](const FitResult& result) {
       return std::equal(result.point.effects.begin(), result.point.effects.end(), again.point.effects.begin(), again.point.effects.end(),
                         [](const common::EffectInstance& a, const common::EffectInstance& b) { return a.name == b.name; });
@@ -190,42 +201,42 @@ Found search(Problem& problem, const FitResult& base, const Screening& screening
   std::erase_if(best, [&](const Screened* screened) { return same_as.count(screened->start.name) != 0; });
   Found found;
   std::vector<FitResult>& fits = found.fits;
-  for (std::size_t i = 0; i < chosen.size(); ++i) {
-    tell(0.4 + 0.13 * static_cast<double>(i) / static_cast<double>(chosen.size()), "refining " + chosen[i]->start.name);
-    fits.push_back(fit(problem, base.columns, with_amount(base.point, *chosen[i], chosen[i]->amount)));
-  }
+  fits.resize(chosen.size());
+  const Progress refining = within(tell, kRefineSingles);
+  share_out(problem, chosen.size(), [&](std::size_t i) {
+    refining(static_cast<double>(i) / static_cast<double>(chosen.size()), "refining " + chosen[i]->start.name);
+    fits[i] = fit(problem, base.columns, with_amount(base.point, *chosen[i], chosen[i]->amount));
+  });
   // One fit per effect, the better one. The leaders go on, the best of them with fresh columns, so that none loses for
   // want of convergence.
   std::stable_sort(fits.begin(), fits.end(), cheaper);
   seen.clear();
   std::erase_if(fits, [&](const FitResult& result) { return ++seen[result.point.effects[0].name] > 1; });
-  go_on(problem, base.columns, fits, settings.contenders, settings.leaders, [&](double share, const FitResult& result) {
-    tell(0.53 + 0.07 * share, "converging " + result.point.effects[0].name);
-  });
+  go_on(problem, base.columns, fits, settings.contenders, settings.leaders, within(tell, kConvergeSingles));
   if (!fits.empty() && settings.joint_pairs > 0) {
-    const std::vector<PairStart> starts = pair_starts(
-        problem, base, screening, best, fits, same_as, settings,
-        [&](double share, const std::string& doing) { tell(0.6 + 0.1 * share, doing + " beside " + fits.front().point.effects[0].name); });
-    std::vector<FitResult> pairs;
-    for (std::size_t i = 0; i < starts.size(); ++i) {
+    const auto beside_best = [&](double share, const std::string& doing) {
+      within(tell, kScreenBeside)(share, doing + " beside " + effects_of(fits.front().point));
+    };
+    const std::vector<PairStart> starts = pair_starts(problem, base, screening, best, fits, same_as, settings, beside_best);
+    std::vector<FitResult> pairs(starts.size());
+    const Progress refining_pairs = within(tell, kRefinePairs);
+    share_out(problem, starts.size(), [&](std::size_t i) {
       const auto& [start, from] = starts[i];
-      tell(0.7 + 0.1 * static_cast<double>(i) / static_cast<double>(starts.size()),
-           "refining " + start.effects[0].name + " with " + start.effects[1].name);
+      refining_pairs(static_cast<double>(i) / static_cast<double>(starts.size()), "refining " + effects_of(start));
       const auto nuisances = static_cast<Eigen::Index>(start.nuisance.size());
-      pairs.push_back(fit(problem, from->columns.leftCols(nuisances), start));
-      take_nuisance_columns(fits.front().columns, pairs.back());
-    }
-    go_on(problem, base.columns, pairs, settings.pair_contenders, settings.pair_leaders, [&](double share, const FitResult& result) {
-      tell(0.8 + 0.06 * share,
-           "converging " + result.point.effects[0].name + " with " + result.point.effects[1].name);
+      pairs[i] = fit(problem, from->columns.leftCols(nuisances), start);
+      take_nuisance_columns(fits.front().columns, pairs[i]);
     });
+    go_on(problem, base.columns, pairs, settings.pair_contenders, settings.pair_leaders, within(tell, kConvergePairs));
     fits.insert(fits.end(), std::make_move_iterator(pairs.begin()), std::make_move_iterator(pairs.end()));
   }
 
   // What fits with one effect more may show the way to those with less: a descent that stopped short elsewhere goes on from there.
-  tell(0.86, "going back to fewer effects");
+  const Progress going_back = within(tell, kGoBack);
+  going_back(0.0, "going back to one effect");
   std::stable_sort(fits.begin(), fits.end(), cheaper);
   go_back(problem, base.columns, 2, fits);
+  going_back(0.7, "going back to none");
   go_back(problem, base.columns, 1, fits);
   for (FitResult& result : fits) conclude(problem, result);
   FitResult& nothing = found.nothing;
@@ -236,9 +247,7 @@ Found search(Problem& problem, const FitResult& base, const Screening& screening
     if (without_effects->cost < nothing.cost) nothing = *without_effects;
     fits.erase(without_effects);
   }
-  std::vector<FitResult> by_chance = chance_fits(
-      problem, screening, nothing, fits,
-      [&](double share, const std::string& doing) { tell(0.9 + 0.1 * share, doing); });
+  std::vector<FitResult> by_chance = chance_fits(problem, screening, nothing, fits, within(tell, kLookForChance));
   fits.insert(fits.end(), std::make_move_iterator(by_chance.begin()), std::make_move_iterator(by_chance.end()));
   for (const auto& [name, other] : same_as) {
     for (std::size_t i = 0; i < fits.size(); ++i) {

@@ -3,12 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <iostream>
 #include <nlohmann/json.hpp>
-#include <thread>
+#include <set>
 
 #include "common/input_error.h"
 #include "common/stop_signal.h"
@@ -201,16 +200,62 @@ void print_page(const Diagnosis& diagnosis, const ToldApartBy& apart, const std:
                      diagnosis.simulation_seconds, diagnosis.total_seconds);
 }
 
+// What of the command line is wrong, before any work is done.
+common::InputProblems problems_of(const DiagnoseOptions& options) {
+  common::InputProblems problems;
+  std::vector<const common::EffectAbout*> catalogue = sim::effect_abouts();
+  catalogue.insert(catalogue.end(), controller::effect_abouts().begin(), controller::effect_abouts().end());
+  for (const std::string& name : options.without) {
+    const bool is_known = std::any_of(catalogue.begin(), catalogue.end(), [&](const common::EffectAbout* about) { return about->name == name; });
+    if (!is_known) problems.push_back({{"--without", 0, 0}, "", name, common::expected_effect_name(catalogue, name)});
+  }
+  // What one log says twice would count as two logs that agree.
+  std::set<std::filesystem::path> seen;
+  for (const std::filesystem::path& log : options.logs) {
+    if (!seen.insert(std::filesystem::weakly_canonical(log)).second) {
+      problems.push_back({{"--log", 0, 0}, "", log.string(), "each log once"});
+    }
+  }
+  if (std::filesystem::exists(options.out) && !std::filesystem::is_directory(options.out)) {
+    problems.push_back({{"--out", 0, 0}, "", options.out.string(), "a folder, there already or to be made"});
+  }
+  return problems;
+}
+
+// One line that is written over on a terminal, elsewhere a line every two seconds.
+class ProgressLines {
+ public:
+  ProgressLines(bool terminal, std::ostream& out) : terminal_(terminal), out_(out) {}
+
+  void operator()(double share, const std::string& doing) {
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    if (!terminal_ && seconds < next_ && share < 1.0) return;
+    next_ = seconds + 2.0;
+    share_ = std::max(share_, share);  // of several at work the one that is farthest
+    // A time left that is forecast from the first instants would be a guess.
+    const std::string left = share_ > 0.02 ? fmt::format("about {:3.0f} s left", seconds / share_ * (1.0 - share_)) : "";
+    out_ << fmt::format("{}{:3.0f} %  {:16}  {:60}{}", terminal_ ? "\r" : "", 100.0 * share_, left, doing.substr(0, 60), terminal_ ? "" : "\n")
+         << std::flush;
+  }
+
+ private:
+  bool terminal_;
+  std::ostream& out_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  double next_ = 0.0;  // [s] since the start
+  double share_ = 0.0;
+};
+
 }  // namespace
 
 int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostream& complaints) {
   common::catch_stop_signals();
-  std::atomic<bool> stop{false};
   try {
+    common::InputProblems problems = problems_of(options);
+    if (!problems.empty()) throw common::InputError(problems);
     const sim::CraneFile crane = sim::load_crane_file(options.crane);
     sim::MachineSettings nominal;
     nominal.crane = crane.parameters;
-    common::InputProblems problems;
     if (crane.effects.kind != common::YamlNode::Kind::null) {
       nominal.effects = common::read_effects(crane.effects, sim::effect_abouts(), problems);
     }
@@ -238,15 +283,9 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
     settings.without = options.without;
     settings.threads = options.threads;
     settings.hold_out = true;
-    const auto start = std::chrono::steady_clock::now();
-    const auto progress = [&](double share, const std::string& doing) {
-      if (common::stop_signal() != 0) stop = true;
-      const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-      // A time left that is forecast from the first instants would be a guess.
-      const std::string left = share > 0.02 ? fmt::format("about {:3.0f} s left", seconds / share * (1.0 - share)) : "";
-      out << fmt::format("\r{:3.0f} %  {:16}  {:60}", 100 * share, left, doing.substr(0, 60)) << std::flush;
-    };
-    const Diagnosis found = diagnosis::diagnose(nominal, controller, records, settings, progress, &stop);
+    ProgressLines progress(options.terminal, out);
+    const Diagnosis found =
+        diagnosis::diagnose(nominal, controller, records, settings, std::ref(progress), [] { return common::stop_signal() != 0; });
 
     const Cause nothing;
     const Cause& first = found.causes.empty() ? nothing : found.causes.front();
@@ -282,11 +321,20 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
     }
     json["crane"] = std::filesystem::absolute(options.crane).string();
     write_whole_file(options.out / "diagnosis.json", json.dump(2) + "\n");
-    const std::vector<common::EffectInstance> effects = diagnosis::machine_at(nominal, first.point).effects;
+    const sim::MachineSettings explained = diagnosis::machine_at(nominal, first.point);
+    const std::vector<common::EffectInstance>& effects = explained.effects;
     std::string text = fmt::format("include: {}\ndescription: The nominal crane with what slewlab diagnose found.\n",
                                    std::filesystem::absolute(options.crane).string());
+    if (explained.crane.boom.element_count != nominal.crane.boom.element_count) {
+      text += fmt::format("boom:\n  elements: {{value: {}, unit: \"-\", source: \"slewlab diagnose, as the sizes were fitted\"}}\n",
+                          explained.crane.boom.element_count);
+    }
     if (!effects.empty()) text += common::effects_text(effects, sim::effect_abouts(), "slewlab diagnose, " + found.verdict);
     write_whole_file(options.out / "crane_with_effect.yaml", text);
+    // What the gap after was predicted with.
+    write_whole_file(options.out / "crane_as_fitted.yaml",
+                     "include: crane_with_effect.yaml\ndescription: The same, with the parameters as slewlab diagnose fitted them.\n" +
+                         diagnosis::parameters_text(nominal.crane, first.point.nuisance, "slewlab diagnose"));
     print_page(found, apart, before_gaps, after_gaps, place, out);
     out << "files: " << options.out.string() << std::endl;
     // Becomes the program that draws; without an interpreter it says so, and the findings stand all the same.
@@ -297,7 +345,7 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
     return 3;
   } catch (const diagnosis::Interrupted&) {
     complaints << "interrupted; nothing was written\n";
-    return 130;
+    return 128 + common::stop_signal();
   } catch (const common::InputError& problem) {
     complaints << problem.what() << "\n";
     return 1;

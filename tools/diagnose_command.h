@@ -15,10 +15,11 @@ struct DiagnoseOptions {
   std::filesystem::path out;
   std::vector<std::string> without;  // effects that the catalogue is to do without
   int threads = 2;
+  bool terminal = false;  // progress is one line that is written over, not a line every two seconds
 };
 
-// Answers with the exit code: 0 diagnosed, 1 bad input, 3 "cannot tell, because" (said on `complaints`), 130
-// interrupted. Files appear whole or not at all.
+// Answers with the exit code: 0 diagnosed, 1 bad input, 3 "cannot tell, because" (said on `complaints`), 128 with the
+// signal's number interrupted. Files appear whole or not at all.
 int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostream& complaints);
 
 }  // namespace slewlab::tools

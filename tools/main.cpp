@@ -1,6 +1,7 @@
 // slewlab: the command. Every subcommand is a file of its own in this folder; here is only the list of them.
 
 #include <CLI/CLI.hpp>
+#include <unistd.h>
 
 #include <cstdio>
 #include <functional>
@@ -127,7 +128,6 @@ void add_accept(CLI::App& app, const std::vector<std::string>& command_line, Act
   });
 }
 
-
 void add_diagnose(CLI::App& app, Action& action) {
   auto options = std::make_shared<DiagnoseOptions>();
   CLI::App* command = app.add_subcommand("diagnose", "Where a measured crane differs from its model, and which effect causes it");
@@ -139,6 +139,7 @@ void add_diagnose(CLI::App& app, Action& action) {
   command->add_option("--without", options->without, "effects that the catalogue is to do without");
   command->add_option("--threads", options->threads, "simulations side by side")->check(CLI::PositiveNumber);
   command->callback([options, &action] {
+    options->terminal = ::isatty(STDOUT_FILENO) == 1;
     action = [options] { return diagnose_logs(*options, std::cout, std::cerr); };
   });
 }

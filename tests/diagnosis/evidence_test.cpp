@@ -45,14 +45,25 @@ TEST(Evidence, KnownWhereACauseLeavesLittle) {
   EXPECT_LT(p.unknown, 0.01);
 }
 
-// Two causes of equal prior: their odds are the ratio of their discounted misfits, by the header's formula.
+// Two causes of equal prior: their odds are the ratio of their discounted misfits, by the header's formula. 55 is half of k + r G
+// and a quarter of n.
 TEST(Evidence, OddsFollowTheFormula) {
   EvidenceSettings settings;
   settings.law_freedom = 10.0;
   settings.law_share = 0.1;
+  settings.near_freedom = 4.0;
+  settings.near_misfit = 220.0;
   settings.temper = 1.0;
   const Probabilities p = weigh({{{}, 1000.0, 0.0}, {{"a"}, 0.0, 0.0}, {{"b"}, 55.0, 0.0}}, 40, settings);
-  EXPECT_NEAR(p.candidate[1] / p.candidate[2], std::pow(1.5, 5.0), 1e-9);
+  EXPECT_NEAR(p.candidate[1] / p.candidate[2], std::pow(1.5, 5.0) * std::pow(1.25, 2.0), 1e-9);
+}
+
+TEST(Evidence, TheSlopeOfAMisfitsCostIsItsDerivative) {
+  const MisfitCost cost({}, 1e6);
+  for (const double left : {0.0, 30.0, 4000.0, 1e6}) {
+    const double h = 1e-4 * (left + 1.0);
+    EXPECT_NEAR(cost.slope(left + h), (cost(left + 2.0 * h) - cost(left)) / (2.0 * h), 1e-6 * cost.slope(left)) << left;
+  }
 }
 
 TEST(Evidence, WantsTheCandidateWithoutEffects) {

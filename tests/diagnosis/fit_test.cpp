@@ -2,10 +2,54 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <stdexcept>
+#include <thread>
+#include <vector>
 
 namespace slewlab::diagnosis {
 namespace {
+
+// Each share once, and never more at work than `threads`, also where a share shares out itself.
+TEST(ShareOut, DoesEveryShareOnceOnAsManyThreadsAsAllowed) {
+  for (const int threads : {1, 2, 3}) {
+    Problem problem;
+    problem.threads = threads;
+    std::vector<std::atomic<int>> done(5 * 7);
+    std::atomic<int> working{0}, most{0};
+    share_out(problem, 5, [&](std::size_t outer) {
+      share_out(problem, 7, [&](std::size_t inner) {
+        const int now = ++working;
+        int before = most;
+        while (before < now && !most.compare_exchange_weak(before, now)) {
+        }
+        ++done[7 * outer + inner];
+        std::this_thread::yield();
+        --working;
+      });
+    });
+    for (const std::atomic<int>& times : done) EXPECT_EQ(times, 1);
+    EXPECT_LE(most, threads);
+    EXPECT_EQ(problem.helpers, 0);
+  }
+}
+
+TEST(ShareOut, ThrowsAgainWhatAShareThrewAndBeginsNoOther) {
+  Problem problem;
+  int begun = 0;
+  EXPECT_THROW(share_out(problem, 10,
+                         [&](std::size_t i) {
+                           ++begun;
+                           if (i == 3) throw std::invalid_argument("the fourth");
+                         }),
+               std::invalid_argument);
+  EXPECT_EQ(begun, 4);
+  problem.threads = 2;
+  EXPECT_THROW(share_out(problem, 10, [](std::size_t) { throw Interrupted{}; }), Interrupted);
+  EXPECT_EQ(problem.helpers, 0);
+}
 
 // Limits of L(c) = nu ln(1 + c / nu): c where it is small, ratios count where it is large, and no discount below 0.
 TEST(Discount, HasItsLimits) {
@@ -27,9 +71,26 @@ TEST(Excess, IsWhatStandsAboveTheNoise) {
   EXPECT_NEAR(excess(Eigen::VectorXd::Constant(10, 2.0), settings), 0.5 * (40.0 - 10.0), 1e-12);
 }
 
+// As fine as kBoomElements, finer where the crane file is, and a rigid boom stays one.
+TEST(MachineAt, CutsAFlexibleBoomFinelyEnough) {
+  sim::MachineSettings nominal;
+  for (const auto& [given, cut] : {std::pair(6, kBoomElements), std::pair(24, 24), std::pair(0, 0)}) {
+    nominal.crane.boom.element_count = given;
+    EXPECT_EQ(machine_at(nominal, {}).crane.boom.element_count, cut);
+  }
+}
+
 // One nuisance (the first) moves one difference; the fit stands at z = 3, far behind the wall at 2, where nothing is left.
 class Relaxation : public testing::Test {
  protected:
+  // 100 ln(1 + c / usual).
+  static MisfitCost misfit_cost(double usual) {
+    EvidenceSettings settings;
+    settings.law_freedom = 100.0;
+    settings.law_share = 1.0;
+    settings.near_freedom = 0.0;
+    return {settings, usual - 100.0};
+  }
   Relaxation() {
     result_.point.nuisance.assign(17, 0.0);
     result_.point.nuisance[0] = 3.0;
@@ -45,10 +106,10 @@ class Relaxation : public testing::Test {
 
 // Limits: where misfits cost nothing the parameter goes back to 0 and leaves s (10 * 3)^2; where they cost all it stays.
 TEST_F(Relaxation, TradesMisfitForLikelyValues) {
-  const Relaxed forgiven = relax(problem_, result_, 100.0, 1e12, 0.0);
+  const Relaxed forgiven = relax(problem_, result_, misfit_cost(1e12), 0.0);
   EXPECT_NEAR(forgiven.prior, 0.0, 1e-6);
   EXPECT_NEAR(forgiven.excess, problem_.settings.independent_share * 900.0, 1e-3);
-  const Relaxed charged = relax(problem_, result_, 100.0, 1e-3, 0.0);
+  const Relaxed charged = relax(problem_, result_, misfit_cost(1e-3), 0.0);
   EXPECT_NEAR(charged.prior, result_.prior, 0.05);
   EXPECT_NEAR(charged.excess, 0.0, 1e-3);
 }
@@ -56,7 +117,7 @@ TEST_F(Relaxation, TradesMisfitForLikelyValues) {
 // A price that does not go with where the parameters stand is paid wherever they go.
 TEST_F(Relaxation, KeepsWhatIsChargedBesides) {
   result_.prior += 25.0;
-  EXPECT_NEAR(relax(problem_, result_, 100.0, 1e12, 0.0).prior, 25.0, 1e-6);
+  EXPECT_NEAR(relax(problem_, result_, misfit_cost(1e12), 0.0).prior, 25.0, 1e-6);
 }
 
 // The minimum of 100 ln(1 + 0.3 (10 (z - 3))^2 / 1000) + z^2 + 30 max(0, z - 2)^2, by search over z.
@@ -69,7 +130,7 @@ TEST_F(Relaxation, FindsTheLeastOfBoth) {
     least = cost;
     prior = p;
   }
-  const Relaxed relaxed = relax(problem_, result_, 100.0, 1000.0, 0.0);
+  const Relaxed relaxed = relax(problem_, result_, misfit_cost(1000.0), 0.0);
   EXPECT_NEAR(100.0 * std::log1p(relaxed.excess / 1000.0) + relaxed.prior, least, 0.02);
   EXPECT_NEAR(relaxed.prior, prior, 0.3);
 }
@@ -78,7 +139,7 @@ TEST_F(Relaxation, FindsTheLeastOfBoth) {
 TEST_F(Relaxation, PromisesNothingThatWasNotReached) {
   result_.difference(0) = 30.0;
   result_.excess = 500.0;
-  EXPECT_GE(relax(problem_, result_, 100.0, 1e-3, 0.0).excess, 500.0);
+  EXPECT_GE(relax(problem_, result_, misfit_cost(1e-3), 0.0).excess, 500.0);
 }
 
 }  // namespace

@@ -3,6 +3,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "sim/crane_file.h"
+#include "tests/msgs/temporary_folder.h"
 
 namespace slewlab::diagnosis {
 namespace {
@@ -42,6 +48,23 @@ TEST(Nuisance, EffectsSayWhatParametersSay) {
     EXPECT_FALSE(is_said_by("bearing_coulomb", k));
   }
   EXPECT_EQ(said, 2);  // bending and torsion
+}
+
+// What is written is read back as the crane that was meant, laid over the nominal one; what did not change is not written.
+TEST(Nuisance, ParametersAreWrittenAsSectionsOfACraneFile) {
+  const std::string thesis = SLEWLAB_SOURCE_DIR "/config/cranes/thesis.yaml";
+  const sim::CraneParameters nominal = sim::load_crane_file(thesis).parameters;
+  std::vector<double> amount(nuisance_count(1), 0.0);
+  for (std::size_t k = 1; k < nuisances().size(); ++k) amount[k] = 0.1 * static_cast<double>(k) - 0.85;
+  const std::string text = parameters_text(nominal, amount, "test");
+  EXPECT_EQ(text.find("motor_inertia"), std::string::npos);
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "crane.yaml";
+  std::ofstream(file) << "include: " << thesis << "\n" << text;
+  sim::CraneParameters read = sim::load_crane_file(file).parameters, meant = with_nuisances(nominal, amount);
+  for (const Nuisance& nuisance : nuisances()) {
+    for (const CraneNumber& number : nuisance.numbers) EXPECT_EQ(number.of(read), number.of(meant)) << number.key;
+  }
 }
 
 TEST(Nuisance, LatencyComesBehindTheParameters) {

@@ -1,9 +1,10 @@
 """Draws the scores of a diagnosis on withheld cases: one self-contained HTML page. Standard library only.
 
-    score_report.py DIR/results/score.json [OTHER/score.json ...] [--out FILE]
+    score_report.py DIR/results/score.json [OTHER/score.json ...] [--out FILE] [--markdown]
 
 Without --out the page is written beside the first file. Several files stand side by side in the table of scores (all
-sensors, encoders and torques alone); pictures and tables below are the first one's.
+sensors, encoders and torques alone); pictures and tables below are the first one's. With --markdown nothing is written
+to a file: the tables of docs/diagnosis.md, of the first file, are printed.
 """
 
 import argparse
@@ -161,6 +162,22 @@ def right(truth, answer):
     return answer == "not in the catalogue" if outside else answer == truth
 
 
+def markdown(data):
+    """The tables that stand in docs/diagnosis.md."""
+    lines = ["| score | value | 95 % | cases | aim |", "|---|---|---|---|---|"]
+    for one in data["scores"] + data["also"]:
+        aim = f"{one['aim']} ({'reached' if one['reached'] else 'not reached'})" if "aim" in one else ""
+        spread = "" if one["value"] is None else f"{one['low']:.3f} ... {one['high']:.3f}"
+        lines.append(f"| {one['name']} | {number(one['value'])} | {spread} | {one['cases']} | {aim} |")
+    lines += ["", "| truth, one effect or none | answered |", "|---|---|"]
+    for truth, answers in sorted(data["confusion"].items()):
+        if " + " in truth:
+            continue
+        counted = ", ".join(f"{answer} {count}" for answer, count in sorted(answers.items()))
+        lines.append(f"| {truth} | {counted} |")
+    return "\n".join(lines)
+
+
 def page(files):
     data = files[0][1]
     about = data.get("set", {})
@@ -184,6 +201,7 @@ def main(arguments):
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("files", nargs="+", type=Path, metavar="score.json")
     parser.add_argument("--out", type=Path)
+    parser.add_argument("--markdown", action="store_true")
     options = parser.parse_args(arguments)
     files = []
     for file in options.files:
@@ -192,6 +210,9 @@ def main(arguments):
         except (OSError, ValueError) as problem:
             print(f"{file}: cannot be read as scores: {problem}", file=sys.stderr)
             return 1
+    if options.markdown:
+        print(markdown(files[0][1]))
+        return 0
     out = options.out or options.files[0].with_name("score.html")
     partial = out.with_name(out.name + ".partial")
     partial.write_text(page(files))

@@ -1,0 +1,161 @@
+// `slewlab diagnose` from the outside, as it is typed: a machine with an effect that the diagnosis is not told of runs over the wire,
+// its log is diagnosed against the nominal crane, and what comes out is used. The expected answer is the machine's own file.
+
+#include <gtest/gtest.h>
+#include <signal.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "tests/msgs/temporary_folder.h"
+#include "tests/tools/running_program.h"
+
+namespace slewlab::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string kSlewlab = SLEWLAB_BINARY_DIR "/bin/slewlab";
+const std::string kConfig = SLEWLAB_SOURCE_DIR "/config/";
+constexpr double kBrakeTorque = 12.0;  // [Nm] of the machine that is measured
+
+std::string contents(const fs::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  return {std::istreambuf_iterator<char>(file), {}};
+}
+
+std::set<std::string> names_in(const fs::path& folder) {
+  std::set<std::string> names;
+  for (const auto& entry : fs::directory_iterator(folder)) names.insert(entry.path().filename().string());
+  return names;
+}
+
+class DiagnoseCommand : public testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new TemporaryFolder;
+    const fs::path machine = folder_->path() / "machine.yaml";
+    std::ofstream(machine) << "include: " << kConfig << "cranes/thesis.yaml\n"
+                           << "description: The machine that is measured; its boom is cut finer than the diagnosis cuts it.\n"
+                           << "boom:\n"
+                           << "  elements: {value: 32, unit: \"-\", source: \"test\"}\n"
+                           << "effects:\n"
+                           << "  - effect: dragging_brake\n"
+                           << "    torque: {value: " << kBrakeTorque << ", unit: N m, source: \"test\"}\n"
+                           << "    unevenness: {value: 0.3, unit: \"-\", source: \"test\"}\n"
+                           << "    give: {value: 0.02, unit: rad, source: \"test\"}\n";
+    RunningProgram run({kSlewlab, "run", kConfig + "scenarios/slew_there_and_back.yaml", "--out", (folder_->path() / "measured").string(),
+                        "--progress", "none", "--set", "crane=" + machine.string(), "--set", "telemetry.sensors_period=1", "--set",
+                        "duration=24"});
+    ASSERT_EQ(run.wait_for_end(), 0) << run.complaints();
+  }
+  static void TearDownTestSuite() {
+    delete folder_;
+    folder_ = nullptr;
+  }
+
+  static std::string log() { return (folder_->path() / "measured" / "run.lcmlog").string(); }
+  fs::path out() const { return folder_->path() / testing::UnitTest::GetInstance()->current_test_info()->name(); }
+  std::vector<std::string> command(const std::vector<std::string>& more) const {
+    std::vector<std::string> all{kSlewlab, "diagnose", "--out", out().string()};
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  }
+  std::vector<std::string> whole_command() const {
+    return command({"--crane", kConfig + "cranes/thesis.yaml", "--controller", kConfig + "controllers/thesis.yaml", "--log", log()});
+  }
+
+  // Ends with this code and these words, and nothing is written.
+  void expect_refused(const std::vector<std::string>& more, int code, const std::vector<std::string>& words) const {
+    RunningProgram diagnose(command(more));
+    EXPECT_EQ(diagnose.wait_for_end(), code);
+    for (const std::string& word : words) EXPECT_NE(diagnose.complaints().find(word), std::string::npos) << diagnose.complaints();
+    EXPECT_FALSE(fs::exists(out()));
+  }
+
+ private:
+  static TemporaryFolder* folder_;
+};
+TemporaryFolder* DiagnoseCommand::folder_ = nullptr;
+
+TEST_F(DiagnoseCommand, FindsTheEffectAndWritesACraneThatRunTakes) {
+  RunningProgram diagnose(whole_command());
+  ASSERT_EQ(diagnose.wait_for_end(), 0) << diagnose.complaints();
+  EXPECT_EQ(names_in(out()), (std::set<std::string>{"diagnosis.json", "diagnosis.html", "crane_with_effect.yaml", "crane_as_fitted.yaml", "series.csv"}));
+
+  const auto found = nlohmann::json::parse(contents(out() / "diagnosis.json"));
+  EXPECT_TRUE(found["gap"].get<bool>());
+  EXPECT_EQ(found["verdict"], "dragging_brake");
+  EXPECT_GT(found["simulations"].get<int>(), 100);
+  const auto& first = found["causes"][0];
+  EXPECT_EQ(first["effects"], nlohmann::json::array({"dragging_brake"}));
+  EXPECT_GT(first["probability"].get<double>(), 0.5);
+  const auto torque = std::find_if(first["sizes"].begin(), first["sizes"].end(),
+                                   [](const auto& size) { return size["parameter"] == "dragging_brake.torque"; });
+  ASSERT_NE(torque, first["sizes"].end());
+  EXPECT_EQ((*torque)["unit"], "N m");
+  EXPECT_LT((*torque)["low_90"].get<double>(), kBrakeTorque);
+  EXPECT_GT((*torque)["high_90"].get<double>(), kBrakeTorque);
+  // The second half of the only log was fitted by nobody, and the law is the machine's own.
+  EXPECT_NE(found["gaps_on"].get<std::string>().find("sizes fitted again without"), std::string::npos) << found["gaps_on"];
+  int torques = 0;
+  for (const auto& gap : found["gaps"]) {
+    if (gap["signal"].get<std::string>().find("torque") == std::string::npos) continue;
+    ++torques;
+    EXPECT_LT(gap["after"].get<double>(), 0.05 * gap["before"].get<double>()) << gap;
+  }
+  EXPECT_EQ(torques, 2);
+  // The page on the terminal says what the file says.
+  for (const char* word : {"Is there a gap?  Yes", "Which side?", "Where?", "When?", "dragging_brake.torque", "not in the catalogue",
+                           "Gap in closed loop", "simulations with"}) {
+    EXPECT_NE(diagnose.output().find(word), std::string::npos) << word << "\n" << diagnose.output();
+  }
+  const std::string page = contents(out() / "diagnosis.html");
+  for (const char* word : {"dragging_brake", "Plotly.newPlot", "missing torque"}) EXPECT_NE(page.find(word), std::string::npos) << word;
+
+  EXPECT_NE(contents(out() / "crane_with_effect.yaml").find("elements: {value: 12,"), std::string::npos);  // kBoomElements, fit.h
+  for (const char* crane : {"crane_with_effect.yaml", "crane_as_fitted.yaml"}) {
+    const fs::path again = out() / "again";
+    RunningProgram run({kSlewlab, "run", kConfig + "scenarios/slew_there_and_back.yaml", "--out", again.string(), "--progress", "none",
+                        "--set", "crane=" + (out() / crane).string(), "--set", "duration=24"});
+    EXPECT_EQ(run.wait_for_end(), 0) << run.complaints();
+    EXPECT_EQ(nlohmann::json::parse(contents(again / "summary.json"))["outcome"], "complete") << crane;
+  }
+}
+
+TEST_F(DiagnoseCommand, AnInterruptEndsItAndNothingIsWritten) {
+  for (const int number : {SIGINT, SIGTERM}) {
+    RunningProgram diagnose(whole_command());
+    ASSERT_NE(diagnose.wait_for_line("replaying the controller"), "");
+    ::kill(diagnose.pid(), number);
+    EXPECT_EQ(diagnose.wait_for_end(), 128 + number);
+    EXPECT_NE(diagnose.complaints().find("interrupted; nothing was written"), std::string::npos) << diagnose.complaints();
+    EXPECT_FALSE(fs::exists(out()));
+  }
+}
+
+TEST_F(DiagnoseCommand, RefusesACraneWithAnotherNumberOfMotorGroups) {
+  expect_refused({"--crane", SLEWLAB_SOURCE_DIR "/tests/diagnosis/servo_axis/crane.yaml", "--log", log()}, 3,
+                 {"cannot tell, because", "the log has 2 motor groups, the nominal crane 1"});
+}
+
+TEST_F(DiagnoseCommand, NamesWhatIsWrongOnTheCommandLineBeforeAnyWork) {
+  const std::string crane = kConfig + "cranes/thesis.yaml";
+  expect_refused({"--crane", crane, "--log", log(), "--without", "draging_brake"}, 1, {"--without", "draging_brake", "'dragging_brake' is near"});
+  expect_refused({"--crane", crane, "--log", log(), "--log", log()}, 1, {"--log", log(), "each log once"});
+  expect_refused({"--crane", crane, "--log", "/nowhere/run.lcmlog"}, 1, {"/nowhere/run.lcmlog", "No such file"});
+  std::ofstream(out()) << "a file\n";
+  RunningProgram diagnose(whole_command());
+  EXPECT_EQ(diagnose.wait_for_end(), 1);
+  EXPECT_NE(diagnose.complaints().find("a folder, there already or to be made"), std::string::npos) << diagnose.complaints();
+  EXPECT_EQ(contents(out()), "a file\n");
+}
+
+}  // namespace
+}  // namespace slewlab::tools
