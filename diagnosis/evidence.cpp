@@ -17,7 +17,9 @@ double MisfitCost::operator()(double left) const {
   return law_freedom_ * std::log1p(left / usual_) + near_freedom_ * std::log1p(left / near_misfit_);
 }
 
-double MisfitCost::slope(double left) const { return law_freedom_ / (usual_ + left) + near_freedom_ / (near_misfit_ + left); }
+double MisfitCost::law_slope(double left) const { return law_freedom_ / (usual_ + left); }
+
+double MisfitCost::slope(double left) const { return law_slope(left) + near_freedom_ / (near_misfit_ + left); }
 
 namespace {
 
@@ -42,7 +44,7 @@ Probabilities weigh(const std::vector<Candidate>& candidates, int single_count, 
   const double gap = nothing->excess - floor;
   const MisfitCost misfit_cost(settings, gap);
   const auto likelihood = [&](double left, const Candidate& candidate, double effects) {
-    const double weight = settings.independent_share * misfit_cost.slope(left);
+    const double weight = settings.independent_share * misfit_cost.law_slope(left);
     const double occam = (1.0 + weight * candidate.information.array()).log().sum();
     return -0.5 / settings.temper * (misfit_cost(left) + candidate.prior + occam + settings.price * effects);
   };

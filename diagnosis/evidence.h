@@ -1,7 +1,7 @@
 // From how well each hypothesis fits to how probable it is.
 //
 //   ln P(hypothesis | records) = ln prior - (M(c) + p + sum(ln(1 + w lambda)) + price * effects) / (2 T) + constant
-//   M(c) = k ln(1 + c / (k + r G)) + m ln(1 + c / n),    w = s dM/dc
+//   M(c) = k ln(1 + c / (k + r G)) + m ln(1 + c / n),    w = s k / (k + r G + c)
 //
 // c is what the hypothesis leaves above the best one (above what the noise explains, where even the best leaves more), G
 // the gap: what parameters alone leave, counted the same way. The law of a real effect is never quite the catalogue's: of some
@@ -41,6 +41,7 @@ class MisfitCost {
   MisfitCost(const EvidenceSettings& settings, double gap);
   double operator()(double left) const;
   double slope(double left) const;
+  double law_slope(double left) const;  // of the first term alone
 
  private:
   double law_freedom_, usual_, near_freedom_, near_misfit_;
