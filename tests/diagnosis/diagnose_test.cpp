@@ -365,12 +365,12 @@ TEST(Diagnose, FindsARollBesideUnevenGearboxes) {
       << found.verdict;
 }
 
-// Bursts three times as long as the longest of the catalogue, so that their power is not quite the catalogue's: a second effect that
+// Bursts nearly twice as long as the longest of the catalogue, so that their power is not quite the catalogue's: a second effect that
 // delays as well comes nearer to it, and must not be named for that.
 TEST(Diagnose, FindsLongBurstsOfLossAlone) {
   sim::MachineSettings truth;
   truth.crane = spread_crane(24);
-  truth.effects = {{"command_loss", {0.3, 60.0}}};
+  truth.effects = {{"command_loss", {0.3, 35.0}}};
   truth.seed = 99;
   const Diagnosis found = diagnose_truth(truth, bench().controller, 24);
   ASSERT_FALSE(found.causes.empty());
