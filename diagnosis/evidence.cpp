@@ -11,7 +11,7 @@ MisfitCost::MisfitCost(const EvidenceSettings& settings, double gap)
     : law_freedom_(settings.law_freedom),
       usual_(settings.law_freedom + settings.law_share * gap),
       near_freedom_(settings.near_freedom),
-      near_misfit_(settings.near_misfit) {}
+      near_misfit_(settings.near_misfit + settings.near_share * gap) {}
 
 double MisfitCost::operator()(double left) const {
   return law_freedom_ * std::log1p(left / usual_) + near_freedom_ * std::log1p(left / near_misfit_);

@@ -1,11 +1,11 @@
 // From how well each hypothesis fits to how probable it is.
 //
 //   ln P(hypothesis | records) = ln prior - (M(c) + p + sum(ln(1 + w lambda)) + price * effects) / (2 T) + constant
-//   M(c) = k ln(1 + c / (k + r G)) + m ln(1 + c / n),    w = s k / (k + r G + c)
+//   M(c) = k ln(1 + c / (k + r G)) + m ln(1 + c / (n + q G)),    w = s k / (k + r G + c)
 //
 // c is what the hypothesis leaves above the best one (above what the noise explains, where even the best leaves more), G
 // the gap: what parameters alone leave, counted the same way. The law of a real effect is never quite the catalogue's: of some
-// the true cause leaves a usual share r of the gap, of most no more than n. With the size of that mismatch integrated out, misfits
+// the true cause leaves a usual share r of the gap, of most no more than n + q G. With the size of that mismatch integrated out, misfits
 // count by their ratios. p is -2 ln of the prior where M + p is least (relax() in fit.h), and the sum, over the eigenvalues lambda of what the records say of
 // the parameters (fit.h), Occam's factor: how much narrower they became. A cause that is in no catalogue is a hypothesis too: it would leave a usual,
 // larger share of the gap, and its parameters, whichever they are, would be as narrow as those of the single cause that fits best.
@@ -23,6 +23,7 @@ struct EvidenceSettings {
   double law_share = 0.002;      // r
   double near_freedom = 20.0;    // m
   double near_misfit = 100.0;    // n
+  double near_share = 0.0002;    // q
   double unknown_share = 0.15;   // of the gap that a cause outside the catalogue leaves unexplained
   double unknown_floor = 100.0;  // [-] c that it leaves at least
   double unknown_prior = 17.0;   // p of its parameters: what the nuisances of a machine have on the average

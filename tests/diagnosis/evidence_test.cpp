@@ -46,13 +46,14 @@ TEST(Evidence, KnownWhereACauseLeavesLittle) {
 }
 
 // Two causes of equal prior: their odds are the ratio of their discounted misfits, by the header's formula. 55 is half of k + r G
-// and a quarter of n.
+// and a quarter of n + q G.
 TEST(Evidence, OddsFollowTheFormula) {
   EvidenceSettings settings;
   settings.law_freedom = 10.0;
   settings.law_share = 0.1;
   settings.near_freedom = 4.0;
-  settings.near_misfit = 220.0;
+  settings.near_misfit = 200.0;
+  settings.near_share = 0.02;
   settings.temper = 1.0;
   const Probabilities p = weigh({{{}, 1000.0, 0.0}, {{"a"}, 0.0, 0.0}, {{"b"}, 55.0, 0.0}}, 40, settings);
   EXPECT_NEAR(p.candidate[1] / p.candidate[2], std::pow(1.5, 5.0) * std::pow(1.25, 2.0), 1e-9);
