@@ -251,8 +251,8 @@ std::vector<FitResult> chance_fits(Problem& problem, const Screening& screening,
     if (is_alone && (alone == nullptr || one->found.cost + one->mean_cost < alone->found.cost + alone->mean_cost)) alone = one;
   }
   if (alone != nullptr) {
-    const auto tell_second = [&](double share, const std::string& doing) {
-      within(tell, {0.5, 1.0})(share, doing + " beside " + alone->effect.name);
+    const auto tell_second = [&, second = within(tell, {0.5, 1.0})](double share, const std::string& doing) {
+      second(share, doing + " beside " + alone->effect.name);
     };
     for (FitResult& result : seconds(problem, screening, *alone, tell_second)) keep(std::move(result));
   }

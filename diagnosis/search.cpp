@@ -214,8 +214,8 @@ Found search(Problem& problem, const FitResult& base, const Screening& screening
   std::erase_if(fits, [&](const FitResult& result) { return ++seen[result.point.effects[0].name] > 1; });
   go_on(problem, base.columns, fits, settings.contenders, settings.leaders, within(tell, kConvergeSingles));
   if (!fits.empty() && settings.joint_pairs > 0) {
-    const auto beside_best = [&](double share, const std::string& doing) {
-      within(tell, kScreenBeside)(share, doing + " beside " + effects_of(fits.front().point));
+    const auto beside_best = [&, beside = within(tell, kScreenBeside)](double share, const std::string& doing) {
+      beside(share, doing + " beside " + effects_of(fits.front().point));
     };
     const std::vector<PairStart> starts = pair_starts(problem, base, screening, best, fits, same_as, settings, beside_best);
     std::vector<FitResult> pairs(starts.size());

@@ -206,8 +206,8 @@ common::InputProblems problems_of(const DiagnoseOptions& options) {
   std::vector<const common::EffectAbout*> catalogue = sim::effect_abouts();
   catalogue.insert(catalogue.end(), controller::effect_abouts().begin(), controller::effect_abouts().end());
   for (const std::string& name : options.without) {
-    const bool is_known = std::any_of(catalogue.begin(), catalogue.end(), [&](const common::EffectAbout* about) { return about->name == name; });
-    if (!is_known) problems.push_back({{"--without", 0, 0}, "", name, common::expected_effect_name(catalogue, name)});
+    if (sim::find_effect(name) != nullptr || controller::find_effect(name) != nullptr) continue;
+    problems.push_back({{"--without", 0, 0}, "", name, common::expected_effect_name(catalogue, name)});
   }
   // What one log says twice would count as two logs that agree.
   std::set<std::filesystem::path> seen;

@@ -7,12 +7,12 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
 #include <vector>
 
+#include "tests/msgs/file_contents.h"
 #include "tests/msgs/temporary_folder.h"
 #include "tests/tools/running_program.h"
 
@@ -24,11 +24,6 @@ namespace fs = std::filesystem;
 const std::string kSlewlab = SLEWLAB_BINARY_DIR "/bin/slewlab";
 const std::string kConfig = SLEWLAB_SOURCE_DIR "/config/";
 constexpr double kBrakeTorque = 12.0;  // [Nm] of the machine that is measured
-
-std::string contents(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 std::set<std::string> names_in(const fs::path& folder) {
   std::set<std::string> names;

@@ -26,6 +26,7 @@
 #include "msgs/log_reader.h"
 #include "msgs/messages.h"
 #include "msgs/run_log.h"
+#include "tests/msgs/file_contents.h"
 #include "tests/msgs/temporary_folder.h"
 #include "tests/tools/running_program.h"
 
@@ -107,11 +108,6 @@ std::vector<std::string> command_of(const Moment& moment, const fs::path& out) {
                                    "--set", "duration=" + std::to_string(cycles_of(moment) / kCyclesPerSecond)};
   if (moment.manner == Manner::realtime) command.insert(command.end(), {"--realtime", "--speed", "10"});
   return command;
-}
-
-std::string contents(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
 }
 
 // Waits for a condition that must come; false after kHang.

@@ -8,13 +8,12 @@
 
 #include <csignal>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <numeric>
 
 #include "msgs/log_reader.h"
 #include "msgs/run_log.h"
+#include "tests/msgs/file_contents.h"
 #include "tests/msgs/temporary_folder.h"
 #include "tests/tools/running_program.h"
 
@@ -26,11 +25,6 @@ namespace fs = std::filesystem;
 const std::string kSlewlab = SLEWLAB_BINARY_DIR "/bin/slewlab";
 const std::string kController = SLEWLAB_BINARY_DIR "/bin/slewlab-controller";
 const std::string kScenario = SLEWLAB_SOURCE_DIR "/config/scenarios/thesis_slew.yaml";
-
-std::string contents(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 class RunCommandTest : public testing::Test {
  protected:

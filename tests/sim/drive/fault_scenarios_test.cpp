@@ -5,8 +5,6 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <memory>
 
 #include "controller/controller_file.h"
@@ -17,6 +15,7 @@
 #include "sim/drive/crane_plant.h"
 #include "sim/drive/fault_expectation.h"
 #include "sim/drive/scenario_run.h"
+#include "tests/msgs/file_contents.h"
 #include "tests/msgs/temporary_folder.h"
 
 namespace slewlab::sim {
@@ -65,11 +64,6 @@ void run(const Scenario& scenario, const fs::path& log_file) {
   msgs::LogWriter log(log_file);
   run_lockstep(lockstep_settings(scenario), plant, *plant_bus, log, hooks);
   log.finish();
-}
-
-std::string contents(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 class FaultScenarioTest : public testing::TestWithParam<std::string> {};

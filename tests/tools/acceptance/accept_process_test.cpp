@@ -5,10 +5,10 @@
 
 #include <filesystem>
 #include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <set>
 
+#include "tests/msgs/file_contents.h"
 #include "tests/msgs/temporary_folder.h"
 #include "tests/tools/running_program.h"
 
@@ -21,11 +21,6 @@ const std::string kSlewlab = SLEWLAB_BINARY_DIR "/bin/slewlab";
 const std::string kScenarios = SLEWLAB_SOURCE_DIR "/config/scenarios/";
 const std::string kPython = SLEWLAB_SOURCE_DIR "/.venv/bin/python";
 const std::string kExample = SLEWLAB_SOURCE_DIR "/examples/controller_in_python/controller.py";
-
-std::string contents(const fs::path& path) {
-  std::ifstream file(path);
-  return {std::istreambuf_iterator<char>(file), {}};
-}
 
 class AcceptTest : public testing::Test {
  protected:

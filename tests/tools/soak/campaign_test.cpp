@@ -13,6 +13,7 @@
 #include <vector>
 
 #include "sim/scenario_file.h"
+#include "tests/msgs/file_contents.h"
 #include "tests/msgs/temporary_folder.h"
 
 namespace slewlab::tools {
@@ -49,11 +50,6 @@ std::vector<std::string> sorted_journal(const fs::path& out) {
   std::vector<std::string> result = lines(out / "journal.jsonl");
   std::sort(result.begin(), result.end());
   return result;
-}
-
-std::string contents(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 TEST(Campaign, AnyNumberOfWorkersAndInterruptionsWritesTheSameJournal) {

@@ -5,10 +5,9 @@
 #include <signal.h>
 
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <sstream>
 
+#include "tests/msgs/file_contents.h"
 #include "tests/msgs/temporary_folder.h"
 #include "tests/tools/running_program.h"
 
@@ -18,11 +17,6 @@ namespace {
 namespace fs = std::filesystem;
 
 const std::string kSlewlab = SLEWLAB_BINARY_DIR "/bin/slewlab";
-
-std::string contents(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
-}
 
 int count_of(const std::string& text, const std::string& part) {
   int count = 0;

@@ -6,13 +6,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <fstream>
-#include <iterator>
 
 #include "common/input_error.h"
 #include "msgs/configuration_hash.h"
 #include "msgs/run_log.h"
 #include "sim/scenario_file.h"
+#include "tests/msgs/file_contents.h"
 #include "tests/msgs/temporary_folder.h"
 
 namespace slewlab::tools {
@@ -31,11 +30,6 @@ SoakPlan plan_with(const std::vector<common::Override>& changes, bool faults = f
   plan.faults = faults;
   plan.seed = 11;
   return plan;
-}
-
-std::string contents(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 bool has(const TaskResult& result, Invariant invariant) {
