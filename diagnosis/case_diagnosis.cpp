@@ -37,14 +37,14 @@ CaseData load_case(const withheld::CaseInput& input, bool accelerometers) {
 }
 
 withheld::CaseResult diagnose_case(const withheld::CaseInput& input, const CaseSettings& settings,
-                                   const std::atomic<bool>* stop) {
+                                   const std::function<bool()>& is_stopped) {
   withheld::CaseResult result;
   result.name = input.name;
   try {
     CaseData data = load_case(input, settings.accelerometers);
     DiagnosisSettings with = settings.diagnosis;
     with.without = input.without;
-    const Diagnosis diagnosis = diagnose(data.nominal, data.controller, data.records, with, {}, [&] { return stop != nullptr && stop->load(); });
+    const Diagnosis diagnosis = diagnose(data.nominal, data.controller, data.records, with, {}, is_stopped);
     result.gap = diagnosis.gap;
     result.probability_unknown = diagnosis.probability_unknown;
     result.subsystems = diagnosis.subsystems;
@@ -75,7 +75,7 @@ withheld::CaseResult diagnose_case(const withheld::CaseInput& input, const CaseS
 }
 
 double informed_gap(const withheld::CaseInput& input, const std::vector<std::string>& effects,
-                    const CaseSettings& settings) {
+                    const CaseSettings& settings, const std::function<bool()>& is_stopped) {
   CaseData data = load_case(input, settings.accelerometers);
   DiagnosisSettings with = settings.diagnosis;
   // Told the effects: everything else is left out of the catalogue.
@@ -86,7 +86,7 @@ double informed_gap(const withheld::CaseInput& input, const std::vector<std::str
   for (const common::EffectAbout* about : controller::effect_abouts()) {
     if (!told(about->name)) with.without.emplace_back(about->name);
   }
-  const Diagnosis diagnosis = diagnose(data.nominal, data.controller, data.records, with);
+  const Diagnosis diagnosis = diagnose(data.nominal, data.controller, data.records, with, {}, is_stopped);
   double best = predict(data.nominal, data.controller, data.unseen).relative_gap;
   // Of its fits, the one with most of the told effects and the least left.
   const Cause* chosen = nullptr;

@@ -1,7 +1,7 @@
 // The diagnosis on one withheld case, as score.h asks for it.
 #pragma once
 
-#include <atomic>
+#include <functional>
 
 #include "diagnosis/diagnose.h"
 #include "diagnosis/withheld/score.h"
@@ -22,11 +22,12 @@ struct CaseData {
 };
 CaseData load_case(const withheld::CaseInput& input, bool accelerometers);
 
+// Both throw Interrupted where `is_stopped` says so, which is asked before every simulation.
 withheld::CaseResult diagnose_case(const withheld::CaseInput& input, const CaseSettings& settings,
-                                   const std::atomic<bool>* stop = nullptr);
+                                   const std::function<bool()>& is_stopped = {});
 
 // The gap that is left in the unseen manoeuvre by a fit that is told the effects.
 double informed_gap(const withheld::CaseInput& input, const std::vector<std::string>& effects,
-                    const CaseSettings& settings);
+                    const CaseSettings& settings, const std::function<bool()>& is_stopped = {});
 
 }  // namespace slewlab::diagnosis

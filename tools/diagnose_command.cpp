@@ -20,11 +20,14 @@
 #include "sim/crane_file.h"
 #include "sim/effects/catalogue.h"
 #include "tools/python_command.h"
+#include "tools/status_line.h"
 #include "tools/whole_file.h"
 
 namespace slewlab::tools {
 
 namespace {
+
+constexpr double kLineInterval = 2.0;  // [s] between progress lines where there is no terminal
 
 using diagnosis::Cause;
 using diagnosis::Diagnosis;
@@ -222,27 +225,23 @@ common::InputProblems problems_of(const DiagnoseOptions& options) {
   return problems;
 }
 
-// One line that is written over on a terminal, elsewhere a line every two seconds.
-class ProgressLines {
+// How far a diagnosis is and how long it will still take.
+class ProgressDisplay {
  public:
-  ProgressLines(bool terminal, std::ostream& out) : terminal_(terminal), out_(out) {}
+  ProgressDisplay(bool terminal, std::ostream& out) : line_(out, terminal, kLineInterval) {}
 
   void operator()(double share, const std::string& doing) {
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-    if (!terminal_ && seconds < next_ && share < 1.0) return;
-    next_ = seconds + 2.0;
     share_ = std::max(share_, share);  // of several at work the one that is farthest
     // A time left that is forecast from the first instants would be a guess.
     const std::string left = share_ > 0.02 ? fmt::format("about {:3.0f} s left", seconds / share_ * (1.0 - share_)) : "";
-    out_ << fmt::format("{}{:3.0f} %  {:16}  {:60}{}", terminal_ ? "\r" : "", 100.0 * share_, left, doing.substr(0, 60), terminal_ ? "" : "\n")
-         << std::flush;
+    line_.show(seconds, fmt::format("{:3.0f} %  {:16}  {:.50}", 100.0 * share_, left, doing), share >= 1.0);
   }
+  void keep() { line_.keep(); }
 
  private:
-  bool terminal_;
-  std::ostream& out_;
+  StatusLine line_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-  double next_ = 0.0;  // [s] since the start
   double share_ = 0.0;
 };
 
@@ -283,9 +282,10 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
     settings.without = options.without;
     settings.threads = options.threads;
     settings.hold_out = true;
-    ProgressLines progress(options.terminal, out);
+    ProgressDisplay progress(options.terminal, out);
     const Diagnosis found =
         diagnosis::diagnose(nominal, controller, records, settings, std::ref(progress), [] { return common::stop_signal() != 0; });
+    progress.keep();
 
     const Cause nothing;
     const Cause& first = found.causes.empty() ? nothing : found.causes.front();

@@ -174,6 +174,7 @@ void add_withhold_score(CLI::App& withhold, Action& action) {
   score->add_option("--results", options->results, "folder in it for the results");
   score->add_flag("--no-accelerometers", options->no_accelerometers, "encoders and torques alone");
   score->add_option("--threads", options->threads, "cases side by side")->check(CLI::PositiveNumber);
+  score->add_option("--first", options->first, "only so many cases, from the beginning of the set")->check(CLI::PositiveNumber);
   score->callback([options, &action] {
     action = [options] { return withhold_judge(*options, std::cout, std::cerr); };
   });

@@ -1,6 +1,7 @@
 #include "tools/run_command.h"
 
 #include <fcntl.h>
+#include <fmt/format.h>
 #include <poll.h>
 #include <sys/file.h>
 #include <sys/signalfd.h>
@@ -12,6 +13,7 @@
 #include <cstdio>
 #include <cstring>
 #include <deque>
+#include <iostream>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <stdexcept>
@@ -27,6 +29,7 @@
 #include "tools/private_network.h"
 #include "tools/resolved_configuration.h"
 #include "tools/run_facts.h"
+#include "tools/status_line.h"
 #include "tools/whole_file.h"
 
 namespace slewlab::tools {
@@ -96,7 +99,9 @@ class Signals {
 class ProgressDisplay {
  public:
   ProgressDisplay(Progress mode, std::string name)
-      : mode_(mode), terminal_(mode == Progress::automatic && ::isatty(1)), name_(std::move(name)) {}
+      : mode_(mode),
+        name_(std::move(name)),
+        line_(std::cout, mode == Progress::automatic && ::isatty(STDOUT_FILENO) == 1, mode == Progress::lines ? 0.0 : kLineInterval) {}
 
   // A line of the plant: "progress SIMULATED OF RESENDS".
   void update(const std::string& line) {
@@ -104,43 +109,25 @@ class ProgressDisplay {
     double whole = 0.0;
     long long resends = 0;
     if (std::sscanf(line.c_str(), "progress %lf %lf %lld", &simulated, &whole, &resends) != 3) return;
-    const auto now = WallClock::now();
-    const double wall = std::chrono::duration<double>(now - begin_).count();
+    const double now = std::chrono::duration<double>(WallClock::now() - begin_).count();
     if (simulated > simulated_) last_advance_ = now;
     simulated_ = simulated;
-    resends_ = resends;
-    const bool stalled = std::chrono::duration<double>(now - last_advance_).count() > kStalled;
-    const bool done = simulated >= whole;
     if (mode_ == Progress::none) return;
-    const bool due = terminal_ || mode_ == Progress::lines || done ||
-                     std::chrono::duration<double>(now - last_line_).count() > kLineInterval;
-    if (!due) return;
-    last_line_ = now;
-    std::printf("%s%s: %.1f of %.1f s simulated, %.0f times real time%s%s", terminal_ ? "\r" : "", name_.c_str(),
-                simulated, whole, wall > 0.0 ? simulated / wall : 0.0,
-                stalled ? (", waiting for the controller, asked again " + std::to_string(resends_) + " times").c_str()
-                        : "",
-                terminal_ ? "\033[K" : "\n");
-    open_line_ = terminal_;
-    std::fflush(stdout);
+    std::string text = fmt::format("{}: {:.1f} of {:.1f} s simulated, {:.0f} times real time", name_, simulated, whole,
+                                   now > 0.0 ? simulated / now : 0.0);
+    if (now - last_advance_ > kStalled) text += fmt::format(", waiting for the controller, asked again {} times", resends);
+    line_.show(now, text, simulated >= whole);
   }
-  void close_line() {
-    if (open_line_) std::printf("\n");
-    open_line_ = false;
-    std::fflush(stdout);
-  }
+  void keep() { line_.keep(); }
   double simulated() const { return simulated_; }
 
  private:
   Progress mode_;
-  bool terminal_;
   std::string name_;
+  StatusLine line_;
   WallClock::time_point begin_ = WallClock::now();
-  WallClock::time_point last_line_ = begin_;
-  WallClock::time_point last_advance_ = begin_;
+  double last_advance_ = 0.0;  // [s] since then
   double simulated_ = 0.0;
-  long long resends_ = 0;
-  bool open_line_ = false;
 };
 
 struct Outcome {
@@ -377,7 +364,7 @@ int run_in(const fs::path& folder, const RunOptions& options, const std::string&
   ProgressDisplay display(options.progress, name);
   Run run(plant, controller, display, signals);
   const Outcome outcome = run.watch();
-  display.close_line();
+  display.keep();
 
   const fs::path kept = fs::exists(log) ? log : fs::path(log.string() + ".partial");
   std::optional<std::vector<std::string>> broken;

@@ -7,6 +7,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstdio>
+#include <iostream>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <stdexcept>
@@ -14,6 +15,7 @@
 #include "common/input_error.h"
 #include "common/stop_signal.h"
 #include "tools/soak/campaign.h"
+#include "tools/status_line.h"
 #include "tools/whole_file.h"
 
 namespace slewlab::tools {
@@ -24,6 +26,7 @@ namespace fs = std::filesystem;
 constexpr double kDegree = std::numbers::pi / 180.0;  // [rad]
 constexpr double kHour = 3600.0;                      // [s]
 constexpr int kSignalExit = 128;
+constexpr double kLineInterval = 10.0;  // [s] between progress lines where there is no terminal
 
 std::string quoted(const std::string& text) {
   if (text.find_first_of(" '\"$&;*?(){}[]<>|\\#") == std::string::npos && !text.empty()) return text;
@@ -82,33 +85,6 @@ std::string progress_text(const CampaignProgress& now) {
   return text + fmt::format(", {} failed", now.failed);
 }
 
-// One line that is written over on a terminal, a line every ten seconds elsewhere.
-class ProgressLine {
- public:
-  ProgressLine() : terminal_(::isatty(STDOUT_FILENO) == 1) {}
-  ~ProgressLine() { clear(); }
-  void show(const CampaignProgress& now) {
-    constexpr double kInterval = 10.0;  // [s]
-    const bool last = now.done == now.tasks && now.done != shown_;
-    if (!terminal_ && now.wall_seconds < next_ && !last) return;
-    next_ = now.wall_seconds + kInterval;
-    shown_ = now.done;
-    std::printf(terminal_ ? "\r\033[K%s" : "%s\n", progress_text(now).c_str());
-    std::fflush(stdout);
-    dirty_ = terminal_;
-  }
-  void clear() {
-    if (dirty_) std::printf("\r\033[K");
-    dirty_ = false;
-  }
-
- private:
-  bool terminal_;
-  bool dirty_ = false;
-  double next_ = 0.0;
-  std::int64_t shown_ = -1;
-};
-
 void write_summary(const SoakOptions& options, const CampaignReport& report) {
   const CampaignProgress& done = report.progress;
   const double here = static_cast<double>(done.done_here) * done.task_seconds;
@@ -145,10 +121,10 @@ int run_all(SoakOptions options, const SoakPlan& plan) {
   settings.out = options.out;
   settings.command = repeating_command(options);
 
-  ProgressLine line;
+  StatusLine line(std::cout, ::isatty(STDOUT_FILENO) == 1, kLineInterval);
   CampaignHooks hooks;
   hooks.stop = [] { return common::stop_signal() != 0; };
-  hooks.progress = [&](const CampaignProgress& now) { line.show(now); };
+  hooks.progress = [&](const CampaignProgress& now) { line.show(now.wall_seconds, progress_text(now), now.done == now.tasks); };
   hooks.failure = [&](const std::string& text) {
     line.clear();
     std::printf("FAILED %s", text.c_str());

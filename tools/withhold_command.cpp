@@ -1,24 +1,21 @@
 #include "tools/withhold_command.h"
 
-#include "diagnosis/case_diagnosis.h"
-#include "diagnosis/withheld/score.h"
-
 #include <fmt/format.h>
 
-#include <atomic>
 #include <chrono>
-#include <csignal>
 #include <functional>
 #include <ostream>
 
+#include "common/stop_signal.h"
+#include "diagnosis/case_diagnosis.h"
 #include "diagnosis/withheld/make.h"
+#include "diagnosis/withheld/score.h"
 
 namespace slewlab::tools {
 
 namespace {
 
-std::atomic<bool> interrupted{false};
-void note_interrupt(int) { interrupted = true; }
+bool is_stopped() { return common::stop_signal() != 0; }
 
 using diagnosis::withheld::MakeProgress;
 
@@ -26,32 +23,34 @@ using diagnosis::withheld::MakeProgress;
 // false where it was interrupted.
 int run_interruptibly(const char* name, std::ostream& out, std::ostream& complaints,
                       const std::function<bool(const MakeProgress&)>& work) {
-  interrupted = false;
-  const auto before_int = std::signal(SIGINT, note_interrupt);
-  const auto before_term = std::signal(SIGTERM, note_interrupt);
-  const auto start = std::chrono::steady_clock::now();
+  common::catch_stop_signals();
+  auto start = std::chrono::steady_clock::now();
+  auto told = start;
+  int before = 0;
   int fresh = 0;
   const MakeProgress progress = [&](int done, int all, const std::string& line) {
+    // Where it counts from the beginning again, other work has begun that takes its own time.
+    if (done < before) {
+      start = told;
+      fresh = 0;
+    }
+    before = done;
+    told = std::chrono::steady_clock::now();
     out << fmt::format("{}/{} {}", done, all, line);
     if (line.find("there already") == std::string::npos) {
-      const double spent = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+      const double spent = std::chrono::duration<double>(told - start).count();
       out << fmt::format(", about {:.0f} s left", spent / ++fresh * (all - done));
     }
     out << std::endl;
   };
-  int code = 0;
   try {
-    if (!work(progress)) {
-      out << "interrupted; the same command goes on where it stopped\n";
-      code = 130;
-    }
+    if (work(progress)) return 0;
+    out << "interrupted; the same command goes on where it stopped\n";
+    return 128 + common::stop_signal();
   } catch (const std::exception& error) {
     complaints << "slewlab " << name << ": " << error.what() << '\n';
-    code = 1;
+    return 1;
   }
-  std::signal(SIGINT, before_int);
-  std::signal(SIGTERM, before_term);
-  return code;
 }
 
 }  // namespace
@@ -73,7 +72,7 @@ int withhold_make(const WithholdMakeOptions& options, std::ostream& out, std::os
   settings.controller_period = options.controller_period_ms * 1e-3;
   settings.threads = options.threads;
   return run_interruptibly("withhold make", out, complaints, [&](const MakeProgress& progress) {
-    if (!make_cases(settings, progress, &interrupted)) return false;
+    if (!make_cases(settings, progress, is_stopped)) return false;
     out << fmt::format("{} cases for \"{}\" in {}; answers sealed, digest in digest.txt\n", settings.cases,
                        name_of(settings.purpose), settings.directory.string());
     return true;
@@ -85,7 +84,7 @@ int withhold_score(const diagnosis::withheld::ScoreSettings& settings,
                    const diagnosis::withheld::InformedFit& informed, std::ostream& out, std::ostream& complaints) {
   using namespace slewlab::diagnosis::withheld;
   return run_interruptibly("withhold score", out, complaints, [&](const MakeProgress& progress) {
-    const std::optional<ScoreTable> table = score_cases(settings, diagnose, informed, progress, &interrupted);
+    const std::optional<ScoreTable> table = score_cases(settings, diagnose, informed, progress, is_stopped);
     if (!table) return false;
     out << '\n' << as_text(*table) << "\nin " << (settings.directory / settings.results / "score.json").string() << '\n';
     return true;
@@ -99,11 +98,12 @@ int withhold_judge(const WithholdScoreOptions& options, std::ostream& out, std::
   score.directory = options.directory;
   score.results = options.results;
   score.threads = options.threads;
+  score.first = options.first;
   return withhold_score(
       score,
-      [settings](const diagnosis::withheld::CaseInput& input) { return diagnosis::diagnose_case(input, settings); },
+      [settings](const diagnosis::withheld::CaseInput& input) { return diagnosis::diagnose_case(input, settings, is_stopped); },
       [settings](const diagnosis::withheld::CaseInput& input, const std::vector<std::string>& effects) {
-        return diagnosis::informed_gap(input, effects, settings);
+        return diagnosis::informed_gap(input, effects, settings, is_stopped);
       },
       out, complaints);
 }

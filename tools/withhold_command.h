@@ -21,7 +21,7 @@ struct WithholdMakeOptions {
 };
 
 // Progress on `out`, problems on `complaints`. Ends early and whole on SIGINT or SIGTERM; to go on, call it again.
-// Answers with the exit code: 0, 1 where something is wrong, 130 where it was interrupted.
+// Answers with the exit code: 0, 1 where something is wrong, 128 with the signal's number where it was interrupted.
 int withhold_make(const WithholdMakeOptions& options, std::ostream& out, std::ostream& complaints);
 
 // The same for scoring, with the diagnosis that is to be judged. Results that are there already are kept.
@@ -34,6 +34,7 @@ struct WithholdScoreOptions {
   std::string results = "results";
   bool no_accelerometers = false;
   int threads = 2;
+  int first = 0;  // cases of the set; 0: all
 };
 
 // Scores this project's own diagnosis.

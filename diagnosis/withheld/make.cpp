@@ -3,15 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <exception>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
-#include <thread>
 
 #include "controller/controller_file.h"
 #include "diagnosis/withheld/measure.h"
 #include "diagnosis/withheld/seal.h"
+#include "diagnosis/withheld/side_by_side.h"
 #include "msgs/codec.h"
 #include "msgs/configuration_hash.h"
 #include "msgs/log_writer.h"
@@ -240,7 +239,7 @@ void seal(const MakeSettings& settings) {
 
 }  // namespace
 
-bool make_cases(const MakeSettings& settings, const MakeProgress& progress, const std::atomic<bool>* stop) {
+bool make_cases(const MakeSettings& settings, const MakeProgress& progress, const std::function<bool()>& is_stopped) {
   check_seed(settings.seed, settings.purpose);
   if (settings.cases < 1) throw std::invalid_argument("a set needs at least one case");
   const Nominal nominal = load_nominal(settings);
@@ -256,42 +255,25 @@ bool make_cases(const MakeSettings& settings, const MakeProgress& progress, cons
   write_whole(about_file, about);
 
   const std::vector<DrawnCase> cases = draw_cases(settings.cases, settings.seed);
-  std::mutex mutex;
-  std::size_t next = 0;
+  std::mutex telling;
   int done = 0;
-  std::exception_ptr failure;
-  const auto work = [&] {
-    while (true) {
-      std::size_t mine = 0;
-      {
-        const std::lock_guard lock(mutex);
-        if (failure || next >= cases.size() || (stop != nullptr && stop->load())) return;
-        mine = next++;
-        if (is_complete(settings, cases[mine].number)) {
-          ++done;
-          if (progress) progress(done, settings.cases, case_name(cases[mine].number) + ": there already");
-          continue;
-        }
-      }
-      try {
-        const json answer = make_case(settings, nominal, cases[mine]);
-        write_whole(settings.directory / "sealed" / (case_name(cases[mine].number) + ".json"), answer.dump(1) + "\n");
-        const std::lock_guard lock(mutex);
-        ++done;
-        if (progress) progress(done, settings.cases, case_name(cases[mine].number) + ": written");
-      } catch (const std::exception& error) {
-        const std::lock_guard lock(mutex);
-        failure = std::make_exception_ptr(std::runtime_error(case_name(cases[mine].number) + ": " + error.what()));
-        return;
-      }
-    }
+  const auto tell = [&](const std::string& line) {
+    const std::lock_guard lock(telling);
+    ++done;
+    if (progress) progress(done, settings.cases, line);
   };
-  std::vector<std::thread> threads;
-  for (int t = 1; t < std::max(1, settings.threads); ++t) threads.emplace_back(work);
-  work();
-  for (std::thread& thread : threads) thread.join();
-  if (failure) std::rethrow_exception(failure);
-  if (done < settings.cases) return false;
+  const auto work = [&](std::size_t n) {
+    const std::string name = case_name(cases[n].number);
+    if (is_complete(settings, cases[n].number)) return tell(name + ": there already");
+    try {
+      const json answer = make_case(settings, nominal, cases[n]);
+      write_whole(settings.directory / "sealed" / (name + ".json"), answer.dump(1) + "\n");
+    } catch (const std::exception& error) {
+      throw std::runtime_error(name + ": " + error.what());
+    }
+    tell(name + ": written");
+  };
+  if (!side_by_side(cases.size(), settings.threads, is_stopped, work)) return false;
   seal(settings);
   return true;
 }

@@ -15,7 +15,6 @@
 // speeds what counting does to them (counting_noise()); torques that times the proportional gain.
 #pragma once
 
-#include <atomic>
 #include <filesystem>
 #include <functional>
 #include <string>
@@ -49,10 +48,10 @@ std::string case_name(int number);  // case_0001
 // Called from any thread, one at a time: cases done, of all, and a line about the last.
 using MakeProgress = std::function<void(int done, int all, const std::string& line)>;
 
-// Skips cases that are complete. False where `stop` became true first: call again to go on. Throws
+// Skips cases that are complete. False where `is_stopped` said so first: call again to go on. Throws
 // std::invalid_argument where the seed does not serve the purpose or DIR holds another set, std::runtime_error,
 // common::InputError.
 bool make_cases(const MakeSettings& settings, const MakeProgress& progress = {},
-                const std::atomic<bool>* stop = nullptr);
+                const std::function<bool()>& is_stopped = {});
 
 }  // namespace slewlab::diagnosis::withheld

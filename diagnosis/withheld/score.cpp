@@ -4,15 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <exception>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <stdexcept>
-#include <thread>
 
 #include "diagnosis/withheld/make.h"
 #include "diagnosis/withheld/seal.h"
+#include "diagnosis/withheld/side_by_side.h"
 
 namespace slewlab::diagnosis::withheld {
 
@@ -347,44 +346,15 @@ std::vector<CaseAnswer> open_answers(const fs::path& directory) {
   return answers;
 }
 
-namespace {
-
-// Does `work` for every index, side by side; false where `stop` came first.
-bool for_each_case(std::size_t count, int threads, const std::atomic<bool>* stop,
-                   const std::function<void(std::size_t)>& work) {
-  std::atomic<std::size_t> next{0};
-  std::atomic<std::size_t> done{0};
-  std::mutex mutex;
-  std::exception_ptr failure;
-  const auto run = [&] {
-    while (stop == nullptr || !stop->load()) {
-      const std::size_t mine = next++;
-      if (mine >= count) return;
-      try {
-        work(mine);
-        ++done;
-      } catch (...) {
-        const std::lock_guard lock(mutex);
-        failure = std::current_exception();
-        next = count;
-        return;
-      }
-    }
-  };
-  std::vector<std::thread> others;
-  for (int t = 1; t < std::max(1, threads); ++t) others.emplace_back(run);
-  run();
-  for (std::thread& thread : others) thread.join();
-  if (failure && (stop == nullptr || !stop->load())) std::rethrow_exception(failure);
-  return done == count;
-}
-
-}  // namespace
-
 std::optional<ScoreTable> score_cases(const ScoreSettings& settings, const DiagnoseCase& diagnose,
                                       const InformedFit& informed, const ScoreProgress& progress,
-                                      const std::atomic<bool>* stop) {
-  const std::vector<CaseInput> inputs = case_inputs(settings.directory);
+                                      const std::function<bool()>& is_stopped) {
+  std::vector<CaseInput> inputs = case_inputs(settings.directory);
+  const std::size_t whole = inputs.size();
+  if (settings.first < 0 || static_cast<std::size_t>(settings.first) > whole) {
+    throw std::invalid_argument(fmt::format("the first {} cases are asked for; {} holds {}", settings.first, settings.directory.string(), whole));
+  }
+  if (settings.first > 0) inputs.resize(static_cast<std::size_t>(settings.first));
   const fs::path folder = settings.directory / settings.results;
   fs::create_directories(folder);
   std::mutex mutex;
@@ -396,7 +366,7 @@ std::optional<ScoreTable> score_cases(const ScoreSettings& settings, const Diagn
     if (progress) progress(done, all, line);
   };
   const auto result_file = [&](const CaseInput& input) { return folder / (input.name + ".json"); };
-  const bool diagnosed = for_each_case(inputs.size(), settings.threads, stop, [&](std::size_t n) {
+  const bool diagnosed = side_by_side(inputs.size(), settings.threads, is_stopped, [&](std::size_t n) {
     const CaseInput& input = inputs[n];
     if (fs::exists(result_file(input))) return tell(input.name + ": there already");
     CaseResult result = diagnose(input);
@@ -408,10 +378,10 @@ std::optional<ScoreTable> score_cases(const ScoreSettings& settings, const Diagn
 
   // Only now, with every result on disk, is the seal broken.
   const std::vector<CaseAnswer> answers = open_answers(settings.directory);
-  if (answers.size() != inputs.size()) throw std::runtime_error("answers.json holds another number of cases");
+  if (answers.size() != whole) throw std::runtime_error("answers.json holds another number of cases");
   std::vector<Judged> judged(inputs.size());
   done = 0;
-  const bool finished = for_each_case(inputs.size(), settings.threads, stop, [&](std::size_t n) {
+  const bool finished = side_by_side(inputs.size(), settings.threads, is_stopped, [&](std::size_t n) {
     Judged& one = judged[n];
     one.answer = answers[n];
     one.result = result_from(json::parse(read_whole(result_file(inputs[n]))));
@@ -430,6 +400,7 @@ std::optional<ScoreTable> score_cases(const ScoreSettings& settings, const Diagn
   if (!finished) return std::nullopt;
   ScoreTable table = tabulate(judged);
   json out = to_json(table);
+  out["cases"] = inputs.size();
   out["set"] = json::parse(read_whole(settings.directory / "about.json"));
   write_whole(folder / "score.json", out.dump(1) + "\n");
   return table;

@@ -20,7 +20,6 @@
 #pragma once
 
 #include <array>
-#include <atomic>
 #include <filesystem>
 #include <functional>
 #include <map>
@@ -95,6 +94,7 @@ struct ScoreSettings {
   std::filesystem::path directory;
   std::string results = "results";  // folder in it; another one for other sensors or settings
   int threads = 2;
+  int first = 0;  // only so many, from the beginning of the set; 0: all
 };
 
 // Throws std::runtime_error: no set there, digest wrong.
@@ -103,10 +103,10 @@ std::vector<CaseAnswer> open_answers(const std::filesystem::path& directory);
 
 using ScoreProgress = std::function<void(int done, int all, const std::string& line)>;
 
-// Diagnoses every case that has no result yet, then opens the answers, lets `informed` (may be empty) fit, and
-// writes DIR/<results>/score.json. Empty where `stop` became true first: call again to go on.
+// Diagnoses every case (or the first ones that were asked for) that has no result yet, then opens the answers, lets `informed` (may be empty) fit, and
+// writes DIR/<results>/score.json. Empty where `is_stopped` said so first: call again to go on.
 std::optional<ScoreTable> score_cases(const ScoreSettings& settings, const DiagnoseCase& diagnose,
                                       const InformedFit& informed, const ScoreProgress& progress = {},
-                                      const std::atomic<bool>* stop = nullptr);
+                                      const std::function<bool()>& is_stopped = {});
 
 }  // namespace slewlab::diagnosis::withheld

@@ -110,8 +110,7 @@ TEST_F(MakeTest, ASecondCallMakesOnlyWhatIsMissingAndTheSameBits) {
 
 TEST_F(MakeTest, StopsBetweenCasesAndDoesNotSealAHalfSet) {
   const fs::path other = folder_->path() / "stopped";
-  const std::atomic<bool> stop{true};
-  EXPECT_FALSE(make_cases(settings(other), {}, &stop));
+  EXPECT_FALSE(make_cases(settings(other), {}, [] { return true; }));
   EXPECT_FALSE(fs::exists(other / "digest.txt"));
   EXPECT_THROW(case_inputs(other), std::runtime_error);
 }
@@ -136,11 +135,32 @@ TEST_F(MakeTest, ScoringIsTakenUpWhereItStopped) {
     return result;
   };
   const ScoreSettings score{.directory = set_, .results = "results", .threads = 1};
-  EXPECT_FALSE(score_cases(score, diagnose, {}, {}, &stop).has_value());
+  EXPECT_FALSE(score_cases(score, diagnose, {}, {}, [&] { return stop.load(); }).has_value());
   EXPECT_EQ(diagnosed, 1);
   EXPECT_TRUE(score_cases(score, diagnose, {}).has_value());
   EXPECT_EQ(diagnosed, 2);
   EXPECT_TRUE(fs::exists(set_ / "results" / "score.json"));
+}
+
+TEST_F(MakeTest, TheFirstCasesCanBeScoredAloneAndAnImpossibleNumberIsRefused) {
+  std::vector<std::string> diagnosed;
+  const auto diagnose = [&](const CaseInput& input) {
+    diagnosed.push_back(input.name);
+    CaseResult result;
+    result.name = input.name;
+    result.causes = {{{}, 1.0, {}, {}, 0.0, 0.0, {}}};
+    return result;
+  };
+  ScoreSettings score{.directory = set_, .results = "first", .threads = 1, .first = 1};
+  EXPECT_TRUE(score_cases(score, diagnose, {}).has_value());
+  EXPECT_EQ(diagnosed, std::vector<std::string>{"case_0001"});
+  EXPECT_EQ(nlohmann::json::parse(read_whole(set_ / "first" / "score.json")).at("cases"), 1);
+  score.first = 0;
+  EXPECT_TRUE(score_cases(score, diagnose, {}).has_value());
+  EXPECT_EQ(diagnosed, (std::vector<std::string>{"case_0001", "case_0002"}));
+  EXPECT_EQ(nlohmann::json::parse(read_whole(set_ / "first" / "score.json")).at("cases"), 2);
+  score.first = 3;
+  EXPECT_THROW(score_cases(score, diagnose, {}), std::invalid_argument);
 }
 
 }  // namespace
