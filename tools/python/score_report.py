@@ -181,7 +181,8 @@ def markdown(data):
 def page(files):
     data = files[0][1]
     about = data.get("set", {})
-    head = (f"{about.get('cases', '?')} cases, seed {about.get('seed', '?')} ({about.get('purpose', '?')})")
+    scored, made = data.get("cases", about.get("cases", "?")), about.get("cases", "?")
+    head = (f"{scored if scored == made else f'the first {scored} of {made}'} cases, seed {about.get('seed', '?')} ({about.get('purpose', '?')})")
     failures = "".join(f"<li>{html.escape(one)}</li>" for one in data["failures"])
     return f"""<!doctype html><html lang=en><meta charset=utf-8><title>Scores on withheld cases</title><style>{STYLE}</style>
 <h1>Scores on withheld cases</h1><p>{html.escape(head)}. Green: aim reached. An effect counts as visible above 3 noise
