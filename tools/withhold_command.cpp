@@ -99,6 +99,7 @@ int withhold_judge(const WithholdScoreOptions& options, std::ostream& out, std::
   score.results = options.results;
   score.threads = options.threads;
   score.first = options.first;
+  score.informed_fits = !options.no_informed_fits;
   return withhold_score(
       score,
       [settings](const diagnosis::withheld::CaseInput& input) { return diagnosis::diagnose_case(input, settings, is_stopped); },

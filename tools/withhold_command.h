@@ -35,6 +35,7 @@ struct WithholdScoreOptions {
   bool no_accelerometers = false;
   int threads = 2;
   int first = 0;  // cases of the set; 0: all
+  bool no_informed_fits = false;
 };
 
 // Scores this project's own diagnosis.

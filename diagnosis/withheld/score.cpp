@@ -388,12 +388,12 @@ std::optional<ScoreTable> score_cases(const ScoreSettings& settings, const Diagn
     const bool named = one.answer.kind == Kind::kOneEffect || one.answer.kind == Kind::kTwoEffects;
     if (informed && named && one.result.refusal.empty()) {
       const fs::path file = folder / (inputs[n].name + ".informed.json");
-      if (!fs::exists(file)) {
+      if (!fs::exists(file) && settings.informed_fits) {
         std::vector<std::string> effects;
         for (const TrueEffect& effect : one.answer.effects) effects.push_back(effect.effect);
         write_whole(file, json{{"unseen_informed", informed(inputs[n], effects)}}.dump() + "\n");
       }
-      one.unseen_informed = json::parse(read_whole(file)).at("unseen_informed").get<double>();
+      if (fs::exists(file)) one.unseen_informed = json::parse(read_whole(file)).at("unseen_informed").get<double>();
     }
     tell(inputs[n].name + ": judged");
   });

@@ -142,6 +142,29 @@ TEST_F(MakeTest, ScoringIsTakenUpWhereItStopped) {
   EXPECT_TRUE(fs::exists(set_ / "results" / "score.json"));
 }
 
+TEST_F(MakeTest, InformedFitsAreMadeOnceForNamedEffectsAndNotWhereTheyAreDeclined) {
+  const auto diagnose = [](const CaseInput& input) {
+    CaseResult result;
+    result.name = input.name;
+    result.causes = {{{}, 1.0, {}, {}, 0.0, 0.0, {}}};
+    return result;
+  };
+  std::atomic<int> fits{0};
+  const auto informed = [&](const CaseInput&, const std::vector<std::string>&) {
+    ++fits;
+    return 0.5;
+  };
+  int named = 0;
+  for (const CaseAnswer& answer : open_answers(set_)) named += answer.kind == Kind::kOneEffect || answer.kind == Kind::kTwoEffects ? 1 : 0;
+  ScoreSettings score{.directory = set_, .results = "informed", .threads = 1, .informed_fits = false};
+  EXPECT_TRUE(score_cases(score, diagnose, informed).has_value());
+  EXPECT_EQ(fits, 0);
+  score.informed_fits = true;
+  EXPECT_TRUE(score_cases(score, diagnose, informed).has_value());
+  EXPECT_TRUE(score_cases(score, diagnose, informed).has_value());
+  EXPECT_EQ(fits, named);
+}
+
 TEST_F(MakeTest, TheFirstCasesCanBeScoredAloneAndAnImpossibleNumberIsRefused) {
   std::vector<std::string> diagnosed;
   const auto diagnose = [&](const CaseInput& input) {
