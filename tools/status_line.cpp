@@ -11,9 +11,10 @@ constexpr const char* kClearLine = "\r\033[K";
 }  // namespace
 
 void StatusLine::show(double seconds, const std::string& text, bool is_last) {
-  const bool is_due = terminal_ || is_last || is_first_ || seconds - shown_at_ >= interval_;
+  const bool is_due = terminal_ || is_first_ || (is_last && !was_last_) || seconds - shown_at_ >= interval_;
   if (!is_due) return;
   is_first_ = false;
+  was_last_ = is_last;
   shown_at_ = seconds;
   is_open_ = terminal_;
   if (terminal_) out_ << kClearLine << text << std::flush;

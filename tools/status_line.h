@@ -14,7 +14,8 @@ class StatusLine {
   StatusLine(const StatusLine&) = delete;
   StatusLine& operator=(const StatusLine&) = delete;
 
-  // `seconds` [s] is the time now, from any beginning. `is_last`: shown though the interval has not passed.
+  // `seconds` [s] is the time now, from any beginning. `is_last`: shown though the interval has not passed,
+  // unless the one before was the last already.
   void show(double seconds, const std::string& text, bool is_last = false);
 
   void keep();   // what comes next is printed below the line
@@ -25,6 +26,7 @@ class StatusLine {
   bool terminal_;
   double interval_;
   bool is_first_ = true;
+  bool was_last_ = false;
   double shown_at_ = 0.0;  // [s]
   bool is_open_ = false;
 };

@@ -48,6 +48,7 @@ TEST(StatusLine, IsALineOfItsOwnFromTimeToTimeElsewhere) {
   line.show(7.0, "20 %");
   line.show(8.0, "30 %");
   line.show(8.5, "100 %", true);
+  line.show(8.6, "100 %", true);  // said again at the end of the work, as a campaign does
   line.keep();
   line.clear();
   EXPECT_EQ(out.str(), "10 %\n20 %\n100 %\n");
