@@ -46,7 +46,9 @@ bool comes_by_chance(std::string_view effect) {
   return std::any_of(kByChance.begin(), kByChance.end(), [&](const ByChance& one) { return one.effect == effect; });
 }
 
-bool is_mean_of_chance(std::string_view effect) { return effect == "command_delay" || effect == "dead_time" || effect == "torque_lag"; }
+bool is_mean_of_chance(std::string_view effect) {
+  return effect == "command_delay" || effect == "dead_time" || effect == "torque_lag" || effect == "encoder_delay";
+}
 
 Eigen::VectorXd power_profile(const Problem& problem, std::span<const Eigen::VectorXd> changes) {
   Eigen::VectorXd profile(changes.front().size());

@@ -22,6 +22,7 @@ constexpr std::size_t kBeside = 6;   // single fits beside which chance is tried
 constexpr std::size_t kSeconds = 4;  // effects that are fitted beside the best chance
 constexpr double kWorthALook = 1.0;  // above the free power, before its own draws were made
 constexpr double kLeastFall = 20.0;  // of the excess, for which draws are made
+constexpr double kMuch = 1000.0;     // excess of every other fit from which a second effect is looked for beside a chance that is not near
 constexpr double kLeastSecondGain = 40.0;  // fall of the excess, forecast, for which a second effect is fitted
 
 // The change without what is parallel to the columns.
@@ -154,35 +155,74 @@ Eigen::MatrixXd divided_columns(const Chance& chance, const Eigen::MatrixXd& col
   return result;
 }
 
-// The chance alone again, and with a second effect beside it.
-std::vector<FitResult> seconds(Problem& problem, const Screening& catalogue, const Try& one, const Progress& tell) {
-  const Chance chance{one.profile, one.found.scale};
-  const double logarithm_sum = logarithms(chance);
-  FitResult here = one.fit;
-  here.difference = divided(chance, one.fit.difference);
-  here.columns = divided_columns(chance, one.fit.columns);
-  const Projector project(here.columns, here.point, data_weight(here.difference, problem.settings));
-  std::vector<common::EffectInstance> starts = best_starts(catalogue);
-  std::erase_if(starts, [](const common::EffectInstance& start) { return comes_by_chance(start.name) || is_mean_of_chance(start.name); });
-  const UnderChance under_chance(problem, chance);
-  const Screening screening = screen(problem, here, project, starts, tell);
-  std::vector<const Screened*> ranked;
-  for (const Screened& screened : screening.tried) {
-    const double gain = problem.settings.independent_share * (screening.gap.squaredNorm() - screened.left);
-    if (gain >= kLeastSecondGain) ranked.push_back(&screened);
+// A fit under a chance: what was fitted without it knew nothing of it.
+FitResult fit_under(Problem& problem, const Chance& chance, const Eigen::MatrixXd& nuisance_columns, const Point& start) {
+  FitResult result = fit(problem, divided_columns(chance, nuisance_columns), start);
+  improve(problem, result, false);
+  return result;
+}
+
+// Where a fit under a chance has ended, the chance has to add less: draws there, and a fit with their power. `one` gets both.
+FitResult fit_closer(Problem& problem, const std::vector<Eigen::VectorXd>& delays, const Eigen::MatrixXd& nuisance_columns,
+                     const Point& start, Try& one) {
+  one.fit.point = start;
+  one.fit.difference = differences(problem, start);
+  one.found = fit_chance(one.fit.difference, one.profile);
+  look(problem, delays, one);
+  const Chance closer{one.profile, one.found.scale};
+  FitResult result;
+  {
+    const UnderChance under_chance(problem, closer);
+    result = fit_under(problem, closer, nuisance_columns, start);
   }
-  ranked = best_of_each(std::move(ranked));
-  const Eigen::MatrixXd nuisance_columns = here.columns.leftCols(static_cast<Eigen::Index>(one.fit.point.nuisance.size()));
-  std::vector<Point> from{one.fit.point};  // what was fitted before knew nothing of the chance
-  for (std::size_t i = 0; i < std::min(kSeconds, ranked.size()); ++i) {
-    from.push_back(with_amount(one.fit.point, *ranked[i], ranked[i]->amount));
+  one.fit.point = result.point;
+  one.fit.difference = result.difference.array() * (1.0 + closer.scale * closer.profile.array()).sqrt();
+  one.found.cost = result.difference.squaredNorm() + logarithms(closer);
+  return with_chance(problem, one, result, result.difference, result.columns, logarithms(closer));
+}
+
+// The chance alone again, and with a second effect beside it; with each what the power comes to there.
+struct Second {
+  FitResult fit;
+  Try one;
+};
+std::vector<Second> seconds(Problem& problem, const Screening& catalogue, const Try& one, const std::vector<Eigen::VectorXd>& delays,
+                            const Progress& tell) {
+  const Eigen::MatrixXd nuisance_columns = one.fit.columns.leftCols(static_cast<Eigen::Index>(one.fit.point.nuisance.size()));
+  std::vector<Second> results{{{}, one}};
+  results.reserve(2 + kSeconds);  // `alone` stays where it is
+  const Try& alone = results.front().one;
+  results.front().fit = fit_closer(problem, delays, nuisance_columns, one.fit.point, results.front().one);
+  const Chance chance{alone.profile, alone.found.scale};
+  std::vector<FitResult> under;
+  {
+    FitResult here = one.fit;
+    here.point = alone.fit.point;
+    here.difference = divided(chance, alone.fit.difference);
+    here.columns = divided_columns(chance, one.fit.columns);
+    const Projector project(here.columns, here.point, data_weight(here.difference, problem.settings));
+    std::vector<common::EffectInstance> starts = best_starts(catalogue);
+    std::erase_if(starts, [](const common::EffectInstance& start) { return comes_by_chance(start.name) || is_mean_of_chance(start.name); });
+    const UnderChance under_chance(problem, chance);
+    const Screening screening = screen(problem, here, project, starts, tell);
+    std::vector<const Screened*> ranked;
+    for (const Screened& screened : screening.tried) {
+      const double gain = problem.settings.independent_share * (screening.gap.squaredNorm() - screened.left);
+      if (gain >= kLeastSecondGain) ranked.push_back(&screened);
+    }
+    ranked = best_of_each(std::move(ranked));
+    // The chance alone goes on as well: parameters that have gone farther are no second effect's merit.
+    std::vector<Point> from{here.point};
+    for (std::size_t i = 0; i < std::min(kSeconds, ranked.size()); ++i) {
+      from.push_back(with_amount(here.point, *ranked[i], ranked[i]->amount));
+    }
+    under.resize(from.size());
+    share_out(problem, under.size(), [&](std::size_t i) { under[i] = fit_under(problem, chance, nuisance_columns, from[i]); });
   }
-  std::vector<FitResult> results(from.size());
-  share_out(problem, from.size(), [&](std::size_t i) {
-    FitResult result = fit(problem, nuisance_columns, from[i]);
-    improve(problem, result, false);
-    results[i] = with_chance(problem, one, result, result.difference, result.columns, logarithm_sum);
-  });
+  for (const FitResult& start : under) {
+    results.push_back({{}, alone});
+    results.back().fit = fit_closer(problem, delays, nuisance_columns, start.point, results.back().one);
+  }
   return results;
 }
 
@@ -239,22 +279,33 @@ std::vector<FitResult> chance_fits(Problem& problem, const Screening& screening,
     looked.push_back(&one);
     if (above_free_power(one.found, free, count) < kNearFreePower) near.insert(one.effect.name);
   }
+  // Where no power is near and much is left, a second effect may be what is too much for the best of them alone.
+  const bool much_is_left = std::all_of(fits.begin(), fits.end(), [](const FitResult& result) { return result.excess > kMuch; });
   const Try* alone = nullptr;
   for (const Try* one : looked) {
     // What is near enough with a second effect is offered without it too: the second one may only stand for what laws differ in.
     const bool is_alone = one->fit.point.effects.size() == (one->has_mean() ? 1U : 0U);
     const bool is_near = above_free_power(one->found, free, count) < kNearFreePower || (is_alone && near.contains(one->effect.name));
+    if (!is_near && !(is_alone && near.empty() && much_is_left)) continue;
+    if (is_alone && (alone == nullptr || one->found.cost + one->mean_cost < alone->found.cost + alone->mean_cost)) alone = one;
     if (!is_near) continue;
     const Chance chance{one->profile, one->found.scale};
     keep(with_chance(problem, *one, one->fit, divided(chance, one->fit.difference), divided_columns(chance, one->fit.columns),
                      logarithms(chance)));
-    if (is_alone && (alone == nullptr || one->found.cost + one->mean_cost < alone->found.cost + alone->mean_cost)) alone = one;
   }
   if (alone != nullptr) {
     const auto tell_second = [&, second = within(tell, {0.5, 1.0})](double share, const std::string& doing) {
       second(share, doing + " beside " + alone->effect.name);
     };
-    for (FitResult& result : seconds(problem, screening, *alone, tell_second)) keep(std::move(result));
+    for (Second& second : seconds(problem, screening, *alone, delays, tell_second)) {
+      const FreePower here = free_power(problem, second.one.fit.difference);
+      const bool is_alone = second.fit.point.effects.size() == 1;
+      if (above_free_power(second.one.found, here.cost < free.cost ? here : free, count) >= kNearFreePower &&
+          !(is_alone && near.contains(alone->effect.name))) {
+        continue;
+      }
+      keep(std::move(second.fit));
+    }
   }
   std::vector<FitResult> results;
   for (auto& [names, result] : best) results.push_back(std::move(result));

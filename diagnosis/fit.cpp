@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <chrono>
 #include <cmath>
 #include <exception>
@@ -22,6 +23,7 @@ namespace {
 
 constexpr double kNuisanceStep = 0.3;  // [standard deviations] difference quotient: small against the prior
 constexpr double kFarthest = 6.0;      // [standard deviations] that a nuisance is let go
+constexpr std::array<double, 4> kDampings{0.0, 0.1, 1.0, 10.0};  // of a step: the next where the one before did not make the cost fall
 constexpr int kRelaxations = 8;
 constexpr double kAtTheWall = 1.9;     // [standard deviations]
 constexpr double kEffectStep = 0.05;   // [standard deviations] the same for effects, around a fitted size
@@ -208,11 +210,12 @@ Eigen::MatrixXd effect_columns(Problem& problem, const Point& point, const Eigen
   return columns;
 }
 
-// The damped normal equations' step from `point`.
+// The normal equations' step from `point`, each coordinate held back by a share of its own curvature.
 Eigen::VectorXd newton_step(const Problem& problem, const Point& point, const Eigen::VectorXd& difference,
-                            const Eigen::MatrixXd& columns) {
+                            const Eigen::MatrixXd& columns, double damping) {
   const double weight = data_weight(difference, problem.settings);
-  const Eigen::MatrixXd system = curvature(problem, point, difference, columns);
+  Eigen::MatrixXd system = curvature(problem, point, difference, columns);
+  system.diagonal() *= 1.0 + damping;
   const PriorRows prior = prior_rows(point);
   const Eigen::VectorXd right = -weight * columns.transpose() * difference - prior.value.cwiseProduct(prior.slope);
   Eigen::VectorXd step = system.ldlt().solve(right);
@@ -221,16 +224,16 @@ Eigen::VectorXd newton_step(const Problem& problem, const Point& point, const Ei
   return step;
 }
 
-// Steps from `point` with the columns given, corrected after each step by what it showed (Broyden). Returns
-// by how much the cost fell.
+// Steps from `point` with the columns given, corrected after each step by what it showed (Broyden), also after one that was too
+// bold: the next one is held back (Levenberg and Marquardt) and turns, which a shorter one of the same direction would not. Returns by
+// how much the cost fell.
 double descend(Problem& problem, int iterations, Eigen::MatrixXd& columns, Point& point, Eigen::VectorXd& difference,
                double& cost) {
   const double first_cost = cost;
   for (int iteration = 0; iteration < iterations; ++iteration) {
-    Eigen::VectorXd change = newton_step(problem, point, difference, columns);
     bool fell = false;
-    for (int halving = 0; halving < 3 && !fell; ++halving, change *= 0.35) {
-      const Point trial = moved(point, change);
+    for (const double damping : kDampings) {
+      const Point trial = moved(point, newton_step(problem, point, difference, columns, damping));
       const Eigen::VectorXd step = step_between(point, trial);
       const double length = step.squaredNorm();
       if (length == 0.0) break;
@@ -242,7 +245,7 @@ double descend(Problem& problem, int iterations, Eigen::MatrixXd& columns, Point
       point = trial;
       difference = trial_difference;
       cost = trial_cost;
-      if (!fell) return first_cost - cost;
+      break;
     }
     if (!fell) break;
   }
@@ -288,8 +291,9 @@ double data_weight(const Eigen::VectorXd& difference, const FitSettings& setting
 sim::MachineSettings machine_at(const sim::MachineSettings& nominal, const Point& point) {
   sim::MachineSettings settings = nominal;
   settings.crane = with_nuisances(settings.crane, point.nuisance);
-  int& elements = settings.crane.boom.element_count;
-  if (elements > 0) elements = std::max(elements, kBoomElements);
+  sim::BoomParameters& boom = settings.crane.boom;
+  if (boom.element_count > 0) boom.element_count = std::max(boom.element_count, kBoomElements);
+  boom.highest_frequency = kHighestMode;
   if (point.seed != 0) settings.seed = point.seed;
   settings.effects.insert(settings.effects.end(), point.effects.begin(), point.effects.end());
   return settings;

@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "sim/model/boom.h"
 #include "sim/model/drive_line.h"
@@ -153,13 +154,19 @@ FreeHouseModes free_house_modes(const CraneParameters& crane) {
   }
 
   const double damping = elements > 0 ? boom_damping_coefficient(boom) : 0.0;
+  int kept = size;
+  if (boom.highest_frequency > 0.0) {
+    const double highest = 2.0 * std::numbers::pi * boom.highest_frequency;
+    while (kept > 1 && squares(kept - 1) > highest * highest) --kept;
+  }
+
   FreeHouseModes modes;
-  modes.shear = Eigen::MatrixXd::Zero(elements, size);
+  modes.shear = Eigen::MatrixXd::Zero(elements, kept);
   std::vector<double> rigidity;
   if (elements > 0) rigidity = assemble_boom(boom).element_rigidity;
   const double h = elements > 0 ? boom.length / elements : 0.0;
 
-  for (int k = 0; k < size; ++k) {
+  for (int k = 0; k < kept; ++k) {
     Eigen::VectorXd shape = shapes.col(k);
     // Node values [y, phi, psi] with the pivot node written out (3.16).
     const auto write_nodes = [&] {

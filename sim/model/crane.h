@@ -44,7 +44,8 @@ GearContact gear_contact(const CraneParameters& crane);
 
 // The boom on its free house, without load and gears: mass-normalised modes, the first one the rigid rotation
 // (frequency 0). Mode k obeys q'' + damping_rate q' + frequency^2 q = sum over ports of shape * force.
-// A rigid boom has the rigid mode alone. Signs: the tip (without a boom: the house) moves to the positive side.
+// A rigid boom has the rigid mode alone; modes above boom.highest_frequency are left out, and with them what they bend
+// under a steady force. Signs: the tip (without a boom: the house) moves to the positive side.
 struct FreeHouseModes {
   std::vector<double> frequency;     // [rad/s]
   std::vector<double> damping_rate;  // [1/s] a_1 frequency^2

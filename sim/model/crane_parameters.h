@@ -53,6 +53,7 @@ struct BoomParameters {
   double damping_ratio = 0.0;         // share of critical damping at the clamped boom's first two bending modes
   double jib_mass = 0.0;              // [kg] of a fly jib on the tip; 0 is none
   double jib_eccentricity = 0.0;      // [m] of the jib's centre and sheave, in front of the boom's axis
+  double highest_frequency = 0.0;     // [Hz] above which modes on the free house are left out; 0 keeps them all
   std::vector<BoomStation> profile;   // rising positions, first 0, last 1; linear in between
 };
 

@@ -141,6 +141,26 @@ TEST(Shadow, FollowsEncodersThatReadLate) {
   EXPECT_GT(missing(truth, late), 2.0 * missing(truth, on_time));
 }
 
+// Judge: the same machine with all modes of its boom, at 12 elements up to 2 kHz, and one whose fly jib bends and twists it.
+TEST(Fit, ModesThatAreLeftOutWouldChangeLessThanTheNoise) {
+  sim::MachineSettings truth;
+  truth.crane = bench().crane;
+  const Record record = make_record(simulated_log(truth, bench().controller, kInching, kDuration, 8), "a", bench().admission);
+  const ShadowGains gains = shadow_gains(bench().crane);
+  const Shadow follower = shadow(truth, record, gains);
+  const Whitening whitening = make_whitening(record, trusted_stretches(record, follower), gains, follower, {});
+  for (const std::vector<common::EffectInstance>& effects : {std::vector<common::EffectInstance>{}, {{"flyjib_torsion", {5000.0, 3.0}}}}) {
+    Point point;
+    point.effects = effects;
+    const sim::MachineSettings fitted = machine_at(truth, point);
+    sim::MachineSettings whole = fitted;
+    whole.crane.boom.highest_frequency = 0.0;
+    EXPECT_LT(sim::make_machine(fitted).model.mode_count, sim::make_machine(whole).model.mode_count * 2 / 3);
+    const Eigen::VectorXd change = whiten(whitening, shadow(fitted, record, gains)) - whiten(whitening, shadow(whole, record, gains));
+    EXPECT_LT(change.squaredNorm() / static_cast<double>(change.size()), 0.01);
+  }
+}
+
 // A pendulum let go from an angle, or passing its lowest point, while the crane stands and then moves.
 TEST(Fit, FindsTheSwingThatALoadHasWhenTheRecordBegins) {
   const sim::LoadParameters& load = bench().crane.load;

@@ -99,6 +99,26 @@ TEST(Crane, ModesOfTheFreeHouseRebuildTheMatrices) {
   EXPECT_NEAR(modes.frequency[0], 0.0, 1e-12);
 }
 
+// Judge: the modes of the same crane without a limit, to the bit.
+TEST(Crane, ModesAboveTheHighestFrequencyAreLeftOut) {
+  CraneParameters crane = thesis_crane(12);
+  const FreeHouseModes all = free_house_modes(crane);
+  crane.boom.highest_frequency = 200.0;
+  const FreeHouseModes kept = free_house_modes(crane);
+  const auto count = kept.frequency.size();
+  ASSERT_LT(count, all.frequency.size());
+  EXPECT_LE(kept.frequency.back(), 2.0 * std::numbers::pi * 200.0);
+  EXPECT_GT(all.frequency[count], 2.0 * std::numbers::pi * 200.0);
+  for (std::size_t k = 0; k < count; ++k) {
+    EXPECT_EQ(kept.frequency[k], all.frequency[k]);
+    EXPECT_EQ(kept.tip[k], all.tip[k]);
+    EXPECT_EQ(kept.uniform_load[k], all.uniform_load[k]);
+    EXPECT_EQ(kept.shear(0, static_cast<Eigen::Index>(k)), all.shear(0, static_cast<Eigen::Index>(k)));
+  }
+  crane.boom.highest_frequency = 1e-3;
+  EXPECT_EQ(free_house_modes(crane).frequency.size(), 1u);  // it still turns
+}
+
 TEST(Crane, UniformLoadOnTheRigidModeIsTheBoomsStaticMoment) {
   const CraneParameters crane = thesis_crane();
   const FreeHouseModes modes = free_house_modes(crane);
