@@ -162,37 +162,36 @@ FitResult fit_under(Problem& problem, const Chance& chance, const Eigen::MatrixX
   return result;
 }
 
-// Where a fit under a chance has ended, the chance has to add less: draws there, and a fit with their power. `one` gets both.
-FitResult fit_closer(Problem& problem, const std::vector<Eigen::VectorXd>& delays, const Eigen::MatrixXd& nuisance_columns,
-                     const Point& start, Try& one) {
-  one.fit.point = start;
-  one.fit.difference = differences(problem, start);
+// A chance beside a fit, with what its power comes to there.
+struct Second {
+  FitResult fit;
+  Try one;
+};
+
+// Where a fit stands under a chance, the chance has to add less than it had to before: draws there, and a fit with their power.
+Second fit_closer(Problem& problem, const std::vector<Eigen::VectorXd>& delays, Try one) {
+  const Eigen::MatrixXd nuisance_columns = one.fit.columns.leftCols(static_cast<Eigen::Index>(one.fit.point.nuisance.size()));
   one.found = fit_chance(one.fit.difference, one.profile);
   look(problem, delays, one);
   const Chance closer{one.profile, one.found.scale};
   FitResult result;
   {
     const UnderChance under_chance(problem, closer);
-    result = fit_under(problem, closer, nuisance_columns, start);
+    result = fit_under(problem, closer, nuisance_columns, one.fit.point);
   }
   one.fit.point = result.point;
   one.fit.difference = result.difference.array() * (1.0 + closer.scale * closer.profile.array()).sqrt();
   one.found.cost = result.difference.squaredNorm() + logarithms(closer);
-  return with_chance(problem, one, result, result.difference, result.columns, logarithms(closer));
+  FitResult with = with_chance(problem, one, result, result.difference, result.columns, logarithms(closer));
+  return {std::move(with), std::move(one)};
 }
 
-// The chance alone again, and with a second effect beside it; with each what the power comes to there.
-struct Second {
-  FitResult fit;
-  Try one;
-};
+// The chance alone again, and with a second effect beside it.
 std::vector<Second> seconds(Problem& problem, const Screening& catalogue, const Try& one, const std::vector<Eigen::VectorXd>& delays,
                             const Progress& tell) {
   const Eigen::MatrixXd nuisance_columns = one.fit.columns.leftCols(static_cast<Eigen::Index>(one.fit.point.nuisance.size()));
-  std::vector<Second> results{{{}, one}};
-  results.reserve(2 + kSeconds);  // `alone` stays where it is
-  const Try& alone = results.front().one;
-  results.front().fit = fit_closer(problem, delays, nuisance_columns, one.fit.point, results.front().one);
+  std::vector<Second> results{fit_closer(problem, delays, one)};
+  const Try alone = results.front().one;
   const Chance chance{alone.profile, alone.found.scale};
   std::vector<FitResult> under;
   {
@@ -220,8 +219,10 @@ std::vector<Second> seconds(Problem& problem, const Screening& catalogue, const 
     share_out(problem, under.size(), [&](std::size_t i) { under[i] = fit_under(problem, chance, nuisance_columns, from[i]); });
   }
   for (const FitResult& start : under) {
-    results.push_back({{}, alone});
-    results.back().fit = fit_closer(problem, delays, nuisance_columns, start.point, results.back().one);
+    Try next = alone;
+    next.fit.point = start.point;
+    next.fit.difference = differences(problem, start.point);
+    results.push_back(fit_closer(problem, delays, std::move(next)));
   }
   return results;
 }
@@ -281,32 +282,38 @@ std::vector<FitResult> chance_fits(Problem& problem, const Screening& screening,
   }
   // Where no power is near and much is left, a second effect may be what is too much for the best of them alone.
   const bool much_is_left = std::all_of(fits.begin(), fits.end(), [](const FitResult& result) { return result.excess > kMuch; });
+  const auto cheaper = [](const Try* a, const Try* b) {
+    return b == nullptr || a->found.cost + a->mean_cost < b->found.cost + b->mean_cost;
+  };
   const Try* alone = nullptr;
+  const Try* beside_another = nullptr;
   for (const Try* one : looked) {
     // What is near enough with a second effect is offered without it too: the second one may only stand for what laws differ in.
     const bool is_alone = one->fit.point.effects.size() == (one->has_mean() ? 1U : 0U);
     const bool is_near = above_free_power(one->found, free, count) < kNearFreePower || (is_alone && near.contains(one->effect.name));
-    if (!is_near && !(is_alone && near.empty() && much_is_left)) continue;
-    if (is_alone && (alone == nullptr || one->found.cost + one->mean_cost < alone->found.cost + alone->mean_cost)) alone = one;
+    const bool is_open = is_near || (near.empty() && much_is_left);
+    if (is_alone && is_open && cheaper(one, alone)) alone = one;
+    if (!is_alone && !is_near && is_open && cheaper(one, beside_another)) beside_another = one;
     if (!is_near) continue;
     const Chance chance{one->profile, one->found.scale};
     keep(with_chance(problem, *one, one->fit, divided(chance, one->fit.difference), divided_columns(chance, one->fit.columns),
                      logarithms(chance)));
   }
+  const auto keep_if_near = [&](Second second) {
+    const FreePower here = free_power(problem, second.one.fit.difference);
+    const bool is_alone = second.fit.point.effects.size() == 1;
+    if (above_free_power(second.one.found, here.cost < free.cost ? here : free, count) < kNearFreePower ||
+        (is_alone && near.contains(second.one.effect.name))) {
+      keep(std::move(second.fit));
+    }
+  };
   if (alone != nullptr) {
     const auto tell_second = [&, second = within(tell, {0.5, 1.0})](double share, const std::string& doing) {
       second(share, doing + " beside " + alone->effect.name);
     };
-    for (Second& second : seconds(problem, screening, *alone, delays, tell_second)) {
-      const FreePower here = free_power(problem, second.one.fit.difference);
-      const bool is_alone = second.fit.point.effects.size() == 1;
-      if (above_free_power(second.one.found, here.cost < free.cost ? here : free, count) >= kNearFreePower &&
-          !(is_alone && near.contains(alone->effect.name))) {
-        continue;
-      }
-      keep(std::move(second.fit));
-    }
+    for (Second& second : seconds(problem, screening, *alone, delays, tell_second)) keep_if_near(std::move(second));
   }
+  if (beside_another != nullptr) keep_if_near(fit_closer(problem, delays, *beside_another));
   std::vector<FitResult> results;
   for (auto& [names, result] : best) results.push_back(std::move(result));
   return results;
