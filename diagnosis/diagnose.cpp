@@ -418,19 +418,24 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   add_counts(problem, settings, diagnosis);
   std::stable_sort(diagnosis.causes.begin(), diagnosis.causes.end(),
                    [](const Cause& a, const Cause& b) { return a.probability > b.probability; });
-  std::map<std::string, double> by_subsystem;
+  std::map<std::string, double> by_subsystem, by_effect;
   diagnosis.probability_nothing = 0.0;
   for (const Cause& cause : diagnosis.causes) {
     if (cause.effects.empty()) diagnosis.probability_nothing += cause.probability;
     std::set<std::string> touched;
     for (const std::string& effect : cause.effects) {
       touched.insert(std::string(common::name_of(about_effect(effect).subsystem)));
+      by_effect[effect] += cause.probability;
     }
     for (const std::string& subsystem : touched) by_subsystem[subsystem] += cause.probability;
   }
-  diagnosis.subsystems.assign(by_subsystem.begin(), by_subsystem.end());
-  std::sort(diagnosis.subsystems.begin(), diagnosis.subsystems.end(),
-            [](const auto& a, const auto& b) { return a.second > b.second; });
+  const auto falling = [](const std::map<std::string, double>& probabilities) {
+    std::vector<std::pair<std::string, double>> all(probabilities.begin(), probabilities.end());
+    std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
+    return all;
+  };
+  diagnosis.subsystems = falling(by_subsystem);
+  diagnosis.effects = falling(by_effect);
 
   static const Cause kNone;
   const Cause& first = diagnosis.causes.empty() ? kNone : diagnosis.causes.front();

@@ -85,6 +85,7 @@ struct Diagnosis {
   double probability_unknown = 0.0;
   std::string verdict;                  // one line
   std::vector<std::pair<std::string, double>> subsystems;  // probability by subsystem, falling
+  std::vector<std::pair<std::string, double>> effects;     // probability that each acts, alone or beside another, falling
   std::vector<BandShare> bands;
   std::vector<Moment> moments;
   std::vector<std::string> remarks;

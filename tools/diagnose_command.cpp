@@ -27,6 +27,8 @@ namespace slewlab::tools {
 
 namespace {
 
+constexpr double kWorthNaming = 0.05;  // probability that an effect acts, from which the page says so
+
 constexpr double kLineInterval = 2.0;  // [s] between progress lines where there is no terminal
 
 using diagnosis::Cause;
@@ -87,6 +89,7 @@ nlohmann::json to_json(const Diagnosis& diagnosis) {
                       {"remarks", diagnosis.remarks},
                       {"cannot_tell", diagnosis.cannot_tell}};
   for (const auto& [subsystem, probability] : diagnosis.subsystems) json["subsystems"][subsystem] = probability;
+  for (const auto& [effect, probability] : diagnosis.effects) json["effects"][effect] = probability;
   for (const diagnosis::BandShare& band : diagnosis.bands) {
     json["bands"].push_back({{"signal", band.channel}, {"from_hz", band.from}, {"to_hz", band.to}, {"share", band.share},
                              {"mean_square", band.mean_square}});
@@ -192,6 +195,12 @@ void print_page(const Diagnosis& diagnosis, const ToldApartBy& apart, const std:
     }
   }
   if (!is_unknown_told) out << unknown;
+  std::string acting;
+  for (const auto& [effect, probability] : diagnosis.effects) {
+    if (probability < kWorthNaming) break;
+    acting += fmt::format("{}{} {:.0f} %", acting.empty() ? "" : ", ", effect, 100 * probability);
+  }
+  if (!acting.empty()) out << "  each effect, alone or beside another: " << acting << "\n";
   if (!before.empty()) out << "\nGap in closed loop from the operator's moves, on " << place << "\n";
   for (std::size_t i = 0; i < before.size(); ++i) {
     out << fmt::format("  {:24} {:10.4g} -> {:10.4g} {}\n", before[i].signal, before[i].gap, after[i].gap, before[i].unit);

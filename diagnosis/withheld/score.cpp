@@ -47,6 +47,32 @@ std::set<std::string> names(const CaseAnswer& answer) {
 
 std::set<std::string> names(const NamedCause& cause) { return {cause.effects.begin(), cause.effects.end()}; }
 
+bool has_effect(Kind kind) { return kind != Kind::kNothing && kind != Kind::kParameters; }
+bool is_outside(Kind kind) { return kind == Kind::kLeftOut || kind == Kind::kNoCatalogue; }
+
+// The most probable of the effects (summed over all answers that name it), of nothing missing and of the unknown.
+struct Acting {
+  std::string name;
+  double probability = 0.0;
+};
+Acting most_probably_acting(const std::vector<Given>& given) {
+  std::map<std::string, double> sums;
+  for (const Given& one : given) {
+    if (one.unknown || one.cause->effects.empty()) {
+      sums[one.unknown ? kUnknown : kNothingMissing] += one.probability;
+      continue;
+    }
+    for (const std::string& effect : one.cause->effects) sums[effect] += one.probability;
+  }
+  const auto most = std::max_element(sums.begin(), sums.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+  return {most->first, most->second};
+}
+
+bool acts(const CaseAnswer& answer, const std::string& name) {
+  if (is_outside(answer.kind)) return name == kUnknown;
+  return answer.effects.empty() ? name == kNothingMissing : names(answer).contains(name);
+}
+
 // A single true effect against one answer.
 double credit(const std::string& effect, const Given& given) {
   if (given.unknown || given.cause->effects.size() != 1) return 0.0;
@@ -55,9 +81,6 @@ double credit(const std::string& effect, const Given& given) {
   const bool in_group = std::find(group.begin(), group.end(), effect) != group.end();
   return named || in_group ? 1.0 / static_cast<double>(1 + group.size()) : 0.0;
 }
-
-bool has_effect(Kind kind) { return kind != Kind::kNothing && kind != Kind::kParameters; }
-bool is_outside(Kind kind) { return kind == Kind::kLeftOut || kind == Kind::kNoCatalogue; }
 
 bool first_is_right(const CaseAnswer& answer, const Given& first) {
   if (is_outside(answer.kind)) return first.unknown;
@@ -104,6 +127,40 @@ Score mean_score(const std::string& name, const std::vector<double>& values, dou
   return score;
 }
 
+struct Stated {
+  double probability;
+  bool right;
+};
+
+std::vector<CalibrationBin> calibration_bins(const std::vector<Stated>& stated) {
+  constexpr std::size_t kBins = 10;
+  std::vector<CalibrationBin> bins(kBins);
+  for (const Stated& one : stated) {
+    CalibrationBin& bin = bins[std::min(kBins - 1, static_cast<std::size_t>(std::max(0.0, one.probability) * kBins))];
+    bin.stated += one.probability;
+    bin.right += one.right ? 1.0 : 0.0;
+    ++bin.cases;
+  }
+  for (CalibrationBin& bin : bins) {
+    if (bin.cases == 0) continue;
+    bin.stated /= bin.cases;
+    bin.right /= bin.cases;
+  }
+  return bins;
+}
+
+// Mean distance of what was stated from what was right, weighted by cases.
+Score calibration_score(const std::string& name, const std::vector<CalibrationBin>& bins) {
+  Score score{name, 0.0, 0.0, 1.0, 0, 0.0, 0.05};
+  double error = 0.0;
+  for (const CalibrationBin& bin : bins) {
+    error += std::fabs(bin.stated - bin.right) * bin.cases;
+    score.cases += bin.cases;
+  }
+  if (score.cases > 0) score.value = score.low = score.high = error / score.cases;
+  return score;
+}
+
 }  // namespace
 
 ScoreTable tabulate(const std::vector<Judged>& cases) {
@@ -112,11 +169,8 @@ ScoreTable tabulate(const std::vector<Judged>& cases) {
   std::vector<double> all_detected, all_subsystem, all_first, all_three, all_probability, all_both, all_unknown;
   std::vector<double> refused, seconds, left_out, no_catalogue, each_visible;
   std::map<std::string, std::vector<double>> per_effect;
-  struct Stated {
-    double probability;
-    bool right;
-  };
-  std::vector<Stated> stated;
+  std::vector<Stated> stated, stated_acting;
+  std::vector<double> acting;
 
   for (const auto& [answer, result, informed] : cases) {
     const std::vector<Given> given = ranked(result);
@@ -135,7 +189,11 @@ ScoreTable tabulate(const std::vector<Judged>& cases) {
     } else {
       add(detected, all_detected, result.gap ? 1.0 : 0.0);
     }
-    if (!has_effect(answer.kind) || visible) stated.push_back({top.probability, right});
+    if (!has_effect(answer.kind) || visible) {
+      stated.push_back({top.probability, right});
+      const Acting first = most_probably_acting(given);
+      stated_acting.push_back({first.probability, acts(answer, first.name)});
+    }
     if ((!has_effect(answer.kind) && (result.gap || !right)) || (visible && !right)) {
       table.failures.push_back(fmt::format("{} ({}): {} at {:.1f} noise floors; answered {} with {:.2f}{}", answer.name,
                                            name_of(answer.kind), label(answer), answer.visibility,
@@ -169,10 +227,13 @@ ScoreTable tabulate(const std::vector<Judged>& cases) {
       for (std::size_t k = 0; k < std::min<std::size_t>(3, given.size()); ++k) {
         best = std::max(best, credit(effect, given[k]));
       }
-      double on_truth = 0.0;
+      double on_truth = 0.0, on_acting = 0.0;
       for (const Given& one : given) {
-        if (!one.unknown && names(*one.cause) == names(answer)) on_truth += one.probability;
+        if (one.unknown) continue;
+        if (names(*one.cause) == names(answer)) on_truth += one.probability;
+        if (names(*one.cause).contains(effect)) on_acting += one.probability;
       }
+      if (visible) acting.push_back(on_acting);
       const double now = credit(effect, top);
       add(first, all_first, now);
       add(three, all_three, best);
@@ -194,23 +255,8 @@ ScoreTable tabulate(const std::vector<Judged>& cases) {
     }
   }
 
-  constexpr std::size_t kBins = 10;
-  std::vector<std::vector<Stated>> bins(kBins);
-  for (const Stated& one : stated) {
-    bins[std::min(kBins - 1, static_cast<std::size_t>(std::max(0.0, one.probability) * kBins))].push_back(one);
-  }
-  double error = 0.0;
-  for (const std::vector<Stated>& bin : bins) {
-    CalibrationBin summary{.stated = 0.0, .right = 0.0, .cases = static_cast<int>(bin.size())};
-    for (const Stated& one : bin) {
-      summary.stated += one.probability / static_cast<double>(bin.size());
-      summary.right += (one.right ? 1.0 : 0.0) / static_cast<double>(bin.size());
-    }
-    error += std::fabs(summary.stated - summary.right) * static_cast<double>(bin.size());
-    table.calibration.push_back(summary);
-  }
-  Score calibration{"calibration error", 0.0, 0.0, 1.0, static_cast<int>(stated.size()), 0.0, 0.05};
-  if (!stated.empty()) calibration.value = calibration.low = calibration.high = error / static_cast<double>(stated.size());
+  table.calibration = calibration_bins(stated);
+  const Score calibration = calibration_score("calibration error", table.calibration);
 
   table.scores = {mean_score("false alarms", alarms, 0.0, 0.02),
                   mean_score("detection", detected, 0.98, 1.0),
@@ -233,6 +279,8 @@ ScoreTable tabulate(const std::vector<Judged>& cases) {
                 mean_score("\"not in the catalogue\" where due, all", all_unknown, 0.0, 1.0),
                 mean_score("\"not in the catalogue\", left out", left_out, 0.0, 1.0),
                 mean_score("\"not in the catalogue\", no catalogue", no_catalogue, 0.0, 1.0),
+                mean_score("mean probability that the true effect acts", acting, 0.0, 1.0),
+                calibration_score("calibration error, most probable effect", calibration_bins(stated_acting)),
                 mean_score("refused", refused, 0.0, 1.0),
                 mean_score("seconds per case", seconds, 0.0, 1e9)};
   for (const auto& [effect, values] : per_effect) {

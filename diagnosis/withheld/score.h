@@ -14,6 +14,8 @@
 // - unknown: left-out and no-catalogue cases whose first answer is "not in the catalogue".
 // - calibration: the first answer's probability against how often it is right, 10 bins, mean absolute difference
 //   weighted by cases; over cases whose truth can be known (nothing, parameters, visible effects).
+// - that an effect acts: the probabilities of all answers that name it, alone or with another, together. Given besides: that of the true
+//   effect (one effect), and the calibration of the most probable one of all effects, nothing missing and "not in the catalogue".
 // - coverage: of the first answers that are right, the share of comparable sizes within the 90 % interval.
 // - gap closed: (before - after) / (before - informed) on the unseen manoeuvre, informed being a fit that was told
 //   the effects; mean over visible one- and two-effect cases where the informed fit closes 10 % or more.

@@ -68,6 +68,19 @@ TEST(Score, ADeclaredGroupCountsOneOverItsSize) {
   EXPECT_DOUBLE_EQ(score_named(table, "mean probability on the true cause").value, (0.9 + 0.0 + 0.9 + 0.1) / 4.0);
 }
 
+// One effect and two of which it is one say together that it acts: 0.9 is right of a single effect, and of a pair of which the other
+// effect was not named.
+TEST(Score, AnEffectActsInAllAnswersThatNameIt) {
+  const std::vector<NamedCause> answers{cause({"lag"}, 0.6), cause({"lag", "wind"}, 0.3), cause({"wind"}, 0.1)};
+  const ScoreTable table = tabulate({judged(Kind::kOneEffect, {"lag"}, 9, answers, 0, true),
+                                     judged(Kind::kTwoEffects, {"lag", "loss"}, 9, answers, 0, true),
+                                     judged(Kind::kOneEffect, {"heel"}, 9, answers, 0, true)});
+  EXPECT_DOUBLE_EQ(score_named(table, "mean probability that the true effect acts").value, 0.5 * (0.9 + 0.0));
+  EXPECT_EQ(score_named(table, "mean probability that the true effect acts").cases, 2);
+  EXPECT_NEAR(score_named(table, "calibration error, most probable effect").value, 0.9 - 2.0 / 3.0, 1e-12);
+  EXPECT_NEAR(score_named(table, "calibration error").value, 0.6 - 1.0 / 3.0, 1e-12);
+}
+
 TEST(Score, UnknownIsDueOutsideTheCatalogueAndWrongWithin) {
   const ScoreTable table = tabulate({judged(Kind::kLeftOut, {"lag"}, 9, {cause({"wind"}, 0.3)}, 0.7, true),
                                      judged(Kind::kNoCatalogue, {""}, 9, {cause({"wind"}, 0.8)}, 0.2, true),
