@@ -49,7 +49,7 @@ struct Point {
 // and 289 of seed 1013).
 inline constexpr int kBoomElements = 12;
 
-// Modes above it are left out of every fitted machine: they would take half of a simulation's time and change the differences, of
+// Modes above it are left out of every fitted machine: they would take a fifth of a simulation's time and change the differences, of
 // which none is above 40 Hz (whitening.h), by less than a hundredth of the noise (test).
 inline constexpr double kHighestMode = 200.0;  // [Hz]
 
