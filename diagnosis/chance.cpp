@@ -95,6 +95,10 @@ Eigen::VectorXd divided(const Chance& chance, const Eigen::VectorXd& values) {
   return (values.array() / (1.0 + chance.scale * chance.profile.array()).sqrt()).matrix();
 }
 
+Eigen::VectorXd undivided(const Chance& chance, const Eigen::VectorXd& values) {
+  return (values.array() * (1.0 + chance.scale * chance.profile.array()).sqrt()).matrix();
+}
+
 FreePower free_power(const Problem& problem, const Eigen::VectorXd& difference) {
   FreePower free;
   Eigen::Index row = 0;

@@ -41,6 +41,7 @@ struct Chance {
 };
 double logarithms(const Chance& chance);
 Eigen::VectorXd divided(const Chance& chance, const Eigen::VectorXd& values);
+Eigen::VectorXd undivided(const Chance& chance, const Eigen::VectorXd& values);
 
 // The same sum for a power that is free in every channel and every third of an octave: what a cause would have to reach whose
 // power nobody knows.

@@ -66,6 +66,7 @@ struct Try {
   double mean_cost = 0.0;    // in -2 ln: that the draws' mean is not what was fitted
 
   bool has_mean() const { return mean < fit.point.effects.size(); }
+  bool is_alone() const { return fit.point.effects.size() == (has_mean() ? 1U : 0U); }
 };
 
 // Draws at the size found, where the fit stands.
@@ -155,9 +156,13 @@ Eigen::MatrixXd divided_columns(const Chance& chance, const Eigen::MatrixXd& col
   return result;
 }
 
+Eigen::MatrixXd divided_nuisance_columns(const Chance& chance, const FitResult& fit) {
+  return divided_columns(chance, fit.columns.leftCols(static_cast<Eigen::Index>(fit.point.nuisance.size())));
+}
+
 // A fit under a chance: what was fitted without it knew nothing of it.
-FitResult fit_under(Problem& problem, const Chance& chance, const Eigen::MatrixXd& nuisance_columns, const Point& start) {
-  FitResult result = fit(problem, divided_columns(chance, nuisance_columns), start);
+FitResult fit_under_chance(Problem& problem, const Eigen::MatrixXd& nuisance_columns, const Point& start) {
+  FitResult result = fit(problem, nuisance_columns, start);
   improve(problem, result, false);
   return result;
 }
@@ -170,26 +175,25 @@ struct Second {
 
 // Where a fit stands under a chance, the chance has to add less than it had to before: draws there, and a fit with their power.
 Second fit_closer(Problem& problem, const std::vector<Eigen::VectorXd>& delays, Try one) {
-  const Eigen::MatrixXd nuisance_columns = one.fit.columns.leftCols(static_cast<Eigen::Index>(one.fit.point.nuisance.size()));
   one.found = fit_chance(one.fit.difference, one.profile);
   look(problem, delays, one);
   const Chance closer{one.profile, one.found.scale};
   FitResult result;
   {
     const UnderChance under_chance(problem, closer);
-    result = fit_under(problem, closer, nuisance_columns, one.fit.point);
+    result = fit_under_chance(problem, divided_nuisance_columns(closer, one.fit), one.fit.point);
   }
+  const double logarithm_sum = logarithms(closer);
   one.fit.point = result.point;
-  one.fit.difference = result.difference.array() * (1.0 + closer.scale * closer.profile.array()).sqrt();
-  one.found.cost = result.difference.squaredNorm() + logarithms(closer);
-  FitResult with = with_chance(problem, one, result, result.difference, result.columns, logarithms(closer));
+  one.fit.difference = undivided(closer, result.difference);
+  one.found.cost = result.difference.squaredNorm() + logarithm_sum;
+  FitResult with = with_chance(problem, one, result, result.difference, result.columns, logarithm_sum);
   return {std::move(with), std::move(one)};
 }
 
 // The chance alone again, and with a second effect beside it.
 std::vector<Second> seconds(Problem& problem, const Screening& catalogue, const Try& one, const std::vector<Eigen::VectorXd>& delays,
                             const Progress& tell) {
-  const Eigen::MatrixXd nuisance_columns = one.fit.columns.leftCols(static_cast<Eigen::Index>(one.fit.point.nuisance.size()));
   std::vector<Second> results{fit_closer(problem, delays, one)};
   const Try alone = results.front().one;
   const Chance chance{alone.profile, alone.found.scale};
@@ -215,8 +219,9 @@ std::vector<Second> seconds(Problem& problem, const Screening& catalogue, const 
     for (std::size_t i = 0; i < std::min(kSeconds, ranked.size()); ++i) {
       from.push_back(with_amount(here.point, *ranked[i], ranked[i]->amount));
     }
+    const Eigen::MatrixXd nuisance_columns = divided_nuisance_columns(chance, one.fit);
     under.resize(from.size());
-    share_out(problem, under.size(), [&](std::size_t i) { under[i] = fit_under(problem, chance, nuisance_columns, from[i]); });
+    share_out(problem, under.size(), [&](std::size_t i) { under[i] = fit_under_chance(problem, nuisance_columns, from[i]); });
   }
   for (const FitResult& start : under) {
     Try next = alone;
@@ -282,15 +287,17 @@ std::vector<FitResult> chance_fits(Problem& problem, const Screening& screening,
   }
   // Where no power is near and much is left, a second effect may be what is too much for the best of them alone.
   const bool much_is_left = std::all_of(fits.begin(), fits.end(), [](const FitResult& result) { return result.excess > kMuch; });
+  // What is near enough with a second effect is offered without it too: the second one may only stand for what laws differ in.
+  const auto may_be_it = [&](const Try& one, const FreePower& least) {
+    return above_free_power(one.found, least, count) < kNearFreePower || (one.is_alone() && near.contains(one.effect.name));
+  };
   const auto cheaper = [](const Try* a, const Try* b) {
     return b == nullptr || a->found.cost + a->mean_cost < b->found.cost + b->mean_cost;
   };
   const Try* alone = nullptr;
   const Try* beside_another = nullptr;
   for (const Try* one : looked) {
-    // What is near enough with a second effect is offered without it too: the second one may only stand for what laws differ in.
-    const bool is_alone = one->fit.point.effects.size() == (one->has_mean() ? 1U : 0U);
-    const bool is_near = above_free_power(one->found, free, count) < kNearFreePower || (is_alone && near.contains(one->effect.name));
+    const bool is_alone = one->is_alone(), is_near = may_be_it(*one, free);
     const bool is_open = is_near || (near.empty() && much_is_left);
     if (is_alone && is_open && cheaper(one, alone)) alone = one;
     if (!is_alone && !is_near && is_open && cheaper(one, beside_another)) beside_another = one;
@@ -301,11 +308,7 @@ std::vector<FitResult> chance_fits(Problem& problem, const Screening& screening,
   }
   const auto keep_if_near = [&](Second second) {
     const FreePower here = free_power(problem, second.one.fit.difference);
-    const bool is_alone = second.fit.point.effects.size() == 1;
-    if (above_free_power(second.one.found, here.cost < free.cost ? here : free, count) < kNearFreePower ||
-        (is_alone && near.contains(second.one.effect.name))) {
-      keep(std::move(second.fit));
-    }
+    if (may_be_it(second.one, here.cost < free.cost ? here : free)) keep(std::move(second.fit));
   };
   if (alone != nullptr) {
     const auto tell_second = [&, second = within(tell, {0.5, 1.0})](double share, const std::string& doing) {

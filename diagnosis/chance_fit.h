@@ -1,7 +1,8 @@
 // Candidates in which an effect by chance (chance.h) has a part. First beside the fits without it: that of parameters alone and those of
 // single effects. A delay is what jitter and loss do on the average, so beside a fitted delay they are named alone. The power comes
 // from draws of its own at the fitted size. Then, beside the best of these alone, a second effect is looked for with the whole
-// catalogue, all differences divided by what the chance adds to them.
+// catalogue, all differences divided by what the chance adds to them; where each of these fits stands, the power is drawn anew. That is
+// done too where no power is near yet and all fits leave much: the second effect may be what is too much for it.
 #pragma once
 
 #include <vector>

@@ -429,8 +429,8 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
     }
     for (const std::string& subsystem : touched) by_subsystem[subsystem] += cause.probability;
   }
-  const auto falling = [](const std::map<std::string, double>& probabilities) {
-    std::vector<std::pair<std::string, double>> all(probabilities.begin(), probabilities.end());
+  const auto falling = [](const std::map<std::string, double>& by_name) {
+    std::vector<std::pair<std::string, double>> all(by_name.begin(), by_name.end());
     std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
     return all;
   };

@@ -8,6 +8,10 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "common/input_error.h"
 #include "common/stop_signal.h"
@@ -28,7 +32,6 @@ namespace slewlab::tools {
 namespace {
 
 constexpr double kWorthNaming = 0.05;  // probability that an effect acts, from which the page says so
-
 constexpr double kLineInterval = 2.0;  // [s] between progress lines where there is no terminal
 
 using diagnosis::Cause;
@@ -147,6 +150,13 @@ std::string place_of_gaps(const Diagnosis& diagnosis, const Record& last) {
              : diagnosis.held_out->record + ", sizes fitted again without it";
 }
 
+// "drive 96 %, house 3 %"
+std::string in_per_cent(std::span<const std::pair<std::string, double>> probabilities) {
+  std::string text;
+  for (const auto& [name, probability] : probabilities) text += fmt::format("{}{} {:.0f} %", text.empty() ? "" : ", ", name, 100 * probability);
+  return text;
+}
+
 void print_page(const Diagnosis& diagnosis, const ToldApartBy& apart, const std::vector<diagnosis::SignalGap>& before,
                 const std::vector<diagnosis::SignalGap>& after, const std::string& place, std::ostream& out) {
   out << fmt::format("\nIs there a gap?  {}. Parameters alone leave {:.2f} of the mean square that noise makes, the nominal crane {:.2f}",
@@ -159,11 +169,7 @@ void print_page(const Diagnosis& diagnosis, const ToldApartBy& apart, const std:
                                   : diagnosis.controller_replay.empty() ? "The controller was not given.\n"
                                                                         : "The controller answers as its settings say.\n");
   if (diagnosis.gap && !diagnosis.subsystems.empty()) {
-    out << "Where?           ";
-    for (std::size_t i = 0; i < diagnosis.subsystems.size() && i < 3; ++i) {
-      out << fmt::format("{}{} {:.0f} %", i == 0 ? "" : ", ", diagnosis.subsystems[i].first, 100 * diagnosis.subsystems[i].second);
-    }
-    out << "\n";
+    out << "Where?           " << in_per_cent(std::span(diagnosis.subsystems).first(std::min<std::size_t>(3, diagnosis.subsystems.size()))) << "\n";
   }
   for (std::size_t i = 0; i < diagnosis.bands.size() && i < 2 && diagnosis.gap; ++i) {
     const diagnosis::BandShare& band = diagnosis.bands[i];
@@ -195,11 +201,9 @@ void print_page(const Diagnosis& diagnosis, const ToldApartBy& apart, const std:
     }
   }
   if (!is_unknown_told) out << unknown;
-  std::string acting;
-  for (const auto& [effect, probability] : diagnosis.effects) {
-    if (probability < kWorthNaming) break;
-    acting += fmt::format("{}{} {:.0f} %", acting.empty() ? "" : ", ", effect, 100 * probability);
-  }
+  const auto unlikely = std::find_if(diagnosis.effects.begin(), diagnosis.effects.end(),
+                                     [](const auto& effect) { return effect.second < kWorthNaming; });
+  const std::string acting = in_per_cent({diagnosis.effects.begin(), unlikely});
   if (!acting.empty()) out << "  each effect, alone or beside another: " << acting << "\n";
   if (!before.empty()) out << "\nGap in closed loop from the operator's moves, on " << place << "\n";
   for (std::size_t i = 0; i < before.size(); ++i) {

@@ -50,12 +50,8 @@ std::set<std::string> names(const NamedCause& cause) { return {cause.effects.beg
 bool has_effect(Kind kind) { return kind != Kind::kNothing && kind != Kind::kParameters; }
 bool is_outside(Kind kind) { return kind == Kind::kLeftOut || kind == Kind::kNoCatalogue; }
 
-// The most probable of the effects (summed over all answers that name it), of nothing missing and of the unknown.
-struct Acting {
-  std::string name;
-  double probability = 0.0;
-};
-Acting most_probably_acting(const std::vector<Given>& given) {
+// The probability that each effect acts, summed over all answers that name it; of nothing missing and of the unknown.
+std::map<std::string, double> acting_probabilities(const std::vector<Given>& given) {
   std::map<std::string, double> sums;
   for (const Given& one : given) {
     if (one.unknown || one.cause->effects.empty()) {
@@ -64,8 +60,7 @@ Acting most_probably_acting(const std::vector<Given>& given) {
     }
     for (const std::string& effect : one.cause->effects) sums[effect] += one.probability;
   }
-  const auto most = std::max_element(sums.begin(), sums.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
-  return {most->first, most->second};
+  return sums;
 }
 
 bool acts(const CaseAnswer& answer, const std::string& name) {
@@ -175,6 +170,7 @@ ScoreTable tabulate(const std::vector<Judged>& cases) {
   for (const auto& [answer, result, informed] : cases) {
     const std::vector<Given> given = ranked(result);
     const Given& top = given.front();
+    const std::map<std::string, double> probability_of = acting_probabilities(given);
     const bool visible = answer.visibility > kVisible;
     const bool right = first_is_right(answer, top);
     refused.push_back(result.refusal.empty() ? 0.0 : 1.0);
@@ -191,8 +187,9 @@ ScoreTable tabulate(const std::vector<Judged>& cases) {
     }
     if (!has_effect(answer.kind) || visible) {
       stated.push_back({top.probability, right});
-      const Acting first = most_probably_acting(given);
-      stated_acting.push_back({first.probability, acts(answer, first.name)});
+      const auto most = std::max_element(probability_of.begin(), probability_of.end(),
+                                         [](const auto& a, const auto& b) { return a.second < b.second; });
+      stated_acting.push_back({most->second, acts(answer, most->first)});
     }
     if ((!has_effect(answer.kind) && (result.gap || !right)) || (visible && !right)) {
       table.failures.push_back(fmt::format("{} ({}): {} at {:.1f} noise floors; answered {} with {:.2f}{}", answer.name,
@@ -227,13 +224,12 @@ ScoreTable tabulate(const std::vector<Judged>& cases) {
       for (std::size_t k = 0; k < std::min<std::size_t>(3, given.size()); ++k) {
         best = std::max(best, credit(effect, given[k]));
       }
-      double on_truth = 0.0, on_acting = 0.0;
+      double on_truth = 0.0;
       for (const Given& one : given) {
-        if (one.unknown) continue;
-        if (names(*one.cause) == names(answer)) on_truth += one.probability;
-        if (names(*one.cause).contains(effect)) on_acting += one.probability;
+        if (!one.unknown && names(*one.cause) == names(answer)) on_truth += one.probability;
       }
-      if (visible) acting.push_back(on_acting);
+      const auto acting_truth = probability_of.find(effect);
+      if (visible) acting.push_back(acting_truth == probability_of.end() ? 0.0 : acting_truth->second);
       const double now = credit(effect, top);
       add(first, all_first, now);
       add(three, all_three, best);

@@ -80,6 +80,20 @@ Diagnosis diagnose_machine(const std::vector<common::EffectInstance>& effects,
   return diagnose_truth(truth, controller, seed, settings);
 }
 
+// What the bench's nominal crane is fitted to.
+struct BenchProblem : Problem {
+  BenchProblem() {
+    nominal.crane = bench().crane;
+    gains = shadow_gains(bench().crane);
+    latency_deviation = kLatencyDeviation;
+  }
+  void add(const Record& record) {
+    const Shadow follower = shadow(nominal, record, gains);
+    whitening.push_back(make_whitening(record, trusted_stretches(record, follower), gains, follower, {}));
+    records.push_back(record);
+  }
+};
+
 // A ramp far from the settings' makes a replayed integral run away; its own times and shape are exact, so the fit must be.
 TEST(FitController, FindsARampFarFromTheSettings) {
   const common::EffectInstance ramp{"other_ramp", {1.14, -0.05}};
@@ -147,15 +161,9 @@ TEST(Fit, ArrivesWhereAFullStepIsTooBold) {
   sim::MachineSettings truth;
   truth.crane = spread_crane(43);
   truth.effects = {{"torque_ripple", {17.5, 3.0, 2.27, -0.12, 0.275}}};
-  Problem problem;
-  problem.nominal.crane = bench().crane;
-  problem.gains = shadow_gains(bench().crane);
-  problem.latency_deviation = kLatencyDeviation;
+  BenchProblem problem;
   for (const auto& [moves, seed] : {std::pair(kThereAndBack, 3U), std::pair(kInching, 4U)}) {
-    const Record record = make_record(simulated_log(truth, bench().controller, moves, kDuration, seed), "a", bench().admission);
-    const Shadow follower = shadow(problem.nominal, record, problem.gains);
-    problem.whitening.push_back(make_whitening(record, trusted_stretches(record, follower), problem.gains, follower, {}));
-    problem.records.push_back(record);
+    problem.add(make_record(simulated_log(truth, bench().controller, moves, kDuration, seed), "a", bench().admission));
   }
   const FitResult base = fit_nuisances(problem, nominal_fit(problem));
   Point start;
@@ -190,10 +198,7 @@ TEST(Fit, ModesThatAreLeftOutWouldChangeLessThanTheNoise) {
 TEST(Fit, FindsTheSwingThatALoadHasWhenTheRecordBegins) {
   const sim::LoadParameters& load = bench().crane.load;
   const std::array<Swing, 2> swings{{{8e-3, 0.0}, {-3e-3, 2e-3}}};  // [rad], [rad/s]
-  Problem problem;
-  problem.nominal.crane = bench().crane;
-  problem.gains = shadow_gains(bench().crane);
-  problem.latency_deviation = kLatencyDeviation;
+  BenchProblem problem;
   for (const Swing& swing : swings) {
     sim::MachineSettings truth;
     truth.crane = bench().crane;
@@ -209,10 +214,7 @@ TEST(Fit, FindsTheSwingThatALoadHasWhenTheRecordBegins) {
     sim::forget_past(machine);
     EXPECT_NEAR(sim::rope_angle(machine.model, machine.state), swing.angle, 1e-12);
     EXPECT_NEAR(sim::rod_angle(machine.model, machine.state), swing.angle, 1e-12);
-    const Record record = make_record(simulated_log(machine, bench().controller, kThereAndBack, kDuration, 3), "a", bench().admission);
-    const Shadow follower = shadow(problem.nominal, record, problem.gains);
-    problem.whitening.push_back(make_whitening(record, trusted_stretches(record, follower), problem.gains, follower, {}));
-    problem.records.push_back(record);
+    problem.add(make_record(simulated_log(machine, bench().controller, kThereAndBack, kDuration, 3), "a", bench().admission));
   }
   const FitResult nominal = nominal_fit(problem), fitted = fit_nuisances(problem, nominal);
   // Taken for a load that hangs still it is a gap many times an effect's price.
@@ -666,13 +668,8 @@ TEST_F(Admission, AWrongUnitWouldIndeedHaveGivenAWrongAnswer) {
 
 // The mean square that parameters alone leave of a record, taken as it is.
 double left_by_parameters(const Record& record) {
-  Problem problem;
-  problem.nominal.crane = bench().crane;
-  problem.gains = shadow_gains(bench().crane);
-  problem.latency_deviation = 3e-4;
-  const Shadow follower = shadow(problem.nominal, record, problem.gains);
-  problem.whitening.push_back(make_whitening(record, trusted_stretches(record, follower), problem.gains, follower, {}));
-  problem.records.push_back(record);
+  BenchProblem problem;
+  problem.add(record);
   return fit_nuisances(problem, nominal_fit(problem)).mean_square;
 }
 
