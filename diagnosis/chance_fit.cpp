@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <set>
 
 #include "diagnosis/chance.h"
@@ -38,10 +39,12 @@ Eigen::VectorXd without_columns(Eigen::VectorXd change, const std::vector<Eigen:
   return change;
 }
 
-// Which of the effects is only what a chance does on the average; beyond the last: none.
-std::size_t mean_among(const std::vector<common::EffectInstance>& effects) {
-  const auto is_mean = [](const common::EffectInstance& effect) { return is_mean_of_chance(effect.name); };
-  return static_cast<std::size_t>(std::find_if(effects.begin(), effects.end(), is_mean) - effects.begin());
+// Which of the effects is only what a chance does on the average.
+std::optional<std::size_t> mean_among(const std::vector<common::EffectInstance>& effects) {
+  for (std::size_t e = 0; e < effects.size(); ++e) {
+    if (is_mean_of_chance(effects[e].name)) return e;
+  }
+  return std::nullopt;
 }
 
 // All differences are divided by what a chance adds to them, as long as it lives.
@@ -59,25 +62,24 @@ class UnderChance {
 // An effect by chance beside a fit.
 struct Try {
   FitResult fit;             // without it
-  std::size_t mean = 0;      // mean_among its effects
+  std::optional<std::size_t> mean;  // mean_among its effects
   common::EffectInstance effect;
   ChanceFit found;
   Eigen::VectorXd profile;
   double mean_cost = 0.0;    // in -2 ln: that the draws' mean is not what was fitted
 
-  bool has_mean() const { return mean < fit.point.effects.size(); }
-  bool is_alone() const { return fit.point.effects.size() == (has_mean() ? 1U : 0U); }
+  bool is_alone() const { return fit.point.effects.size() == (mean ? 1U : 0U); }
 };
 
 // Draws at the size found, where the fit stands.
 void look(Problem& problem, const std::vector<Eigen::VectorXd>& delays, Try& one) {
   Point still = one.fit.point;
-  if (one.has_mean()) still.effects.erase(still.effects.begin() + static_cast<std::ptrdiff_t>(one.mean));
-  const Eigen::VectorXd here = one.has_mean() ? differences(problem, still) : one.fit.difference;
+  if (one.mean) still.effects.erase(still.effects.begin() + static_cast<std::ptrdiff_t>(*one.mean));
+  const Eigen::VectorXd here = one.mean ? differences(problem, still) : one.fit.difference;
   const auto count = here.size();
   std::vector<Eigen::VectorXd> means;
   for (const Eigen::VectorXd& delay : delays) means.push_back(delay.head(count));
-  if (one.has_mean()) means.push_back(one.fit.difference - here);
+  if (one.mean) means.push_back(one.fit.difference - here);
   for (int round = 0; round < kLooks; ++round) {
     std::vector<Point> points(kDraws, still);
     for (std::size_t draw = 0; draw < points.size(); ++draw) {
@@ -99,7 +101,7 @@ void look(Problem& problem, const std::vector<Eigen::VectorXd>& delays, Try& one
       one.found = found;
       one.profile = profile;
       // Where no delay was fitted, all of the mean is missed.
-      if (one.has_mean()) {
+      if (one.mean) {
         const Eigen::VectorXd fitted = one.fit.difference - here;
         one.mean_cost = std::pow(std::log(std::max(kLeastMean, mean.dot(fitted) / fitted.squaredNorm())) / kMeanSpread, 2.0);
       } else {
@@ -124,7 +126,7 @@ FitResult with_chance(const Problem& problem, const Try& one, const FitResult& f
   Eigen::Index from = nuisances;
   for (std::size_t e = 0; e < fit.point.effects.size(); ++e) {
     const auto size = static_cast<Eigen::Index>(fit.point.effects[e].values.size());
-    if (!one.has_mean() || e != one.mean) {
+    if (one.mean != e) {
       result.point.effects.push_back(fit.point.effects[e]);
       kept.emplace_back(from, size);
       width += size;
@@ -247,8 +249,7 @@ std::vector<FitResult> chance_fits(Problem& problem, const Screening& screening,
     const FreePower of_this = free_power(problem, result.difference);
     if (of_this.cost < free.cost) free = of_this;
     const std::vector<common::EffectInstance>& effects = result.point.effects;
-    const bool has_mean = mean_among(effects) < effects.size();
-    if (has_mean || (effects.size() == 1 && singles++ < kBeside)) besides.push_back(&result);
+    if (mean_among(effects) || (effects.size() == 1 && singles++ < kBeside)) besides.push_back(&result);
   }
   // Of each effect by chance and each fit the best profile of the screening.
   const auto count = nothing.difference.size();

@@ -16,6 +16,7 @@
 
 #include "controller/controller_file.h"
 #include "controller/effects/catalogue.h"
+#include "diagnosis/chance_fit.h"
 #include "diagnosis/nuisance.h"
 #include "diagnosis/prediction.h"
 #include "sim/crane_file.h"
@@ -224,6 +225,28 @@ TEST(Fit, FindsTheSwingThatALoadHasWhenTheRecordBegins) {
     EXPECT_NEAR(found.angle, swings[r].angle, 5e-4);
     EXPECT_NEAR(found.rate, swings[r].rate, 2e-4);
   }
+}
+
+// Nothing stands for the jitter's mean here; the effect found beside it was once taken for that, and left out.
+TEST(ChanceFits, NameTheSecondEffectWhereNoDelayWasFitted) {
+  const std::vector<common::EffectInstance> both{{"command_jitter", {0.03}}, {"bearing_coulomb", {1e5, 0.0, 3e-5}}};
+  sim::MachineSettings truth;
+  truth.crane = spread_crane(18);
+  truth.effects = both;
+  truth.seed = 99;
+  BenchProblem problem;
+  problem.add(make_record(simulated_log(truth, bench().controller, kThereAndBack, kDuration, 18), "a", bench().admission));
+  const FitResult nothing = fit_nuisances(problem, nominal_fit(problem));
+  const Projector project(nothing.columns, nothing.point, data_weight(nothing.difference, problem.settings));
+  const Progress quiet = [](double, const std::string&) {};
+  const Screening screening = screen(problem, nothing, project, both, quiet);
+  std::set<std::vector<std::string>> named;
+  for (const FitResult& result : chance_fits(problem, screening, nothing, {}, quiet)) {
+    std::vector<std::string> names;
+    for (const common::EffectInstance& effect : result.point.effects) names.push_back(effect.name);
+    named.insert(names);
+  }
+  EXPECT_TRUE(named.contains({"command_jitter", "bearing_coulomb"}));
 }
 
 TEST(Diagnose, SaysNothingIsMissingWhereOnlyParametersAreOff) {
