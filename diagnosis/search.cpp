@@ -21,6 +21,7 @@ constexpr int kFreshRounds = 5;                 // at most, for a leader
 constexpr std::size_t kPairLeaders = 3;         // single effects beside which a second one is looked for
 constexpr int kPairsPerLeader = 2;              // that are refined beside each of them but the best
 constexpr double kDoubtful = 1000.0;            // excess of parameters alone below which they may be the answer
+constexpr std::size_t kMeeting = 4;             // fits that try the best one's machine
 constexpr double kParallel = 0.02;              // 1 - cosine^2 of two signatures below which they are not tried as a pair
 
 bool cheaper(const FitResult& a, const FitResult& b) { return a.cost < b.cost; }
@@ -89,6 +90,30 @@ void go_back(Problem& problem, const Eigen::MatrixXd& nuisance_columns, std::siz
       *same = std::move(again);
     }
   }
+  std::stable_sort(fits.begin(), fits.end(), cheaper);
+}
+
+// The best fit's machine, with another one's effects: of two laws of one motion the better end may only be the luckier one. The next
+// best fits with as many effects try it; what both have starts where the best one has it.
+void meet(Problem& problem, std::vector<FitResult>& fits) {
+  if (fits.empty() || fits.front().point.effects.empty()) return;
+  const Point best = fits.front().point;
+  const Eigen::MatrixXd nuisance_columns = fits.front().columns.leftCols(static_cast<Eigen::Index>(best.nuisance.size()));
+  std::vector<FitResult*> others;
+  for (std::size_t i = 1; i < fits.size() && others.size() < kMeeting; ++i) {
+    if (fits[i].point.effects.size() == best.effects.size()) others.push_back(&fits[i]);
+  }
+  share_out(problem, others.size(), [&](std::size_t i) {
+    Point start = others[i]->point;
+    start.nuisance = best.nuisance;
+    for (common::EffectInstance& effect : start.effects) {
+      for (const common::EffectInstance& same : best.effects) {
+        if (same.name == effect.name) effect = same;
+      }
+    }
+    FitResult again = fit(problem, nuisance_columns, start);
+    if (again.cost < others[i]->cost) *others[i] = std::move(again);
+  });
   std::stable_sort(fits.begin(), fits.end(), cheaper);
 }
 
@@ -231,12 +256,14 @@ Found search(Problem& problem, const FitResult& base, const Screening& screening
     fits.insert(fits.end(), std::make_move_iterator(pairs.begin()), std::make_move_iterator(pairs.end()));
   }
 
-  // What fits with one effect more may show the way to those with less: a descent that stopped short elsewhere goes on from there.
   const Progress going_back = within(tell, kGoBack);
-  going_back(0.0, "going back to one effect");
+  going_back(0.0, "meeting at the best fit");
   std::stable_sort(fits.begin(), fits.end(), cheaper);
+  meet(problem, fits);
+  // What fits with one effect more may show the way to those with less: a descent that stopped short elsewhere goes on from there.
+  going_back(0.4, "going back to one effect");
   go_back(problem, base.columns, 2, fits);
-  going_back(0.7, "going back to none");
+  going_back(0.8, "going back to none");
   go_back(problem, base.columns, 1, fits);
   for (FitResult& result : fits) conclude(problem, result);
   FitResult& nothing = found.nothing;
