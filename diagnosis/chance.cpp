@@ -1,8 +1,10 @@
 #include "diagnosis/chance.h"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <complex>
 #include <vector>
 
 namespace slewlab::diagnosis {
@@ -13,15 +15,85 @@ namespace {
 struct ByChance {
   std::string_view effect;
   double power;
+  bool is_one_force;  // or each motor's own delay
 };
-constexpr std::array<ByChance, 2> kByChance{{{"command_jitter", 2.0}, {"command_loss", 1.0}}};
+constexpr std::array<ByChance, 3> kByChance{{{"command_jitter", 2.0, false}, {"command_loss", 1.0, false}, {"gusts", 2.0, true}}};
+
+const ByChance* find(std::string_view effect) {
+  const auto* const found = std::find_if(kByChance.begin(), kByChance.end(), [&](const ByChance& one) { return one.effect == effect; });
+  return found == kByChance.end() ? nullptr : found;
+}
 
 constexpr double kSmoothing = 0.2;  // of a frequency, over which S is smoothed either side
 constexpr double kBand = 1.26;  // highest by lowest frequency of a third of an octave
 constexpr double kLeastFound = 0.1;  // of the noise, below which nothing is above it
 constexpr std::size_t kLeastBins = 6;
+constexpr Eigen::Index kNearestBins = 2;  // either side, that an axis is taken from: a draw's force has not all frequencies
 constexpr double kLowestScale = -9.0, kHighestScale = 9.0;  // ln a: a factor of 90 in size either way
 constexpr int kScales = 37;
+
+// Where a channel's, or an axis's, real part of a bin stands among a record's differences; the imaginary part follows.
+Eigen::Index row_of(Eigen::Index first_row, Eigen::Index bins, Eigen::Index channel, Eigen::Index bin) {
+  return first_row + 2 * (channel * bins + bin);
+}
+
+// A record's bin across its channels.
+Eigen::VectorXcd across(const Eigen::VectorXd& values, const ChannelAxes& record, Eigen::Index bin) {
+  const auto bins = static_cast<Eigen::Index>(record.axes.size());
+  Eigen::VectorXcd result(record.axes.front().rows());
+  for (Eigen::Index c = 0; c < result.size(); ++c) {
+    const Eigen::Index row = row_of(record.first_row, bins, c, bin);
+    result(c) = {values(row), values(row + 1)};
+  }
+  return result;
+}
+
+// Each bin turned: from channels to axes, or back.
+template <class Turn>
+Eigen::VectorXd turned(const Power& power, Eigen::VectorXd values, Turn turn) {
+  for (const ChannelAxes& record : power.records) {
+    const auto bins = static_cast<Eigen::Index>(record.axes.size());
+    for (Eigen::Index b = 0; b < bins; ++b) {
+      const Eigen::VectorXcd result = turn(record.axes[static_cast<std::size_t>(b)], across(values, record, b));
+      for (Eigen::Index c = 0; c < result.size(); ++c) {
+        const Eigen::Index row = row_of(record.first_row, bins, c, b);
+        values(row) = result(c).real();
+        values(row + 1) = result(c).imag();
+      }
+    }
+  }
+  return values;
+}
+Eigen::VectorXd along_axes(const Power& power, Eigen::VectorXd values) {
+  return turned(power, std::move(values), [](const Eigen::MatrixXcd& axes, const Eigen::VectorXcd& bin) { return Eigen::VectorXcd(axes.adjoint() * bin); });
+}
+Eigen::VectorXd along_channels(const Power& power, Eigen::VectorXd values) {
+  return turned(power, std::move(values), [](const Eigen::MatrixXcd& axes, const Eigen::VectorXcd& bin) { return Eigen::VectorXcd(axes * bin); });
+}
+
+// The axes of what one force adds.
+std::vector<ChannelAxes> force_axes(const Problem& problem, std::span<const Eigen::VectorXd> changes) {
+  std::vector<ChannelAxes> result;
+  Eigen::Index first_row = 0;
+  for (const Whitening& whitening : problem.whitening) {
+    const auto channels = static_cast<Eigen::Index>(whitening.channels.size());
+    const auto bins = static_cast<Eigen::Index>(whitening.bin_count);
+    ChannelAxes record{first_row, std::vector<Eigen::MatrixXcd>(whitening.bin_count, Eigen::MatrixXcd::Zero(channels, channels))};
+    for (const Eigen::VectorXd& change : changes) {
+      for (Eigen::Index b = 0; b < bins; ++b) {
+        const Eigen::VectorXcd bin = across(change, record, b);
+        const Eigen::Index last = std::min(bins - 1, b + kNearestBins);
+        for (Eigen::Index near = std::max<Eigen::Index>(0, b - kNearestBins); near <= last; ++near) {
+          record.axes[static_cast<std::size_t>(near)] += bin * bin.adjoint();
+        }
+      }
+    }
+    for (Eigen::MatrixXcd& axes : record.axes) axes = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXcd>(axes).eigenvectors().eval();
+    first_row += whitening.size();
+    result.push_back(std::move(record));
+  }
+  return result;
+}
 
 double cost_at(const Eigen::VectorXd& difference, const Eigen::VectorXd& profile, double scale) {
   const Eigen::ArrayXd variance = 1.0 + scale * profile.array();
@@ -42,40 +114,48 @@ void smooth(const Whitening& whitening, std::span<const double> power, Eigen::Ve
 
 }  // namespace
 
-bool comes_by_chance(std::string_view effect) {
-  return std::any_of(kByChance.begin(), kByChance.end(), [&](const ByChance& one) { return one.effect == effect; });
+bool comes_by_chance(std::string_view effect) { return find(effect) != nullptr; }
+
+bool delays_by_chance(std::string_view effect) {
+  const ByChance* const law = find(effect);
+  return law != nullptr && !law->is_one_force;
 }
 
 bool is_mean_of_chance(std::string_view effect) {
   return effect == "command_delay" || effect == "dead_time" || effect == "torque_lag" || effect == "encoder_delay";
 }
 
-Eigen::VectorXd power_profile(const Problem& problem, std::span<const Eigen::VectorXd> changes) {
-  Eigen::VectorXd profile(changes.front().size());
+Power power_of(const Problem& problem, std::string_view effect, std::span<const Eigen::VectorXd> changes) {
+  Power result;
+  if (find(effect)->is_one_force) result.records = force_axes(problem, changes);
+  result.profile = Eigen::VectorXd::Zero(changes.front().size());
+  std::vector<Eigen::VectorXd> along;
+  for (const Eigen::VectorXd& change : changes) along.push_back(along_axes(result, change));
   std::vector<double> power;
   Eigen::Index row = 0;
   for (const Whitening& whitening : problem.whitening) {
     const auto bins = static_cast<Eigen::Index>(whitening.bin_count);
     for (std::size_t c = 0; c < whitening.channels.size(); ++c, row += 2 * bins) {
       power.assign(whitening.bin_count, 0.0);
-      for (const Eigen::VectorXd& change : changes) {
+      for (const Eigen::VectorXd& change : along) {
         for (Eigen::Index b = 0; b < bins; ++b) {
           power[static_cast<std::size_t>(b)] += 0.5 * change.segment<2>(row + 2 * b).squaredNorm() / static_cast<double>(changes.size());
         }
       }
-      smooth(whitening, power, profile, row);
+      smooth(whitening, power, result.profile, row);
     }
   }
-  return profile;
+  return result;
 }
 
-ChanceFit fit_chance(const Eigen::VectorXd& difference, const Eigen::VectorXd& profile) {
+ChanceFit fit_chance(const Eigen::VectorXd& difference, const Power& power) {
   ChanceFit best{0.0, difference.squaredNorm()};
-  if (!profile.allFinite()) return best;
+  if (!power.profile.allFinite()) return best;
+  const Eigen::VectorXd along = along_axes(power, difference);
   const double step = (kHighestScale - kLowestScale) / (kScales - 1);
   const auto consider = [&](double logarithm) {
     const double scale = std::exp(logarithm);
-    const double cost = cost_at(difference, profile, scale);
+    const double cost = cost_at(along, power.profile, scale);
     if (cost < best.cost) best = {scale, cost};
   };
   for (int i = 0; i < kScales; ++i) consider(kLowestScale + step * i);
@@ -89,14 +169,16 @@ ChanceFit fit_chance(const Eigen::VectorXd& difference, const Eigen::VectorXd& p
   return best;
 }
 
-double logarithms(const Chance& chance) { return (1.0 + chance.scale * chance.profile.array()).log().sum(); }
+double logarithms(const Chance& chance) { return (1.0 + chance.scale * chance.power.profile.array()).log().sum(); }
 
 Eigen::VectorXd divided(const Chance& chance, const Eigen::VectorXd& values) {
-  return (values.array() / (1.0 + chance.scale * chance.profile.array()).sqrt()).matrix();
+  const Eigen::ArrayXd deviation = (1.0 + chance.scale * chance.power.profile.array()).sqrt();
+  return along_channels(chance.power, (along_axes(chance.power, values).array() / deviation).matrix());
 }
 
 Eigen::VectorXd undivided(const Chance& chance, const Eigen::VectorXd& values) {
-  return (values.array() * (1.0 + chance.scale * chance.profile.array()).sqrt()).matrix();
+  const Eigen::ArrayXd deviation = (1.0 + chance.scale * chance.power.profile.array()).sqrt();
+  return along_channels(chance.power, (along_axes(chance.power, values).array() * deviation).matrix());
 }
 
 FreePower free_power(const Problem& problem, const Eigen::VectorXd& difference) {
@@ -126,9 +208,7 @@ double above_free_power(const ChanceFit& fit, const FreePower& free, Eigen::Inde
 
 common::EffectInstance with_power(common::EffectInstance effect, double scale) {
   const common::EffectParameter& size = about_effect(effect.name).parameters.front();
-  const auto* const law =
-      std::find_if(kByChance.begin(), kByChance.end(), [&](const ByChance& one) { return one.effect == effect.name; });
-  effect.values[0] = std::clamp(effect.values[0] * std::pow(scale, 1.0 / law->power), size.lower, size.upper);
+  effect.values[0] = std::clamp(effect.values[0] * std::pow(scale, 1.0 / find(effect.name)->power), size.lower, size.upper);
   return effect;
 }
 

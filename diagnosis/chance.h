@@ -6,9 +6,14 @@
 // S being the power that a draw of its own adds to each whitened difference, smoothed over neighbouring frequencies, and a
 // its scale, fitted. In a deterministic fit S = 0 and only the sum of squares is left, so both are compared as they are.
 // Because a smooth power fits nearly any difference better than no effect does, such an effect is a candidate only where it comes
-// near what a free power would reach. Gusts are not among them: a force with a free power was named for causes that are in no
+// near what a free power would reach.
+//
+// Late and lost commands are late and lost for each motor in its own way; gusts are one force, and what it adds to the channels of a
+// record stands, at each frequency, in proportions that no draw changes. So their power is taken along the axes that their draws have
+// there among the channels (the eigenvectors of sum(c c^H) over the draws and the nearest bins, c being their changes): in the main one
+// it is forgiven, across it the differences count in full. A force with a free power in each channel was named for causes that are in no
 // catalogue (docs/diagnosis.md).
-// Assumes that what is missing adds to the differences independently of the rest.
+// Assumes that what is missing adds to the differences independently of the rest, and linearly.
 #pragma once
 
 #include <Eigen/Core>
@@ -22,21 +27,33 @@ namespace slewlab::diagnosis {
 
 bool comes_by_chance(std::string_view effect);
 
-// Whether the effect is what jitter or loss does on the average: a delay, or a lag.
+// Whether the effect by chance delays on the average; and whether another effect is what such a one does on the average: a delay, or a lag.
+bool delays_by_chance(std::string_view effect);
 bool is_mean_of_chance(std::string_view effect);
 
-// S of each difference, from the changes of the differences by draws.
-Eigen::VectorXd power_profile(const Problem& problem, std::span<const Eigen::VectorXd> changes);
+// Of one record's channels: per bin a unitary matrix, whose columns are the axes.
+struct ChannelAxes {
+  Eigen::Index first_row = 0;  // of the record's differences
+  std::vector<Eigen::MatrixXcd> axes;
+};
+
+// S: what draws add, at each frequency along each axis; in the order of the differences, with the axis in the channel's place.
+struct Power {
+  Eigen::VectorXd profile;
+  std::vector<ChannelAxes> records;  // none: each channel is its own axis
+};
+// From the changes of the differences by draws of the effect.
+Power power_of(const Problem& problem, std::string_view effect, std::span<const Eigen::VectorXd> changes);
 
 struct ChanceFit {
   double scale = 0.0;  // a
   double cost = 0.0;   // the sum; without the effect it is the sum of squares
 };
-ChanceFit fit_chance(const Eigen::VectorXd& difference, const Eigen::VectorXd& profile);
+ChanceFit fit_chance(const Eigen::VectorXd& difference, const Power& power);
 
 // What the chance makes of unit variance: sum of logarithms in the cost, and differences (or columns) divided by what it adds.
 struct Chance {
-  Eigen::VectorXd profile;
+  Power power;
   double scale = 0.0;
 };
 double logarithms(const Chance& chance);

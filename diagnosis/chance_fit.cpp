@@ -65,7 +65,7 @@ struct Try {
   std::optional<std::size_t> mean;  // mean_among its effects
   common::EffectInstance effect;
   ChanceFit found;
-  Eigen::VectorXd profile;
+  Power power;
   double mean_cost = 0.0;    // in -2 ln: that the draws' mean is not what was fitted
 
   bool is_alone() const { return fit.point.effects.size() == (mean ? 1U : 0U); }
@@ -78,7 +78,9 @@ void look(Problem& problem, const std::vector<Eigen::VectorXd>& delays, Try& one
   const Eigen::VectorXd here = one.mean ? differences(problem, still) : one.fit.difference;
   const auto count = here.size();
   std::vector<Eigen::VectorXd> means;
-  for (const Eigen::VectorXd& delay : delays) means.push_back(delay.head(count));
+  if (delays_by_chance(one.effect.name)) {
+    for (const Eigen::VectorXd& delay : delays) means.push_back(delay.head(count));
+  }
   if (one.mean) means.push_back(one.fit.difference - here);
   for (int round = 0; round < kLooks; ++round) {
     std::vector<Point> points(kDraws, still);
@@ -94,18 +96,18 @@ void look(Problem& problem, const std::vector<Eigen::VectorXd>& delays, Try& one
       mean += (change - random) / static_cast<double>(changes.size());
       change = random;
     }
-    const Eigen::VectorXd profile = power_profile(problem, changes);
-    const ChanceFit found = fit_chance(one.fit.difference, profile);
+    Power power = power_of(problem, one.effect.name, changes);
+    const ChanceFit found = fit_chance(one.fit.difference, power);
     if (found.scale == 0.0) return;
     if (found.cost < one.found.cost || round == 0) {
       one.found = found;
-      one.profile = profile;
+      one.power = std::move(power);
       // Where no delay was fitted, all of the mean is missed.
       if (one.mean) {
         const Eigen::VectorXd fitted = one.fit.difference - here;
         one.mean_cost = std::pow(std::log(std::max(kLeastMean, mean.dot(fitted) / fitted.squaredNorm())) / kMeanSpread, 2.0);
       } else {
-        one.mean_cost = problem.settings.independent_share * divided({profile, found.scale}, mean).squaredNorm();
+        one.mean_cost = problem.settings.independent_share * divided({one.power, found.scale}, mean).squaredNorm();
       }
     }
     one.effect = with_power(one.effect, found.scale);
@@ -177,9 +179,9 @@ struct Second {
 
 // Where a fit stands under a chance, the chance has to add less than it had to before: draws there, and a fit with their power.
 Second fit_closer(Problem& problem, const std::vector<Eigen::VectorXd>& delays, Try one) {
-  one.found = fit_chance(one.fit.difference, one.profile);
+  one.found = fit_chance(one.fit.difference, one.power);
   look(problem, delays, one);
-  const Chance closer{one.profile, one.found.scale};
+  const Chance closer{one.power, one.found.scale};
   FitResult result;
   {
     const UnderChance under_chance(problem, closer);
@@ -198,7 +200,7 @@ std::vector<Second> seconds(Problem& problem, const Screening& catalogue, const 
                             const Progress& tell) {
   std::vector<Second> results{fit_closer(problem, delays, one)};
   const Try alone = results.front().one;
-  const Chance chance{alone.profile, alone.found.scale};
+  const Chance chance{alone.power, alone.found.scale};
   std::vector<FitResult> under;
   {
     FitResult here = one.fit;
@@ -207,7 +209,9 @@ std::vector<Second> seconds(Problem& problem, const Screening& catalogue, const 
     here.columns = divided_columns(chance, one.fit.columns);
     const Projector project(here.columns, here.point, data_weight(here.difference, problem.settings));
     std::vector<common::EffectInstance> starts = best_starts(catalogue);
-    std::erase_if(starts, [](const common::EffectInstance& start) { return comes_by_chance(start.name) || is_mean_of_chance(start.name); });
+    std::erase_if(starts, [&](const common::EffectInstance& start) {
+      return comes_by_chance(start.name) || (delays_by_chance(one.effect.name) && is_mean_of_chance(start.name));
+    });
     const UnderChance under_chance(problem, chance);
     const Screening screening = screen(problem, here, project, starts, tell);
     std::vector<const Screened*> ranked;
@@ -251,20 +255,22 @@ std::vector<FitResult> chance_fits(Problem& problem, const Screening& screening,
     const std::vector<common::EffectInstance>& effects = result.point.effects;
     if (mean_among(effects) || (effects.size() == 1 && singles++ < kBeside)) besides.push_back(&result);
   }
-  // Of each effect by chance and each fit the best profile of the screening.
+  // Of each effect by chance and each fit the best power of the screening.
   const auto count = nothing.difference.size();
   std::map<std::pair<std::string, const FitResult*>, Try> tries;
   for (const Screened& screened : screening.tried) {
     const std::string& name = screened.start.name;
     if (!comes_by_chance(name)) continue;
-    const std::vector<Eigen::VectorXd> changes{without_columns(screened.column, delays).head(count)};
-    const Eigen::VectorXd profile = power_profile(problem, changes);
+    const bool delays_too = delays_by_chance(name);
+    const std::vector<Eigen::VectorXd> changes{(delays_too ? without_columns(screened.column, delays) : screened.column).head(count)};
+    const Power power = power_of(problem, name, changes);
     for (const FitResult* beside : besides) {
-      const ChanceFit found = fit_chance(beside->difference, profile);
+      const ChanceFit found = fit_chance(beside->difference, power);
       if (found.scale == 0.0) continue;
       const auto [entry, is_new] = tries.try_emplace({name, beside});
       if (!is_new && found.cost >= entry->second.found.cost) continue;
-      entry->second = {*beside, mean_among(beside->point.effects), with_power(screened.start, found.scale), found, profile};
+      const std::optional<std::size_t> mean = delays_too ? mean_among(beside->point.effects) : std::nullopt;
+      entry->second = {*beside, mean, with_power(screened.start, found.scale), found, power};
     }
   }
   std::map<std::set<std::string>, FitResult> best;
@@ -303,7 +309,7 @@ std::vector<FitResult> chance_fits(Problem& problem, const Screening& screening,
     if (is_alone && is_open && cheaper(one, alone)) alone = one;
     if (!is_alone && !is_near && is_open && cheaper(one, beside_another)) beside_another = one;
     if (!is_near) continue;
-    const Chance chance{one->profile, one->found.scale};
+    const Chance chance{one->power, one->found.scale};
     keep(with_chance(problem, *one, one->fit, divided(chance, one->fit.difference), divided_columns(chance, one->fit.columns),
                      logarithms(chance)));
   }
