@@ -15,9 +15,9 @@ namespace {
 struct ByChance {
   std::string_view effect;
   double power;
-  bool is_one_force;  // or each motor's own delay
+  bool delays;  // on the average
 };
-constexpr std::array<ByChance, 3> kByChance{{{"command_jitter", 2.0, false}, {"command_loss", 1.0, false}, {"gusts", 2.0, true}}};
+constexpr std::array<ByChance, 3> kByChance{{{"command_jitter", 2.0, true}, {"command_loss", 1.0, true}, {"gusts", 2.0, false}}};
 
 const ByChance* find(std::string_view effect) {
   const auto* const found = std::find_if(kByChance.begin(), kByChance.end(), [&](const ByChance& one) { return one.effect == effect; });
@@ -32,31 +32,44 @@ constexpr Eigen::Index kNearestBins = 2;  // either side, that an axis is taken 
 constexpr double kLowestScale = -9.0, kHighestScale = 9.0;  // ln a: a factor of 90 in size either way
 constexpr int kScales = 37;
 
+constexpr int kMostChannels = sim::kMaximumGroupCount + kAccelerometerCount;
+using BinValues = Eigen::Matrix<std::complex<double>, Eigen::Dynamic, 1, Eigen::ColMajor, kMostChannels, 1>;
+using BinMatrix = Eigen::Matrix<std::complex<double>, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMostChannels, kMostChannels>;
+
+Eigen::Index bins_of(const ChannelAxes& record) {
+  return static_cast<Eigen::Index>(record.axes.size()) / (record.channels * record.channels);
+}
+
+Eigen::Map<BinMatrix> axes_at(ChannelAxes& record, Eigen::Index bin) {
+  return {record.axes.data() + bin * record.channels * record.channels, record.channels, record.channels};
+}
+Eigen::Map<const BinMatrix> axes_at(const ChannelAxes& record, Eigen::Index bin) {
+  return {record.axes.data() + bin * record.channels * record.channels, record.channels, record.channels};
+}
+
 // Where a channel's, or an axis's, real part of a bin stands among a record's differences; the imaginary part follows.
-Eigen::Index row_of(Eigen::Index first_row, Eigen::Index bins, Eigen::Index channel, Eigen::Index bin) {
-  return first_row + 2 * (channel * bins + bin);
+Eigen::Index row_of(const ChannelAxes& record, Eigen::Index channel, Eigen::Index bin) {
+  return record.first_row + 2 * (channel * bins_of(record) + bin);
 }
 
 // A record's bin across its channels.
-Eigen::VectorXcd across(const Eigen::VectorXd& values, const ChannelAxes& record, Eigen::Index bin) {
-  const auto bins = static_cast<Eigen::Index>(record.axes.size());
-  Eigen::VectorXcd result(record.axes.front().rows());
-  for (Eigen::Index c = 0; c < result.size(); ++c) {
-    const Eigen::Index row = row_of(record.first_row, bins, c, bin);
+BinValues across(const Eigen::VectorXd& values, const ChannelAxes& record, Eigen::Index bin) {
+  BinValues result(record.channels);
+  for (Eigen::Index c = 0; c < record.channels; ++c) {
+    const Eigen::Index row = row_of(record, c, bin);
     result(c) = {values(row), values(row + 1)};
   }
   return result;
 }
 
-// Each bin turned: from channels to axes, or back.
+// Each bin turned, from channels to axes or back.
 template <class Turn>
 Eigen::VectorXd turned(const Power& power, Eigen::VectorXd values, Turn turn) {
   for (const ChannelAxes& record : power.records) {
-    const auto bins = static_cast<Eigen::Index>(record.axes.size());
-    for (Eigen::Index b = 0; b < bins; ++b) {
-      const Eigen::VectorXcd result = turn(record.axes[static_cast<std::size_t>(b)], across(values, record, b));
-      for (Eigen::Index c = 0; c < result.size(); ++c) {
-        const Eigen::Index row = row_of(record.first_row, bins, c, b);
+    for (Eigen::Index bin = 0; bin < bins_of(record); ++bin) {
+      const BinValues result = turn(axes_at(record, bin), across(values, record, bin));
+      for (Eigen::Index c = 0; c < record.channels; ++c) {
+        const Eigen::Index row = row_of(record, c, bin);
         values(row) = result(c).real();
         values(row + 1) = result(c).imag();
       }
@@ -64,35 +77,36 @@ Eigen::VectorXd turned(const Power& power, Eigen::VectorXd values, Turn turn) {
   }
   return values;
 }
-Eigen::VectorXd along_axes(const Power& power, Eigen::VectorXd values) {
-  return turned(power, std::move(values), [](const Eigen::MatrixXcd& axes, const Eigen::VectorXcd& bin) { return Eigen::VectorXcd(axes.adjoint() * bin); });
-}
+
 Eigen::VectorXd along_channels(const Power& power, Eigen::VectorXd values) {
-  return turned(power, std::move(values), [](const Eigen::MatrixXcd& axes, const Eigen::VectorXcd& bin) { return Eigen::VectorXcd(axes * bin); });
+  return turned(power, std::move(values), [](const auto& axes, const BinValues& bin) -> BinValues { return axes * bin; });
 }
 
-// The axes of what one force adds.
-std::vector<ChannelAxes> force_axes(const Problem& problem, std::span<const Eigen::VectorXd> changes) {
-  std::vector<ChannelAxes> result;
+// The axes of what the draws add.
+std::vector<ChannelAxes> axes_of(const Problem& problem, std::span<const Eigen::VectorXd> changes) {
+  std::vector<ChannelAxes> records;
   Eigen::Index first_row = 0;
   for (const Whitening& whitening : problem.whitening) {
-    const auto channels = static_cast<Eigen::Index>(whitening.channels.size());
-    const auto bins = static_cast<Eigen::Index>(whitening.bin_count);
-    ChannelAxes record{first_row, std::vector<Eigen::MatrixXcd>(whitening.bin_count, Eigen::MatrixXcd::Zero(channels, channels))};
+    const std::size_t channels = whitening.channels.size();
+    ChannelAxes record{first_row, static_cast<Eigen::Index>(channels),
+                       std::vector<std::complex<double>>(channels * channels * whitening.bin_count)};
+    const Eigen::Index count = bins_of(record);
     for (const Eigen::VectorXd& change : changes) {
-      for (Eigen::Index b = 0; b < bins; ++b) {
-        const Eigen::VectorXcd bin = across(change, record, b);
-        const Eigen::Index last = std::min(bins - 1, b + kNearestBins);
-        for (Eigen::Index near = std::max<Eigen::Index>(0, b - kNearestBins); near <= last; ++near) {
-          record.axes[static_cast<std::size_t>(near)] += bin * bin.adjoint();
-        }
+      for (Eigen::Index bin = 0; bin < count; ++bin) {
+        const BinValues values = across(change, record, bin);
+        const BinMatrix product = values * values.adjoint();
+        const Eigen::Index end = std::min(count, bin + kNearestBins + 1);
+        for (Eigen::Index near = std::max<Eigen::Index>(0, bin - kNearestBins); near < end; ++near) axes_at(record, near) += product;
       }
     }
-    for (Eigen::MatrixXcd& axes : record.axes) axes = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXcd>(axes).eigenvectors().eval();
+    for (Eigen::Index bin = 0; bin < count; ++bin) {
+      const BinMatrix product = axes_at(record, bin);
+      axes_at(record, bin) = Eigen::SelfAdjointEigenSolver<BinMatrix>(product).eigenvectors();
+    }
     first_row += whitening.size();
-    result.push_back(std::move(record));
+    records.push_back(std::move(record));
   }
-  return result;
+  return records;
 }
 
 double cost_at(const Eigen::VectorXd& difference, const Eigen::VectorXd& profile, double scale) {
@@ -118,17 +132,19 @@ bool comes_by_chance(std::string_view effect) { return find(effect) != nullptr; 
 
 bool delays_by_chance(std::string_view effect) {
   const ByChance* const law = find(effect);
-  return law != nullptr && !law->is_one_force;
+  return law != nullptr && law->delays;
 }
 
 bool is_mean_of_chance(std::string_view effect) {
   return effect == "command_delay" || effect == "dead_time" || effect == "torque_lag" || effect == "encoder_delay";
 }
 
-Power power_of(const Problem& problem, std::string_view effect, std::span<const Eigen::VectorXd> changes) {
-  Power result;
-  if (find(effect)->is_one_force) result.records = force_axes(problem, changes);
-  result.profile = Eigen::VectorXd::Zero(changes.front().size());
+Eigen::VectorXd along_axes(const Power& power, Eigen::VectorXd values) {
+  return turned(power, std::move(values), [](const auto& axes, const BinValues& bin) -> BinValues { return axes.adjoint() * bin; });
+}
+
+Power power_of(const Problem& problem, std::span<const Eigen::VectorXd> changes) {
+  Power result{Eigen::VectorXd::Zero(changes.front().size()), axes_of(problem, changes)};
   std::vector<Eigen::VectorXd> along;
   for (const Eigen::VectorXd& change : changes) along.push_back(along_axes(result, change));
   std::vector<double> power;

@@ -8,17 +8,17 @@
 // Because a smooth power fits nearly any difference better than no effect does, such an effect is a candidate only where it comes
 // near what a free power would reach.
 //
-// Late and lost commands are late and lost for each motor in its own way; gusts are one force, and what it adds to the channels of a
-// record stands, at each frequency, in proportions that no draw changes. So their power is taken along the axes that their draws have
-// there among the channels (the eigenvectors of sum(c c^H) over the draws and the nearest bins, c being their changes): in the main one
-// it is forgiven, across it the differences count in full. A force with a free power in each channel was named for causes that are in no
-// catalogue (docs/diagnosis.md).
+// What one force adds to the channels of a record stands, at each frequency, in proportions that no draw changes. So the power is taken
+// along the axes that the draws have there among the channels, the eigenvectors of sum(c c^H) over the draws and the nearest bins, c
+// being their changes: along the main one it is forgiven, across it the differences count in full.
 // Assumes that what is missing adds to the differences independently of the rest, and linearly.
 #pragma once
 
 #include <Eigen/Core>
+#include <complex>
 #include <span>
 #include <string_view>
+#include <vector>
 
 #include "common/effect.h"
 #include "diagnosis/fit.h"
@@ -31,19 +31,23 @@ bool comes_by_chance(std::string_view effect);
 bool delays_by_chance(std::string_view effect);
 bool is_mean_of_chance(std::string_view effect);
 
-// Of one record's channels: per bin a unitary matrix, whose columns are the axes.
+// Of one record's channels: per bin a unitary matrix, column by column; the columns are the axes.
 struct ChannelAxes {
   Eigen::Index first_row = 0;  // of the record's differences
-  std::vector<Eigen::MatrixXcd> axes;
+  Eigen::Index channels = 0;
+  std::vector<std::complex<double>> axes;
 };
 
 // S: what draws add, at each frequency along each axis; in the order of the differences, with the axis in the channel's place.
 struct Power {
   Eigen::VectorXd profile;
-  std::vector<ChannelAxes> records;  // none: each channel is its own axis
+  std::vector<ChannelAxes> records{};  // none: each channel is its own axis
 };
-// From the changes of the differences by draws of the effect.
-Power power_of(const Problem& problem, std::string_view effect, std::span<const Eigen::VectorXd> changes);
+// From the changes of the differences by draws.
+Power power_of(const Problem& problem, std::span<const Eigen::VectorXd> changes);
+
+// Differences of the channels as those of the axes.
+Eigen::VectorXd along_axes(const Power& power, Eigen::VectorXd values);
 
 struct ChanceFit {
   double scale = 0.0;  // a
@@ -60,8 +64,8 @@ double logarithms(const Chance& chance);
 Eigen::VectorXd divided(const Chance& chance, const Eigen::VectorXd& values);
 Eigen::VectorXd undivided(const Chance& chance, const Eigen::VectorXd& values);
 
-// The same sum for a power that is free in every channel and every third of an octave: what a cause would have to reach whose
-// power nobody knows.
+// The same sum for a power that is free in every channel (or along every axis) and every third of an octave: what a cause would have to
+// reach whose power nobody knows.
 struct FreePower {
   double cost = 0.0;
   double noise = 0.0;  // the part of it that no power above the noise is needed for

@@ -19,6 +19,7 @@ constexpr std::uint64_t kDraws = 3;  // of which a look takes the mean power
 constexpr double kMeanSpread = 0.4;  // of the logarithm of the mean that a draw's power goes with: laws differ
 constexpr double kLeastMean = 0.02;  // of the fitted delay's, below which there is none
 constexpr double kNoPart = 1e-12;    // share of a column that another leaves, below which they are one
+constexpr double kNearForce = 0.1;   // as kNearFreePower, of a force: forgiven along one axis only, the true one comes nearer
 constexpr std::size_t kBeside = 6;   // single fits beside which chance is tried
 constexpr std::size_t kSeconds = 4;  // effects that are fitted beside the best chance
 constexpr double kWorthALook = 1.0;  // above the free power, before its own draws were made
@@ -96,7 +97,7 @@ void look(Problem& problem, const std::vector<Eigen::VectorXd>& delays, Try& one
       mean += (change - random) / static_cast<double>(changes.size());
       change = random;
     }
-    Power power = power_of(problem, one.effect.name, changes);
+    Power power = power_of(problem, changes);
     const ChanceFit found = fit_chance(one.fit.difference, power);
     if (found.scale == 0.0) return;
     if (found.cost < one.found.cost || round == 0) {
@@ -169,6 +170,26 @@ FitResult fit_under_chance(Problem& problem, const Eigen::MatrixXd& nuisance_col
   FitResult result = fit(problem, nuisance_columns, start);
   improve(problem, result, false);
   return result;
+}
+
+// The axes of every effect that was screened, from its best start.
+std::map<std::string, Power> screened_axes(Problem& problem, const Screening& screening, Eigen::Index count) {
+  std::vector<const Screened*> all;
+  for (const Screened& screened : screening.tried) all.push_back(&screened);
+  all = best_of_each(std::move(all));
+  std::vector<Power> powers(all.size());
+  share_out(problem, all.size(), [&](std::size_t i) { powers[i] = power_of(problem, std::vector<Eigen::VectorXd>{all[i]->column.head(count)}); });
+  std::map<std::string, Power> axes;
+  for (std::size_t i = 0; i < all.size(); ++i) axes[all[i]->start.name] = std::move(powers[i]);
+  return axes;
+}
+
+// Whether along no other effect's axes a free power leaves less.
+bool has_best_axes(const Problem& problem, const std::map<std::string, Power>& axes, const std::string& effect,
+                   const Eigen::VectorXd& difference) {
+  const auto left_along = [&](const Power& power) { return free_power(problem, along_axes(power, difference)).cost; };
+  const double own = left_along(axes.at(effect));
+  return std::none_of(axes.begin(), axes.end(), [&](const auto& other) { return other.first != effect && left_along(other.second) < own; });
 }
 
 // A chance beside a fit, with what its power comes to there.
@@ -263,7 +284,7 @@ std::vector<FitResult> chance_fits(Problem& problem, const Screening& screening,
     if (!comes_by_chance(name)) continue;
     const bool delays_too = delays_by_chance(name);
     const std::vector<Eigen::VectorXd> changes{(delays_too ? without_columns(screened.column, delays) : screened.column).head(count)};
-    const Power power = power_of(problem, name, changes);
+    const Power power = power_of(problem, changes);
     for (const FitResult* beside : besides) {
       const ChanceFit found = fit_chance(beside->difference, power);
       if (found.scale == 0.0) continue;
@@ -274,11 +295,20 @@ std::vector<FitResult> chance_fits(Problem& problem, const Screening& screening,
     }
   }
   std::map<std::set<std::string>, FitResult> best;
-  const auto keep = [&](FitResult result) {
+  std::map<std::string, Power> axes;  // made where they are asked for
+  // Low frequencies say of any force little more than that it turns the crane; it must be the one whose axes fit best.
+  const auto keep = [&](const Try& one, FitResult result) {
+    if (!delays_by_chance(one.effect.name)) {
+      if (axes.empty()) axes = screened_axes(problem, screening, count);
+      if (!has_best_axes(problem, axes, one.effect.name, one.fit.difference)) return;
+    }
     std::set<std::string> names;
     for (const common::EffectInstance& effect : result.point.effects) names.insert(effect.name);
     const auto [entry, is_new] = best.try_emplace(names, result);
     if (!is_new && result.cost < entry->second.cost) entry->second = std::move(result);
+  };
+  const auto is_near_enough = [&](const Try& one, const FreePower& least) {
+    return above_free_power(one.found, least, count) < (delays_by_chance(one.effect.name) ? kNearFreePower : kNearForce);
   };
   std::vector<const Try*> looked;
   std::set<std::string> near;  // effects by chance whose power comes near enough, alone or beside another
@@ -290,33 +320,40 @@ std::vector<FitResult> chance_fits(Problem& problem, const Screening& screening,
     if (fall < kLeastFall || above_free_power(one.found, free, count) >= kWorthALook) continue;
     look(problem, delays, one);
     looked.push_back(&one);
-    if (above_free_power(one.found, free, count) < kNearFreePower) near.insert(one.effect.name);
+    if (is_near_enough(one, free)) near.insert(one.effect.name);
   }
   // Where no power is near and much is left, a second effect may be what is too much for the best of them alone.
   const bool much_is_left = std::all_of(fits.begin(), fits.end(), [](const FitResult& result) { return result.excess > kMuch; });
   // What is near enough with a second effect is offered without it too: the second one may only stand for what laws differ in.
   const auto may_be_it = [&](const Try& one, const FreePower& least) {
-    return above_free_power(one.found, least, count) < kNearFreePower || (one.is_alone() && near.contains(one.effect.name));
+    return is_near_enough(one, least) || (one.is_alone() && near.contains(one.effect.name));
   };
   const auto cheaper = [](const Try* a, const Try* b) {
     return b == nullptr || a->found.cost + a->mean_cost < b->found.cost + b->mean_cost;
   };
-  const Try* alone = nullptr;
+  std::map<std::string, const Try*> alone_of;  // the best of each effect by chance
   const Try* beside_another = nullptr;
   for (const Try* one : looked) {
     const bool is_alone = one->is_alone(), is_near = may_be_it(*one, free);
     const bool is_open = is_near || (near.empty() && much_is_left);
-    if (is_alone && is_open && cheaper(one, alone)) alone = one;
+    if (const Try*& best_alone = alone_of[one->effect.name]; is_alone && is_open && cheaper(one, best_alone)) best_alone = one;
     if (!is_alone && !is_near && is_open && cheaper(one, beside_another)) beside_another = one;
     if (!is_near) continue;
     const Chance chance{one->power, one->found.scale};
-    keep(with_chance(problem, *one, one->fit, divided(chance, one->fit.difference), divided_columns(chance, one->fit.columns),
+    keep(*one, with_chance(problem, *one, one->fit, divided(chance, one->fit.difference), divided_columns(chance, one->fit.columns),
                      logarithms(chance)));
   }
   const auto keep_if_near = [&](Second second) {
     const FreePower here = free_power(problem, second.one.fit.difference);
-    if (may_be_it(second.one, here.cost < free.cost ? here : free)) keep(std::move(second.fit));
+    if (may_be_it(second.one, here.cost < free.cost ? here : free)) keep(second.one, std::move(second.fit));
   };
+  const Try* alone = nullptr;
+  for (const auto& [name, one] : alone_of) {
+    if (one != nullptr && cheaper(one, alone)) alone = one;
+  }
+  for (const auto& [name, one] : alone_of) {
+    if (one != nullptr && one != alone && may_be_it(*one, free)) keep_if_near(fit_closer(problem, delays, *one));
+  }
   if (alone != nullptr) {
     const auto tell_second = [&, second = within(tell, {0.5, 1.0})](double share, const std::string& doing) {
       second(share, doing + " beside " + alone->effect.name);

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <complex>
 #include <memory>
 #include <random>
 #include <vector>
@@ -45,7 +46,7 @@ Eigen::VectorXd drawn(const Eigen::VectorXd& variance, unsigned seed) {
 TEST(Chance, FindsThePowerOfADraw) {
   const Eigen::VectorXd power = shape();
   const Eigen::VectorXd difference = drawn((1.0 + 3.0 * power.array()).matrix(), 1);
-  const ChanceFit fit = fit_chance(difference, power);
+  const ChanceFit fit = fit_chance(difference, {power});
   EXPECT_NEAR(fit.scale, 3.0, 0.08 * 3.0);
   const Eigen::ArrayXd variance = 1.0 + fit.scale * power.array();
   EXPECT_NEAR(fit.cost, (variance.log() + difference.array().square() / variance).sum(), 1e-9 * fit.cost);
@@ -53,7 +54,7 @@ TEST(Chance, FindsThePowerOfADraw) {
 
 TEST(Chance, FindsNothingInNoise) {
   const Eigen::VectorXd noise = drawn(Eigen::VectorXd::Ones(2 * kBins), 2);
-  const ChanceFit fit = fit_chance(noise, shape());
+  const ChanceFit fit = fit_chance(noise, {shape()});
   EXPECT_GT(fit.cost, noise.squaredNorm() - 10.0);
 }
 
@@ -62,7 +63,7 @@ TEST(Chance, FindsNothingInNoise) {
 TEST(Chance, ProfileIsTheSmoothedPower) {
   const Eigen::VectorXd power = shape();
   const std::vector<Eigen::VectorXd> changes{drawn(power, 3)};
-  const Eigen::VectorXd profile = power_profile(*one_channel(), changes);
+  const Eigen::VectorXd profile = power_of(*one_channel(), changes).profile;
   const Eigen::ArrayXd ratio = profile.array() / power.array();
   EXPECT_NEAR(ratio.mean(), 1.0, 0.1);
   EXPECT_LT((ratio - 1.0).abs().maxCoeff(), 1.2);
@@ -73,20 +74,76 @@ TEST(Chance, IsTakenOnlyForItsOwnPower) {
   const auto problem = one_channel();
   const Eigen::VectorXd power = shape();
   const Eigen::VectorXd same = drawn((1.0 + 3.0 * power.array()).matrix(), 4);
-  EXPECT_LT(above_free_power(fit_chance(same, power), free_power(*problem, same), same.size()), kNearFreePower);
+  EXPECT_LT(above_free_power(fit_chance(same, {power}), free_power(*problem, same), same.size()), kNearFreePower);
   Eigen::VectorXd lines = drawn(Eigen::VectorXd::Ones(2 * kBins), 5);
   lines.segment(3000, 200) *= 50.0;
-  EXPECT_GE(above_free_power(fit_chance(lines, power), free_power(*problem, lines), lines.size()), kNearFreePower);
+  EXPECT_GE(above_free_power(fit_chance(lines, {power}), free_power(*problem, lines), lines.size()), kNearFreePower);
 }
 
 // Divided by what the chance adds, draws are noise again, and the cost is that of the divided differences.
 TEST(Chance, DividedDifferencesAreNoise) {
   const Eigen::VectorXd difference = drawn((1.0 + 3.0 * shape().array()).matrix(), 7);
-  const ChanceFit fit = fit_chance(difference, shape());
-  const Chance chance{shape(), fit.scale};
+  const ChanceFit fit = fit_chance(difference, {shape()});
+  const Chance chance{{shape()}, fit.scale};
   const Eigen::VectorXd left = divided(chance, difference);
   EXPECT_NEAR(left.squaredNorm() + logarithms(chance), fit.cost, 1e-9 * fit.cost);
   EXPECT_NEAR(left.squaredNorm() / static_cast<double>(left.size()), 1.0, 0.05);  // 8000 squares: 1.6 %, three times that
+}
+
+// One force in two channels: in the second it shows twice as strong and 0.5 rad later, at every frequency.
+class OneForce : public testing::Test {
+ protected:
+  static std::unique_ptr<Problem> two_channels() {
+    std::unique_ptr<Problem> problem = one_channel();
+    Whitening& whitening = problem->whitening[0];
+    whitening.channels.push_back({true, 1});
+    whitening.weight.push_back(whitening.weight[0]);
+    return problem;
+  }
+  // What a draw adds, `angle` later in the second channel.
+  static Eigen::VectorXd change(unsigned seed, double angle) {
+    const Eigen::VectorXd first = drawn(shape(), seed);
+    Eigen::VectorXd both(2 * first.size());
+    for (Eigen::Index i = 0; i < first.size(); i += 2) {
+      const std::complex<double> second = 2.0 * std::polar(1.0, angle) * std::complex<double>(first(i), first(i + 1));
+      both.segment<2>(i) = first.segment<2>(i);
+      both.segment<2>(first.size() + i) << second.real(), second.imag();
+    }
+    return both;
+  }
+  // What another draw leaves, of a force 1.5 times as strong, with unit noise.
+  static Eigen::VectorXd left(double angle) {
+    return 1.5 * change(11, angle) + drawn(Eigen::VectorXd::Ones(4 * kBins), 12);
+  }
+  const std::unique_ptr<Problem> problem_ = two_channels();
+  const std::vector<Eigen::VectorXd> draw_{change(10, 0.5)};
+  const Power power_ = power_of(*problem_, draw_);
+};
+
+TEST_F(OneForce, IsTurnedIntoOneAxisAndBack) {
+  const Eigen::VectorXd along = along_axes(power_, draw_[0]);
+  EXPECT_NEAR(along.head(2 * kBins).squaredNorm(), 0.0, 1e-9 * along.squaredNorm());
+  EXPECT_NEAR(along.squaredNorm(), draw_[0].squaredNorm(), 1e-9 * along.squaredNorm());
+  const Chance chance{power_, 2.0};
+  EXPECT_LT((undivided(chance, divided(chance, draw_[0])) - draw_[0]).norm(), 1e-9 * draw_[0].norm());
+}
+
+// 8000 squares along the force's axis and as many across tell their variance within 1.6 %; five times that is allowed.
+TEST_F(OneForce, IsForgivenAlongItsAxisOnly) {
+  const Eigen::VectorXd difference = left(0.5);
+  const ChanceFit fit = fit_chance(difference, power_);
+  EXPECT_NEAR(fit.scale, 1.5 * 1.5, 0.08 * 1.5 * 1.5);
+  const Eigen::VectorXd noise = divided({power_, fit.scale}, difference);
+  EXPECT_NEAR(noise.squaredNorm() + logarithms({power_, fit.scale}), fit.cost, 1e-9 * fit.cost);
+  EXPECT_NEAR(noise.squaredNorm() / static_cast<double>(noise.size()), 1.0, 0.08);
+  // Free powers know nothing of the proportion.
+  EXPECT_LT(above_free_power(fit, free_power(*problem_, difference), difference.size()), -0.2);
+}
+
+TEST_F(OneForce, IsNotTakenForAForceInOtherProportions) {
+  const Eigen::VectorXd difference = left(-0.5);
+  const ChanceFit fit = fit_chance(difference, power_);
+  EXPECT_GT(above_free_power(fit, free_power(*problem_, difference), difference.size()), kNearFreePower);
 }
 
 // By the effects' own laws: delays' torque errors go with the spread, so power with its square; a share lost twice as often
@@ -94,7 +151,11 @@ TEST(Chance, DividedDifferencesAreNoise) {
 TEST(Chance, SizesFollowThePower) {
   EXPECT_NEAR(with_power({"command_jitter", {0.01}}, 4.0).values[0], 0.02, 1e-12);
   EXPECT_NEAR(with_power({"command_loss", {0.1, 1.0}}, 4.0).values[0], 0.4, 1e-12);
+  EXPECT_NEAR(with_power({"gusts", {4.0, 12.0, 1.0, 5.0, 80.0, 20.0}}, 4.0).values[0], 8.0, 1e-12);
   EXPECT_TRUE(comes_by_chance("command_loss"));
+  EXPECT_TRUE(comes_by_chance("gusts"));
+  EXPECT_TRUE(delays_by_chance("command_loss"));
+  EXPECT_FALSE(delays_by_chance("gusts"));
   EXPECT_FALSE(comes_by_chance("command_delay"));
   EXPECT_TRUE(is_mean_of_chance("command_delay"));
   EXPECT_FALSE(is_mean_of_chance("command_loss"));

@@ -455,6 +455,28 @@ TEST(Diagnose, FindsARollBesideUnevenGearboxes) {
       << found.verdict;
 }
 
+// Another draw than any of the diagnosis's own.
+TEST(Diagnose, FindsGustsWithoutTheirDraw) {
+  sim::MachineSettings truth;
+  truth.crane = spread_crane(25);
+  truth.effects = {{"gusts", {2.0, 10.0, 1.0, 6.0, 80.0, 20.0}}};
+  truth.seed = 99;
+  const Diagnosis found = diagnose_truth(truth, bench().controller, 25);
+  ASSERT_FALSE(found.causes.empty());
+  EXPECT_EQ(found.causes[0].effects, std::vector<std::string>{"gusts"}) << found.verdict;
+}
+
+// A rope that changes its length makes torques as slow and as smooth as gusts do, in other proportions to the accelerations.
+TEST(Diagnose, NamesNoGustsForARopeThatChangesItsLength) {
+  DiagnosisSettings settings;
+  settings.without = {"hoisting", "rope_length"};
+  const Diagnosis found = diagnose_machine({{"hoisting", {0.05, 3.0, 15.0, 1.0}}}, bench().controller, 26, settings);
+  EXPECT_TRUE(found.gap);
+  EXPECT_FALSE(std::any_of(found.causes.begin(), found.causes.end(), [](const Cause& cause) {
+    return cause.probability > 0.05 && std::find(cause.effects.begin(), cause.effects.end(), "gusts") != cause.effects.end();
+  })) << found.verdict;
+}
+
 // Bursts nearly twice as long as the longest of the catalogue, so that their power is not quite the catalogue's: a second effect that
 // delays as well comes nearer to it, and must not be named for that.
 TEST(Diagnose, FindsLongBurstsOfLossAlone) {
