@@ -466,15 +466,18 @@ TEST(Diagnose, FindsGustsWithoutTheirDraw) {
   EXPECT_EQ(found.causes[0].effects, std::vector<std::string>{"gusts"}) << found.verdict;
 }
 
-// A rope that changes its length makes torques as slow and as smooth as gusts do, in other proportions to the accelerations.
-TEST(Diagnose, NamesNoGustsForARopeThatChangesItsLength) {
+// Friction in the bearing, with all that brakes or blows left out of the catalogue: at low frequencies gusts turn the crane as any force
+// does, and by their power alone they were named here with certainty. The loads' and the drives' axes fit better than theirs.
+TEST(Diagnose, NamesNoGustsForFriction) {
+  common::EffectInstance friction = common::typical_instance(about_effect("bearing_viscous"));
+  friction.values[0] *= 0.5;
   DiagnosisSettings settings;
-  settings.without = {"hoisting", "rope_length"};
-  const Diagnosis found = diagnose_machine({{"hoisting", {0.05, 3.0, 15.0, 1.0}}}, bench().controller, 26, settings);
-  EXPECT_TRUE(found.gap);
-  EXPECT_FALSE(std::any_of(found.causes.begin(), found.causes.end(), [](const Cause& cause) {
-    return cause.probability > 0.05 && std::find(cause.effects.begin(), cause.effects.end(), "gusts") != cause.effects.end();
-  })) << found.verdict;
+  settings.without = {"bearing_viscous", "bearing_coulomb", "bearing_stribeck", "dragging_brake", "gear_friction", "wind",       "heel",
+                      "vessel_roll",     "tag_line",        "air_drag",         "hoisting",       "rope_length",   "offlead"};
+  const Diagnosis found = diagnose_machine({friction}, bench().controller, 26, settings);
+  for (const auto& [effect, probability] : found.effects) {
+    if (effect == "gusts") EXPECT_LT(probability, 0.05) << found.verdict;
+  }
 }
 
 // Bursts nearly twice as long as the longest of the catalogue, so that their power is not quite the catalogue's: a second effect that
