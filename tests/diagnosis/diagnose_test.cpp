@@ -467,7 +467,7 @@ TEST(Diagnose, FindsGustsWithoutTheirDraw) {
 }
 
 // Friction in the bearing, with all that brakes or blows left out of the catalogue: at low frequencies gusts turn the crane as any force
-// does, and by their power alone they were named here with certainty. The loads' and the drives' axes fit better than theirs.
+// does, and by their power alone they were named here with certainty. Other axes fit better than theirs.
 TEST(Diagnose, NamesNoGustsForFriction) {
   common::EffectInstance friction = common::typical_instance(about_effect("bearing_viscous"));
   friction.values[0] *= 0.5;
@@ -476,7 +476,9 @@ TEST(Diagnose, NamesNoGustsForFriction) {
                       "vessel_roll",     "tag_line",        "air_drag",         "hoisting",       "rope_length",   "offlead"};
   const Diagnosis found = diagnose_machine({friction}, bench().controller, 26, settings);
   for (const auto& [effect, probability] : found.effects) {
-    if (effect == "gusts") EXPECT_LT(probability, 0.05) << found.verdict;
+    if (effect == "gusts") {
+      EXPECT_LT(probability, 0.05) << found.verdict;
+    }
   }
 }
 
