@@ -34,16 +34,25 @@ std::size_t fast_length(std::size_t count) {
   }
 }
 
-std::vector<std::complex<double>> transform(const std::vector<double>& values, const std::vector<double>& window,
-                                            std::size_t length) {
-  std::vector<double> padded(length, 0.0);
-  for (std::size_t n = 0; n < values.size(); ++n) padded[n] = values[n] * window[n];
-  Eigen::FFT<double> fft;
-  fft.SetFlag(Eigen::FFT<double>::HalfSpectrum);
-  std::vector<std::complex<double>> spectrum;
-  fft.fwd(spectrum, padded);
-  return spectrum;
-}
+// Many channels by one plan: making its sines takes as long as using them.
+class Transform {
+ public:
+  explicit Transform(const Whitening& whitening) : window_(whitening.window), padded_(whitening.transform_length, 0.0) {
+    fft_.SetFlag(Eigen::FFT<double>::HalfSpectrum);
+  }
+  // One value per grid point. Valid until the next call.
+  const std::vector<std::complex<double>>& operator()(const std::vector<double>& values) {
+    for (std::size_t n = 0; n < values.size(); ++n) padded_[n] = values[n] * window_[n];
+    fft_.fwd(spectrum_, padded_);
+    return spectrum_;
+  }
+
+ private:
+  const std::vector<double>& window_;
+  Eigen::FFT<double> fft_;
+  std::vector<double> padded_;
+  std::vector<std::complex<double>> spectrum_;
+};
 
 double window_energy(const std::vector<double>& window) {
   double energy = 0.0;
@@ -81,6 +90,7 @@ std::vector<double> counting_power(const Record& record, std::size_t group, cons
   std::vector<double> running(counted.size() + 1, 0.0);
   for (std::size_t n = 0; n < counted.size(); ++n) running[n + 1] = running[n] + counted[n];
   std::vector<double> power(whitening.transform_length / 2 + 1, 0.0), error(counted.size());
+  Transform transform(whitening);
   for (int part = 0; part < kCountPlaces; ++part) {
     const double place = (part + 0.5) / kCountPlaces;  // [counts]
     for (std::ptrdiff_t n = 0; n < count; ++n) {
@@ -91,7 +101,7 @@ std::vector<double> counting_power(const Record& record, std::size_t group, cons
     }
     const double start = error[0];
     for (double& e : error) e -= start;
-    const auto spectrum = transform(error, whitening.window, whitening.transform_length);
+    const auto& spectrum = transform(error);
     for (std::size_t k = 0; k < power.size(); ++k) power[k] += std::norm(spectrum[k]) / kCountPlaces;
   }
   return power;
@@ -101,8 +111,9 @@ std::vector<double> counting_power(const Record& record, std::size_t group, cons
 std::vector<double> running_power(const std::vector<const std::vector<double>*>& signals, const Whitening& whitening) {
   std::vector<double> sum(whitening.transform_length / 2 + 2, 0.0);
   const auto count = static_cast<double>(signals.size());
+  Transform transform(whitening);
   for (const std::vector<double>* signal : signals) {
-    const auto spectrum = transform(*signal, whitening.window, whitening.transform_length);
+    const auto& spectrum = transform(*signal);
     double running = 0.0;
     for (std::size_t k = 0; k < spectrum.size(); ++k) {
       running += std::norm(spectrum[k]) / count;
@@ -202,7 +213,8 @@ Whitening make_whitening(const Record& record, const std::vector<bool>& trusted,
     };
     double noise_share = 1.0;
     if (channel.is_torque) {
-      const auto missing = transform(nominal.missing_torque[i], whitening.window, whitening.transform_length);
+      Transform transform(whitening);
+      const auto& missing = transform(nominal.missing_torque[i]);
       std::vector<double> shares;
       for (std::size_t k = whitening.first_bin; k < whitening.first_bin + whitening.bin_count; ++k) {
         if (static_cast<double>(k) * whitening.bin_width >= kNoiseAlone) shares.push_back(std::norm(missing[k]) / noise_at(k));
@@ -232,13 +244,14 @@ Whitening make_whitening(const Record& record, const std::vector<bool>& trusted,
 
 Eigen::VectorXd whiten(const Whitening& whitening, const Shadow& shadow) {
   Eigen::VectorXd result(whitening.size());
+  Transform transform(whitening);
   Eigen::Index row = 0;
   for (std::size_t c = 0; c < whitening.channels.size(); ++c) {
     const Channel& channel = whitening.channels[c];
     const auto i = static_cast<std::size_t>(channel.index);
     const std::vector<double>& values =
         channel.is_torque ? shadow.missing_torque[i] : shadow.acceleration_difference[i];
-    const auto spectrum = transform(values, whitening.window, whitening.transform_length);
+    const auto& spectrum = transform(values);
     for (std::size_t b = 0; b < whitening.bin_count; ++b) {
       const std::complex<double> value = spectrum[whitening.first_bin + b];
       const double weight = whitening.weight[c](static_cast<Eigen::Index>(b));
