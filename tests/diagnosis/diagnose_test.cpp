@@ -455,11 +455,11 @@ TEST(Diagnose, FindsARollBesideUnevenGearboxes) {
       << found.verdict;
 }
 
-// Another draw than any of the diagnosis's own.
+// Another draw than any of the diagnosis's own, and a load that catches three times as much wind as the catalogue's.
 TEST(Diagnose, FindsGustsWithoutTheirDraw) {
   sim::MachineSettings truth;
   truth.crane = spread_crane(25);
-  truth.effects = {{"gusts", {2.0, 10.0, 1.0, 6.0, 80.0, 20.0}}};
+  truth.effects = {{"gusts", {2.0, 10.0, 1.0, 6.0, 80.0, 60.0}}};
   truth.seed = 99;
   const Diagnosis found = diagnose_truth(truth, bench().controller, 25);
   ASSERT_FALSE(found.causes.empty());
