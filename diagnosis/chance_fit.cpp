@@ -184,12 +184,12 @@ std::map<std::string, Power> screened_axes(Problem& problem, const Screening& sc
   return axes;
 }
 
-// Whether along no other effect's axes a free power leaves less.
+// Whether along every other effect's axes a free power leaves more. One channel alone says nothing of axes.
 bool has_best_axes(const Problem& problem, const std::map<std::string, Power>& axes, const std::string& effect,
                    const Eigen::VectorXd& difference) {
   const auto left_along = [&](const Power& power) { return free_power(problem, along_axes(power, difference)).cost; };
   const double own = left_along(axes.at(effect));
-  return std::none_of(axes.begin(), axes.end(), [&](const auto& other) { return other.first != effect && left_along(other.second) < own; });
+  return std::none_of(axes.begin(), axes.end(), [&](const auto& other) { return other.first != effect && left_along(other.second) <= own; });
 }
 
 // A chance beside a fit, with what its power comes to there.

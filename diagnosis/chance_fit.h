@@ -13,7 +13,7 @@
 namespace slewlab::diagnosis {
 
 // One fit at most per set of effects, and only where the power comes near what a free one reaches and no fit without chance leaves less
-// than that; of gusts only where no other screened effect has axes along which a free power leaves less. Their differences and columns
+// than that; of gusts only where along every other screened effect's axes a free power leaves more. Their differences and columns
 // are the divided ones, the effect by chance comes first. `fits` are concluded.
 std::vector<FitResult> chance_fits(Problem& problem, const Screening& screening, const FitResult& nothing,
                                    const std::vector<FitResult>& fits, const Progress& tell);
