@@ -36,10 +36,6 @@ constexpr int kMostChannels = sim::kMaximumGroupCount + kAccelerometerCount;
 using BinValues = Eigen::Matrix<std::complex<double>, Eigen::Dynamic, 1, Eigen::ColMajor, kMostChannels, 1>;
 using BinMatrix = Eigen::Matrix<std::complex<double>, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMostChannels, kMostChannels>;
 
-Eigen::Index bins_of(const ChannelAxes& record) {
-  return static_cast<Eigen::Index>(record.axes.size()) / (record.channels * record.channels);
-}
-
 Eigen::Map<BinMatrix> axes_at(ChannelAxes& record, Eigen::Index bin) {
   return {record.axes.data() + bin * record.channels * record.channels, record.channels, record.channels};
 }
@@ -49,7 +45,7 @@ Eigen::Map<const BinMatrix> axes_at(const ChannelAxes& record, Eigen::Index bin)
 
 // Where a channel's, or an axis's, real part of a bin stands among a record's differences; the imaginary part follows.
 Eigen::Index row_of(const ChannelAxes& record, Eigen::Index channel, Eigen::Index bin) {
-  return record.first_row + 2 * (channel * bins_of(record) + bin);
+  return record.first_row + 2 * (channel * record.bins + bin);
 }
 
 // A record's bin across its channels.
@@ -64,9 +60,9 @@ BinValues across(const Eigen::VectorXd& values, const ChannelAxes& record, Eigen
 
 // Each bin turned, from channels to axes or back.
 template <class Turn>
-Eigen::VectorXd turned(const Power& power, Eigen::VectorXd values, Turn turn) {
-  for (const ChannelAxes& record : power.records) {
-    for (Eigen::Index bin = 0; bin < bins_of(record); ++bin) {
+Eigen::VectorXd turned(const std::vector<ChannelAxes>& records, Eigen::VectorXd values, Turn turn) {
+  for (const ChannelAxes& record : records) {
+    for (Eigen::Index bin = 0; bin < record.bins; ++bin) {
       const BinValues result = turn(axes_at(record, bin), across(values, record, bin));
       for (Eigen::Index c = 0; c < record.channels; ++c) {
         const Eigen::Index row = row_of(record, c, bin);
@@ -78,39 +74,14 @@ Eigen::VectorXd turned(const Power& power, Eigen::VectorXd values, Turn turn) {
   return values;
 }
 
-Eigen::VectorXd along_channels(const Power& power, Eigen::VectorXd values) {
-  return turned(power, std::move(values), [](const auto& axes, const BinValues& bin) -> BinValues { return axes * bin; });
+Eigen::VectorXd along_channels(const std::vector<ChannelAxes>& records, Eigen::VectorXd values) {
+  return turned(records, std::move(values), [](const auto& axes, const BinValues& bin) -> BinValues { return axes * bin; });
 }
 
-// The axes of what the draws add.
-std::vector<ChannelAxes> axes_of(const Problem& problem, std::span<const Eigen::VectorXd> changes) {
-  std::vector<ChannelAxes> records;
-  Eigen::Index first_row = 0;
-  for (const Whitening& whitening : problem.whitening) {
-    const std::size_t channels = whitening.channels.size();
-    ChannelAxes record{first_row, static_cast<Eigen::Index>(channels),
-                       std::vector<std::complex<double>>(channels * channels * whitening.bin_count)};
-    const Eigen::Index count = bins_of(record);
-    for (const Eigen::VectorXd& change : changes) {
-      for (Eigen::Index bin = 0; bin < count; ++bin) {
-        const BinValues values = across(change, record, bin);
-        const BinMatrix product = values * values.adjoint();
-        const Eigen::Index end = std::min(count, bin + kNearestBins + 1);
-        for (Eigen::Index near = std::max<Eigen::Index>(0, bin - kNearestBins); near < end; ++near) axes_at(record, near) += product;
-      }
-    }
-    for (Eigen::Index bin = 0; bin < count; ++bin) {
-      const BinMatrix product = axes_at(record, bin);
-      axes_at(record, bin) = Eigen::SelfAdjointEigenSolver<BinMatrix>(product).eigenvectors();
-    }
-    first_row += whitening.size();
-    records.push_back(std::move(record));
-  }
-  return records;
-}
+Eigen::ArrayXd variance_of(const Eigen::VectorXd& profile, double scale) { return 1.0 + scale * profile.array(); }
 
 double cost_at(const Eigen::VectorXd& difference, const Eigen::VectorXd& profile, double scale) {
-  const Eigen::ArrayXd variance = 1.0 + scale * profile.array();
+  const Eigen::ArrayXd variance = variance_of(profile, scale);
   return (variance.log() + difference.array().square() / variance).sum();
 }
 
@@ -139,14 +110,39 @@ bool is_mean_of_chance(std::string_view effect) {
   return effect == "command_delay" || effect == "dead_time" || effect == "torque_lag" || effect == "encoder_delay";
 }
 
-Eigen::VectorXd along_axes(const Power& power, Eigen::VectorXd values) {
-  return turned(power, std::move(values), [](const auto& axes, const BinValues& bin) -> BinValues { return axes.adjoint() * bin; });
+std::vector<ChannelAxes> axes_of(const Problem& problem, std::span<const Eigen::VectorXd> changes) {
+  std::vector<ChannelAxes> records;
+  Eigen::Index first_row = 0;
+  for (const Whitening& whitening : problem.whitening) {
+    const std::size_t channels = whitening.channels.size();
+    ChannelAxes record{first_row, static_cast<Eigen::Index>(channels), static_cast<Eigen::Index>(whitening.bin_count),
+                       std::vector<std::complex<double>>(channels * channels * whitening.bin_count)};
+    for (const Eigen::VectorXd& change : changes) {
+      for (Eigen::Index bin = 0; bin < record.bins; ++bin) {
+        const BinValues values = across(change, record, bin);
+        const BinMatrix product = values * values.adjoint();
+        const Eigen::Index end = std::min(record.bins, bin + kNearestBins + 1);
+        for (Eigen::Index near = std::max<Eigen::Index>(0, bin - kNearestBins); near < end; ++near) axes_at(record, near) += product;
+      }
+    }
+    for (Eigen::Index bin = 0; bin < record.bins; ++bin) {
+      const BinMatrix product = axes_at(record, bin);
+      axes_at(record, bin) = Eigen::SelfAdjointEigenSolver<BinMatrix>(product).eigenvectors();
+    }
+    first_row += whitening.size();
+    records.push_back(std::move(record));
+  }
+  return records;
+}
+
+Eigen::VectorXd along_axes(const std::vector<ChannelAxes>& records, Eigen::VectorXd values) {
+  return turned(records, std::move(values), [](const auto& axes, const BinValues& bin) -> BinValues { return axes.adjoint() * bin; });
 }
 
 Power power_of(const Problem& problem, std::span<const Eigen::VectorXd> changes) {
   Power result{Eigen::VectorXd::Zero(changes.front().size()), axes_of(problem, changes)};
   std::vector<Eigen::VectorXd> along;
-  for (const Eigen::VectorXd& change : changes) along.push_back(along_axes(result, change));
+  for (const Eigen::VectorXd& change : changes) along.push_back(along_axes(result.records, change));
   std::vector<double> power;
   Eigen::Index row = 0;
   for (const Whitening& whitening : problem.whitening) {
@@ -167,7 +163,7 @@ Power power_of(const Problem& problem, std::span<const Eigen::VectorXd> changes)
 ChanceFit fit_chance(const Eigen::VectorXd& difference, const Power& power) {
   ChanceFit best{0.0, difference.squaredNorm()};
   if (!power.profile.allFinite()) return best;
-  const Eigen::VectorXd along = along_axes(power, difference);
+  const Eigen::VectorXd along = along_axes(power.records, difference);
   const double step = (kHighestScale - kLowestScale) / (kScales - 1);
   const auto consider = [&](double logarithm) {
     const double scale = std::exp(logarithm);
@@ -185,16 +181,18 @@ ChanceFit fit_chance(const Eigen::VectorXd& difference, const Power& power) {
   return best;
 }
 
-double logarithms(const Chance& chance) { return (1.0 + chance.scale * chance.power.profile.array()).log().sum(); }
+double logarithms(const Chance& chance) { return variance_of(chance.power.profile, chance.scale).log().sum(); }
 
 Eigen::VectorXd divided(const Chance& chance, const Eigen::VectorXd& values) {
-  const Eigen::ArrayXd deviation = (1.0 + chance.scale * chance.power.profile.array()).sqrt();
-  return along_channels(chance.power, (along_axes(chance.power, values).array() / deviation).matrix());
+  const std::vector<ChannelAxes>& records = chance.power.records;
+  const Eigen::ArrayXd deviation = variance_of(chance.power.profile, chance.scale).sqrt();
+  return along_channels(records, along_axes(records, values).cwiseQuotient(deviation.matrix()));
 }
 
 Eigen::VectorXd undivided(const Chance& chance, const Eigen::VectorXd& values) {
-  const Eigen::ArrayXd deviation = (1.0 + chance.scale * chance.power.profile.array()).sqrt();
-  return along_channels(chance.power, (along_axes(chance.power, values).array() * deviation).matrix());
+  const std::vector<ChannelAxes>& records = chance.power.records;
+  const Eigen::ArrayXd deviation = variance_of(chance.power.profile, chance.scale).sqrt();
+  return along_channels(records, along_axes(records, values).cwiseProduct(deviation.matrix()));
 }
 
 FreePower free_power(const Problem& problem, const Eigen::VectorXd& difference) {

@@ -34,9 +34,12 @@ bool is_mean_of_chance(std::string_view effect);
 // Of one record's channels: per bin a unitary matrix, column by column; the columns are the axes.
 struct ChannelAxes {
   Eigen::Index first_row = 0;  // of the record's differences
-  Eigen::Index channels = 0;
+  Eigen::Index channels = 0, bins = 0;
   std::vector<std::complex<double>> axes;
 };
+// Of every record, from the changes of the differences by draws; and differences of the channels as those of the axes.
+std::vector<ChannelAxes> axes_of(const Problem& problem, std::span<const Eigen::VectorXd> changes);
+Eigen::VectorXd along_axes(const std::vector<ChannelAxes>& records, Eigen::VectorXd values);
 
 // S: what draws add, at each frequency along each axis; in the order of the differences, with the axis in the channel's place.
 struct Power {
@@ -45,9 +48,6 @@ struct Power {
 };
 // From the changes of the differences by draws.
 Power power_of(const Problem& problem, std::span<const Eigen::VectorXd> changes);
-
-// Differences of the channels as those of the axes.
-Eigen::VectorXd along_axes(const Power& power, Eigen::VectorXd values);
 
 struct ChanceFit {
   double scale = 0.0;  // a

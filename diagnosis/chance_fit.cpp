@@ -173,21 +173,19 @@ FitResult fit_under_chance(Problem& problem, const Eigen::MatrixXd& nuisance_col
 }
 
 // The axes of every effect that was screened, from its best start.
-std::map<std::string, Power> screened_axes(Problem& problem, const Screening& screening, Eigen::Index count) {
-  std::vector<const Screened*> all;
-  for (const Screened& screened : screening.tried) all.push_back(&screened);
-  all = best_of_each(std::move(all));
-  std::vector<Power> powers(all.size());
-  share_out(problem, all.size(), [&](std::size_t i) { powers[i] = power_of(problem, std::vector<Eigen::VectorXd>{all[i]->column.head(count)}); });
-  std::map<std::string, Power> axes;
-  for (std::size_t i = 0; i < all.size(); ++i) axes[all[i]->start.name] = std::move(powers[i]);
-  return axes;
+using EffectAxes = std::map<std::string, std::vector<ChannelAxes>>;
+EffectAxes screened_axes(Problem& problem, const Screening& screening, Eigen::Index count) {
+  const std::vector<const Screened*> best = best_of_each(screening);
+  std::vector<std::vector<ChannelAxes>> axes(best.size());
+  share_out(problem, best.size(), [&](std::size_t i) { axes[i] = axes_of(problem, std::vector<Eigen::VectorXd>{best[i]->column.head(count)}); });
+  EffectAxes by_effect;
+  for (std::size_t i = 0; i < best.size(); ++i) by_effect[best[i]->start.name] = std::move(axes[i]);
+  return by_effect;
 }
 
 // Whether along every other effect's axes a free power leaves more. One channel alone says nothing of axes.
-bool has_best_axes(const Problem& problem, const std::map<std::string, Power>& axes, const std::string& effect,
-                   const Eigen::VectorXd& difference) {
-  const auto left_along = [&](const Power& power) { return free_power(problem, along_axes(power, difference)).cost; };
+bool has_best_axes(const Problem& problem, const EffectAxes& axes, const std::string& effect, const Eigen::VectorXd& difference) {
+  const auto left_along = [&](const std::vector<ChannelAxes>& records) { return free_power(problem, along_axes(records, difference)).cost; };
   const double own = left_along(axes.at(effect));
   return std::none_of(axes.begin(), axes.end(), [&](const auto& other) { return other.first != effect && left_along(other.second) <= own; });
 }
@@ -295,7 +293,7 @@ std::vector<FitResult> chance_fits(Problem& problem, const Screening& screening,
     }
   }
   std::map<std::set<std::string>, FitResult> best;
-  std::map<std::string, Power> axes;  // made where they are asked for
+  EffectAxes axes;  // made where they are asked for
   // Low frequencies say of any force little more than that it turns the crane; it must be the one whose axes fit best.
   const auto keep = [&](const Try& one, FitResult result) {
     if (!delays_by_chance(one.effect.name)) {
@@ -336,7 +334,10 @@ std::vector<FitResult> chance_fits(Problem& problem, const Screening& screening,
   for (const Try* one : looked) {
     const bool is_alone = one->is_alone(), is_near = may_be_it(*one, free);
     const bool is_open = is_near || (near.empty() && much_is_left);
-    if (const Try*& best_alone = alone_of[one->effect.name]; is_alone && is_open && cheaper(one, best_alone)) best_alone = one;
+    if (is_alone && is_open) {
+      const Try*& best_alone = alone_of[one->effect.name];
+      if (cheaper(one, best_alone)) best_alone = one;
+    }
     if (!is_alone && !is_near && is_open && cheaper(one, beside_another)) beside_another = one;
     if (!is_near) continue;
     const Chance chance{one->power, one->found.scale};
@@ -349,10 +350,10 @@ std::vector<FitResult> chance_fits(Problem& problem, const Screening& screening,
   };
   const Try* alone = nullptr;
   for (const auto& [name, one] : alone_of) {
-    if (one != nullptr && cheaper(one, alone)) alone = one;
+    if (cheaper(one, alone)) alone = one;
   }
   for (const auto& [name, one] : alone_of) {
-    if (one != nullptr && one != alone && may_be_it(*one, free)) keep_if_near(fit_closer(problem, delays, *one));
+    if (one != alone && may_be_it(*one, free)) keep_if_near(fit_closer(problem, delays, *one));
   }
   if (alone != nullptr) {
     const auto tell_second = [&, second = within(tell, {0.5, 1.0})](double share, const std::string& doing) {

@@ -239,11 +239,15 @@ std::vector<const Screened*> best_of_each(std::vector<const Screened*> screened)
   return screened;
 }
 
-std::vector<common::EffectInstance> best_starts(const Screening& screening) {
+std::vector<const Screened*> best_of_each(const Screening& screening) {
   std::vector<const Screened*> tried;
   for (const Screened& screened : screening.tried) tried.push_back(&screened);
+  return best_of_each(std::move(tried));
+}
+
+std::vector<common::EffectInstance> best_starts(const Screening& screening) {
   std::vector<common::EffectInstance> starts;
-  for (const Screened* screened : best_of_each(std::move(tried))) {
+  for (const Screened* screened : best_of_each(screening)) {
     const common::EffectAbout& about = about_effect(screened->start.name);
     const std::vector<common::EffectInstance> turned = all_turned(screened->start, turning_angles(about), 1);
     starts.insert(starts.end(), turned.begin(), turned.end());

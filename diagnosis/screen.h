@@ -105,7 +105,8 @@ struct Screening {
 // All starts of the catalogue but of `without`.
 std::vector<common::EffectInstance> catalogue_starts(const sim::MachineSettings& nominal, std::span<const std::string> without);
 
-// Of each effect the one that leaves least, by what they leave.
+// Of each effect the one that leaves least, by what they leave; of all that was tried, or of some.
+std::vector<const Screened*> best_of_each(const Screening& screening);
 std::vector<const Screened*> best_of_each(std::vector<const Screened*> screened);
 
 // The best of each effect, and where it has angles that one a quarter turn on: enough to look from elsewhere.

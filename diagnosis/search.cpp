@@ -97,7 +97,7 @@ void go_back(Problem& problem, const Eigen::MatrixXd& nuisance_columns, std::siz
 // best fits with as many effects try it; what both have starts where the best one has it.
 void meet(Problem& problem, std::vector<FitResult>& fits) {
   if (fits.empty() || fits.front().point.effects.empty()) return;
-  const Point best = fits.front().point;
+  const Point& best = fits.front().point;
   const Eigen::MatrixXd nuisance_columns = fits.front().columns.leftCols(static_cast<Eigen::Index>(best.nuisance.size()));
   std::vector<FitResult*> others;
   for (std::size_t i = 1; i < fits.size() && others.size() < kMeeting; ++i) {

@@ -181,6 +181,7 @@ Whitening make_whitening(const Record& record, const std::vector<bool>& trusted,
   std::vector<const std::vector<double>*> torques;
   for (int g = 0; g < record.group_count; ++g) torques.push_back(&record.motor_torque[static_cast<std::size_t>(g)]);
   const std::vector<double> torque_power = running_power(torques, whitening);
+  Transform transform(whitening);
   for (const Channel& channel : whitening.channels) {
     const auto i = static_cast<std::size_t>(channel.index);
     const std::vector<double> sum = channel.is_torque ? torque_power : running_power({&record.acceleration[i]}, whitening);
@@ -213,7 +214,6 @@ Whitening make_whitening(const Record& record, const std::vector<bool>& trusted,
     };
     double noise_share = 1.0;
     if (channel.is_torque) {
-      Transform transform(whitening);
       const auto& missing = transform(nominal.missing_torque[i]);
       std::vector<double> shares;
       for (std::size_t k = whitening.first_bin; k < whitening.first_bin + whitening.bin_count; ++k) {

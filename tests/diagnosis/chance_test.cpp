@@ -121,7 +121,7 @@ class OneForce : public testing::Test {
 };
 
 TEST_F(OneForce, IsTurnedIntoOneAxisAndBack) {
-  const Eigen::VectorXd along = along_axes(power_, draw_[0]);
+  const Eigen::VectorXd along = along_axes(power_.records, draw_[0]);
   EXPECT_NEAR(along.head(2 * kBins).squaredNorm(), 0.0, 1e-9 * along.squaredNorm());
   EXPECT_NEAR(along.squaredNorm(), draw_[0].squaredNorm(), 1e-9 * along.squaredNorm());
   const Chance chance{power_, 2.0};
