@@ -366,9 +366,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   const Screening screening = screen(problem, base, project, catalogue_starts(problem.nominal, settings.without),
                                      within(tell, kScreen));
   for (const auto& [name, square] : screening.visibility) {
-    if (square < kVisible) {
-      diagnosis.cannot_tell.push_back(fmt::format("{}: a typical size changes nothing in these records", name));
-    }
+    if (square < kVisible) diagnosis.not_excited.push_back(name);
   }
   const Found found = search(problem, base, screening, settings.search, tell);
   const FitResult& nothing = found.nothing;
@@ -467,9 +465,12 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
                     far.empty() ? "neither a known effect nor parameters within their spread explain it"
                                 : "the best fit wants " + far + ", more than machines of one make differ"));
   }
-  const bool has_a_fit = std::none_of(first.point.effects.begin(), first.point.effects.end(), [](const common::EffectInstance& effect) {
-    return effect.name == kCounts || comes_by_chance(effect.name);
-  });
+  const auto has_no_fit = [](const common::EffectInstance& effect) { return effect.name == kCounts || comes_by_chance(effect.name); };
+  const bool has_a_fit = std::none_of(first.point.effects.begin(), first.point.effects.end(), has_no_fit);
+  Point followed = answer;
+  std::erase_if(followed.effects, has_no_fit);
+  const Record& last = problem.records.back();
+  diagnosis.followed = {last.name, shadow(problem.nominal, last, problem.gains), shadow_at(problem, followed, problem.records.size() - 1)};
   if (settings.hold_out && has_a_fit && !first.point.nuisance.empty()) {
     tell(kHoldOut.from, "fitting the answer without the last record");
     diagnosis.held_out = fit_without_last(problem, whitening, first.point);

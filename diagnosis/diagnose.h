@@ -12,6 +12,7 @@
 #include "diagnosis/evidence.h"
 #include "diagnosis/fit.h"
 #include "diagnosis/search.h"
+#include "diagnosis/shadow.h"
 
 namespace slewlab::diagnosis {
 
@@ -72,6 +73,12 @@ struct HeldOut {
   bool is_half = false;
 };
 
+// The last record that was judged, as the nominal machine follows it and as that of the first cause does, less what comes by chance.
+struct Followed {
+  std::string record;
+  Shadow nominal, explained;
+};
+
 struct Diagnosis {
   bool gap = false;                     // is there more than parameters and a good model's misses
   bool controller_differs = false;
@@ -89,7 +96,8 @@ struct Diagnosis {
   std::vector<BandShare> bands;
   std::vector<Moment> moments;
   std::vector<std::string> remarks;
-  std::vector<std::string> cannot_tell;  // effects these records do not excite, with the reason
+  std::vector<std::string> not_excited;  // effects of which a typical size changes nothing in these records
+  Followed followed;
   std::optional<HeldOut> held_out;       // nothing where it was not asked for, or the cause has no fit of the machine
   std::int64_t simulations = 0;
   double simulation_seconds = 0.0;  // in them, summed over the threads

@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 #include <span>
+#include <sstream>
 #include <string>
 #include <utility>
 #include <vector>
@@ -21,6 +22,7 @@
 #include "diagnosis/discriminate.h"
 #include "diagnosis/nuisance.h"
 #include "diagnosis/prediction.h"
+#include "sim/analysis/eigen.h"
 #include "sim/crane_file.h"
 #include "sim/effects/catalogue.h"
 #include "tools/python_command.h"
@@ -33,6 +35,7 @@ namespace {
 
 constexpr double kWorthNaming = 0.05;  // probability that an effect acts, from which the page says so
 constexpr double kLineInterval = 2.0;  // [s] between progress lines where there is no terminal
+constexpr double kHighestMarked = 20.0;  // [Hz] the upper edge of the page's spectrogram
 
 using diagnosis::Cause;
 using diagnosis::Diagnosis;
@@ -90,7 +93,7 @@ nlohmann::json to_json(const Diagnosis& diagnosis) {
                       {"simulation_seconds", diagnosis.simulation_seconds},
                       {"seconds", diagnosis.total_seconds},
                       {"remarks", diagnosis.remarks},
-                      {"cannot_tell", diagnosis.cannot_tell}};
+                      {"not_excited", diagnosis.not_excited}};
   for (const auto& [subsystem, probability] : diagnosis.subsystems) json["subsystems"][subsystem] = probability;
   for (const auto& [effect, probability] : diagnosis.effects) json["effects"][effect] = probability;
   for (const diagnosis::BandShare& band : diagnosis.bands) {
@@ -109,25 +112,37 @@ nlohmann::json to_json(const Diagnosis& diagnosis) {
   return json;
 }
 
-// Measured, predicted by the nominal crane and by the crane with the effect, and the missing torque: every
-// `stride`th value of the record.
-std::string series_text(const Record& record, const diagnosis::Prediction& before, const diagnosis::Prediction& after,
-                        const diagnosis::Shadow& missing, std::size_t stride) {
-  std::string text = "time_s,speed,torque,torque_before,torque_after,missing_torque";
-  for (int a = 0; a < diagnosis::kAccelerometerCount; ++a) {
-    if (record.acceleration[static_cast<std::size_t>(a)].empty()) continue;
-    const char* name = diagnosis::accelerometer_name(a);
-    text += fmt::format(",{0},{0}_before,{0}_after", name);
+// In closed loop, of the record that the page shows.
+struct Predicted {
+  diagnosis::Prediction before, after;  // by the nominal crane, and with the effect
+};
+
+// Measured and missing torque, and what was predicted where there is a controller: every `stride`th value of the record.
+std::string series_text(const Record& record, const diagnosis::Followed& followed, const std::optional<Predicted>& predicted,
+                        std::size_t stride) {
+  std::vector<std::size_t> accelerometers;
+  for (std::size_t a = 0; a < diagnosis::kAccelerometerCount; ++a) {
+    if (!record.acceleration[a].empty()) accelerometers.push_back(a);
+  }
+  std::string text = "time_s,speed,missing_torque,missing_torque_after,torque";
+  if (predicted) text += ",torque_before,torque_after";
+  for (const std::size_t a : accelerometers) {
+    const char* name = diagnosis::accelerometer_name(static_cast<int>(a));
+    text += fmt::format(",{}", name);
+    if (predicted) text += fmt::format(",{0}_before,{0}_after", name);
   }
   text += "\n";
   for (std::size_t n = 0; n < record.size(); n += stride) {
-    text += fmt::format("{:.4f},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g}", record.time(n), record.shaft_speed[0][n],
-                        record.motor_torque[0][n], before.series.motor_torque[0][n], after.series.motor_torque[0][n],
-                        missing.missing_torque[0][n]);
-    for (std::size_t a = 0; a < diagnosis::kAccelerometerCount; ++a) {
-      if (record.acceleration[a].empty()) continue;
-      text += fmt::format(",{:.6g},{:.6g},{:.6g}", record.acceleration[a][n], before.series.acceleration[a][n],
-                          after.series.acceleration[a][n]);
+    text += fmt::format("{:.4f},{:.6g},{:.6g},{:.6g},{:.6g}", record.time(n), record.shaft_speed[0][n], followed.nominal.missing_torque[0][n],
+                        followed.explained.missing_torque[0][n], record.motor_torque[0][n]);
+    if (predicted) {
+      text += fmt::format(",{:.6g},{:.6g}", predicted->before.series.motor_torque[0][n], predicted->after.series.motor_torque[0][n]);
+    }
+    for (const std::size_t a : accelerometers) {
+      text += fmt::format(",{:.6g}", record.acceleration[a][n]);
+      if (predicted) {
+        text += fmt::format(",{:.6g},{:.6g}", predicted->before.series.acceleration[a][n], predicted->after.series.acceleration[a][n]);
+      }
     }
     text += "\n";
   }
@@ -157,9 +172,11 @@ std::string in_per_cent(std::span<const std::pair<std::string, double>> probabil
   return text;
 }
 
-void print_page(const Diagnosis& diagnosis, const ToldApartBy& apart, const std::vector<diagnosis::SignalGap>& before,
-                const std::vector<diagnosis::SignalGap>& after, const std::string& place, std::ostream& out) {
-  out << fmt::format("\nIs there a gap?  {}. Parameters alone leave {:.2f} of the mean square that noise makes, the nominal crane {:.2f}",
+// The page that the terminal, summary.txt and diagnosis.html show.
+std::string summary_text(const Diagnosis& diagnosis, const ToldApartBy& apart, const std::vector<diagnosis::SignalGap>& before,
+                         const std::vector<diagnosis::SignalGap>& after, const std::string& place) {
+  std::ostringstream out;
+  out << fmt::format("Is there a gap?  {}. Parameters alone leave {:.2f} of the mean square that noise makes, the nominal crane {:.2f}",
                      diagnosis.gap ? "Yes" : "No", diagnosis.mean_square_parameters, diagnosis.mean_square_nominal);
   if (diagnosis.gap && !diagnosis.causes.empty()) {
     out << fmt::format(", the first cause {:.2f}", diagnosis.causes.front().mean_square);
@@ -210,10 +227,23 @@ void print_page(const Diagnosis& diagnosis, const ToldApartBy& apart, const std:
     out << fmt::format("  {:24} {:10.4g} -> {:10.4g} {}\n", before[i].signal, before[i].gap, after[i].gap, before[i].unit);
   }
   for (const std::string& remark : diagnosis.remarks) out << "  note: " << remark << "\n";
-  if (!diagnosis.cannot_tell.empty()) out << "\nCannot tell from these records\n";
-  for (const std::string& what : diagnosis.cannot_tell) out << "  " << what << "\n";
+  if (!diagnosis.not_excited.empty()) {
+    out << fmt::format("\nCannot tell, because a typical size changes nothing in these records: {}\n", fmt::join(diagnosis.not_excited, ", "));
+  }
   out << fmt::format("\n{}\n{} simulations with {:.1f} s in them, {:.1f} s in all\n", diagnosis.verdict, diagnosis.simulations,
                      diagnosis.simulation_seconds, diagnosis.total_seconds);
+  return out.str();
+}
+
+// Of the nominal crane's boom and gears, with the boom cut as fits cut it; none of a crane that has neither.
+nlohmann::json modes_json(const sim::MachineSettings& nominal) {
+  nlohmann::json modes = nlohmann::json::array();
+  for (const sim::Mode& mode : sim::crane_modes(diagnosis::machine_at(nominal, {}).crane)) {
+    if (mode.kind == sim::ModeKind::kRigid || mode.kind == sim::ModeKind::kLoad) continue;
+    if (mode.frequency > kHighestMarked) break;
+    modes.push_back({{"name", fmt::format("{} {}", sim::name_of(mode.kind), mode.count)}, {"frequency_hz", mode.frequency}});
+  }
+  return modes;
 }
 
 // What of the command line is wrong, before any work is done.
@@ -289,7 +319,6 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
         records.push_back(diagnosis::make_record(logs.runs[r], name, admission));
       }
     }
-    const Record last = records.back();
 
     diagnosis::DiagnosisSettings settings;
     settings.without = options.without;
@@ -310,29 +339,28 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
                                        {"difference_rms", apart[k].difference}, {"unit", apart[k].unit},
                                        {"noise_floors", apart[k].noise_floors}, {"advice", advice(apart[k])}});
     }
+    const Record& last = *std::find_if(records.begin(), records.end(), [&](const Record& record) { return record.name == found.followed.record; });
     const std::string place = place_of_gaps(found, last);
+    std::optional<Predicted> predicted;
     std::vector<diagnosis::SignalGap> before_gaps, after_gaps;
     if (controller) {
-      const diagnosis::Prediction before = diagnosis::predict(nominal, *controller, last);
       const controller::ControllerSettings explained_controller = controller::with_effects(*controller, first.controller_effects);
-      const diagnosis::Prediction after = diagnosis::predict(diagnosis::machine_at(nominal, first.point), explained_controller, last);
-      const double from_time = found.held_out ? found.held_out->from_time : last.start_time;
-      const Record& unseen = found.held_out ? *std::find_if(records.begin(), records.end(),
-                                                            [&](const Record& record) { return record.name == found.held_out->record; })
-                                            : last;
       const Point& unbiased = found.held_out ? found.held_out->point : first.point;
-      before_gaps = diagnosis::predict(nominal, *controller, unseen, from_time).gaps;
-      after_gaps = diagnosis::predict(diagnosis::machine_at(nominal, unbiased), explained_controller, unseen, from_time).gaps;
+      const double from_time = found.held_out ? found.held_out->from_time : last.start_time;
+      predicted = {diagnosis::predict(nominal, *controller, last, from_time),
+                   diagnosis::predict(diagnosis::machine_at(nominal, unbiased), explained_controller, last, from_time)};
+      before_gaps = predicted->before.gaps;
+      after_gaps = predicted->after.gaps;
       json["gaps_on"] = place;
       for (std::size_t i = 0; i < before_gaps.size(); ++i) {
         json["gaps"].push_back({{"signal", before_gaps[i].signal}, {"unit", before_gaps[i].unit}, {"measured_rms", before_gaps[i].measured},
                                 {"before", before_gaps[i].gap}, {"after", after_gaps[i].gap}});
       }
-      const diagnosis::Shadow missing = diagnosis::shadow(nominal, last, diagnosis::shadow_gains(nominal.crane));
-      const auto stride = static_cast<std::size_t>(std::max(1L, std::lround(0.01 / last.step)));
-      write_whole_file(options.out / "series.csv", series_text(last, before, after, missing, stride));
     }
+    const auto stride = static_cast<std::size_t>(std::max(1L, std::lround(0.01 / last.step)));
+    write_whole_file(options.out / "series.csv", series_text(last, found.followed, predicted, stride));
     json["crane"] = std::filesystem::absolute(options.crane).string();
+    json["modes"] = modes_json(nominal);
     write_whole_file(options.out / "diagnosis.json", json.dump(2) + "\n");
     const sim::MachineSettings explained = diagnosis::machine_at(nominal, first.point);
     const std::vector<common::EffectInstance>& effects = explained.effects;
@@ -344,12 +372,12 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
     }
     if (!effects.empty()) text += common::effects_text(effects, sim::effect_abouts(), "slewlab diagnose, " + found.verdict);
     write_whole_file(options.out / "crane_with_effect.yaml", text);
-    // What the gap after was predicted with.
     write_whole_file(options.out / "crane_as_fitted.yaml",
                      "include: crane_with_effect.yaml\ndescription: The same, with the parameters as slewlab diagnose fitted them.\n" +
                          diagnosis::parameters_text(nominal.crane, first.point.nuisance, "slewlab diagnose"));
-    print_page(found, apart, before_gaps, after_gaps, place, out);
-    out << "files: " << options.out.string() << std::endl;
+    const std::string summary = summary_text(found, apart, before_gaps, after_gaps, place);
+    write_whole_file(options.out / "summary.txt", summary);
+    out << "\n" << summary << "files: " << options.out.string() << std::endl;
     // Becomes the program that draws; without an interpreter it says so, and the findings stand all the same.
     run_python("diagnosis_report.py", {options.out.string()});
     return 0;

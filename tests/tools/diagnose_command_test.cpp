@@ -5,6 +5,7 @@
 #include <signal.h>
 
 #include <algorithm>
+#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
@@ -12,6 +13,8 @@
 #include <string>
 #include <vector>
 
+#include "common/effect.h"
+#include "sim/effects/catalogue.h"
 #include "tests/msgs/file_contents.h"
 #include "tests/msgs/temporary_folder.h"
 #include "tests/tools/running_program.h"
@@ -82,7 +85,7 @@ TemporaryFolder* DiagnoseCommand::folder_ = nullptr;
 TEST_F(DiagnoseCommand, FindsTheEffectAndWritesACraneThatRunTakes) {
   RunningProgram diagnose(whole_command());
   ASSERT_EQ(diagnose.wait_for_end(), 0) << diagnose.complaints();
-  EXPECT_EQ(names_in(out()), (std::set<std::string>{"diagnosis.json", "diagnosis.html", "crane_with_effect.yaml", "crane_as_fitted.yaml", "series.csv"}));
+  EXPECT_EQ(names_in(out()), (std::set<std::string>{"diagnosis.json", "diagnosis.html", "crane_with_effect.yaml", "crane_as_fitted.yaml", "series.csv", "summary.txt"}));
 
   const auto found = nlohmann::json::parse(contents(out() / "diagnosis.json"));
   EXPECT_TRUE(found["gap"].get<bool>());
@@ -106,13 +109,21 @@ TEST_F(DiagnoseCommand, FindsTheEffectAndWritesACraneThatRunTakes) {
     EXPECT_LT(gap["after"].get<double>(), 0.05 * gap["before"].get<double>()) << gap;
   }
   EXPECT_EQ(torques, 2);
-  // The page on the terminal says what the file says.
+  // The nominal crane's modes are marked: the thesis's boom has its first two at 1.3 and 5.2 Hz.
+  const auto frequency = [&](const char* name) {
+    const auto mode = std::find_if(found["modes"].begin(), found["modes"].end(), [&](const auto& one) { return one["name"] == name; });
+    return mode == found["modes"].end() ? 0.0 : (*mode)["frequency_hz"].template get<double>();
+  };
+  EXPECT_NEAR(frequency("bending 1"), 1.3, 0.05);
+  EXPECT_NEAR(frequency("bending 2"), 5.2, 0.05);
+  // The page on the terminal says what the file says, and stays.
   for (const char* word : {"Is there a gap?  Yes", "Which side?", "Where?", "When?", "dragging_brake.torque", "not in the catalogue",
                            "Gap in closed loop", "simulations with"}) {
     EXPECT_NE(diagnose.output().find(word), std::string::npos) << word << "\n" << diagnose.output();
   }
+  EXPECT_NE(diagnose.output().find(contents(out() / "summary.txt")), std::string::npos);
   const std::string page = contents(out() / "diagnosis.html");
-  for (const char* word : {"dragging_brake", "Plotly.newPlot", "missing torque"}) EXPECT_NE(page.find(word), std::string::npos) << word;
+  for (const char* word : {"dragging_brake", "Is there a gap?  Yes", "Plotly.newPlot", "missing torque", "bending 2, 5.2 Hz"}) EXPECT_NE(page.find(word), std::string::npos) << word;
 
   EXPECT_NE(contents(out() / "crane_with_effect.yaml").find("elements: {value: 12,"), std::string::npos);  // kBoomElements, fit.h
   for (const char* crane : {"crane_with_effect.yaml", "crane_as_fitted.yaml"}) {
@@ -122,6 +133,34 @@ TEST_F(DiagnoseCommand, FindsTheEffectAndWritesACraneThatRunTakes) {
     EXPECT_EQ(run.wait_for_end(), 0) << run.complaints();
     EXPECT_EQ(nlohmann::json::parse(contents(again / "summary.json"))["outcome"], "complete") << crane;
   }
+}
+
+// Without a controller there is no closed loop to predict, but what is missing at the motors is drawn all the same.
+TEST_F(DiagnoseCommand, DrawsWhatIsMissingWhereNoControllerIsGiven) {
+  std::vector<std::string> all{"--crane", kConfig + "cranes/thesis.yaml", "--log", log()};
+  for (const common::EffectAbout* about : sim::effect_abouts()) {  // one effect is enough here, and quick
+    if (about->name != "dragging_brake") all.insert(all.end(), {"--without", std::string(about->name)});
+  }
+  RunningProgram diagnose(command(all));
+  ASSERT_EQ(diagnose.wait_for_end(), 0) << diagnose.complaints();
+  EXPECT_NE(diagnose.output().find("The controller was not given."), std::string::npos) << diagnose.output();
+  std::ifstream series(out() / "series.csv");
+  std::string line;
+  std::getline(series, line);
+  EXPECT_EQ(line, "time_s,speed,missing_torque,missing_torque_after,torque,house,pivot,middle,tip");
+  double before = 0.0, after = 0.0;
+  while (std::getline(series, line)) {
+    double time = 0.0, speed = 0.0, missing = 0.0, missing_after = 0.0;
+    ASSERT_EQ(std::sscanf(line.c_str(), "%lf,%lf,%lf,%lf", &time, &speed, &missing, &missing_after), 4) << line;
+    if (time < 12.0) continue;  // the impact when play is taken up is forgotten by then
+    before += missing * missing;
+    after += missing_after * missing_after;
+  }
+  EXPECT_GT(before, 0.0);
+  EXPECT_LT(after, 0.01 * before);
+  const std::string page = contents(out() / "diagnosis.html");
+  EXPECT_NE(page.find("What is missing at the motors"), std::string::npos);
+  EXPECT_EQ(page.find("from the operator's moves"), std::string::npos);
 }
 
 TEST_F(DiagnoseCommand, AnInterruptEndsItAndNothingIsWritten) {

@@ -1,4 +1,4 @@
-"""Draws what `slewlab diagnose` found: DIR/diagnosis.json and DIR/series.csv become DIR/diagnosis.html.
+"""Draws what `slewlab diagnose` found: DIR/diagnosis.json, summary.txt and series.csv become DIR/diagnosis.html.
 
 usage: diagnosis_report.py DIR
 """
@@ -17,6 +17,7 @@ from plotly.subplots import make_subplots
 MEASURED = "#222222"
 BEFORE = "#c44e52"
 AFTER = "#2a7f9e"
+LEGEND = {"orientation": "h", "y": 1.03, "yanchor": "bottom", "x": 1.0, "xanchor": "right"}
 
 
 def cause_name(cause):
@@ -45,7 +46,7 @@ def series_figure(series):
                                            showlegend=row == 1, line={"color": colour, "width": 1}), row=row, col=1)
     figure.update_xaxes(title_text="time [s]", row=len(signals), col=1)
     figure.update_layout(title="Measured against predicted from the operator's moves", height=230 * len(signals),
-                         legend={"orientation": "h", "y": 1.06, "x": 0.5, "xanchor": "center"})
+                         legend=LEGEND)
     return figure
 
 
@@ -55,18 +56,21 @@ def missing_figure(series):
     angle = numpy.cumsum(series["speed"]) * step
     for column, (x, title) in enumerate(((series["speed"], "shaft speed [rad/s]"), (angle, "shaft angle [rad]"),
                                          (series["time_s"], "time [s]")), start=1):
-        mode = "lines" if column == 3 else "markers"
-        figure.add_trace(graph.Scatter(x=x, y=series["missing_torque"], mode=mode, showlegend=False,
-                                       marker={"size": 3, "color": AFTER}, line={"color": AFTER, "width": 1}),
-                         row=1, col=column)
+        for missing, label, colour in (("missing_torque", "nominal crane", BEFORE), ("missing_torque_after", "with the effect", AFTER)):
+            figure.add_trace(graph.Scatter(x=x, y=series[missing], mode="lines" if column == 3 else "markers", name=label,
+                                           legendgroup=label, showlegend=column == 1, marker={"size": 3, "color": colour},
+                                           line={"color": colour, "width": 1}), row=1, col=column)
         figure.update_xaxes(title_text=title, row=1, col=column)
     figure.update_yaxes(title_text="missing torque [Nm per motor]", row=1, col=1)
-    figure.update_layout(title="What the nominal crane misses at the motors of group 1", height=380)
+    figure.update_layout(title="What is missing at the motors of group 1", height=400, legend=LEGEND | {"y": 1.12})
     return figure
 
 
-def spectrogram_figure(series):
-    signal = series["tip"] - series["tip_before"] if "tip" in series else series["missing_torque"]
+def spectrogram_figure(series, modes):
+    if "tip_before" in series:
+        signal, unit, title = series["tip"] - series["tip_before"], "m/s²", "Where and when the tip differs from the nominal crane"
+    else:
+        signal, unit, title = series["missing_torque"], "Nm", "Where and when the motors of group 1 miss torque"
     step = float(series["time_s"].iloc[1] - series["time_s"].iloc[0])
     window = int(round(2.0 / step))
     hop = max(1, window // 8)
@@ -79,52 +83,32 @@ def spectrogram_figure(series):
     keep = frequency <= 20
     levels = 20 * numpy.log10(numpy.maximum(1e-6, numpy.array(columns).T[keep]))
     figure = graph.Figure(graph.Heatmap(x=times, y=frequency[keep], z=levels, colorscale="Viridis",
-                                        colorbar={"title": "dB of 1 m/s²"}))
-    for mode, label in ((1.3, "1st bending"), (5.2, "2nd bending"), (10.4, "1st torsion"), (13.2, "3rd bending")):
-        figure.add_hline(y=mode, line={"color": "white", "width": 1, "dash": "dot"}, annotation_text=label,
-                         annotation_font_color="white", annotation_position="top left")
-    figure.update_layout(title="Where and when the tip differs from the nominal crane", height=420,
+                                        colorbar={"title": f"dB of 1 {unit}"}))
+    for place, mode in enumerate(modes):
+        figure.add_hline(y=mode["frequency_hz"], line={"color": "white", "width": 1, "dash": "dot"},
+                         annotation_text=f"{mode['name']}, {mode['frequency_hz']:.1f} Hz",
+                         annotation_font_color="white",
+                         annotation_position="top left" if place % 2 == 0 else "top right")  # neighbours stay readable
+    figure.update_layout(title=title, height=420,
                          xaxis_title="time [s]", yaxis_title="frequency [Hz]")
     return figure
-
-
-def table(found):
-    rows = "".join(
-        f"<tr><td>{html.escape(g['signal'])}</td><td>{g['before']:.4g}</td><td>{g['after']:.4g}</td>"
-        f"<td>{html.escape(g['unit'])}</td></tr>" for g in found.get("gaps", []))
-    if not rows:
-        return ""
-    return (f"<h3>Gap in closed loop, on {html.escape(found.get('gaps_on', 'the last log'))}</h3>"
-            f"<table><tr><th>signal</th><th>gap before</th><th>after</th><th>unit</th></tr>{rows}</table>")
-
-
-def group(found):
-    """What the records cannot tell from the first cause, and what would."""
-    if not found["causes"] or not found["causes"][0].get("cannot_be_told_from"):
-        return ""
-    advice = {one["from"]: one["advice"] for one in found.get("told_apart_by", [])}
-    items = "".join(f"<li>{html.escape(name)}{': ' + html.escape(advice[name]) if name in advice else ''}</li>"
-                    for name in found["causes"][0]["cannot_be_told_from"])
-    return f"<p>These records cannot tell the first cause from:</p><ul>{items}</ul>"
 
 
 def page(directory):
     with open(os.path.join(directory, "diagnosis.json"), encoding="utf-8") as file:
         found = json.load(file)
+    with open(os.path.join(directory, "summary.txt"), encoding="utf-8") as file:
+        summary = file.read()
+    series = pandas.read_csv(os.path.join(directory, "series.csv"))
     figures = [probability_figure(found)]
-    series_path = os.path.join(directory, "series.csv")
-    if os.path.exists(series_path):
-        series = pandas.read_csv(series_path)
-        figures += [series_figure(series), spectrogram_figure(series), missing_figure(series)]
-    sizes = "".join(
-        f"<li>{html.escape(s['parameter'])} = {s['value']:.4g} {html.escape(s['unit'])} "
-        f"(90 %: {s['low_90']:.4g} to {s['high_90']:.4g})</li>" for s in found["causes"][0].get("sizes", [])
-    ) if found["causes"] else ""
+    if "torque_before" in series:  # a controller was given, so that there is a closed loop to predict
+        figures.append(series_figure(series))
+    figures += [spectrogram_figure(series, found["modes"]), missing_figure(series)]
     body = "".join(figure.to_html(full_html=False, include_plotlyjs=index == 0)
                    for index, figure in enumerate(figures))
     return (f"<!doctype html><meta charset='utf-8'><title>slewlab diagnosis</title>"
-            f"<style>body{{font-family:sans-serif;max-width:1200px;margin:2em auto}}td,th{{padding:2px 12px;"
-            f"text-align:left}}</style><h1>{html.escape(found['verdict'])}</h1><ul>{sizes}</ul>{group(found)}{table(found)}{body}")
+            f"<style>body{{font-family:sans-serif;max-width:1200px;margin:2em auto;padding:0 1em}}pre{{white-space:pre-wrap}}</style>"
+            f"<h1>{html.escape(found['verdict'])}</h1><pre>{html.escape(summary)}</pre>{body}")
 
 
 def main():
