@@ -2,6 +2,8 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/yaml_file.h"
@@ -17,5 +19,9 @@ struct ControllerFile {
 // Throws common::InputError with every problem found.
 ControllerFile load_controller_file(const std::filesystem::path& file,
                                     const std::vector<common::Override>& overrides = {});
+
+// What `to` has otherwise than `from`, as YAML to be laid over from's file by `include:`; empty where nothing differs. `source` is written
+// beside every value. Groups, ratio and the shape of ramp and map are taken to be the same.
+std::string changes_text(const ControllerSettings& from, const ControllerSettings& to, std::string_view source);
 
 }  // namespace slewlab::controller

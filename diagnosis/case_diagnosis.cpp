@@ -26,9 +26,7 @@ CaseData load_case(const withheld::CaseInput& input, bool accelerometers) {
   CaseData data;
   data.nominal.crane = sim::load_crane_file(input.crane).parameters;
   data.controller = controller::load_controller_file(input.controller).settings;
-  AdmissionSettings admission;
-  admission.rated_torque = data.controller.rated_torque;
-  admission.total_ratio = data.controller.total_ratio;
+  const AdmissionSettings admission = admission_for(data.nominal.crane, data.controller.rated_torque);
   for (const std::filesystem::path& log : input.logs) {
     data.records.push_back(load_record(log, admission, accelerometers));
   }

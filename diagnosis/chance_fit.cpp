@@ -227,7 +227,7 @@ std::vector<Second> seconds(Problem& problem, const Screening& catalogue, const 
     here.difference = divided(chance, alone.fit.difference);
     here.columns = divided_columns(chance, one.fit.columns);
     const Projector project(here.columns, here.point, data_weight(here.difference, problem.settings));
-    std::vector<common::EffectInstance> starts = best_starts(catalogue);
+    std::vector<common::EffectInstance> starts = best_starts(problem, catalogue);
     std::erase_if(starts, [&](const common::EffectInstance& start) {
       return comes_by_chance(start.name) || (delays_by_chance(one.effect.name) && is_mean_of_chance(start.name));
     });

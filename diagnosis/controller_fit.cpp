@@ -55,7 +55,9 @@ Eigen::VectorXd torque_differences(std::span<const Record> records, const contro
 struct Replays {
   std::span<const Record> records;
   const controller::ControllerSettings& nominal;
+  const std::function<bool()>& is_stopped;
   Eigen::VectorXd operator()(const Effects& effects, double change_time) const {
+    if (is_stopped && is_stopped()) throw Interrupted{};
     return torque_differences(records, controller::with_effects(nominal, effects), change_time);
   }
 };
@@ -190,8 +192,9 @@ ControllerCause fit_effects(const Replays& replays, double gap, const std::vecto
 
 std::vector<ControllerCause> fit_controller(std::span<const Record> records,
                                             const controller::ControllerSettings& nominal,
-                                            std::span<const std::string> without) {
-  const Replays replays{records, nominal};
+                                            std::span<const std::string> without,
+                                            const std::function<bool()>& is_stopped) {
+  const Replays replays{records, nominal, is_stopped};
   const double gap = replays({}, 0.0).squaredNorm();
   std::vector<const common::EffectAbout*> catalogue;
   for (const common::EffectAbout* about : controller::effect_abouts()) {

@@ -3,6 +3,7 @@
 // next to nothing. Where one effect does not, two are tried.
 #pragma once
 
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -21,9 +22,10 @@ struct ControllerCause {
   double probability = 0.0;       // among the controller's effects
 };
 
-// Falling probability. Effects named in `without` are left out.
+// Falling probability. Effects named in `without` are left out. `is_stopped` is asked before every replay; where true, throws Interrupted.
 std::vector<ControllerCause> fit_controller(std::span<const Record> records,
                                             const controller::ControllerSettings& nominal,
-                                            std::span<const std::string> without);
+                                            std::span<const std::string> without,
+                                            const std::function<bool()>& is_stopped = {});
 
 }  // namespace slewlab::diagnosis

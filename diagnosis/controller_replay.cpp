@@ -2,9 +2,37 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace slewlab::diagnosis {
+
+namespace {
+
+constexpr double kStanding = 0.05;    // share of the largest speed that a swinging load may make of a crane at rest
+constexpr double kFirstStretch = 0.1;  // [s]
+
+}  // namespace
+
+void check_replayable(const Record& record) {
+  constexpr const char* kRemedy = "or leave --controller out: the crane is then diagnosed alone";
+  double largest = 0.0, first = 0.0;
+  const auto stretch = std::min(record.size(), static_cast<std::size_t>(kFirstStretch / record.step) + 1);
+  for (std::size_t n = 0; n < record.size(); ++n) largest = std::max(largest, std::fabs(record.position_rate[0][n]));
+  for (std::size_t n = 0; n < stretch; ++n) first += record.position_rate[0][n] / static_cast<double>(stretch);
+  if (std::fabs(first) > kStanding * largest) {
+    throw NotAdmitted(fmt::format("{}: the motors turn at {:.3g} rad/s when the record begins; what the controller knew by then is not in it. Cut the log where "
+                                  "the crane stands, {}",
+                                  record.name, first, kRemedy));
+  }
+  const bool is_asked = std::any_of(record.operator_moves.begin(), record.operator_moves.end(),
+                                    [](const OperatorMove& move) { return move.speed_request != 0.0; });
+  if (!is_asked) {
+    throw NotAdmitted(fmt::format("{}: the motors reach {:.3g} rad/s and no OPERATOR message asks for it; without the operator's moves the controller cannot be "
+                                  "replayed. Log them (an import maps speed_request), {}",
+                                  record.name, largest, kRemedy));
+  }
+}
 
 ControllerReplay replay_controller(const Record& record, controller::ControllerSettings settings) {
   if (settings.group_count != record.group_count) {
@@ -20,14 +48,30 @@ ControllerReplay replay_controller(const Record& record, controller::ControllerS
   std::size_t move = 0;
   std::size_t answer = 0;
   double square = 0.0, difference_square = 0.0;
-  for (const msgs::Encoder& encoder : record.encoder) {
-    while (move < record.operator_moves.size() &&
-           record.operator_moves[move].simulated_time <= encoder.simulated_time) {
+  const auto take_moves = [&](std::int64_t until) {
+    for (; move < record.operator_moves.size() && record.operator_moves[move].simulated_time <= until; ++move) {
       input.speed_request = record.operator_moves[move].speed_request;
       input.emergency_stop = record.operator_moves[move].emergency_stop;
       input.acknowledge = record.operator_moves[move].acknowledge;
-      ++move;
     }
+  };
+  const auto period = static_cast<std::int64_t>(std::llround(record.encoder_period * 1e9));
+  for (std::size_t e = 0; e < record.encoder.size(); ++e) {
+    const msgs::Encoder& encoder = record.encoder[e];
+    if (e > 0) {
+      const msgs::Encoder& before = record.encoder[e - 1];
+      const std::int64_t cycles = (encoder.simulated_time - before.simulated_time + period / 2) / period;
+      for (std::int64_t c = 1; c < cycles; ++c) {
+        input.simulated_time = before.simulated_time + c * period;
+        const double share = static_cast<double>(c) / static_cast<double>(cycles);
+        for (std::size_t g = 0; g < static_cast<std::size_t>(record.group_count); ++g) {
+          input.shaft_speed[g] = before.shaft_speed[g] + share * (encoder.shaft_speed[g] - before.shaft_speed[g]);
+        }
+        take_moves(input.simulated_time);
+        controller::step(settings, state, input, output);
+      }
+    }
+    take_moves(encoder.simulated_time);
     input.simulated_time = encoder.simulated_time;
     for (int g = 0; g < record.group_count; ++g) {
       input.shaft_speed[static_cast<std::size_t>(g)] = encoder.shaft_speed[static_cast<std::size_t>(g)];

@@ -13,6 +13,7 @@
 #include "common/unit.h"
 #include "diagnosis/chance.h"
 #include "diagnosis/nuisance.h"
+#include "diagnosis/plausibility.h"
 #include "diagnosis/screen.h"
 
 namespace slewlab::diagnosis {
@@ -24,6 +25,7 @@ constexpr double kIndistinguishable = 0.97;    // cosine of two signatures, nuis
 constexpr double kLeastTrusted = 0.3;           // share of a record that must lie away from impacts
 constexpr double kGroupOdds = 20.0;             // of two causes' probabilities, beyond which the records tell them apart
 constexpr double kWorthAGroup = 0.005;          // probability of a pair below which nobody asks what it is like
+constexpr double kThirdPrior = 0.1;  // chosen: of three effects at once, against two
 constexpr double kControllerExplained = 0.01;   // share of its difference that the right effect of a controller leaves at most
 constexpr double kSlowFollower = 4.0;           // by which the shadow is slower behind coarse counts, or they would shake its boom
 constexpr double kCoarseDiscrepancy = 5.0;      // by which mesh and step miss more there: the controller's steps shake the high modes
@@ -200,6 +202,7 @@ void add_beside(const common::EffectInstance& effect, const std::vector<Size>& s
     cause.effects.push_back(effect.name);
     cause.point.effects.push_back(effect);
     cause.probability *= known;
+    for (std::string& other : cause.group) other += " with " + effect.name;
     cause.sizes.insert(cause.sizes.end(), sizes.begin(), sizes.end());
   }
   diagnosis.probability_unknown = 1.0 - (1.0 - diagnosis.probability_unknown) * known;
@@ -223,7 +226,7 @@ void add_counts(const Problem& problem, const DiagnosisSettings& settings, Diagn
 // the machine's side needs.
 void add_controller_causes(const Problem& problem, const controller::ControllerSettings& controller,
                            const DiagnosisSettings& settings, Diagnosis& diagnosis) {
-  diagnosis.controller_causes = fit_controller(problem.records, controller, settings.without);
+  diagnosis.controller_causes = fit_controller(problem.records, controller, settings.without, problem.is_stopped);
   const double known = diagnosis.controller_causes.empty() ||
                                diagnosis.controller_causes.front().share_left > kControllerExplained
                            ? kUnlikely
@@ -235,6 +238,9 @@ void add_controller_causes(const Problem& problem, const controller::ControllerS
       if (cause.effects.size() + part.effects.size() > 2) continue;
       Cause both = cause;
       for (const common::EffectInstance& effect : part.effects) both.effects.push_back(effect.name);
+      for (const common::EffectInstance& effect : part.effects) {
+        for (std::string& other : both.group) other += " with " + effect.name;
+      }
       both.controller_effects = part.effects;
       both.probability *= part.probability * known;
       const std::vector<Size> sizes = sizes_of(part.effects, part.deviation);
@@ -243,10 +249,13 @@ void add_controller_causes(const Problem& problem, const controller::ControllerS
     }
   }
   diagnosis.probability_unknown = 1.0 - (1.0 - diagnosis.probability_unknown) * known;
-  // The third effect that some of them would have needed is not looked for.
-  double sum = 0.0;
-  for (const Cause& cause : combined) sum += cause.probability;
-  for (Cause& cause : combined) cause.probability *= (1.0 - diagnosis.probability_unknown) / sum;
+  // What needs a third effect is not looked for, and rare; what it has goes to what is not known.
+  double two = 0.0;
+  for (const Cause& cause : combined) two += cause.probability;
+  const double three = std::max(0.0, 1.0 - diagnosis.probability_unknown - two);
+  const double share = (1.0 - diagnosis.probability_unknown) / (two + kThirdPrior * three);
+  for (Cause& cause : combined) cause.probability *= share;
+  diagnosis.probability_unknown = 1.0 - share * two;
   diagnosis.causes = std::move(combined);
 }
 
@@ -325,6 +334,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
         }
       }
     }
+    check_torques(record, follower, nominal.crane);
     const std::vector<bool> trusted = trusted_stretches(record, follower);
     const double share = static_cast<double>(std::count(trusted.begin(), trusted.end(), true)) / static_cast<double>(record.size());
     if (share < kLeastTrusted) {
@@ -348,6 +358,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   tell(0.0, "replaying the controller");
   if (controller) {
     for (const Record& record : problem.records) {
+      check_replayable(record);
       diagnosis.controller_replay.push_back(replay_controller(record, *controller));
       const ControllerReplay& replay = diagnosis.controller_replay.back();
       // On a log of the wire both sides are exact; a thousandth leaves room for logs that were rounded.
@@ -363,7 +374,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   find_moments(problem, base.point, diagnosis);
 
   const Projector project(base.columns, base.point, data_weight(base.difference, settings.fit));
-  const Screening screening = screen(problem, base, project, catalogue_starts(problem.nominal, settings.without),
+  const Screening screening = screen(problem, base, project, catalogue_starts(problem.nominal, settings.without, longest_record(problem)),
                                      within(tell, kScreen));
   for (const auto& [name, square] : screening.visibility) {
     if (square < kVisible) diagnosis.not_excited.push_back(name);
@@ -412,10 +423,15 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
                                                                                       : Eigen::VectorXd::Ones(base.difference.size()),
          diagnosis);
   find_groups(problem, base, project, fits, std::span(probabilities.candidate).subspan(1), std::span(diagnosis.causes).subspan(1));
+  if (diagnosis.controller_differs) tell(kHoldOut.from, "fitting the controller");
   if (diagnosis.controller_differs) add_controller_causes(problem, *controller, settings, diagnosis);
   add_counts(problem, settings, diagnosis);
   std::stable_sort(diagnosis.causes.begin(), diagnosis.causes.end(),
                    [](const Cause& a, const Cause& b) { return a.probability > b.probability; });
+  // Of the groups, those with a third effect are gone.
+  std::set<std::string> names;
+  for (const Cause& cause : diagnosis.causes) names.insert(name_of(cause));
+  for (Cause& cause : diagnosis.causes) std::erase_if(cause.group, [&](const std::string& other) { return !names.contains(other); });
   std::map<std::string, double> by_subsystem, by_effect;
   diagnosis.probability_nothing = 0.0;
   for (const Cause& cause : diagnosis.causes) {

@@ -25,6 +25,7 @@ constexpr double kNuisanceStep = 0.3;  // [standard deviations] difference quoti
 constexpr double kFarthest = 6.0;      // [standard deviations] that a nuisance is let go
 constexpr std::array<double, 4> kDampings{0.0, 0.1, 1.0, 10.0};  // of a step: the next where the one before did not make the cost fall
 constexpr int kRelaxations = 8;
+constexpr double kVeryFarOff = 1e3;    // whitened difference of a machine that cannot follow at all
 constexpr double kAtTheWall = 1.9;     // [standard deviations]
 constexpr double kEffectStep = 0.05;   // [standard deviations] the same for effects, around a fitted size
 constexpr double kSpellStep = 0.05;    // of the time in which a spell fades: its beginning and end are as sharp as that
@@ -356,6 +357,12 @@ Eigen::Index difference_count(const Problem& problem) {
 
 std::size_t nuisance_count(const Problem& problem) { return nuisance_count(problem.records.size()); }
 
+double longest_record(const Problem& problem) {
+  double longest = 0.0;
+  for (const Record& record : problem.records) longest = std::max(longest, record.step * static_cast<double>(record.size()));
+  return longest;
+}
+
 Shadow shadow_at(const Problem& problem, const Point& point, std::size_t record) {
   return shadow(machine_at(problem.nominal, point), problem.records[record], problem.gains,
                 encoder_latency(point.nuisance, problem.latency_deviation),
@@ -397,14 +404,18 @@ Eigen::VectorXd differences(Problem& problem, const Point& point) {
   share_out(problem, problem.records.size(), [&](std::size_t r) {
     if (problem.is_stopped()) throw Interrupted{};
     const auto begun = std::chrono::steady_clock::now();
-    const Shadow follower = shadow_at(problem, point, r);
+    auto rows = result.segment(first_row[r], problem.whitening[r].size());
+    try {
+      rows = whiten(problem.whitening[r], shadow_at(problem, point, r));
+    } catch (const std::invalid_argument&) {  // no such machine can be built: its boom buckles
+      rows.setConstant(kVeryFarOff);
+    }
     problem.simulation_time +=
         std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now() - begun).count();
-    result.segment(first_row[r], problem.whitening[r].size()) = whiten(problem.whitening[r], follower);
     ++problem.simulations;
   });
-  // A machine that an odd point shakes to pieces counts as very far off, not as a number that spreads.
-  if (!result.allFinite()) result.setConstant(1e3);
+  // A machine that an odd point shakes to pieces counts as very far off as well, not as a number that spreads.
+  if (!result.allFinite()) result.setConstant(kVeryFarOff);
   return problem.chance == nullptr ? result : divided(*problem.chance, result);
 }
 

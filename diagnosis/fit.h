@@ -82,6 +82,7 @@ struct Interrupted {};
 void share_out(Problem& problem, std::size_t count, const std::function<void(std::size_t)>& work);
 
 std::size_t nuisance_count(const Problem& problem);
+double longest_record(const Problem& problem);  // [s]
 
 // The machine at a point as it follows one of the records.
 Shadow shadow_at(const Problem& problem, const Point& point, std::size_t record);

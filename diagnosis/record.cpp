@@ -7,14 +7,18 @@
 #include <limits>
 #include <map>
 
+#include "diagnosis/plausibility.h"
+
 namespace slewlab::diagnosis {
 
 namespace {
 
 constexpr double kNanosecond = 1e-9;  // [s]
+constexpr int kTripped = 2, kBraked = 3;  // drive_state of PLANT_STATUS
 constexpr int kLongestBridge = 3;     // missing messages in a row that are bridged
 constexpr double kFrozenTime = 1.0;   // [s] of exactly equal values on a moving crane
 constexpr double kRateHalfWidth = 6e-3;  // [s] chosen: cubic over 12 ms, 0.3 % low at 40 Hz, where the fifth mode lies
+constexpr double kOnGrid = 0.01;         // [steps] by which a sensor's instant may miss the grid and still be on it
 constexpr double kShortestRecord = 5.0;  // [s] below which no mode of the crane shows twice
 
 // The commonest distance between successive times [ns].
@@ -67,6 +71,18 @@ void check_clock(const char* channel, const std::vector<std::int64_t>& times, st
     }
   }
   if (bridged > 0) record.remarks.push_back(fmt::format("{}: {} missing messages of {} bridged", record.name, bridged, channel));
+}
+
+// Throws where a channel does not cover the time that ENCODER covers: values before its first and after its last would be invented.
+void check_span(const char* channel, const std::vector<std::int64_t>& times, std::int64_t period, const std::vector<std::int64_t>& encoder_times,
+                const Record& record) {
+  const std::int64_t bridge = kLongestBridge * std::max(period, encoder_times[1] - encoder_times[0]);
+  if (times.front() <= encoder_times.front() + bridge && times.back() >= encoder_times.back() - bridge) return;
+  const auto seconds = [](std::int64_t time) { return static_cast<double>(time) * kNanosecond; };
+  throw NotAdmitted(fmt::format("{}: {} goes from {:.3f} s to {:.3f} s, ENCODER from {:.3f} s to {:.3f} s; both must cover the same time: cut the "
+                                "log to it, or correct the clock that runs apart",
+                                record.name, channel, seconds(times.front()), seconds(times.back()), seconds(encoder_times.front()),
+                                seconds(encoder_times.back())));
 }
 
 // Linear interpolation of (time, value) onto the record's grid.
@@ -153,112 +169,23 @@ void check_clipped(const Record& record, const std::string& signal, const std::v
   }
 }
 
-// Least-squares slope of y on x, and the correlation.
-struct Fit {
-  double slope, correlation;
-};
-Fit fit_line(const std::vector<double>& x, const std::vector<double>& y) {
-  double xx = 0, xy = 0, yy = 0;
-  for (std::size_t n = 0; n < x.size(); ++n) {
-    xx += x[n] * x[n];
-    xy += x[n] * y[n];
-    yy += y[n] * y[n];
-  }
-  if (xx == 0.0 || yy == 0.0) return {0.0, 0.0};
-  return {xy / xx, xy / std::sqrt(xx * yy)};
-}
-
-// Low-passed derivative of a series, for sign and unit checks: mean slope over `width` samples.
-std::vector<double> smooth_slope(const std::vector<double>& values, std::size_t width, double step) {
-  std::vector<double> slope(values.size(), 0.0);
-  for (std::size_t n = width; n + width < values.size(); ++n) {
-    slope[n] = (values[n + width] - values[n - width]) / (2.0 * static_cast<double>(width) * step);
-  }
-  return slope;
-}
-
-std::vector<double> smooth(const std::vector<double>& values, std::size_t width) {
-  std::vector<double> result(values.size(), 0.0);
-  double sum = 0.0;
-  for (std::size_t n = 0; n < values.size(); ++n) {
-    sum += values[n];
-    if (n >= 2 * width + 1) sum -= values[n - 2 * width - 1];
-    if (n >= width) result[n - width] = sum / static_cast<double>(2 * width + 1);
-  }
-  return result;
-}
-
-// What factor between two signals that should be equal would bring them together, in words.
-std::string explain_factor(double factor) {
-  struct Known {
-    double factor;
-    const char* words;
+// Throws where the motors turn and the commands are not what drives them: drives that are off or tripped, brakes that are on.
+void check_driven(const msgs::RunLog& run, const Record& record, double moving) {
+  const auto refuse_if = [&](std::int64_t time, bool is_undriven, const std::string& why) {
+    if (!is_undriven) return;
+    const double at = static_cast<double>(time) * kNanosecond;
+    const auto n = static_cast<std::size_t>(std::clamp((at - record.start_time) / record.step, 0.0, static_cast<double>(record.size() - 1)));
+    if (std::fabs(record.shaft_speed[0][n]) < moving) return;
+    throw NotAdmitted(fmt::format("{}: {} at {:.3f} s while the motors turn; the commands there are not what drives the crane: cut the log there",
+                                  record.name, why, at));
   };
-  static constexpr Known kKnown[] = {
-      {60.0 / (2.0 * 3.14159265358979), "it looks like revolutions per minute; rad/s is wanted"},
-      {180.0 / 3.14159265358979, "it looks like degrees; radians are wanted"},
-      {1.0 / (2.0 * 3.14159265358979), "it looks like revolutions; radians are wanted"},
-      {1.0 / 9.81, "it looks like multiples of g; m/s^2 are wanted"},
-      {1000.0, "it looks a thousand times too large (milli-units)"},
-      {0.001, "it looks a thousand times too small (kilo-units)"}};
-  const double size = std::fabs(factor);
-  std::string words;
-  for (const Known& known : kKnown) {
-    if (size > 0.75 * known.factor && size < 1.33 * known.factor) words = known.words;
+  for (const msgs::Torque& message : run.torque) {
+    refuse_if(message.simulated_time, !message.enable, "TORQUE does not enable the drives");
+    refuse_if(message.simulated_time, message.brake, "TORQUE applies the brakes");
   }
-  if (factor < 0) words += words.empty() ? "its sign is turned" : ", and its sign is turned";
-  return words;
-}
-
-void check_units(Record& record, const AdmissionSettings& settings) {
-  const auto width = static_cast<std::size_t>(std::lround(0.05 / record.step));
-  for (int g = 0; g < record.group_count; ++g) {
-    const auto i = static_cast<std::size_t>(g);
-    const std::vector<double> derived = smooth_slope(record.shaft_position[i], width, record.step);
-    const std::vector<double> speed = smooth(record.shaft_speed[i], width);
-    const Fit fit = fit_line(derived, speed);
-    if (fit.correlation != 0.0 && (std::fabs(fit.correlation) < 0.8 || fit.slope < 0.8 || fit.slope > 1.25)) {
-      const std::string words = explain_factor(fit.slope);
-      throw NotAdmitted(fmt::format("{}: shaft speed of group {} is {:.4g} times the rate of its position (correlation "
-                                    "{:.2f}){}{}; check sign, unit and gear ratio of both columns",
-                                    record.name, g + 1, fit.slope, fit.correlation, words.empty() ? "" : ": ", words));
-    }
-  }
-  // Level accelerations of the house follow the motors' at low frequency: a = r_sensor * theta'' / ratio.
-  const auto slow = static_cast<std::size_t>(std::lround(0.4 / record.step));
-  std::vector<double> mean_speed(record.size(), 0.0);
-  for (int g = 0; g < record.group_count; ++g) {
-    for (std::size_t n = 0; n < record.size(); ++n) {
-      mean_speed[n] += record.shaft_speed[static_cast<std::size_t>(g)][n] / (record.group_count * settings.total_ratio);
-    }
-  }
-  const std::vector<double> angular = smooth(smooth_slope(mean_speed, slow, record.step), slow);
-  for (int a = 0; a < kAccelerometerCount; ++a) {
-    const auto i = static_cast<std::size_t>(a);
-    if (record.acceleration[i].empty() || settings.radius[i] <= 0.0) continue;
-    const std::vector<double> level = smooth(smooth(record.acceleration[i], slow), slow);
-    const Fit fit = fit_line(angular, level);
-    const double factor = fit.slope / settings.radius[i];
-    // A flexible boom swings about the level value, so only gross factors and signs are told from it. What stands on the stiff house
-    // must follow closely before it is refused: near the axis a rolling vessel's gravity is larger than any slewing.
-    const double close = a == kHouse || a == kPivot ? 0.97 : 0.7;
-    if (std::fabs(fit.correlation) > close && (factor < 0.3 || factor > 3.0)) {
-      const std::string words = explain_factor(factor);
-      throw NotAdmitted(fmt::format("{}: acceleration at the {} is {:.3g} times what the motors' speed and its radius "
-                                    "of {:.1f} m give{}{}; check sign, unit and place of the sensor",
-                                    record.name, accelerometer_name(a), factor, settings.radius[i],
-                                    words.empty() ? "" : ": ", words));
-    }
-  }
-  double largest = 0.0;
-  for (int g = 0; g < record.group_count; ++g) {
-    for (const double torque : record.motor_torque[static_cast<std::size_t>(g)]) largest = std::max(largest, std::fabs(torque));
-  }
-  if (settings.rated_torque > 0.0 && largest > 5.0 * settings.rated_torque) {
-    throw NotAdmitted(fmt::format("{}: torque commands reach {:.4g} where one motor's rated torque is {:.4g} Nm; Nm per "
-                                  "motor on the fast axis are wanted, not {}",
-                                  record.name, largest, settings.rated_torque,
-                                  largest > 50.0 * settings.rated_torque ? "torques on the slew axis" : "sums over a group"));
+  for (const msgs::PlantStatus& message : run.plant_status) {
+    refuse_if(message.simulated_time, message.drive_state == kTripped, "PLANT_STATUS says that the drives are tripped");
+    refuse_if(message.simulated_time, message.drive_state == kBraked, "PLANT_STATUS says that the brakes are on");
   }
 }
 
@@ -285,6 +212,13 @@ double find_quantum(const std::vector<msgs::Encoder>& encoder) {
 }
 
 }  // namespace
+
+AdmissionSettings admission_for(const sim::CraneParameters& nominal, double rated_torque) {
+  const double level = nominal.boom.length * std::cos(nominal.boom.angle);
+  return {rated_torque,
+          nominal.drive.gearbox_ratio * nominal.drive.pinion_ratio,
+          {nominal.house.sensor_radius, nominal.boom.pivot_radius, nominal.boom.pivot_radius + 0.5 * level, nominal.boom.pivot_radius + level}};
+}
 
 std::vector<double> cubic_slope(const std::vector<double>& values, std::size_t half_width, double step) {
   const std::size_t count = values.size();
@@ -340,14 +274,22 @@ Record make_record(const msgs::RunLog& run, const std::string& name, const Admis
   if (period <= 0) throw NotAdmitted(fmt::format("{}: ENCODER has no even clock", name));
   record.encoder_period = static_cast<double>(period) * kNanosecond;
   check_clock("ENCODER", encoder_times, period, record);
+  const std::vector<std::int64_t> torque_times = times_of(run.torque);
+  const std::int64_t torque_period = common_period(torque_times);
+  check_clock("TORQUE", torque_times, torque_period, record);
+  check_span("TORQUE", torque_times, torque_period, encoder_times, record);
 
   const std::vector<std::int64_t> sensor_times = times_of(run.sensors);
   const bool has_sensors = run.sensors.size() > 2;
   record.step = record.encoder_period;
   if (has_sensors) {
     const std::int64_t sensor_period = common_period(sensor_times);
+    if (sensor_period <= 0) throw NotAdmitted(fmt::format("{}: SENSORS has no even clock", name));
     check_clock("SENSORS", sensor_times, sensor_period, record);
-    record.step = std::min(record.step, static_cast<double>(sensor_period) * kNanosecond);
+    check_span("SENSORS", sensor_times, sensor_period, encoder_times, record);
+    record.sensor_period = static_cast<double>(sensor_period) * kNanosecond;
+    // The controller's cycle is a whole number of steps, no sensor is slower than a step.
+    record.step /= std::max(1.0, std::ceil(record.step / record.sensor_period - 1e-6));
   }
   record.start_time = static_cast<double>(encoder_times.front()) * kNanosecond;
   const double end_time = static_cast<double>(encoder_times.back()) * kNanosecond;
@@ -374,11 +316,8 @@ Record make_record(const msgs::RunLog& run, const std::string& name, const Admis
     }
     record.shaft_speed[i] = resample(encoder_times, speed, record, count);
     record.shaft_position[i] = resample_position(encoder_times, position, speed, record, count);
-    const auto [lowest, highest] = std::minmax_element(position.begin(), position.end());
     const auto half_width = static_cast<std::size_t>(std::lround(std::max(kRateHalfWidth, record.encoder_period) / record.step));
-    record.position_rate[i] = *highest > *lowest
-                                  ? cubic_slope(record.shaft_position[i], std::max<std::size_t>(2, half_width), record.step)
-                                  : record.shaft_speed[i];
+    record.position_rate[i] = cubic_slope(record.shaft_position[i], std::max<std::size_t>(2, half_width), record.step);
     // A command holds until the next one.
     record.motor_torque[i].assign(count, 0.0);
     std::size_t k = 0;
@@ -389,7 +328,12 @@ Record make_record(const msgs::RunLog& run, const std::string& name, const Admis
     }
   }
   if (has_sensors) {
-    const auto take = [&](auto member, std::vector<double>& into, const std::string& signal) {
+    std::vector<double> at;  // [steps]
+    for (const std::int64_t time : sensor_times) at.push_back((static_cast<double>(time) * kNanosecond - record.start_time) / record.step);
+    const bool on_grid = record.sensor_period < 1.5 * record.step &&
+                         std::all_of(at.begin(), at.end(), [](double n) { return std::fabs(n - std::round(n)) < kOnGrid; });
+    if (!on_grid) record.sampled_at = at;
+    const auto take = [&](auto member, std::vector<double>& into, const std::string& signal, std::vector<double>* raw) {
       std::vector<double> values;
       for (const msgs::Sensors& message : run.sensors) values.push_back(message.*member);
       // NaN all along is how an imported log says that the machine has no such sensor.
@@ -400,12 +344,13 @@ Record make_record(const msgs::RunLog& run, const std::string& name, const Admis
       }
       check_finite(record, signal, sensor_times, values);
       into = resample(sensor_times, values, record, count);
+      if (raw != nullptr && !on_grid) *raw = std::move(values);
     };
-    take(&msgs::Sensors::house_acceleration, record.acceleration[kHouse], "house acceleration");
-    take(&msgs::Sensors::pivot_acceleration, record.acceleration[kPivot], "pivot acceleration");
-    take(&msgs::Sensors::middle_acceleration, record.acceleration[kMiddle], "middle acceleration");
-    take(&msgs::Sensors::tip_acceleration, record.acceleration[kTip], "tip acceleration");
-    take(&msgs::Sensors::slew_angle, record.slew_angle, "slew angle");
+    take(&msgs::Sensors::house_acceleration, record.acceleration[kHouse], "house acceleration", &record.sampled_acceleration[kHouse]);
+    take(&msgs::Sensors::pivot_acceleration, record.acceleration[kPivot], "pivot acceleration", &record.sampled_acceleration[kPivot]);
+    take(&msgs::Sensors::middle_acceleration, record.acceleration[kMiddle], "middle acceleration", &record.sampled_acceleration[kMiddle]);
+    take(&msgs::Sensors::tip_acceleration, record.acceleration[kTip], "tip acceleration", &record.sampled_acceleration[kTip]);
+    take(&msgs::Sensors::slew_angle, record.slew_angle, "slew angle", nullptr);
   } else {
     record.remarks.push_back(fmt::format("{}: no SENSORS messages; the diagnosis has encoders and torques alone", name));
   }
@@ -423,10 +368,19 @@ Record make_record(const msgs::RunLog& run, const std::string& name, const Admis
   if (root_mean_square(record.shaft_speed[0]) == 0.0) throw NotAdmitted(fmt::format("{}: the motors never turn", name));
   for (int g = 0; g < record.group_count; ++g) {
     const auto i = static_cast<std::size_t>(g);
-    // Group 1's motion judges the others and the other way round: a frozen encoder must not hide itself.
+    // What a frozen speed differs from: its own position's rate and the other groups' speeds, for one encoder may freeze as a whole. A
+    // drive that counts its speed coarsely stands at one value for long and differs from nothing.
     const std::vector<double>& other = record.shaft_speed[record.group_count > 1 ? (i == 0 ? 1 : 0) : i];
+    std::vector<double> disagreement(record.size());
+    for (std::size_t n = 0; n < record.size(); ++n) {
+      const double speed = record.shaft_speed[i][n];
+      disagreement[n] = std::max(std::fabs(record.position_rate[i][n] - speed), std::fabs(other[n] - speed));
+    }
     // No check for clipping: a speed counted from a coarse encoder stands at its steps, its largest among them.
-    check_alive(record, fmt::format("shaft speed of group {}", g + 1), record.shaft_speed[i], other, moving);
+    check_alive(record, fmt::format("shaft speed of group {}", g + 1), record.shaft_speed[i], disagreement, moving);
+    std::vector<double> counted;  // as the messages have it: between them a position follows its speed
+    for (const msgs::Encoder& message : run.encoder) counted.push_back(message.shaft_position[i]);
+    check_alive(record, fmt::format("shaft position of group {}", g + 1), resample(encoder_times, counted, record, count), record.shaft_speed[i], moving);
   }
   for (int a = 0; a < kAccelerometerCount; ++a) {
     const auto i = static_cast<std::size_t>(a);
@@ -435,6 +389,7 @@ Record make_record(const msgs::RunLog& run, const std::string& name, const Admis
     check_alive(record, fmt::format("acceleration at the {}", accelerometer_name(a)), record.acceleration[i],
                 record.shaft_speed[0], moving);
   }
+  check_driven(run, record, moving);
   check_units(record, settings);
   return record;
 }

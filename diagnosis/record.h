@@ -36,9 +36,12 @@ struct Record {
   std::array<std::vector<double>, sim::kMaximumGroupCount> shaft_speed;     // [rad/s]
   std::array<std::vector<double>, sim::kMaximumGroupCount> shaft_position;  // [rad]
   // [rad/s] Rate of the positions, late by nothing: what a drive reports as its speed comes out of a filter that lags.
-  // Where positions stand still, the reported speed.
   std::array<std::vector<double>, sim::kMaximumGroupCount> position_rate;
   std::array<std::vector<double>, kAccelerometerCount> acceleration;        // [m/s^2]; empty: not measured
+  // Where the sensors are not sampled on the grid: when, in steps of it, and what they said. The series above are lines between these.
+  std::vector<double> sampled_at;
+  std::array<std::vector<double>, kAccelerometerCount> sampled_acceleration;
+  double sensor_period = 0.0;                                               // [s]; 0 without sensors
   std::vector<double> slew_angle;                                           // [rad]; empty: not measured
   std::vector<OperatorMove> operator_moves;
   std::vector<msgs::Encoder> encoder;  // the messages themselves, for the controller's replay
@@ -50,8 +53,8 @@ struct Record {
   double time(std::size_t n) const { return start_time + step * static_cast<double>(n); }
 };
 
-// [rad] 2 pi / 4096: drives count 12 bits at least, 14 as a rule.
-inline constexpr double kCoarseCount = 1.53e-3;
+// [rad] Just above 2 pi / 4096: drives count 12 bits at least, 14 as a rule.
+inline constexpr double kCoarseCount = 1.6e-3;
 
 // A log that must not be judged; what() says why and what would help.
 class NotAdmitted : public std::runtime_error {
@@ -64,6 +67,9 @@ struct AdmissionSettings {
   double total_ratio = 1.0;            // motor turns per turn of the crane, to recognise wrong axes
   std::array<double, kAccelerometerCount> radius{};  // [m] of each accelerometer from the slew axis
 };
+
+// Of a nominal crane; `rated_torque` 0 where no controller is known.
+AdmissionSettings admission_for(const sim::CraneParameters& nominal, double rated_torque);
 
 // Slope of the cubic that fits 2 `half_width` + 1 values best, at its middle (Savitzky, Golay 1964, Analytical Chemistry
 // 36, p. 1627); near the ends with fewer values, two at least. `half_width` >= 2.

@@ -16,7 +16,6 @@ namespace {
 
 constexpr double kSmallShare = 0.25;            // of an effect's typical size, with which it is tried too
 constexpr double kSpellEvery = 0.5;             // [s] beginnings from which an effect that lasts for a spell is tried: it shakes the boom
-constexpr int kSpellBeginnings = 60;            // of them: a manoeuvre of half a minute
 constexpr int kCloserLooks = 3;                 // at most, at a size that the last one forecast
 constexpr double kCloserAmount = 2.0;           // at most, of a size that was forecast: forecasts of forecasts run away
 constexpr double kNearlyTried = 0.1;            // of the size: nearer than that to a start is not worth another look
@@ -123,7 +122,7 @@ Screened between_beginnings(const std::vector<const Screened*>& endless, const E
   return best;
 }
 
-std::vector<common::EffectInstance> starts_of(const common::EffectAbout& about) {
+std::vector<common::EffectInstance> starts_of(const common::EffectAbout& about, double duration) {
   const common::EffectInstance typical = common::typical_instance(about);
   std::vector<common::EffectInstance> shapes{typical};
   common::EffectInstance small = typical;
@@ -157,7 +156,7 @@ std::vector<common::EffectInstance> starts_of(const common::EffectAbout& about) 
     }
   }
   if (about.spell) {
-    for (int k = 0; k < kSpellBeginnings; ++k) {
+    for (int k = 0; kSpellEvery * k < duration; ++k) {
       common::EffectInstance endless = typical;
       endless.values[about.spell->begin] = kSpellEvery * k;
       endless.values[about.spell->duration] = about.parameters[about.spell->duration].upper;
@@ -219,14 +218,14 @@ double forecast(const Problem& problem, const FitResult& from, const Screening& 
   return discounted(left, nu) - discounted(left - fall, nu);
 }
 
-std::vector<common::EffectInstance> catalogue_starts(const sim::MachineSettings& nominal, std::span<const std::string> without) {
+std::vector<common::EffectInstance> catalogue_starts(const sim::MachineSettings& nominal, std::span<const std::string> without, double duration) {
   std::vector<common::EffectInstance> starts;
   for (const sim::EffectDescription* description : sim::effect_catalogue()) {
     const std::string name(description->about.name);
     if (std::find(without.begin(), without.end(), name) != without.end() || name == kCounts) continue;
     // What the nominal crane has already is not missing, and a machine takes an effect once.
     if (has_effect(nominal.effects, name)) continue;
-    const std::vector<common::EffectInstance> own = starts_of(description->about);
+    const std::vector<common::EffectInstance> own = starts_of(description->about, duration);
     starts.insert(starts.end(), own.begin(), own.end());
   }
   return starts;
@@ -245,14 +244,14 @@ std::vector<const Screened*> best_of_each(const Screening& screening) {
   return best_of_each(std::move(tried));
 }
 
-std::vector<common::EffectInstance> best_starts(const Screening& screening) {
+std::vector<common::EffectInstance> best_starts(const Problem& problem, const Screening& screening) {
   std::vector<common::EffectInstance> starts;
   for (const Screened* screened : best_of_each(screening)) {
     const common::EffectAbout& about = about_effect(screened->start.name);
     const std::vector<common::EffectInstance> turned = all_turned(screened->start, turning_angles(about), 1);
     starts.insert(starts.end(), turned.begin(), turned.end());
     if (about.spell) {  // when, cannot be told before the place is known
-      const std::vector<common::EffectInstance> all = starts_of(about);
+      const std::vector<common::EffectInstance> all = starts_of(about, longest_record(problem));
       starts.insert(starts.end(), all.begin(), all.end());
     }
   }

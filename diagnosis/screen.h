@@ -29,7 +29,7 @@ inline constexpr double kLeastGain = 6.0;              // fall of the cost, fore
 // quarters of each: the others follow from them (between_quarters), of two that multiply as well. Where there are two angles, only the
 // typical size and the values worth a try are turned, all round and in every combination where the two do not multiply. An effect
 // that lasts for a spell begins at many moments and never ends (between_beginnings).
-std::vector<common::EffectInstance> starts_of(const common::EffectAbout& about);
+std::vector<common::EffectInstance> starts_of(const common::EffectAbout& about, double duration);
 
 struct Screened {
   common::EffectInstance start;
@@ -102,15 +102,16 @@ struct Screening {
   std::map<std::string, double> visibility;  // largest of each effect's
   Eigen::VectorXd gap;                       // what parameters alone leave, as the projector shows it
 };
-// All starts of the catalogue but of `without`.
-std::vector<common::EffectInstance> catalogue_starts(const sim::MachineSettings& nominal, std::span<const std::string> without);
+// All starts of the catalogue but of `without`. `duration` [s] of the longest record, in which an effect may begin at any time.
+std::vector<common::EffectInstance> catalogue_starts(const sim::MachineSettings& nominal, std::span<const std::string> without,
+                                                     double duration);
 
 // Of each effect the one that leaves least, by what they leave; of all that was tried, or of some.
 std::vector<const Screened*> best_of_each(const Screening& screening);
 std::vector<const Screened*> best_of_each(std::vector<const Screened*> screened);
 
 // The best of each effect, and where it has angles that one a quarter turn on: enough to look from elsewhere.
-std::vector<common::EffectInstance> best_starts(const Screening& screening);
+std::vector<common::EffectInstance> best_starts(const Problem& problem, const Screening& screening);
 
 // Beside what `from` has already. The projector takes out what is fitted there.
 Screening screen(Problem& problem, const FitResult& from, const Projector& project, std::span<const common::EffectInstance> starts,

@@ -166,7 +166,7 @@ std::vector<PairStart> pair_starts(Problem& problem, const FitResult& base, cons
     std::vector<Screened> beside;
     const bool is_best = leader == 0;
     if (is_best) {
-      std::vector<common::EffectInstance> starts_here = best_starts(screening);
+      std::vector<common::EffectInstance> starts_here = best_starts(problem, screening);
       std::erase_if(starts_here, [&](const common::EffectInstance& start) {
         return same_as.contains(start.name) || comes_by_chance(start.name);
       });

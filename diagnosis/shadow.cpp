@@ -11,6 +11,8 @@ namespace slewlab::diagnosis {
 namespace {
 
 constexpr const char* kEncoderDelay = "encoder_delay";
+constexpr double kFirst = 0.25;       // [s] over which the tip sensor's offset is first taken; until then it leads nothing
+constexpr double kOffsetTime = 20.0;  // [s] in which it may drift: slower than any pendulum of a load
 
 // The series between its points; at its ends it stands still.
 double between(const std::vector<double>& series, double n) {
@@ -18,6 +20,20 @@ double between(const std::vector<double>& series, double n) {
   const auto i = static_cast<std::size_t>(inside);
   const double share = inside - static_cast<double>(i);
   return share == 0.0 ? series[i] : series[i] + share * (series[i + 1] - series[i]);
+}
+
+// From what the shadow's sensor says at every step to measured - shadow, taken where the sensor was sampled and straight in between, as
+// the record is: what sampling takes away it takes from both.
+void sample_alike(const Record& record, std::size_t accelerometer, std::vector<double>& series) {
+  const std::vector<double>& at = record.sampled_at;
+  std::vector<double> difference(at.size());
+  for (std::size_t j = 0; j < at.size(); ++j) difference[j] = record.sampled_acceleration[accelerometer][j] - between(series, at[j]);
+  std::size_t j = 0;
+  for (std::size_t n = 0; n < series.size(); ++n) {
+    while (j + 2 < at.size() && at[j + 1] <= static_cast<double>(n)) ++j;
+    const double share = std::clamp((static_cast<double>(n) - at[j]) / (at[j + 1] - at[j]), 0.0, 1.0);
+    series[n] = difference[j] + share * (difference[j + 1] - difference[j]);
+  }
 }
 
 // A crane that is already turning starts as a rigid body at the motors' mean speed, its teeth where they were.
@@ -94,6 +110,10 @@ Shadow shadow(const sim::MachineSettings& settings, const Record& record, const 
   const double leak = std::exp(-record.step / gains.leak_time);
   const double to_slew_axis = settings.crane.drive.motors_per_group * machine.model.ratio;
   double tip_error = 0.0;  // [m/s]
+  // The tip's sensor may have an offset, which must not lead the shadow: at first what differs at rest, or turning evenly.
+  const auto first = static_cast<std::size_t>(kFirst / record.step);
+  const double forget = std::exp(-record.step / kOffsetTime);
+  double tip_offset = 0.0;  // [m/s^2]
   result.contact_lost.assign(count, false);
   sim::DriveCommand command;
   for (std::size_t n = 0; n < count; ++n) {
@@ -116,14 +136,26 @@ Shadow shadow(const sim::MachineSettings& settings, const Record& record, const 
                                                 readings.middle_acceleration, readings.tip_acceleration};
     for (std::size_t a = 0; a < kAccelerometerCount; ++a) {
       if (!record.acceleration[a].empty()) {
-        result.acceleration_difference[a][n] = record.acceleration[a][n] - sensed[a];
+        // Where sensors are not sampled on the grid, at first what the shadow's would say.
+        result.acceleration_difference[a][n] = record.sampled_at.empty() ? record.acceleration[a][n] - sensed[a] : sensed[a];
       }
     }
     if (has_tip) {
-      tip_error = leak * tip_error + record.step * result.acceleration_difference[kTip][n];
+      const double difference = record.acceleration[kTip][n] - readings.tip_acceleration;
+      if (n < first) {
+        tip_offset += difference / static_cast<double>(first);
+      } else {
+        tip_offset = forget * tip_offset + (1.0 - forget) * difference;
+        tip_error = leak * tip_error + record.step * (difference - tip_offset);
+      }
       machine.outside.tip_force = gains.tip_damping * tip_error;
     }
     sim::step(machine, command);
+  }
+  if (!record.sampled_at.empty()) {
+    for (std::size_t a = 0; a < kAccelerometerCount; ++a) {
+      if (!record.acceleration[a].empty()) sample_alike(record, a, result.acceleration_difference[a]);
+    }
   }
   return result;
 }

@@ -40,9 +40,9 @@ class Transform {
   explicit Transform(const Whitening& whitening) : window_(whitening.window), padded_(whitening.transform_length, 0.0) {
     fft_.SetFlag(Eigen::FFT<double>::HalfSpectrum);
   }
-  // One value per grid point. Valid until the next call.
-  const std::vector<std::complex<double>>& operator()(const std::vector<double>& values) {
-    for (std::size_t n = 0; n < values.size(); ++n) padded_[n] = values[n] * window_[n];
+  // One value per grid point, less `offset`. Valid until the next call.
+  const std::vector<std::complex<double>>& operator()(const std::vector<double>& values, double offset = 0.0) {
+    for (std::size_t n = 0; n < values.size(); ++n) padded_[n] = (values[n] - offset) * window_[n];
     fft_.fwd(spectrum_, padded_);
     return spectrum_;
   }
@@ -53,6 +53,16 @@ class Transform {
   std::vector<double> padded_;
   std::vector<std::complex<double>> spectrum_;
 };
+
+// Under the window. An accelerometer's own offset says nothing of the crane, and would leak into the lowest frequencies.
+double mean_under(const std::vector<double>& window, const std::vector<double>& values) {
+  double sum = 0.0, weight = 0.0;
+  for (std::size_t n = 0; n < values.size(); ++n) {
+    sum += window[n] * values[n];
+    weight += window[n];
+  }
+  return weight > 0.0 ? sum / weight : 0.0;
+}
 
 double window_energy(const std::vector<double>& window) {
   double energy = 0.0;
@@ -72,6 +82,12 @@ double noise_variance(const std::vector<double>& values) {
                    differences.end());
   const double deviation = differences[differences.size() / 2] / 0.6745 / std::sqrt(6.0);
   return deviation * deviation;
+}
+
+// Of an accelerometer, as if white on the grid. One that is sampled less often has its noise in fewer, longer pieces.
+double accelerometer_variance(const Record& record, std::size_t accelerometer) {
+  if (record.sampled_at.empty()) return noise_variance(record.acceleration[accelerometer]);
+  return noise_variance(record.sampled_acceleration[accelerometer]) * record.sensor_period / record.step;
 }
 
 // Variance of an encoder's positions: counts are off by anything between two of them. A position that is sampled less
@@ -187,7 +203,7 @@ Whitening make_whitening(const Record& record, const std::vector<bool>& trusted,
     const std::vector<double> sum = channel.is_torque ? torque_power : running_power({&record.acceleration[i]}, whitening);
     const std::size_t spectrum_size = sum.size() - 1;
     const double rounding = 1e-9 * sum.back() / static_cast<double>(spectrum_size) + kSmallestPower * energy;
-    const double variance = channel.is_torque ? encoder_variance(record, i) : noise_variance(record.acceleration[i]);
+    const double variance = channel.is_torque ? encoder_variance(record, i) : accelerometer_variance(record, i);
     const bool is_coarse = channel.is_torque && record.encoder_quantum >= kCoarseCount;
     const std::vector<double> counting = is_coarse ? counting_power(record, i, whitening) : std::vector<double>{};
     const bool is_shaken = !channel.is_torque && record.encoder_quantum >= kCoarseCount;
@@ -251,7 +267,7 @@ Eigen::VectorXd whiten(const Whitening& whitening, const Shadow& shadow) {
     const auto i = static_cast<std::size_t>(channel.index);
     const std::vector<double>& values =
         channel.is_torque ? shadow.missing_torque[i] : shadow.acceleration_difference[i];
-    const auto& spectrum = transform(values);
+    const auto& spectrum = transform(values, channel.is_torque ? 0.0 : mean_under(whitening.window, values));
     for (std::size_t b = 0; b < whitening.bin_count; ++b) {
       const std::complex<double> value = spectrum[whitening.first_bin + b];
       const double weight = whitening.weight[c](static_cast<Eigen::Index>(b));

@@ -158,11 +158,16 @@ std::string advice(const diagnosis::Separation& apart) {
 }
 
 // Where the gaps were taken, in words.
-std::string place_of_gaps(const Diagnosis& diagnosis, const Record& last) {
-  if (!diagnosis.held_out) return last.name + ", which was fitted";
-  return diagnosis.held_out->is_half
-             ? fmt::format("{} from {:.1f} s on, sizes fitted again without that", diagnosis.held_out->record, diagnosis.held_out->from_time)
-             : diagnosis.held_out->record + ", sizes fitted again without it";
+std::string place_of_gaps(const Diagnosis& diagnosis, const Cause& first, const Record& last) {
+  std::string text = last.name + ", which was fitted";
+  if (diagnosis.held_out) {
+    text = diagnosis.held_out->is_half
+               ? fmt::format("{} from {:.1f} s on, sizes fitted again without that", diagnosis.held_out->record, diagnosis.held_out->from_time)
+               : diagnosis.held_out->record + ", sizes fitted again without it";
+    if (!first.controller_effects.empty()) text += " but the controller's, which saw all of it";
+  }
+  if (diagnosis.probability_unknown > first.probability) text += "; after: with " + name_of(first) + ", which comes nearest and is not the answer";
+  return text;
 }
 
 // "drive 96 %, house 3 %"
@@ -305,18 +310,17 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
     std::optional<controller::ControllerSettings> controller;
     if (!options.controller.empty()) controller = controller::load_controller_file(options.controller).settings;
 
-    diagnosis::AdmissionSettings admission;
-    admission.total_ratio = nominal.crane.drive.gearbox_ratio * nominal.crane.drive.pinion_ratio;
-    if (controller) admission.rated_torque = controller->rated_torque;
-    const double level = nominal.crane.boom.length * std::cos(nominal.crane.boom.angle);
-    admission.radius = {nominal.crane.house.sensor_radius, nominal.crane.boom.pivot_radius,
-                        nominal.crane.boom.pivot_radius + 0.5 * level, nominal.crane.boom.pivot_radius + level};
+    const diagnosis::AdmissionSettings admission = diagnosis::admission_for(nominal.crane, controller ? controller->rated_torque : 0.0);
     std::vector<Record> records;
     for (const std::filesystem::path& log : options.logs) {
       const msgs::RunLogs logs = msgs::read_run_logs(log);
       for (std::size_t r = 0; r < logs.runs.size(); ++r) {
         const std::string name = logs.runs.size() == 1 ? log.string() : fmt::format("{} run {}", log.string(), r + 1);
         records.push_back(diagnosis::make_record(logs.runs[r], name, admission));
+      }
+      for (const std::string& remark : logs.remarks) records.back().remarks.push_back(log.string() + ": " + remark);
+      if (logs.runs.size() > 1) {
+        records.back().remarks.push_back(fmt::format("{}: holds {} runs, or one whose clock was set back; each is judged on its own", log.string(), logs.runs.size()));
       }
     }
 
@@ -329,8 +333,11 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
         diagnosis::diagnose(nominal, controller, records, settings, std::ref(progress), [] { return common::stop_signal() != 0; });
     progress.keep();
 
+    if (common::stop_signal() != 0) throw diagnosis::Interrupted{};  // what follows takes seconds, and then it is written
     const Cause nothing;
     const Cause& first = found.causes.empty() ? nothing : found.causes.front();
+    // Where no known effect is the answer, nothing is added to the crane; the gap is shown with what comes nearest, and says so.
+    const Cause& answer = found.probability_unknown > first.probability ? nothing : first;
     std::filesystem::create_directories(options.out);
     nlohmann::json json = to_json(found);
     const ToldApartBy apart = told_apart_by(nominal, controller, found);
@@ -340,7 +347,7 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
                                        {"noise_floors", apart[k].noise_floors}, {"advice", advice(apart[k])}});
     }
     const Record& last = *std::find_if(records.begin(), records.end(), [&](const Record& record) { return record.name == found.followed.record; });
-    const std::string place = place_of_gaps(found, last);
+    const std::string place = place_of_gaps(found, first, last);
     std::optional<Predicted> predicted;
     std::vector<diagnosis::SignalGap> before_gaps, after_gaps;
     if (controller) {
@@ -362,7 +369,7 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
     json["crane"] = std::filesystem::absolute(options.crane).string();
     json["modes"] = modes_json(nominal);
     write_whole_file(options.out / "diagnosis.json", json.dump(2) + "\n");
-    const sim::MachineSettings explained = diagnosis::machine_at(nominal, first.point);
+    const sim::MachineSettings explained = diagnosis::machine_at(nominal, answer.point);
     const std::vector<common::EffectInstance>& effects = explained.effects;
     std::string text = fmt::format("include: {}\ndescription: The nominal crane with what slewlab diagnose found.\n",
                                    std::filesystem::absolute(options.crane).string());
@@ -374,7 +381,14 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
     write_whole_file(options.out / "crane_with_effect.yaml", text);
     write_whole_file(options.out / "crane_as_fitted.yaml",
                      "include: crane_with_effect.yaml\ndescription: The same, with the parameters as slewlab diagnose fitted them.\n" +
-                         diagnosis::parameters_text(nominal.crane, first.point.nuisance, "slewlab diagnose"));
+                         diagnosis::parameters_text(nominal.crane, answer.point.nuisance, "slewlab diagnose"));
+    if (!answer.controller_effects.empty()) {
+      write_whole_file(options.out / "controller_with_effect.yaml",
+                       fmt::format("include: {}\ndescription: The nominal controller with what slewlab diagnose found.\n",
+                                   std::filesystem::absolute(options.controller).string()) +
+                           controller::changes_text(*controller, controller::with_effects(*controller, answer.controller_effects),
+                                                    "slewlab diagnose, " + found.verdict));
+    }
     const std::string summary = summary_text(found, apart, before_gaps, after_gaps, place);
     write_whole_file(options.out / "summary.txt", summary);
     out << "\n" << summary << "files: " << options.out.string() << std::endl;

@@ -97,6 +97,7 @@ int withhold_judge(const WithholdScoreOptions& options, std::ostream& out, std::
   diagnosis::withheld::ScoreSettings score;
   score.directory = options.directory;
   score.results = options.results;
+  score.how = options.no_accelerometers ? "encoders and torques alone" : "with accelerometers";
   score.threads = options.threads;
   score.first = options.first;
   score.informed_fits = !options.no_informed_fits;

@@ -172,8 +172,9 @@ ScoreTable tabulate(const std::vector<Judged>& cases) {
     const Given& top = given.front();
     const std::map<std::string, double> probability_of = acting_probabilities(given);
     const bool visible = answer.visibility > kVisible;
-    const bool right = first_is_right(answer, top);
-    refused.push_back(result.refusal.empty() ? 0.0 : 1.0);
+    const bool is_refused = !result.refusal.empty();  // which says nothing, not even that it is unknown
+    const bool right = !is_refused && first_is_right(answer, top);
+    refused.push_back(is_refused ? 1.0 : 0.0);
     seconds.push_back(result.seconds);
     ++table.confusion[label(answer)][result.refusal.empty() ? label(top) : "refused"];
     const auto add = [&](std::vector<double>& of_visible, std::vector<double>& of_all, double value) {
@@ -246,8 +247,8 @@ ScoreTable tabulate(const std::vector<Judged>& cases) {
       if (each_is_visible) each_visible.push_back(right ? 1.0 : 0.0);
     }
     if (is_outside(answer.kind)) {
-      add(unknown, all_unknown, top.unknown ? 1.0 : 0.0);
-      if (visible) (answer.kind == Kind::kLeftOut ? left_out : no_catalogue).push_back(top.unknown ? 1.0 : 0.0);
+      add(unknown, all_unknown, right ? 1.0 : 0.0);
+      if (visible) (answer.kind == Kind::kLeftOut ? left_out : no_catalogue).push_back(right ? 1.0 : 0.0);
     }
   }
 
@@ -401,6 +402,12 @@ std::optional<ScoreTable> score_cases(const ScoreSettings& settings, const Diagn
   if (settings.first > 0) inputs.resize(static_cast<std::size_t>(settings.first));
   const fs::path folder = settings.directory / settings.results;
   fs::create_directories(folder);
+  const fs::path how_file = folder / "how.txt";
+  if (!fs::exists(how_file)) write_whole(how_file, settings.how + "\n");
+  if (const std::string how = read_whole(how_file); how != settings.how + "\n") {
+    throw std::invalid_argument(fmt::format("{} holds results \"{}\", not \"{}\"; give these another folder with --results", folder.string(),
+                                            how.substr(0, how.find('\n')), settings.how));
+  }
   std::mutex mutex;
   int done = 0;
   const int all = static_cast<int>(inputs.size());

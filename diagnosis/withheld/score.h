@@ -97,6 +97,7 @@ struct ScoreSettings {
   std::string results = "results";  // folder in it; another one for other sensors or settings
   int threads = 2;
   int first = 0;  // only so many, from the beginning of the set; 0: all
+  std::string how = "with accelerometers";  // one line; a folder takes results of one kind alone
   bool informed_fits = true;  // false: none are made, and the gap's share counts those that are there already
 };
 

@@ -21,34 +21,11 @@
 #include "diagnosis/prediction.h"
 #include "sim/crane_file.h"
 #include "sim/effects/catalogue.h"
+#include "tests/diagnosis/bench.h"
 #include "tests/diagnosis/simulated_log.h"
 
 namespace slewlab::diagnosis {
 namespace {
-
-struct Bench {
-  sim::CraneParameters crane;
-  controller::ControllerSettings controller;
-  AdmissionSettings admission;
-};
-
-const Bench& bench() {
-  static const Bench kBench = [] {
-    Bench b;
-    b.crane = sim::load_crane_file(SLEWLAB_SOURCE_DIR "/config/cranes/thesis.yaml").parameters;
-    b.controller = controller::load_controller_file(SLEWLAB_SOURCE_DIR "/config/controllers/thesis.yaml").settings;
-    b.admission = {.rated_torque = b.controller.rated_torque,
-                   .total_ratio = b.controller.total_ratio,
-                   .radius = {b.crane.house.sensor_radius, b.crane.boom.pivot_radius, 17.5, 31.3}};
-    return b;
-  }();
-  return kBench;
-}
-
-// To one side and back without crossing the play, then inching.
-const std::vector<Move> kThereAndBack{{2.0, 0.5}, {10.0, 0.0}, {14.0, -0.5}, {20.0, 0.0}};
-const std::vector<Move> kInching{{2.0, 0.25}, {6.0, 0.0}, {10.0, -0.25}, {14.0, 0.0}, {18.0, 0.25}, {21.0, 0.0}};
-constexpr double kDuration = 24.0;  // [s]
 
 sim::CraneParameters spread_crane(unsigned seed) {
   std::mt19937 generator(seed);
@@ -80,20 +57,6 @@ Diagnosis diagnose_machine(const std::vector<common::EffectInstance>& effects,
   truth.effects = effects;
   return diagnose_truth(truth, controller, seed, settings);
 }
-
-// What the bench's nominal crane is fitted to.
-struct BenchProblem : Problem {
-  BenchProblem() {
-    nominal.crane = bench().crane;
-    gains = shadow_gains(bench().crane);
-    latency_deviation = kLatencyDeviation;
-  }
-  void add(const Record& record) {
-    const Shadow follower = shadow(nominal, record, gains);
-    whitening.push_back(make_whitening(record, trusted_stretches(record, follower), gains, follower, {}));
-    records.push_back(record);
-  }
-};
 
 // A ramp far from the settings' makes a replayed integral run away; its own times and shape are exact, so the fit must be.
 TEST(FitController, FindsARampFarFromTheSettings) {
@@ -609,143 +572,6 @@ TEST(Diagnose, DoubtsThatAnotherCraneIsTheNominalOne) {
   EXPECT_TRUE(std::any_of(found.remarks.begin(), found.remarks.end(), [](const std::string& remark) {
     return remark.find("cannot tell whether this is another crane") != std::string::npos;
   })) << found.verdict;
-}
-
-class Admission : public testing::Test {
- protected:
-  Admission() {
-    sim::MachineSettings truth;
-    truth.crane = bench().crane;
-    log_ = simulated_log(truth, bench().controller, kThereAndBack, 12.0, 3);
-  }
-  std::string refusal() {
-    try {
-      make_record(log_, "log", bench().admission);
-    } catch (const NotAdmitted& problem) {
-      return problem.what();
-    }
-    return "";
-  }
-  msgs::RunLog log_;
-};
-
-TEST_F(Admission, TakesASoundLog) { EXPECT_EQ(refusal(), ""); }
-
-TEST_F(Admission, RefusesMissingTorques) {
-  log_.torque.clear();
-  EXPECT_NE(refusal().find("no TORQUE"), std::string::npos);
-}
-
-TEST_F(Admission, RefusesAGapAndSaysWhere) {
-  log_.encoder.erase(log_.encoder.begin() + 5000, log_.encoder.begin() + 5100);
-  EXPECT_NE(refusal().find("gap of 0.101 s in ENCODER at 4.999 s"), std::string::npos) << refusal();
-}
-
-TEST_F(Admission, RefusesAClockThatJumpsBack) {
-  for (std::size_t n = 6000; n < log_.sensors.size(); ++n) log_.sensors[n].simulated_time -= 500000000;
-  EXPECT_NE(refusal().find("clock of SENSORS jumps back"), std::string::npos) << refusal();
-}
-
-TEST_F(Admission, RefusesAFrozenAccelerometer) {
-  for (std::size_t n = 4000; n < log_.sensors.size(); ++n) log_.sensors[n].tip_acceleration = log_.sensors[4000].tip_acceleration;
-  EXPECT_NE(refusal().find("acceleration at the tip is frozen"), std::string::npos) << refusal();
-}
-
-TEST_F(Admission, RefusesAClippedAccelerometer) {
-  for (auto& sensors : log_.sensors) sensors.tip_acceleration = std::clamp(sensors.tip_acceleration, -0.1, 0.1);
-  EXPECT_NE(refusal().find("clipped"), std::string::npos) << refusal();
-}
-
-TEST_F(Admission, NamesTheUnitThatWouldFit) {
-  for (auto& encoder : log_.encoder) {
-    for (double& speed : encoder.shaft_speed) speed *= 60.0 / (2.0 * std::numbers::pi);
-  }
-  EXPECT_NE(refusal().find("revolutions per minute"), std::string::npos) << refusal();
-}
-
-TEST_F(Admission, NamesATurnedSign) {
-  for (auto& encoder : log_.encoder) {
-    for (double& speed : encoder.shaft_speed) speed = -speed;
-  }
-  EXPECT_NE(refusal().find("sign is turned"), std::string::npos) << refusal();
-}
-
-TEST_F(Admission, NamesATurnedAccelerometer) {
-  for (auto& sensors : log_.sensors) sensors.house_acceleration = -sensors.house_acceleration;
-  EXPECT_NE(refusal().find("acceleration at the house"), std::string::npos) << refusal();
-  EXPECT_NE(refusal().find("sign is turned"), std::string::npos) << refusal();
-  for (auto& sensors : log_.sensors) {
-    sensors.house_acceleration = -sensors.house_acceleration;
-    sensors.tip_acceleration = -sensors.tip_acceleration;
-  }
-  EXPECT_NE(refusal().find("acceleration at the tip"), std::string::npos) << refusal();
-}
-
-// On a vessel that rolls the accelerometers weigh gravity: what stands near the slew axis shows more of it than of slewing, and
-// that is no turned sign.
-TEST_F(Admission, TakesARollForNoTurnedSign) {
-  sim::MachineSettings truth;
-  truth.crane = bench().crane;
-  truth.effects = {{"vessel_roll", {0.007, 8.0, 0.0, 1.57, 18.0}}};
-  const std::vector<Move> in_its_rhythm{{2.0, 0.5}, {6.0, 0.0}, {10.0, 0.5}, {14.0, 0.0}, {18.0, 0.5}, {22.0, 0.0}};
-  for (int eighth = -3; eighth <= 4; ++eighth) {
-    truth.effects[0].values[2] = 0.25 * std::numbers::pi * eighth;
-    log_ = simulated_log(truth, bench().controller, in_its_rhythm, kDuration, 4);
-    EXPECT_EQ(refusal(), "") << eighth;
-  }
-}
-
-TEST_F(Admission, RefusesNotANumber) {
-  log_.encoder[100].shaft_speed[1] = std::nan("");
-  EXPECT_NE(refusal().find("shaft speed of group 2 is not a number at 0.100 s"), std::string::npos) << refusal();
-}
-
-// Why a wrong unit is refused and not bridged: taken as it is, a crane with nothing missing would be found to miss
-// more torque than its motors have.
-TEST_F(Admission, AWrongUnitWouldIndeedHaveGivenAWrongAnswer) {
-  Record record = make_record(log_, "log", bench().admission);
-  for (double& rate : record.position_rate[0]) rate *= 60.0 / (2.0 * std::numbers::pi);
-  for (double& position : record.shaft_position[0]) position *= 60.0 / (2.0 * std::numbers::pi);
-  sim::MachineSettings nominal;
-  nominal.crane = bench().crane;
-  const Shadow follower = shadow(nominal, record, shadow_gains(nominal.crane));
-  double missing = 0.0;
-  for (const double torque : follower.missing_torque[0]) missing = std::max(missing, std::fabs(torque));
-  EXPECT_GT(missing, bench().controller.rated_torque);
-}
-
-// The mean square that parameters alone leave of a record, taken as it is.
-double left_by_parameters(const Record& record) {
-  BenchProblem problem;
-  problem.add(record);
-  return fit_nuisances(problem, nominal_fit(problem)).mean_square;
-}
-
-// What is refused would indeed have been answered wrongly: in the crane of this log nothing is missing, and with each of these
-// faults bridged in silence parameters would leave several times what noise makes, which is a gap that no crane has.
-TEST_F(Admission, WhatIsRefusedWouldHaveLookedLikeAGap) {
-  const Record sound = make_record(log_, "log", bench().admission);
-  EXPECT_LT(left_by_parameters(sound), 1.2);
-
-  Record late = sound;  // a clock that jumps back by half a second
-  for (std::size_t n = late.size() / 2; n < late.size(); ++n) late.acceleration[kTip][n] = sound.acceleration[kTip][n - 500];
-  EXPECT_GT(left_by_parameters(late), 3.0);
-
-  Record gap = sound;  // a second without sensors, the last value held
-  for (std::size_t n = 4000; n < 5000; ++n) gap.acceleration[kTip][n] = sound.acceleration[kTip][3999];
-  EXPECT_GT(left_by_parameters(gap), 3.0);
-
-  Record frozen = sound;
-  for (std::size_t n = 4000; n < frozen.size(); ++n) frozen.acceleration[kTip][n] = sound.acceleration[kTip][4000];
-  EXPECT_GT(left_by_parameters(frozen), 3.0);
-
-  Record clipped = sound;
-  for (double& acceleration : clipped.acceleration[kTip]) acceleration = std::clamp(acceleration, -0.1, 0.1);
-  EXPECT_GT(left_by_parameters(clipped), 3.0);
-
-  Record turned = sound;
-  for (double& acceleration : turned.acceleration[kTip]) acceleration = -acceleration;
-  EXPECT_GT(left_by_parameters(turned), 3.0);
 }
 
 }  // namespace

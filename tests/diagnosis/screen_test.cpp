@@ -63,7 +63,7 @@ TEST(Screen, StartsFromEveryCombinationOfValuesWorthATry) {
   }
   EXPECT_GT(combinations.size(), 3u);
   std::set<std::vector<double>> different;
-  for (const common::EffectInstance& start : starts_of(about)) {
+  for (const common::EffectInstance& start : starts_of(about, 30.0)) {
     EXPECT_TRUE(different.insert(start.values).second);
   }
   for (const std::vector<double>& values : combinations) EXPECT_TRUE(different.contains(values));
@@ -79,7 +79,7 @@ TEST(Screen, StartsFromEveryCombinationOfValuesWorthATry) {
 TEST(Screen, FindsABeginningAndAnEndFromBeginningsAlone) {
   const common::EffectAbout& about = about_effect("hoisting");
   std::vector<Screened> endless;
-  for (const common::EffectInstance& start : starts_of(about)) {
+  for (const common::EffectInstance& start : starts_of(about, 30.0)) {
     if (start.values[about.spell->duration] < about.parameters[about.spell->duration].upper) continue;
     Eigen::VectorXd ramp(600);  // 30 s
     for (Eigen::Index k = 0; k < ramp.size(); ++k) ramp(k) = std::max(0.0, 0.05 * static_cast<double>(k) - start.values[about.spell->begin]);

@@ -77,6 +77,7 @@ inline msgs::RunLog simulated_log(sim::Machine machine, controller::ControllerSe
     torque.sequence = n;
     torque.simulated_time = now;
     torque.answered_sequence = n;
+    torque.enable = true;
     torque.group_count = groups;
     for (std::size_t g = 0; g < static_cast<std::size_t>(groups); ++g) {
       torque.motor_torque.push_back(output.motor_torque[g]);

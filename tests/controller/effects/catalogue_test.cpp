@@ -2,7 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
+#include <sstream>
 #include <stdexcept>
+#include <string>
+
+#include "controller/controller_file.h"
 
 namespace slewlab::controller {
 namespace {
@@ -33,6 +39,37 @@ TEST(ControllerEffects, AbsentSizesChangeNothing) {
     EXPECT_EQ(same.ramp.curved_share, 0.3) << effect->about.name;
     EXPECT_EQ(same.play_compensation.points[0].half_1, 0.10) << effect->about.name;
     EXPECT_EQ(same.speed_filter_time, 0.0) << effect->about.name;
+  }
+}
+
+// What a diagnosis found of a controller can be written as a file over the nominal one, and read again to the bit.
+TEST(ControllerEffects, SurviveAFileOverTheNominalOne) {
+  const std::filesystem::path nominal_file = SLEWLAB_SOURCE_DIR "/config/controllers/thesis.yaml";
+  const ControllerSettings nominal = load_controller_file(nominal_file).settings;
+  EXPECT_EQ(changes_text(nominal, nominal, "test"), "");
+  const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "controller_with_effect.yaml";
+  for (const ControllerEffect* effect : effect_catalogue()) {
+    const ControllerSettings changed = with_effects(nominal, {common::typical_instance(effect->about)});
+    const std::string changes = changes_text(nominal, changed, "test");
+    EXPECT_NE(changes, "") << effect->about.name;
+    std::ofstream(file) << "include: " << nominal_file.string() << "\n" << changes;
+    const ControllerSettings read = load_controller_file(file).settings;
+    EXPECT_EQ(changes_text(changed, read, "test"), "") << effect->about.name;
+  }
+  std::filesystem::remove(file);
+}
+
+// docs/effects/NAME.md states what the code has: one table row per parameter with its bounds.
+TEST(ControllerEffects, EveryEffectHasItsPage) {
+  for (const common::EffectAbout* about : effect_abouts()) {
+    const std::filesystem::path page = std::filesystem::path(SLEWLAB_SOURCE_DIR) / "docs" / "effects" / (std::string(about->name) + ".md");
+    std::ifstream file(page);
+    ASSERT_TRUE(file) << page;
+    std::stringstream text;
+    text << file.rdbuf();
+    for (const common::EffectParameter& p : about->parameters) {
+      EXPECT_NE(text.str().find(common::parameter_row(p)), std::string::npos) << page << "\n" << common::parameter_row(p);
+    }
   }
 }
 

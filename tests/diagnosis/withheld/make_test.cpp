@@ -140,6 +140,12 @@ TEST_F(MakeTest, ScoringIsTakenUpWhereItStopped) {
   EXPECT_TRUE(score_cases(score, diagnose, {}).has_value());
   EXPECT_EQ(diagnosed, 2);
   EXPECT_TRUE(fs::exists(set_ / "results" / "score.json"));
+  // Results of other sensors do not mix with them.
+  ScoreSettings other = score;
+  other.how = "encoders and torques alone";
+  EXPECT_THROW(score_cases(other, diagnose, {}), std::invalid_argument);
+  other.results = "encoders";
+  EXPECT_TRUE(score_cases(other, diagnose, {}).has_value());
 }
 
 TEST_F(MakeTest, InformedFitsAreMadeOnceForNamedEffectsAndNotWhereTheyAreDeclined) {

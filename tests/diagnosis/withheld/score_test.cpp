@@ -92,6 +92,15 @@ TEST(Score, UnknownIsDueOutsideTheCatalogueAndWrongWithin) {
   EXPECT_EQ(table.failures.size(), 2u);
 }
 
+// To refuse is not to say that a cause is in no catalogue.
+TEST(Score, ARefusalIsRightNowhere) {
+  Judged refused = judged(Kind::kLeftOut, {"lag"}, 9, {}, 0.0, false);
+  refused.result.refusal = "gears that knock all the time";
+  const ScoreTable table = tabulate({refused});
+  EXPECT_DOUBLE_EQ(score_named(table, "\"not in the catalogue\" where due").value, 0.0);
+  EXPECT_EQ(table.failures.size(), 1u);
+}
+
 TEST(Score, BothOfTwoAreNamedTogetherInAnyOrder) {
   const ScoreTable table =
       tabulate({judged(Kind::kTwoEffects, {"lag", "wind"}, 9, {cause({"wind", "lag"}, 0.8)}, 0, true),

@@ -1,0 +1,194 @@
+#include "diagnosis/plausibility.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <vector>
+
+namespace slewlab::diagnosis {
+
+namespace {
+
+constexpr double kSlow = 0.4;         // [s] half width of what is slower than the boom
+constexpr double kGross = 3.0;        // factors within it may be a crane's own
+constexpr double kClose = 0.9;        // correlation from which a factor between torques means anything
+constexpr double kStandsStill = 1.0;  // [s] of one and the same torque
+constexpr double kJump = 0.5;         // [rad] of a position in one step beyond what its speed says: no filter is as late as that
+constexpr double kTurnsBy = 0.15;     // share of the torques' range by which what is needed may change meanwhile
+
+// Least-squares slope of y on x, and the correlation.
+struct Fit {
+  double slope, correlation;
+};
+Fit fit_line(const std::vector<double>& x, const std::vector<double>& y) {
+  double xx = 0, xy = 0, yy = 0;
+  for (std::size_t n = 0; n < x.size(); ++n) {
+    xx += x[n] * x[n];
+    xy += x[n] * y[n];
+    yy += y[n] * y[n];
+  }
+  if (xx == 0.0 || yy == 0.0) return {0.0, 0.0};
+  return {xy / xx, xy / std::sqrt(xx * yy)};
+}
+
+// Low-passed derivative of a series, for sign and unit checks: mean slope over `width` samples.
+std::vector<double> smooth_slope(const std::vector<double>& values, std::size_t width, double step) {
+  std::vector<double> slope(values.size(), 0.0);
+  for (std::size_t n = width; n + width < values.size(); ++n) {
+    slope[n] = (values[n + width] - values[n - width]) / (2.0 * static_cast<double>(width) * step);
+  }
+  return slope;
+}
+
+std::vector<double> smooth(const std::vector<double>& values, std::size_t width) {
+  std::vector<double> result(values.size(), 0.0);
+  double sum = 0.0;
+  for (std::size_t n = 0; n < values.size(); ++n) {
+    sum += values[n];
+    if (n >= 2 * width + 1) sum -= values[n - 2 * width - 1];
+    if (n >= width) result[n - width] = sum / static_cast<double>(2 * width + 1);
+  }
+  return result;
+}
+
+// What factor between two signals that should be equal would bring them together, in words.
+struct Known {
+  double factor;
+  std::string words;
+};
+std::string explain_factor(double factor, const std::vector<Known>& known_factors) {
+  const double size = std::fabs(factor);
+  std::string words;
+  for (const Known& known : known_factors) {
+    if (size > 0.75 * known.factor && size < 1.33 * known.factor) words = known.words;
+  }
+  if (factor < 0) words += words.empty() ? "its sign is turned" : ", and its sign is turned";
+  return words;
+}
+
+// Of a speed over the rate of its position.
+std::vector<Known> speed_factors(double total_ratio) {
+  constexpr double kTurn = 2.0 * std::numbers::pi;
+  return {{60.0 / kTurn, "the speed looks like revolutions per minute; rad/s is wanted"},
+          {360.0 / kTurn, "the speed looks like degrees per second; rad/s is wanted"},
+          {kTurn / 360.0, "the position looks like degrees; radians are wanted"},
+          {1.0 / kTurn, "the speed looks like revolutions per second; rad/s is wanted"},
+          {kTurn, "the position looks like revolutions; radians are wanted"},
+          {total_ratio, "the position looks like the slew axis's; the motor shaft's is wanted"},
+          {1.0 / total_ratio, "the speed looks like the slew axis's; the motor shaft's is wanted"}};
+}
+
+const std::vector<Known> kAccelerationFactors{{1.0 / 9.81, "it looks like multiples of g; m/s^2 are wanted"},
+                                              {9.81, "it looks like m/s^2 that were multiplied by g"},
+                                              {1000.0, "it looks like mm/s^2; m/s^2 are wanted"},
+                                              {1000.0 / 9.81, "it looks like thousandths of g; m/s^2 are wanted"}};
+
+}  // namespace
+
+void check_units(const Record& record, const AdmissionSettings& settings) {
+  const auto width = static_cast<std::size_t>(std::lround(0.05 / record.step));
+  for (int g = 0; g < record.group_count; ++g) {
+    const auto i = static_cast<std::size_t>(g);
+    const std::vector<double> derived = smooth_slope(record.shaft_position[i], width, record.step);
+    const std::vector<double> speed = smooth(record.shaft_speed[i], width);
+    const Fit fit = fit_line(derived, speed);
+    if (fit.correlation != 0.0 && (std::fabs(fit.correlation) < 0.8 || fit.slope < 0.8 || fit.slope > 1.25)) {
+      const std::string words = explain_factor(fit.slope, speed_factors(settings.total_ratio));
+      throw NotAdmitted(fmt::format("{}: shaft speed of group {} is {:.4g} times the rate of its position (correlation "
+                                    "{:.2f}){}{}; check sign, unit and gear ratio of both columns",
+                                    record.name, g + 1, fit.slope, fit.correlation, words.empty() ? "" : ": ", words));
+    }
+    for (std::size_t n = 1; n < record.size(); ++n) {
+      const double turned = record.shaft_position[i][n] - record.shaft_position[i][n - 1];
+      const double expected = 0.5 * record.step * (record.shaft_speed[i][n] + record.shaft_speed[i][n - 1]);
+      if (std::fabs(turned - expected) > kJump) {
+        throw NotAdmitted(fmt::format("{}: shaft position of group {} jumps by {:.4g} rad at {:.3f} s, where its speed turns it by {:.2g} rad; a counter "
+                                      "that was set anew? Cut the log there, or add what it lost",
+                                      record.name, g + 1, turned, record.time(n), expected));
+      }
+    }
+  }
+  // Level accelerations of the house follow the motors' at low frequency: a = r_sensor * theta'' / ratio.
+  const auto slow = static_cast<std::size_t>(std::lround(kSlow / record.step));
+  std::vector<double> mean_speed(record.size(), 0.0);
+  for (int g = 0; g < record.group_count; ++g) {
+    for (std::size_t n = 0; n < record.size(); ++n) {
+      mean_speed[n] += record.shaft_speed[static_cast<std::size_t>(g)][n] / (record.group_count * settings.total_ratio);
+    }
+  }
+  const std::vector<double> angular = smooth(smooth_slope(mean_speed, slow, record.step), slow);
+  for (int a = 0; a < kAccelerometerCount; ++a) {
+    const auto i = static_cast<std::size_t>(a);
+    if (record.acceleration[i].empty() || settings.radius[i] <= 0.0) continue;
+    const std::vector<double> level = smooth(smooth(record.acceleration[i], slow), slow);
+    const Fit fit = fit_line(angular, level);
+    const double factor = fit.slope / settings.radius[i];
+    // A flexible boom swings about the level value, so only gross factors and signs are told from it. What stands on the stiff house
+    // must follow closely before it is refused: near the axis a rolling vessel's gravity is larger than any slewing.
+    const double close = a == kHouse || a == kPivot ? 0.97 : 0.7;
+    if (std::fabs(fit.correlation) > close && (factor < 1.0 / kGross || factor > kGross)) {
+      const std::string words = explain_factor(factor, kAccelerationFactors);
+      throw NotAdmitted(fmt::format("{}: acceleration at the {} is {:.3g} times what the motors' speed and its radius "
+                                    "of {:.1f} m give{}{}; check sign, unit and place of the sensor",
+                                    record.name, accelerometer_name(a), factor, settings.radius[i],
+                                    words.empty() ? "" : ": ", words));
+    }
+  }
+  double largest = 0.0;
+  for (int g = 0; g < record.group_count; ++g) {
+    for (const double torque : record.motor_torque[static_cast<std::size_t>(g)]) largest = std::max(largest, std::fabs(torque));
+  }
+  if (settings.rated_torque > 0.0 && largest > 5.0 * settings.rated_torque) {
+    throw NotAdmitted(fmt::format("{}: torque commands reach {:.4g} where one motor's rated torque is {:.4g} Nm; Nm per "
+                                  "motor on the fast axis are wanted, not {}",
+                                  record.name, largest, settings.rated_torque,
+                                  largest > 50.0 * settings.rated_torque ? "torques on the slew axis" : "sums over a group"));
+  }
+}
+
+void check_torques(const Record& record, const Shadow& follower, const sim::CraneParameters& nominal) {
+  // Of one motor, the mean of all groups: the gears carry torque from one to the other.
+  std::vector<double> recorded(record.size(), 0.0), needed(record.size(), 0.0);
+  for (int g = 0; g < record.group_count; ++g) {
+    const auto i = static_cast<std::size_t>(g);
+    for (std::size_t n = 0; n < record.size(); ++n) {
+      recorded[n] += record.motor_torque[i][n] / record.group_count;
+      needed[n] += (record.motor_torque[i][n] + follower.missing_torque[i][n]) / record.group_count;
+    }
+  }
+  const auto slow = static_cast<std::size_t>(std::lround(kSlow / record.step));
+  const std::vector<double> slow_recorded = smooth(recorded, slow), slow_needed = smooth(needed, slow);
+  const Fit fit = fit_line(slow_needed, slow_recorded);
+  if (std::fabs(fit.correlation) > kClose && (fit.slope < 1.0 / kGross || fit.slope > kGross)) {
+    const int motors = nominal.drive.motors_per_group, all_motors = motors * nominal.drive.group_count;
+    const double ratio = nominal.drive.gearbox_ratio * nominal.drive.pinion_ratio;
+    const std::string words = explain_factor(fit.slope, {{static_cast<double>(motors), fmt::format("it looks like the sum over a group's {} motors", motors)},
+                                                         {static_cast<double>(all_motors), fmt::format("it looks like the sum over all {} motors", all_motors)},
+                                                         {ratio, "it looks like the torque on the slew axis"},
+                                                         {all_motors * ratio, "it looks like the sum over all motors on the slew axis"},
+                                                         {0.001, "it looks like kN m"},
+                                                         {0.01, "it looks like a share of the rated torque"}});
+    throw NotAdmitted(fmt::format("{}: torque commands are {:.3g} times what the nominal crane needs for this motion (correlation {:.2f}){}{}; Nm per "
+                                  "motor on the fast axis are wanted: check sign and unit, or whether this is another crane than the nominal one",
+                                  record.name, fit.slope, fit.correlation, words.empty() ? "" : ": ", words));
+  }
+  const auto [lowest, highest] = std::minmax_element(slow_needed.begin(), slow_needed.end());
+  const auto limit = static_cast<std::size_t>(kStandsStill / record.step);
+  for (std::size_t begin = 0, n = 1; n <= recorded.size(); ++n) {
+    if (n < recorded.size() && recorded[n] == recorded[begin]) continue;
+    if (n - begin > limit && recorded[begin] != 0.0) {
+      const auto [low, high] = std::minmax_element(slow_needed.begin() + static_cast<std::ptrdiff_t>(begin), slow_needed.begin() + static_cast<std::ptrdiff_t>(n));
+      if (*high - *low > kTurnsBy * (*highest - *lowest)) {
+        throw NotAdmitted(fmt::format("{}: torque commands are frozen at {:.6g} Nm from {:.3f} s to {:.3f} s, where the nominal crane needs {:.3g} to {:.3g} Nm; "
+                                      "cut the log there, or record the commands anew",
+                                      record.name, recorded[begin], record.time(begin), record.time(n - 1), *low, *high));
+      }
+    }
+    begin = n;
+  }
+}
+
+}  // namespace slewlab::diagnosis

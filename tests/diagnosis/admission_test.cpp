@@ -1,0 +1,402 @@
+// What is no log to judge is refused, with the place, the reason and what would fit; and each time what would have been answered
+// otherwise is wrong: nothing is missing in the crane of these logs.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <numbers>
+#include <string>
+
+#include "diagnosis/controller_replay.h"
+#include "diagnosis/plausibility.h"
+#include "tests/diagnosis/bench.h"
+
+namespace slewlab::diagnosis {
+namespace {
+
+class Admission : public testing::Test {
+ protected:
+  Admission() {
+    sim::MachineSettings truth;
+    truth.crane = bench().crane;
+    log_ = simulated_log(truth, bench().controller, kThereAndBack, 12.0, 3);
+  }
+  // As diagnose() admits it.
+  std::string refusal() const {
+    try {
+      const Record record = make_record(log_, "log", bench().admission);
+      sim::MachineSettings nominal;
+      nominal.crane = bench().crane;
+      check_torques(record, shadow(nominal, record, shadow_gains(nominal.crane)), nominal.crane);
+      check_replayable(record);
+    } catch (const NotAdmitted& problem) {
+      return problem.what();
+    }
+    return "";
+  }
+  msgs::RunLog log_;
+};
+
+TEST_F(Admission, TakesASoundLog) { EXPECT_EQ(refusal(), ""); }
+
+TEST_F(Admission, RefusesMissingEncoders) {
+  log_.encoder.clear();
+  EXPECT_NE(refusal().find("no ENCODER"), std::string::npos) << refusal();
+}
+
+TEST_F(Admission, RefusesMissingTorques) {
+  log_.torque.clear();
+  EXPECT_NE(refusal().find("no TORQUE"), std::string::npos);
+}
+
+TEST_F(Admission, RefusesAGapAndSaysWhere) {
+  log_.encoder.erase(log_.encoder.begin() + 5000, log_.encoder.begin() + 5100);
+  EXPECT_NE(refusal().find("gap of 0.101 s in ENCODER at 4.999 s"), std::string::npos) << refusal();
+}
+
+TEST_F(Admission, RefusesAGapInTheCommands) {
+  log_.torque.erase(log_.torque.begin() + 5000, log_.torque.begin() + 6000);
+  EXPECT_NE(refusal().find("gap of 1.001 s in TORQUE at 4.999 s"), std::string::npos) << refusal();
+}
+
+// A channel's clock that is set back by more than a second ends up in another part of the log than ENCODER's (msgs/run_log.h): the part
+// then has sensors of another time than its encoders.
+TEST_F(Admission, RefusesChannelsThatCoverDifferentTimes) {
+  for (msgs::Sensors& sensors : log_.sensors) sensors.simulated_time -= 2'000'000'000;
+  EXPECT_NE(refusal().find("SENSORS goes from -1.999 s to 9.999 s, ENCODER from 0.000 s to 11.999 s"), std::string::npos) << refusal();
+  for (msgs::Sensors& sensors : log_.sensors) sensors.simulated_time += 2'000'000'000;
+  log_.torque.resize(9000);
+  EXPECT_NE(refusal().find("TORQUE goes from 0.000 s to 8.999 s"), std::string::npos) << refusal();
+}
+
+TEST_F(Admission, RefusesAClockThatJumpsBack) {
+  for (std::size_t n = 6000; n < log_.sensors.size(); ++n) log_.sensors[n].simulated_time -= 500000000;
+  EXPECT_NE(refusal().find("clock of SENSORS jumps back"), std::string::npos) << refusal();
+}
+
+TEST_F(Admission, RefusesAFrozenAccelerometer) {
+  for (std::size_t n = 4000; n < log_.sensors.size(); ++n) log_.sensors[n].tip_acceleration = log_.sensors[4000].tip_acceleration;
+  EXPECT_NE(refusal().find("acceleration at the tip is frozen"), std::string::npos) << refusal();
+}
+
+TEST_F(Admission, RefusesAFrozenSpeed) {
+  for (std::size_t n = 4000; n < log_.encoder.size(); ++n) log_.encoder[n].shaft_speed[1] = log_.encoder[4000].shaft_speed[1];
+  EXPECT_NE(refusal().find("shaft speed of group 2 is frozen"), std::string::npos) << refusal();
+}
+
+// A drive that tells its speed in coarse steps says the same for seconds, and is right.
+TEST_F(Admission, TakesACoarseSpeed) {
+  constexpr double kSpeedStep = 2.0;  // [rad/s] 3 % of what is reached here
+  for (msgs::Encoder& encoder : log_.encoder) {
+    for (double& speed : encoder.shaft_speed) speed = kSpeedStep * std::round(speed / kSpeedStep);
+  }
+  EXPECT_EQ(refusal(), "");
+}
+
+TEST_F(Admission, RefusesAFrozenPosition) {
+  for (std::size_t n = 4000; n < log_.encoder.size(); ++n) log_.encoder[n].shaft_position[0] = log_.encoder[4000].shaft_position[0];
+  EXPECT_NE(refusal().find("shaft position of group 1 is frozen"), std::string::npos) << refusal();
+  for (msgs::Encoder& encoder : log_.encoder) encoder.shaft_position[0] = 0.0;
+  EXPECT_NE(refusal().find("shaft position of group 1 is frozen at 0"), std::string::npos) << refusal();
+}
+
+TEST_F(Admission, RefusesACounterThatIsSetAnew) {
+  for (std::size_t n = 6000; n < log_.encoder.size(); ++n) log_.encoder[n].shaft_position[0] -= 3.0;
+  EXPECT_NE(refusal().find("shaft position of group 1 jumps"), std::string::npos) << refusal();
+  EXPECT_NE(refusal().find("at 6.000 s"), std::string::npos) << refusal();
+}
+
+TEST_F(Admission, RefusesFrozenCommands) {
+  for (std::size_t n = 3500; n < 9000; ++n) log_.torque[n].motor_torque = log_.torque[3500].motor_torque;
+  EXPECT_NE(refusal().find("torque commands are frozen"), std::string::npos) << refusal();
+  EXPECT_NE(refusal().find("from 3.500 s to 8.999 s"), std::string::npos) << refusal();
+}
+
+TEST_F(Admission, RefusesCommandsThatDoNotDrive) {
+  const msgs::RunLog sound = log_;
+  log_.torque[5000].enable = false;
+  EXPECT_NE(refusal().find("TORQUE does not enable the drives at 5.000 s"), std::string::npos) << refusal();
+  log_ = sound;
+  log_.torque[5000].brake = true;
+  EXPECT_NE(refusal().find("TORQUE applies the brakes at 5.000 s"), std::string::npos) << refusal();
+  log_ = sound;
+  msgs::PlantStatus tripped{};
+  tripped.simulated_time = 5'000'000'000;
+  tripped.drive_state = 2;  // docs/wire.md
+  log_.plant_status.push_back(tripped);
+  EXPECT_NE(refusal().find("the drives are tripped at 5.000 s"), std::string::npos) << refusal();
+  log_ = sound;
+  for (std::size_t n = 0; n < 1000; ++n) log_.torque[n].enable = false;  // standing: nothing to drive
+  EXPECT_EQ(refusal(), "");
+}
+
+TEST_F(Admission, RefusesAControllersLogWithoutTheOperator) {
+  for (msgs::Operator& move : log_.operator_moves) move.speed_request = 0.0;  // as an import without speed_request writes it
+  EXPECT_NE(refusal().find("no OPERATOR message asks for it"), std::string::npos) << refusal();
+  log_.operator_moves.clear();
+  EXPECT_NE(refusal().find("no OPERATOR message asks for it"), std::string::npos) << refusal();
+}
+
+TEST_F(Admission, RefusesAControllersLogThatBeginsInMotion) {
+  log_.encoder.erase(log_.encoder.begin(), log_.encoder.begin() + 5000);
+  log_.torque.erase(log_.torque.begin(), log_.torque.begin() + 5000);
+  log_.sensors.erase(log_.sensors.begin(), log_.sensors.begin() + 5000);
+  EXPECT_NE(refusal().find("when the record begins"), std::string::npos) << refusal();
+}
+
+TEST_F(Admission, RefusesAClippedAccelerometer) {
+  for (auto& sensors : log_.sensors) sensors.tip_acceleration = std::clamp(sensors.tip_acceleration, -0.1, 0.1);
+  EXPECT_NE(refusal().find("clipped"), std::string::npos) << refusal();
+}
+
+TEST_F(Admission, NamesTheUnitThatWouldFit) {
+  for (auto& encoder : log_.encoder) {
+    for (double& speed : encoder.shaft_speed) speed *= 60.0 / (2.0 * std::numbers::pi);
+  }
+  EXPECT_NE(refusal().find("revolutions per minute"), std::string::npos) << refusal();
+}
+
+TEST_F(Admission, NamesTheUnitOfAPosition) {
+  const msgs::RunLog sound = log_;
+  const auto with_positions = [&](double factor) {
+    log_ = sound;
+    for (msgs::Encoder& encoder : log_.encoder) {
+      for (double& position : encoder.shaft_position) position *= factor;
+    }
+    return refusal();
+  };
+  EXPECT_NE(with_positions(180.0 / std::numbers::pi).find("the position looks like degrees"), std::string::npos) << refusal();
+  EXPECT_NE(with_positions(0.5 / std::numbers::pi).find("the position looks like revolutions"), std::string::npos) << refusal();
+  EXPECT_NE(with_positions(1.0 / bench().admission.total_ratio).find("the position looks like the slew axis's"), std::string::npos) << refusal();
+}
+
+TEST_F(Admission, NamesTheUnitOfAnAcceleration) {
+  for (msgs::Sensors& sensors : log_.sensors) sensors.tip_acceleration /= 9.81;
+  EXPECT_NE(refusal().find("acceleration at the tip"), std::string::npos) << refusal();
+  EXPECT_NE(refusal().find("multiples of g"), std::string::npos) << refusal();
+  for (msgs::Sensors& sensors : log_.sensors) sensors.tip_acceleration *= 9.81 * 9.81;
+  EXPECT_NE(refusal().find("multiplied by g"), std::string::npos) << refusal();
+}
+
+TEST_F(Admission, NamesTheSignAndUnitOfTheCommands) {
+  const msgs::RunLog sound = log_;
+  const auto with_torques = [&](double factor) {
+    log_ = sound;
+    for (msgs::Torque& message : log_.torque) {
+      for (double& torque : message.motor_torque) torque *= factor;
+    }
+    return refusal();
+  };
+  EXPECT_NE(with_torques(-1.0).find("its sign is turned"), std::string::npos) << refusal();
+  EXPECT_NE(with_torques(1e-3).find("it looks like kN m"), std::string::npos) << refusal();
+  EXPECT_NE(with_torques(6.0).find("it looks like the sum over all 6 motors"), std::string::npos) << refusal();
+  // Half or twice the torque may be a crane's own: another inertia.
+  EXPECT_EQ(with_torques(0.5), "");
+  EXPECT_EQ(with_torques(2.0), "");
+}
+
+// What large friction, wind or an eccentric load add to the torques is the diagnosis's to find, and no wrong unit.
+TEST_F(Admission, TakesTorquesOfACraneThatMissesMuch) {
+  const std::vector<std::vector<common::EffectInstance>> machines{{{"dragging_brake", {80.0, 0.0, 0.02}}}, {{"heel", {0.05, 1.0}}}, {{"house_inertia", {1.0}}}};
+  for (const std::vector<common::EffectInstance>& effects : machines) {
+    sim::MachineSettings truth;
+    truth.crane = bench().crane;
+    truth.effects = effects;
+    log_ = simulated_log(truth, bench().controller, kThereAndBack, kDuration, 4);
+    EXPECT_EQ(refusal(), "") << effects[0].name;
+  }
+}
+
+TEST_F(Admission, NamesATurnedSign) {
+  for (auto& encoder : log_.encoder) {
+    for (double& speed : encoder.shaft_speed) speed = -speed;
+  }
+  EXPECT_NE(refusal().find("sign is turned"), std::string::npos) << refusal();
+}
+
+TEST_F(Admission, NamesATurnedAccelerometer) {
+  for (auto& sensors : log_.sensors) sensors.house_acceleration = -sensors.house_acceleration;
+  EXPECT_NE(refusal().find("acceleration at the house"), std::string::npos) << refusal();
+  EXPECT_NE(refusal().find("sign is turned"), std::string::npos) << refusal();
+  for (auto& sensors : log_.sensors) {
+    sensors.house_acceleration = -sensors.house_acceleration;
+    sensors.tip_acceleration = -sensors.tip_acceleration;
+  }
+  EXPECT_NE(refusal().find("acceleration at the tip"), std::string::npos) << refusal();
+}
+
+// On a vessel that rolls the accelerometers weigh gravity: what stands near the slew axis shows more of it than of slewing, and
+// that is no turned sign.
+TEST_F(Admission, TakesARollForNoTurnedSign) {
+  sim::MachineSettings truth;
+  truth.crane = bench().crane;
+  truth.effects = {{"vessel_roll", {0.007, 8.0, 0.0, 1.57, 18.0}}};
+  const std::vector<Move> in_its_rhythm{{2.0, 0.5}, {6.0, 0.0}, {10.0, 0.5}, {14.0, 0.0}, {18.0, 0.5}, {22.0, 0.0}};
+  for (int eighth = -3; eighth <= 4; ++eighth) {
+    truth.effects[0].values[2] = 0.25 * std::numbers::pi * eighth;
+    log_ = simulated_log(truth, bench().controller, in_its_rhythm, kDuration, 4);
+    EXPECT_EQ(refusal(), "") << eighth;
+  }
+}
+
+TEST_F(Admission, RefusesNotANumber) {
+  log_.encoder[100].shaft_speed[1] = std::nan("");
+  EXPECT_NE(refusal().find("shaft speed of group 2 is not a number at 0.100 s"), std::string::npos) << refusal();
+}
+
+// The mean square that parameters alone leave of a record, taken as it is.
+double left_by_parameters(const Record& record) {
+  BenchProblem problem;
+  problem.add(record);
+  return fit_nuisances(problem, nominal_fit(problem)).mean_square;
+}
+
+// What is refused would indeed have been answered wrongly: in the crane of this log nothing is missing, and with each of these
+// faults bridged in silence parameters would leave several times what noise makes, which is a gap that no crane has.
+TEST_F(Admission, WhatIsRefusedWouldHaveLookedLikeAGap) {
+  const Record sound = make_record(log_, "log", bench().admission);
+  EXPECT_LT(left_by_parameters(sound), 1.2);
+  const auto left_with = [&](const std::function<void(Record&)>& fault) {
+    Record record = sound;
+    fault(record);
+    return left_by_parameters(record);
+  };
+  const auto each_torque = [](Record& record, auto&& change) {
+    for (std::size_t g = 0; g < 2; ++g) {
+      for (std::size_t n = 0; n < record.size(); ++n) change(record.motor_torque[g], n);
+    }
+  };
+  EXPECT_GT(left_with([&](Record& late) {  // a clock that jumps back by half a second
+    for (std::size_t n = late.size() / 2; n < late.size(); ++n) late.acceleration[kTip][n] = sound.acceleration[kTip][n - 500];
+  }), 3.0);
+  EXPECT_GT(left_with([&](Record& gap) {  // a second without sensors, the last value held
+    for (std::size_t n = 4000; n < 5000; ++n) gap.acceleration[kTip][n] = sound.acceleration[kTip][3999];
+  }), 3.0);
+  EXPECT_GT(left_with([&](Record& gap) {  // a second without commands, the last one held
+    each_torque(gap, [](std::vector<double>& torque, std::size_t n) { if (n >= 5000 && n < 6000) torque[n] = torque[4999]; });
+  }), 3.0);
+  EXPECT_GT(left_with([&](Record& apart) {  // sensors of two seconds later than the encoders
+    for (std::size_t n = 0; n + 2000 < apart.size(); ++n) apart.acceleration[kTip][n] = sound.acceleration[kTip][n + 2000];
+  }), 3.0);
+  EXPECT_GT(left_with([&](Record& frozen) {
+    for (std::size_t n = 4000; n < frozen.size(); ++n) frozen.acceleration[kTip][n] = sound.acceleration[kTip][4000];
+  }), 3.0);
+  EXPECT_GT(left_with([&](Record& frozen) {
+    for (std::size_t n = 4000; n < frozen.size(); ++n) {
+      frozen.shaft_position[0][n] = sound.shaft_position[0][4000];
+      frozen.position_rate[0][n] = 0.0;
+    }
+  }), 3.0);
+  EXPECT_GT(left_with([&](Record& frozen) {
+    each_torque(frozen, [](std::vector<double>& torque, std::size_t n) { if (n >= 4000 && n < 9000) torque[n] = torque[4000]; });
+  }), 3.0);
+  EXPECT_GT(left_with([&](Record& jumping) {
+    for (std::size_t g = 0; g < 2; ++g) {
+      for (std::size_t n = 6000; n < jumping.size(); ++n) jumping.shaft_position[g][n] -= 0.6;
+    }
+  }), 3.0);
+  EXPECT_GT(left_with([&](Record& off) {  // commands that were not driven from 3 s on, as if the drive had followed them
+    each_torque(off, [](std::vector<double>& torque, std::size_t n) { if (n >= 3000) torque[n] += 50.0; });
+  }), 3.0);
+  EXPECT_GT(left_with([&](Record& clipped) {
+    for (double& acceleration : clipped.acceleration[kTip]) acceleration = std::clamp(acceleration, -0.1, 0.1);
+  }), 3.0);
+  EXPECT_GT(left_with([&](Record& turned) {
+    for (double& acceleration : turned.acceleration[kTip]) acceleration = -acceleration;
+  }), 3.0);
+  EXPECT_GT(left_with([&](Record& turned) {
+    each_torque(turned, [](std::vector<double>& torque, std::size_t n) { torque[n] = -torque[n]; });
+  }), 3.0);
+  EXPECT_GT(left_with([&](Record& turns) {  // positions in revolutions
+    for (std::size_t g = 0; g < 2; ++g) {
+      for (double& position : turns.shaft_position[g]) position *= 0.5 / std::numbers::pi;
+      for (double& rate : turns.position_rate[g]) rate *= 0.5 / std::numbers::pi;
+    }
+  }), 3.0);
+}
+
+// The same for the controller's side: it answers as its settings say, and would have been blamed. 0.001 is the share of the torques from
+// which diagnose() says that it answers otherwise.
+TEST_F(Admission, WhatIsRefusedWouldHaveBlamedTheController) {
+  const auto difference = [&] {
+    const ControllerReplay replay = replay_controller(make_record(log_, "log", bench().admission), bench().controller);
+    return replay.difference_rms / replay.torque_rms;
+  };
+  const msgs::RunLog sound = log_;
+  EXPECT_LT(difference(), 1e-9);
+  log_.operator_moves.clear();
+  EXPECT_GT(difference(), 0.1);
+  log_ = sound;
+  log_.encoder.erase(log_.encoder.begin(), log_.encoder.begin() + 5000);
+  log_.torque.erase(log_.torque.begin(), log_.torque.begin() + 5000);
+  log_.sensors.erase(log_.sensors.begin(), log_.sensors.begin() + 5000);
+  EXPECT_GT(difference(), 0.1);
+  log_ = sound;
+  Record in_rpm = make_record(log_, "log", bench().admission);
+  for (msgs::Encoder& encoder : in_rpm.encoder) {
+    for (double& speed : encoder.shaft_speed) speed *= 30.0 / std::numbers::pi;
+  }
+  const ControllerReplay replay = replay_controller(in_rpm, bench().controller);
+  EXPECT_GT(replay.difference_rms, 0.1 * replay.torque_rms);
+}
+
+// A log that lost an ENCODER of a ramp, which is bridged: the controller had it, and computed.
+TEST_F(Admission, AMissingEncoderDoesNotBlameTheController) {
+  log_.encoder.erase(log_.encoder.begin() + 4000);
+  const ControllerReplay replay = replay_controller(make_record(log_, "log", bench().admission), bench().controller);
+  EXPECT_LT(replay.difference_rms, 1e-3 * replay.torque_rms);
+}
+
+// A sensor that is mounted out of the level, or has a zero of its own, tells nothing wrong of the crane.
+TEST_F(Admission, AnAccelerometersOffsetIsNoGap) {
+  for (msgs::Sensors& sensors : log_.sensors) {
+    sensors.house_acceleration += 0.05;
+    sensors.pivot_acceleration -= 0.2;
+    sensors.middle_acceleration += 0.1;
+    sensors.tip_acceleration += 0.3;
+  }
+  EXPECT_LT(left_by_parameters(make_record(log_, "log", bench().admission)), 1.2);
+}
+
+// Accelerometers at a rate and at instants of their own. Lines between their samples are damped and noiseless; they are compared with
+// a shadow that is sampled alike.
+TEST_F(Admission, SlowerSensorsAreNoGap) {
+  std::vector<msgs::Sensors> slow;
+  for (std::size_t n = 0; n + 1 < log_.sensors.size(); n += 10) {
+    msgs::Sensors sensors = log_.sensors[n];
+    const double share = 0.3;  // of a step later, straight between the two
+    sensors.simulated_time += 300'000;
+    sensors.tip_acceleration += share * (log_.sensors[n + 1].tip_acceleration - sensors.tip_acceleration);
+    sensors.middle_acceleration += share * (log_.sensors[n + 1].middle_acceleration - sensors.middle_acceleration);
+    sensors.pivot_acceleration += share * (log_.sensors[n + 1].pivot_acceleration - sensors.pivot_acceleration);
+    sensors.house_acceleration += share * (log_.sensors[n + 1].house_acceleration - sensors.house_acceleration);
+    slow.push_back(sensors);
+  }
+  log_.sensors = slow;
+  const Record record = make_record(log_, "log", bench().admission);
+  EXPECT_DOUBLE_EQ(record.step, 1e-3);
+  EXPECT_LT(left_by_parameters(record), 1.2);
+  Record as_on_grid = record;  // what it would leave if the lines were taken for measurements
+  as_on_grid.sampled_at.clear();
+  EXPECT_GT(left_by_parameters(as_on_grid), 3.0);
+}
+
+// The controller's cycle is a whole number of steps of the grid, or closed loops would run at another rate.
+TEST_F(Admission, TheGridDividesTheControllersCycle) {
+  std::vector<msgs::Encoder> slow;
+  std::vector<msgs::Sensors> sensors;
+  std::vector<msgs::Torque> torque;
+  for (std::size_t n = 0; n < log_.encoder.size(); n += 5) slow.push_back(log_.encoder[n]);
+  for (std::size_t n = 0; n < log_.torque.size(); n += 5) torque.push_back(log_.torque[n]);
+  for (std::size_t n = 1; n < log_.sensors.size(); n += 2) sensors.push_back(log_.sensors[n]);
+  log_.encoder = slow;
+  log_.torque = torque;
+  log_.sensors = sensors;
+  const Record record = make_record(log_, "log", bench().admission);
+  EXPECT_DOUBLE_EQ(record.encoder_period, 5e-3);
+  EXPECT_DOUBLE_EQ(record.step, 5e-3 / 3.0);
+}
+
+}  // namespace
+}  // namespace slewlab::diagnosis
