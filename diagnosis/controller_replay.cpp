@@ -9,18 +9,22 @@ namespace slewlab::diagnosis {
 
 namespace {
 
-constexpr double kStanding = 0.05;    // share of the largest speed that a swinging load may make of a crane at rest
+// Speeds that a swinging load may make of a crane at rest: shares of the largest speed of the record, and of the controller's top speed.
+constexpr double kStanding = 0.05, kCreeping = 2e-3;
 constexpr double kFirstStretch = 0.1;  // [s]
 
 }  // namespace
 
-void check_replayable(const Record& record) {
+void check_replayable(const Record& record, const controller::ControllerSettings& settings) {
   constexpr const char* kRemedy = "or leave --controller out: the crane is then diagnosed alone";
   double largest = 0.0, first = 0.0;
   const auto stretch = std::min(record.size(), static_cast<std::size_t>(kFirstStretch / record.step) + 1);
   for (std::size_t n = 0; n < record.size(); ++n) largest = std::max(largest, std::fabs(record.position_rate[0][n]));
-  for (std::size_t n = 0; n < stretch; ++n) first += record.position_rate[0][n] / static_cast<double>(stretch);
-  if (std::fabs(first) > kStanding * largest) {
+  // Of all groups: play compensation turns them against each other first.
+  for (int g = 0; g < record.group_count; ++g) {
+    for (std::size_t n = 0; n < stretch; ++n) first += record.position_rate[static_cast<std::size_t>(g)][n] / static_cast<double>(stretch) / record.group_count;
+  }
+  if (std::fabs(first) > std::max(kStanding * largest, kCreeping * settings.ramp.top_speed * settings.total_ratio)) {
     throw NotAdmitted(fmt::format("{}: the motors turn at {:.3g} rad/s when the record begins; what the controller knew by then is not in it. Cut the log where "
                                   "the crane stands, {}",
                                   record.name, first, kRemedy));

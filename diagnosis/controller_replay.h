@@ -21,7 +21,7 @@ struct ControllerReplay {
 
 // A controller can only be followed from standstill and with the operator's moves. Throws NotAdmitted where the motors turn when the
 // record begins, and where they turn and nobody asks them to.
-void check_replayable(const Record& record);
+void check_replayable(const Record& record, const controller::ControllerSettings& settings);
 
 // A cycle whose ENCODER is missing from the log is computed with the speed between its neighbours. The settings' period and group count are taken from the record. Throws NotAdmitted where they cannot fit.
 ControllerReplay replay_controller(const Record& record, controller::ControllerSettings settings);

@@ -39,7 +39,9 @@ constexpr double kFarOff = 2.6;                 // [standard deviations] of a pa
 constexpr double kWorthASwing = 2e-3;           // [rad] of the load at a record's beginning: an eighth of a metre below 60 m of rope
 constexpr double kNegligible = 1e-4;            // probability of a part that is not combined further
 constexpr int kHeldOutRounds = 3;               // at most, with fresh columns
-constexpr double kVisible = 10.0;               // sum of squares of a tried size below which records tell nothing
+// Sum of squares V of a typical size below which the effect could not be named: s V pays neither price and Occam's share (some 13) nor the
+// prior of one among forty effects against nothing missing (2 T times 4.3).
+constexpr double kVisible = 130.0;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -358,7 +360,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   tell(0.0, "replaying the controller");
   if (controller) {
     for (const Record& record : problem.records) {
-      check_replayable(record);
+      check_replayable(record, *controller);
       diagnosis.controller_replay.push_back(replay_controller(record, *controller));
       const ControllerReplay& replay = diagnosis.controller_replay.back();
       // On a log of the wire both sides are exact; a thousandth leaves room for logs that were rounded.

@@ -96,7 +96,7 @@ struct Diagnosis {
   std::vector<BandShare> bands;
   std::vector<Moment> moments;
   std::vector<std::string> remarks;
-  std::vector<std::string> not_excited;  // effects of which a typical size changes nothing in these records
+  std::vector<std::string> not_excited;  // effects of which a typical size changes too little in these records to be named
   Followed followed;
   std::optional<HeldOut> held_out;       // nothing where it was not asked for, or the cause has no fit of the machine
   std::int64_t simulations = 0;

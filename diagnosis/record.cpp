@@ -352,7 +352,7 @@ Record make_record(const msgs::RunLog& run, const std::string& name, const Admis
     take(&msgs::Sensors::tip_acceleration, record.acceleration[kTip], "tip acceleration", &record.sampled_acceleration[kTip]);
     take(&msgs::Sensors::slew_angle, record.slew_angle, "slew angle", nullptr);
   } else {
-    record.remarks.push_back(fmt::format("{}: no SENSORS messages; the diagnosis has encoders and torques alone", name));
+    record.remarks.push_back(fmt::format("{}: no SENSORS messages; with encoders and torques alone what is said of house, boom and load is a hint", name));
   }
   for (const msgs::Operator& message : run.operator_moves) {
     record.operator_moves.push_back({message.simulated_time, message.speed_request, message.emergency_stop != 0,

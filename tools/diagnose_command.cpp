@@ -233,7 +233,7 @@ std::string summary_text(const Diagnosis& diagnosis, const ToldApartBy& apart, c
   }
   for (const std::string& remark : diagnosis.remarks) out << "  note: " << remark << "\n";
   if (!diagnosis.not_excited.empty()) {
-    out << fmt::format("\nCannot tell, because a typical size changes nothing in these records: {}\n", fmt::join(diagnosis.not_excited, ", "));
+    out << fmt::format("\nCannot tell, because a typical size changes too little in these records: {}\n", fmt::join(diagnosis.not_excited, ", "));
   }
   out << fmt::format("\n{}\n{} simulations with {:.1f} s in them, {:.1f} s in all\n", diagnosis.verdict, diagnosis.simulations,
                      diagnosis.simulation_seconds, diagnosis.total_seconds);

@@ -29,7 +29,7 @@ class Admission : public testing::Test {
       sim::MachineSettings nominal;
       nominal.crane = bench().crane;
       check_torques(record, shadow(nominal, record, shadow_gains(nominal.crane)), nominal.crane);
-      check_replayable(record);
+      check_replayable(record, bench().controller);
     } catch (const NotAdmitted& problem) {
       return problem.what();
     }

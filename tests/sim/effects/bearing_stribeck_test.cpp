@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "tests/sim/effects/effect_bench.h"
 
@@ -41,6 +42,21 @@ TEST(BearingStribeck, IsCoulombAtSpeed) {
       run(crane, "bearing_stribeck", {1.5e5, 1.5e5, 0.002, 0.0, 0.0}, 4.0, no_drive, {.slew_speed = 0.05});
   const double expected = 1.5e5 / whole_inertia(crane);
   EXPECT_NEAR((samples[1499].house_speed - samples[3499].house_speed) / 2.0, expected, 1e-3 * expected);
+}
+
+// The fall itself: slowed by friction alone, d(omega)/dt = -(T_c + T_s exp(-(omega / omega_s)^2)) / J at every speed on the way down;
+// the quotient over 20 ms against the law at its middle.
+TEST(BearingStribeck, FallsAsTheCurveSays) {
+  const CraneParameters crane = without_play();
+  constexpr double kCoulomb = 1.5e5, kExcess = 3e5, kStribeckSpeed = 0.01;
+  const auto samples = run(crane, "bearing_stribeck", {kCoulomb, kExcess, kStribeckSpeed, 0.0, 0.0}, 15.0, no_drive, {.slew_speed = 0.025});
+  for (const double share : {2.0, 1.0, 0.5}) {
+    const auto passes = std::find_if(samples.begin(), samples.end(), [&](const auto& sample) { return sample.house_speed < share * kStribeckSpeed; });
+    ASSERT_NE(passes, samples.end());
+    const double slope = ((passes + 10)->house_speed - (passes - 10)->house_speed) / ((passes + 10)->time - (passes - 10)->time);
+    const double expected = -(kCoulomb + kExcess * std::exp(-share * share)) / whole_inertia(crane);
+    EXPECT_NEAR(slope, expected, 0.02 * std::fabs(expected)) << share;
+  }
 }
 
 // Without excess it is bearing_coulomb, to the bit.

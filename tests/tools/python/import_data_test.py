@@ -127,6 +127,16 @@ class ImportTest(unittest.TestCase):
             self.assertEqual(self.call(data, MAP.replace("unit: ms", "unit: datetime"), suffix=suffix), (0, ""))
             self.check_log()
 
+    def test_time_from_another_origin(self):
+        late = MAP.replace("origin: first_row", "origin: {value: 4, unit: s, source: trigger}")
+        code, error = self.call(table(), late)
+        self.assertEqual((code, error), (0, ""))
+        times = read_run_log(self.out).channel("ENCODER")["simulated_time"]
+        self.assertEqual(times[0], 1_000_000_000)  # the first row is at 5000 ms
+        self.assertEqual(times[-1], 6_000_000_000)
+        self.out.unlink()
+        self.refused(table(), "origin", "before the origin", text=MAP.replace("origin: first_row", "origin: {value: 6, unit: s, source: trigger}"))
+
     def test_linear_axis(self):
         # x = 0.1 t^2 [m] under 20 N with 5 mm per radian: angle 20 t^2, speed 40 t exactly, torque 0.1 N m.
         text = """kind: import_map
