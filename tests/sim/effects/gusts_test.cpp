@@ -44,6 +44,34 @@ TEST(Gusts, HaveTheDeviationTheyAreGiven) {
   EXPECT_NEAR(std::sqrt(square / static_cast<double>(pressure.size())), 1.225 * kMean * kDeviation, 1.0);
 }
 
+// [-] of a first-order filter's noise between 0.01 and 5 Hz; of all frequencies it would be exp(-lag / correlation_time).
+double correlation(double lag, double correlation_time) {
+  double product = 0.0, square = 0.0;
+  constexpr double kStep = 1e-3;  // [Hz]
+  for (double frequency = 0.01; frequency < 5.0; frequency += kStep) {
+    const double omega = 2.0 * std::numbers::pi * (frequency + 0.5 * kStep);
+    const double power = 1.0 / (1.0 + omega * omega * correlation_time * correlation_time);
+    product += power * std::cos(omega * lag);
+    square += power;
+  }
+  return product / square;
+}
+
+TEST(Gusts, FadeWithTheirCorrelationTime) {
+  constexpr double kStep = 0.02, kCorrelationTime = 5.0;
+  const auto pressure = pressures(kStep, 4000.0, 3);
+  double mean = 0.0, square = 0.0;
+  for (const double p : pressure) mean += p / static_cast<double>(pressure.size());
+  for (const double p : pressure) square += (p - mean) * (p - mean) / static_cast<double>(pressure.size());
+  for (const double lag : {0.5, 2.0, 5.0}) {
+    const auto steps = static_cast<std::size_t>(std::lround(lag / kStep));
+    double product = 0.0;
+    for (std::size_t n = steps; n < pressure.size(); ++n) product += (pressure[n] - mean) * (pressure[n - steps] - mean);
+    product /= static_cast<double>(pressure.size() - steps);
+    EXPECT_NEAR(product / square, correlation(lag, kCorrelationTime), 0.03) << lag;
+  }
+}
+
 // The wind is a function of time and seed alone: the middle of the first 10 ms is that of the third 2 ms.
 TEST(Gusts, AreTheSameAtEveryStepLength) {
   const auto coarse = pressures(0.010, 0.02, 3);
