@@ -23,7 +23,8 @@ struct ControllerReplay {
 // record begins, and where they turn and nobody asks them to.
 void check_replayable(const Record& record, const controller::ControllerSettings& settings);
 
-// A cycle whose ENCODER is missing from the log is computed with the speed between its neighbours. The settings' period and group count are taken from the record. Throws NotAdmitted where they cannot fit.
+// A cycle whose ENCODER is missing from the log is computed with the speed between its neighbours. The settings' period and group count
+// are taken from the record. Throws NotAdmitted where they cannot fit.
 ControllerReplay replay_controller(const Record& record, controller::ControllerSettings settings);
 
 }  // namespace slewlab::diagnosis

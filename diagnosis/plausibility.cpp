@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 #include <string>
 #include <vector>
 
@@ -123,7 +124,9 @@ void check_units(const Record& record, const AdmissionSettings& settings) {
   for (int a = 0; a < kAccelerometerCount; ++a) {
     const auto i = static_cast<std::size_t>(a);
     if (record.acceleration[i].empty() || settings.radius[i] <= 0.0) continue;
-    const std::vector<double> level = smooth(smooth(record.acceleration[i], slow), slow);
+    std::vector<double> level = smooth(smooth(record.acceleration[i], slow), slow);
+    const double offset = std::accumulate(level.begin(), level.end(), 0.0) / static_cast<double>(level.size());
+    for (double& value : level) value -= offset;  // of the sensor
     const Fit fit = fit_line(angular, level);
     const double factor = fit.slope / settings.radius[i];
     // A flexible boom swings about the level value, so only gross factors and signs are told from it. What stands on the stiff house

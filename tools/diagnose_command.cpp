@@ -320,7 +320,8 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
       }
       for (const std::string& remark : logs.remarks) records.back().remarks.push_back(log.string() + ": " + remark);
       if (logs.runs.size() > 1) {
-        records.back().remarks.push_back(fmt::format("{}: holds {} runs, or one whose clock was set back; each is judged on its own", log.string(), logs.runs.size()));
+        records.back().remarks.push_back(
+            fmt::format("{}: holds {} runs, or one whose clock was set back; each is judged on its own", log.string(), logs.runs.size()));
       }
     }
 
