@@ -11,9 +11,11 @@
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "common/effect.h"
+#include "controller/controller_file.h"
 #include "sim/effects/catalogue.h"
 #include "tests/msgs/file_contents.h"
 #include "tests/msgs/temporary_folder.h"
@@ -67,6 +69,13 @@ class DiagnoseCommand : public testing::Test {
   }
   std::vector<std::string> whole_command() const {
     return command({"--crane", kConfig + "cranes/thesis.yaml", "--controller", kConfig + "controllers/thesis.yaml", "--log", log()});
+  }
+
+  // Of the machine's catalogue: one effect is quick.
+  static void leave_one(std::vector<std::string>& arguments, std::string_view effect) {
+    for (const common::EffectAbout* about : sim::effect_abouts()) {
+      if (about->name != effect) arguments.insert(arguments.end(), {"--without", std::string(about->name)});
+    }
   }
 
   // Ends with this code and these words, and nothing is written.
@@ -138,9 +147,7 @@ TEST_F(DiagnoseCommand, FindsTheEffectAndWritesACraneThatRunTakes) {
 // Without a controller there is no closed loop to predict, but what is missing at the motors is drawn all the same.
 TEST_F(DiagnoseCommand, DrawsWhatIsMissingWhereNoControllerIsGiven) {
   std::vector<std::string> all{"--crane", kConfig + "cranes/thesis.yaml", "--log", log()};
-  for (const common::EffectAbout* about : sim::effect_abouts()) {  // one effect is enough here, and quick
-    if (about->name != "dragging_brake") all.insert(all.end(), {"--without", std::string(about->name)});
-  }
+  leave_one(all, "dragging_brake");
   RunningProgram diagnose(command(all));
   ASSERT_EQ(diagnose.wait_for_end(), 0) << diagnose.complaints();
   EXPECT_NE(diagnose.output().find("The controller was not given."), std::string::npos) << diagnose.output();
@@ -161,6 +168,39 @@ TEST_F(DiagnoseCommand, DrawsWhatIsMissingWhereNoControllerIsGiven) {
   const std::string page = contents(out() / "diagnosis.html");
   EXPECT_NE(page.find("What is missing at the motors"), std::string::npos);
   EXPECT_EQ(page.find("from the operator's moves"), std::string::npos);
+}
+
+// The catalogue that is left does not hold the answer: no crane gets an effect that is not it.
+TEST_F(DiagnoseCommand, AddsNothingToTheCraneWhereNothingKnownIsTheAnswer) {
+  std::vector<std::string> all{"--crane", kConfig + "cranes/thesis.yaml", "--controller", kConfig + "controllers/thesis.yaml", "--log", log()};
+  leave_one(all, "torque_limit");
+  RunningProgram diagnose(command(all));
+  ASSERT_EQ(diagnose.wait_for_end(), 0) << diagnose.complaints();
+  const auto found = nlohmann::json::parse(contents(out() / "diagnosis.json"));
+  EXPECT_GT(found["probability_not_in_the_catalogue"].get<double>(), 0.5);
+  for (const char* crane : {"crane_with_effect.yaml", "crane_as_fitted.yaml"}) {
+    EXPECT_EQ(contents(out() / crane).find("effect:"), std::string::npos) << contents(out() / crane);
+  }
+  EXPECT_NE(diagnose.output().find("which comes nearest and is not the answer"), std::string::npos) << diagnose.output();
+}
+
+// The controller of this log has a droop that its file does not tell; what comes out is that controller.
+TEST_F(DiagnoseCommand, WritesTheControllerThatWasFound) {
+  const fs::path other = out().parent_path() / "other.yaml";
+  std::ofstream(other) << "include: " << kConfig << "controllers/thesis.yaml\nspeed_control:\n"
+                       << "  droop: {value: 5, unit: rad/s, source: \"test\"}\n";
+  const fs::path measured = out().parent_path() / "measured_with_droop";
+  RunningProgram run({kSlewlab, "run", kConfig + "scenarios/slew_there_and_back.yaml", "--out", measured.string(), "--progress", "none", "--set",
+                      "controller=" + other.string(), "--set", "telemetry.sensors_period=1", "--set", "duration=24"});
+  ASSERT_EQ(run.wait_for_end(), 0) << run.complaints();
+  std::vector<std::string> all{"--crane", kConfig + "cranes/thesis.yaml", "--controller", kConfig + "controllers/thesis.yaml", "--log",
+                               (measured / "run.lcmlog").string()};
+  leave_one(all, "torque_limit");
+  RunningProgram diagnose(command(all));
+  ASSERT_EQ(diagnose.wait_for_end(), 0) << diagnose.complaints();
+  const controller::ControllerSettings found = controller::load_controller_file(out() / "controller_with_effect.yaml").settings;
+  EXPECT_NEAR(found.speed_control.droop, 5.0, 0.01) << diagnose.output();
+  EXPECT_EQ(controller::changes_text(controller::load_controller_file(other).settings, found, "").find("ramp"), std::string::npos);
 }
 
 TEST_F(DiagnoseCommand, AnInterruptEndsItAndNothingIsWritten) {
