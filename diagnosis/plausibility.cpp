@@ -17,7 +17,8 @@ constexpr double kSlow = 0.4;         // [s] half width of what is slower than t
 constexpr double kGross = 3.0;        // factors within it may be a crane's own
 constexpr double kClose = 0.9;        // correlation from which a factor between torques means anything
 constexpr double kStandsStill = 1.0;  // [s] of one and the same torque
-constexpr double kJump = 0.5;         // [rad] of a position in one step beyond what its speed says: no filter is as late as that
+constexpr double kJump = 0.5;         // [rad] by which a cycle's turn may differ from the one before: an emergency stop makes a hundredth of it
+constexpr double kOneTurnsBy = 0.5;   // the same of one group alone
 constexpr double kTurnsBy = 0.15;     // share of the torques' range by which what is needed may change meanwhile
 
 // Least-squares slope of y on x, and the correlation.
@@ -55,6 +56,15 @@ std::vector<double> smooth(const std::vector<double>& values, std::size_t width)
   return result;
 }
 
+// Without its first and last `edge` values, which smoothing has spoilt, and without its mean: a sensor's offset.
+std::vector<double> centred(const std::vector<double>& values, std::size_t edge) {
+  if (values.size() <= 2 * edge) return {};
+  std::vector<double> result(values.begin() + static_cast<std::ptrdiff_t>(edge), values.end() - static_cast<std::ptrdiff_t>(edge));
+  const double mean = std::accumulate(result.begin(), result.end(), 0.0) / static_cast<double>(result.size());
+  for (double& value : result) value -= mean;
+  return result;
+}
+
 // What factor between two signals that should be equal would bring them together, in words.
 struct Known {
   double factor;
@@ -64,7 +74,8 @@ std::string explain_factor(double factor, const std::vector<Known>& known_factor
   const double size = std::fabs(factor);
   std::string words;
   for (const Known& known : known_factors) {
-    if (size > 0.75 * known.factor && size < 1.33 * known.factor) words = known.words;
+    const bool is_one = known.factor > 0.75 && known.factor < 1.33;  // of a machine with one motor, or without gears
+    if (!is_one && size > 0.75 * known.factor && size < 1.33 * known.factor) words = known.words;
   }
   if (factor < 0) words += words.empty() ? "its sign is turned" : ", and its sign is turned";
   return words;
@@ -87,12 +98,51 @@ const std::vector<Known> kAccelerationFactors{{1.0 / 9.81, "it looks like multip
                                               {1000.0, "it looks like mm/s^2; m/s^2 are wanted"},
                                               {1000.0 / 9.81, "it looks like thousandths of g; m/s^2 are wanted"}};
 
+// A command that stands still while what is needed, slowly, changes by a share of its range. What is needed is looked at inside the stand, where
+// nothing of the time before and after is smoothed into it.
+void check_not_frozen(const Record& record, const std::string& name, const std::vector<double>& recorded, const std::vector<double>& needed,
+                      double share) {
+  const auto slow = static_cast<std::size_t>(std::lround(kSlow / record.step)), limit = static_cast<std::size_t>(kStandsStill / record.step);
+  if (recorded.size() <= 2 * slow) return;
+  const std::vector<double> smoothed = smooth(needed, slow);
+  const auto at = [&](std::size_t n) { return smoothed.begin() + static_cast<std::ptrdiff_t>(n); };
+  const auto [lowest, highest] = std::minmax_element(at(slow), at(recorded.size() - slow));
+  for (std::size_t begin = 0, n = 1; n <= recorded.size(); ++n) {
+    if (n < recorded.size() && recorded[n] == recorded[begin]) continue;
+    if (n - begin > limit && recorded[begin] != 0.0) {
+      const auto [low, high] = std::minmax_element(at(begin + slow), at(n - slow));
+      if (*high - *low > share * (*highest - *lowest)) {
+        throw NotAdmitted(fmt::format("{}: {} is frozen at {:.6g} Nm from {:.3f} s to {:.3f} s, where the nominal crane needs {:.3g} to {:.3g} Nm; cut the "
+                                      "log there, or record the commands anew",
+                                      record.name, name, recorded[begin], record.time(begin), record.time(n - 1), *low, *high));
+      }
+    }
+    begin = n;
+  }
+}
+
+// A counter that is set anew: the position's rate changes from one message to the next by more than any motor does.
+void check_jumps(const Record& record, std::size_t group) {
+  double before = 0.0;
+  for (std::size_t n = 1; n < record.encoder.size(); ++n) {
+    const auto cycles = static_cast<double>(record.encoder[n].simulated_time - record.encoder[n - 1].simulated_time) * 1e-9 / record.encoder_period;
+    const double turned = (record.encoder[n].shaft_position[group] - record.encoder[n - 1].shaft_position[group]) / cycles;
+    if (n > 1 && std::fabs(turned - before) > kJump) {
+      throw NotAdmitted(fmt::format("{}: shaft position of group {} jumps by {:.4g} at {:.3f} s, after {:.2g} in the cycle before; a counter that was set "
+                                    "anew? Cut the log there, or add what it lost",
+                                    record.name, group + 1, turned, static_cast<double>(record.encoder[n].simulated_time) * 1e-9, before));
+    }
+    before = turned;
+  }
+}
+
 }  // namespace
 
 void check_units(const Record& record, const AdmissionSettings& settings) {
   const auto width = static_cast<std::size_t>(std::lround(0.05 / record.step));
   for (int g = 0; g < record.group_count; ++g) {
     const auto i = static_cast<std::size_t>(g);
+    check_jumps(record, i);
     const std::vector<double> derived = smooth_slope(record.shaft_position[i], width, record.step);
     const std::vector<double> speed = smooth(record.shaft_speed[i], width);
     const Fit fit = fit_line(derived, speed);
@@ -101,15 +151,6 @@ void check_units(const Record& record, const AdmissionSettings& settings) {
       throw NotAdmitted(fmt::format("{}: shaft speed of group {} is {:.4g} times the rate of its position (correlation "
                                     "{:.2f}){}{}; check sign, unit and gear ratio of both columns",
                                     record.name, g + 1, fit.slope, fit.correlation, words.empty() ? "" : ": ", words));
-    }
-    for (std::size_t n = 1; n < record.size(); ++n) {
-      const double turned = record.shaft_position[i][n] - record.shaft_position[i][n - 1];
-      const double expected = 0.5 * record.step * (record.shaft_speed[i][n] + record.shaft_speed[i][n - 1]);
-      if (std::fabs(turned - expected) > kJump) {
-        throw NotAdmitted(fmt::format("{}: shaft position of group {} jumps by {:.4g} rad at {:.3f} s, where its speed turns it by {:.2g} rad; a counter "
-                                      "that was set anew? Cut the log there, or add what it lost",
-                                      record.name, g + 1, turned, record.time(n), expected));
-      }
     }
   }
   // Level accelerations of the house follow the motors' at low frequency: a = r_sensor * theta'' / ratio.
@@ -124,10 +165,8 @@ void check_units(const Record& record, const AdmissionSettings& settings) {
   for (int a = 0; a < kAccelerometerCount; ++a) {
     const auto i = static_cast<std::size_t>(a);
     if (record.acceleration[i].empty() || settings.radius[i] <= 0.0) continue;
-    std::vector<double> level = smooth(smooth(record.acceleration[i], slow), slow);
-    const double offset = std::accumulate(level.begin(), level.end(), 0.0) / static_cast<double>(level.size());
-    for (double& value : level) value -= offset;  // of the sensor
-    const Fit fit = fit_line(angular, level);
+    const std::vector<double> level = smooth(smooth(record.acceleration[i], slow), slow);
+    const Fit fit = fit_line(centred(angular, 2 * slow), centred(level, 2 * slow));
     const double factor = fit.slope / settings.radius[i];
     // A flexible boom swings about the level value, so only gross factors and signs are told from it. What stands on the stiff house
     // must follow closely before it is refused: near the axis a rolling vessel's gravity is larger than any slewing.
@@ -178,19 +217,13 @@ void check_torques(const Record& record, const Shadow& follower, const sim::Cran
                                   "motor on the fast axis are wanted: check sign and unit, or whether this is another crane than the nominal one",
                                   record.name, fit.slope, fit.correlation, words.empty() ? "" : ": ", words));
   }
-  const auto [lowest, highest] = std::minmax_element(slow_needed.begin(), slow_needed.end());
-  const auto limit = static_cast<std::size_t>(kStandsStill / record.step);
-  for (std::size_t begin = 0, n = 1; n <= recorded.size(); ++n) {
-    if (n < recorded.size() && recorded[n] == recorded[begin]) continue;
-    if (n - begin > limit && recorded[begin] != 0.0) {
-      const auto [low, high] = std::minmax_element(slow_needed.begin() + static_cast<std::ptrdiff_t>(begin), slow_needed.begin() + static_cast<std::ptrdiff_t>(n));
-      if (*high - *low > kTurnsBy * (*highest - *lowest)) {
-        throw NotAdmitted(fmt::format("{}: torque commands are frozen at {:.6g} Nm from {:.3f} s to {:.3f} s, where the nominal crane needs {:.3g} to {:.3g} Nm; "
-                                      "cut the log there, or record the commands anew",
-                                      record.name, recorded[begin], record.time(begin), record.time(n - 1), *low, *high));
-      }
-    }
-    begin = n;
+  // All groups together, and each alone, where two cranes may share the torque otherwise.
+  check_not_frozen(record, "the torque command, mean of the groups,", recorded, needed, kTurnsBy);
+  for (int g = 0; g < record.group_count && record.group_count > 1; ++g) {
+    const auto i = static_cast<std::size_t>(g);
+    std::vector<double> own = record.motor_torque[i];
+    for (std::size_t n = 0; n < own.size(); ++n) own[n] += follower.missing_torque[i][n];
+    check_not_frozen(record, fmt::format("the torque command of group {}", g + 1), record.motor_torque[i], own, kOneTurnsBy);
   }
 }
 

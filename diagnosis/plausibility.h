@@ -8,13 +8,14 @@
 
 namespace slewlab::diagnosis {
 
-// Speeds against the rates of their positions; accelerations, slowly, against the motors' at the sensor's radius; torques against the
+// Positions that jump; speeds against the rates of their positions; accelerations, slowly, against the motors' at the sensor's radius; torques against the
 // rated one, where it is known. Throws NotAdmitted.
 void check_units(const Record& record, const AdmissionSettings& settings);
 
 // Torques against what the nominal crane, following the record, needs for the same motion: recorded + missing (shadow.h), mean of the
 // groups, slower than the boom. Refuses a factor above 3 or below 1/3 between two that go together, a turned sign, and a command
-// that stands still for a second while the need changes by a seventh of its range. Throws NotAdmitted.
+// that stands still for a second while the need changes by a seventh of its range (half of it where one group alone stands). Throws
+// NotAdmitted.
 void check_torques(const Record& record, const Shadow& follower, const sim::CraneParameters& nominal);
 
 }  // namespace slewlab::diagnosis

@@ -28,6 +28,7 @@ std::vector<SignalGap> signal_gaps(const Record& measured, const Record& predict
   const auto add = [&](const std::string& signal, const char* unit, const std::vector<double>& a, const std::vector<double>& b) {
     gaps.push_back(gap_between(signal, unit, std::span(a).subspan(from), std::span(b).subspan(from)));
   };
+  std::vector<double> shifted;
   for (int g = 0; g < measured.group_count; ++g) {
     const auto i = static_cast<std::size_t>(g);
     add(fmt::format("torque of group {}", g + 1), "Nm", measured.motor_torque[i], predicted.motor_torque[i]);
@@ -36,7 +37,12 @@ std::vector<SignalGap> signal_gaps(const Record& measured, const Record& predict
   for (int a = 0; a < kAccelerometerCount; ++a) {
     const auto i = static_cast<std::size_t>(a);
     if (measured.acceleration[i].empty()) continue;
-    add(fmt::format("{} acceleration", accelerometer_name(a)), "m/s^2", measured.acceleration[i], predicted.acceleration[i]);
+    // Less the mean difference, which may be the sensor's offset.
+    shifted = predicted.acceleration[i];
+    double offset = 0.0;
+    for (std::size_t n = from; n < shifted.size(); ++n) offset += (measured.acceleration[i][n] - shifted[n]) / static_cast<double>(shifted.size() - from);
+    for (double& value : shifted) value += offset;
+    add(fmt::format("{} acceleration", accelerometer_name(a)), "m/s^2", measured.acceleration[i], shifted);
   }
   return gaps;
 }

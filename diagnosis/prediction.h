@@ -21,7 +21,8 @@ struct SignalGap {
 
 SignalGap gap_between(const std::string& signal, const char* unit, std::span<const double> measured, std::span<const double> predicted);
 
-// Of torques, shaft speeds and the accelerations that were measured, from `from_time` [s] on.
+// Of torques, shaft speeds and the accelerations that were measured, from `from_time` [s] on; of accelerations what differs more than the
+// mean, which may be the sensor's offset.
 std::vector<SignalGap> signal_gaps(const Record& measured, const Record& predicted, double from_time = 0.0);
 
 struct Prediction {

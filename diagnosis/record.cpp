@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
 
 #include "diagnosis/plausibility.h"
@@ -174,7 +173,9 @@ void check_driven(const msgs::RunLog& run, const Record& record, double moving) 
   const auto refuse_if = [&](std::int64_t time, bool is_undriven, const std::string& why) {
     if (!is_undriven) return;
     const double at = static_cast<double>(time) * kNanosecond;
-    const auto n = static_cast<std::size_t>(std::clamp((at - record.start_time) / record.step, 0.0, static_cast<double>(record.size() - 1)));
+    const double steps = (at - record.start_time) / record.step;
+    if (steps < 0.0 || steps > static_cast<double>(record.size() - 1)) return;
+    const auto n = static_cast<std::size_t>(steps);
     if (std::fabs(record.shaft_speed[0][n]) < moving) return;
     throw NotAdmitted(fmt::format("{}: {} at {:.3f} s while the motors turn; the commands there are not what drives the crane: cut the log there",
                                   record.name, why, at));
@@ -276,6 +277,7 @@ Record make_record(const msgs::RunLog& run, const std::string& name, const Admis
   check_clock("ENCODER", encoder_times, period, record);
   const std::vector<std::int64_t> torque_times = times_of(run.torque);
   const std::int64_t torque_period = common_period(torque_times);
+  if (torque_period <= 0) throw NotAdmitted(fmt::format("{}: TORQUE has no even clock", name));
   check_clock("TORQUE", torque_times, torque_period, record);
   check_span("TORQUE", torque_times, torque_period, encoder_times, record);
 
@@ -385,7 +387,9 @@ Record make_record(const msgs::RunLog& run, const std::string& name, const Admis
   for (int a = 0; a < kAccelerometerCount; ++a) {
     const auto i = static_cast<std::size_t>(a);
     if (record.acceleration[i].empty()) continue;
-    check_clipped(record, fmt::format("acceleration at the {}", accelerometer_name(a)), record.acceleration[i]);
+    // As it was sampled: lines between equal samples would hold their extreme for long.
+    check_clipped(record, fmt::format("acceleration at the {}", accelerometer_name(a)),
+                  record.sampled_at.empty() ? record.acceleration[i] : record.sampled_acceleration[i]);
     check_alive(record, fmt::format("acceleration at the {}", accelerometer_name(a)), record.acceleration[i],
                 record.shaft_speed[0], moving);
   }

@@ -15,6 +15,7 @@ namespace slewlab::diagnosis {
 namespace {
 
 constexpr double kSmallShare = 0.25;            // of an effect's typical size, with which it is tried too
+constexpr int kMostBeginnings = 120;           // of a record longer than a minute, or they would take the time of all other effects
 constexpr double kSpellEvery = 0.5;             // [s] beginnings from which an effect that lasts for a spell is tried: it shakes the boom
 constexpr int kCloserLooks = 3;                 // at most, at a size that the last one forecast
 constexpr double kCloserAmount = 2.0;           // at most, of a size that was forecast: forecasts of forecasts run away
@@ -156,9 +157,10 @@ std::vector<common::EffectInstance> starts_of(const common::EffectAbout& about, 
     }
   }
   if (about.spell) {
-    for (int k = 0; kSpellEvery * k < duration; ++k) {
+    const double every = std::max(kSpellEvery, duration / kMostBeginnings), latest = about.parameters[about.spell->begin].upper;
+    for (int k = 0; every * k < duration && every * k <= latest; ++k) {
       common::EffectInstance endless = typical;
-      endless.values[about.spell->begin] = kSpellEvery * k;
+      endless.values[about.spell->begin] = every * k;
       endless.values[about.spell->duration] = about.parameters[about.spell->duration].upper;
       others.push_back(endless);
     }

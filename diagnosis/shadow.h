@@ -5,7 +5,9 @@
 // effort; no controller needs to be known; and what an impact got wrong is forgotten within a second.
 //
 //   u = K_p (speed_measured - speed_shadow) + K_i (position_measured - position_shadow)     per motor
-//   F = D e,  e' = a_measured - a_shadow - e / tau                                           at the tip
+//   F = D e,  e' = a_measured - a_shadow - o - e / tau                                       at the tip
+//
+// o is the tip sensor's offset: the difference's mean over the first quarter of a second, later forgotten within 20 s.
 #pragma once
 
 #include <array>

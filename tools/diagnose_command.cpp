@@ -383,8 +383,10 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
     write_whole_file(options.out / "crane_as_fitted.yaml",
                      "include: crane_with_effect.yaml\ndescription: The same, with the parameters as slewlab diagnose fitted them.\n" +
                          diagnosis::parameters_text(nominal.crane, answer.point.nuisance, "slewlab diagnose"));
+    const std::filesystem::path controller_file = options.out / "controller_with_effect.yaml";
+    std::filesystem::remove(controller_file);  // of a diagnosis before, which found something there
     if (!answer.controller_effects.empty()) {
-      write_whole_file(options.out / "controller_with_effect.yaml",
+      write_whole_file(controller_file,
                        fmt::format("include: {}\ndescription: The nominal controller with what slewlab diagnose found.\n",
                                    std::filesystem::absolute(options.controller).string()) +
                            controller::changes_text(*controller, controller::with_effects(*controller, answer.controller_effects),

@@ -403,7 +403,10 @@ std::optional<ScoreTable> score_cases(const ScoreSettings& settings, const Diagn
   const fs::path folder = settings.directory / settings.results;
   fs::create_directories(folder);
   const fs::path how_file = folder / "how.txt";
-  if (!fs::exists(how_file)) write_whole(how_file, settings.how + "\n");
+  if (!fs::exists(how_file)) {
+    if (!fs::is_empty(folder)) throw std::invalid_argument(fmt::format("{} holds results of which nobody knows how they were made; give another folder with --results", folder.string()));
+    write_whole(how_file, settings.how + "\n");
+  }
   if (const std::string how = read_whole(how_file); how != settings.how + "\n") {
     throw std::invalid_argument(fmt::format("{} holds results \"{}\", not \"{}\"; give these another folder with --results", folder.string(),
                                             how.substr(0, how.find('\n')), settings.how));

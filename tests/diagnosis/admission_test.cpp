@@ -105,12 +105,37 @@ TEST_F(Admission, RefusesACounterThatIsSetAnew) {
   for (std::size_t n = 6000; n < log_.encoder.size(); ++n) log_.encoder[n].shaft_position[0] -= 3.0;
   EXPECT_NE(refusal().find("shaft position of group 1 jumps"), std::string::npos) << refusal();
   EXPECT_NE(refusal().find("at 6.000 s"), std::string::npos) << refusal();
+  for (std::size_t n = 6000; n < log_.encoder.size(); ++n) log_.encoder[n].shaft_position[0] -= log_.encoder[5999].shaft_position[0];  // to 0
+  EXPECT_NE(refusal().find("shaft position of group 1 jumps"), std::string::npos) << refusal();
 }
 
 TEST_F(Admission, RefusesFrozenCommands) {
   for (std::size_t n = 3500; n < 9000; ++n) log_.torque[n].motor_torque = log_.torque[3500].motor_torque;
-  EXPECT_NE(refusal().find("torque commands are frozen"), std::string::npos) << refusal();
+  EXPECT_NE(refusal().find("the torque command, mean of the groups, is frozen"), std::string::npos) << refusal();
   EXPECT_NE(refusal().find("from 3.500 s to 8.999 s"), std::string::npos) << refusal();
+}
+
+TEST_F(Admission, RefusesOneGroupsFrozenCommand) {
+  for (std::size_t n = 3500; n < log_.torque.size(); ++n) log_.torque[n].motor_torque[0] = log_.torque[3500].motor_torque[0];
+  EXPECT_NE(refusal().find("the torque command of group 1 is frozen"), std::string::npos) << refusal();
+}
+
+// A controller that stands at its torque limit for seconds, there and back, says what it does. Here with edges as steep as its rate allows.
+TEST_F(Admission, TakesCommandsThatStandAtTheirLimit) {
+  controller::ControllerSettings weak = bench().controller;
+  weak.limits.torque = 70.0;
+  sim::MachineSettings truth;
+  truth.crane = bench().crane;
+  const std::vector<Move> hard{{2.0, 1.0}, {10.0, -1.0}, {18.0, 0.0}};
+  weak.ramp.acceleration_time = weak.ramp.deceleration_time = 1.5;
+  log_ = simulated_log(truth, weak, hard, kDuration, 4);
+  std::size_t longest = 0, run = 0;
+  for (std::size_t n = 1; n < log_.torque.size(); ++n) {
+    run = log_.torque[n].motor_torque == log_.torque[n - 1].motor_torque ? run + 1 : 0;
+    longest = std::max(longest, run);
+  }
+  ASSERT_GT(longest, 1500u) << "it must stand there for the test to say anything";
+  EXPECT_EQ(refusal(), "");
 }
 
 TEST_F(Admission, RefusesCommandsThatDoNotDrive) {
@@ -126,6 +151,10 @@ TEST_F(Admission, RefusesCommandsThatDoNotDrive) {
   tripped.drive_state = 2;  // docs/wire.md
   log_.plant_status.push_back(tripped);
   EXPECT_NE(refusal().find("the drives are tripped at 5.000 s"), std::string::npos) << refusal();
+  log_.plant_status.back().drive_state = 3;
+  EXPECT_NE(refusal().find("the brakes are on at 5.000 s"), std::string::npos) << refusal();
+  log_.plant_status.back().simulated_time = -1'000'000'000;  // before the record
+  EXPECT_EQ(refusal(), "");
   log_ = sound;
   for (std::size_t n = 0; n < 1000; ++n) log_.torque[n].enable = false;  // standing: nothing to drive
   EXPECT_EQ(refusal(), "");
@@ -224,6 +253,12 @@ TEST_F(Admission, NamesATurnedAccelerometer) {
     sensors.tip_acceleration = -sensors.tip_acceleration;
   }
   EXPECT_NE(refusal().find("acceleration at the tip"), std::string::npos) << refusal();
+}
+
+TEST_F(Admission, NamesATurnedAccelerometerThatHasAnOffset) {
+  for (msgs::Sensors& sensors : log_.sensors) sensors.house_acceleration = 0.2 - sensors.house_acceleration;
+  EXPECT_NE(refusal().find("acceleration at the house"), std::string::npos) << refusal();
+  EXPECT_NE(refusal().find("sign is turned"), std::string::npos) << refusal();
 }
 
 // On a vessel that rolls the accelerometers weigh gravity: what stands near the slew axis shows more of it than of slewing, and

@@ -181,7 +181,9 @@ TEST_F(DiagnoseCommand, AddsNothingToTheCraneWhereNothingKnownIsTheAnswer) {
   for (const char* crane : {"crane_with_effect.yaml", "crane_as_fitted.yaml"}) {
     EXPECT_EQ(contents(out() / crane).find("effect:"), std::string::npos) << contents(out() / crane);
   }
+  EXPECT_EQ(contents(out() / "crane_as_fitted.yaml").find("value:"), std::string::npos) << "no parameters either";
   EXPECT_NE(diagnose.output().find("which comes nearest and is not the answer"), std::string::npos) << diagnose.output();
+  EXPECT_NE(contents(out() / "diagnosis.html").find("which is not the answer"), std::string::npos);
 }
 
 // The controller of this log has a droop that its file does not tell; what comes out is that controller.

@@ -34,14 +34,14 @@ def probability_figure(found):
     return figure
 
 
-def series_figure(series):
+def series_figure(series, after):
     signals = [("torque", "torque of group 1 [Nm per motor]")]
     signals += [(name, f"{name} acceleration [m/s²]") for name in ("house", "pivot", "middle", "tip") if name in series]
     figure = make_subplots(rows=len(signals), cols=1, shared_xaxes=True, vertical_spacing=0.03,
                            subplot_titles=[title for _, title in signals])
     for row, (name, _) in enumerate(signals, start=1):
         for column, label, colour in ((name, "measured", MEASURED), (f"{name}_before", "nominal crane", BEFORE),
-                                      (f"{name}_after", "with the effect", AFTER)):
+                                      (f"{name}_after", after, AFTER)):
             figure.add_trace(graph.Scatter(x=series["time_s"], y=series[column], name=label, legendgroup=label,
                                            showlegend=row == 1, line={"color": colour, "width": 1}), row=row, col=1)
     figure.update_xaxes(title_text="time [s]", row=len(signals), col=1)
@@ -50,13 +50,21 @@ def series_figure(series):
     return figure
 
 
-def missing_figure(series):
+def after_name(found):
+    """What the crane has that is drawn as the one after."""
+    first = found["causes"][0]
+    if found["probability_not_in_the_catalogue"] > first["probability"]:
+        return f"with {cause_name(first)}, which is not the answer"
+    return "with the effect" if first["effects"] else "with other parameters"
+
+
+def missing_figure(series, after):
     figure = make_subplots(rows=1, cols=3, subplot_titles=["against speed", "against shaft angle", "against time"])
     step = float(series["time_s"].iloc[1] - series["time_s"].iloc[0])
     angle = numpy.cumsum(series["speed"]) * step
     for column, (x, title) in enumerate(((series["speed"], "shaft speed [rad/s]"), (angle, "shaft angle [rad]"),
                                          (series["time_s"], "time [s]")), start=1):
-        for missing, label, colour in (("missing_torque", "nominal crane", BEFORE), ("missing_torque_after", "with the effect", AFTER)):
+        for missing, label, colour in (("missing_torque", "nominal crane", BEFORE), ("missing_torque_after", after, AFTER)):
             figure.add_trace(graph.Scatter(x=x, y=series[missing], mode="lines" if column == 3 else "markers", name=label,
                                            legendgroup=label, showlegend=column == 1, marker={"size": 3, "color": colour},
                                            line={"color": colour, "width": 1}), row=1, col=column)
@@ -102,8 +110,8 @@ def page(directory):
     series = pandas.read_csv(os.path.join(directory, "series.csv"))
     figures = [probability_figure(found)]
     if "torque_before" in series:  # a controller was given, so that there is a closed loop to predict
-        figures.append(series_figure(series))
-    figures += [spectrogram_figure(series, found["modes"]), missing_figure(series)]
+        figures.append(series_figure(series, after_name(found)))
+    figures += [spectrogram_figure(series, found["modes"]), missing_figure(series, after_name(found))]
     body = "".join(figure.to_html(full_html=False, include_plotlyjs=index == 0)
                    for index, figure in enumerate(figures))
     return (f"<!doctype html><meta charset='utf-8'><title>slewlab diagnosis</title>"
