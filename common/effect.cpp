@@ -129,9 +129,8 @@ std::string effects_text(const std::vector<EffectInstance>& instances,
     check_instance(*about, instance);
     text += "  - effect: " + instance.name + "\n";
     for (std::size_t i = 0; i < instance.values.size(); ++i) {
-      text += "    " + std::string(about->parameters[i].name) + ": {value: " + shortest(instance.values[i]) +
-              ", unit: \"" + std::string(name_of(about->parameters[i].unit)) + "\", source: \"" +
-              std::string(source) + "\"}\n";
+      const EffectParameter& parameter = about->parameters[i];
+      text += "    " + std::string(parameter.name) + ": " + quantity_text(shortest(instance.values[i]), parameter.unit, source) + "\n";
     }
   }
   return text;

@@ -21,6 +21,13 @@ void catch_stop_signals() {
   sigaction(SIGTERM, &action, nullptr);
 }
 
+bool stop_requested() { return received != 0; }
+
 int stop_signal() { return received; }
+
+int stop_exit_code() {
+  constexpr int kSignalExit = 128;
+  return kSignalExit + received;
+}
 
 }  // namespace slewlab::common

@@ -58,6 +58,12 @@ std::string shortest(double number) {
   return std::string(buffer.data(), result.ptr);
 }
 
+std::string quantity_text(std::string_view value, Unit unit, std::string_view source) {
+  std::string text = "{value: ";
+  text.append(value).append(", unit: \"").append(name_of(unit)).append("\", source: \"").append(source).append("\"}");
+  return text;
+}
+
 std::string excerpt(const YamlNode& node) {
   switch (node.kind) {
     case YamlNode::Kind::null:

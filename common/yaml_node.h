@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/input_error.h"
+#include "common/unit.h"
 
 namespace slewlab::common {
 
@@ -42,6 +43,9 @@ bool parse_number(std::string_view text, double& number);
 
 // The shortest text that reads back as the same double.
 std::string shortest(double number);
+
+// A quantity as yaml_reader.h wants it: {value: 1.5, unit: "m", source: "data sheet"}. `value` is a number or a list's text.
+std::string quantity_text(std::string_view value, Unit unit, std::string_view source);
 
 // What the node holds, short enough for a message.
 std::string excerpt(const YamlNode& node);

@@ -126,12 +126,12 @@ std::string changes_text(const ControllerSettings& from, const ControllerSetting
        Unit::newton_metre_second_per_radian},
       {"speed_control", "integral_time", from.speed_control.integral_time, to.speed_control.integral_time, Unit::second},
       {"speed_control", "droop", from.speed_control.droop, to.speed_control.droop, Unit::radian_per_second}};
-  const auto with_unit = [&](Unit unit) { return ", unit: \"" + std::string(name_of(unit)) + "\", source: \"" + std::string(source) + "\"}\n"; };
   std::string text, open;
   for (const Change& change : changes) {
     if (change.from == change.to) continue;
     if (!change.section.empty() && change.section != open) text += (open = change.section) + ":\n";
-    text += (change.section.empty() ? "" : "  ") + std::string(change.key) + ": {value: " + common::shortest(change.to) + with_unit(change.unit);
+    text += (change.section.empty() ? "" : "  ") + std::string(change.key) + ": " +
+            common::quantity_text(common::shortest(change.to), change.unit, source) + "\n";
   }
   const PlayCompensationSettings& play = to.play_compensation;
   const auto half = [&](std::string_view key, auto member) {
@@ -141,7 +141,7 @@ std::string changes_text(const ControllerSettings& from, const ControllerSetting
       differs = differs || play.points[i].*member != from.play_compensation.points[i].*member;
       list += (i > 0 ? ", " : "") + common::shortest(play.points[i].*member);
     }
-    return differs ? "  " + std::string(key) + ": {value: [" + list + "]" + with_unit(Unit::none) : std::string();
+    return differs ? "  " + std::string(key) + ": " + common::quantity_text("[" + list + "]", Unit::none, source) + "\n" : std::string();
   };
   const std::string halves = half("half_1", &PlayMapPoint::half_1) + half("half_2", &PlayMapPoint::half_2);
   return halves.empty() ? text : text + "play_compensation:\n" + halves;

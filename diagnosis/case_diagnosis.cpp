@@ -49,8 +49,9 @@ withheld::CaseResult diagnose_case(const withheld::CaseInput& input, const CaseS
     result.seconds = diagnosis.total_seconds;
     result.simulations = diagnosis.simulations;
     for (const Cause& cause : diagnosis.causes) {
-      withheld::NamedCause named{cause.effects, cause.probability, cause.group, {}, cause.excess, cause.prior,
+      withheld::NamedCause named{cause.effects, cause.probability, {}, {}, cause.excess, cause.prior,
                                  {cause.information.begin(), cause.information.end()}};
+      for (const Alike& other : cause.group) named.group.push_back(other.name);
       for (const Size& size : cause.sizes) {
         const std::size_t dot = size.parameter.find('.');
         named.sizes.push_back({size.parameter.substr(0, dot), size.parameter.substr(dot + 1), size.value, size.low, size.high});

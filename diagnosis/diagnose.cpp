@@ -39,7 +39,7 @@ constexpr double kFarOff = 2.6;                 // [standard deviations] of a pa
 constexpr double kWorthASwing = 2e-3;           // [rad] of the load at a record's beginning: an eighth of a metre below 60 m of rope
 constexpr double kNegligible = 1e-4;            // probability of a part that is not combined further
 constexpr int kHeldOutRounds = 3;               // at most, with fresh columns
-// Sum of squares V of a typical size below which the effect could not be named: s V pays neither price and Occam's share (some 13) nor the
+// Sum of squares V of the most visible size below which the effect could not be named: s V pays neither price and Occam's share (some 13) nor the
 // prior of one among forty effects against nothing missing (2 T times 4.3).
 constexpr double kVisible = 130.0;
 
@@ -181,7 +181,6 @@ void find_groups(const Problem& problem, const FitResult& base, const Projector&
       signatures.push_back({i, shared, (*beside)(fits[i].difference - fits[k].difference)});
     }
   }
-  for (Cause& cause : causes) cause.group_distance = 1.0;
   for (const Signature& one : signatures) {
     Cause& cause = causes[one.fit];
     for (const Signature& other : signatures) {
@@ -191,8 +190,7 @@ void find_groups(const Problem& problem, const FitResult& base, const Projector&
       const double cosine = std::fabs(one.column.dot(other.column)) / scale;
       const double odds = probability[other.fit] / std::max(1e-300, probability[one.fit]);
       if (cosine > kIndistinguishable && odds < kGroupOdds && odds > 1.0 / kGroupOdds) {
-        cause.group.push_back(name_of(causes[other.fit]));
-        cause.group_distance = std::min(cause.group_distance, std::sqrt(std::max(0.0, 1.0 - cosine * cosine)));
+        cause.group.push_back({name_of(causes[other.fit]), std::sqrt(std::max(0.0, 1.0 - cosine * cosine))});
       }
     }
   }
@@ -204,7 +202,7 @@ void add_beside(const common::EffectInstance& effect, const std::vector<Size>& s
     cause.effects.push_back(effect.name);
     cause.point.effects.push_back(effect);
     cause.probability *= known;
-    for (std::string& other : cause.group) other += " with " + effect.name;
+    for (Alike& other : cause.group) other.name += " with " + effect.name;
     cause.sizes.insert(cause.sizes.end(), sizes.begin(), sizes.end());
   }
   diagnosis.probability_unknown = 1.0 - (1.0 - diagnosis.probability_unknown) * known;
@@ -241,7 +239,7 @@ void add_controller_causes(const Problem& problem, const controller::ControllerS
       Cause both = cause;
       for (const common::EffectInstance& effect : part.effects) both.effects.push_back(effect.name);
       for (const common::EffectInstance& effect : part.effects) {
-        for (std::string& other : both.group) other += " with " + effect.name;
+        for (Alike& other : both.group) other.name += " with " + effect.name;
       }
       both.controller_effects = part.effects;
       both.probability *= part.probability * known;
@@ -262,12 +260,11 @@ void add_controller_causes(const Problem& problem, const controller::ControllerS
 }
 
 // The cause fitted once more, from the nominal machine, without the last record, or of a single one without its second half: that is
-// taken out of the problem for good.
-HeldOut fit_without_last(Problem& problem, const WhiteningSettings& settings, const Point& answer) {
+// taken out of the problem for good. `follower` is the nominal machine's shadow of it.
+HeldOut fit_without_last(Problem& problem, const WhiteningSettings& settings, const Shadow& follower, const Point& answer) {
   const Record& last = problem.records.back();
   HeldOut held{answer, last.name, last.start_time, problem.records.size() == 1};
   if (held.is_half) {
-    const Shadow follower = shadow(problem.nominal, last, problem.gains);
     std::vector<bool> trusted = trusted_stretches(last, follower);
     std::fill(trusted.begin() + static_cast<std::ptrdiff_t>(last.size() / 2), trusted.end(), false);
     problem.whitening = {make_whitening(last, trusted, problem.gains, follower, settings)};
@@ -326,7 +323,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
                                     record.group_count, nominal.crane.drive.group_count));
     }
     for (const std::string& remark : record.remarks) diagnosis.remarks.push_back(remark);
-    const Shadow follower = shadow(nominal, record, problem.gains);
+    Shadow follower = shadow(nominal, record, problem.gains);
     for (int g = 0; g < record.group_count; ++g) {
       for (const double torque : follower.missing_torque[static_cast<std::size_t>(g)]) {
         if (!std::isfinite(torque)) {
@@ -349,6 +346,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
                                               record.name, 100.0 * (1.0 - share)));
     }
     problem.whitening.push_back(make_whitening(record, trusted, problem.gains, follower, whitening));
+    diagnosis.followed = {record.name, std::move(follower), {}};  // the last one stays
     problem.records.push_back(std::move(record));
   }
 
@@ -433,7 +431,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   // Of the groups, those with a third effect are gone.
   std::set<std::string> names;
   for (const Cause& cause : diagnosis.causes) names.insert(name_of(cause));
-  for (Cause& cause : diagnosis.causes) std::erase_if(cause.group, [&](const std::string& other) { return !names.contains(other); });
+  for (Cause& cause : diagnosis.causes) std::erase_if(cause.group, [&](const Alike& other) { return !names.contains(other.name); });
   std::map<std::string, double> by_subsystem, by_effect;
   diagnosis.probability_nothing = 0.0;
   for (const Cause& cause : diagnosis.causes) {
@@ -456,8 +454,8 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   static const Cause kNone;
   const Cause& first = diagnosis.causes.empty() ? kNone : diagnosis.causes.front();
   diagnosis.gap = diagnosis.controller_differs || diagnosis.counts > 0.0 || diagnosis.probability_nothing < 0.5;
-  const bool is_unknown = diagnosis.probability_unknown > first.probability;
-  if (is_unknown) {
+  diagnosis.is_unknown = diagnosis.probability_unknown > first.probability;
+  if (diagnosis.is_unknown) {
     diagnosis.verdict = "not in the catalogue: no known effect explains what is missing";
   } else if (first.effects.empty()) {
     diagnosis.verdict = "no effect is missing; parameters within their spread explain the records";
@@ -477,7 +475,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
     diagnosis.remarks.push_back(fmt::format("{}: the load swings when the record begins, up to {:.1f} mrad from where it would hang still",
                                             problem.records[r].name, 1e3 * reach));
   }
-  if (!far.empty() || is_unknown) {
+  if (!far.empty() || diagnosis.is_unknown) {
     diagnosis.remarks.push_back(
         fmt::format("cannot tell whether this is another crane than the nominal one: {}; check that the crane file is this crane's",
                     far.empty() ? "neither a known effect nor parameters within their spread explain it"
@@ -487,11 +485,10 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   const bool has_a_fit = std::none_of(first.point.effects.begin(), first.point.effects.end(), has_no_fit);
   Point followed = answer;
   std::erase_if(followed.effects, has_no_fit);
-  const Record& last = problem.records.back();
-  diagnosis.followed = {last.name, shadow(problem.nominal, last, problem.gains), shadow_at(problem, followed, problem.records.size() - 1)};
+  diagnosis.followed.explained = shadow_at(problem, followed, problem.records.size() - 1);
   if (settings.hold_out && has_a_fit && !first.point.nuisance.empty()) {
     tell(kHoldOut.from, "fitting the answer without the last record");
-    diagnosis.held_out = fit_without_last(problem, whitening, first.point);
+    diagnosis.held_out = fit_without_last(problem, whitening, diagnosis.followed.nominal, first.point);
   }
   diagnosis.simulations = problem.simulations;
   diagnosis.simulation_seconds = 1e-9 * static_cast<double>(problem.simulation_time);

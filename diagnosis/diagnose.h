@@ -34,6 +34,12 @@ struct Size {
   double low = 0.0, high = 0.0;  // 90 % interval
 };
 
+// Another cause that the records cannot tell from one.
+struct Alike {
+  std::string name;
+  double apart = 0.0;  // share of the one's signature by which this one's differs
+};
+
 struct Cause {
   std::vector<std::string> effects;   // one or two; none: only parameters are off
   double probability = 0.0;
@@ -44,8 +50,7 @@ struct Cause {
   std::vector<Size> sizes;            // of all effects' parameters
   Point point;                                              // the machine's part
   std::vector<common::EffectInstance> controller_effects;  // the controller's part
-  std::vector<std::string> group;     // names of the causes that these records cannot tell from it
-  double group_distance = 0.0;        // share of this cause's signature by which the nearest of them differs
+  std::vector<Alike> group;
 };
 
 // "a", "a with b" or "only parameters are off".
@@ -90,13 +95,14 @@ struct Diagnosis {
   std::vector<Cause> causes;            // falling probability; the one without effects is among them
   double probability_nothing = 0.0;
   double probability_unknown = 0.0;
+  bool is_unknown = false;              // nothing else is as probable: the answer is "not in the catalogue"
   std::string verdict;                  // one line
   std::vector<std::pair<std::string, double>> subsystems;  // probability by subsystem, falling
   std::vector<std::pair<std::string, double>> effects;     // probability that each acts, alone or beside another, falling
   std::vector<BandShare> bands;
   std::vector<Moment> moments;
   std::vector<std::string> remarks;
-  std::vector<std::string> not_excited;  // effects of which a typical size changes too little in these records to be named
+  std::vector<std::string> not_excited;  // effects of which no size that was tried, a typical one among them, changes these records enough to be named
   Followed followed;
   std::optional<HeldOut> held_out;       // nothing where it was not asked for, or the cause has no fit of the machine
   std::int64_t simulations = 0;

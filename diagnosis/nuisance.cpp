@@ -121,9 +121,9 @@ std::string parameters_text(const sim::CraneParameters& nominal, const std::vect
   for (std::size_t k = 0; k < nuisances().size() && k < amount.size(); ++k) {
     if (amount[k] == 0.0) continue;
     for (const CraneNumber& number : nuisances()[k].numbers) {
-      sections[number.section] += fmt::format("  {}: {{value: {}, unit: \"{}\", source: \"{}, {:+.1f} %\"}}\n", number.key,
-                                              common::shortest(number.of(crane)), common::name_of(number.unit), source,
-                                              100.0 * nuisances()[k].spread * amount[k]);
+      const std::string origin = fmt::format("{}, {:+.1f} %", source, 100.0 * nuisances()[k].spread * amount[k]);
+      sections[number.section] +=
+          fmt::format("  {}: {}\n", number.key, common::quantity_text(common::shortest(number.of(crane)), number.unit, origin));
     }
   }
   std::string text;

@@ -3,11 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
 #include <numeric>
 #include <string>
 #include <vector>
+
+#include "sim/model/drive_line.h"
 
 namespace slewlab::diagnosis {
 
@@ -194,11 +197,14 @@ void check_units(const Record& record, const AdmissionSettings& settings) {
 void check_torques(const Record& record, const Shadow& follower, const sim::CraneParameters& nominal) {
   // Of one motor, the mean of all groups: the gears carry torque from one to the other.
   std::vector<double> recorded(record.size(), 0.0), needed(record.size(), 0.0);
+  std::array<std::vector<double>, sim::kMaximumGroupCount> needed_of;  // each group
   for (int g = 0; g < record.group_count; ++g) {
     const auto i = static_cast<std::size_t>(g);
+    needed_of[i].resize(record.size());
     for (std::size_t n = 0; n < record.size(); ++n) {
+      needed_of[i][n] = record.motor_torque[i][n] + follower.missing_torque[i][n];
       recorded[n] += record.motor_torque[i][n] / record.group_count;
-      needed[n] += (record.motor_torque[i][n] + follower.missing_torque[i][n]) / record.group_count;
+      needed[n] += needed_of[i][n] / record.group_count;
     }
   }
   const auto slow = static_cast<std::size_t>(std::lround(kSlow / record.step));
@@ -206,7 +212,7 @@ void check_torques(const Record& record, const Shadow& follower, const sim::Cran
   const Fit fit = fit_line(slow_needed, slow_recorded);
   if (std::fabs(fit.correlation) > kClose && (fit.slope < 1.0 / kGross || fit.slope > kGross)) {
     const int motors = nominal.drive.motors_per_group, all_motors = motors * nominal.drive.group_count;
-    const double ratio = nominal.drive.gearbox_ratio * nominal.drive.pinion_ratio;
+    const double ratio = sim::total_ratio(nominal.drive);
     const std::string words = explain_factor(fit.slope, {{static_cast<double>(motors), fmt::format("it looks like the sum over a group's {} motors", motors)},
                                                          {static_cast<double>(all_motors), fmt::format("it looks like the sum over all {} motors", all_motors)},
                                                          {ratio, "it looks like the torque on the slew axis"},
@@ -221,9 +227,7 @@ void check_torques(const Record& record, const Shadow& follower, const sim::Cran
   check_not_frozen(record, "the torque command, mean of the groups,", recorded, needed, kTurnsBy);
   for (int g = 0; g < record.group_count && record.group_count > 1; ++g) {
     const auto i = static_cast<std::size_t>(g);
-    std::vector<double> own = record.motor_torque[i];
-    for (std::size_t n = 0; n < own.size(); ++n) own[n] += follower.missing_torque[i][n];
-    check_not_frozen(record, fmt::format("the torque command of group {}", g + 1), record.motor_torque[i], own, kOneTurnsBy);
+    check_not_frozen(record, fmt::format("the torque command of group {}", g + 1), record.motor_torque[i], needed_of[i], kOneTurnsBy);
   }
 }
 

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "diagnosis/plausibility.h"
+#include "sim/model/drive_line.h"
 
 namespace slewlab::diagnosis {
 
@@ -82,21 +83,6 @@ void check_span(const char* channel, const std::vector<std::int64_t>& times, std
                                 "log to it, or correct the clock that runs apart",
                                 record.name, channel, seconds(times.front()), seconds(times.back()), seconds(encoder_times.front()),
                                 seconds(encoder_times.back())));
-}
-
-// Linear interpolation of (time, value) onto the record's grid.
-std::vector<double> resample(const std::vector<std::int64_t>& times, const std::vector<double>& values,
-                             const Record& record, std::size_t count) {
-  std::vector<double> result(count);
-  std::size_t i = 0;
-  for (std::size_t n = 0; n < count; ++n) {
-    const double t = record.time(n) / kNanosecond;
-    while (i + 2 < times.size() && static_cast<double>(times[i + 1]) <= t) ++i;
-    const double t0 = static_cast<double>(times[i]), t1 = static_cast<double>(times[i + 1]);
-    const double share = std::clamp((t - t0) / (t1 - t0), 0.0, 1.0);
-    result[n] = values[i] + share * (values[i + 1] - values[i]);
-  }
-  return result;
 }
 
 // Positions between encoder messages follow the cubic through position and speed at both ends.
@@ -217,7 +203,7 @@ double find_quantum(const std::vector<msgs::Encoder>& encoder) {
 AdmissionSettings admission_for(const sim::CraneParameters& nominal, double rated_torque) {
   const double level = nominal.boom.length * std::cos(nominal.boom.angle);
   return {rated_torque,
-          nominal.drive.gearbox_ratio * nominal.drive.pinion_ratio,
+          sim::total_ratio(nominal.drive),
           {nominal.house.sensor_radius, nominal.boom.pivot_radius, nominal.boom.pivot_radius + 0.5 * level, nominal.boom.pivot_radius + level}};
 }
 
@@ -245,6 +231,19 @@ std::vector<double> cubic_slope(const std::vector<double>& values, std::size_t h
     slope[n] = (s6 * a - s4 * b) / (s2 * s6 - s4 * s4) / step;
   }
   return slope;
+}
+
+std::vector<double> resample(const std::vector<std::int64_t>& times, const std::vector<double>& values, const Record& record, std::size_t count) {
+  std::vector<double> result(count);
+  std::size_t i = 0;
+  for (std::size_t n = 0; n < count; ++n) {
+    const double t = record.time(n) / kNanosecond;
+    while (i + 2 < times.size() && static_cast<double>(times[i + 1]) <= t) ++i;
+    const double t0 = static_cast<double>(times[i]), t1 = static_cast<double>(times[i + 1]);
+    const double share = std::clamp((t - t0) / (t1 - t0), 0.0, 1.0);
+    result[n] = values[i] + share * (values[i + 1] - values[i]);
+  }
+  return result;
 }
 
 const char* accelerometer_name(int accelerometer) {
@@ -330,11 +329,14 @@ Record make_record(const msgs::RunLog& run, const std::string& name, const Admis
     }
   }
   if (has_sensors) {
-    std::vector<double> at;  // [steps]
-    for (const std::int64_t time : sensor_times) at.push_back((static_cast<double>(time) * kNanosecond - record.start_time) / record.step);
+    // [steps] by which an instant lies beside the grid.
+    const auto beside_grid = [&](std::int64_t time) {
+      const double steps = (static_cast<double>(time) * kNanosecond - record.start_time) / record.step;
+      return std::fabs(steps - std::round(steps));
+    };
     const bool on_grid = record.sensor_period < 1.5 * record.step &&
-                         std::all_of(at.begin(), at.end(), [](double n) { return std::fabs(n - std::round(n)) < kOnGrid; });
-    if (!on_grid) record.sampled_at = at;
+                         std::all_of(sensor_times.begin(), sensor_times.end(), [&](std::int64_t time) { return beside_grid(time) < kOnGrid; });
+    if (!on_grid) record.sampled_at = sensor_times;
     const auto take = [&](auto member, std::vector<double>& into, const std::string& signal, std::vector<double>* raw) {
       std::vector<double> values;
       for (const msgs::Sensors& message : run.sensors) values.push_back(message.*member);

@@ -38,8 +38,8 @@ struct Record {
   // [rad/s] Rate of the positions, late by nothing: what a drive reports as its speed comes out of a filter that lags.
   std::array<std::vector<double>, sim::kMaximumGroupCount> position_rate;
   std::array<std::vector<double>, kAccelerometerCount> acceleration;        // [m/s^2]; empty: not measured
-  // Where the sensors are not sampled on the grid: when, in steps of it, and what they said. The series above are lines between these.
-  std::vector<double> sampled_at;
+  // Where the sensors are not sampled on the grid: when [ns] and what they said. The series above are lines between these.
+  std::vector<std::int64_t> sampled_at;
   std::array<std::vector<double>, kAccelerometerCount> sampled_acceleration;
   double sensor_period = 0.0;                                               // [s]; 0 without sensors
   std::vector<double> slew_angle;                                           // [rad]; empty: not measured
@@ -74,6 +74,10 @@ AdmissionSettings admission_for(const sim::CraneParameters& nominal, double rate
 // Slope of the cubic that fits 2 `half_width` + 1 values best, at its middle (Savitzky, Golay 1964, Analytical Chemistry
 // 36, p. 1627); near the ends with fewer values, two at least. `half_width` >= 2.
 std::vector<double> cubic_slope(const std::vector<double>& values, std::size_t half_width, double step);
+
+// What was sampled at rising `times` [ns], two at least, on the grid of the record: straight in between, standing still before the first
+// and after the last.
+std::vector<double> resample(const std::vector<std::int64_t>& times, const std::vector<double>& values, const Record& record, std::size_t count);
 
 // Throws NotAdmitted. Small gaps (up to 3 missing messages in a row) are bridged and remarked.
 Record make_record(const msgs::RunLog& run, const std::string& name, const AdmissionSettings& settings);

@@ -15,7 +15,7 @@ namespace slewlab::diagnosis {
 namespace {
 
 constexpr double kSmallShare = 0.25;            // of an effect's typical size, with which it is tried too
-constexpr int kMostBeginnings = 120;           // of a record longer than a minute, or they would take the time of all other effects
+constexpr int kMostBeginnings = 120;            // of a record longer than a minute, or they would take the time of all other effects
 constexpr double kSpellEvery = 0.5;             // [s] beginnings from which an effect that lasts for a spell is tried: it shakes the boom
 constexpr int kCloserLooks = 3;                 // at most, at a size that the last one forecast
 constexpr double kCloserAmount = 2.0;           // at most, of a size that was forecast: forecasts of forecasts run away

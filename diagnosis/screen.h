@@ -28,7 +28,7 @@ inline constexpr double kLeastGain = 6.0;              // fall of the cost, fore
 // other sizes where the size enters not proportionally; other shapes. An angle that enters as a sine needs two
 // quarters of each: the others follow from them (between_quarters), of two that multiply as well. Where there are two angles, only the
 // typical size and the values worth a try are turned, all round and in every combination where the two do not multiply. An effect
-// that lasts for a spell begins at many moments and never ends (between_beginnings).
+// that lasts for a spell begins at many moments of the `duration` [s] and never ends (between_beginnings).
 std::vector<common::EffectInstance> starts_of(const common::EffectAbout& about, double duration);
 
 struct Screened {

@@ -10,6 +10,7 @@ namespace slewlab::diagnosis {
 
 namespace {
 
+constexpr double kNanosecond = 1e-9;  // [s]
 constexpr const char* kEncoderDelay = "encoder_delay";
 constexpr double kFirst = 0.25;       // [s] over which the tip sensor's offset is first taken; until then it leads nothing
 constexpr double kOffsetTime = 20.0;  // [s] in which it may drift: slower than any pendulum of a load
@@ -25,15 +26,11 @@ double between(const std::vector<double>& series, double n) {
 // From what the shadow's sensor says at every step to measured - shadow, taken where the sensor was sampled and straight in between, as
 // the record is: what sampling takes away it takes from both.
 void sample_alike(const Record& record, std::size_t accelerometer, std::vector<double>& series) {
-  const std::vector<double>& at = record.sampled_at;
-  std::vector<double> difference(at.size());
-  for (std::size_t j = 0; j < at.size(); ++j) difference[j] = record.sampled_acceleration[accelerometer][j] - between(series, at[j]);
-  std::size_t j = 0;
-  for (std::size_t n = 0; n < series.size(); ++n) {
-    while (j + 2 < at.size() && at[j + 1] <= static_cast<double>(n)) ++j;
-    const double share = std::clamp((static_cast<double>(n) - at[j]) / (at[j + 1] - at[j]), 0.0, 1.0);
-    series[n] = difference[j] + share * (difference[j + 1] - difference[j]);
+  std::vector<double> difference = record.sampled_acceleration[accelerometer];
+  for (std::size_t j = 0; j < difference.size(); ++j) {
+    difference[j] -= between(series, (kNanosecond * static_cast<double>(record.sampled_at[j]) - record.start_time) / record.step);
   }
+  series = resample(record.sampled_at, difference, record, record.size());
 }
 
 // A crane that is already turning starts as a rigid body at the motors' mean speed, its teeth where they were.

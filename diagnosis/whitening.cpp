@@ -55,13 +55,10 @@ class Transform {
 };
 
 // Under the window. An accelerometer's own offset says nothing of the crane, and would leak into the lowest frequencies.
-double mean_under(const std::vector<double>& window, const std::vector<double>& values) {
-  double sum = 0.0, weight = 0.0;
-  for (std::size_t n = 0; n < values.size(); ++n) {
-    sum += window[n] * values[n];
-    weight += window[n];
-  }
-  return weight > 0.0 ? sum / weight : 0.0;
+double mean_under(const Whitening& whitening, const std::vector<double>& values) {
+  double sum = 0.0;
+  for (std::size_t n = 0; n < values.size(); ++n) sum += whitening.window[n] * values[n];
+  return whitening.window_sum > 0.0 ? sum / whitening.window_sum : 0.0;
 }
 
 double window_energy(const std::vector<double>& window) {
@@ -188,6 +185,7 @@ Whitening make_whitening(const Record& record, const std::vector<bool>& trusted,
     const double centred = mean[std::min(count - 1, n + soft / 2)];
     whitening.window[n] = trusted[n] ? std::min(whitening.window[n], std::max(0.0, 2.0 * centred - 1.0)) : 0.0;
   }
+  whitening.window_sum = std::accumulate(whitening.window.begin(), whitening.window.end(), 0.0);
   for (int g = 0; g < record.group_count; ++g) whitening.channels.push_back({true, g});
   for (int a = 0; a < kAccelerometerCount; ++a) {
     if (!record.acceleration[static_cast<std::size_t>(a)].empty()) whitening.channels.push_back({false, a});
@@ -267,7 +265,7 @@ Eigen::VectorXd whiten(const Whitening& whitening, const Shadow& shadow) {
     const auto i = static_cast<std::size_t>(channel.index);
     const std::vector<double>& values =
         channel.is_torque ? shadow.missing_torque[i] : shadow.acceleration_difference[i];
-    const auto& spectrum = transform(values, channel.is_torque ? 0.0 : mean_under(whitening.window, values));
+    const auto& spectrum = transform(values, channel.is_torque ? 0.0 : mean_under(whitening, values));
     for (std::size_t b = 0; b < whitening.bin_count; ++b) {
       const std::complex<double> value = spectrum[whitening.first_bin + b];
       const double weight = whitening.weight[c](static_cast<Eigen::Index>(b));

@@ -39,6 +39,7 @@ struct Whitening {
   double bin_width = 0.0;               // [Hz]
   std::vector<Eigen::VectorXd> weight;  // per channel, per bin
   std::vector<double> window;           // per grid point, 0 where the record is not to be judged
+  double window_sum = 0.0;              // of all its points
   Eigen::Index size() const { return static_cast<Eigen::Index>(2 * bin_count * channels.size()); }
 };
 

@@ -12,6 +12,7 @@
 #include "common/input_error.h"
 #include "msgs/run_log.h"
 #include "sim/drive/fault_expectation.h"
+#include "sim/model/drive_line.h"
 #include "sim/scenario_file.h"
 #include "tools/acceptance/checks.h"
 #include "tools/acceptance/limits.h"
@@ -71,7 +72,7 @@ void draw(const fs::path& folder) {
 int judge(const fs::path& folder, const AcceptOptions& options, const AcceptanceLimits& limits) {
   const sim::Scenario scenario = sim::load_scenario_file(folder / "scenario.yaml");
   AcceptedMachine machine;
-  machine.total_ratio = scenario.crane.parameters.drive.gearbox_ratio * scenario.crane.parameters.drive.pinion_ratio;
+  machine.total_ratio = sim::total_ratio(scenario.crane.parameters.drive);
   for (const sim::Fault& fault : scenario.faults) {
     const double from = static_cast<double>(fault.from) / kNanosecondsPerSecond;
     machine.first_fault = std::min(machine.first_fault.value_or(from), from);

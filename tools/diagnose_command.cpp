@@ -50,9 +50,9 @@ ToldApartBy told_apart_by(const sim::MachineSettings& nominal, const std::option
   ToldApartBy best;
   if (!controller || found.causes.empty()) return best;
   const Cause& first = found.causes.front();
-  for (const std::string& name : first.group) {
+  for (const diagnosis::Alike& alike : first.group) {
     const auto other =
-        std::find_if(found.causes.begin(), found.causes.end(), [&](const Cause& cause) { return name_of(cause) == name; });
+        std::find_if(found.causes.begin(), found.causes.end(), [&](const Cause& cause) { return name_of(cause) == alike.name; });
     if (other == found.causes.end()) return {};
     best.push_back(
         diagnosis::separations(diagnosis::machine_at(nominal, first.point), diagnosis::machine_at(nominal, other->point), *controller)
@@ -68,8 +68,10 @@ nlohmann::json to_json(const Cause& cause) {
                       {"excess", cause.excess},
                       {"prior", cause.prior},
                       {"mean_square_left", cause.mean_square},
-                      {"cannot_be_told_from", cause.group},
-                      {"distance_to_nearest", cause.group_distance}};
+                      {"cannot_be_told_from", nlohmann::json::array()}};
+  for (const diagnosis::Alike& other : cause.group) {
+    json["cannot_be_told_from"].push_back({{"cause", other.name}, {"signature_apart", other.apart}});
+  }
   for (const diagnosis::Size& size : cause.sizes) {
     json["sizes"].push_back({{"parameter", size.parameter}, {"value", size.value}, {"unit", size.unit},
                              {"low_90", size.low}, {"high_90", size.high}});
@@ -166,7 +168,7 @@ std::string place_of_gaps(const Diagnosis& diagnosis, const Cause& first, const 
                : diagnosis.held_out->record + ", sizes fitted again without it";
     if (!first.controller_effects.empty()) text += " but the controller's, which saw all of it";
   }
-  if (diagnosis.probability_unknown > first.probability) text += "; after: with " + name_of(first) + ", which comes nearest and is not the answer";
+  if (diagnosis.is_unknown) text += "; after: with " + name_of(first) + ", which comes nearest and is not the answer";
   return text;
 }
 
@@ -178,8 +180,7 @@ std::string in_per_cent(std::span<const std::pair<std::string, double>> probabil
 }
 
 // The page that the terminal, summary.txt and diagnosis.html show.
-std::string summary_text(const Diagnosis& diagnosis, const ToldApartBy& apart, const std::vector<diagnosis::SignalGap>& before,
-                         const std::vector<diagnosis::SignalGap>& after, const std::string& place) {
+std::string summary_text(const Diagnosis& diagnosis, const ToldApartBy& apart, const std::optional<Predicted>& predicted, const std::string& place) {
   std::ostringstream out;
   out << fmt::format("Is there a gap?  {}. Parameters alone leave {:.2f} of the mean square that noise makes, the nominal crane {:.2f}",
                      diagnosis.gap ? "Yes" : "No", diagnosis.mean_square_parameters, diagnosis.mean_square_nominal);
@@ -217,8 +218,8 @@ std::string summary_text(const Diagnosis& diagnosis, const ToldApartBy& apart, c
       out << fmt::format("            {} = {:.4g} {} (90 %: {:.4g} to {:.4g})\n", size.parameter, size.value, size.unit, size.low, size.high);
     }
     for (std::size_t k = 0; k < cause.group.size(); ++k) {
-      out << fmt::format("            these records cannot tell it from {} (nearest signature: {:.1f} % apart)\n", cause.group[k],
-                         100 * cause.group_distance);
+      out << fmt::format("            these records cannot tell it from {} (signature {:.1f} % apart)\n", cause.group[k].name,
+                         100 * cause.group[k].apart);
       if (i == 0 && k < apart.size()) out << "              " << advice(apart[k]) << "\n";
     }
   }
@@ -227,13 +228,14 @@ std::string summary_text(const Diagnosis& diagnosis, const ToldApartBy& apart, c
                                      [](const auto& effect) { return effect.second < kWorthNaming; });
   const std::string acting = in_per_cent({diagnosis.effects.begin(), unlikely});
   if (!acting.empty()) out << "  each effect, alone or beside another: " << acting << "\n";
-  if (!before.empty()) out << "\nGap in closed loop from the operator's moves, on " << place << "\n";
-  for (std::size_t i = 0; i < before.size(); ++i) {
-    out << fmt::format("  {:24} {:10.4g} -> {:10.4g} {}\n", before[i].signal, before[i].gap, after[i].gap, before[i].unit);
+  if (predicted) out << "\nGap in closed loop from the operator's moves, on " << place << "\n";
+  for (std::size_t i = 0; predicted && i < predicted->before.gaps.size(); ++i) {
+    const diagnosis::SignalGap &before = predicted->before.gaps[i], &after = predicted->after.gaps[i];
+    out << fmt::format("  {:24} {:10.4g} -> {:10.4g} {}\n", before.signal, before.gap, after.gap, before.unit);
   }
   for (const std::string& remark : diagnosis.remarks) out << "  note: " << remark << "\n";
   if (!diagnosis.not_excited.empty()) {
-    out << fmt::format("\nCannot tell, because a typical size changes too little in these records: {}\n", fmt::join(diagnosis.not_excited, ", "));
+    out << fmt::format("\nCannot tell, because no size that was tried changes these records enough: {}\n", fmt::join(diagnosis.not_excited, ", "));
   }
   out << fmt::format("\n{}\n{} simulations with {:.1f} s in them, {:.1f} s in all\n", diagnosis.verdict, diagnosis.simulations,
                      diagnosis.simulation_seconds, diagnosis.total_seconds);
@@ -331,38 +333,36 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
     settings.hold_out = true;
     ProgressDisplay progress(options.terminal, out);
     const Diagnosis found =
-        diagnosis::diagnose(nominal, controller, records, settings, std::ref(progress), [] { return common::stop_signal() != 0; });
+        diagnosis::diagnose(nominal, controller, records, settings, std::ref(progress), common::stop_requested);
     progress.keep();
 
-    if (common::stop_signal() != 0) throw diagnosis::Interrupted{};  // what follows takes seconds, and then it is written
+    if (common::stop_requested()) throw diagnosis::Interrupted{};  // what follows takes seconds, and then it is written
     const Cause nothing;
     const Cause& first = found.causes.empty() ? nothing : found.causes.front();
     // Where no known effect is the answer, nothing is added to the crane; the gap is shown with what comes nearest, and says so.
-    const Cause& answer = found.probability_unknown > first.probability ? nothing : first;
+    const Cause& answer = found.is_unknown ? nothing : first;
     std::filesystem::create_directories(options.out);
     nlohmann::json json = to_json(found);
     const ToldApartBy apart = told_apart_by(nominal, controller, found);
     for (std::size_t k = 0; k < apart.size(); ++k) {
-      json["told_apart_by"].push_back({{"from", first.group[k]}, {"manoeuvre", apart[k].manoeuvre}, {"signal", apart[k].signal},
+      json["told_apart_by"].push_back({{"from", first.group[k].name}, {"manoeuvre", apart[k].manoeuvre}, {"signal", apart[k].signal},
                                        {"difference_rms", apart[k].difference}, {"unit", apart[k].unit},
                                        {"noise_floors", apart[k].noise_floors}, {"advice", advice(apart[k])}});
     }
     const Record& last = *std::find_if(records.begin(), records.end(), [&](const Record& record) { return record.name == found.followed.record; });
     const std::string place = place_of_gaps(found, first, last);
     std::optional<Predicted> predicted;
-    std::vector<diagnosis::SignalGap> before_gaps, after_gaps;
     if (controller) {
       const controller::ControllerSettings explained_controller = controller::with_effects(*controller, first.controller_effects);
       const Point& unbiased = found.held_out ? found.held_out->point : first.point;
       const double from_time = found.held_out ? found.held_out->from_time : last.start_time;
       predicted = {diagnosis::predict(nominal, *controller, last, from_time),
                    diagnosis::predict(diagnosis::machine_at(nominal, unbiased), explained_controller, last, from_time)};
-      before_gaps = predicted->before.gaps;
-      after_gaps = predicted->after.gaps;
       json["gaps_on"] = place;
-      for (std::size_t i = 0; i < before_gaps.size(); ++i) {
-        json["gaps"].push_back({{"signal", before_gaps[i].signal}, {"unit", before_gaps[i].unit}, {"measured_rms", before_gaps[i].measured},
-                                {"before", before_gaps[i].gap}, {"after", after_gaps[i].gap}});
+      for (std::size_t i = 0; i < predicted->before.gaps.size(); ++i) {
+        const diagnosis::SignalGap& before = predicted->before.gaps[i];
+        json["gaps"].push_back({{"signal", before.signal}, {"unit", before.unit}, {"measured_rms", before.measured},
+                                {"before", before.gap}, {"after", predicted->after.gaps[i].gap}});
       }
     }
     const auto stride = static_cast<std::size_t>(std::max(1L, std::lround(0.01 / last.step)));
@@ -375,8 +375,8 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
     std::string text = fmt::format("include: {}\ndescription: The nominal crane with what slewlab diagnose found.\n",
                                    std::filesystem::absolute(options.crane).string());
     if (explained.crane.boom.element_count != nominal.crane.boom.element_count) {
-      text += fmt::format("boom:\n  elements: {{value: {}, unit: \"-\", source: \"slewlab diagnose, as the sizes were fitted\"}}\n",
-                          explained.crane.boom.element_count);
+      text += fmt::format("boom:\n  elements: {}\n", common::quantity_text(std::to_string(explained.crane.boom.element_count), common::Unit::none,
+                                                                          "slewlab diagnose, as the sizes were fitted"));
     }
     if (!effects.empty()) text += common::effects_text(effects, sim::effect_abouts(), "slewlab diagnose, " + found.verdict);
     write_whole_file(options.out / "crane_with_effect.yaml", text);
@@ -392,7 +392,7 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
                            controller::changes_text(*controller, controller::with_effects(*controller, answer.controller_effects),
                                                     "slewlab diagnose, " + found.verdict));
     }
-    const std::string summary = summary_text(found, apart, before_gaps, after_gaps, place);
+    const std::string summary = summary_text(found, apart, predicted, place);
     write_whole_file(options.out / "summary.txt", summary);
     out << "\n" << summary << "files: " << options.out.string() << std::endl;
     // Becomes the program that draws; without an interpreter it says so, and the findings stand all the same.
@@ -403,7 +403,7 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
     return 3;
   } catch (const diagnosis::Interrupted&) {
     complaints << "interrupted; nothing was written\n";
-    return 128 + common::stop_signal();
+    return common::stop_exit_code();
   } catch (const common::InputError& problem) {
     complaints << problem.what() << "\n";
     return 1;

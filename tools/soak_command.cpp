@@ -25,7 +25,6 @@ namespace fs = std::filesystem;
 
 constexpr double kDegree = std::numbers::pi / 180.0;  // [rad]
 constexpr double kHour = 3600.0;                      // [s]
-constexpr int kSignalExit = 128;
 constexpr double kLineInterval = 10.0;  // [s] between progress lines where there is no terminal
 
 std::string quoted(const std::string& text) {
@@ -123,7 +122,7 @@ int run_all(SoakOptions options, const SoakPlan& plan) {
 
   StatusLine line(std::cout, ::isatty(STDOUT_FILENO) == 1, kLineInterval);
   CampaignHooks hooks;
-  hooks.stop = [] { return common::stop_signal() != 0; };
+  hooks.stop = common::stop_requested;
   hooks.progress = [&](const CampaignProgress& now) { line.show(now.wall_seconds, progress_text(now), now.done == now.tasks); };
   hooks.failure = [&](const std::string& text) {
     line.clear();
@@ -148,7 +147,7 @@ int run_all(SoakOptions options, const SoakPlan& plan) {
   if (done.failed > 0) std::printf("failures: %s\n", (options.out / "failures").c_str());
   if (!report.complete) {
     std::printf("the same command goes on from here\n");
-    if (common::stop_signal() != 0) return kSignalExit + common::stop_signal();
+    if (common::stop_requested()) return common::stop_exit_code();
   }
   return done.failed > 0 ? 1 : 0;
 }
@@ -182,8 +181,8 @@ int run_tasks(SoakOptions options, const SoakPlan& plan) {
   bool broken = false;
   for (std::int64_t number = range.first; number <= range.last; ++number) {
     const fs::path folder = range.first == range.last ? options.out : options.out / fmt::format("task-{:06}", number);
-    TaskResult result = run_task(plan, number, folder, [] { return common::stop_signal() != 0; });
-    if (!result.complete) return kSignalExit + common::stop_signal();
+    TaskResult result = run_task(plan, number, folder, common::stop_requested);
+    if (!result.complete) return common::stop_exit_code();
     memory.look(plan.settings.limits, result);
     keep_configuration(plan, number, folder);
     if (result.violations.empty()) {

@@ -15,8 +15,6 @@ namespace slewlab::tools {
 
 namespace {
 
-bool is_stopped() { return common::stop_signal() != 0; }
-
 using diagnosis::withheld::MakeProgress;
 
 // Runs `work` with SIGINT and SIGTERM caught, progress with the time left, and problems as one line. `work` answers
@@ -46,7 +44,7 @@ int run_interruptibly(const char* name, std::ostream& out, std::ostream& complai
   try {
     if (work(progress)) return 0;
     out << "interrupted; the same command goes on where it stopped\n";
-    return 128 + common::stop_signal();
+    return common::stop_exit_code();
   } catch (const std::exception& error) {
     complaints << "slewlab " << name << ": " << error.what() << '\n';
     return 1;
@@ -72,7 +70,7 @@ int withhold_make(const WithholdMakeOptions& options, std::ostream& out, std::os
   settings.controller_period = options.controller_period_ms * 1e-3;
   settings.threads = options.threads;
   return run_interruptibly("withhold make", out, complaints, [&](const MakeProgress& progress) {
-    if (!make_cases(settings, progress, is_stopped)) return false;
+    if (!make_cases(settings, progress, common::stop_requested)) return false;
     out << fmt::format("{} cases for \"{}\" in {}; answers sealed, digest in digest.txt\n", settings.cases,
                        name_of(settings.purpose), settings.directory.string());
     return true;
@@ -84,7 +82,7 @@ int withhold_score(const diagnosis::withheld::ScoreSettings& settings,
                    const diagnosis::withheld::InformedFit& informed, std::ostream& out, std::ostream& complaints) {
   using namespace slewlab::diagnosis::withheld;
   return run_interruptibly("withhold score", out, complaints, [&](const MakeProgress& progress) {
-    const std::optional<ScoreTable> table = score_cases(settings, diagnose, informed, progress, is_stopped);
+    const std::optional<ScoreTable> table = score_cases(settings, diagnose, informed, progress, common::stop_requested);
     if (!table) return false;
     out << '\n' << as_text(*table) << "\nin " << (settings.directory / settings.results / "score.json").string() << '\n';
     return true;
@@ -103,9 +101,9 @@ int withhold_judge(const WithholdScoreOptions& options, std::ostream& out, std::
   score.informed_fits = !options.no_informed_fits;
   return withhold_score(
       score,
-      [settings](const diagnosis::withheld::CaseInput& input) { return diagnosis::diagnose_case(input, settings, is_stopped); },
+      [settings](const diagnosis::withheld::CaseInput& input) { return diagnosis::diagnose_case(input, settings, common::stop_requested); },
       [settings](const diagnosis::withheld::CaseInput& input, const std::vector<std::string>& effects) {
-        return diagnosis::informed_gap(input, effects, settings, is_stopped);
+        return diagnosis::informed_gap(input, effects, settings, common::stop_requested);
       },
       out, complaints);
 }

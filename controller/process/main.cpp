@@ -34,7 +34,7 @@ int run(const Options& options) {
   common::catch_stop_signals();
   const auto bus = msgs::open_lcm_bus(options.bus);
   const AnswerLoop loop(*bus, computed_answer(settings));
-  while (common::stop_signal() == 0) bus->handle_one(kWait);
+  while (!common::stop_requested()) bus->handle_one(kWait);
   return 0;
 }
 

@@ -176,7 +176,7 @@ ScoreTable tabulate(const std::vector<Judged>& cases) {
     const bool right = !is_refused && first_is_right(answer, top);
     refused.push_back(is_refused ? 1.0 : 0.0);
     seconds.push_back(result.seconds);
-    ++table.confusion[label(answer)][result.refusal.empty() ? label(top) : "refused"];
+    ++table.confusion[label(answer)][is_refused ? "refused" : label(top)];
     const auto add = [&](std::vector<double>& of_visible, std::vector<double>& of_all, double value) {
       if (visible) of_visible.push_back(value);
       of_all.push_back(value);
@@ -195,7 +195,7 @@ ScoreTable tabulate(const std::vector<Judged>& cases) {
     if ((!has_effect(answer.kind) && (result.gap || !right)) || (visible && !right)) {
       table.failures.push_back(fmt::format("{} ({}): {} at {:.1f} noise floors; answered {} with {:.2f}{}", answer.name,
                                            name_of(answer.kind), label(answer), answer.visibility,
-                                           result.refusal.empty() ? label(top) : "refused: " + result.refusal,
+                                           is_refused ? "refused: " + result.refusal : label(top),
                                            top.probability, result.gap ? "" : ", no gap"));
     }
     if (answer.kind == Kind::kOneEffect || answer.kind == Kind::kTwoEffects) {
@@ -404,7 +404,10 @@ std::optional<ScoreTable> score_cases(const ScoreSettings& settings, const Diagn
   fs::create_directories(folder);
   const fs::path how_file = folder / "how.txt";
   if (!fs::exists(how_file)) {
-    if (!fs::is_empty(folder)) throw std::invalid_argument(fmt::format("{} holds results of which nobody knows how they were made; give another folder with --results", folder.string()));
+    if (!fs::is_empty(folder)) {
+      throw std::invalid_argument(
+          fmt::format("{} holds results of which nobody knows how they were made; give another folder with --results", folder.string()));
+    }
     write_whole(how_file, settings.how + "\n");
   }
   if (const std::string how = read_whole(how_file); how != settings.how + "\n") {

@@ -75,7 +75,7 @@ void tell_launcher(ControllerAction action) {
 void ask_launcher(ControllerAction action) {
   tell_launcher(action);
   char letter = 0;
-  while (letter != '\n' && common::stop_signal() == 0) {
+  while (letter != '\n' && !common::stop_requested()) {
     const ssize_t count = ::read(STDIN_FILENO, &letter, 1);
     if (count < 0 && errno == EINTR) continue;
     if (count == 1) continue;
@@ -106,7 +106,7 @@ int end_run(const LockstepSettings& settings, const CranePlant& plant, msgs::Log
   std::fflush(stdout);
   if (complete) return 0;
   std::fprintf(stderr, "slewlab-plant: stopped by signal %d at %.3f s of simulated time\n", common::stop_signal(), simulated_seconds);
-  return 128 + common::stop_signal();
+  return common::stop_exit_code();
 }
 
 int run_in_lockstep(const LockstepSettings& settings, CranePlant& plant, msgs::Bus& bus, msgs::LogWriter& log) {
@@ -119,7 +119,7 @@ int run_in_lockstep(const LockstepSettings& settings, CranePlant& plant, msgs::B
     print_progress(counts, settings);
   };
   LockstepHooks hooks;
-  hooks.stop = [] { return common::stop_signal() != 0; };
+  hooks.stop = common::stop_requested;
   // Looking at the clock in every cycle would cost as much as the plant's step does.
   hooks.after_cycle = [&](const LockstepCounts& counts) {
     if (counts.cycles % 64 == 0) show_progress(counts);
@@ -168,7 +168,7 @@ int run_in_real_time(const Options& options, const LockstepSettings& settings, C
     print_progress({.simulated_time = report.simulated_time}, settings);
   };
   WallClockHooks hooks;
-  hooks.stop = [&] { return common::stop_signal() != 0 || queue.failed(); };
+  hooks.stop = [&] { return common::stop_requested() || queue.failed(); };
   hooks.after_cycle = show_progress;
   hooks.controller_action = tell_launcher;
 

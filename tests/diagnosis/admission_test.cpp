@@ -35,8 +35,23 @@ class Admission : public testing::Test {
     }
     return "";
   }
+  // The log as it is from its 5000th message of each channel on: in the middle of a ramp.
+  void begin_in_motion() {
+    const auto begin_at = [](auto& messages) { messages.erase(messages.begin(), messages.begin() + 5000); };
+    begin_at(log_.encoder);
+    begin_at(log_.torque);
+    begin_at(log_.sensors);
+  }
   msgs::RunLog log_;
 };
+
+// One member of all groups, in every message.
+template <typename Message, typename Member>
+void scale(std::vector<Message>& messages, Member member, double factor) {
+  for (Message& message : messages) {
+    for (double& number : message.*member) number *= factor;
+  }
+}
 
 TEST_F(Admission, TakesASoundLog) { EXPECT_EQ(refusal(), ""); }
 
@@ -168,9 +183,7 @@ TEST_F(Admission, RefusesAControllersLogWithoutTheOperator) {
 }
 
 TEST_F(Admission, RefusesAControllersLogThatBeginsInMotion) {
-  log_.encoder.erase(log_.encoder.begin(), log_.encoder.begin() + 5000);
-  log_.torque.erase(log_.torque.begin(), log_.torque.begin() + 5000);
-  log_.sensors.erase(log_.sensors.begin(), log_.sensors.begin() + 5000);
+  begin_in_motion();
   EXPECT_NE(refusal().find("when the record begins"), std::string::npos) << refusal();
 }
 
@@ -180,9 +193,7 @@ TEST_F(Admission, RefusesAClippedAccelerometer) {
 }
 
 TEST_F(Admission, NamesTheUnitThatWouldFit) {
-  for (auto& encoder : log_.encoder) {
-    for (double& speed : encoder.shaft_speed) speed *= 60.0 / (2.0 * std::numbers::pi);
-  }
+  scale(log_.encoder, &msgs::Encoder::shaft_speed, 60.0 / (2.0 * std::numbers::pi));
   EXPECT_NE(refusal().find("revolutions per minute"), std::string::npos) << refusal();
 }
 
@@ -190,9 +201,7 @@ TEST_F(Admission, NamesTheUnitOfAPosition) {
   const msgs::RunLog sound = log_;
   const auto with_positions = [&](double factor) {
     log_ = sound;
-    for (msgs::Encoder& encoder : log_.encoder) {
-      for (double& position : encoder.shaft_position) position *= factor;
-    }
+    scale(log_.encoder, &msgs::Encoder::shaft_position, factor);
     return refusal();
   };
   EXPECT_NE(with_positions(180.0 / std::numbers::pi).find("the position looks like degrees"), std::string::npos) << refusal();
@@ -212,9 +221,7 @@ TEST_F(Admission, NamesTheSignAndUnitOfTheCommands) {
   const msgs::RunLog sound = log_;
   const auto with_torques = [&](double factor) {
     log_ = sound;
-    for (msgs::Torque& message : log_.torque) {
-      for (double& torque : message.motor_torque) torque *= factor;
-    }
+    scale(log_.torque, &msgs::Torque::motor_torque, factor);
     return refusal();
   };
   EXPECT_NE(with_torques(-1.0).find("its sign is turned"), std::string::npos) << refusal();
@@ -238,9 +245,7 @@ TEST_F(Admission, TakesTorquesOfACraneThatMissesMuch) {
 }
 
 TEST_F(Admission, NamesATurnedSign) {
-  for (auto& encoder : log_.encoder) {
-    for (double& speed : encoder.shaft_speed) speed = -speed;
-  }
+  scale(log_.encoder, &msgs::Encoder::shaft_speed, -1.0);
   EXPECT_NE(refusal().find("sign is turned"), std::string::npos) << refusal();
 }
 
@@ -363,15 +368,11 @@ TEST_F(Admission, WhatIsRefusedWouldHaveBlamedTheController) {
   log_.operator_moves.clear();
   EXPECT_GT(difference(), 0.1);
   log_ = sound;
-  log_.encoder.erase(log_.encoder.begin(), log_.encoder.begin() + 5000);
-  log_.torque.erase(log_.torque.begin(), log_.torque.begin() + 5000);
-  log_.sensors.erase(log_.sensors.begin(), log_.sensors.begin() + 5000);
+  begin_in_motion();
   EXPECT_GT(difference(), 0.1);
   log_ = sound;
   Record in_rpm = make_record(log_, "log", bench().admission);
-  for (msgs::Encoder& encoder : in_rpm.encoder) {
-    for (double& speed : encoder.shaft_speed) speed *= 30.0 / std::numbers::pi;
-  }
+  scale(in_rpm.encoder, &msgs::Encoder::shaft_speed, 30.0 / std::numbers::pi);
   const ControllerReplay replay = replay_controller(in_rpm, bench().controller);
   EXPECT_GT(replay.difference_rms, 0.1 * replay.torque_rms);
 }

@@ -130,7 +130,7 @@ TEST(ServoAxisDiagnosis, FindsTheFrictionThatTheForceBalanceShows) {
   nominal.crane = sim::load_crane_file(kFiles / "crane.yaml", {}).parameters;
   nominal.step = kStep;
   AdmissionSettings admission;
-  admission.total_ratio = nominal.crane.drive.gearbox_ratio * nominal.crane.drive.pinion_ratio;
+  admission.total_ratio = sim::total_ratio(nominal.crane.drive);
   DiagnosisSettings settings;
   settings.threads = 2;
   const Diagnosis found = diagnose(nominal, std::nullopt,

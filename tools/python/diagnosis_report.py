@@ -108,10 +108,11 @@ def page(directory):
     with open(os.path.join(directory, "summary.txt"), encoding="utf-8") as file:
         summary = file.read()
     series = pandas.read_csv(os.path.join(directory, "series.csv"))
+    after = after_name(found)
     figures = [probability_figure(found)]
     if "torque_before" in series:  # a controller was given, so that there is a closed loop to predict
-        figures.append(series_figure(series, after_name(found)))
-    figures += [spectrogram_figure(series, found["modes"]), missing_figure(series, after_name(found))]
+        figures.append(series_figure(series, after))
+    figures += [spectrogram_figure(series, found["modes"]), missing_figure(series, after)]
     body = "".join(figure.to_html(full_html=False, include_plotlyjs=index == 0)
                    for index, figure in enumerate(figures))
     return (f"<!doctype html><meta charset='utf-8'><title>slewlab diagnosis</title>"

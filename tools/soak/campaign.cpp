@@ -179,7 +179,6 @@ int work(const CampaignSettings& settings, const CampaignHooks& hooks, int socke
   ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   common::catch_stop_signals();
   WorkerMemory memory;
-  const auto stop = [] { return common::stop_signal() != 0; };
   std::FILE* orders = ::fdopen(socket, "r");
   long long number = 0;
   int exit_code = 0;
@@ -188,7 +187,7 @@ int work(const CampaignSettings& settings, const CampaignHooks& hooks, int socke
     Json answer;
     try {
       if (hooks.in_worker) hooks.in_worker(number);
-      TaskResult result = run_task(settings.plan, number, running, stop);
+      TaskResult result = run_task(settings.plan, number, running, common::stop_requested);
       if (!result.complete) {
         fs::remove_all(running);
         break;
