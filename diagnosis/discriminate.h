@@ -9,7 +9,7 @@
 
 #include "controller/controller.h"
 #include "diagnosis/record.h"
-#include "sim/machine_settings.h"
+#include "sim/integrate/machine_settings.h"
 
 namespace slewlab::diagnosis {
 

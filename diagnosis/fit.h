@@ -23,7 +23,7 @@
 #include "diagnosis/record.h"
 #include "diagnosis/shadow.h"
 #include "diagnosis/whitening.h"
-#include "sim/machine_settings.h"
+#include "sim/integrate/machine_settings.h"
 
 namespace slewlab::diagnosis {
 

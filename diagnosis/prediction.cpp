@@ -6,7 +6,7 @@
 #include <numeric>
 #include <span>
 
-#include "sim/machine.h"
+#include "sim/integrate/machine.h"
 
 namespace slewlab::diagnosis {
 

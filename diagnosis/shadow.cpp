@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "sim/machine.h"
+#include "sim/integrate/machine.h"
 #include "sim/model/drive_line.h"
 
 namespace slewlab::diagnosis {

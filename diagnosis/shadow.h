@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "diagnosis/record.h"
-#include "sim/machine_settings.h"
+#include "sim/integrate/machine_settings.h"
 
 namespace slewlab::diagnosis {
 

@@ -1,11 +1,11 @@
 #pragma once
 
-// The crane behind the wire: the machine of sim/machine.h under the protection of its drive. Torque holds from answer
+// The crane behind the wire: the machine of sim/integrate/machine.h under the protection of its drive. Torque holds from answer
 // to answer.
 
 #include "sim/drive/drive_protection.h"
 #include "sim/drive/driven_plant.h"
-#include "sim/machine.h"
+#include "sim/integrate/machine.h"
 
 namespace slewlab::sim {
 

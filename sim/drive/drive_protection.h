@@ -23,7 +23,7 @@
 #include "msgs/codec.h"
 #include "sim/drive/drive_fault.h"
 #include "sim/drive/drive_protection_settings.h"
-#include "sim/machine_settings.h"
+#include "sim/integrate/machine_settings.h"
 
 namespace slewlab::sim {
 

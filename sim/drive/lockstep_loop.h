@@ -33,7 +33,7 @@
 #include "msgs/log_writer.h"
 #include "sim/drive/driven_plant.h"
 #include "sim/drive/fault_injector.h"
-#include "sim/operator_move.h"
+#include "sim/drive/operator_move.h"
 
 namespace slewlab::sim {
 

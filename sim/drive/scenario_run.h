@@ -4,8 +4,8 @@
 
 #include "sim/drive/drive_protection.h"
 #include "sim/drive/lockstep_loop.h"
-#include "sim/machine_settings.h"
-#include "sim/scenario_file.h"
+#include "sim/integrate/machine_settings.h"
+#include "sim/drive/scenario_file.h"
 
 namespace slewlab::sim {
 

@@ -16,7 +16,7 @@
 
 #include "common/effect.h"
 #include "sim/integrate/plant_ports.h"
-#include "sim/machine_settings.h"
+#include "sim/integrate/machine_settings.h"
 #include "sim/model/crane_parameters.h"
 #include "sim/model/gear.h"
 

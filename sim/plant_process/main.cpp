@@ -30,7 +30,7 @@
 #include "sim/drive/scenario_run.h"
 #include "sim/drive/system_clock.h"
 #include "sim/drive/wall_clock_loop.h"
-#include "sim/scenario_file.h"
+#include "sim/drive/scenario_file.h"
 
 namespace slewlab::sim {
 namespace {

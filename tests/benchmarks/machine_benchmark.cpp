@@ -6,7 +6,7 @@
 #include <string>
 
 #include "sim/effects/catalogue.h"
-#include "sim/machine.h"
+#include "sim/integrate/machine.h"
 #include "tests/sim/thesis_crane.h"
 
 namespace {

@@ -62,11 +62,11 @@ TEST(Rooms, KeepToThemselves) {
 }
 
 TEST(Rooms, ATrespassWouldBeNoticed) {
-  EXPECT_EQ(trespasses("controller", "#include <cmath>\n  #  include \"sim/machine.h\"\n"),
+  EXPECT_EQ(trespasses("controller", "#include <cmath>\n  #  include \"sim/integrate/machine.h\"\n"),
             std::vector<std::string>{"sim"});
   EXPECT_EQ(trespasses("sim", "#include \"controller/ramp.h\"\n"), std::vector<std::string>{"controller"});
   EXPECT_EQ(trespasses("diagnosis", "#include <lcm/lcm-cpp.hpp>\n"), std::vector<std::string>{"lcm"});
-  EXPECT_TRUE(trespasses("diagnosis", "#include \"sim/machine.h\"\n#include \"controller/ramp.h\"\n").empty());
+  EXPECT_TRUE(trespasses("diagnosis", "#include \"sim/integrate/machine.h\"\n#include \"controller/ramp.h\"\n").empty());
 }
 
 }  // namespace

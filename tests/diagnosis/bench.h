@@ -8,7 +8,7 @@
 #include "diagnosis/diagnose.h"
 #include "diagnosis/nuisance.h"
 #include "diagnosis/record.h"
-#include "sim/crane_file.h"
+#include "sim/machine/crane_file.h"
 #include "tests/diagnosis/simulated_log.h"
 
 namespace slewlab::diagnosis {

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "controller/controller_file.h"
-#include "sim/crane_file.h"
+#include "sim/machine/crane_file.h"
 
 namespace slewlab::diagnosis {
 namespace {

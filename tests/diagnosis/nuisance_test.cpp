@@ -7,7 +7,7 @@
 #include <fstream>
 #include <string>
 
-#include "sim/crane_file.h"
+#include "sim/machine/crane_file.h"
 #include "tests/msgs/temporary_folder.h"
 
 namespace slewlab::diagnosis {

@@ -19,8 +19,8 @@
 #include "diagnosis/diagnose.h"
 #include "diagnosis/nuisance.h"
 #include "msgs/run_log.h"
-#include "sim/crane_file.h"
-#include "sim/machine.h"
+#include "sim/machine/crane_file.h"
+#include "sim/integrate/machine.h"
 #include "sim/model/drive_line.h"
 #include "tests/msgs/temporary_folder.h"
 

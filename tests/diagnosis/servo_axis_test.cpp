@@ -9,8 +9,8 @@
 #include <string>
 
 #include "msgs/run_log.h"
-#include "sim/crane_file.h"
-#include "sim/machine.h"
+#include "sim/machine/crane_file.h"
+#include "sim/integrate/machine.h"
 #include "tests/msgs/temporary_folder.h"
 
 namespace slewlab::diagnosis {

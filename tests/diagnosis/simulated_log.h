@@ -10,7 +10,7 @@
 
 #include "controller/controller.h"
 #include "msgs/run_log.h"
-#include "sim/machine.h"
+#include "sim/integrate/machine.h"
 
 namespace slewlab::diagnosis {
 

@@ -3,7 +3,7 @@
 
 #include "common/input_error.h"
 #include "sim/drive/scenario_run.h"
-#include "sim/scenario_file.h"
+#include "sim/drive/scenario_file.h"
 #include "tests/fuzz/fuzz_target.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {

@@ -5,7 +5,7 @@
 
 #include "common/yaml_file.h"
 #include "tests/fuzz/fuzz_target.h"
-#include "tools/resolved_configuration.h"
+#include "tools/commands/resolved_configuration.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace slewlab;

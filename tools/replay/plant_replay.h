@@ -17,7 +17,7 @@
 #include <vector>
 
 #include "msgs/run_log.h"
-#include "sim/scenario_file.h"
+#include "sim/drive/scenario_file.h"
 
 namespace slewlab::tools {
 

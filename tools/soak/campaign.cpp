@@ -26,7 +26,7 @@
 #include "common/stop_signal.h"
 #include "msgs/configuration_hash.h"
 #include "msgs/log_writer.h"
-#include "tools/whole_file.h"
+#include "tools/commands/whole_file.h"
 
 namespace slewlab::tools {
 namespace {

@@ -12,7 +12,7 @@
 #include "controller/ramp.h"
 #include "sim/drive/fault.h"
 #include "sim/model/crane_parameters.h"
-#include "sim/operator_move.h"
+#include "sim/drive/operator_move.h"
 #include "tools/soak/settings.h"
 
 namespace slewlab::tools {

@@ -9,13 +9,13 @@
 #include "controller/process/computed_answer.h"
 #include "msgs/log_writer.h"
 #include "msgs/memory_bus.h"
-#include "sim/crane_file.h"
+#include "sim/machine/crane_file.h"
 #include "sim/drive/crane_plant.h"
 #include "sim/drive/lockstep_loop.h"
 #include "sim/drive/scenario_run.h"
 #include "sim/integrate/plant.h"
-#include "tools/resolved_configuration.h"
-#include "tools/whole_file.h"
+#include "tools/commands/resolved_configuration.h"
+#include "tools/commands/whole_file.h"
 
 namespace slewlab::tools {
 namespace {

@@ -1,7 +1,7 @@
 #include "tools/verification/verification.h"
 
 #include "controller/controller_file.h"
-#include "sim/crane_file.h"
+#include "sim/machine/crane_file.h"
 
 namespace slewlab::tools {
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "controller/controller.h"
-#include "diagnosis/closed_loop.h"
+#include "diagnosis/loop/closed_loop.h"
 #include "sim/model/crane_parameters.h"
 #include "tools/verification/row.h"
 

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <string>
 
-#include "sim/scenario_file.h"
+#include "sim/drive/scenario_file.h"
 
 namespace slewlab::sim {
 namespace {

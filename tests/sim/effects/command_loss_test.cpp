@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "sim/effects/random_number.h"
-#include "sim/machine.h"
+#include "sim/integrate/machine.h"
 #include "tests/sim/effects/effect_bench.h"
 
 namespace slewlab::sim {

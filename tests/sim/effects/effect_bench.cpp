@@ -1,6 +1,6 @@
 #include "tests/sim/effects/effect_bench.h"
 
-#include "sim/machine.h"
+#include "sim/integrate/machine.h"
 #include "sim/model/boom.h"
 #include "sim/model/drive_line.h"
 #include "tests/sim/thesis_crane.h"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "sim/machine_settings.h"
+#include "sim/integrate/machine_settings.h"
 
 namespace slewlab::sim {
 

@@ -4,7 +4,7 @@
 
 #include <complex>
 
-#include "sim/machine.h"
+#include "sim/integrate/machine.h"
 #include "tests/sim/effects/effect_bench.h"
 
 namespace slewlab::sim {

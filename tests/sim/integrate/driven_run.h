@@ -14,7 +14,7 @@
 #include "controller/controller_file.h"
 #include "sim/integrate/plant.h"
 #include "sim/integrate/reference.h"
-#include "sim/scenario_file.h"
+#include "sim/drive/scenario_file.h"
 
 namespace slewlab::sim {
 

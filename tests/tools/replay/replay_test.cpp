@@ -19,7 +19,7 @@
 #include "tools/replay/comparison.h"
 #include "tools/replay/controller_replay.h"
 #include "tools/replay/plant_replay.h"
-#include "tools/replay_command.h"
+#include "tools/commands/replay_command.h"
 
 namespace slewlab::tools {
 namespace {

@@ -12,7 +12,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
-#include "sim/scenario_file.h"
+#include "sim/drive/scenario_file.h"
 #include "tests/msgs/file_contents.h"
 #include "tests/msgs/temporary_folder.h"
 

@@ -7,8 +7,8 @@
 #include <set>
 
 #include "controller/controller_file.h"
-#include "sim/crane_file.h"
-#include "sim/scenario_file.h"
+#include "sim/machine/crane_file.h"
+#include "sim/drive/scenario_file.h"
 #include "tests/msgs/temporary_folder.h"
 
 namespace slewlab::tools {

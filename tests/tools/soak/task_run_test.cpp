@@ -10,7 +10,7 @@
 #include "common/input_error.h"
 #include "msgs/configuration_hash.h"
 #include "msgs/run_log.h"
-#include "sim/scenario_file.h"
+#include "sim/drive/scenario_file.h"
 #include "tests/msgs/file_contents.h"
 #include "tests/msgs/temporary_folder.h"
 

@@ -1,4 +1,4 @@
-#include "tools/verify_command.h"
+#include "tools/commands/verify_command.h"
 
 #include <gtest/gtest.h>
 

@@ -1,0 +1,106 @@
+#include "diagnosis/evaluation/case_diagnosis.h"
+
+#include <algorithm>
+
+#include "controller/controller_file.h"
+#include "controller/effects/catalogue.h"
+#include "diagnosis/prediction.h"
+#include "msgs/run_log.h"
+#include "sim/machine/crane_file.h"
+#include "sim/effects/catalogue.h"
+
+namespace slewlab::diagnosis {
+
+namespace {
+
+Record load_record(const std::filesystem::path& log, const AdmissionSettings& admission, bool accelerometers) {
+  const msgs::RunLogs logs = msgs::read_run_logs(log);
+  msgs::RunLog run = logs.runs.at(0);
+  if (!accelerometers) run.sensors.clear();
+  return make_record(run, log.filename().string(), admission);
+}
+
+}  // namespace
+
+CaseData load_case(const withheld::CaseInput& input, bool accelerometers) {
+  CaseData data;
+  data.nominal.crane = sim::load_crane_file(input.crane).parameters;
+  data.controller = controller::load_controller_file(input.controller).settings;
+  const AdmissionSettings admission = admission_for(data.nominal.crane, data.controller.rated_torque);
+  for (const std::filesystem::path& log : input.logs) {
+    data.records.push_back(load_record(log, admission, accelerometers));
+  }
+  data.unseen = load_record(input.unseen, admission, true);
+  return data;
+}
+
+withheld::CaseResult diagnose_case(const withheld::CaseInput& input, const CaseSettings& settings,
+                                   const std::function<bool()>& is_stopped) {
+  withheld::CaseResult result;
+  result.name = input.name;
+  try {
+    CaseData data = load_case(input, settings.accelerometers);
+    DiagnosisSettings with = settings.diagnosis;
+    with.without = input.without;
+    const Diagnosis diagnosis = diagnose(data.nominal, data.controller, data.records, with, {}, is_stopped);
+    result.gap = diagnosis.gap;
+    result.probability_unknown = diagnosis.probability_unknown;
+    result.subsystems = diagnosis.subsystems;
+    result.seconds = diagnosis.total_seconds;
+    result.simulations = diagnosis.simulations;
+    for (const Cause& cause : diagnosis.causes) {
+      withheld::NamedCause named{cause.effects, cause.probability, {}, {}, cause.excess, cause.prior,
+                                 {cause.information.begin(), cause.information.end()}};
+      for (const Alike& other : cause.group) named.group.push_back(other.name);
+      for (const Size& size : cause.sizes) {
+        const std::size_t dot = size.parameter.find('.');
+        named.sizes.push_back({size.parameter.substr(0, dot), size.parameter.substr(dot + 1), size.value, size.low, size.high});
+      }
+      result.causes.push_back(named);
+    }
+    result.unseen_before = predict(data.nominal, data.controller, data.unseen).relative_gap;
+    result.unseen_after = result.unseen_before;
+    if (!diagnosis.causes.empty()) {
+      const Cause& first = diagnosis.causes.front();
+      result.unseen_after =
+          predict(machine_at(data.nominal, first.point),
+                  controller::with_effects(data.controller, first.controller_effects), data.unseen)
+              .relative_gap;
+    }
+  } catch (const NotAdmitted& problem) {
+    result.refusal = problem.what();
+  }
+  return result;
+}
+
+double informed_gap(const withheld::CaseInput& input, const std::vector<std::string>& effects,
+                    const CaseSettings& settings, const std::function<bool()>& is_stopped) {
+  CaseData data = load_case(input, settings.accelerometers);
+  DiagnosisSettings with = settings.diagnosis;
+  // Told the effects: everything else is left out of the catalogue.
+  const auto told = [&](std::string_view name) { return std::find(effects.begin(), effects.end(), name) != effects.end(); };
+  for (const common::EffectAbout* about : sim::effect_abouts()) {
+    if (!told(about->name)) with.without.emplace_back(about->name);
+  }
+  for (const common::EffectAbout* about : controller::effect_abouts()) {
+    if (!told(about->name)) with.without.emplace_back(about->name);
+  }
+  const Diagnosis diagnosis = diagnose(data.nominal, data.controller, data.records, with, {}, is_stopped);
+  double best = predict(data.nominal, data.controller, data.unseen).relative_gap;
+  // Of its fits, the one with most of the told effects and the least left.
+  const Cause* chosen = nullptr;
+  for (const Cause& cause : diagnosis.causes) {
+    if (chosen == nullptr || cause.effects.size() > chosen->effects.size() ||
+        (cause.effects.size() == chosen->effects.size() && cause.mean_square < chosen->mean_square)) {
+      chosen = &cause;
+    }
+  }
+  if (chosen != nullptr) {
+    best = predict(machine_at(data.nominal, chosen->point),
+                   controller::with_effects(data.controller, chosen->controller_effects), data.unseen)
+               .relative_gap;
+  }
+  return best;
+}
+
+}  // namespace slewlab::diagnosis

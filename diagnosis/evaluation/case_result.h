@@ -1,0 +1,64 @@
+// What a diagnosis says about one withheld case, and what the case was: plain data with JSON forms. A result names
+// no truth and an answer no diagnosis; score.h brings them together.
+#pragma once
+
+#include <nlohmann/json_fwd.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "diagnosis/evaluation/draw.h"
+
+namespace slewlab::diagnosis::withheld {
+
+struct NamedSize {
+  std::string effect;
+  std::string parameter;
+  double value = 0.0;
+  double low = 0.0, high = 0.0;  // 90 % interval
+};
+
+struct NamedCause {
+  std::vector<std::string> effects;  // one or two; none: nothing but parameters
+  double probability = 0.0;
+  std::vector<std::string> group;    // declared as not to be told apart from it, itself left out
+  std::vector<NamedSize> sizes;
+  // As in evidence.h: probabilities can be weighed again from them.
+  double excess = 0.0, prior = 0.0;
+  std::vector<double> information;
+};
+
+struct CaseResult {
+  std::string name;                      // case_0001
+  std::string refusal;                   // why it would not judge; empty where it did
+  bool gap = false;                      // says that something is missing
+  double probability_unknown = 0.0;      // of "not in the catalogue"
+  std::vector<NamedCause> causes;        // falling probability
+  std::vector<std::pair<std::string, double>> subsystems;  // falling probability
+  // Size of the gap in the unseen manoeuvre, one number in any unit: the nominal crane, then with what was found.
+  double unseen_before = 0.0, unseen_after = 0.0;
+  double seconds = 0.0;  // wall clock
+  long long simulations = 0;
+};
+
+struct TrueEffect {
+  std::string law;
+  std::string effect;  // the catalogue's; empty: in no catalogue
+  std::string subsystem;
+  std::vector<TrueSize> sizes;
+  double visibility = 0.0;  // [-] noise floors, beside the case's other effect
+};
+
+struct CaseAnswer {
+  std::string name;
+  Kind kind = Kind::kNothing;
+  std::vector<TrueEffect> effects;
+  double visibility = 0.0;  // [-] noise floors
+  std::string most_visible;
+};
+
+nlohmann::json to_json(const CaseResult& result);
+CaseResult result_from(const nlohmann::json& json);
+CaseAnswer answer_from(const nlohmann::json& json);
+
+}  // namespace slewlab::diagnosis::withheld

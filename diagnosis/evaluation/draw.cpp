@@ -1,0 +1,231 @@
+#include "diagnosis/evaluation/draw.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace slewlab::diagnosis::withheld {
+
+const char* name_of(Purpose purpose) { return purpose == Purpose::kTune ? "tune" : "score"; }
+
+void check_seed(std::uint64_t seed, Purpose purpose) {
+  const Purpose belongs = seed < kFirstScoringSeed ? Purpose::kTune : Purpose::kScore;
+  if (belongs == purpose) return;
+  throw std::invalid_argument("seed " + std::to_string(seed) + " is for \"" + name_of(belongs) + "\", not for \"" +
+                              name_of(purpose) + "\": seeds below 1000 tune, from 1000 on they score");
+}
+
+namespace {
+
+constexpr std::array<const char*, 6> kKindNames{"nothing", "parameters", "one effect", "two effects", "left out",
+                                                "no catalogue"};
+constexpr std::array<double, 6> kKindShares{0.15, 0.15, 0.40, 0.15, 0.075, 0.075};
+
+}  // namespace
+
+const char* name_of(Kind kind) { return kKindNames[static_cast<std::size_t>(kind)]; }
+
+Kind kind_named(const std::string& name) {
+  for (std::size_t k = 0; k < kKindNames.size(); ++k) {
+    if (name == kKindNames[k]) return static_cast<Kind>(k);
+  }
+  throw std::invalid_argument("no kind of case is called \"" + name + "\"");
+}
+
+const std::vector<SpreadParameter>& spread_parameters() {
+  using sim::CraneParameters;
+  static const std::vector<SpreadParameter> kParameters{
+      {"drive inertia",
+       [](CraneParameters& c, double f) {
+         c.drive.motor_inertia *= f;
+         c.drive.brake_inertia *= f;
+         c.drive.gearbox_inertia *= f;
+       }},
+      {"gearbox stiffness", [](CraneParameters& c, double f) { c.drive.gearbox_stiffness *= f; }},
+      {"gear damping", [](CraneParameters& c, double f) { c.drive.gear_damping_ratio *= f; }},
+      {"play",
+       [](CraneParameters& c, double f) {
+         c.drive.gearbox_play *= f;
+         c.drive.pinion_play *= f;
+       }},
+      {"house inertia", [](CraneParameters& c, double f) { c.house.inertia *= f; }},
+      {"house sensor radius", [](CraneParameters& c, double f) { c.house.sensor_radius *= f; }},
+      {"boom mass", [](CraneParameters& c, double f) { c.boom.mass *= f; }},
+      {"boom bending stiffness", [](CraneParameters& c, double f) { c.boom.youngs_modulus *= f; }},
+      {"boom torsional stiffness", [](CraneParameters& c, double f) { c.boom.torsion_constant *= f; }},
+      {"boom damping", [](CraneParameters& c, double f) { c.boom.damping_ratio *= f; }},
+      {"boom angle", [](CraneParameters& c, double f) { c.boom.angle *= f; }},
+      {"pivot radius", [](CraneParameters& c, double f) { c.boom.pivot_radius *= f; }},
+      {"load mass", [](CraneParameters& c, double f) { c.load.mass *= f; }},
+      {"rope length", [](CraneParameters& c, double f) { c.load.rope_length *= f; }},
+      {"rod length", [](CraneParameters& c, double f) { c.load.rod_length *= f; }},
+      {"load damping", [](CraneParameters& c, double f) { c.load.damping_ratio *= f; }},
+  };
+  return kParameters;
+}
+
+namespace {
+
+// Slew to one side and back, with a pause; 30 s.
+Manoeuvre there_and_back(Random& random) {
+  const double direction = random.sign();
+  const double first = random.between(0.6, 1.0), second = random.between(0.6, 1.0);
+  Manoeuvre manoeuvre;
+  const double turn = random.between(10.5, 12.5);
+  const double back = turn + random.between(5.0, 6.5);
+  manoeuvre.requests = {{random.between(0.8, 1.5), direction * first},
+                        {turn, 0.0},
+                        {back, -direction * second},
+                        {back + random.between(7.0, 8.5), 0.0}};
+  manoeuvre.duration = 30.0;
+  return manoeuvre;
+}
+
+// Inching: short moves to and fro; 30 s.
+Manoeuvre inching(Random& random) {
+  Manoeuvre manoeuvre;
+  double time = random.between(0.8, 1.5);
+  double direction = random.sign();
+  while (time < 24.0) {
+    manoeuvre.requests.push_back({time, direction * random.between(0.25, 0.7)});
+    time += random.between(1.2, 2.6);
+    manoeuvre.requests.push_back({time, 0.0});
+    time += random.between(1.0, 2.8);
+    if (random.uniform() < 0.6) direction = -direction;
+  }
+  manoeuvre.duration = 30.0;
+  return manoeuvre;
+}
+
+// One longer slew with a change of speed on the way; 32 s.
+Manoeuvre longer_slew(Random& random) {
+  const double direction = random.sign();
+  Manoeuvre manoeuvre;
+  const double change = random.between(8.0, 11.0);
+  manoeuvre.requests = {{random.between(0.8, 1.5), direction * random.between(0.4, 0.65)},
+                        {change, direction * random.between(0.8, 1.0)},
+                        {change + random.between(8.0, 10.0), 0.0}};
+  manoeuvre.duration = 32.0;
+  return manoeuvre;
+}
+
+// Names in equal numbers, in random order.
+std::vector<std::string> dealt(std::vector<std::string> names, std::size_t count, Random& random) {
+  std::vector<std::string> all;
+  while (all.size() < count) {
+    random.shuffle(names);
+    all.insert(all.end(), names.begin(), names.end());
+  }
+  all.resize(count);
+  return all;
+}
+
+// Evenly in the logarithm, from `from` of the range on.
+double drawn_size(const Law& law, double from, Random& random) {
+  if (law.low == law.high) return law.low;
+  return law.low * std::pow(law.high / law.low, random.between(from, 1.0));
+}
+
+}  // namespace
+
+std::vector<DrawnCase> draw_cases(int count, std::uint64_t seed) {
+  // Kinds in proportion, largest remainders first, then shuffled.
+  std::vector<Kind> kinds;
+  std::array<double, 6> given{};
+  for (int n = 1; n <= count; ++n) {
+    std::size_t most = 0;
+    for (std::size_t k = 1; k < given.size(); ++k) {
+      if (kKindShares[k] * n - given[k] > kKindShares[most] * n - given[most] + 1e-12) most = k;
+    }
+    given[most] += 1.0;
+    kinds.push_back(static_cast<Kind>(most));
+  }
+  Random order(seed, "order");
+  order.shuffle(kinds);
+
+  std::vector<std::string> in_catalogue, outside;
+  for (const Law& law : laws()) (law.effect.empty() ? outside : in_catalogue).push_back(law.name);
+  const auto many = static_cast<std::size_t>(count);
+  Random deal(seed, "deal");
+  const std::vector<std::string> ones = dealt(in_catalogue, many, deal);
+  const std::vector<std::string> pairs = dealt(in_catalogue, 2 * many, deal);
+  const std::vector<std::string> left_out = dealt(in_catalogue, many, deal);
+  const std::vector<std::string> others = dealt(outside, many, deal);
+  std::size_t one = 0, pair = 0, left = 0, other = 0;
+
+  std::vector<DrawnCase> cases;
+  for (int n = 1; n <= count; ++n) {
+    DrawnCase drawn;
+    drawn.number = n;
+    drawn.kind = kinds[static_cast<std::size_t>(n - 1)];
+    Random sizes(seed, "size", static_cast<std::uint64_t>(n));
+    const auto add = [&](const std::string& name, double from) {
+      drawn.laws.push_back({name, drawn_size(law_named(name), from, sizes)});
+    };
+    switch (drawn.kind) {
+      case Kind::kNothing:
+      case Kind::kParameters:
+        break;
+      case Kind::kOneEffect:
+        add(ones[one++], 0.0);
+        break;
+      case Kind::kTwoEffects: {
+        // Both from the larger half, so that neither drowns in the other.
+        const std::string first = pairs[pair++];
+        add(first, 0.5);
+        while (pairs[pair] == first) ++pair;
+        add(pairs[pair++], 0.5);
+        break;
+      }
+      case Kind::kLeftOut:
+        add(left_out[left++], 0.3);
+        break;
+      case Kind::kNoCatalogue:
+        add(others[other++], 0.3);
+        break;
+    }
+    Random decoy(seed, "decoy", static_cast<std::uint64_t>(n));
+    if (drawn.kind == Kind::kLeftOut) {
+      drawn.without = {law_named(drawn.laws[0].law).effect};
+    } else if (decoy.uniform() < 0.125) {
+      const std::string& effect = law_named(in_catalogue[decoy.below(in_catalogue.size())]).effect;
+      const bool is_true = std::any_of(drawn.laws.begin(), drawn.laws.end(),
+                                       [&](const DrawnLaw& law) { return law_named(law.law).effect == effect; });
+      if (!is_true) drawn.without = {effect};
+    }
+    Random spread(seed, "spread", static_cast<std::uint64_t>(n));
+    for (const SpreadParameter& parameter : spread_parameters()) {
+      double factor = spread.between(1.0 - kUnitSpread, 1.0 + kUnitSpread);
+      for (const DrawnLaw& law : drawn.laws) {
+        const std::vector<std::string>& own = law_named(law.law).own;
+        if (std::find(own.begin(), own.end(), parameter.name) != own.end()) factor = 1.0;
+      }
+      drawn.spread.push_back(drawn.kind == Kind::kNothing ? 1.0 : factor);
+    }
+    Random moves(seed, "manoeuvre", static_cast<std::uint64_t>(n));
+    drawn.manoeuvres = {there_and_back(moves), inching(moves), longer_slew(moves)};
+    Random noise(seed, "noise", static_cast<std::uint64_t>(n));
+    for (std::uint64_t& noise_seed : drawn.noise_seeds) noise_seed = noise.bits();
+    drawn.law_seed = Random(seed, "law", static_cast<std::uint64_t>(n)).bits();
+    cases.push_back(std::move(drawn));
+  }
+  return cases;
+}
+
+TruthMachine build(const DrawnCase& drawn, const sim::CraneParameters& nominal,
+                   const controller::ControllerSettings& controller, const std::vector<bool>& on,
+                   std::vector<std::vector<TrueSize>>* sizes) {
+  sim::CraneParameters crane = nominal;
+  const std::vector<SpreadParameter>& parameters = spread_parameters();
+  for (std::size_t k = 0; k < parameters.size(); ++k) parameters[k].scale(crane, drawn.spread[k]);
+  TruthMachine machine = make_truth_machine(crane, controller);
+  for (std::size_t k = 0; k < drawn.laws.size(); ++k) {
+    if (!on[k]) continue;
+    Random random(drawn.law_seed, drawn.laws[k].law, k);
+    std::vector<TrueSize> values = law_named(drawn.laws[k].law).apply(machine, drawn.laws[k].size, random);
+    if (sizes != nullptr) sizes->push_back(std::move(values));
+  }
+  return machine;
+}
+
+}  // namespace slewlab::diagnosis::withheld

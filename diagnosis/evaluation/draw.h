@@ -1,0 +1,59 @@
+// Draws the withheld machines: kind, effects and their sizes, unit-to-unit spread, manoeuvres. Everything follows
+// from seed, number of cases and the case's number.
+//
+// Seeds below 1000 serve tuning, from 1000 on scoring. They never mix: who draws must say which purpose it is for.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "diagnosis/evaluation/law.h"
+
+namespace slewlab::diagnosis::withheld {
+
+enum class Purpose { kTune, kScore };
+const char* name_of(Purpose purpose);
+inline constexpr std::uint64_t kFirstScoringSeed = 1000;
+// Throws std::invalid_argument where the seed serves the other purpose.
+void check_seed(std::uint64_t seed, Purpose purpose);
+
+enum class Kind { kNothing, kParameters, kOneEffect, kTwoEffects, kLeftOut, kNoCatalogue };
+const char* name_of(Kind kind);
+Kind kind_named(const std::string& name);
+
+// Numbers of the crane that scatter from unit to unit, evenly within +-5 % (issue 4).
+inline constexpr double kUnitSpread = 0.05;
+struct SpreadParameter {
+  std::string name;
+  void (*scale)(sim::CraneParameters&, double factor);
+};
+const std::vector<SpreadParameter>& spread_parameters();
+
+struct DrawnLaw {
+  std::string law;
+  double size = 0.0;
+};
+struct DrawnCase {
+  int number = 0;  // from 1
+  Kind kind = Kind::kNothing;
+  std::vector<DrawnLaw> laws;
+  // Effects that the diagnosis is run without: the true one where it is left out, any other one in an eighth of the
+  // other cases, so that leaving out says nothing.
+  std::vector<std::string> without;
+  std::vector<double> spread;  // factor per spread parameter
+  std::uint64_t law_seed = 0;  // of what the laws draw themselves
+  std::array<Manoeuvre, 3> manoeuvres;  // a, b, unseen
+  std::array<std::uint64_t, 3> noise_seeds{};
+};
+
+// All cases of one set. Kinds in proportion: nothing 15 %, parameters 15 %, one effect 40 %, two 15 %, left out of
+// the catalogue 7.5 %, in no catalogue 7.5 %; every effect is drawn equally often (within one).
+std::vector<DrawnCase> draw_cases(int count, std::uint64_t seed);
+
+// The machine of a case with those of its laws that are `on`, each as it is with all of them; true sizes, in their order, to `sizes`.
+TruthMachine build(const DrawnCase& drawn, const sim::CraneParameters& nominal,
+                   const controller::ControllerSettings& controller, const std::vector<bool>& on,
+                   std::vector<std::vector<TrueSize>>* sizes = nullptr);
+
+}  // namespace slewlab::diagnosis::withheld

@@ -1,0 +1,25 @@
+#include "diagnosis/evaluation/law.h"
+
+#include <stdexcept>
+
+namespace slewlab::diagnosis::withheld {
+
+const std::vector<Law>& laws() {
+  static const std::vector<Law> kLaws = [] {
+    std::vector<Law> all;
+    for (auto part : {drive_laws, house_laws, boom_and_load_laws, wire_laws, controller_laws, laws_in_no_catalogue}) {
+      for (Law& law : part()) all.push_back(std::move(law));
+    }
+    return all;
+  }();
+  return kLaws;
+}
+
+const Law& law_named(const std::string& name) {
+  for (const Law& law : laws()) {
+    if (law.name == name) return law;
+  }
+  throw std::invalid_argument("no law of the withheld cases is called " + name);
+}
+
+}  // namespace slewlab::diagnosis::withheld

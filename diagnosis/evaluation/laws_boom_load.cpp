@@ -1,0 +1,200 @@
+#include <cmath>
+#include <numbers>
+
+#include "diagnosis/evaluation/law.h"
+
+namespace slewlab::diagnosis::withheld {
+
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+constexpr double kAirDensity = 1.225;  // [kg/m^3] sea level, 15 degrees C, standard atmosphere
+
+std::vector<TrueSize> compression_softening(TruthMachine& machine, double size, Random&) {
+  machine.structure.axial_force = size;
+  // (2.15) takes about twice the softening of the first mode for one force (structure_test.cpp).
+  return {{"compression", size, false}};
+}
+
+std::vector<TrueSize> boom_damping(TruthMachine& machine, double size, Random& random) {
+  const double factor = std::exp(size * random.sign());
+  machine.structure.damping_factor = factor;
+  machine.structure.damping_power = -0.25;
+  return {{"factor", factor}};
+}
+
+std::vector<TrueSize> boom_stiffness(TruthMachine& machine, double size, Random& random) {
+  const double factor = std::exp(size * random.sign());
+  machine.crane.boom.youngs_modulus *= factor;
+  machine.crane.boom.shear_modulus *= factor;
+  return {{"factor", factor}};
+}
+
+std::vector<TrueSize> flyjib_torsion(TruthMachine& machine, double size, Random& random) {
+  machine.structure.jib_mass = size;
+  machine.structure.jib_eccentricity = random.between(2.0, 7.0);  // [m]
+  return {{"mass", size}, {"eccentricity", machine.structure.jib_eccentricity}};
+}
+
+// Wind on a boom and a load that move themselves: the part of the relative wind across the boom counts.
+std::vector<TrueSize> wind(TruthMachine& machine, double size, Random& random) {
+  const double direction = random.between(-kPi, kPi);
+  const double boom_area = 80.0 * random.log_between(0.8, 1.25);  // [m^2]
+  const double load_area = 20.0 * random.log_between(0.8, 1.25);  // [m^2]
+  machine.forces.push_back({{}, {}, [=](const Scene& scene, const double*, sim::ReferenceForces& forces, double*) {
+    const auto pressure = [&](double speed_across) {
+      const double angle = direction - scene.motion.house_angle;
+      const double across = size * std::sin(angle) - speed_across, along = size * std::cos(angle);
+      return 0.5 * kAirDensity * across * std::sqrt(across * across + along * along);
+    };
+    const double middle_radius = 0.5 * (scene.crane.boom.pivot_radius + scene.tip_radius);
+    forces.uniform_force +=
+        boom_area / scene.crane.boom.length * pressure(middle_radius * scene.motion.house_speed);
+    forces.load_force += load_area * pressure(scene.motion.rope_end_velocity);
+  }});
+  return {{"speed", size},
+          {"direction", direction, false},
+          {"boom_drag_area", boom_area, false},
+          {"load_drag_area", load_area, false}};
+}
+
+std::vector<TrueSize> load_mass(TruthMachine& machine, double size, Random& random) {
+  const double factor = std::exp(size * random.sign());
+  machine.crane.load.mass *= factor;
+  return {{"factor", factor}};
+}
+
+std::vector<TrueSize> rope_length(TruthMachine& machine, double size, Random& random) {
+  const double factor = std::exp(size * random.sign());
+  machine.crane.load.rope_length *= factor;
+  return {{"factor", factor}};
+}
+
+// The load on an elastic rope of free length L(t) in true geometry, in place of the small-angle rope:
+//   T = k (l - L) + c (l' - L'),   l = sqrt(x^2 + z^2),   M z'' = M g - T z / l,   sideways -T x / l on the load.
+// States: z less its place at rest, z'.
+struct WinchMove {
+  double speed = 0.0;     // [m/s] positive up
+  double start = 0.0;     // [s]
+  double duration = 0.0;  // [s]
+};
+
+// Hoisted length and its rate: the speed comes and goes as a raised cosine within 1.5 s.
+void hoisted(const WinchMove& move, double time, double& length, double& rate) {
+  length = rate = 0.0;
+  const double ramp = std::min(1.5, 0.5 * move.duration);  // [s]
+  const double t = time - move.start;
+  if (move.speed == 0.0 || t <= 0.0) return;
+  const auto risen = [&](double s) { return 0.5 * (s - ramp / kPi * std::sin(kPi * s / ramp)); };
+  const double fall_start = move.duration - ramp;
+  if (t < ramp) {
+    length = move.speed * risen(t);
+    rate = move.speed * 0.5 * (1.0 - std::cos(kPi * t / ramp));
+  } else if (t < fall_start) {
+    length = move.speed * (t - 0.5 * ramp);
+    rate = move.speed;
+  } else {
+    const double left = std::max(0.0, move.duration - t);
+    length = move.speed * (move.duration - ramp - risen(left));
+    rate = move.speed * 0.5 * (1.0 - std::cos(kPi * left / ramp));
+  }
+}
+
+void hang_on_true_rope(TruthMachine& machine, const WinchMove& move) {
+  machine.forces.push_back({{0.0, 0.0}, {0.01, 0.1}, [move](const Scene& scene, const double* states,
+                                                            sim::ReferenceForces& forces, double* rates) {
+    constexpr double kRopeStiffness = 1e7;  // [N/m] a few falls of steel wire, 60 m long
+    const double mass = scene.crane.load.mass;
+    const double damping = 0.04 * std::sqrt(kRopeStiffness * mass);  // 2 % of critical
+    double up = 0.0, up_rate = 0.0;
+    hoisted(move, scene.motion.time, up, up_rate);
+    const double free_length = scene.crane.load.rope_length - up;
+    const double x = scene.motion.rope_end_displacement - scene.motion.tip_displacement;
+    const double x_rate = scene.motion.rope_end_velocity - scene.motion.tip_velocity;
+    const double z = scene.crane.load.rope_length + mass * sim::kGravity / kRopeStiffness + states[0];
+    const double length = std::sqrt(x * x + z * z);
+    const double length_rate = (x * x_rate + z * states[1]) / length;
+    const double tension = kRopeStiffness * (length - free_length) + damping * (length_rate + up_rate);
+    const double difference = tension * x / length - scene.rope_stiffness * x;
+    forces.load_force -= difference;
+    forces.tip_force += difference;
+    rates[0] = states[1];
+    rates[1] = sim::kGravity - tension * z / (length * mass);
+  }});
+}
+
+std::vector<TrueSize> hoisting(TruthMachine& machine, double size, Random& random) {
+  const WinchMove move{size * random.sign(), random.between(2.0, 10.0), random.between(8.0, 16.0)};
+  hang_on_true_rope(machine, move);
+  return {{"speed", move.speed}, {"start", move.start, false}, {"duration", move.duration, false}};
+}
+
+std::vector<TrueSize> large_angles(TruthMachine& machine, double, Random&) {
+  hang_on_true_rope(machine, {});
+  return {{"share", 1.0}};
+}
+
+std::vector<TrueSize> air_drag(TruthMachine& machine, double size, Random&) {
+  machine.forces.push_back({{}, {}, [size](const Scene& scene, const double*, sim::ReferenceForces& forces, double*) {
+    constexpr double kPower = 1.85;          // [-] drag coefficients fall with the Reynolds number
+    constexpr double kReferenceSpeed = 1.5;  // [m/s] at which the area is what it says
+    const double speed = scene.motion.rope_end_velocity;
+    forces.load_force -= 0.5 * kAirDensity * size * speed * kReferenceSpeed *
+                         std::pow(std::fabs(speed) / kReferenceSpeed + 1e-9, kPower - 1.0);
+  }});
+  return {{"drag_area", size}};
+}
+
+std::vector<TrueSize> offlead(TruthMachine& machine, double, Random&) {
+  machine.forces.push_back({{0.0, 0.0}, {0.01, 0.01}, [](const Scene& scene, const double* states,
+                                                         sim::ReferenceForces& forces, double* rates) {
+    constexpr double kDampingRatio = 0.01;  // [-]
+    const double length = scene.crane.load.rope_length;
+    const double w = std::sqrt(sim::kGravity / length);
+    const double radius = scene.tip_radius + states[0];
+    const double slew = scene.motion.rope_end_velocity / radius;
+    const double x = scene.motion.rope_end_displacement - scene.motion.tip_displacement;
+    const double slew_rate = -sim::kGravity * x / (length * radius) - states[1] * slew / radius;
+    rates[0] = states[1];
+    rates[1] = radius * slew * slew - sim::kGravity * std::sin(states[0] / length) - 2.0 * kDampingRatio * w * states[1];
+    forces.load_force -= scene.crane.load.mass * (states[0] * slew_rate + 2.0 * states[1] * slew);
+  }});
+  return {{"share", 1.0}};
+}
+
+std::vector<TrueSize> tag_line(TruthMachine& machine, double size, Random& random) {
+  const double damping = size * random.between(2.0, 5.0);  // [Ns/m]
+  machine.forces.push_back({{}, {}, [=](const Scene& scene, const double*, sim::ReferenceForces& forces, double*) {
+    constexpr double kStiffening = 4.0;  // [m] at which the sagging line is twice as stiff
+    const double x = scene.motion.rope_end_displacement - scene.tip_radius * scene.motion.house_angle;
+    const double v = scene.motion.rope_end_velocity - scene.tip_radius * scene.motion.house_speed;
+    const double pull = size * x * (1.0 + x * x / (kStiffening * kStiffening)) + damping * v;
+    forces.load_force -= pull;
+    forces.house_torque += pull * scene.tip_radius;
+  }});
+  return {{"stiffness", size}, {"damping", damping, false}};
+}
+
+}  // namespace
+
+std::vector<Law> boom_and_load_laws() {
+  return {
+      {"axial_force", "compression_softening", "boom", "geometric stiffness of every element", 4e5, 8.5e6,
+       compression_softening},
+      {"damping_by_power", "boom_damping", "boom", "goes with the frequency to another power", 0.3, 2.2, boom_damping,
+       {"boom damping"}},
+      {"other_steel", "boom_stiffness", "boom", "finer mesh only", 0.02, 0.4, boom_stiffness,
+       {"boom bending stiffness", "boom torsional stiffness"}},
+      {"jib_beside_the_axis", "flyjib_torsion", "boom", "a mass of the structure", 150.0, 8e3, flyjib_torsion},
+      {"relative_wind", "wind", "boom", "wind relative to the moving boom and load", 1.5, 25.0, wind},
+      {"other_load", "load_mass", "load", "finer mesh only", 0.02, 0.6, load_mass, {"load mass"}},
+      {"other_rope", "rope_length", "load", "finer mesh only", 0.02, 0.4, rope_length, {"rope length"}},
+      {"hoisting_on_elastic_rope", "hoisting", "load", "true geometry, elastic rope, smooth speed", 0.01, 0.8, hoisting},
+      {"true_pendulum", "large_angles", "load", "true geometry, elastic rope", 1.0, 1.0, large_angles},
+      {"drag_by_power", "air_drag", "load", "power 1.85 of the speed", 10.0, 1500.0, air_drag},
+      {"radial_pendulum", "offlead", "load", "true radius and sine", 1.0, 1.0, offlead},
+      {"sagging_tag_line", "tag_line", "load", "stiffens with its deflection", 20.0, 4000.0, tag_line},
+  };
+}
+
+}  // namespace slewlab::diagnosis::withheld

@@ -1,0 +1,281 @@
+#include "diagnosis/evaluation/make.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <stdexcept>
+
+#include "controller/controller_file.h"
+#include "diagnosis/evaluation/measure.h"
+#include "diagnosis/evaluation/seal.h"
+#include "diagnosis/evaluation/side_by_side.h"
+#include "msgs/codec.h"
+#include "msgs/configuration_hash.h"
+#include "msgs/log_writer.h"
+#include "sim/machine/crane_file.h"
+
+namespace slewlab::diagnosis::withheld {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+std::string case_name(int number) {
+  char text[32];
+  std::snprintf(text, sizeof text, "case_%04d", number);
+  return text;
+}
+
+namespace {
+
+constexpr std::array<const char*, 3> kLogNames{"a.lcmlog", "b.lcmlog", "unseen.lcmlog"};
+constexpr std::size_t kDiagnosedLogs = 2;  // of them, the first ones
+constexpr double kImpactTime = 2.0;  // [s] that visibility leaves out from a contact change on
+constexpr std::int64_t kStepNs = 1'000'000;  // kBaseStep [ns]
+
+std::vector<double> column(const TruthRun& run, double SensorValues::*value) {
+  std::vector<double> values;
+  for (const SensorValues& sensors : run.sensors) values.push_back(sensors.*value);
+  return values;
+}
+
+}  // namespace
+
+Visibility visibility(const TruthRun& with, const TruthRun& without, const TruthMachine& machine) {
+  Visibility best;
+  const auto steps = std::min(with.sensors.size(), without.sensors.size());
+  std::vector<bool> counts(steps, true);
+  for (const TruthRun* run : {&with, &without}) {
+    for (const double time : run->contact_change_times) {
+      const auto from = static_cast<std::size_t>(std::lround(time / kBaseStep));
+      const auto to = std::min(steps, from + static_cast<std::size_t>(std::lround(kImpactTime / kBaseStep)));
+      for (std::size_t n = from; n < to; ++n) counts[n] = false;
+    }
+  }
+  const auto cycle = static_cast<std::size_t>(with.cycle_steps);
+  const auto rms = [&](const std::vector<double>& a, const std::vector<double>& b, std::size_t per_value) {
+    double sum = 0.0, number = 0.0;
+    for (std::size_t n = 0; n < std::min(a.size(), b.size()) && n * per_value < steps; ++n) {
+      if (!counts[n * per_value]) continue;
+      sum += (a[n] - b[n]) * (a[n] - b[n]);
+      number += 1.0;
+    }
+    return number == 0.0 ? 0.0 : std::sqrt(sum / number);
+  };
+  const auto consider = [&](const std::string& signal, double difference, double floor) {
+    if (difference / floor > best.largest) best = {difference / floor, signal};
+  };
+  const double floor = counting_noise(machine.counting);
+  for (int i = 0; i < with.group_count; ++i) {
+    const std::string group = " " + std::to_string(i + 1);
+    consider("shaft speed" + group, rms(with.shaft_speed[i], without.shaft_speed[i], cycle), floor);
+    consider("motor torque" + group, rms(with.motor_torque[i], without.motor_torque[i], cycle),
+             floor * machine.controller.speed_control.proportional_gain);
+  }
+  const std::pair<const char*, double SensorValues::*> kAccelerometers[] = {
+      {"house acceleration", &SensorValues::house},
+      {"pivot acceleration", &SensorValues::pivot},
+      {"middle acceleration", &SensorValues::middle},
+      {"tip acceleration", &SensorValues::tip}};
+  for (const auto& [name, value] : kAccelerometers) {
+    consider(name, rms(column(with, value), column(without, value), 1), machine.noise.accelerometer);
+  }
+  return best;
+}
+
+void write_log(const TruthRun& run, std::int64_t hash, const fs::path& file) {
+  msgs::LogWriter writer(file);
+  std::vector<std::uint8_t> bytes;
+  const auto append = [&](const char* channel, const auto& message) {
+    msgs::encode(message, bytes);
+    writer.append(channel, message.simulated_time / 1000, bytes);
+  };
+  msgs::Operator wish{};
+  msgs::Encoder encoder{};
+  msgs::Torque torque{};
+  msgs::Sensors sensors{};
+  wish.configuration_hash = encoder.configuration_hash = torque.configuration_hash = sensors.configuration_hash = hash;
+  append(msgs::kOperatorChannel, wish);  // the lever stands in the middle
+  std::size_t next = 0;
+  const auto steps = static_cast<std::int64_t>(run.sensors.size());
+  for (std::int64_t n = 0; n < steps; ++n) {
+    if (n % run.cycle_steps == 0) {
+      const std::int64_t cycle = n / run.cycle_steps;
+      const auto k = static_cast<std::size_t>(cycle);
+      const double now = static_cast<double>(n) * kBaseStep;
+      const std::vector<Request>& requests = run.manoeuvre.requests;
+      for (; next < requests.size() && requests[next].time <= now + 1e-6 * kBaseStep; ++next) {
+        ++wish.sequence;
+        wish.simulated_time = n * kStepNs;
+        wish.speed_request = requests[next].speed_request;
+        append(msgs::kOperatorChannel, wish);
+      }
+      encoder.sequence = torque.sequence = torque.answered_sequence = cycle;
+      encoder.simulated_time = torque.simulated_time = n * kStepNs;
+      encoder.operator_sequence = wish.sequence;
+      encoder.group_count = torque.group_count = run.group_count;
+      encoder.shaft_speed.clear();
+      encoder.shaft_position.clear();
+      torque.motor_torque.clear();
+      for (int i = 0; i < run.group_count; ++i) {
+        encoder.shaft_speed.push_back(run.shaft_speed[i][k]);
+        encoder.shaft_position.push_back(run.shaft_position[i][k]);
+        torque.motor_torque.push_back(run.motor_torque[i][k]);
+      }
+      torque.alive_counter = cycle + 1;
+      torque.enable = run.enable[k];
+      torque.brake = run.brake[k];
+      append(msgs::kEncoderChannel, encoder);
+      append(msgs::kTorqueChannel, torque);
+    }
+    const SensorValues& values = run.sensors[static_cast<std::size_t>(n)];
+    sensors.sequence = n;
+    sensors.simulated_time = n * kStepNs;
+    sensors.house_acceleration = values.house;
+    sensors.pivot_acceleration = values.pivot;
+    sensors.middle_acceleration = values.middle;
+    sensors.tip_acceleration = values.tip;
+    sensors.slew_angle = values.slew_angle;
+    append(msgs::kSensorsChannel, sensors);
+  }
+  writer.finish();
+}
+
+namespace {
+
+struct Nominal {
+  sim::CraneParameters crane;
+  controller::ControllerSettings controller;
+  std::int64_t hash = 0;
+};
+
+Nominal load_nominal(const MakeSettings& settings) {
+  const sim::CraneFile crane = sim::load_crane_file(settings.crane);
+  const controller::ControllerFile controller = controller::load_controller_file(settings.controller);
+  Nominal nominal{crane.parameters, controller.settings,
+                  msgs::configuration_hash(crane.canonical_text + controller.canonical_text)};
+  nominal.controller.period = settings.controller_period;
+  return nominal;
+}
+
+json about_text(const MakeSettings& settings, const Nominal& nominal) {
+  return {{"cases", settings.cases},
+          {"seed", settings.seed},
+          {"purpose", name_of(settings.purpose)},
+          {"crane", "crane.yaml"},
+          {"controller", "controller.yaml"},
+          {"controller_period_s", settings.controller_period},
+          {"accelerometer_noise_m_s2", NoiseSettings{}.accelerometer},
+          {"configuration_hash", msgs::hash_text(nominal.hash)},
+          {"given_to_the_diagnosis", {"crane.yaml", "controller.yaml", "case_*/a.lcmlog", "case_*/b.lcmlog", "case_*/given.json"}}};
+}
+
+bool is_complete(const MakeSettings& settings, int number) {
+  const fs::path folder = settings.directory / case_name(number);
+  return std::all_of(kLogNames.begin(), kLogNames.end(), [&](const char* log) { return fs::exists(folder / log); }) &&
+         fs::exists(settings.directory / "sealed" / (case_name(number) + ".json"));
+}
+
+json make_case(const MakeSettings& settings, const Nominal& nominal, const DrawnCase& drawn) {
+  const fs::path folder = settings.directory / case_name(drawn.number);
+  fs::create_directories(folder);
+  std::vector<std::vector<TrueSize>> sizes;
+  const std::size_t laws = drawn.laws.size();
+  const TruthMachine machine = build(drawn, nominal.crane, nominal.controller, std::vector<bool>(laws, true), &sizes);
+  const RunOptions options{.noise_seed = 0,
+                           .reference = {.method = sim::ReferenceMethod::kDirk, .tolerance = 1e-5, .order = 3}};
+  // What the machine is compared with in the manoeuvres to diagnose: itself without any law, and without each of several.
+  struct Comparison {
+    std::vector<bool> on;
+    Visibility seen{};
+  };
+  std::vector<Comparison> comparisons;
+  if (laws > 0) comparisons.push_back({std::vector<bool>(laws, false)});
+  for (std::size_t k = 0; laws > 1 && k < laws; ++k) {
+    comparisons.push_back({std::vector<bool>(laws, true)});
+    comparisons.back().on[k] = false;
+  }
+  for (std::size_t m = 0; m < kLogNames.size(); ++m) {
+    RunOptions here = options;
+    here.noise_seed = drawn.noise_seeds[m];
+    const TruthRun run = run_truth(machine, drawn.manoeuvres[m], here);
+    write_log(run, nominal.hash, folder / kLogNames[m]);
+    if (m >= kDiagnosedLogs) continue;
+    for (Comparison& other : comparisons) {
+      const TruthMachine without = build(drawn, nominal.crane, nominal.controller, other.on);
+      const Visibility one = visibility(run, run_truth(without, drawn.manoeuvres[m], here), without);
+      if (one.largest > other.seen.largest) other.seen = one;
+    }
+  }
+  const Visibility seen = comparisons.empty() ? Visibility{} : comparisons.front().seen;
+  write_whole(folder / "given.json", json{{"without", drawn.without}}.dump() + "\n");
+  json effects = json::array();
+  for (std::size_t k = 0; k < laws; ++k) {
+    const Law& law = law_named(drawn.laws[k].law);
+    json values = json::array();
+    for (const TrueSize& size : sizes[k]) {
+      values.push_back({{"parameter", size.parameter}, {"value", size.value}, {"comparable", size.comparable}});
+    }
+    effects.push_back({{"law", law.name}, {"effect", law.effect}, {"subsystem", law.subsystem},
+                       {"visibility", comparisons[laws == 1 ? 0 : k + 1].seen.largest}, {"sizes", values}});
+  }
+  json spread = json::object();
+  for (std::size_t k = 0; k < drawn.spread.size(); ++k) spread[spread_parameters()[k].name] = drawn.spread[k];
+  return {{"case", case_name(drawn.number)},   {"kind", name_of(drawn.kind)},  {"effects", effects},
+          {"visibility", seen.largest},        {"most_visible", seen.signal},  {"spread", spread}};
+}
+
+void seal(const MakeSettings& settings) {
+  json cases = json::array();
+  for (int n = 1; n <= settings.cases; ++n) {
+    cases.push_back(json::parse(read_whole(settings.directory / "sealed" / (case_name(n) + ".json"))));
+  }
+  const std::string text =
+      json{{"seed", settings.seed}, {"purpose", name_of(settings.purpose)}, {"cases", cases}}.dump(1) + "\n";
+  write_whole(settings.directory / "sealed" / "answers.json", text);
+  write_whole(settings.directory / "digest.txt", sha256(text) + "  sealed/answers.json\n");
+}
+
+}  // namespace
+
+bool make_cases(const MakeSettings& settings, const MakeProgress& progress, const std::function<bool()>& is_stopped) {
+  check_seed(settings.seed, settings.purpose);
+  if (settings.cases < 1) throw std::invalid_argument("a set needs at least one case");
+  const Nominal nominal = load_nominal(settings);
+  fs::create_directories(settings.directory / "sealed");
+  const std::string about = about_text(settings, nominal).dump(1) + "\n";
+  const fs::path about_file = settings.directory / "about.json";
+  if (fs::exists(about_file) && read_whole(about_file) != about) {
+    throw std::invalid_argument(settings.directory.string() +
+                                " holds a set of another seed, size, purpose or crane: take another folder");
+  }
+  write_whole(settings.directory / "crane.yaml", read_whole(settings.crane));
+  write_whole(settings.directory / "controller.yaml", read_whole(settings.controller));
+  write_whole(about_file, about);
+
+  const std::vector<DrawnCase> cases = draw_cases(settings.cases, settings.seed);
+  std::mutex telling;
+  int done = 0;
+  const auto tell = [&](const std::string& line) {
+    const std::lock_guard lock(telling);
+    ++done;
+    if (progress) progress(done, settings.cases, line);
+  };
+  const auto work = [&](std::size_t n) {
+    const std::string name = case_name(cases[n].number);
+    if (is_complete(settings, cases[n].number)) return tell(name + ": there already");
+    try {
+      const json answer = make_case(settings, nominal, cases[n]);
+      write_whole(settings.directory / "sealed" / (name + ".json"), answer.dump(1) + "\n");
+    } catch (const std::exception& error) {
+      throw std::runtime_error(name + ": " + error.what());
+    }
+    tell(name + ": written");
+  };
+  if (!side_by_side(cases.size(), settings.threads, is_stopped, work)) return false;
+  seal(settings);
+  return true;
+}
+
+}  // namespace slewlab::diagnosis::withheld

@@ -1,0 +1,159 @@
+#include "sim/drive/scenario_file.h"
+
+#include <cmath>
+#include <limits>
+#include <string_view>
+
+#include "common/yaml_reader.h"
+#include "sim/drive/fault_file.h"
+
+namespace slewlab::sim {
+namespace {
+
+using common::between;
+using common::InputError;
+using common::InputProblems;
+using common::Override;
+using common::positive;
+using common::Unit;
+using common::YamlNode;
+using common::YamlReader;
+
+constexpr double kNanosecondsPerSecond = 1e9;
+constexpr double kLongest = 1e6;  // [s] of a scenario, about eleven days
+
+std::int64_t nanoseconds(double seconds) {
+  return static_cast<std::int64_t>(std::llround(seconds * kNanosecondsPerSecond));
+}
+
+std::string in_milliseconds(std::int64_t time) {
+  return common::shortest(static_cast<double>(time) * 1e-6) + " ms";
+}
+
+// Takes the overrides for one of the files out of `overrides`, without their prefix.
+std::vector<Override> take(std::string_view prefix, std::vector<Override>& overrides) {
+  std::vector<Override> taken;
+  std::vector<Override> rest;
+  for (Override& change : overrides) {
+    if (change.key.starts_with(prefix)) {
+      taken.push_back({change.key.substr(prefix.size()), change.value});
+    } else {
+      rest.push_back(std::move(change));
+    }
+  }
+  overrides = std::move(rest);
+  return taken;
+}
+
+std::int64_t read_time(YamlReader& reader, std::string_view key) {
+  return nanoseconds(reader.number(key, Unit::second, {1e-9, kLongest, true}));
+}
+
+// A time that must fall on a plant step.
+void check_multiple(YamlReader& reader, std::string_view key, std::int64_t time, std::int64_t plant_step) {
+  if (plant_step <= 0 || time % plant_step == 0) return;
+  reader.report(key, in_milliseconds(time),
+                "a whole multiple of the plant step, " + in_milliseconds(plant_step));
+}
+
+std::vector<OperatorMove> read_moves(YamlReader& scenario, std::int64_t plant_step) {
+  std::vector<OperatorMove> moves;
+  OperatorMove move;
+  for (YamlReader& reader : scenario.list("operator")) {
+    const std::int64_t last = move.time;
+    move.time = nanoseconds(reader.number("time", Unit::second, between(0.0, kLongest)));
+    check_multiple(reader, "time", move.time, plant_step);
+    if (!moves.empty() && move.time <= last) {
+      reader.report("time", in_milliseconds(move.time),
+                    "later than the move before, " + in_milliseconds(last));
+    }
+    if (const auto request = reader.optional_number("speed_request", Unit::none, between(-1.0, 1.0))) {
+      move.speed_request = *request;
+    }
+    if (reader.has("emergency_stop")) move.emergency_stop = reader.flag("emergency_stop");
+    if (reader.has("acknowledge")) move.acknowledge = reader.flag("acknowledge");
+    reader.finish();
+    moves.push_back(move);
+  }
+  return moves;
+}
+
+void read_scenario(YamlReader& reader, Scenario& scenario) {
+  reader.heading("scenario");
+  scenario.crane_file = reader.file("crane");
+  scenario.controller_file = reader.file("controller");
+  scenario.duration = read_time(reader, "duration");
+  scenario.plant_step = read_time(reader, "plant_step");
+  scenario.controller_period = read_time(reader, "controller_period");
+  check_multiple(reader, "controller_period", scenario.controller_period, scenario.plant_step);
+  scenario.seed = reader.integer("seed", 0, std::numeric_limits<int>::max());
+
+  YamlReader telemetry = reader.map("telemetry");
+  scenario.sensors_period = read_time(telemetry, "sensors_period");
+  scenario.truth_period = read_time(telemetry, "truth_period");
+  scenario.status_period = read_time(telemetry, "status_period");
+  check_multiple(telemetry, "sensors_period", scenario.sensors_period, scenario.plant_step);
+  check_multiple(telemetry, "truth_period", scenario.truth_period, scenario.plant_step);
+  check_multiple(telemetry, "status_period", scenario.status_period, scenario.plant_step);
+  telemetry.finish();
+
+  scenario.moves = read_moves(reader, scenario.plant_step);
+  if (reader.has("expect")) scenario.expectation = read_expectation(reader.map("expect"));
+}
+
+// The scenario's own part of the configuration: the contents of crane and controller stand for their names.
+std::string own_text(YamlNode root) {
+  std::erase_if(root.entries, [](const common::YamlEntry& entry) {
+    return entry.key == "crane" || entry.key == "controller" || entry.key == "expect";
+  });
+  return common::canonical_text(root);
+}
+
+}  // namespace
+
+Scenario read_scenario_file(const std::filesystem::path& file, const std::vector<Override>& overrides,
+                            InputProblems& problems) {
+  Scenario scenario;
+  std::vector<Override> own = overrides;
+  scenario.crane_overrides = take("crane.", own);
+  scenario.controller_overrides = take("controller.", own);
+
+  const YamlNode root = common::load_yaml_file(file, own, problems);
+  if (root.kind != YamlNode::Kind::map) return scenario;
+  YamlReader reader(root, "", problems);
+  read_scenario(reader, scenario);
+
+  if (!scenario.crane_file.empty()) {
+    try {
+      scenario.crane = load_crane_file(scenario.crane_file, scenario.crane_overrides);
+    } catch (const InputError& error) {
+      problems.insert(problems.end(), error.problems().begin(), error.problems().end());
+    }
+  }
+  scenario.faults = read_faults(reader, scenario.controller_period, scenario.crane.parameters.drive.group_count,
+                                static_cast<std::uint64_t>(scenario.seed));
+  reader.finish();
+  YamlNode controller;
+  if (!scenario.controller_file.empty()) {
+    // What is wrong in it is for the controller's own reader to tell; only that it is there matters here.
+    InputProblems told_elsewhere;
+    controller =
+        common::load_yaml_file(scenario.controller_file, scenario.controller_overrides, told_elsewhere);
+    if (controller.kind != YamlNode::Kind::map) {
+      reader.report("controller", "'" + scenario.controller_file.string() + "', which cannot be used",
+                    "the name of a controller's file");
+    }
+  }
+  scenario.configuration_text = "crane " + scenario.crane.canonical_text + "\ncontroller " +
+                                common::canonical_text(controller) + "\nscenario " + own_text(root) + "\n";
+  return scenario;
+}
+
+Scenario load_scenario_file(const std::filesystem::path& file, const std::vector<Override>& overrides) {
+  InputProblems problems;
+  Scenario scenario = read_scenario_file(file, overrides, problems);
+  if (!problems.empty()) throw InputError(problems);
+  return scenario;
+}
+
+}  // namespace slewlab::sim

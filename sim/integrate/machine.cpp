@@ -1,0 +1,224 @@
+#include "sim/integrate/machine.h"
+
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+
+#include "sim/effects/catalogue.h"
+#include "sim/effects/random_number.h"
+#include "sim/model/drive_line.h"
+
+namespace slewlab::sim {
+
+namespace {
+
+// The crane at the end of a step, in the quantities that effects see.
+void observe(const PlantModel& model, const PlantState& state, EffectMoment& moment) {
+  double gear_torque = 0.0;
+  for (int i = 0; i < model.group_count; ++i) {
+    moment.motor_angle[i] = state.motor_angle[i];
+    moment.motor_speed[i] = state.motor_speed[i];
+    moment.gear_torque[i] = state.gear_torque[i];
+    gear_torque += state.gear_torque[i];
+  }
+  moment.house_angle = state.house_angle;
+  moment.house_speed = state.house_speed;
+  moment.tip_displacement = state.tip_displacement;
+  moment.tip_velocity = state.tip_velocity;
+  const double house_torque = gear_torque + state.other_house_torque;
+  const double tip_force = state.rope_force + state.other_tip_force;
+  moment.house_acceleration = moment.tip_acceleration = moment.boom_acceleration = 0.0;
+  for (std::size_t k = 0; k < static_cast<std::size_t>(model.mode_count); ++k) {
+    const double acceleration = -model.square[k] * state.q[k] - model.damping_rate[k] * state.v[k] +
+                                model.house[k] * house_torque + model.tip[k] * tip_force +
+                                model.uniform[k] * state.other_uniform_force;
+    moment.house_acceleration += model.house[k] * acceleration;
+    moment.tip_acceleration += model.tip[k] * acceleration;
+    moment.boom_acceleration += model.uniform[k] * acceleration;
+  }
+  moment.rope_force = state.rope_force;
+  if (!model.has_load) return;
+  moment.load_displacement =
+      model.load.modes(0, 0) * state.load_q[0] + model.load.modes(0, 1) * state.load_q[1];
+  moment.load_velocity = model.load.modes(0, 0) * state.load_v[0] + model.load.modes(0, 1) * state.load_v[1];
+  moment.rope_angle =
+      (moment.load_displacement - moment.tip_displacement) / model.parameters.load.rope_length;
+}
+
+// Two steps' ends give the middle of the next step. Without a step before, `before` is `now`.
+EffectMoment middle(const PlantState& state, int group_count, const EffectMoment& now,
+                    const EffectMoment& before, double time, double h) {
+  EffectMoment m = now;
+  m.time = time + 0.5 * h;
+  m.step = h;
+  const auto ahead = [](double present, double past) { return 1.5 * present - 0.5 * past; };
+  for (int i = 0; i < group_count; ++i) {
+    m.motor_speed[i] = ahead(now.motor_speed[i], before.motor_speed[i]);
+    m.motor_angle[i] = now.motor_angle[i] + 0.25 * h * (now.motor_speed[i] + m.motor_speed[i]);
+    m.gear_torque[i] = state.contact[i] == 0 ? 0.0 : ahead(now.gear_torque[i], before.gear_torque[i]);
+    // Teeth push and never pull, in the estimate too.
+    if (state.contact[i] * m.gear_torque[i] < 0.0) m.gear_torque[i] = 0.0;
+  }
+  m.house_speed = ahead(now.house_speed, before.house_speed);
+  m.house_angle = now.house_angle + 0.25 * h * (now.house_speed + m.house_speed);
+  m.house_acceleration = ahead(now.house_acceleration, before.house_acceleration);
+  m.tip_velocity = ahead(now.tip_velocity, before.tip_velocity);
+  m.tip_displacement = now.tip_displacement + 0.25 * h * (now.tip_velocity + m.tip_velocity);
+  m.tip_acceleration = ahead(now.tip_acceleration, before.tip_acceleration);
+  m.boom_acceleration = ahead(now.boom_acceleration, before.boom_acceleration);
+  m.load_velocity = ahead(now.load_velocity, before.load_velocity);
+  m.load_displacement = now.load_displacement + 0.25 * h * (now.load_velocity + m.load_velocity);
+  m.rope_angle = ahead(now.rope_angle, before.rope_angle);
+  m.rope_force = ahead(now.rope_force, before.rope_force);
+  return m;
+}
+
+// Before the run starts the load hangs where steady forces (heel, wind) hold it.
+void hang_load(Machine& machine) {
+  const PlantModel& model = machine.model;
+  if (!model.has_load || machine.force.empty()) return;
+  EffectMoment rest;
+  rest.step = model.step;
+  PortForces ports;
+  for (const std::size_t i : machine.force) machine.effects[i]->force(rest, ports);
+  if (ports.load_force == 0.0 && ports.rod_moment == 0.0) return;
+  const Eigen::Matrix2d& stiffness = model.load.stiffness;
+  const Eigen::Vector2d place(ports.load_force / stiffness(0, 0),
+                              stiffness(1, 1) > 0.0 ? ports.rod_moment / stiffness(1, 1) : 0.0);
+  const Eigen::Vector2d q = model.load.modes.transpose() * (model.load.mass * place);
+  machine.state.load_q = {q(0), q(1)};
+  refresh(model, machine.state);
+}
+
+const EffectDescription& described(const std::string& name) {
+  const EffectDescription* description = find_effect(name);
+  if (description == nullptr) throw std::invalid_argument("no effect is called " + name);
+  return *description;
+}
+
+}  // namespace
+
+MachineParameters machine_parameters(const CraneParameters& crane,
+                                     const std::vector<common::EffectInstance>& effects) {
+  MachineParameters parameters;
+  parameters.crane = crane;
+  parameters.group_inertia.fill(group_inertia(crane.drive));
+  parameters.gear.fill(gear_contact(crane));
+  for (const common::EffectInstance& instance : effects) {
+    const EffectDescription& description = described(instance.name);
+    common::check_instance(description.about, instance);
+    if (description.change != nullptr) description.change(instance.values, parameters);
+  }
+  return parameters;
+}
+
+Machine make_machine(const MachineSettings& settings) {
+  for (std::size_t i = 0; i < settings.effects.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (settings.effects[i].name == settings.effects[j].name) {
+        throw std::invalid_argument("effect " + settings.effects[i].name + " is given twice");
+      }
+    }
+  }
+  const MachineParameters parameters = machine_parameters(settings.crane, settings.effects);
+  Machine machine;
+  machine.model =
+      make_plant_model(parameters.crane, settings.step, parameters.group_inertia, parameters.gear);
+  machine.workspace = make_plant_workspace(machine.model);
+  machine.state = make_plant_state(machine.model);
+  for (const common::EffectInstance& instance : settings.effects) {
+    const EffectDescription& description = described(instance.name);
+    if (description.start == nullptr) continue;
+    const std::size_t index = machine.effects.size();
+    // By the effect's name, so that one effect draws the same numbers whatever else is switched on.
+    std::uint64_t seed = settings.seed;
+    for (const char letter : instance.name) seed = mixed(seed, static_cast<std::uint64_t>(letter));
+    machine.effects.emplace_back(description.start({instance.values, machine.model, seed}));
+    for (const EffectPort port : description.ports) {
+      switch (port) {
+        case EffectPort::parameters:
+          break;
+        case EffectPort::message:
+          machine.message.push_back(index);
+          break;
+        case EffectPort::actuator:
+          machine.actuator.push_back(index);
+          break;
+        case EffectPort::force:
+          machine.force.push_back(index);
+          break;
+        case EffectPort::friction:
+          machine.friction.push_back(index);
+          break;
+        case EffectPort::sensor:
+          machine.sensor.push_back(index);
+          break;
+      }
+    }
+  }
+  machine.needs_moment = !machine.actuator.empty() || !machine.force.empty() || !machine.friction.empty();
+  machine.hooks_per_step =
+      static_cast<std::int64_t>(machine.message.size() + machine.actuator.size() + machine.force.size() +
+                                machine.friction.size() + machine.sensor.size());
+  hang_load(machine);
+  machine.sensed = read(machine.model, machine.state);
+  return machine;
+}
+
+void step(Machine& machine, const DriveCommand& command) {
+  const PlantModel& model = machine.model;
+  const double time = time_of(machine);
+
+  const DriveCommand* arrived = &command;
+  DriveCommand changed;
+  if (!machine.message.empty()) {
+    changed = command;
+    for (const std::size_t i : machine.message) machine.effects[i]->message(time, changed);
+    arrived = &changed;
+  }
+
+  PlantInput input;
+  input.ports = machine.outside;
+  if (arrived->enable) input.motor_torque = arrived->motor_torque;
+  for (int i = 0; i < model.group_count; ++i) {
+    input.friction.motor[i] =
+        arrived->brake_torque[i] * model.parameters.drive.motors_per_group * model.ratio;
+  }
+
+  if (machine.needs_moment) {
+    machine.before = machine.now;
+    observe(model, machine.state, machine.now);
+    if (!machine.has_past) machine.before = machine.now;
+    machine.has_past = true;
+    const EffectMoment moment =
+        middle(machine.state, model.group_count, machine.now, machine.before, time, model.step);
+    for (const std::size_t i : machine.actuator) machine.effects[i]->actuator(moment, input.motor_torque);
+    for (const std::size_t i : machine.force) machine.effects[i]->force(moment, input.ports);
+    for (const std::size_t i : machine.friction) machine.effects[i]->friction(moment, input.friction);
+  }
+  machine.applied_torque = input.motor_torque;
+
+  step(model, machine.workspace, input, machine.state);
+
+  if (!machine.sensor.empty()) {
+    const SensorMoment moment{.time = time_of(machine),
+                              .house_angle = machine.state.house_angle,
+                              .house_speed = machine.state.house_speed,
+                              .truth = read(model, machine.state)};
+    machine.sensed = moment.truth;
+    for (const std::size_t i : machine.sensor) machine.effects[i]->sensor(moment, machine.sensed);
+  }
+  machine.effect_evaluations += machine.hooks_per_step;
+}
+
+MachineReadings read(const Machine& machine) {
+  return machine.sensor.empty() ? read(machine.model, machine.state) : machine.sensed;
+}
+
+double time_of(const Machine& machine) {
+  return static_cast<double>(machine.state.step_count) * machine.model.step;
+}
+
+void forget_past(Machine& machine) { machine.has_past = false; }
+
+}  // namespace slewlab::sim

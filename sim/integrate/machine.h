@@ -1,0 +1,82 @@
+// A machine: the crane's plant with what the thesis left out, one step at a time. What the plant process,
+// the checks and the diagnosis run.
+//
+// One step: message path (delay, jitter, loss) -> actuator path (dead time, lag, limit, ripple) -> forces and
+// frictions of effects at the middle of the step -> plant step -> sensor path. Effects act in the order of
+// the settings within each part. Without effects a step is the plant's step, bit for bit, and nothing else
+// is evaluated. step() allocates nothing and throws nothing.
+//
+// A copy of a machine runs on as the original would. `state` may be set by hand between steps (refresh() of
+// plant.h afterwards, then forget_past()); effects keep their memory.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "sim/effects/effect.h"
+#include "sim/integrate/plant.h"
+#include "sim/integrate/machine_settings.h"
+
+namespace slewlab::sim {
+
+using MachineReadings = PlantReadings;
+
+// Owns a running effect; copying clones it.
+class EffectHandle {
+ public:
+  explicit EffectHandle(std::unique_ptr<RunningEffect> effect) : effect_(std::move(effect)) {}
+  EffectHandle(const EffectHandle& other) : effect_(other.effect_->clone()) {}
+  EffectHandle& operator=(const EffectHandle& other) {
+    if (this != &other) effect_ = other.effect_->clone();
+    return *this;
+  }
+  EffectHandle(EffectHandle&&) noexcept = default;
+  EffectHandle& operator=(EffectHandle&&) noexcept = default;
+  ~EffectHandle() = default;
+
+  RunningEffect* operator->() const { return effect_.get(); }
+
+ private:
+  std::unique_ptr<RunningEffect> effect_;
+};
+
+struct Machine {
+  PlantModel model;
+  PlantState state;
+  PlantWorkspace workspace;
+
+  std::vector<EffectHandle> effects;
+  // Which of them use each port, in the order of the settings.
+  std::vector<std::size_t> message, actuator, force, friction, sensor;
+  bool needs_moment = false;            // any of actuator, force, friction
+  bool has_past = false;                // `before` is the end of the step before the last
+  EffectMoment now, before;             // at the ends of the last two steps
+  MachineReadings sensed;               // kept only where a sensor effect is on
+  GroupArray applied_torque{};          // [Nm] per motor of the last step, behind the actuator path
+  PortForces outside;                   // from outside the model, held over each step: how a shadow is led; zero otherwise
+  std::int64_t hooks_per_step = 0;
+  std::int64_t effect_evaluations = 0;  // hooks called since the start
+};
+
+// At rest, gears in the middle of their play, the load where steady forces of effects (heel, wind) hold it.
+// Throws std::invalid_argument: unknown effect, value out of bounds, an effect twice, a crane that cannot be
+// built.
+Machine make_machine(const MachineSettings& settings);
+
+// What the effects make of the crane, before assembly.
+MachineParameters machine_parameters(const CraneParameters& crane,
+                                     const std::vector<common::EffectInstance>& effects);
+
+void step(Machine& machine, const DriveCommand& command);
+
+// What the wire says at the end of the last step.
+MachineReadings read(const Machine& machine);
+
+// [s] since the start
+double time_of(const Machine& machine);
+
+// Tells the machine that its state was set by hand: the next step extrapolates from it alone.
+void forget_past(Machine& machine);
+
+}  // namespace slewlab::sim

@@ -1,0 +1,196 @@
+// A small set is made, sealed, interrupted and taken up again.
+#include "diagnosis/evaluation/make.h"
+
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+#include <set>
+#include <stdexcept>
+
+#include "diagnosis/evaluation/score.h"
+#include "diagnosis/evaluation/seal.h"
+#include "msgs/log_reader.h"
+#include "msgs/run_log.h"
+#include "tests/msgs/temporary_folder.h"
+
+namespace slewlab::diagnosis::withheld {
+namespace {
+
+namespace fs = std::filesystem;
+
+class MakeTest : public testing::Test {
+ protected:
+  static MakeSettings settings(const fs::path& directory) {
+    const std::string config = std::string(SLEWLAB_SOURCE_DIR) + "/config/";
+    return {.cases = 2, .seed = 11, .purpose = Purpose::kTune, .directory = directory,
+            .crane = config + "cranes/thesis.yaml", .controller = config + "controllers/thesis.yaml",
+            .controller_period = 1e-3, .threads = 2};
+  }
+  static void SetUpTestSuite() {
+    folder_ = new TemporaryFolder;
+    set_ = folder_->path() / "set";
+    ASSERT_TRUE(make_cases(settings(set_)));
+  }
+  static void TearDownTestSuite() { delete folder_; }
+
+  static TemporaryFolder* folder_;
+  static fs::path set_;
+};
+TemporaryFolder* MakeTest::folder_ = nullptr;
+fs::path MakeTest::set_;
+
+TEST_F(MakeTest, LogsHoldTheFourChannelsAndNothingMore) {
+  for (const char* name : {"a.lcmlog", "b.lcmlog", "unseen.lcmlog"}) {
+    std::set<std::string> channels;
+    msgs::LogReader reader(set_ / "case_0001" / name);
+    msgs::LogEvent event;
+    while (reader.next(event)) channels.insert(std::string(event.channel));
+    EXPECT_EQ(channels, (std::set<std::string>{"ENCODER", "TORQUE", "OPERATOR", "SENSORS"})) << name;
+  }
+  const msgs::RunLogs logs = msgs::read_run_logs(set_ / "case_0001" / "a.lcmlog");
+  ASSERT_EQ(logs.runs.size(), 1u);
+  EXPECT_TRUE(logs.remarks.empty());
+  EXPECT_EQ(logs.runs[0].encoder.size(), 30'001u);  // 30 s at 1 kHz, both ends
+  EXPECT_EQ(logs.runs[0].torque.size(), 30'001u);
+  EXPECT_EQ(logs.runs[0].sensors.size(), 30'001u);
+}
+
+TEST_F(MakeTest, CaseFoldersSayNothingAboutTheAnswer) {
+  for (const auto& entry : fs::directory_iterator(set_ / "case_0001")) {
+    const std::string name = entry.path().filename().string();
+    EXPECT_TRUE(name == "a.lcmlog" || name == "b.lcmlog" || name == "unseen.lcmlog" || name == "given.json") << name;
+  }
+}
+
+TEST_F(MakeTest, AnswersOpenOnlyUnderTheirDigest) {
+  EXPECT_EQ(open_answers(set_).size(), 2u);
+  const fs::path file = set_ / "sealed" / "answers.json";
+  const std::string sealed = read_whole(file);
+  std::string changed = sealed;
+  changed.back() = ' ';
+  write_whole(file, changed);
+  EXPECT_THROW(open_answers(set_), std::runtime_error);
+  write_whole(file, sealed);
+  EXPECT_NO_THROW(open_answers(set_));
+}
+
+// What an older version sealed lacks what this one scores: said with case, key and what to do.
+TEST_F(MakeTest, AnswersOfAnotherVersionAreNamed) {
+  const fs::path file = set_ / "sealed" / "answers.json", digest_file = set_ / "digest.txt";
+  const std::string sealed = read_whole(file), digest = read_whole(digest_file);
+  nlohmann::json older = nlohmann::json::parse(sealed);
+  older.at("cases").at(1).erase("visibility");
+  write_whole(file, older.dump());
+  write_whole(digest_file, sha256(older.dump()));
+  try {
+    open_answers(set_);
+    ADD_FAILURE() << "opened";
+  } catch (const std::runtime_error& problem) {
+    const std::string said = problem.what();
+    for (const char* part : {"answers.json", "case_0002", "visibility", "Make the set again"}) {
+      EXPECT_NE(said.find(part), std::string::npos) << part << " in: " << said;
+    }
+  }
+  write_whole(file, sealed);
+  write_whole(digest_file, digest);
+  EXPECT_NO_THROW(open_answers(set_));
+}
+
+TEST_F(MakeTest, ASecondCallMakesOnlyWhatIsMissingAndTheSameBits) {
+  const fs::path log = set_ / "case_0002" / "b.lcmlog";
+  const std::string before = sha256(read_whole(log)), digest = read_whole(set_ / "digest.txt");
+  fs::remove(log);
+  std::vector<std::string> lines;
+  ASSERT_TRUE(make_cases(settings(set_), [&](int, int, const std::string& line) { lines.push_back(line); }));
+  EXPECT_EQ(std::set<std::string>(lines.begin(), lines.end()),
+            (std::set<std::string>{"case_0001: there already", "case_0002: written"}));
+  EXPECT_EQ(sha256(read_whole(log)), before);
+  EXPECT_EQ(read_whole(set_ / "digest.txt"), digest);
+}
+
+TEST_F(MakeTest, StopsBetweenCasesAndDoesNotSealAHalfSet) {
+  const fs::path other = folder_->path() / "stopped";
+  EXPECT_FALSE(make_cases(settings(other), {}, [] { return true; }));
+  EXPECT_FALSE(fs::exists(other / "digest.txt"));
+  EXPECT_THROW(case_inputs(other), std::runtime_error);
+}
+
+TEST_F(MakeTest, RefusesAnotherSetInTheSameFolderAndASeedOfTheOtherPurpose) {
+  MakeSettings other = settings(set_);
+  other.seed = 12;
+  EXPECT_THROW(make_cases(other), std::invalid_argument);
+  other.purpose = Purpose::kScore;
+  EXPECT_THROW(make_cases(other), std::invalid_argument);
+}
+
+TEST_F(MakeTest, ScoringIsTakenUpWhereItStopped) {
+  std::atomic<bool> stop{false};
+  std::atomic<int> diagnosed{0};
+  const auto diagnose = [&](const CaseInput& input) {
+    ++diagnosed;
+    stop = true;
+    CaseResult result;
+    result.name = input.name;
+    result.causes = {{{}, 1.0, {}, {}, 0.0, 0.0, {}}};
+    return result;
+  };
+  const ScoreSettings score{.directory = set_, .results = "results", .threads = 1};
+  EXPECT_FALSE(score_cases(score, diagnose, {}, {}, [&] { return stop.load(); }).has_value());
+  EXPECT_EQ(diagnosed, 1);
+  EXPECT_TRUE(score_cases(score, diagnose, {}).has_value());
+  EXPECT_EQ(diagnosed, 2);
+  EXPECT_TRUE(fs::exists(set_ / "results" / "score.json"));
+  // Results of other sensors do not mix with them.
+  ScoreSettings other = score;
+  other.how = "encoders and torques alone";
+  EXPECT_THROW(score_cases(other, diagnose, {}), std::invalid_argument);
+  other.results = "encoders";
+  EXPECT_TRUE(score_cases(other, diagnose, {}).has_value());
+}
+
+TEST_F(MakeTest, InformedFitsAreMadeOnceForNamedEffectsAndNotWhereTheyAreDeclined) {
+  const auto diagnose = [](const CaseInput& input) {
+    CaseResult result;
+    result.name = input.name;
+    result.causes = {{{}, 1.0, {}, {}, 0.0, 0.0, {}}};
+    return result;
+  };
+  std::atomic<int> fits{0};
+  const auto informed = [&](const CaseInput&, const std::vector<std::string>&) {
+    ++fits;
+    return 0.5;
+  };
+  int named = 0;
+  for (const CaseAnswer& answer : open_answers(set_)) named += answer.kind == Kind::kOneEffect || answer.kind == Kind::kTwoEffects ? 1 : 0;
+  ScoreSettings score{.directory = set_, .results = "informed", .threads = 1, .informed_fits = false};
+  EXPECT_TRUE(score_cases(score, diagnose, informed).has_value());
+  EXPECT_EQ(fits, 0);
+  score.informed_fits = true;
+  EXPECT_TRUE(score_cases(score, diagnose, informed).has_value());
+  EXPECT_TRUE(score_cases(score, diagnose, informed).has_value());
+  EXPECT_EQ(fits, named);
+}
+
+TEST_F(MakeTest, TheFirstCasesCanBeScoredAloneAndAnImpossibleNumberIsRefused) {
+  std::vector<std::string> diagnosed;
+  const auto diagnose = [&](const CaseInput& input) {
+    diagnosed.push_back(input.name);
+    CaseResult result;
+    result.name = input.name;
+    result.causes = {{{}, 1.0, {}, {}, 0.0, 0.0, {}}};
+    return result;
+  };
+  ScoreSettings score{.directory = set_, .results = "first", .threads = 1, .first = 1};
+  EXPECT_TRUE(score_cases(score, diagnose, {}).has_value());
+  EXPECT_EQ(diagnosed, std::vector<std::string>{"case_0001"});
+  EXPECT_EQ(nlohmann::json::parse(read_whole(set_ / "first" / "score.json")).at("cases"), 1);
+  score.first = 0;
+  EXPECT_TRUE(score_cases(score, diagnose, {}).has_value());
+  EXPECT_EQ(diagnosed, (std::vector<std::string>{"case_0001", "case_0002"}));
+  EXPECT_EQ(nlohmann::json::parse(read_whole(set_ / "first" / "score.json")).at("cases"), 2);
+  score.first = 3;
+  EXPECT_THROW(score_cases(score, diagnose, {}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace slewlab::diagnosis::withheld

@@ -1,0 +1,87 @@
+#include "sim/drive/scenario_file.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace slewlab::sim {
+namespace {
+
+const std::string kThesis = SLEWLAB_SOURCE_DIR "/config/scenarios/thesis_slew.yaml";
+
+std::string complaint(const std::vector<common::Override>& overrides) {
+  try {
+    load_scenario_file(kThesis, overrides);
+  } catch (const common::InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(ScenarioFile, ThesisManoeuvre) {
+  const Scenario scenario = load_scenario_file(kThesis);
+  EXPECT_EQ(scenario.duration, 60'000'000'000);
+  EXPECT_EQ(scenario.plant_step, 1'000'000);
+  EXPECT_EQ(scenario.controller_period, 10'000'000);
+  ASSERT_EQ(scenario.moves.size(), 2u);
+  EXPECT_EQ(scenario.moves[0].time, 5'000'000'000);  // thesis 3.5
+  EXPECT_EQ(scenario.moves[0].speed_request, 1.0);
+  EXPECT_FALSE(scenario.moves[0].emergency_stop);
+  EXPECT_EQ(scenario.moves[1].time, 30'000'000'000);  // thesis 4.4
+  EXPECT_TRUE(scenario.moves[1].emergency_stop);
+  EXPECT_EQ(scenario.moves[1].speed_request, 1.0) << "what a move does not name stays";
+  EXPECT_EQ(scenario.crane.parameters.load.mass, 30e3);
+  EXPECT_TRUE(scenario.faults.empty());
+}
+
+TEST(ScenarioFile, OverridesReachTheFilesItNames) {
+  const Scenario scenario = load_scenario_file(
+      kThesis, {{"crane.load.mass", "20"}, {"controller.ramp.curved_share", "0.2"}, {"duration", "10"}});
+  EXPECT_EQ(scenario.crane.parameters.load.mass, 20e3);
+  EXPECT_EQ(scenario.duration, 10'000'000'000);
+  ASSERT_EQ(scenario.controller_overrides.size(), 1u);
+  EXPECT_EQ(scenario.controller_overrides[0].key, "ramp.curved_share");
+}
+
+TEST(ScenarioFile, NamesAnotherCraneFromTheCommandLine) {
+  const Scenario scenario =
+      load_scenario_file(kThesis, {{"crane", SLEWLAB_SOURCE_DIR "/config/cranes/no_load.yaml"}});
+  EXPECT_EQ(scenario.crane.parameters.load.mass, 0.0);
+}
+
+TEST(ScenarioFile, ConfigurationTextTellsEveryPartApart) {
+  const std::string thesis = load_scenario_file(kThesis).configuration_text;
+  EXPECT_EQ(load_scenario_file(kThesis).configuration_text, thesis);
+  for (const common::Override& change :
+       {common::Override{"crane.load.mass", "29"}, common::Override{"controller.speed_control.droop", "1"},
+        common::Override{"duration", "61"}, common::Override{"operator.0.speed_request", "0.5"}}) {
+    EXPECT_NE(load_scenario_file(kThesis, {change}).configuration_text, thesis) << change.key;
+  }
+}
+
+TEST(ScenarioFile, TimesFallOnPlantSteps) {
+  EXPECT_EQ(complaint({{"controller_period", "1.5"}}),
+            "--set controller_period=1.5: key 'controller_period': found 1.5 ms, "
+            "expected a whole multiple of the plant step, 1 ms");
+  for (const char* period : {"1", "2", "5", "10", "20"}) EXPECT_EQ(complaint({{"controller_period", period}}), "");
+  EXPECT_NE(complaint({{"operator.0.time", "5.0005"}}).find("key 'operator.0.time': found 5000.5 ms"),
+            std::string::npos);
+}
+
+TEST(ScenarioFile, BadValuesAreExplained) {
+  EXPECT_EQ(complaint({{"operator.1.time", "4"}}),
+            "--set operator.1.time=4: key 'operator.1.time': found 4000 ms, "
+            "expected later than the move before, 5000 ms");
+  EXPECT_EQ(complaint({{"operator.0.speed_request", "1.5"}}),
+            "--set operator.0.speed_request=1.5: key 'operator.0.speed_request': found 1.5, "
+            "expected a number from -1 to 1");
+  EXPECT_NE(complaint({{"crane", "nowhere.yaml"}}).find("'nowhere.yaml', which cannot be read"), std::string::npos);
+  EXPECT_NE(complaint({{"crane", SLEWLAB_SOURCE_DIR "/config/controllers/thesis.yaml"}})
+                .find("config/controllers/thesis.yaml:1:7: key 'kind': found controller, expected crane"),
+            std::string::npos);
+  // A crane's problem is told with the crane's own key.
+  EXPECT_NE(complaint({{"crane.load.mass", ".nan"}}).find("key 'load.mass': found .nan"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace slewlab::sim

@@ -1,0 +1,162 @@
+#include "sim/integrate/machine.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <stdexcept>
+
+#include "sim/effects/catalogue.h"
+#include "tests/common/allocation_guard.h"
+#include "tests/sim/thesis_crane.h"
+
+namespace slewlab::sim {
+namespace {
+
+DriveCommand command_at(std::int64_t k) {
+  DriveCommand command;
+  command.sequence = k / 10;
+  const double time = 1e-3 * static_cast<double>(k);
+  command.motor_torque = {150.0 * std::sin(0.7 * time) + 40.0, 150.0 * std::sin(0.7 * time) - 40.0};
+  return command;
+}
+
+bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+
+void expect_same_bits(const PlantState& a, const PlantState& b) {
+  ASSERT_EQ(a.step_count, b.step_count);
+  for (int i = 0; i < 2; ++i) {
+    EXPECT_TRUE(same_bits(a.motor_angle[i], b.motor_angle[i]));
+    EXPECT_TRUE(same_bits(a.motor_speed[i], b.motor_speed[i]));
+    EXPECT_TRUE(same_bits(a.gear_torque[i], b.gear_torque[i]));
+    EXPECT_EQ(a.play_crossings[i], b.play_crossings[i]);
+  }
+  for (std::size_t k = 0; k < a.q.size(); ++k) {
+    EXPECT_TRUE(same_bits(a.q[k], b.q[k])) << k;
+    EXPECT_TRUE(same_bits(a.v[k], b.v[k])) << k;
+  }
+  for (std::size_t j = 0; j < 2; ++j) EXPECT_TRUE(same_bits(a.load_q[j], b.load_q[j]));
+  EXPECT_TRUE(same_bits(a.supplied_work, b.supplied_work));
+}
+
+TEST(Machine, WithoutEffectsIsTheBarePlantToTheBit) {
+  const CraneParameters crane = thesis_crane();
+  Machine machine = make_machine({.crane = crane, .effects = {}});
+  const PlantModel model = make_plant_model(crane, 0.001);
+  PlantWorkspace workspace = make_plant_workspace(model);
+  PlantState state = make_plant_state(model);
+  for (std::int64_t k = 0; k < 5000; ++k) {
+    const DriveCommand command = command_at(k);
+    PlantInput input;
+    input.motor_torque = command.motor_torque;
+    step(machine, command);
+    step(model, workspace, input, state);
+  }
+  expect_same_bits(machine.state, state);
+  EXPECT_EQ(machine.effect_evaluations, 0);
+  EXPECT_GT(state.contact_changes, 0) << "the run must cross the play to say anything";
+}
+
+TEST(Machine, ParameterEffectsEvaluateNothingInAStep) {
+  Machine machine = make_machine({.crane = thesis_crane(), .effects = {{"load_mass", {1.2}}}});
+  for (std::int64_t k = 0; k < 100; ++k) step(machine, command_at(k));
+  EXPECT_EQ(machine.effect_evaluations, 0);
+  EXPECT_DOUBLE_EQ(machine.model.parameters.load.mass, 36e3);
+}
+
+TEST(Machine, CopyRunsOnAsTheOriginalDoes) {
+  Machine machine = make_machine({.crane = thesis_crane(),
+                                  .effects = {{"torque_lag", {0.05, 0.3}},
+                                              {"offlead", {1.0}},
+                                              {"encoder_delay", {0.0123}},
+                                              {"command_loss", {0.3, 5.0}}},
+                                  .seed = 7});
+  for (std::int64_t k = 0; k < 1000; ++k) step(machine, command_at(k));
+  Machine copy = machine;
+  for (std::int64_t k = 1000; k < 2000; ++k) step(machine, command_at(k));
+  for (std::int64_t k = 1000; k < 2000; ++k) step(copy, command_at(k));
+  expect_same_bits(machine.state, copy.state);
+  EXPECT_TRUE(same_bits(read(machine).shaft_speed[0], read(copy).shaft_speed[0]));
+}
+
+TEST(Machine, SteppingAllocatesNothingWithEveryEffectOn) {
+  MachineSettings settings{.crane = thesis_crane(), .effects = {}};
+  for (const EffectDescription* effect : effect_catalogue()) {
+    settings.effects.push_back(common::typical_instance(effect->about));
+  }
+  Machine machine = make_machine(settings);
+  const tests::AllocationGuard guard;
+  for (std::int64_t k = 0; k < 500; ++k) {
+    step(machine, command_at(k));
+    read(machine);
+  }
+  EXPECT_EQ(guard.count(), 0);
+  EXPECT_GT(machine.effect_evaluations, 0);
+}
+
+// Every value of every effect at its bounds makes a machine that runs and stays finite, or is refused.
+TEST(Machine, BoundsOfEveryEffectRunOrAreRefused) {
+  for (const EffectDescription* effect : effect_catalogue()) {
+    for (std::size_t p = 0; p < effect->about.parameters.size(); ++p) {
+      for (const bool upper : {false, true}) {
+        common::EffectInstance instance = common::typical_instance(effect->about);
+        const common::EffectParameter& parameter = effect->about.parameters[p];
+        instance.values[p] = upper ? parameter.upper : parameter.lower;
+        try {
+          Machine machine = make_machine({.crane = thesis_crane(), .effects = {instance}});
+          for (std::int64_t k = 0; k < 3000; ++k) step(machine, command_at(k));
+          const double tip = read(machine).tip_acceleration;
+          EXPECT_TRUE(std::isfinite(tip) && std::fabs(tip) < 50.0)
+              << effect->about.name << " " << parameter.name << (upper ? " upper" : " lower") << " tip "
+              << tip;
+        } catch (const std::invalid_argument& refused) {
+          EXPECT_NE(std::string(refused.what()).find(effect->about.name), std::string::npos)
+              << refused.what();
+        }
+      }
+    }
+  }
+}
+
+// Teeth that chattered under a force of an effect would meet and part more often the shorter the step.
+TEST(Machine, NoEffectMakesTheTeethChatter) {
+  constexpr double kStep = 0.00025, kDuration = 15.0;
+  const auto contact_changes = [&](const std::vector<common::EffectInstance>& effects) {
+    Machine machine = make_machine({.crane = thesis_crane(), .effects = effects, .step = kStep});
+    for (std::int64_t k = 0; k < std::lround(kDuration / kStep); ++k) step(machine, command_at(k / 4));
+    return machine.state.contact_changes;
+  };
+  const auto without = contact_changes({});
+  for (const EffectDescription* effect : effect_catalogue()) {
+    EXPECT_LT(contact_changes({common::typical_instance(effect->about)}), 2 * without + 40)
+        << effect->about.name << ", without " << without;
+  }
+}
+
+TEST(Machine, RefusesWhatItDoesNotKnow) {
+  const CraneParameters crane = thesis_crane();
+  EXPECT_THROW(make_machine({.crane = crane, .effects = {{"gremlins", {1.0}}}}), std::invalid_argument);
+  EXPECT_THROW(make_machine({.crane = crane, .effects = {{"torque_lag", {}}}}), std::invalid_argument);
+  EXPECT_THROW(make_machine({.crane = crane, .effects = {{"torque_lag", {9.0, 0.0}}}}), std::invalid_argument);
+  EXPECT_THROW(make_machine({.crane = crane, .effects = {{"torque_lag", {std::nan(""), 0.0}}}}),
+               std::invalid_argument);
+  EXPECT_THROW(make_machine({.crane = crane, .effects = {{"torque_lag", {0.1, 0.0}}, {"torque_lag", {0.2, 0.0}}}}),
+               std::invalid_argument);
+}
+
+// The brake holds the motors against their torque up to its level: at rest nothing moves.
+TEST(Machine, ClosedBrakesHoldTheMotors) {
+  Machine machine = make_machine({.crane = thesis_crane(), .effects = {}});
+  DriveCommand command;
+  command.motor_torque = {100.0, 100.0};
+  command.brake_torque = {500.0, 500.0};
+  for (int k = 0; k < 1000; ++k) step(machine, command);
+  EXPECT_EQ(read(machine).shaft_position[0], 0.0);
+  command.enable = false;
+  command.brake_torque = {};
+  for (int k = 0; k < 1000; ++k) step(machine, command);
+  EXPECT_EQ(read(machine).shaft_position[0], 0.0) << "disabled drives deliver no torque";
+}
+
+}  // namespace
+}  // namespace slewlab::sim

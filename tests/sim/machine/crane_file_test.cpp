@@ -1,0 +1,117 @@
+#include "sim/machine/crane_file.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+#include "tests/sim/thesis_crane.h"
+
+namespace slewlab::sim {
+namespace {
+
+const std::string kFolder = SLEWLAB_SOURCE_DIR "/config/cranes/";
+
+std::string complaint(const std::vector<common::Override>& overrides, const std::string& name = "thesis.yaml") {
+  try {
+    load_crane_file(kFolder + name, overrides);
+  } catch (const common::InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(CraneFile, ThesisCraneIsTheOneOfTheUnitTests) {
+  const CraneParameters file = load_crane_file(kFolder + "thesis.yaml").parameters;
+  const CraneParameters crane = thesis_crane();
+  EXPECT_EQ(file.drive.group_count, crane.drive.group_count);
+  EXPECT_EQ(file.drive.motors_per_group, crane.drive.motors_per_group);
+  EXPECT_DOUBLE_EQ(file.drive.motor_inertia, crane.drive.motor_inertia);
+  EXPECT_DOUBLE_EQ(file.drive.brake_inertia, crane.drive.brake_inertia);
+  EXPECT_DOUBLE_EQ(file.drive.gearbox_inertia, crane.drive.gearbox_inertia);
+  EXPECT_DOUBLE_EQ(file.drive.gearbox_ratio, crane.drive.gearbox_ratio);
+  EXPECT_DOUBLE_EQ(file.drive.pinion_ratio, crane.drive.pinion_ratio);
+  EXPECT_DOUBLE_EQ(file.drive.gearbox_stiffness, crane.drive.gearbox_stiffness);
+  EXPECT_DOUBLE_EQ(file.drive.gear_damping_ratio, crane.drive.gear_damping_ratio);
+  EXPECT_DOUBLE_EQ(file.drive.gearbox_play, crane.drive.gearbox_play);
+  EXPECT_DOUBLE_EQ(file.drive.pinion_play, crane.drive.pinion_play);
+  EXPECT_DOUBLE_EQ(file.house.inertia, crane.house.inertia);
+  EXPECT_DOUBLE_EQ(file.house.sensor_radius, crane.house.sensor_radius);
+  EXPECT_EQ(file.boom.element_count, crane.boom.element_count);
+  EXPECT_DOUBLE_EQ(file.boom.length, crane.boom.length);
+  EXPECT_DOUBLE_EQ(file.boom.mass, crane.boom.mass);
+  EXPECT_DOUBLE_EQ(file.boom.angle, crane.boom.angle);
+  EXPECT_DOUBLE_EQ(file.boom.pivot_radius, crane.boom.pivot_radius);
+  EXPECT_DOUBLE_EQ(file.boom.chord_outer_diameter, crane.boom.chord_outer_diameter);
+  EXPECT_DOUBLE_EQ(file.boom.chord_inner_diameter, crane.boom.chord_inner_diameter);
+  EXPECT_DOUBLE_EQ(file.boom.youngs_modulus, crane.boom.youngs_modulus);
+  EXPECT_DOUBLE_EQ(file.boom.shear_modulus, crane.boom.shear_modulus);
+  EXPECT_DOUBLE_EQ(file.boom.torsion_constant, crane.boom.torsion_constant);
+  EXPECT_DOUBLE_EQ(file.boom.damping_ratio, crane.boom.damping_ratio);
+  ASSERT_EQ(file.boom.profile.size(), crane.boom.profile.size());
+  for (std::size_t i = 0; i < crane.boom.profile.size(); ++i) {
+    EXPECT_DOUBLE_EQ(file.boom.profile[i].position, crane.boom.profile[i].position);
+    EXPECT_DOUBLE_EQ(file.boom.profile[i].half_width, crane.boom.profile[i].half_width);
+    EXPECT_DOUBLE_EQ(file.boom.profile[i].half_height, crane.boom.profile[i].half_height);
+  }
+  EXPECT_DOUBLE_EQ(file.load.mass, crane.load.mass);
+  EXPECT_DOUBLE_EQ(file.load.rope_length, crane.load.rope_length);
+  EXPECT_DOUBLE_EQ(file.load.rod_length, crane.load.rod_length);
+  EXPECT_DOUBLE_EQ(file.load.damping_ratio, crane.load.damping_ratio);
+}
+
+TEST(CraneFile, SmallMachinesAreValid) {
+  EXPECT_EQ(load_crane_file(kFolder + "rigid_boom.yaml").parameters.boom.element_count, 0);
+  EXPECT_EQ(load_crane_file(kFolder + "no_load.yaml").parameters.load.mass, 0.0);
+  const DriveParameters one = load_crane_file(kFolder + "one_group.yaml").parameters.drive;
+  EXPECT_EQ(one.group_count, 1);
+  EXPECT_EQ(one.group_count * one.motors_per_group, 6);
+  EXPECT_EQ(load_crane_file(kFolder + "no_play.yaml").parameters.drive.pinion_play, 0.0);
+  const CraneParameters bare = load_crane_file(kFolder + "no_load.yaml", {{"boom", "null"}}).parameters;
+  EXPECT_EQ(bare.boom.element_count, 0);
+  EXPECT_EQ(bare.boom.mass, 0.0);
+}
+
+TEST(CraneFile, KeepsTheEffectsAsTheyAre) {
+  const CraneFile file = load_crane_file(kFolder + "thesis.yaml", {{"effects", "{wind: {speed: 3}}"}});
+  ASSERT_NE(file.effects.find("wind"), nullptr);
+  EXPECT_EQ(load_crane_file(kFolder + "thesis.yaml").effects.kind, common::YamlNode::Kind::null);
+  EXPECT_NE(file.canonical_text, load_crane_file(kFolder + "thesis.yaml").canonical_text);
+}
+
+TEST(CraneFile, ReadsTheDriveProtectionInItsUnits) {
+  const DriveProtectionSettings protection =
+      load_crane_file(kFolder + "thesis.yaml", {{"drive_protection.silence_timeout", "120"}}).drive_protection;
+  EXPECT_EQ(protection.silence_timeout, 120'000'000);  // [ns]
+  EXPECT_EQ(protection.brake.closing_delay, 80'000'000);
+  EXPECT_DOUBLE_EQ(protection.brake.closing_time_constant, 0.06);
+  EXPECT_EQ(protection.answer_age_limit, 1);
+  const DriveProtectionSettings none = load_crane_file(kFolder + "thesis.yaml", {{"drive_protection", "null"}}).drive_protection;
+  EXPECT_EQ(none.silence_timeout, kNever);
+  EXPECT_EQ(none.brake.torque, 0.0);
+  EXPECT_NE(complaint({{"drive_protection.torque_limit", "0"}}).find("above 0 N m"), std::string::npos)
+      << complaint({{"drive_protection.torque_limit", "0"}});
+}
+
+TEST(CraneFile, BadValuesAreExplained) {
+  EXPECT_EQ(complaint({{"load.mass", "-30"}}),
+            "--set load.mass=-30: key 'load.mass': found -30 t, that is -30000 kg, expected a number of at least 0 kg");
+  EXPECT_EQ(complaint({{"boom.angle", "120"}}).find("--set boom.angle=120: key 'boom.angle': found 120 deg, that is 2.0943"),
+            0u);
+  EXPECT_NE(complaint({{"boom.angel", "50"}}).find("key 'boom.angel': found a key that is not known here, "
+                                                   "expected 'angle' (or one of"),
+            std::string::npos);
+  EXPECT_EQ(complaint({{"boom.chord_inner_diameter", "300"}}),
+            "--set boom.chord_inner_diameter=300: key 'boom.chord_inner_diameter': found 0.3 m, "
+            "expected less than chord_outer_diameter, 0.267 m");
+  EXPECT_EQ(complaint({{"boom.profile.half_width", "[1, 2]"}}),
+            "--set boom.profile.half_width=[1, 2]: key 'boom.profile.half_width': found a list of 2, "
+            "expected as many numbers as 'position' has: 6");
+  EXPECT_NE(complaint({{"boom.profile.position", "[0, 0.2, 0.2, 0.6, 0.8, 1]"}}).find("expected numbers that rise"),
+            std::string::npos);
+  EXPECT_NE(complaint({{"house", "null"}}).find("key 'house': found nothing: the key is missing"), std::string::npos);
+  EXPECT_NE(complaint({{"kind", "controller"}}).find("key 'kind': found controller, expected crane"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace slewlab::sim

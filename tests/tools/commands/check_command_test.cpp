@@ -1,0 +1,168 @@
+#include "tools/commands/check_command.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+
+namespace slewlab::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+class CheckCommand : public testing::Test {
+ protected:
+  void SetUp() override {
+    const auto* test = testing::UnitTest::GetInstance()->current_test_info();
+    folder_ = fs::path(testing::TempDir()) / (std::string("slewlab_check_") + test->name());
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+    fs::copy(SLEWLAB_SOURCE_DIR "/config", folder_ / "config", fs::copy_options::recursive);
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  // Replaces the first `from` in the thesis's crane by `to`, checks it, and answers with what was said.
+  std::string said_after(const std::string& from, const std::string& to) {
+    const fs::path file = folder_ / "config/cranes/thesis.yaml";
+    std::stringstream content;
+    content << std::ifstream(file).rdbuf();
+    std::string text = content.str();
+    const std::size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    if (at == std::string::npos) return "";
+    line_ = 1 + std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(at), '\n');
+    text.replace(at, from.size(), to);
+    std::ofstream(file) << text;
+    std::ostringstream out;
+    std::ostringstream complaints;
+    EXPECT_EQ(check_files({file}, {}, out, complaints), 1);
+    EXPECT_EQ(out.str(), "");
+    where_ = file.string() + ':' + std::to_string(line_) + ':';
+    return complaints.str();
+  }
+
+  // File and line first, then key, found, expected: all of it in one line.
+  void expect_line(const std::string& said, const std::string& key, const std::string& found,
+                   const std::string& expected) {
+    EXPECT_EQ(said.rfind(where_, 0), 0u) << said << " should begin with " << where_;
+    EXPECT_NE(said.find("key '" + key + "': found " + found + ", expected " + expected), std::string::npos) << said;
+    EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 1) << said;
+  }
+
+  fs::path folder_;
+  long line_ = 0;
+  std::string where_;
+};
+
+TEST_F(CheckCommand, EveryFileOfTheProjectIsGood) {
+  std::vector<fs::path> files;
+  for (const auto& entry : fs::recursive_directory_iterator(SLEWLAB_SOURCE_DIR "/config")) {
+    const std::string kind = entry.path().parent_path().filename().string();
+    if (entry.path().extension() == ".yaml" && (kind == "cranes" || kind == "controllers" || kind == "scenarios")) {
+      files.push_back(entry.path());
+    }
+  }
+  ASSERT_GE(files.size(), 10u);
+  std::ostringstream out;
+  std::ostringstream complaints;
+  EXPECT_EQ(check_files(files, {}, out, complaints), 0);
+  EXPECT_EQ(complaints.str(), "");
+  const std::string said = out.str();
+  EXPECT_EQ(static_cast<std::size_t>(std::count(said.begin(), said.end(), '\n')), files.size());
+}
+
+TEST_F(CheckCommand, UnknownKey) {
+  expect_line(said_after("rope_length", "rope_lenght: 3\n  rope_length"), "load.rope_lenght",
+              "a key that is not known here", "'rope_length' (or one of mass, rope_length, rod_length, damping_ratio)");
+}
+
+TEST_F(CheckCommand, MissingKey) {
+  const std::string said = said_after("  rope_length: {value: 60, unit: m, source: \"thesis Table 4.2\"}\n", "");
+  EXPECT_NE(said.find("key 'load.rope_length': found nothing: the key is missing, expected a number above 0 m"),
+            std::string::npos)
+      << said;
+}
+
+TEST_F(CheckCommand, WrongType) {
+  expect_line(said_after("value: 46.6", "value: long"), "boom.length", "long", "a number above 0 m");
+}
+
+TEST_F(CheckCommand, NegativeMass) {
+  expect_line(said_after("value: 81047", "value: -81047"), "boom.mass", "-81047 kg", "a number above 0 kg");
+}
+
+TEST_F(CheckCommand, NotANumber) {
+  expect_line(said_after("value: 81047", "value: .nan"), "boom.mass", ".nan", "a number above 0 kg");
+}
+
+TEST_F(CheckCommand, MixedUnits) {
+  expect_line(said_after("value: 6900, unit: kN m/rad", "value: 6900, unit: kN m"), "drive.gearbox_stiffness",
+              "the unit 'kN m', which measures something else", "one of N m/rad, kN m/rad, MN m/rad, GN m/rad");
+}
+
+TEST_F(CheckCommand, MissingUnit) {
+  expect_line(said_after("value: 46.6, unit: m", "value: 46.6"), "boom.length", "46.6 without a unit",
+              "unit: one of m, mm, cm, km");
+}
+
+TEST_F(CheckCommand, MissingSource) {
+  expect_line(said_after("value: 46.6, unit: m, source: \"thesis Table 2.4\"", "value: 46.6, unit: m"), "boom.length",
+              "46.6 without a source", "source:");
+}
+
+TEST_F(CheckCommand, DuplicateKey) {
+  const std::string said = said_after("  brake_inertia", "  motor_inertia: 3\n  brake_inertia");
+  expect_line(said, "drive.motor_inertia", "the key a second time",
+              "it once; it stands in line " + std::to_string(line_ - 1) + " already");
+}
+
+TEST_F(CheckCommand, CyclicInclude) {
+  const std::string said = said_after("kind: crane", "include: no_load.yaml\nkind: crane");
+  where_ = (folder_ / "config/cranes/no_load.yaml:1:10:").string();
+  expect_line(said, "include", "a circle of includes: thesis.yaml -> no_load.yaml -> thesis.yaml",
+              "files that do not include themselves");
+}
+
+TEST_F(CheckCommand, MissingKind) {
+  expect_line(said_after("kind: crane\n", ""), "kind", "nothing: the key is missing", "crane, controller or scenario");
+}
+
+TEST_F(CheckCommand, UnknownKind) {
+  expect_line(said_after("kind: crane", "kind: ship"), "kind", "ship", "crane, controller or scenario");
+}
+
+TEST_F(CheckCommand, ControllerThatDoesNotFitTheCrane) {
+  const fs::path file = folder_ / "config/scenarios/thesis_slew.yaml";
+  const auto problems =
+      problems_in(file, {{"controller", (folder_ / "config/controllers/one_group.yaml").string()}});
+  ASSERT_EQ(problems.size(), 1u);
+  EXPECT_NE(common::to_text(problems[0])
+                .find("key 'controller': found a controller for 1 motor group(s), expected one for the crane's 2"),
+            std::string::npos)
+      << common::to_text(problems[0]);
+}
+
+TEST_F(CheckCommand, ScenarioIsCheckedWithItsCraneAndItsController) {
+  const auto problems = problems_in(folder_ / "config/scenarios/thesis_slew.yaml",
+                                    {{"crane.load.mass", "-1"}, {"controller.ramp.top_speed", "-1"}, {"seed", "-1"}});
+  std::string said;
+  for (const auto& problem : problems) said += common::to_text(problem) + '\n';
+  EXPECT_EQ(problems.size(), 3u) << said;
+  for (const char* key : {"key 'load.mass'", "key 'ramp.top_speed'", "key 'seed'"}) {
+    EXPECT_NE(said.find(key), std::string::npos) << said;
+  }
+}
+
+TEST_F(CheckCommand, OneBadFileDoesNotHideTheOthers) {
+  std::ostringstream out;
+  std::ostringstream complaints;
+  EXPECT_EQ(check_files({folder_ / "none.yaml", folder_ / "config/cranes/thesis.yaml"}, {}, out, complaints), 1);
+  EXPECT_NE(out.str().find("thesis.yaml: OK"), std::string::npos);
+  EXPECT_NE(complaints.str().find("none.yaml', which cannot be read"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace slewlab::tools

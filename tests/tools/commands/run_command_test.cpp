@@ -1,0 +1,319 @@
+// `slewlab run` as a user starts it, in a private network. No test waits for a time: each waits for a line
+// of output or for the end of a process.
+
+#include "tools/commands/run_command.h"
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <csignal>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <numeric>
+
+#include "msgs/log_reader.h"
+#include "msgs/run_log.h"
+#include "tests/msgs/file_contents.h"
+#include "tests/msgs/temporary_folder.h"
+#include "tests/tools/running_program.h"
+
+namespace slewlab::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string kSlewlab = SLEWLAB_BINARY_DIR "/bin/slewlab";
+const std::string kController = SLEWLAB_BINARY_DIR "/bin/slewlab-controller";
+const std::string kScenario = SLEWLAB_SOURCE_DIR "/config/scenarios/thesis_slew.yaml";
+
+class RunCommandTest : public testing::Test {
+ protected:
+  std::vector<std::string> command(std::vector<std::string> more = {}) const {
+    std::vector<std::string> all{kSlewlab, "run", kScenario, "--out", out_.string(), "--progress", "lines"};
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  }
+  // So long that it is certainly under way when a test does something to it.
+  std::vector<std::string> long_command(std::vector<std::string> more = {}) const {
+    more.insert(more.end(), {"--set", "duration=100000"});
+    return command(more);
+  }
+  static bool advanced(const std::string& line) {
+    return line.find(" s simulated") != std::string::npos && line.find(": 0.0 of") == std::string::npos;
+  }
+  nlohmann::json summary() const { return nlohmann::json::parse(contents(out_ / "summary.json")); }
+
+  // The log so far is there, readable to its last whole message, and does not pass for a complete one.
+  void expect_partial_log() const {
+    EXPECT_FALSE(fs::exists(out_ / "run.lcmlog"));
+    msgs::LogReader reader(out_ / "run.lcmlog.partial");
+    msgs::LogEvent event;
+    std::int64_t events = 0;
+    while (reader.next(event)) EXPECT_EQ(event.number, events++);
+    EXPECT_GT(events, 0);
+    EXPECT_EQ(reader.damage().skipped_bytes, 0);
+  }
+
+  TemporaryFolder folder_;
+  fs::path out_ = folder_.path() / "out";
+};
+
+TEST_F(RunCommandTest, ACompleteRunLeavesItsFilesAndNoProcess) {
+  RunningProgram run(command({"--set", "duration=2"}));
+  EXPECT_EQ(run.wait_for_end(), 0) << run.complaints();
+  wait_until_nothing_is_left();
+  EXPECT_FALSE(fs::exists(out_ / "run.lcmlog.partial"));
+  EXPECT_EQ(summary()["outcome"], "complete");
+  EXPECT_EQ(summary()["run"]["lockstep_cycles"], 200);  // 2 s every 10 ms
+  const msgs::RunLogs logs = msgs::read_run_logs(out_ / "run.lcmlog");
+  ASSERT_EQ(logs.runs.size(), 1u);
+  EXPECT_TRUE(logs.remarks.empty()) << logs.remarks.front();
+  EXPECT_EQ(logs.runs[0].encoder.size(), 200u);
+  EXPECT_EQ(logs.runs[0].torque.size(), 200u);
+  EXPECT_EQ(logs.runs[0].controller_state.size(), 200u);
+}
+
+TEST_F(RunCommandTest, TheResolvedConfigurationRunsAgainToTheSameBytes) {
+  RunningProgram first(command({"--set", "duration=2", "--set", "crane.load.mass=20000"}));
+  ASSERT_EQ(first.wait_for_end(), 0) << first.complaints();
+  const fs::path again = folder_.path() / "again";
+  RunningProgram second({kSlewlab, "run", (out_ / "scenario.yaml").string(), "--out", again.string()});
+  ASSERT_EQ(second.wait_for_end(), 0) << second.complaints();
+  EXPECT_TRUE(contents(out_ / "run.lcmlog") == contents(again / "run.lcmlog"));
+  EXPECT_EQ(contents(out_ / "crane.yaml"), contents(again / "crane.yaml"));
+  // The override is in the copy, and counts: another configuration than the original's.
+  RunningProgram original(command({"--set", "duration=2"}));
+  const auto changed_hash = summary()["run"]["configuration_hash"];
+  ASSERT_EQ(original.wait_for_end(), 0) << original.complaints();
+  EXPECT_NE(summary()["run"]["configuration_hash"], changed_hash);
+}
+
+TEST_F(RunCommandTest, AKilledPlantIsNamedAndTakesTheControllerAlong) {
+  RunningProgram run(long_command());
+  const std::string started = run.wait_for_line("plant is process");
+  ASSERT_NE(run.wait_for_line(advanced), "");
+  ::kill(number_after(started, "plant is process "), SIGKILL);
+  EXPECT_EQ(run.wait_for_end(), 1);
+  wait_until_nothing_is_left();
+  EXPECT_NE(run.complaints().find("the plant ended before its time: killed by signal 9"), std::string::npos)
+      << run.complaints();
+  EXPECT_EQ(summary()["outcome"], "failed");
+  expect_partial_log();
+}
+
+TEST_F(RunCommandTest, AKilledControllerIsNamedAndTakesThePlantAlong) {
+  RunningProgram run(long_command());
+  const std::string started = run.wait_for_line("plant is process");
+  ASSERT_NE(run.wait_for_line(advanced), "");
+  ::kill(number_after(started, "controller is process "), SIGKILL);
+  EXPECT_EQ(run.wait_for_end(), 1);
+  wait_until_nothing_is_left();
+  EXPECT_NE(run.complaints().find("the controller ended before its time: killed by signal 9"), std::string::npos)
+      << run.complaints();
+  expect_partial_log();
+}
+
+TEST_F(RunCommandTest, AControllerThatFailsIsToldWithItsLastWords) {
+  RunningProgram run(long_command({"--controller", "echo the encoder is on fire >&2; exit 3"}));
+  EXPECT_EQ(run.wait_for_end(), 1);
+  wait_until_nothing_is_left();
+  EXPECT_NE(run.complaints().find("the controller ended before its time: exit code 3"), std::string::npos);
+  EXPECT_NE(run.complaints().find("the encoder is on fire"), std::string::npos) << run.complaints();
+  EXPECT_EQ(contents(out_ / "controller.txt"), "the encoder is on fire\n");
+}
+
+TEST_F(RunCommandTest, AControllerThatLeavesTheRunQuietlyIsAFailureToo) {
+  RunningProgram run(long_command({"--controller", "true"}));
+  EXPECT_EQ(run.wait_for_end(), 1);
+  EXPECT_NE(run.complaints().find("exit code 0"), std::string::npos) << run.complaints();
+}
+
+TEST_F(RunCommandTest, SignalsArePassedOnAndNothingStays) {
+  for (const int number : {SIGINT, SIGTERM}) {
+    RunningProgram run(long_command());
+    ASSERT_NE(run.wait_for_line(advanced), "");
+    ::kill(run.pid(), number);
+    EXPECT_EQ(run.wait_for_end(), 128 + number);
+    wait_until_nothing_is_left();
+    EXPECT_EQ(summary()["outcome"], "interrupted");
+    // The plant heard the signal and put its log in order.
+    EXPECT_EQ(summary()["plant_end"], "exit code " + std::to_string(128 + number));
+    expect_partial_log();
+  }
+}
+
+TEST_F(RunCommandTest, AStoppedSideDoesNotKeepTheRunFromEnding) {
+  RunningProgram run(long_command());
+  const std::string started = run.wait_for_line("plant is process");
+  ASSERT_NE(run.wait_for_line(advanced), "");
+  ::kill(number_after(started, "controller is process "), SIGSTOP);
+  ::kill(number_after(started, "plant is process "), SIGSTOP);
+  ::kill(run.pid(), SIGINT);
+  EXPECT_EQ(run.wait_for_end(), 128 + SIGINT);
+  wait_until_nothing_is_left();
+  expect_partial_log();
+}
+
+TEST_F(RunCommandTest, AControllerThatDoesNotWantToEndIsKilled) {
+  // It ignores SIGTERM and SIGINT; the second signal is the user's impatience.
+  RunningProgram run(long_command({"--controller", "trap '' TERM INT; while :; do sleep 1000; done"}));
+  ASSERT_NE(run.wait_for_line("plant is process"), "");
+  ASSERT_NE(run.wait_for_line(" s simulated"), "");
+  ::kill(run.pid(), SIGINT);
+  ::kill(run.pid(), SIGTERM);
+  EXPECT_GT(run.wait_for_end(), 128);
+  wait_until_nothing_is_left();
+}
+
+TEST_F(RunCommandTest, AKilledLauncherLeavesNothing) {
+  RunningProgram run(long_command());
+  ASSERT_NE(run.wait_for_line(advanced), "");
+  ::kill(run.pid(), SIGKILL);
+  EXPECT_EQ(run.wait_for_end(), -SIGKILL);
+  wait_until_nothing_is_left();  // plant, controller and watcher are this test's orphans now
+  expect_partial_log();
+}
+
+TEST_F(RunCommandTest, WhatTheControllerStartedGoesWithIt) {
+  RunningProgram run(command({"--set", "duration=1", "--controller", "sleep 100000 & exec " + kController}));
+  EXPECT_EQ(run.wait_for_end(), 0) << run.complaints();
+  wait_until_nothing_is_left();
+}
+
+TEST_F(RunCommandTest, AKilledLauncherTakesAlongWhatTheControllerStarted) {
+  RunningProgram run(long_command({"--controller", "sleep 100000 & exec " + kController}));
+  ASSERT_NE(run.wait_for_line(advanced), "");
+  ::kill(run.pid(), SIGKILL);
+  run.wait_for_end();
+  wait_until_nothing_is_left();
+}
+
+TEST_F(RunCommandTest, AControllerOfOnesOwnFindsItsBusAndItsConfiguration) {
+  // Our controller again, but started by a shell, with nothing told but the environment.
+  RunningProgram own(command({"--set", "duration=2", "--controller", kController}));
+  ASSERT_EQ(own.wait_for_end(), 0) << own.complaints();
+  const std::string with_own = contents(out_ / "run.lcmlog");
+  RunningProgram usual(command({"--set", "duration=2"}));
+  ASSERT_EQ(usual.wait_for_end(), 0) << usual.complaints();
+  EXPECT_TRUE(contents(out_ / "run.lcmlog") == with_own);
+}
+
+TEST_F(RunCommandTest, AMistakeInTheConfigurationIsToldBeforeAnythingIsWritten) {
+  RunningProgram run(command({"--set", "crane.load.mass=banana"}));
+  EXPECT_EQ(run.wait_for_end(), 2);
+  EXPECT_NE(run.complaints().find("banana"), std::string::npos) << run.complaints();
+  EXPECT_FALSE(fs::exists(out_));
+  RunningProgram no_file({kSlewlab, "run", "/nonexistent.yaml", "--out", out_.string()});
+  EXPECT_EQ(no_file.wait_for_end(), 2);
+  EXPECT_NE(no_file.complaints().find("/nonexistent.yaml"), std::string::npos) << no_file.complaints();
+  RunningProgram no_option(command({"--nonsense"}));
+  EXPECT_EQ(no_option.wait_for_end(), 2);
+}
+
+TEST_F(RunCommandTest, TwoRunsDoNotShareAFolder) {
+  RunningProgram first(long_command());
+  ASSERT_NE(first.wait_for_line(advanced), "");
+  RunningProgram second(command());
+  EXPECT_EQ(second.wait_for_end(), 1);
+  EXPECT_NE(second.complaints().find("another run is writing into"), std::string::npos) << second.complaints();
+  ::kill(first.pid(), SIGINT);
+  EXPECT_EQ(first.wait_for_end(), 128 + SIGINT);
+  expect_partial_log();
+}
+
+TEST_F(RunCommandTest, AControllerKilledAndStartedOnPurposeIsAnotherProcessAndTheSameRunTwice) {
+  const std::string scenario = SLEWLAB_SOURCE_DIR "/config/scenarios/faults/controller_restarted.yaml";
+  const fs::path other = folder_.path() / "other";
+  for (const fs::path& out : {out_, other}) {
+    RunningProgram run({kSlewlab, "run", scenario, "--out", out.string()});
+    EXPECT_EQ(run.wait_for_end(), 0) << run.complaints();
+  }
+  EXPECT_EQ(summary()["run"]["drive"]["state"], "running");
+  EXPECT_EQ(summary()["run"]["drive"]["faults"]["silence"], 1);
+  EXPECT_TRUE(contents(out_ / "run.lcmlog") == contents(other / "run.lcmlog"));
+  // The new controller counts its messages from 0 again.
+  int first_messages = 0;
+  msgs::LogReader reader(out_ / "run.lcmlog");
+  msgs::LogEvent event;
+  msgs::Torque torque;
+  while (reader.next(event)) {
+    if (event.channel != msgs::kTorqueChannel) continue;
+    EXPECT_EQ(msgs::decode(event.data, torque), msgs::DecodeStatus::ok);
+    first_messages += torque.alive_counter == 0;
+  }
+  EXPECT_EQ(first_messages, 2);
+}
+
+// What the clock says is the machine's affair (realtime_benchmark); that it is counted and told is ours.
+TEST_F(RunCommandTest, AgainstTheWallClockEveryStepIsInTheHistogramsOfStatusAndSummary) {
+  RunningProgram run(command({"--set", "duration=2", "--realtime", "--speed", "10"}));
+  ASSERT_EQ(run.wait_for_end(), 0) << run.complaints();
+  const auto timing = summary()["run"]["realtime"];
+  EXPECT_EQ(timing["speed"], 10.0);
+  EXPECT_NE(timing["permissions"].get<std::string>().find("SCHED_FIFO: "), std::string::npos);
+  EXPECT_EQ(timing["log_events_left_out"], 0);
+  const msgs::RunLog log = msgs::read_run_logs(out_ / "run.lcmlog").runs.at(0);
+  EXPECT_EQ(log.encoder.size(), 200u);
+  const msgs::PlantStatus& status = log.plant_status.back();
+  EXPECT_EQ(status.simulated_time, 2'000'000'000);
+  EXPECT_EQ(std::accumulate(status.wakeup_latency.begin(), status.wakeup_latency.end(), std::int64_t{0}), 2000);
+  // The last step is not done yet when its status goes out.
+  EXPECT_EQ(std::accumulate(status.step_time.begin(), status.step_time.end(), std::int64_t{0}), 1999);
+}
+
+TEST_F(RunCommandTest, WhatTheScenarioExpectsIsJudgedAndTold) {
+  const std::string scenario = SLEWLAB_SOURCE_DIR "/config/scenarios/faults/controller_killed.yaml";
+  RunningProgram run({kSlewlab, "run", scenario, "--out", out_.string()});
+  EXPECT_EQ(run.wait_for_end(), 0) << run.complaints();
+  EXPECT_NE(run.output().find("everything under expect: of the scenario came about"), std::string::npos) << run.output();
+  EXPECT_EQ(summary()["broken_expectations"], nlohmann::json::array());
+
+  RunningProgram other({kSlewlab, "run", scenario, "--out", out_.string(), "--set", "expect.drive_state=running"});
+  EXPECT_EQ(other.wait_for_end(), 1);
+  const std::string broken = "drive state at the end: found braked, expected running";
+  EXPECT_NE(other.complaints().find("not as expected: " + broken), std::string::npos) << other.complaints();
+  EXPECT_EQ(summary()["broken_expectations"], nlohmann::json::array({broken}));
+  EXPECT_EQ(summary()["outcome"], "complete");
+}
+
+// The process itself stands still, as the kernel says, and the drive hears nothing meanwhile.
+TEST_F(RunCommandTest, AgainstTheWallClockAControllerStoppedOnPurposeIsAStoppedProcess) {
+  const std::string scenario = SLEWLAB_SOURCE_DIR "/config/scenarios/faults/controller_stopped.yaml";
+  RunningProgram run({kSlewlab, "run", scenario, "--out", out_.string(), "--progress", "lines", "--realtime", "--speed",
+                      "10", "--set", "duration=13"});
+  const std::string started = run.wait_for_line("plant is process");
+  const std::string stat = "/proc/" + std::to_string(number_after(started, "controller is process ")) + "/stat";
+  char state = '?';
+  while (state != 'T' && fs::exists(stat)) {
+    const std::string text = contents(stat);
+    const std::size_t name_end = text.rfind(") ");
+    if (name_end != std::string::npos) state = text[name_end + 2];
+  }
+  EXPECT_EQ(state, 'T') << "it was never stopped";
+  EXPECT_EQ(run.wait_for_end(), 0) << run.complaints();
+  EXPECT_GE(summary()["run"]["drive"]["faults"]["silence"], 1);
+  EXPECT_EQ(summary()["run"]["drive"]["state"], "braked");
+  EXPECT_GE(summary()["run"]["drive"]["faults"]["wrong_sequence"], 1) << "nothing was answered late";
+}
+
+TEST_F(RunCommandTest, TwoRunsSideBySideDoNotHearEachOther) {
+  RunningProgram first(command({"--set", "duration=20"}));
+  const fs::path other = folder_.path() / "other";
+  RunningProgram second({kSlewlab, "run", kScenario, "--out", other.string(), "--set", "duration=20"});
+  EXPECT_EQ(first.wait_for_end(), 0);
+  EXPECT_EQ(second.wait_for_end(), 0);
+  EXPECT_EQ(summary()["run"]["wrong_answers"], 0);
+  EXPECT_TRUE(contents(out_ / "run.lcmlog") == contents(other / "run.lcmlog"));
+}
+
+TEST_F(RunCommandTest, WithoutAMulticastRouteItFindsANetworkOfItsOwn) {
+  std::vector<std::string> bare{"unshare", "--net"};
+  const auto inner = command({"--set", "duration=1"});
+  bare.insert(bare.end(), inner.begin(), inner.end());
+  RunningProgram run(bare);
+  EXPECT_EQ(run.wait_for_end(), 0) << run.complaints();
+  EXPECT_EQ(summary()["network"], "private");
+}
+
+}  // namespace
+}  // namespace slewlab::tools

@@ -1,0 +1,140 @@
+#include "tools/commands/accept_command.h"
+
+#include <fmt/format.h>
+#include <poll.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <nlohmann/json.hpp>
+#include <fstream>
+#include <stdexcept>
+
+#include "common/input_error.h"
+#include "msgs/run_log.h"
+#include "sim/drive/fault_expectation.h"
+#include "sim/model/drive_line.h"
+#include "sim/drive/scenario_file.h"
+#include "tools/acceptance/checks.h"
+#include "tools/acceptance/limits.h"
+#include "tools/commands/child_process.h"
+#include "tools/commands/run_command.h"
+#include "tools/commands/whole_file.h"
+
+namespace slewlab::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr int kPollMilliseconds = 200;
+constexpr double kNanosecondsPerSecond = 1e9;
+
+// Why the run did not come to its end; empty where it did, or where nothing tells.
+std::string why_incomplete(const fs::path& folder) {
+  std::ifstream file(folder / "summary.json");
+  const auto summary = nlohmann::json::parse(file, nullptr, false);
+  if (!summary.is_object() || summary.value("outcome", "complete") == "complete") return {};
+  const std::string reason = summary.value("reason", "");
+  return reason.empty() ? summary.value("outcome", "") : reason;
+}
+
+// What the scenario itself says must happen.
+CheckResult expected_reaction(const sim::FaultExpectation& expectation, const msgs::RunLog& run) {
+  CheckResult result;
+  result.name = "expectation";
+  const std::vector<std::string> broken = sim::broken_expectations(expectation, run);
+  result.verdict = broken.empty() ? Verdict::pass : Verdict::fail;
+  result.reason = broken.empty() ? "everything under expect: of the scenario came about" : "";
+  for (const std::string& line : broken) result.reason += (result.reason.empty() ? "" : "; ") + line;
+  return result;
+}
+
+void draw(const fs::path& folder) {
+  const fs::path python = SLEWLAB_SOURCE_DIR "/.venv/bin/python";
+  if (!fs::exists(python)) {
+    std::printf("no plot: there is no %s (tools/setup makes it)\n", python.c_str());
+    return;
+  }
+  ChildOptions options;
+  options.name = "plot";
+  options.command = {python.string(), SLEWLAB_SOURCE_DIR "/tools/python/acceptance_plot.py", folder.string()};
+  options.environment = {{"SLEWLAB_PYTHON_MESSAGES", SLEWLAB_BINARY_DIR "/python"}};
+  ChildProcess plot(options);
+  const auto show = [](const std::string& line) { std::printf("%s\n", line.c_str()); };
+  while (!plot.ended()) {
+    pollfd fds[] = {{plot.output_fd(), POLLIN, 0}, {plot.complaint_fd(), POLLIN, 0}};
+    ::poll(fds, 2, kPollMilliseconds);
+    plot.read_output(show);
+  }
+  plot.read_output(show);
+  if (!plot.succeeded()) std::fprintf(stderr, "no plot: %s\n%s", plot.how_it_ended().c_str(), plot.complaints().c_str());
+}
+
+int judge(const fs::path& folder, const AcceptOptions& options, const AcceptanceLimits& limits) {
+  const sim::Scenario scenario = sim::load_scenario_file(folder / "scenario.yaml");
+  AcceptedMachine machine;
+  machine.total_ratio = sim::total_ratio(scenario.crane.parameters.drive);
+  for (const sim::Fault& fault : scenario.faults) {
+    const double from = static_cast<double>(fault.from) / kNanosecondsPerSecond;
+    machine.first_fault = std::min(machine.first_fault.value_or(from), from);
+  }
+  std::vector<CheckResult> results;
+  if (const std::string reason = why_incomplete(folder); !reason.empty()) {
+    CheckResult failed;
+    failed.name = "run";
+    failed.verdict = Verdict::fail;
+    failed.reason = reason;
+    results.push_back(failed);
+  }
+  const fs::path log = fs::exists(folder / "run.lcmlog") ? folder / "run.lcmlog" : folder / "run.lcmlog.partial";
+  const bool any_log = fs::exists(log) && fs::file_size(log) > 0;
+  if (any_log || results.empty()) {
+    const msgs::RunLogs logs = msgs::read_run_logs(log);
+    for (const std::string& remark : logs.remarks) std::printf("note: %s\n", remark.c_str());
+    if (logs.runs.size() > 1) std::printf("note: the log holds %zu runs; the first is judged\n", logs.runs.size());
+    const std::vector<CheckResult> checks = acceptance_checks(logs.runs.front(), limits, machine);
+    results.insert(results.end(), checks.begin(), checks.end());
+    if (machine.first_fault) results.push_back(expected_reaction(scenario.expectation, logs.runs.front()));
+  }
+
+  const std::string name = options.subject.stem().string();
+  std::printf("%s", check_table(results).c_str());
+  write_whole_file(folder / "acceptance.json", checks_json(results, limits, machine));
+  if (!options.junit.empty()) write_whole_file(options.junit, junit_xml(name, results));
+  if (any_log && options.plot) draw(folder);
+  const bool good = accepted(results);
+  std::printf("%s: %s\n", name.c_str(), good ? "accepted" : "NOT accepted");
+  return good ? 0 : 1;
+}
+
+}  // namespace
+
+int accept(const AcceptOptions& options, const std::vector<std::string>& command_line) {
+  try {
+    const AcceptanceLimits limits = load_acceptance_limits(options.limits);
+    if (fs::is_directory(options.subject)) {
+      if (!options.controller_command.empty() || !options.overrides.empty() || !options.out.empty()) {
+        std::fprintf(stderr, "slewlab accept: --controller, --set and --out are for a scenario; %s is a run that was made "
+                             "already\n", options.subject.c_str());
+        return 2;
+      }
+      return judge(options.subject, options, limits);
+    }
+    RunOptions run;
+    run.scenario = options.subject;
+    run.out = options.out.empty() ? fs::path("runs") / ("accept_" + options.subject.stem().string()) : options.out;
+    run.controller_command = options.controller_command;
+    run.overrides = options.overrides;
+    run.progress = Progress::none;
+    const int result = run_scenario(run, command_line);
+    if (result > 1) return result;  // a wrong call, or a signal
+    return judge(run.out, options, limits);
+  } catch (const common::InputError& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 2;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "slewlab accept: %s\n", error.what());
+    return 1;
+  }
+}
+
+}  // namespace slewlab::tools

@@ -1,0 +1,416 @@
+#include "tools/commands/diagnose_command.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <set>
+#include <span>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "common/input_error.h"
+#include "common/stop_signal.h"
+#include "controller/controller_file.h"
+#include "controller/effects/catalogue.h"
+#include "diagnosis/diagnose.h"
+#include "diagnosis/discriminate.h"
+#include "diagnosis/nuisance.h"
+#include "diagnosis/prediction.h"
+#include "sim/analysis/eigen.h"
+#include "sim/machine/crane_file.h"
+#include "sim/effects/catalogue.h"
+#include "tools/commands/python_command.h"
+#include "tools/commands/status_line.h"
+#include "tools/commands/whole_file.h"
+
+namespace slewlab::tools {
+
+namespace {
+
+constexpr double kWorthNaming = 0.05;  // probability that an effect acts, from which the page says so
+constexpr double kLineInterval = 2.0;  // [s] between progress lines where there is no terminal
+constexpr double kHighestMarked = 20.0;  // [Hz] the upper edge of the page's spectrogram
+
+using diagnosis::Cause;
+using diagnosis::Diagnosis;
+using diagnosis::Point;
+using diagnosis::Record;
+
+// What would tell the first cause from each of its group, in its order; empty without a controller to run with.
+using ToldApartBy = std::vector<diagnosis::Separation>;
+
+ToldApartBy told_apart_by(const sim::MachineSettings& nominal, const std::optional<controller::ControllerSettings>& controller,
+                          const Diagnosis& found) {
+  ToldApartBy best;
+  if (!controller || found.causes.empty()) return best;
+  const Cause& first = found.causes.front();
+  for (const diagnosis::Alike& alike : first.group) {
+    const auto other =
+        std::find_if(found.causes.begin(), found.causes.end(), [&](const Cause& cause) { return name_of(cause) == alike.name; });
+    if (other == found.causes.end()) return {};
+    best.push_back(
+        diagnosis::separations(diagnosis::machine_at(nominal, first.point), diagnosis::machine_at(nominal, other->point), *controller)
+            .front());
+  }
+  return best;
+}
+
+nlohmann::json to_json(const Cause& cause) {
+  nlohmann::json json{{"effects", cause.effects},
+                      {"probability", cause.probability},
+                      {"explained_share", cause.explained},
+                      {"excess", cause.excess},
+                      {"prior", cause.prior},
+                      {"mean_square_left", cause.mean_square},
+                      {"cannot_be_told_from", nlohmann::json::array()}};
+  for (const diagnosis::Alike& other : cause.group) {
+    json["cannot_be_told_from"].push_back({{"cause", other.name}, {"signature_apart", other.apart}});
+  }
+  for (const diagnosis::Size& size : cause.sizes) {
+    json["sizes"].push_back({{"parameter", size.parameter}, {"value", size.value}, {"unit", size.unit},
+                             {"low_90", size.low}, {"high_90", size.high}});
+  }
+  const auto& nuisances = diagnosis::nuisances();
+  for (std::size_t k = 0; k < std::min(nuisances.size(), cause.point.nuisance.size()); ++k) {
+    json["parameters"][std::string(nuisances[k].name)] = 1.0 + nuisances[k].spread * cause.point.nuisance[k];
+  }
+  return json;
+}
+
+nlohmann::json to_json(const Diagnosis& diagnosis) {
+  nlohmann::json json{{"gap", diagnosis.gap},
+                      {"verdict", diagnosis.verdict},
+                      {"controller_differs", diagnosis.controller_differs},
+                      {"mean_square_nominal", diagnosis.mean_square_nominal},
+                      {"mean_square_parameters", diagnosis.mean_square_parameters},
+                      {"probability_nothing_missing", diagnosis.probability_nothing},
+                      {"probability_not_in_the_catalogue", diagnosis.probability_unknown},
+                      {"simulations", diagnosis.simulations},
+                      {"simulation_seconds", diagnosis.simulation_seconds},
+                      {"seconds", diagnosis.total_seconds},
+                      {"remarks", diagnosis.remarks},
+                      {"not_excited", diagnosis.not_excited}};
+  for (const auto& [subsystem, probability] : diagnosis.subsystems) json["subsystems"][subsystem] = probability;
+  for (const auto& [effect, probability] : diagnosis.effects) json["effects"][effect] = probability;
+  for (const diagnosis::BandShare& band : diagnosis.bands) {
+    json["bands"].push_back({{"signal", band.channel}, {"from_hz", band.from}, {"to_hz", band.to}, {"share", band.share},
+                             {"mean_square", band.mean_square}});
+  }
+  for (const diagnosis::Moment& moment : diagnosis.moments) {
+    json["moments"].push_back({{"log", moment.record}, {"time_s", moment.time}, {"phase", moment.phase},
+                               {"missing_torque_nm", moment.missing_torque}});
+  }
+  for (const diagnosis::ControllerReplay& replay : diagnosis.controller_replay) {
+    json["controller_replay"].push_back({{"torque_rms_nm", replay.torque_rms}, {"difference_rms_nm", replay.difference_rms},
+                                         {"largest_difference_nm", replay.largest_difference}, {"at_s", replay.largest_time}});
+  }
+  for (const Cause& cause : diagnosis.causes) json["causes"].push_back(to_json(cause));
+  return json;
+}
+
+// In closed loop, of the record that the page shows.
+struct Predicted {
+  diagnosis::Prediction before, after;  // by the nominal crane, and with the effect
+};
+
+// Measured and missing torque, and what was predicted where there is a controller: every `stride`th value of the record.
+std::string series_text(const Record& record, const diagnosis::Followed& followed, const std::optional<Predicted>& predicted,
+                        std::size_t stride) {
+  std::vector<std::size_t> accelerometers;
+  for (std::size_t a = 0; a < diagnosis::kAccelerometerCount; ++a) {
+    if (!record.acceleration[a].empty()) accelerometers.push_back(a);
+  }
+  std::string text = "time_s,speed,missing_torque,missing_torque_after,torque";
+  if (predicted) text += ",torque_before,torque_after";
+  for (const std::size_t a : accelerometers) {
+    const char* name = diagnosis::accelerometer_name(static_cast<int>(a));
+    text += fmt::format(",{}", name);
+    if (predicted) text += fmt::format(",{0}_before,{0}_after", name);
+  }
+  text += "\n";
+  for (std::size_t n = 0; n < record.size(); n += stride) {
+    text += fmt::format("{:.4f},{:.6g},{:.6g},{:.6g},{:.6g}", record.time(n), record.shaft_speed[0][n], followed.nominal.missing_torque[0][n],
+                        followed.explained.missing_torque[0][n], record.motor_torque[0][n]);
+    if (predicted) {
+      text += fmt::format(",{:.6g},{:.6g}", predicted->before.series.motor_torque[0][n], predicted->after.series.motor_torque[0][n]);
+    }
+    for (const std::size_t a : accelerometers) {
+      text += fmt::format(",{:.6g}", record.acceleration[a][n]);
+      if (predicted) {
+        text += fmt::format(",{:.6g},{:.6g}", predicted->before.series.acceleration[a][n], predicted->after.series.acceleration[a][n]);
+      }
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+std::string advice(const diagnosis::Separation& apart) {
+  if (apart.noise_floors < diagnosis::kSeparated) {
+    return "no manoeuvre tried and no sensor on crane or motors would: measure the effect itself";
+  }
+  return fmt::format("{} would: {} {:.2g} {} apart, {:.0f} times its noise", apart.manoeuvre, apart.signal, apart.difference, apart.unit,
+                     apart.noise_floors);
+}
+
+// Where the gaps were taken, in words.
+std::string place_of_gaps(const Diagnosis& diagnosis, const Cause& first, const Record& last) {
+  std::string text = last.name + ", which was fitted";
+  if (diagnosis.held_out) {
+    text = diagnosis.held_out->is_half
+               ? fmt::format("{} from {:.1f} s on, sizes fitted again without that", diagnosis.held_out->record, diagnosis.held_out->from_time)
+               : diagnosis.held_out->record + ", sizes fitted again without it";
+    if (!first.controller_effects.empty()) text += " but the controller's, which saw all of it";
+  }
+  if (diagnosis.is_unknown) text += "; after: with " + name_of(first) + ", which comes nearest and is not the answer";
+  return text;
+}
+
+// "drive 96 %, house 3 %"
+std::string in_per_cent(std::span<const std::pair<std::string, double>> probabilities) {
+  std::string text;
+  for (const auto& [name, probability] : probabilities) text += fmt::format("{}{} {:.0f} %", text.empty() ? "" : ", ", name, 100 * probability);
+  return text;
+}
+
+// The page that the terminal, summary.txt and diagnosis.html show.
+std::string summary_text(const Diagnosis& diagnosis, const ToldApartBy& apart, const std::optional<Predicted>& predicted, const std::string& place) {
+  std::ostringstream out;
+  out << fmt::format("Is there a gap?  {}. Parameters alone leave {:.2f} of the mean square that noise makes, the nominal crane {:.2f}",
+                     diagnosis.gap ? "Yes" : "No", diagnosis.mean_square_parameters, diagnosis.mean_square_nominal);
+  if (diagnosis.gap && !diagnosis.causes.empty()) {
+    out << fmt::format(", the first cause {:.2f}", diagnosis.causes.front().mean_square);
+  }
+  out << ".\n";
+  out << "Which side?      " << (diagnosis.controller_differs ? "The controller answers otherwise than its settings say.\n"
+                                  : diagnosis.controller_replay.empty() ? "The controller was not given.\n"
+                                                                        : "The controller answers as its settings say.\n");
+  if (diagnosis.gap && !diagnosis.subsystems.empty()) {
+    out << "Where?           " << in_per_cent(std::span(diagnosis.subsystems).first(std::min<std::size_t>(3, diagnosis.subsystems.size()))) << "\n";
+  }
+  for (std::size_t i = 0; i < diagnosis.bands.size() && i < 2 && diagnosis.gap; ++i) {
+    const diagnosis::BandShare& band = diagnosis.bands[i];
+    out << fmt::format("                 {:.0f} % of it in the {}, {:.2g} to {:.2g} Hz\n", 100 * band.share, band.channel, band.from, band.to);
+  }
+  if (diagnosis.gap && !diagnosis.moments.empty()) {
+    const diagnosis::Moment& moment = diagnosis.moments.front();
+    out << fmt::format("When?            most at {:.1f} s of {}, {}: {:.3g} Nm per motor are missing\n", moment.time, moment.record,
+                       moment.phase, moment.missing_torque);
+  }
+  out << "\nCauses\n";
+  const std::string unknown = fmt::format("  {:5.1f} %  not in the catalogue\n", 100 * diagnosis.probability_unknown);
+  bool is_unknown_told = false;
+  for (std::size_t i = 0; i < diagnosis.causes.size() && i < 5; ++i) {
+    const Cause& cause = diagnosis.causes[i];
+    if (!is_unknown_told && diagnosis.probability_unknown > cause.probability) {
+      out << unknown;
+      is_unknown_told = true;
+    }
+    out << fmt::format("  {:5.1f} %  {} (explains {:.1f} % of the gap)\n", 100 * cause.probability, name_of(cause), 100 * cause.explained);
+    if (i > 1) continue;
+    for (const diagnosis::Size& size : cause.sizes) {
+      out << fmt::format("            {} = {:.4g} {} (90 %: {:.4g} to {:.4g})\n", size.parameter, size.value, size.unit, size.low, size.high);
+    }
+    for (std::size_t k = 0; k < cause.group.size(); ++k) {
+      out << fmt::format("            these records cannot tell it from {} (signature {:.1f} % apart)\n", cause.group[k].name,
+                         100 * cause.group[k].apart);
+      if (i == 0 && k < apart.size()) out << "              " << advice(apart[k]) << "\n";
+    }
+  }
+  if (!is_unknown_told) out << unknown;
+  const auto unlikely = std::find_if(diagnosis.effects.begin(), diagnosis.effects.end(),
+                                     [](const auto& effect) { return effect.second < kWorthNaming; });
+  const std::string acting = in_per_cent({diagnosis.effects.begin(), unlikely});
+  if (!acting.empty()) out << "  each effect, alone or beside another: " << acting << "\n";
+  if (predicted) out << "\nGap in closed loop from the operator's moves, on " << place << "\n";
+  for (std::size_t i = 0; predicted && i < predicted->before.gaps.size(); ++i) {
+    const diagnosis::SignalGap &before = predicted->before.gaps[i], &after = predicted->after.gaps[i];
+    out << fmt::format("  {:24} {:10.4g} -> {:10.4g} {}\n", before.signal, before.gap, after.gap, before.unit);
+  }
+  for (const std::string& remark : diagnosis.remarks) out << "  note: " << remark << "\n";
+  if (!diagnosis.not_excited.empty()) {
+    out << fmt::format("\nCannot tell, because no size that was tried changes these records enough: {}\n", fmt::join(diagnosis.not_excited, ", "));
+  }
+  out << fmt::format("\n{}\n{} simulations with {:.1f} s in them, {:.1f} s in all\n", diagnosis.verdict, diagnosis.simulations,
+                     diagnosis.simulation_seconds, diagnosis.total_seconds);
+  return out.str();
+}
+
+// Of the nominal crane's boom and gears, with the boom cut as fits cut it; none of a crane that has neither.
+nlohmann::json modes_json(const sim::MachineSettings& nominal) {
+  nlohmann::json modes = nlohmann::json::array();
+  for (const sim::Mode& mode : sim::crane_modes(diagnosis::machine_at(nominal, {}).crane)) {
+    if (mode.kind == sim::ModeKind::kRigid || mode.kind == sim::ModeKind::kLoad) continue;
+    if (mode.frequency > kHighestMarked) break;
+    modes.push_back({{"name", fmt::format("{} {}", sim::name_of(mode.kind), mode.count)}, {"frequency_hz", mode.frequency}});
+  }
+  return modes;
+}
+
+// What of the command line is wrong, before any work is done.
+common::InputProblems problems_of(const DiagnoseOptions& options) {
+  common::InputProblems problems;
+  std::vector<const common::EffectAbout*> catalogue = sim::effect_abouts();
+  catalogue.insert(catalogue.end(), controller::effect_abouts().begin(), controller::effect_abouts().end());
+  for (const std::string& name : options.without) {
+    if (sim::find_effect(name) != nullptr || controller::find_effect(name) != nullptr) continue;
+    problems.push_back({{"--without", 0, 0}, "", name, common::expected_effect_name(catalogue, name)});
+  }
+  // What one log says twice would count as two logs that agree.
+  std::set<std::filesystem::path> seen;
+  for (const std::filesystem::path& log : options.logs) {
+    if (!seen.insert(std::filesystem::weakly_canonical(log)).second) {
+      problems.push_back({{"--log", 0, 0}, "", log.string(), "each log once"});
+    }
+  }
+  if (std::filesystem::exists(options.out) && !std::filesystem::is_directory(options.out)) {
+    problems.push_back({{"--out", 0, 0}, "", options.out.string(), "a folder, there already or to be made"});
+  }
+  return problems;
+}
+
+// How far a diagnosis is and how long it will still take.
+class ProgressDisplay {
+ public:
+  ProgressDisplay(bool terminal, std::ostream& out) : line_(out, terminal, kLineInterval) {}
+
+  void operator()(double share, const std::string& doing) {
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    share_ = std::max(share_, share);  // of several at work the one that is farthest
+    // A time left that is forecast from the first instants would be a guess.
+    const std::string left = share_ > 0.02 ? fmt::format("about {:3.0f} s left", seconds / share_ * (1.0 - share_)) : "";
+    line_.show(seconds, fmt::format("{:3.0f} %  {:16}  {:.50}", 100.0 * share_, left, doing), share >= 1.0);
+  }
+  void keep() { line_.keep(); }
+
+ private:
+  StatusLine line_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+  double share_ = 0.0;
+};
+
+}  // namespace
+
+int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostream& complaints) {
+  common::catch_stop_signals();
+  try {
+    common::InputProblems problems = problems_of(options);
+    if (!problems.empty()) throw common::InputError(problems);
+    const sim::CraneFile crane = sim::load_crane_file(options.crane);
+    sim::MachineSettings nominal;
+    nominal.crane = crane.parameters;
+    if (crane.effects.kind != common::YamlNode::Kind::null) {
+      nominal.effects = common::read_effects(crane.effects, sim::effect_abouts(), problems);
+    }
+    if (!problems.empty()) throw common::InputError(problems);
+    std::optional<controller::ControllerSettings> controller;
+    if (!options.controller.empty()) controller = controller::load_controller_file(options.controller).settings;
+
+    const diagnosis::AdmissionSettings admission = diagnosis::admission_for(nominal.crane, controller ? controller->rated_torque : 0.0);
+    std::vector<Record> records;
+    for (const std::filesystem::path& log : options.logs) {
+      const msgs::RunLogs logs = msgs::read_run_logs(log);
+      for (std::size_t r = 0; r < logs.runs.size(); ++r) {
+        const std::string name = logs.runs.size() == 1 ? log.string() : fmt::format("{} run {}", log.string(), r + 1);
+        records.push_back(diagnosis::make_record(logs.runs[r], name, admission));
+      }
+      for (const std::string& remark : logs.remarks) records.back().remarks.push_back(log.string() + ": " + remark);
+      if (logs.runs.size() > 1) {
+        records.back().remarks.push_back(
+            fmt::format("{}: holds {} runs, or one whose clock was set back; each is judged on its own", log.string(), logs.runs.size()));
+      }
+    }
+
+    diagnosis::DiagnosisSettings settings;
+    settings.without = options.without;
+    settings.threads = options.threads;
+    settings.hold_out = true;
+    ProgressDisplay progress(options.terminal, out);
+    const Diagnosis found =
+        diagnosis::diagnose(nominal, controller, records, settings, std::ref(progress), common::stop_requested);
+    progress.keep();
+
+    if (common::stop_requested()) throw diagnosis::Interrupted{};  // what follows takes seconds, and then it is written
+    const Cause nothing;
+    const Cause& first = found.causes.empty() ? nothing : found.causes.front();
+    // Where no known effect is the answer, nothing is added to the crane; the gap is shown with what comes nearest, and says so.
+    const Cause& answer = found.is_unknown ? nothing : first;
+    std::filesystem::create_directories(options.out);
+    nlohmann::json json = to_json(found);
+    const ToldApartBy apart = told_apart_by(nominal, controller, found);
+    for (std::size_t k = 0; k < apart.size(); ++k) {
+      json["told_apart_by"].push_back({{"from", first.group[k].name}, {"manoeuvre", apart[k].manoeuvre}, {"signal", apart[k].signal},
+                                       {"difference_rms", apart[k].difference}, {"unit", apart[k].unit},
+                                       {"noise_floors", apart[k].noise_floors}, {"advice", advice(apart[k])}});
+    }
+    const Record& last = *std::find_if(records.begin(), records.end(), [&](const Record& record) { return record.name == found.followed.record; });
+    const std::string place = place_of_gaps(found, first, last);
+    std::optional<Predicted> predicted;
+    if (controller) {
+      const controller::ControllerSettings explained_controller = controller::with_effects(*controller, first.controller_effects);
+      const Point& unbiased = found.held_out ? found.held_out->point : first.point;
+      const double from_time = found.held_out ? found.held_out->from_time : last.start_time;
+      predicted = {diagnosis::predict(nominal, *controller, last, from_time),
+                   diagnosis::predict(diagnosis::machine_at(nominal, unbiased), explained_controller, last, from_time)};
+      json["gaps_on"] = place;
+      for (std::size_t i = 0; i < predicted->before.gaps.size(); ++i) {
+        const diagnosis::SignalGap& before = predicted->before.gaps[i];
+        json["gaps"].push_back({{"signal", before.signal}, {"unit", before.unit}, {"measured_rms", before.measured},
+                                {"before", before.gap}, {"after", predicted->after.gaps[i].gap}});
+      }
+    }
+    const auto stride = static_cast<std::size_t>(std::max(1L, std::lround(0.01 / last.step)));
+    write_whole_file(options.out / "series.csv", series_text(last, found.followed, predicted, stride));
+    json["crane"] = std::filesystem::absolute(options.crane).string();
+    json["modes"] = modes_json(nominal);
+    write_whole_file(options.out / "diagnosis.json", json.dump(2) + "\n");
+    const sim::MachineSettings explained = diagnosis::machine_at(nominal, answer.point);
+    const std::vector<common::EffectInstance>& effects = explained.effects;
+    std::string text = fmt::format("include: {}\ndescription: The nominal crane with what slewlab diagnose found.\n",
+                                   std::filesystem::absolute(options.crane).string());
+    if (explained.crane.boom.element_count != nominal.crane.boom.element_count) {
+      text += fmt::format("boom:\n  elements: {}\n", common::quantity_text(std::to_string(explained.crane.boom.element_count), common::Unit::none,
+                                                                          "slewlab diagnose, as the sizes were fitted"));
+    }
+    if (!effects.empty()) text += common::effects_text(effects, sim::effect_abouts(), "slewlab diagnose, " + found.verdict);
+    write_whole_file(options.out / "crane_with_effect.yaml", text);
+    write_whole_file(options.out / "crane_as_fitted.yaml",
+                     "include: crane_with_effect.yaml\ndescription: The same, with the parameters as slewlab diagnose fitted them.\n" +
+                         diagnosis::parameters_text(nominal.crane, answer.point.nuisance, "slewlab diagnose"));
+    const std::filesystem::path controller_file = options.out / "controller_with_effect.yaml";
+    std::filesystem::remove(controller_file);  // of a diagnosis before, which found something there
+    if (!answer.controller_effects.empty()) {
+      write_whole_file(controller_file,
+                       fmt::format("include: {}\ndescription: The nominal controller with what slewlab diagnose found.\n",
+                                   std::filesystem::absolute(options.controller).string()) +
+                           controller::changes_text(*controller, controller::with_effects(*controller, answer.controller_effects),
+                                                    "slewlab diagnose, " + found.verdict));
+    }
+    const std::string summary = summary_text(found, apart, predicted, place);
+    write_whole_file(options.out / "summary.txt", summary);
+    out << "\n" << summary << "files: " << options.out.string() << std::endl;
+    // Becomes the program that draws; without an interpreter it says so, and the findings stand all the same.
+    run_python("diagnosis_report.py", {options.out.string()});
+    return 0;
+  } catch (const diagnosis::NotAdmitted& problem) {
+    complaints << "cannot tell, because " << problem.what() << "\n";
+    return 3;
+  } catch (const diagnosis::Interrupted&) {
+    complaints << "interrupted; nothing was written\n";
+    return common::stop_exit_code();
+  } catch (const common::InputError& problem) {
+    complaints << problem.what() << "\n";
+    return 1;
+  } catch (const std::exception& problem) {
+    complaints << problem.what() << "\n";
+    return 1;
+  }
+}
+
+}  // namespace slewlab::tools

@@ -1,0 +1,295 @@
+// slewlab: the command. Every subcommand is a file of its own in this folder; here is only the list of them.
+
+#include <CLI/CLI.hpp>
+#include <unistd.h>
+
+#include <cstdio>
+#include <functional>
+#include <iostream>
+#include <map>
+#include <memory>
+
+#include "common/input_error.h"
+#include "tools/commands/accept_command.h"
+#include "tools/commands/check_command.h"
+#include "tools/commands/diagnose_command.h"
+#include "tools/commands/modes_command.h"
+#include "tools/commands/python_command.h"
+#include "tools/commands/replay_command.h"
+#include "tools/commands/run_command.h"
+#include "tools/commands/soak_command.h"
+#include "tools/commands/verify_command.h"
+#include "tools/commands/withhold_command.h"
+
+namespace slewlab::tools {
+namespace {
+
+std::vector<common::Override> parse_overrides(const std::vector<std::string>& texts) {
+  std::vector<common::Override> overrides;
+  for (const std::string& text : texts) overrides.push_back(common::parse_override(text));
+  return overrides;
+}
+
+// Each of these adds its subcommand; what it is to do goes into `action`, which answers with the exit code.
+using Action = std::function<int()>;
+
+void add_check(CLI::App& app, Action& action) {
+  struct Options {
+    std::vector<std::filesystem::path> files;
+    std::vector<std::string> overrides;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("check", "Read cranes, controllers and scenarios and say what is wrong");
+  command->add_option("FILE", options->files, "files to check")->required();
+  command->add_option("--set", options->overrides, "key=value over every file");
+  command->callback([options, &action] {
+    action = [options] {
+      return check_files(options->files, parse_overrides(options->overrides), std::cout, std::cerr);
+    };
+  });
+}
+
+void add_run(CLI::App& app, const std::vector<std::string>& command_line, Action& action) {
+  struct Options {
+    RunOptions run;
+    std::vector<std::string> overrides;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("run", "Run a scenario: plant and controller as two processes over LCM");
+  command->add_option("SCENARIO", options->run.scenario, "scenario file")->required();
+  command->add_option("--controller", options->run.controller_command,
+                      "shell command of your own controller; it finds its bus in $SLEWLAB_BUS (docs/wire.md)");
+  command->add_option("--out", options->run.out, "folder for log and summary (runs/<scenario>)");
+  command->add_option("--set", options->overrides,
+                      "key=value: scenario keys as they are, crane.KEY and controller.KEY for those files");
+  const std::map<std::string, Progress> modes{
+      {"auto", Progress::automatic}, {"lines", Progress::lines}, {"none", Progress::none}};
+  command->add_flag("--realtime", options->run.realtime, "against the wall clock instead of in lockstep");
+  command->add_option("--speed", options->run.speed, "with --realtime: simulated seconds per second")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--progress", options->run.progress, "auto, lines or none")
+      ->transform(CLI::CheckedTransformer(modes));
+  command->callback([options, &command_line, &action] {
+    action = [options, &command_line] {
+      options->run.overrides = parse_overrides(options->overrides);
+      return run_scenario(options->run, command_line);
+    };
+  });
+}
+
+void add_replay(CLI::App& app, const std::vector<std::string>& command_line, Action& action) {
+  struct Options {
+    ReplayOptions replay;
+    std::vector<std::string> overrides;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("replay", "Feed a log to plant and controller again and compare to the bit");
+  command->add_option("LOG", options->replay.log, "log, or the folder of a run")->required()->check(CLI::ExistingPath);
+  command->add_option("--scenario", options->replay.scenario, "in place of scenario.yaml beside the log");
+  command->add_option("--crane", options->replay.crane, "in place of the scenario's crane");
+  command->add_option("--controller-config", options->replay.controller_config, "in place of the scenario's");
+  command->add_option("--controller", options->replay.controller_command,
+                      "shell command of your own controller: what it would have answered to the recorded motion");
+  command->add_option("--tolerance", options->replay.tolerances,
+                      "CHANNEL.FIELD=SIZE: differences up to this size do not count, e.g. TORQUE.motor_torque=0.5");
+  command->add_option("--run", options->replay.run, "which of several runs in the log, from 1 (all)")
+      ->check(CLI::PositiveNumber);
+  command->add_option("--set", options->overrides, "key=value, as of slewlab run");
+  command->callback([options, &command_line, &action] {
+    action = [options, &command_line] {
+      options->replay.overrides = parse_overrides(options->overrides);
+      return replay(options->replay, command_line, std::cout, std::cerr);
+    };
+  });
+}
+
+void add_accept(CLI::App& app, const std::vector<std::string>& command_line, Action& action) {
+  struct Options {
+    AcceptOptions accept;
+    std::vector<std::string> overrides;
+  };
+  auto options = std::make_shared<Options>();
+  options->accept.limits = SLEWLAB_SOURCE_DIR "/config/acceptance/thesis.yaml";
+  CLI::App* command = app.add_subcommand("accept", "Check a controller's run against limits: pass or fail, and why");
+  command->add_option("SCENARIO|RUN_DIR", options->accept.subject, "scenario to run, or a run that was made already")
+      ->required()
+      ->check(CLI::ExistingPath);
+  command->add_option("--controller", options->accept.controller_command, "shell command of your own controller");
+  command->add_option("--limits", options->accept.limits, "limits (config/acceptance/thesis.yaml)");
+  command->add_flag("--plot,!--no-plot", options->accept.plot, "draw acceptance.html (as it is by default)");
+  command->add_option("--junit", options->accept.junit, "JUnit XML to write, for CI");
+  command->add_option("--out", options->accept.out, "folder for the run (runs/accept_<scenario>)");
+  command->add_option("--set", options->overrides, "key=value, as of slewlab run");
+  command->callback([options, &command_line, &action] {
+    action = [options, &command_line] {
+      options->accept.overrides = parse_overrides(options->overrides);
+      return accept(options->accept, command_line);
+    };
+  });
+}
+
+void add_diagnose(CLI::App& app, Action& action) {
+  auto options = std::make_shared<DiagnoseOptions>();
+  CLI::App* command = app.add_subcommand("diagnose", "Where a measured crane differs from its model, and which effect causes it");
+  command->add_option("--crane", options->crane, "nominal crane")->required();
+  command->add_option("--controller", options->controller,
+                      "nominal controller; without it the machine's side alone is judged");
+  command->add_option("--log", options->logs, "measured logs; more than one manoeuvre tells more")->required();
+  command->add_option("--out", options->out, "folder for the findings")->required();
+  command->add_option("--without", options->without, "effects that the catalogue is to do without");
+  command->add_option("--threads", options->threads, "simulations side by side")->check(CLI::PositiveNumber);
+  command->callback([options, &action] {
+    options->terminal = ::isatty(STDOUT_FILENO) == 1;
+    action = [options] { return diagnose_logs(*options, std::cout, std::cerr); };
+  });
+}
+
+void add_withhold_score(CLI::App& withhold, Action& action);
+
+void add_withhold(CLI::App& app, Action& action) {
+  CLI::App* command = app.add_subcommand("withhold", "Machines nobody has looked at, to judge the diagnosis by");
+  command->require_subcommand(1);
+  auto options = std::make_shared<WithholdMakeOptions>();
+  options->crane = SLEWLAB_SOURCE_DIR "/config/cranes/thesis.yaml";
+  options->controller = SLEWLAB_SOURCE_DIR "/config/controllers/thesis.yaml";
+  CLI::App* make = command->add_subcommand("make", "Draw machines, run them and write their logs; answers sealed");
+  make->add_option("--cases", options->cases, "how many")->required()->check(CLI::PositiveNumber);
+  make->add_option("--seed", options->seed, "below 1000 for tuning, from 1000 on for scoring")->required();
+  make->add_option("--out", options->directory, "folder for the set")->required();
+  make->add_option("--purpose", options->purpose, "tune or score: refused where the seed is for the other");
+  make->add_option("--crane", options->crane, "nominal crane");
+  make->add_option("--controller", options->controller, "nominal controller");
+  make->add_option("--controller-period", options->controller_period_ms, "[ms] whole milliseconds");
+  make->add_option("--threads", options->threads, "cases side by side");
+  make->callback([options, &action] {
+    action = [options] { return withhold_make(*options, std::cout, std::cerr); };
+  });
+  add_withhold_score(*command, action);
+}
+
+void add_withhold_score(CLI::App& withhold, Action& action) {
+  auto options = std::make_shared<WithholdScoreOptions>();
+  CLI::App* score = withhold.add_subcommand("score", "Diagnose every case of a set, then open its answers");
+  score->add_option("DIR", options->directory, "the set")->required();
+  score->add_option("--results", options->results, "folder in it for the results");
+  score->add_flag("--no-accelerometers", options->no_accelerometers, "encoders and torques alone");
+  score->add_option("--threads", options->threads, "cases side by side")->check(CLI::PositiveNumber);
+  score->add_option("--first", options->first, "only so many cases, from the beginning of the set")->check(CLI::PositiveNumber);
+  score->add_flag("--no-informed-fits", options->no_informed_fits, "no fits that are told the effects: the share of the gap closed is of those there already");
+  score->callback([options, &action] {
+    action = [options] { return withhold_judge(*options, std::cout, std::cerr); };
+  });
+}
+
+void add_soak(CLI::App& app, Action& action) {
+  struct Options {
+    SoakOptions soak;
+    std::vector<std::string> overrides;
+  };
+  auto options = std::make_shared<Options>();
+  SoakOptions& soak_options = options->soak;
+  soak_options.crane = SLEWLAB_SOURCE_DIR "/config/cranes/thesis.yaml";
+  soak_options.controller = SLEWLAB_SOURCE_DIR "/config/controllers/thesis.yaml";
+  soak_options.config = SLEWLAB_SOURCE_DIR "/config/soak/thesis.yaml";
+  CLI::App* command = app.add_subcommand("soak", "Slew at random for hours, faster than real time, and check what must always hold");
+  auto* hours = command->add_option("--hours", soak_options.hours, "simulated hours, rounded up to whole tasks")
+                    ->check(CLI::PositiveNumber);
+  command->add_option("--seed", soak_options.seed, "of everything drawn")->required();
+  command->add_option("--jobs", soak_options.jobs, "worker processes (1)")->check(CLI::Range(1, 1024));
+  command->add_flag("--faults", soak_options.faults, "draw faults as well (docs/faults.md)");
+  auto* task = command->add_option("--task", soak_options.task,
+                                   "instead of hours: run task K, or K-L one after the other, and keep the logs");
+  hours->excludes(task);
+  command->add_option("--out", soak_options.out,
+                      "folder for journal and failures (soak-SEED); the same command goes on where it was stopped");
+  command->add_option("--crane", soak_options.crane, "crane (config/cranes/thesis.yaml)")->check(CLI::ExistingFile);
+  command->add_option("--controller", soak_options.controller, "controller (config/controllers/thesis.yaml)")
+      ->check(CLI::ExistingFile);
+  command->add_option("--config", soak_options.config, "what is drawn, and the limits (config/soak/thesis.yaml)")
+      ->check(CLI::ExistingFile);
+  command->add_option("--set", options->overrides,
+                      "key=value: of --config as they are, crane.KEY and controller.KEY, e.g. limits.sidelead=5");
+  command->footer("Journal, failures and how to repeat one: docs/soak.md");
+  command->callback([options, hours, task, &action] {
+    if (hours->count() + task->count() == 0) throw CLI::RequiredError("--hours or --task");
+    action = [options] {
+      options->soak.overrides = parse_overrides(options->overrides);
+      return soak(options->soak);
+    };
+  });
+}
+
+// What Python does: its options are the Python program's own, and so is its help.
+void add_python(CLI::App& app, const char* name, const char* script, const char* description, Action& action) {
+  CLI::App* command = app.add_subcommand(name, description);
+  command->prefix_command();
+  command->set_help_flag();
+  command->callback([command, script, &action] {
+    action = [command, script] { return run_python(script, command->remaining()); };
+  });
+}
+
+void add_modes(CLI::App& app, Action& action) {
+  struct Options {
+    ModesOptions modes;
+    std::vector<std::string> overrides;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("modes", "Eigenfrequencies, convergence and frequency response of a crane");
+  command->add_option("CRANE", options->modes.crane, "crane file")->required();
+  command->add_option("--elements", options->modes.elements, "boom elements, in place of the crane's own")
+      ->check(CLI::Range(0, 256));
+  command->add_option("--bode", options->modes.bode, "CSV of the response from motor torque to tip velocity");
+  command->add_option("--set", options->overrides, "key=value over the crane file");
+  command->callback([options, &action] {
+    action = [options] {
+      options->modes.overrides = parse_overrides(options->overrides);
+      return show_modes(options->modes, std::cout);
+    };
+  });
+}
+
+void add_verify(CLI::App& app, Action& action) {
+  auto options = std::make_shared<VerifyOptions>();
+  options->config_directory = std::filesystem::path(SLEWLAB_SOURCE_DIR) / "config";
+  CLI::App* command = app.add_subcommand("verify", "Compute every number of the thesis anew and compare");
+  command->add_option("--config", options->config_directory, "folder with cranes/ and controllers/")
+      ->check(CLI::ExistingDirectory);
+  command->add_flag("--json", options->json, "rows as JSON");
+  command->callback([options, &action] { action = [options] { return verify(*options, std::cout, std::cerr); }; });
+}
+
+int main(const std::vector<std::string>& command_line, int argc, char** argv) {
+  CLI::App app{"slewlab: a simulated crane slewing drive, and what to do with it", "slewlab"};
+  app.require_subcommand(1);
+  Action action;
+  add_run(app, command_line, action);
+  add_replay(app, command_line, action);
+  add_accept(app, command_line, action);
+  add_soak(app, action);
+  add_check(app, action);
+  add_modes(app, action);
+  add_verify(app, action);
+  add_diagnose(app, action);
+  add_withhold(app, action);
+  add_python(app, "report", "report.py", "Draw a run: a page with pictures and numbers beside its log", action);
+  add_python(app, "export", "export.py", "Turn a log into Parquet, CSV or MCAP files", action);
+  add_python(app, "import", "import_data.py", "Turn measured CSV or Parquet into a log, by a map of its columns", action);
+  try {
+    app.parse(argc, argv);
+    return action();
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  } catch (const common::InputError& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 2;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "slewlab: %s\n", error.what());
+    return 1;
+  }
+}
+
+}  // namespace
+}  // namespace slewlab::tools
+
+int main(int argc, char** argv) { return slewlab::tools::main({argv, argv + argc}, argc, argv); }

@@ -1,0 +1,108 @@
+#include "tools/commands/modes_command.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <ostream>
+#include <stdexcept>
+#include <string>
+
+#include "sim/analysis/bode.h"
+#include "sim/analysis/eigen.h"
+#include "sim/machine/crane_file.h"
+#include "tools/commands/whole_file.h"
+
+namespace slewlab::tools {
+
+namespace {
+
+constexpr double kHighestShown = 60.0;            // [Hz] the thesis looks at 1 to 10, up to its fifth mode at 37
+constexpr double kBodeFirst = 0.01, kBodeLast = 100.0;  // [Hz]
+constexpr int kBodePoints = 2000;
+constexpr std::array<int, 11> kMeshes{1, 2, 3, 4, 5, 6, 8, 16, 32, 64, 128};
+
+void print_modes(const std::vector<sim::Mode>& modes, std::ostream& out) {
+  out << fmt::format("  {:>10}  {:<11} {:>9}   {:>6} {:>6} {:>6}   {:>7} {:>8}\n", "frequency", "kind", "damping",
+                     "gears", "load", "boom", "bending", "torsion");
+  out << fmt::format("  {:>10}  {:<11} {:>9}   {:^20}   {:^16}\n", "[Hz]", "", "[%]", "elastic energy [%]",
+                     "motion [%]");
+  for (const sim::Mode& mode : modes) {
+    if (mode.frequency > kHighestShown) break;
+    const bool rigid = mode.kind == sim::ModeKind::kRigid;
+    out << fmt::format("  {:>10.3f}  {:<11} {:>9.2f}   {:>6.0f} {:>6.0f} {:>6.0f}   {:>7.0f} {:>8.0f}\n",
+                       rigid ? 0.0 : mode.frequency, fmt::format("{} {}", sim::name_of(mode.kind), mode.count),
+                       100.0 * mode.damping_ratio, 100.0 * mode.energy.gear, 100.0 * mode.energy.load,
+                       100.0 * mode.energy.boom, 100.0 * mode.energy.bending_motion,
+                       100.0 * mode.energy.torsion_motion);
+  }
+}
+
+void print_convergence(const sim::CraneParameters& crane, std::ostream& out) {
+  constexpr int kBending = 5;
+  const auto frequencies = [&](int elements) {
+    sim::CraneParameters meshed = crane;
+    meshed.boom.element_count = elements;
+    const std::vector<sim::Mode> modes = sim::crane_modes(meshed);
+    std::array<double, kBending + 1> result{};
+    for (int i = 0; i < kBending; ++i) {
+      result[static_cast<std::size_t>(i)] = sim::frequency_of(modes, sim::ModeKind::kBending, i + 1);
+    }
+    result[kBending] = sim::frequency_of(modes, sim::ModeKind::kTorsion, 1);
+    return result;
+  };
+  const auto reference = frequencies(kMeshes.back());
+  out << fmt::format("  {:>8}", "elements");
+  for (int i = 1; i <= kBending; ++i) out << fmt::format("  {:>18}", fmt::format("bending {}", i));
+  out << fmt::format("  {:>18}\n", "torsion 1");
+  for (const int elements : kMeshes) {
+    out << fmt::format("  {:>8}", elements);
+    const auto values = frequencies(elements);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      out << (std::isnan(values[i]) ? fmt::format("  {:>18}", "-")
+                                    : fmt::format("  {:>8.3f} {:>+8.2f}%", values[i],
+                                                  100.0 * (values[i] / reference[i] - 1.0)));
+    }
+    out << '\n';
+  }
+}
+
+std::string bode_csv(const sim::CraneParameters& crane) {
+  std::string text = "frequency_Hz,magnitude_dB,phase_deg,real_m_per_s_per_Nm,imaginary_m_per_s_per_Nm\n";
+  const auto frequencies = sim::logarithmic_frequencies(kBodeFirst, kBodeLast, kBodePoints);
+  for (const sim::BodePoint& point : sim::frequency_response(crane, frequencies)) {
+    text += fmt::format("{:.6g},{:.6g},{:.6g},{:.9g},{:.9g}\n", point.frequency, sim::decibel(point.tip_velocity),
+                        std::arg(point.tip_velocity) * 180.0 / std::numbers::pi, point.tip_velocity.real(),
+                        point.tip_velocity.imag());
+  }
+  return text;
+}
+
+}  // namespace
+
+int show_modes(const ModesOptions& options, std::ostream& out) {
+  sim::CraneParameters crane = sim::load_crane_file(options.crane, options.overrides).parameters;
+  if (options.elements > 0 && crane.boom.length == 0.0) {
+    throw std::runtime_error(options.crane.string() + ": has no boom that elements could be given to");
+  }
+  if (options.elements >= 0) crane.boom.element_count = options.elements;
+
+  out << fmt::format("{}: whole crane, gears closed, {} boom element(s)\n", options.crane.string(),
+                     crane.boom.element_count);
+  print_modes(sim::crane_modes(crane), out);
+  if (crane.boom.element_count > 0) {
+    out << "\nBoom clamped at its pivot\n";
+    print_modes(sim::clamped_boom_modes(crane.boom), out);
+    out << fmt::format("\nConvergence [Hz], deviation from {} elements, whole crane\n", kMeshes.back());
+    print_convergence(crane, out);
+  }
+  if (!options.bode.empty()) {
+    write_whole_file(options.bode, bode_csv(crane));
+    out << fmt::format("\nMotor torque (per motor, on every motor) to tip velocity: {}\n", options.bode.string());
+  }
+  return 0;
+}
+
+}  // namespace slewlab::tools

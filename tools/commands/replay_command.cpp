@@ -1,0 +1,317 @@
+#include "tools/commands/replay_command.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <csignal>
+#include <map>
+#include <memory>
+#include <numeric>
+#include <optional>
+#include <ostream>
+#include <stdexcept>
+
+#include "common/input_error.h"
+#include "common/yaml_node.h"
+#include "controller/controller_file.h"
+#include "controller/process/computed_answer.h"
+#include "msgs/configuration_hash.h"
+#include "msgs/lcm_bus.h"
+#include "msgs/memory_bus.h"
+#include "msgs/run_log.h"
+#include "sim/drive/scenario_file.h"
+#include "tools/commands/child_process.h"
+#include "tools/commands/private_network.h"
+#include "tools/replay/comparison.h"
+#include "tools/replay/controller_replay.h"
+#include "tools/replay/plant_replay.h"
+
+namespace slewlab::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using Comparison = std::vector<ChannelComparison>;
+
+constexpr double kNanosecondsPerSecond = 1e9;
+constexpr std::int64_t kUsualPlantStep = 1'000'000;  // [ns], of a log that came without a scenario
+constexpr std::chrono::seconds kSilence{3};          // wall clock, until a controller that does not answer is told of
+
+// What cannot be done as asked: exit code 2.
+class BadCall : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+fs::path log_in(const fs::path& given) {
+  if (!fs::is_directory(given)) return given;
+  for (const char* name : {"run.lcmlog", "run.lcmlog.partial"}) {
+    if (fs::exists(given / name)) return given / name;
+  }
+  throw BadCall(given.string() + ": there is no run.lcmlog in this folder");
+}
+
+struct Configuration {
+  std::optional<sim::Scenario> scenario;         // without one the periods are the log's
+  std::optional<std::int64_t> hash;              // of the files as they are, without what the call changes
+  std::optional<sim::CraneFile> crane;
+  std::optional<controller::ControllerSettings> controller;
+};
+
+Configuration configuration(const ReplayOptions& options, const fs::path& log) {
+  Configuration result;
+  fs::path scenario = options.scenario;
+  if (scenario.empty() && fs::exists(log.parent_path() / "scenario.yaml")) scenario = log.parent_path() / "scenario.yaml";
+  std::vector<common::Override> changes = options.overrides;
+  fs::path controller_file = options.controller_config;
+  std::vector<common::Override> controller_changes;
+  if (!scenario.empty()) {
+    result.hash = msgs::configuration_hash(sim::load_scenario_file(scenario).configuration_text);
+    if (!options.crane.empty()) changes.push_back({"crane", fs::absolute(options.crane).string()});
+    if (!options.controller_config.empty()) {
+      changes.push_back({"controller", fs::absolute(options.controller_config).string()});
+    }
+    result.scenario = sim::load_scenario_file(scenario, changes);
+    result.crane = result.scenario->crane;
+    controller_file = result.scenario->controller_file;
+    controller_changes = result.scenario->controller_overrides;
+  } else if (!options.crane.empty()) {
+    result.crane = sim::load_crane_file(options.crane, changes);
+  }
+  if (!controller_file.empty() && options.controller_command.empty()) {
+    result.controller = controller::load_controller_file(controller_file, controller_changes).settings;
+  }
+  if (!options.controller_command.empty()) return result;
+  if (!result.crane && !result.controller) {
+    throw BadCall("there is no scenario.yaml beside " + log.string() +
+                  "; give --crane CRANE.yaml for the plant's half, --controller-config CONTROLLER.yaml for the "
+                  "controller's, or --scenario for both");
+  }
+  return result;
+}
+
+template <class Message>
+std::int64_t period_of(const std::vector<Message>& messages) {
+  if (messages.size() < 2) return 0;
+  const std::int64_t count = messages.back().sequence - messages.front().sequence;
+  return count > 0 ? (messages.back().simulated_time - messages.front().simulated_time) / count : 0;
+}
+
+// A scenario made from what the log tells, for a log that came without one.
+sim::Scenario scenario_of(const msgs::RunLog& record, const sim::CraneFile& crane) {
+  sim::Scenario scenario;
+  scenario.crane = crane;
+  scenario.controller_period = period_of(record.encoder);
+  if (scenario.controller_period == 0) throw BadCall("the log has fewer than two ENCODER: no controller period");
+  const auto or_controller_period = [&](std::int64_t period) {
+    return period > 0 ? period : scenario.controller_period;
+  };
+  scenario.sensors_period = or_controller_period(period_of(record.sensors));
+  scenario.truth_period = or_controller_period(period_of(record.truth));
+  scenario.status_period = or_controller_period(period_of(record.plant_status));
+  scenario.plant_step = std::gcd(std::gcd(kUsualPlantStep, scenario.controller_period),
+                                 std::gcd(scenario.sensors_period, std::gcd(scenario.truth_period, scenario.status_period)));
+  return scenario;
+}
+
+Comparison compare_plant(const sim::Scenario& scenario, const fs::path& log, const msgs::RunLog& record,
+                         std::ostream& out) {
+  const PlantReplay replay = replay_plant(scenario, record, recorded_arrivals(log, record));
+  for (const std::string& remark : replay.remarks) out << "    note: " << remark << '\n';
+  return {compare(record.encoder, replay.run.encoder), compare(record.sensors, replay.run.sensors),
+          compare(record.truth, replay.run.truth), compare(record.plant_status, replay.run.plant_status)};
+}
+
+// Our own controller, in this process.
+void ask_ours(const controller::ControllerSettings& settings, const msgs::RunLog& record,
+              const std::vector<Question>& questions, ControllerReplay& replay) {
+  msgs::MemoryWire wire;
+  const auto asking = wire.connect();
+  const auto answering = wire.connect();
+  const controller::AnswerLoop loop(*answering, controller::computed_answer(settings));
+  asking->on_wait = [&] { answering->drain(); };
+  ask_controller(*asking, record, questions, {}, replay);
+}
+
+// A process of its own, over LCM.
+void ask_process(const ReplayOptions& options, const fs::path& controller_file, const msgs::RunLog& record,
+                 const std::vector<Question>& questions, std::int64_t period, ControllerReplay& replay,
+                 std::ostream& err) {
+  const msgs::ReservedPort port;
+  const std::string url = msgs::bus_url(port.number());
+  ChildOptions child;
+  child.name = "controller";
+  child.command = {"/bin/sh", "-c", options.controller_command};
+  child.environment = {{"SLEWLAB_BUS", url},
+                       {"LCM_DEFAULT_URL", url},
+                       {"SLEWLAB_CONTROLLER_PERIOD_MS", fmt::format("{:.9g}", static_cast<double>(period) / 1e6)}};
+  if (!controller_file.empty()) {
+    child.environment.emplace_back("SLEWLAB_CONTROLLER_CONFIG", fs::absolute(controller_file).string());
+  }
+  const auto bus = msgs::open_lcm_bus(url);
+  ChildProcess controller(child);
+  const GroupGuard guard({controller.pid()});
+  const auto ignore = [](const std::string&) {};
+  AskSettings settings;
+  auto last_answer = std::chrono::steady_clock::now();
+  std::size_t answers = 0;
+  bool told = false;
+  settings.stop = [&] {
+    controller.read_output(ignore);
+    const auto now = std::chrono::steady_clock::now();
+    if (replay.torque.size() != answers) {
+      answers = replay.torque.size();
+      last_answer = now;
+    } else if (!told && now - last_answer > kSilence) {
+      told = true;
+      err << "slewlab replay: the controller has not answered for a while; still asking\n";
+    }
+    return controller.ended();
+  };
+  if (!ask_controller(*bus, record, questions, settings, replay)) {
+    std::string text = "the controller ended before its time: " + controller.how_it_ended();
+    for (const std::string& line : controller.last_words()) text += "\n  " + line;
+    throw std::runtime_error(text);
+  }
+  controller.send(SIGTERM);
+}
+
+Comparison compare_controller(const ReplayOptions& options, const Configuration& configuration,
+                              const msgs::RunLog& record, std::ostream& out, std::ostream& err) {
+  const Questions questions = recorded_questions(record);
+  for (const std::string& remark : questions.remarks) out << "    note: " << remark << '\n';
+  const std::int64_t period =
+      configuration.scenario ? configuration.scenario->controller_period : period_of(record.encoder);
+  if (period == 0) throw BadCall("the log has fewer than two ENCODER: no controller period");
+  ControllerReplay replay;
+  for (const auto& start : questions.starts) {
+    if (options.controller_command.empty()) {
+      controller::ControllerSettings settings = *configuration.controller;
+      settings.period = static_cast<double>(period) / 1e6 * 1e-3;  // as slewlab-controller works it out from [ms]
+      ask_ours(settings, record, start, replay);
+    } else {
+      const fs::path file = !options.controller_config.empty() ? options.controller_config
+                            : configuration.scenario           ? configuration.scenario->controller_file
+                                                               : fs::path();
+      ask_process(options, file, record, start, period, replay, err);
+    }
+  }
+  Comparison comparison{compare(record.torque, replay.torque)};
+  // A controller need not send its state.
+  if (!replay.controller_state.empty() || options.controller_command.empty()) {
+    comparison.push_back(compare(record.controller_state, replay.controller_state));
+  }
+  return comparison;
+}
+
+std::map<std::string, double> read_tolerances(const std::vector<std::string>& texts) {
+  std::map<std::string, double> tolerances;
+  for (const std::string& text : texts) {
+    const std::size_t equals = text.find('=');
+    double value = 0.0;
+    if (equals == std::string::npos || !common::parse_number(text.substr(equals + 1), value) || !(value >= 0.0)) {
+      throw BadCall("--tolerance " + text + ": CHANNEL.FIELD=SIZE is wanted, e.g. TORQUE.motor_torque=0.5");
+    }
+    tolerances[text.substr(0, equals)] = value;
+  }
+  return tolerances;
+}
+
+bool within(const std::map<std::string, double>& tolerances, const FieldDifference& difference) {
+  const std::string name = difference.channel + "." + difference.field.substr(0, difference.field.find('['));
+  const auto allowed = tolerances.find(name);
+  return allowed != tolerances.end() && difference.largest <= allowed->second;
+}
+
+// Says how it ended; true where nothing differs that counts.
+bool judge(const Comparison& comparison, const std::map<std::string, double>& tolerances, std::ostream& out) {
+  print(out, comparison);
+  if (compared_messages(comparison) == 0) {
+    out << "    nothing could be compared\n";
+    return false;
+  }
+  if (identical(comparison)) {
+    out << "    identical to the bit\n";
+    return true;
+  }
+  bool all_within = true;
+  for (const ChannelComparison& channel : comparison) {
+    for (const FieldDifference& difference : channel.differences) all_within = all_within && within(tolerances, difference);
+  }
+  out << (all_within ? "    different, within the tolerances given\n" : "    different\n");
+  return all_within;
+}
+
+int replay_log(const ReplayOptions& options, std::ostream& out, std::ostream& err) {
+  const auto tolerances = read_tolerances(options.tolerances);
+  const fs::path log = log_in(options.log);
+  const msgs::RunLogs logs = msgs::read_run_logs(log);
+  const Configuration files = configuration(options, log);
+  for (const std::string& remark : logs.remarks) out << "note: " << remark << '\n';
+  const int run_count = static_cast<int>(logs.runs.size());
+  if (options.run < 0 || options.run > run_count) {
+    throw BadCall(fmt::format("--run {}: the log holds {} runs, counted from 1", options.run, run_count));
+  }
+  const bool any_of_this_configuration =
+      files.hash && std::any_of(logs.runs.begin(), logs.runs.end(), [&](const msgs::RunLog& run) {
+        return run.configuration_hash == *files.hash;
+      });
+
+  bool good = true;
+  for (int i = 0; i < run_count; ++i) {
+    const msgs::RunLog& record = logs.runs[static_cast<std::size_t>(i)];
+    if (options.run > 0 && i + 1 != options.run) continue;
+    const bool of_this_configuration = files.hash && record.configuration_hash == *files.hash;
+    out << fmt::format("run {} of {}: configuration {}, {} ENCODER, {} TORQUE, {} SENSORS\n", i + 1, run_count,
+                       msgs::hash_text(record.configuration_hash), record.encoder.size(), record.torque.size(),
+                       record.sensors.size());
+    if (options.run == 0 && any_of_this_configuration && !of_this_configuration) {
+      out << "  not replayed: it was recorded with another configuration than that of the files at hand\n";
+      continue;
+    }
+    if (files.hash && !of_this_configuration) {
+      out << fmt::format("  note: the files at hand have the configuration {}: not those of this run\n",
+                         msgs::hash_text(*files.hash));
+    }
+    if (options.controller_command.empty()) {
+      if (files.crane) {
+        out << "  plant, fed with the recorded TORQUE\n";
+        if (!files.scenario) out << "    note: no scenario at hand: steps and periods are taken from the log\n";
+        const sim::Scenario scenario = files.scenario ? *files.scenario : scenario_of(record, *files.crane);
+        good = judge(compare_plant(scenario, log, record, out), tolerances, out) && good;
+      } else {
+        out << "  plant: not replayed, there is no crane at hand (--crane)\n";
+      }
+    }
+    if (!options.controller_command.empty() || files.controller) {
+      out << "  controller, fed with the recorded ENCODER and OPERATOR\n";
+      good = judge(compare_controller(options, files, record, out, err), tolerances, out) && good;
+    } else {
+      out << "  controller: not replayed, there is no configuration of a controller at hand (--controller-config)\n";
+    }
+  }
+  return good ? 0 : 1;
+}
+
+}  // namespace
+
+int replay(const ReplayOptions& options, const std::vector<std::string>& command_line, std::ostream& out,
+           std::ostream& err) {
+  try {
+    if (!options.controller_command.empty()) need_multicast(command_line);
+    return replay_log(options, out, err);
+  } catch (const common::InputError& error) {
+    err << error.what() << '\n';
+    return 2;
+  } catch (const msgs::LogError& error) {
+    err << "slewlab replay: " << error.what() << '\n';
+    return 2;
+  } catch (const BadCall& error) {
+    err << "slewlab replay: " << error.what() << '\n';
+    return 2;
+  } catch (const std::exception& error) {
+    err << "slewlab replay: " << error.what() << '\n';
+    return 1;
+  }
+}
+
+}  // namespace slewlab::tools

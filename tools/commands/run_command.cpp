@@ -1,0 +1,438 @@
+#include "tools/commands/run_command.h"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <poll.h>
+#include <sys/file.h>
+#include <sys/signalfd.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <cstring>
+#include <deque>
+#include <iostream>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <stdexcept>
+
+#include "common/input_error.h"
+#include "controller/controller_file.h"
+#include "msgs/lcm_bus.h"
+#include "msgs/run_log.h"
+#include "sim/drive/fault_expectation.h"
+#include "sim/drive/scenario_file.h"
+#include "tools/commands/check_command.h"
+#include "tools/commands/child_process.h"
+#include "tools/commands/private_network.h"
+#include "tools/commands/resolved_configuration.h"
+#include "tools/commands/run_facts.h"
+#include "tools/commands/status_line.h"
+#include "tools/commands/whole_file.h"
+
+namespace slewlab::tools {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+using WallClock = std::chrono::steady_clock;
+
+constexpr int kNotAsExpected = 1;  // exit code
+
+// Wall clock that a side gets to end after it was asked to, before it is killed.
+constexpr std::chrono::seconds kEndPatience{5};
+constexpr double kStalled = 2.0;            // [s] without progress, until that is said
+constexpr double kLineInterval = 2.0;       // [s] between progress lines where there is no terminal
+
+fs::path own_folder() { return fs::read_symlink("/proc/self/exe").parent_path(); }
+
+// One run at a time writes into a folder; the lock goes with the process.
+class FolderLock {
+ public:
+  explicit FolderLock(const fs::path& folder) : fd_(::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC)) {
+    if (fd_ < 0) throw std::runtime_error("cannot open " + folder.string() + ": " + std::strerror(errno));
+    if (::flock(fd_, LOCK_EX | LOCK_NB) != 0) {
+      ::close(fd_);
+      throw std::runtime_error("another run is writing into " + folder.string() + "; give this one another --out");
+    }
+  }
+  ~FolderLock() { ::close(fd_); }
+  FolderLock(const FolderLock&) = delete;
+  FolderLock& operator=(const FolderLock&) = delete;
+
+ private:
+  int fd_;
+};
+
+// The signals that concern a run, as something to poll.
+class Signals {
+ public:
+  Signals() {
+    sigset_t set;
+    sigemptyset(&set);
+    for (const int number : {SIGINT, SIGTERM, SIGHUP, SIGCHLD}) sigaddset(&set, number);
+    sigprocmask(SIG_BLOCK, &set, &before_);
+    fd_ = ::signalfd(-1, &set, SFD_NONBLOCK | SFD_CLOEXEC);
+    if (fd_ < 0) throw std::runtime_error(std::string("no signalfd: ") + std::strerror(errno));
+  }
+  ~Signals() {
+    ::close(fd_);
+    sigprocmask(SIG_SETMASK, &before_, nullptr);
+  }
+  Signals(const Signals&) = delete;
+  Signals& operator=(const Signals&) = delete;
+
+  int fd() const { return fd_; }
+  std::optional<int> next() const {
+    signalfd_siginfo info{};
+    if (::read(fd_, &info, sizeof info) != sizeof info) return std::nullopt;
+    return static_cast<int>(info.ssi_signo);
+  }
+
+ private:
+  sigset_t before_;
+  int fd_ = -1;
+};
+
+class ProgressDisplay {
+ public:
+  ProgressDisplay(Progress mode, std::string name)
+      : mode_(mode),
+        name_(std::move(name)),
+        line_(std::cout, mode == Progress::automatic && ::isatty(STDOUT_FILENO) == 1, mode == Progress::lines ? 0.0 : kLineInterval) {}
+
+  // A line of the plant: "progress SIMULATED OF RESENDS".
+  void update(const std::string& line) {
+    double simulated = 0.0;
+    double whole = 0.0;
+    long long resends = 0;
+    if (std::sscanf(line.c_str(), "progress %lf %lf %lld", &simulated, &whole, &resends) != 3) return;
+    const double now = std::chrono::duration<double>(WallClock::now() - begin_).count();
+    if (simulated > simulated_) last_advance_ = now;
+    simulated_ = simulated;
+    if (mode_ == Progress::none) return;
+    std::string text = fmt::format("{}: {:.1f} of {:.1f} s simulated, {:.0f} times real time", name_, simulated, whole,
+                                   now > 0.0 ? simulated / now : 0.0);
+    if (now - last_advance_ > kStalled) text += fmt::format(", waiting for the controller, asked again {} times", resends);
+    line_.show(now, text, simulated >= whole);
+  }
+  void keep() { line_.keep(); }
+  double simulated() const { return simulated_; }
+
+ private:
+  Progress mode_;
+  std::string name_;
+  StatusLine line_;
+  WallClock::time_point begin_ = WallClock::now();
+  double last_advance_ = 0.0;  // [s] since then
+  double simulated_ = 0.0;
+};
+
+struct Outcome {
+  enum class Kind { complete, failed, interrupted } kind = Kind::complete;
+  std::string reason;  // of a failure, one line
+  const ChildProcess* failed_side = nullptr;
+  int signal_number = 0;
+};
+
+// Both sides from their start to their end.
+class Run {
+ public:
+  Run(ChildProcess& plant, ChildProcess& controller, ProgressDisplay& display, const Signals& signals)
+      : plant_(plant), controller_(controller), display_(display), signals_(signals) {}
+
+  Outcome watch() {
+    while (true) {
+      wait(std::chrono::milliseconds{1000});
+      read_output();
+      while (const auto number = signals_.next()) {
+        if (*number != SIGCHLD) {
+          outcome_.kind = Outcome::Kind::interrupted;
+          outcome_.signal_number = *number;
+          pass_on(*number);
+          end_both();
+          return outcome_;
+        }
+      }
+      if (plant_.ended()) {
+        if (!plant_.succeeded()) fail(plant_);
+        // The plant's end is the run's end; the controller is told, and how it takes it is its own affair.
+        end_both();
+        return outcome_;
+      }
+      if (controller_.ended() && !killed_on_purpose_) {
+        fail(controller_);
+        end_both();
+        return outcome_;
+      }
+    }
+  }
+
+  const Json& plant_summary() const { return plant_summary_; }
+
+ private:
+  void fail(const ChildProcess& side) {
+    outcome_.kind = Outcome::Kind::failed;
+    outcome_.failed_side = &side;
+    char when[64];
+    std::snprintf(when, sizeof when, " at about %.1f s of simulated time", display_.simulated());
+    outcome_.reason = "the " + side.name() + " ended before its time: " + side.how_it_ended() + when;
+  }
+
+  void pass_on(int number) {
+    if (!plant_.ended()) plant_.send(number);
+    if (!controller_.ended()) controller_.send(number);
+  }
+
+  void end_both() {
+    if (!plant_.ended()) plant_.send(SIGTERM);
+    if (!controller_.ended()) controller_.send(SIGTERM);
+    const auto deadline = WallClock::now() + kEndPatience;
+    while (!(plant_.ended() && controller_.ended())) {
+      const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(deadline - WallClock::now());
+      bool hurry = left.count() <= 0;
+      if (!hurry) wait(left);
+      while (const auto number = signals_.next()) hurry = hurry || *number != SIGCHLD;  // a second Ctrl-C
+      read_output();
+      if (hurry) {
+        if (!plant_.ended()) plant_.send(SIGKILL);
+        if (!controller_.ended()) controller_.send(SIGKILL);
+      }
+    }
+    read_output();
+  }
+
+  void wait(std::chrono::milliseconds patience) {
+    pollfd fds[] = {{signals_.fd(), POLLIN, 0},
+                    {plant_.output_fd(), POLLIN, 0},
+                    {plant_.complaint_fd(), POLLIN, 0},
+                    {controller_.output_fd(), POLLIN, 0},
+                    {controller_.complaint_fd(), POLLIN, 0}};
+    ::poll(fds, std::size(fds), static_cast<int>(patience.count()));
+  }
+
+  void read_output() {
+    plant_.read_output([this](const std::string& line) {
+      if (line.rfind("summary ", 0) == 0) {
+        plant_summary_ = Json::parse(line.substr(8), nullptr, false);
+      } else if (line == "controller kill") {
+        controller_.kill();
+        killed_on_purpose_ = true;
+        plant_.tell("done");
+      } else if (line == "controller start") {
+        controller_.start_again();
+        restarted_guards_.emplace_back(std::vector<pid_t>{controller_.pid()});
+        killed_on_purpose_ = false;
+        plant_.tell("done");
+      } else if (line == "controller stop") {
+        controller_.halt();
+      } else if (line == "controller continue") {
+        controller_.go_on();
+      } else {
+        display_.update(line);
+      }
+    });
+    controller_.read_output([](const std::string&) {});
+  }
+
+  ChildProcess& plant_;
+  ChildProcess& controller_;
+  ProgressDisplay& display_;
+  const Signals& signals_;
+  Outcome outcome_;
+  Json plant_summary_ = nullptr;
+  bool killed_on_purpose_ = false;  // the controller, by the scenario
+  std::deque<GroupGuard> restarted_guards_;
+};
+
+const char* to_string(Outcome::Kind kind) {
+  switch (kind) {
+    case Outcome::Kind::complete: return "complete";
+    case Outcome::Kind::failed: return "failed";
+    case Outcome::Kind::interrupted: return "interrupted";
+  }
+  return "unknown";
+}
+
+RunOutcome run_outcome(const Outcome& outcome, const Json& plant_summary) {
+  RunOutcome result;
+  result.end = outcome.reason.empty() ? to_string(outcome.kind) : outcome.reason;
+  if (!plant_summary.is_object()) return result;
+  result.simulated_time = plant_summary.value("simulated_seconds", 0.0);
+  result.wall_time = plant_summary.value("wall_seconds", 0.0);
+  result.cycles = plant_summary.value("lockstep_cycles", std::int64_t{0});
+  result.resends = plant_summary.value("resends", std::int64_t{0});
+  return result;
+}
+
+// How well the wall clock was kept, for people; summary.json has it all.
+void print_timing(const Json& summary) {
+  if (!summary.is_object() || !summary.contains("realtime")) return;
+  const Json& timing = summary["realtime"];
+  std::printf("  %s\n", timing.value("permissions", "").c_str());
+  for (const char* what : {"wakeup_latency", "step_time"}) {
+    const Json& histogram = timing[what];
+    std::printf("  %s: median %.1f us, 99.9 %% %.1f us, largest %.1f us\n", what, histogram.value("p50", 0.0),
+                histogram.value("p99_9", 0.0), histogram.value("largest", 0.0));
+  }
+  std::printf("  missed deadlines: %lld, by the plant's own computation: %lld; stale commands: %lld\n",
+              timing.value("missed_deadlines", 0LL), timing.value("missed_by_own_computation", 0LL),
+              summary["drive"].value("stale_commands", 0LL));
+}
+
+void complain(const common::InputProblems& problems) {
+  for (const common::InputProblem& problem : problems) std::fprintf(stderr, "%s\n", common::to_text(problem).c_str());
+}
+
+// What did not come about of what the scenario says under `expect:`; nothing where it says nothing.
+std::optional<std::vector<std::string>> judge(const sim::Scenario& scenario, const fs::path& log) {
+  if (scenario.expectation == sim::FaultExpectation{}) return std::nullopt;
+  return sim::broken_expectations(scenario.expectation, msgs::read_run_logs(log).runs.front());
+}
+
+// How the run ended, for people; the exit code.
+int tell_outcome(const Outcome& outcome, const std::string& name, const fs::path& log, const fs::path& kept) {
+  switch (outcome.kind) {
+    case Outcome::Kind::complete:
+      std::printf("%s: complete, log %s\n", name.c_str(), log.c_str());
+      return 0;
+    case Outcome::Kind::interrupted:
+      std::fprintf(stderr, "%s: ended by signal %d (%s); the log so far is %s\n", name.c_str(), outcome.signal_number,
+                   strsignal(outcome.signal_number), kept.c_str());
+      return 128 + outcome.signal_number;
+    case Outcome::Kind::failed: break;
+  }
+  std::fprintf(stderr, "%s: %s\n", name.c_str(), outcome.reason.c_str());
+  const auto& words = outcome.failed_side->last_words();
+  std::fprintf(stderr, words.empty() ? "it said nothing on its standard error\n" : "its last words:\n");
+  for (const std::string& line : words) std::fprintf(stderr, "  %s\n", line.c_str());
+  if (fs::exists(kept)) std::fprintf(stderr, "the log so far is %s\n", kept.c_str());
+  return 1;
+}
+
+int run_in(const fs::path& folder, const RunOptions& options, const std::string& name) {
+  const FolderLock lock(folder);
+  const fs::path log = folder / "run.lcmlog";
+  for (const char* stale : {"summary.json", kRunFactsName, "run.lcmlog", "run.lcmlog.partial"}) fs::remove(folder / stale);
+
+  const fs::path scenario_file = write_resolved_configuration(options.scenario, options.overrides, folder);
+  const sim::Scenario scenario = sim::load_scenario_file(scenario_file);
+  std::optional<controller::ControllerSettings> controller_settings;
+  try {
+    controller_settings = controller::load_controller_file(folder / "controller.yaml").settings;
+    controller_settings->period = static_cast<double>(scenario.controller_period) / 1e9;
+  } catch (const common::InputError&) {
+    if (options.controller_command.empty()) throw;  // a controller of one's own may have a file of its own kind
+  }
+  char period_ms[32];
+  std::snprintf(period_ms, sizeof period_ms, "%.9g", static_cast<double>(scenario.controller_period) / 1e6);
+
+  const msgs::ReservedPort port;
+  const std::string bus = msgs::bus_url(port.number());
+  const fs::path programs = own_folder();
+
+  ChildOptions controller_options;
+  controller_options.name = "controller";
+  controller_options.command =
+      options.controller_command.empty()
+          ? std::vector<std::string>{(programs / "slewlab-controller").string()}
+          : std::vector<std::string>{"/bin/sh", "-c", options.controller_command};
+  controller_options.environment = {{"SLEWLAB_BUS", bus},
+                                    {"LCM_DEFAULT_URL", bus},
+                                    {"SLEWLAB_CONTROLLER_CONFIG", fs::absolute(folder / "controller.yaml").string()},
+                                    {"SLEWLAB_CONTROLLER_PERIOD_MS", period_ms}};
+  ChildOptions plant_options;
+  plant_options.name = "plant";
+  plant_options.listens = true;
+  plant_options.command = {(programs / "slewlab-plant").string(), "--scenario", scenario_file.string(), "--bus", bus,
+                           "--log", log.string()};
+  if (options.realtime) {
+    char speed[32];
+    std::snprintf(speed, sizeof speed, "%.9g", options.speed);
+    plant_options.command.insert(plant_options.command.end(), {"--realtime", "--speed", speed});
+  }
+
+  const Signals signals;
+  ChildProcess controller(controller_options);
+  ChildProcess plant(plant_options);
+  const GroupGuard guard({plant.pid(), controller.pid()});
+  std::printf("%s: plant is process %d, controller is process %d, bus %s\n", name.c_str(), plant.pid(),
+              controller.pid(), bus.c_str());
+  std::fflush(stdout);
+  ProgressDisplay display(options.progress, name);
+  Run run(plant, controller, display, signals);
+  const Outcome outcome = run.watch();
+  display.keep();
+
+  const fs::path kept = fs::exists(log) ? log : fs::path(log.string() + ".partial");
+  std::optional<std::vector<std::string>> broken;
+  if (outcome.kind == Outcome::Kind::complete) broken = judge(scenario, log);
+  Json summary{
+      {"scenario", fs::absolute(options.scenario).lexically_normal().string()},
+      {"outcome", to_string(outcome.kind)},
+      {"reason", outcome.reason},
+      {"controller_command",
+       options.controller_command.empty() ? "slewlab-controller" : options.controller_command},
+      {"network", in_private_network() ? "private" : "as found"},
+      {"log", fs::exists(kept) ? kept.filename().string() : ""},
+      {"run", run.plant_summary()},
+      {"plant_end", plant.how_it_ended()},
+      {"controller_end", controller.how_it_ended()}};
+  if (broken) summary["broken_expectations"] = *broken;
+  std::string unwritten;  // a disk that is full for the log is full for these, too; the run's own end is told first
+  try {
+    write_whole_file(folder / "plant.txt", plant.complaints());
+    write_whole_file(folder / "controller.txt", controller.complaints());
+    write_whole_file(folder / "summary.json", summary.dump(2) + "\n");
+    RunOutcome facts = run_outcome(outcome, run.plant_summary());
+    if (!options.controller_command.empty()) facts.controller_command = options.controller_command;
+    write_run_facts(folder, scenario, controller_settings, facts);
+  } catch (const std::exception& error) {
+    unwritten = error.what();
+  }
+
+  int code = tell_outcome(outcome, name, log, kept);
+  if (outcome.kind == Outcome::Kind::complete) {
+    if (options.realtime) print_timing(run.plant_summary());
+    if (broken && broken->empty()) std::printf("%s: everything under expect: of the scenario came about\n", name.c_str());
+    if (broken) {
+      for (const std::string& line : *broken) {
+        std::fprintf(stderr, "%s: not as expected: %s\n", name.c_str(), line.c_str());
+      }
+    }
+    // Counts to the message are lockstep's; against the wall clock they depend on the machine.
+    if (broken && !broken->empty() && !options.realtime) code = kNotAsExpected;
+  }
+  if (unwritten.empty()) return code;
+  std::fprintf(stderr, "%s: %s\n", name.c_str(), unwritten.c_str());
+  return code == 0 ? 1 : code;
+}
+
+}  // namespace
+
+int run_scenario(const RunOptions& options, const std::vector<std::string>& command_line) {
+  const std::string name = options.scenario.stem().string();
+  const fs::path folder = options.out.empty() ? fs::path("runs") / name : options.out;
+  try {
+    // A controller of the user's own need not be one that ours would accept.
+    if (options.controller_command.empty()) {
+      if (const auto problems = problems_in(options.scenario, options.overrides); !problems.empty()) {
+        complain(problems);
+        return 2;
+      }
+    }
+    need_multicast(command_line);
+    fs::create_directories(folder);
+    return run_in(folder, options, name);
+  } catch (const common::InputError& error) {
+    complain(error.problems());
+    return 2;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "slewlab: %s\n", error.what());
+    return 1;
+  }
+}
+
+}  // namespace slewlab::tools

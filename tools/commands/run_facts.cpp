@@ -1,0 +1,56 @@
+#include "tools/commands/run_facts.h"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "msgs/configuration_hash.h"
+#include "sim/analysis/eigen.h"
+#include "tools/commands/whole_file.h"
+
+namespace slewlab::tools {
+
+std::string run_facts(const sim::Scenario& scenario,
+                      const std::optional<controller::ControllerSettings>& controller, const RunOutcome& outcome) {
+  constexpr double kNanosecondsPerSecond = 1e9;
+  const sim::CraneParameters& crane = scenario.crane.parameters;
+
+  nlohmann::ordered_json modes = nlohmann::ordered_json::array();
+  for (const sim::Mode& mode : sim::crane_modes(crane)) {
+    if (mode.kind == sim::ModeKind::kRigid) continue;
+    modes.push_back({{"name", std::string(sim::name_of(mode.kind)) + " " + std::to_string(mode.count)},
+                     {"frequency", mode.frequency},
+                     {"damping_ratio", mode.damping_ratio}});
+  }
+
+  nlohmann::ordered_json facts;
+  facts["crane"] = scenario.crane_file.lexically_normal().string();
+  facts["controller"] = scenario.controller_file.lexically_normal().string();
+  facts["configuration_hash"] = msgs::hash_text(msgs::configuration_hash(scenario.configuration_text));
+  if (controller) {
+    facts["rated_torque"] = controller->rated_torque;
+    facts["torque_limit"] = controller->limits.torque;
+    facts["total_ratio"] = controller->total_ratio;
+    facts["top_speed"] = controller->ramp.top_speed;
+    facts["play_compensation"] = controller->play_compensation.enabled;
+  }
+  facts["half_play"] = sim::gear_contact(crane).half_play;
+  facts["tip_radius"] = crane.boom.pivot_radius + crane.boom.length * std::cos(crane.boom.angle);
+  facts["plant_step"] = static_cast<double>(scenario.plant_step) / kNanosecondsPerSecond;
+  facts["controller_period"] = static_cast<double>(scenario.controller_period) / kNanosecondsPerSecond;
+  facts["duration"] = static_cast<double>(scenario.duration) / kNanosecondsPerSecond;
+  facts["modes"] = std::move(modes);
+  facts["simulated_time"] = outcome.simulated_time;
+  facts["wall_time"] = outcome.wall_time;
+  facts["cycles"] = outcome.cycles;
+  facts["resends"] = outcome.resends;
+  facts["controller_command"] = outcome.controller_command;
+  facts["end"] = outcome.end;
+  return facts.dump(2) + "\n";
+}
+
+void write_run_facts(const std::filesystem::path& folder, const sim::Scenario& scenario,
+                     const std::optional<controller::ControllerSettings>& controller, const RunOutcome& outcome) {
+  write_whole_file(folder / kRunFactsName, run_facts(scenario, controller, outcome));
+}
+
+}  // namespace slewlab::tools

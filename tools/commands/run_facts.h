@@ -1,0 +1,41 @@
+// What a report must know of a run beyond its log: run.json, beside run.lcmlog. Written by whoever ran it.
+//
+// Keys, in SI units: crane, controller (files), configuration_hash (16 hex digits), rated_torque and torque_limit
+// [Nm per motor], total_ratio, top_speed [rad/s, slew axis], play_compensation, half_play [rad, slew axis],
+// tip_radius [m], plant_step, controller_period, duration [s], modes [{name, frequency [Hz], damping_ratio}] of the
+// whole crane with closed gears, simulated_time, wall_time [s], cycles, resends, controller_command, end.
+// Without controller settings (a controller of one's own with a YAML of its own) the keys that come from them
+// are left out.
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+#include <string>
+
+#include "controller/controller.h"
+#include "sim/drive/scenario_file.h"
+
+namespace slewlab::tools {
+
+// How a run went.
+struct RunOutcome {
+  double simulated_time = 0.0;  // [s] reached
+  double wall_time = 0.0;       // [s] from the first ENCODER to the last answer
+  std::int64_t cycles = 0;      // controller periods
+  std::int64_t resends = 0;     // of an unanswered ENCODER
+  std::string controller_command = "slewlab-controller";
+  std::string end = "complete"; // or why it ended early
+};
+
+inline constexpr const char* kRunFactsName = "run.json";
+
+// The facts as JSON text.
+std::string run_facts(const sim::Scenario& scenario,
+                      const std::optional<controller::ControllerSettings>& controller, const RunOutcome& outcome);
+
+// Writes them to folder/run.json, whole or not at all. Throws std::runtime_error where that fails.
+void write_run_facts(const std::filesystem::path& folder, const sim::Scenario& scenario,
+                     const std::optional<controller::ControllerSettings>& controller, const RunOutcome& outcome);
+
+}  // namespace slewlab::tools
