@@ -29,6 +29,8 @@ DriveParameters read_drive(YamlReader reader) {
   drive.gear_damping_ratio = reader.number("gear_damping_ratio", Unit::none, between(0.0, 1.0));
   drive.gearbox_play = reader.number("gearbox_play", Unit::radian, not_negative());
   drive.pinion_play = reader.number("pinion_play", Unit::radian, not_negative());
+  drive.rated_torque = reader.number("rated_torque", Unit::newton_metre, positive());
+  drive.top_speed = reader.number("top_speed", Unit::radian_per_second, positive());
   reader.finish();
   return drive;
 }

@@ -24,6 +24,8 @@ struct DriveParameters {
   double gear_damping_ratio = 0.0;  // share of critical damping, in contact only, see drive_line.h
   double gearbox_play = 0.0;        // [rad] whole play of one gearbox, on its outgoing shaft
   double pinion_play = 0.0;         // [rad] whole play between pinion and ring, as rotation of the pinion
+  double rated_torque = 0.0;        // [Nm] that one motor may deliver all the time, T100
+  double top_speed = 0.0;           // [rad/s] on the slew axis, that the machine is built for
 };
 
 struct HouseParameters {

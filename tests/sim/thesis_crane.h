@@ -25,7 +25,9 @@ inline CraneParameters thesis_crane(int element_count = 6) {
                  .gearbox_stiffness = 6.9e6,
                  .gear_damping_ratio = 0.03,
                  .gearbox_play = 0.12 * kDegree,
-                 .pinion_play = 0.244 * kDegree};
+                 .pinion_play = 0.244 * kDegree,
+                 .rated_torque = 250.0,
+                 .top_speed = 0.05};
   crane.house = {.inertia = 2.52e5, .sensor_radius = 3.0};
   crane.boom = {.element_count = element_count,
                 .length = 46.6,

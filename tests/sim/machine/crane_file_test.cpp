@@ -34,6 +34,8 @@ TEST(CraneFile, ThesisCraneIsTheOneOfTheUnitTests) {
   EXPECT_DOUBLE_EQ(file.drive.gear_damping_ratio, crane.drive.gear_damping_ratio);
   EXPECT_DOUBLE_EQ(file.drive.gearbox_play, crane.drive.gearbox_play);
   EXPECT_DOUBLE_EQ(file.drive.pinion_play, crane.drive.pinion_play);
+  EXPECT_DOUBLE_EQ(file.drive.rated_torque, crane.drive.rated_torque);
+  EXPECT_DOUBLE_EQ(file.drive.top_speed, crane.drive.top_speed);
   EXPECT_DOUBLE_EQ(file.house.inertia, crane.house.inertia);
   EXPECT_DOUBLE_EQ(file.house.sensor_radius, crane.house.sensor_radius);
   EXPECT_EQ(file.boom.element_count, crane.boom.element_count);
