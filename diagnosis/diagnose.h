@@ -1,4 +1,4 @@
-// From records and a nominal crane to ranked causes (docs/diagnosis.md).
+// From records and a nominal crane to ranked causes (docs/diagnosis/method.md).
 #pragma once
 
 #include <functional>

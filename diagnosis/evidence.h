@@ -19,7 +19,7 @@
 namespace slewlab::diagnosis {
 
 struct EvidenceSettings {
-  double law_freedom = 50.0;     // k: learned on tuning seeds, docs/diagnosis.md, as are all below
+  double law_freedom = 50.0;     // k: learned on tuning seeds, docs/diagnosis/method.md, as are all below
   double law_share = 0.002;      // r
   double near_freedom = 20.0;    // m
   double near_misfit = 100.0;    // n

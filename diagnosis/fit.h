@@ -6,7 +6,7 @@
 // parameters, both in standard deviations of their priors p and q (nuisance.h). So cost is -2 ln of the posterior density. s is the share of
 // the differences that are independent of each other: what mesh and step make wrong shows in many of them. What the
 // noise cannot explain is mismatch of mesh, step and laws; its size is not known beforehand, and with it integrated out
-// a sum of squares counts as in a Student distribution of nu degrees of freedom (learned, docs/diagnosis.md): in full while
+// a sum of squares counts as in a Student distribution of nu degrees of freedom (learned, docs/diagnosis/method.md): in full while
 // it is small, by ratios when it is large. Gauss-Newton steps with the weight dL/dc, shortened where the cost would
 // rise; the columns are difference quotients, corrected after each step by what it showed.
 #pragma once

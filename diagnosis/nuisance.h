@@ -34,7 +34,7 @@ const std::vector<Nuisance>& nuisances();
 
 // Behind these, one amount more: by how much the encoders read late, or early, which nobody knows to better than a third
 // of a millisecond. Their noise goes through the controller into the torque, so a fit can take some of it away by moving
-// one against the other in time (by 0.25 ms and more, docs/diagnosis.md); left free here, that favours no cause.
+// one against the other in time (by 0.25 ms and more, docs/diagnosis/method.md); left free here, that favours no cause.
 inline constexpr double kLatencyDeviation = 3e-4;        // [s]
 inline constexpr double kCoarseLatencyDeviation = 3e-3;  // [s] where counts are coarse, and their noise goes far into the torque
 double encoder_latency(const std::vector<double>& amount, double deviation);  // [s]

@@ -21,7 +21,7 @@ namespace slewlab::diagnosis {
 struct WhiteningSettings {
   double highest_frequency = 40.0;   // [Hz] fifth bending mode at 37 Hz (thesis 4.2); none matters above
   double lowest_frequency = 0.02;    // [Hz] below which a record of a minute knows nothing
-  double discrepancy_share = 0.004;  // [-] e: learned on tuning seeds, docs/diagnosis.md
+  double discrepancy_share = 0.004;  // [-] e: learned on tuning seeds, docs/diagnosis/method.md
   double noise_corner = 50.0;        // [Hz] below which an accelerometer's noise rises as 1/f (its data sheet)
   double smoothing = 0.4;            // [-] width of the smoothing of P as a share of the frequency
 };

@@ -1,5 +1,5 @@
 // `slewlab diagnose`: measured logs against a nominal crane; writes diagnosis.json, crane_with_effect.yaml and the
-// series that the plots are drawn from, and prints one page (docs/diagnosis.md).
+// series that the plots are drawn from, and prints one page (docs/diagnosis/how_to.md).
 #pragma once
 
 #include <filesystem>

@@ -4,7 +4,7 @@
 
 Without --out the page is written beside the first file. Several files stand side by side in the table of scores (all
 sensors, encoders and torques alone); pictures and tables below are the first one's. With --markdown nothing is written
-to a file: the tables of docs/diagnosis.md, of the first file, are printed.
+to a file: the tables of docs/diagnosis/scores.md, of the first file, are printed.
 """
 
 import argparse
@@ -163,7 +163,7 @@ def right(truth, answer):
 
 
 def markdown(data):
-    """The tables that stand in docs/diagnosis.md."""
+    """The tables that stand in docs/diagnosis/scores.md."""
     lines = ["| score | value | 95 % | cases | aim |", "|---|---|---|---|---|"]
     for one in data["scores"] + data["also"]:
         aim = f"{one['aim']} ({'reached' if one['reached'] else 'not reached'})" if "aim" in one else ""
