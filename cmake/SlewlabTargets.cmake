@@ -56,3 +56,17 @@ function(slewlab_test target)
                          PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT})
   endif()
 endfunction()
+
+# slewlab_effect_sources(OUT catalogue.inc .cpp): a file NAME.cpp for every line EFFECT(NAME) of a catalogue, which is the
+# only list of effects that there is.
+function(slewlab_effect_sources out catalogue suffix)
+  get_filename_component(catalogue ${catalogue} ABSOLUTE)
+  set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${catalogue})
+  file(STRINGS ${catalogue} lines REGEX "^EFFECT[(][a-z0-9_]+[)]$")
+  set(sources)
+  foreach(line IN LISTS lines)
+    string(REGEX REPLACE "^EFFECT[(](.*)[)]$" "\\1${suffix}" source ${line})
+    list(APPEND sources ${source})
+  endforeach()
+  set(${out} ${sources} PARENT_SCOPE)
+endfunction()

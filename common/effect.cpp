@@ -12,23 +12,105 @@
 
 namespace slewlab::common {
 
-namespace {
-
-const EffectAbout* find(const std::vector<const EffectAbout*>& catalogue, std::string_view name) {
-  const auto place = std::find_if(catalogue.begin(), catalogue.end(),
-                                  [&](const EffectAbout* about) { return about->name == name; });
-  return place == catalogue.end() ? nullptr : *place;
+std::string missing_parts(const MachineParts& needs, const MachineParts& has) {
+  std::string text;
+  const auto add = [&](bool is_missing, const std::string& part) {
+    if (is_missing) text += (text.empty() ? "" : " and ") + part;
+  };
+  add(needs.groups > has.groups, std::to_string(needs.groups) + " motor groups");
+  add(needs.gears && !has.gears, "elastic gears");
+  add(needs.boom && !has.boom, "a boom");
+  add(needs.flexible_boom && has.boom && !has.flexible_boom, "a flexible boom");
+  add(needs.flexible_boom && !needs.boom && !has.boom, "a flexible boom");
+  add(needs.load && !has.load, "a load");
+  return text;
 }
 
-}  // namespace
+bool size_turns_sign(const EffectAbout& about) {
+  const EffectParameter& size = about.parameters[kSize];
+  return size.absent && size.lower < *size.absent && size.upper > *size.absent;
+}
 
-std::string expected_effect_name(const std::vector<const EffectAbout*>& catalogue, std::string_view name) {
+std::size_t index_of(const EffectAbout& about, std::string_view parameter) {
+  for (std::size_t i = 0; i < about.parameters.size(); ++i) {
+    if (about.parameters[i].name == parameter) return i;
+  }
+  throw std::out_of_range("effect " + std::string(about.name) + " has no parameter " + std::string(parameter));
+}
+
+EffectAbout in_units_of(const EffectAbout& law, const EffectScales& scales) {
+  EffectAbout about = law;
+  for (EffectParameter& parameter : about.parameters) {
+    const double scale = scales[parameter.per];
+    parameter.per = ScaleOf::one;
+    parameter.lower *= scale;
+    parameter.upper *= scale;
+    parameter.typical *= scale;
+    // A logarithmic one's is a ratio.
+    if (parameter.scale == ParameterScale::linear) parameter.prior_scale *= scale;
+    if (parameter.absent) *parameter.absent *= scale;
+    for (double& value : parameter.tries) value *= scale;
+  }
+  return about;
+}
+
+const EffectAbout* EffectCatalogue::find(std::string_view name) const {
+  const auto place = std::find_if(effects.begin(), effects.end(), [&](const EffectAbout& about) { return about.name == name; });
+  return place == effects.end() ? nullptr : &*place;
+}
+
+const EffectAbout& EffectCatalogue::at(std::string_view name) const {
+  if (const EffectAbout* about = find(name)) return *about;
+  for (const Unsuited& other : unsuited) {
+    if (other.name == name) {
+      throw std::invalid_argument("effect " + std::string(name) + " needs " + other.missing + ", which this machine has not");
+    }
+  }
+  throw std::invalid_argument("no effect is called " + std::string(name));
+}
+
+EffectCatalogue catalogue_for(const std::vector<const EffectAbout*>& laws, const EffectScales& scales, const MachineParts& has) {
+  EffectCatalogue catalogue;
+  for (const EffectAbout* law : laws) {
+    std::string missing = missing_parts(law->needs, has);
+    if (missing.empty()) {
+      catalogue.effects.push_back(in_units_of(*law, scales));
+    } else {
+      catalogue.unsuited.push_back({law->name, std::move(missing)});
+    }
+  }
+  return catalogue;
+}
+
+EffectCatalogue joined(EffectCatalogue first, const EffectCatalogue& second) {
+  first.effects.insert(first.effects.end(), second.effects.begin(), second.effects.end());
+  first.unsuited.insert(first.unsuited.end(), second.unsuited.begin(), second.unsuited.end());
+  return first;
+}
+
+std::string expected_effect_name(const EffectCatalogue& catalogue, std::string_view name) {
+  for (const EffectCatalogue::Unsuited& other : catalogue.unsuited) {
+    if (other.name == name) return "an effect that suits this machine; this one needs " + other.missing;
+  }
   std::vector<std::string> known;
-  for (const EffectAbout* about : catalogue) known.emplace_back(about->name);
+  for (const EffectAbout& about : catalogue.effects) known.emplace_back(about.name);
   if (const auto near = nearest_name(name, known)) return "the name of an effect; '" + *near + "' is near";
   std::string all;
   for (const std::string& one : known) all += (all.empty() ? "" : ", ") + one;
   return "one of " + all;
+}
+
+std::string_view name_of(ScaleOf scale) {
+  constexpr std::array<std::string_view, kScaleCount> kNames{
+      "-",          "time",           "swing time",        "motor torque", "motor speed", "axis torque", "axis speed",
+      "axis angle", "axis damping",   "gear stiffness",    "gearbox stiffness", "gear wind-up", "length", "velocity",
+      "wind speed", "mass",           "force",             "lateral stiffness", "lateral damping", "drag area"};
+  return kNames[static_cast<std::size_t>(scale)];
+}
+
+std::string_view name_of(Family family) {
+  constexpr std::array<std::string_view, 9> kNames{"", "friction", "delay", "play", "elasticity", "mass", "gravity", "wind", "ripple"};
+  return kNames[static_cast<std::size_t>(family)];
 }
 
 std::string_view name_of(Subsystem subsystem) {
@@ -40,6 +122,7 @@ std::string_view name_of(Subsystem subsystem) {
 EffectParameter angle_parameter(std::string_view name, std::string_view meaning, double typical) {
   return {.name = name,
           .unit = Unit::radian,
+          .per = ScaleOf::one,
           .meaning = meaning,
           .lower = -std::numbers::pi,
           .upper = std::numbers::pi,
@@ -60,7 +143,7 @@ std::string parameter_row(const EffectParameter& parameter) {
   const bool logarithmic = parameter.scale == ParameterScale::logarithmic;
   const bool about_absent = parameter.absent && std::isfinite(*parameter.absent);
   return "| `" + std::string(parameter.name) + "` | " + std::string(name_of(parameter.unit)) + " | " +
-         rounded(parameter.lower) + " ... " + rounded(parameter.upper) + " | " + rounded(parameter.typical) +
+         std::string(name_of(parameter.per)) + " | " + rounded(parameter.lower) + " ... " + rounded(parameter.upper) + " | " + rounded(parameter.typical) +
          " | " + (logarithmic ? "ln: " : "") + rounded(about_absent ? *parameter.absent : parameter.typical) +
          " +- " + rounded(parameter.prior_scale) + " | " + absent + " | " + std::string(parameter.meaning) +
          " |";
@@ -89,8 +172,7 @@ void check_instance(const EffectAbout& about, const EffectInstance& instance) {
 }
 
 std::vector<EffectInstance> read_effects(const YamlNode& list,
-                                         const std::vector<const EffectAbout*>& catalogue,
-                                         InputProblems& problems) {
+                                         const EffectCatalogue& catalogue, InputProblems& problems) {
   std::vector<EffectInstance> instances;
   if (list.kind == YamlNode::Kind::null) return instances;
   YamlNode file;
@@ -101,7 +183,7 @@ std::vector<EffectInstance> read_effects(const YamlNode& list,
   for (YamlReader& entry : reader.list("effects")) {
     EffectInstance instance{.name = entry.text("effect"), .values = {}};
     if (instance.name.empty()) continue;  // the reader has told why
-    const EffectAbout* about = find(catalogue, instance.name);
+    const EffectAbout* about = catalogue.find(instance.name);
     if (about == nullptr) {
       entry.report("effect", instance.name, expected_effect_name(catalogue, instance.name));
       continue;
@@ -120,16 +202,15 @@ std::vector<EffectInstance> read_effects(const YamlNode& list,
   return instances;
 }
 
-std::string effects_text(const std::vector<EffectInstance>& instances,
-                         const std::vector<const EffectAbout*>& catalogue, std::string_view source) {
+std::string effects_text(const std::vector<EffectInstance>& instances, const EffectCatalogue& catalogue,
+                         std::string_view source) {
   std::string text = "effects:\n";
   for (const EffectInstance& instance : instances) {
-    const EffectAbout* about = find(catalogue, instance.name);
-    if (about == nullptr) throw std::invalid_argument("no effect is called " + instance.name);
-    check_instance(*about, instance);
+    const EffectAbout& about = catalogue.at(instance.name);
+    check_instance(about, instance);
     text += "  - effect: " + instance.name + "\n";
     for (std::size_t i = 0; i < instance.values.size(); ++i) {
-      const EffectParameter& parameter = about->parameters[i];
+      const EffectParameter& parameter = about.parameters[i];
       text += "    " + std::string(parameter.name) + ": " + quantity_text(shortest(instance.values[i]), parameter.unit, source) + "\n";
     }
   }

@@ -2,7 +2,6 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <complex>
 #include <vector>
@@ -10,19 +9,6 @@
 namespace slewlab::diagnosis {
 
 namespace {
-
-// With the power to which its power goes as its first parameter grows: amplitudes squared, a lost share as it is.
-struct ByChance {
-  std::string_view effect;
-  double power;
-  bool delays;  // on the average
-};
-constexpr std::array<ByChance, 3> kByChance{{{"command_jitter", 2.0, true}, {"command_loss", 1.0, true}, {"gusts", 2.0, false}}};
-
-const ByChance* find(std::string_view effect) {
-  const auto* const found = std::find_if(kByChance.begin(), kByChance.end(), [&](const ByChance& one) { return one.effect == effect; });
-  return found == kByChance.end() ? nullptr : found;
-}
 
 constexpr double kSmoothing = 0.2;  // of a frequency, over which S is smoothed either side
 constexpr double kBand = 1.26;  // highest by lowest frequency of a third of an octave
@@ -99,16 +85,11 @@ void smooth(const Whitening& whitening, std::span<const double> power, Eigen::Ve
 
 }  // namespace
 
-bool comes_by_chance(std::string_view effect) { return find(effect) != nullptr; }
+bool comes_by_chance(const common::EffectAbout& effect) { return effect.stochastic.has_value(); }
 
-bool delays_by_chance(std::string_view effect) {
-  const ByChance* const law = find(effect);
-  return law != nullptr && law->delays;
-}
+bool delays_by_chance(const common::EffectAbout& effect) { return effect.stochastic && effect.acts_late; }
 
-bool is_mean_of_chance(std::string_view effect) {
-  return effect == "command_delay" || effect == "dead_time" || effect == "torque_lag" || effect == "encoder_delay";
-}
+bool is_mean_of_chance(const common::EffectAbout& effect) { return !effect.stochastic && effect.acts_late; }
 
 std::vector<ChannelAxes> axes_of(const Problem& problem, std::span<const Eigen::VectorXd> changes) {
   std::vector<ChannelAxes> records;
@@ -220,9 +201,10 @@ double above_free_power(const ChanceFit& fit, const FreePower& free, Eigen::Inde
   return (fit.cost - free.cost) / (free.cost - free.noise + kLeastFound * static_cast<double>(count));
 }
 
-common::EffectInstance with_power(common::EffectInstance effect, double scale) {
-  const common::EffectParameter& size = about_effect(effect.name).parameters.front();
-  effect.values[0] = std::clamp(effect.values[0] * std::pow(scale, 1.0 / find(effect.name)->power), size.lower, size.upper);
+common::EffectInstance with_power(const common::EffectAbout& about, common::EffectInstance effect, double scale) {
+  const common::EffectParameter& bounds = about.parameters[common::kSize];
+  double& size = effect.values[common::kSize];
+  size = std::clamp(size * std::pow(scale, 1.0 / about.stochastic->power_exponent), bounds.lower, bounds.upper);
   return effect;
 }
 

@@ -17,7 +17,6 @@
 #include <Eigen/Core>
 #include <complex>
 #include <span>
-#include <string_view>
 #include <vector>
 
 #include "common/effect.h"
@@ -25,11 +24,11 @@
 
 namespace slewlab::diagnosis {
 
-bool comes_by_chance(std::string_view effect);
+bool comes_by_chance(const common::EffectAbout& effect);
 
 // Whether the effect by chance delays on the average; and whether another effect is what such a one does on the average: a delay, or a lag.
-bool delays_by_chance(std::string_view effect);
-bool is_mean_of_chance(std::string_view effect);
+bool delays_by_chance(const common::EffectAbout& effect);
+bool is_mean_of_chance(const common::EffectAbout& effect);
 
 // Of one record's channels: per bin a unitary matrix, column by column; the columns are the axes.
 struct ChannelAxes {
@@ -76,7 +75,7 @@ FreePower free_power(const Problem& problem, const Eigen::VectorXd& difference);
 inline constexpr double kNearFreePower = 0.2;  // below which it may be the cause
 double above_free_power(const ChanceFit& fit, const FreePower& free, Eigen::Index count);
 
-// The effect with its size changed so that its power is `scale` times what it was, within its bounds.
-common::EffectInstance with_power(common::EffectInstance effect, double scale);
+// The effect by chance with its size changed so that its power is `scale` times what it was, within its bounds.
+common::EffectInstance with_power(const common::EffectAbout& about, common::EffectInstance effect, double scale);
 
 }  // namespace slewlab::diagnosis

@@ -41,9 +41,9 @@ Eigen::VectorXd without_columns(Eigen::VectorXd change, const std::vector<Eigen:
 }
 
 // Which of the effects is only what a chance does on the average.
-std::optional<std::size_t> mean_among(const std::vector<common::EffectInstance>& effects) {
+std::optional<std::size_t> mean_among(const common::EffectCatalogue& catalogue, const std::vector<common::EffectInstance>& effects) {
   for (std::size_t e = 0; e < effects.size(); ++e) {
-    if (is_mean_of_chance(effects[e].name)) return e;
+    if (is_mean_of_chance(catalogue.at(effects[e].name))) return e;
   }
   return std::nullopt;
 }
@@ -79,7 +79,7 @@ void look(Problem& problem, const std::vector<Eigen::VectorXd>& delays, Try& one
   const Eigen::VectorXd here = one.mean ? differences(problem, still) : one.fit.difference;
   const auto count = here.size();
   std::vector<Eigen::VectorXd> means;
-  if (delays_by_chance(one.effect.name)) {
+  if (delays_by_chance(problem.catalogue.at(one.effect.name))) {
     for (const Eigen::VectorXd& delay : delays) means.push_back(delay.head(count));
   }
   if (one.mean) means.push_back(one.fit.difference - here);
@@ -111,7 +111,7 @@ void look(Problem& problem, const std::vector<Eigen::VectorXd>& delays, Try& one
         one.mean_cost = problem.settings.independent_share * divided({one.power, found.scale}, mean).squaredNorm();
       }
     }
-    one.effect = with_power(one.effect, found.scale);
+    one.effect = with_power(problem.catalogue.at(one.effect.name), one.effect, found.scale);
   }
 }
 
@@ -147,10 +147,10 @@ FitResult with_chance(const Problem& problem, const Try& one, const FitResult& f
   result.excess += problem.settings.independent_share * logarithm_sum;
   result.prior += one.mean_cost + kOccam * static_cast<double>(one.effect.values.size());
   result.cost = result.excess + result.prior;
-  const common::EffectAbout& about = about_effect(one.effect.name);
+  const common::EffectAbout& about = problem.catalogue.at(one.effect.name);
   for (std::size_t p = 0; p < one.effect.values.size(); ++p) {
     result.deviation[p] =
-        p == 0 ? kChanceSize * one.effect.values[p] : std::fabs(value_per_deviation(about.parameters[p], one.effect.values[p]));
+        p == common::kSize ? kChanceSize * one.effect.values[p] : std::fabs(value_per_deviation(about.parameters[p], one.effect.values[p]));
   }
   return result;
 }
@@ -226,10 +226,10 @@ std::vector<Second> seconds(Problem& problem, const Screening& catalogue, const 
     here.point = alone.fit.point;
     here.difference = divided(chance, alone.fit.difference);
     here.columns = divided_columns(chance, one.fit.columns);
-    const Projector project(here.columns, here.point, data_weight(here.difference, problem.settings));
+    const Projector project(problem.catalogue, here.columns, here.point, data_weight(here.difference, problem.settings));
     std::vector<common::EffectInstance> starts = best_starts(problem, catalogue);
     std::erase_if(starts, [&](const common::EffectInstance& start) {
-      return comes_by_chance(start.name) || (delays_by_chance(one.effect.name) && is_mean_of_chance(start.name));
+      return comes_by_chance(problem.catalogue.at(start.name)) || (delays_by_chance(problem.catalogue.at(one.effect.name)) && is_mean_of_chance(problem.catalogue.at(start.name)));
     });
     const UnderChance under_chance(problem, chance);
     const Screening screening = screen(problem, here, project, starts, tell);
@@ -242,7 +242,7 @@ std::vector<Second> seconds(Problem& problem, const Screening& catalogue, const 
     // The chance alone goes on as well: parameters that have gone farther are no second effect's merit.
     std::vector<Point> from{here.point};
     for (std::size_t i = 0; i < std::min(kSeconds, ranked.size()); ++i) {
-      from.push_back(with_amount(here.point, *ranked[i], ranked[i]->amount));
+      from.push_back(with_amount(problem.catalogue, here.point, *ranked[i], ranked[i]->amount));
     }
     const Eigen::MatrixXd nuisance_columns = divided_nuisance_columns(chance, one.fit);
     under.resize(from.size());
@@ -263,7 +263,7 @@ std::vector<FitResult> chance_fits(Problem& problem, const Screening& screening,
                                    const std::vector<FitResult>& fits, const Progress& tell) {
   std::vector<Eigen::VectorXd> delays;
   for (const Screened& screened : screening.tried) {
-    if (is_mean_of_chance(screened.start.name)) delays.push_back(screened.column);
+    if (is_mean_of_chance(problem.catalogue.at(screened.start.name))) delays.push_back(screened.column);
   }
   FreePower free = free_power(problem, nothing.difference);
   std::vector<const FitResult*> besides{&nothing};
@@ -272,15 +272,15 @@ std::vector<FitResult> chance_fits(Problem& problem, const Screening& screening,
     const FreePower of_this = free_power(problem, result.difference);
     if (of_this.cost < free.cost) free = of_this;
     const std::vector<common::EffectInstance>& effects = result.point.effects;
-    if (mean_among(effects) || (effects.size() == 1 && singles++ < kBeside)) besides.push_back(&result);
+    if (mean_among(problem.catalogue, effects) || (effects.size() == 1 && singles++ < kBeside)) besides.push_back(&result);
   }
   // Of each effect by chance and each fit the best power of the screening.
   const auto count = nothing.difference.size();
   std::map<std::pair<std::string, const FitResult*>, Try> tries;
   for (const Screened& screened : screening.tried) {
     const std::string& name = screened.start.name;
-    if (!comes_by_chance(name)) continue;
-    const bool delays_too = delays_by_chance(name);
+    if (!comes_by_chance(problem.catalogue.at(name))) continue;
+    const bool delays_too = delays_by_chance(problem.catalogue.at(name));
     const std::vector<Eigen::VectorXd> changes{(delays_too ? without_columns(screened.column, delays) : screened.column).head(count)};
     const Power power = power_of(problem, changes);
     for (const FitResult* beside : besides) {
@@ -288,15 +288,15 @@ std::vector<FitResult> chance_fits(Problem& problem, const Screening& screening,
       if (found.scale == 0.0) continue;
       const auto [entry, is_new] = tries.try_emplace({name, beside});
       if (!is_new && found.cost >= entry->second.found.cost) continue;
-      const std::optional<std::size_t> mean = delays_too ? mean_among(beside->point.effects) : std::nullopt;
-      entry->second = {*beside, mean, with_power(screened.start, found.scale), found, power};
+      const std::optional<std::size_t> mean = delays_too ? mean_among(problem.catalogue, beside->point.effects) : std::nullopt;
+      entry->second = {*beside, mean, with_power(problem.catalogue.at(name), screened.start, found.scale), found, power};
     }
   }
   std::map<std::set<std::string>, FitResult> best;
   EffectAxes axes;  // made where they are asked for
   // Low frequencies say of any force little more than that it turns the crane; it must be the one whose axes fit best.
   const auto keep = [&](const Try& one, FitResult result) {
-    if (!delays_by_chance(one.effect.name)) {
+    if (!delays_by_chance(problem.catalogue.at(one.effect.name))) {
       if (axes.empty()) axes = screened_axes(problem, screening, count);
       if (!has_best_axes(problem, axes, one.effect.name, one.fit.difference)) return;
     }
@@ -306,7 +306,7 @@ std::vector<FitResult> chance_fits(Problem& problem, const Screening& screening,
     if (!is_new && result.cost < entry->second.cost) entry->second = std::move(result);
   };
   const auto is_near_enough = [&](const Try& one, const FreePower& least) {
-    return above_free_power(one.found, least, count) < (delays_by_chance(one.effect.name) ? kNearFreePower : kNearForce);
+    return above_free_power(one.found, least, count) < (delays_by_chance(problem.catalogue.at(one.effect.name)) ? kNearFreePower : kNearForce);
   };
   std::vector<const Try*> looked;
   std::set<std::string> near;  // effects by chance whose power comes near enough, alone or beside another

@@ -55,6 +55,7 @@ Eigen::VectorXd torque_differences(std::span<const Record> records, const contro
 struct Replays {
   std::span<const Record> records;
   const controller::ControllerSettings& nominal;
+  const common::EffectCatalogue& catalogue;  // of the nominal controller
   const std::function<bool()>& is_stopped;
   Eigen::VectorXd operator()(const Effects& effects, double change_time) const {
     if (is_stopped && is_stopped()) throw Interrupted{};
@@ -67,7 +68,7 @@ std::vector<common::EffectInstance> starts_of(const common::EffectAbout& about, 
   std::vector<common::EffectInstance> starts{typical};
   for (std::size_t p = 0; p < about.parameters.size(); ++p) {
     const common::EffectParameter& parameter = about.parameters[p];
-    const bool is_size = p == 0 && parameter.absent && std::isfinite(*parameter.absent);
+    const bool is_size = p == common::kSize && parameter.absent && std::isfinite(*parameter.absent);
     const double centre = to_coordinate(parameter, is_size ? *parameter.absent : typical.values[p]);
     const double stride = is_size ? grid.size_stride : grid.other_stride, reach = is_size ? kSizeReach : kOtherReach;
     std::vector<common::EffectInstance> along;
@@ -86,7 +87,7 @@ std::vector<common::EffectInstance> starts_of(const common::EffectAbout& about, 
 
 // Levenberg-Marquardt from `effects`, by the torques' changes over `change_time`. Gives the differences there and the curvature.
 Eigen::VectorXd descend(const Replays& replays, double change_time, Effects& effects, Eigen::MatrixXd& gram) {
-  Eigen::VectorXd x = effect_coordinates(effects);
+  Eigen::VectorXd x = effect_coordinates(replays.catalogue, effects);
   double damping = 1e-3;
   Eigen::VectorXd difference = replays(effects, change_time);
   for (int iteration = 0; iteration < kIterations; ++iteration) {
@@ -94,14 +95,14 @@ Eigen::VectorXd descend(const Replays& replays, double change_time, Effects& eff
     for (Eigen::Index p = 0; p < x.size(); ++p) {
       Eigen::VectorXd moved = x;
       moved(p) += kStep;
-      columns.col(p) = (replays(effects_at(effects, moved), change_time) - difference) / kStep;
+      columns.col(p) = (replays(effects_at(replays.catalogue, effects, moved), change_time) - difference) / kStep;
     }
     gram = columns.transpose() * columns;
     const double scale = std::max(1e-12, gram.diagonal().maxCoeff());
     Eigen::MatrixXd system = gram;
     system.diagonal() += damping * (gram.diagonal().array() + 1e-9 * scale).matrix();
-    const Eigen::VectorXd trial = effect_coordinates(effects_at(effects, x - system.ldlt().solve(columns.transpose() * difference)));
-    const Eigen::VectorXd trial_difference = replays(effects_at(effects, trial), change_time);
+    const Eigen::VectorXd trial = effect_coordinates(replays.catalogue, effects_at(replays.catalogue, effects, x - system.ldlt().solve(columns.transpose() * difference)));
+    const Eigen::VectorXd trial_difference = replays(effects_at(replays.catalogue, effects, trial), change_time);
     if (trial_difference.squaredNorm() < difference.squaredNorm()) {
       const bool settled = trial_difference.squaredNorm() > 0.999 * difference.squaredNorm();
       x = trial;
@@ -113,14 +114,14 @@ Eigen::VectorXd descend(const Replays& replays, double change_time, Effects& eff
       if (damping > 1e6) break;
     }
   }
-  effects = effects_at(effects, x);
+  effects = effects_at(replays.catalogue, effects, x);
   return difference;
 }
 
 // Where a ramp's changes of direction come a cycle earlier or later, slopes lead nowhere: one parameter after the other, by
 // strides that are halved where none helps.
 void feel_around(const Replays& replays, double change_time, Effects& effects) {
-  Eigen::VectorXd x = effect_coordinates(effects);
+  Eigen::VectorXd x = effect_coordinates(replays.catalogue, effects);
   double least = replays(effects, change_time).squaredNorm();
   for (double stride = kFirstStride; stride > kLastStride;) {
     bool fell = false;
@@ -128,8 +129,8 @@ void feel_around(const Replays& replays, double change_time, Effects& effects) {
       for (const double direction : {1.0, -1.0}) {
         Eigen::VectorXd moved = x;
         moved(p) += direction * stride;
-        moved = effect_coordinates(effects_at(effects, moved));
-        const double square = replays(effects_at(effects, moved), change_time).squaredNorm();
+        moved = effect_coordinates(replays.catalogue, effects_at(replays.catalogue, effects, moved));
+        const double square = replays(effects_at(replays.catalogue, effects, moved), change_time).squaredNorm();
         if (square >= least) continue;
         least = square;
         x = moved;
@@ -139,7 +140,7 @@ void feel_around(const Replays& replays, double change_time, Effects& effects) {
     }
     if (!fell) stride *= 0.5;
   }
-  effects = effects_at(effects, x);
+  effects = effects_at(replays.catalogue, effects, x);
 }
 
 // The starts that leave least of the changes.
@@ -179,7 +180,7 @@ ControllerCause fit_effects(const Replays& replays, double gap, const std::vecto
   const Eigen::MatrixXd inverse = regular.inverse();
   Eigen::Index i = 0;
   for (const common::EffectInstance& effect : best.effects) {
-    const common::EffectAbout& about = about_effect(effect.name);
+    const common::EffectAbout& about = replays.catalogue.at(effect.name);
     for (std::size_t p = 0; p < effect.values.size(); ++p, ++i) {
       const double per_deviation = value_per_deviation(about.parameters[p], effect.values[p]);
       best.deviation.push_back(std::fabs(per_deviation) * std::sqrt(std::min(1.0, variance * inverse(i, i))));
@@ -194,11 +195,12 @@ std::vector<ControllerCause> fit_controller(std::span<const Record> records,
                                             const controller::ControllerSettings& nominal,
                                             std::span<const std::string> without,
                                             const std::function<bool()>& is_stopped) {
-  const Replays replays{records, nominal, is_stopped};
+  const common::EffectCatalogue all = controller::effects_for(nominal);
+  const Replays replays{records, nominal, all, is_stopped};
   const double gap = replays({}, 0.0).squaredNorm();
   std::vector<const common::EffectAbout*> catalogue;
-  for (const common::EffectAbout* about : controller::effect_abouts()) {
-    if (std::find(without.begin(), without.end(), about->name) == without.end()) catalogue.push_back(about);
+  for (const common::EffectAbout& about : all.effects) {
+    if (std::find(without.begin(), without.end(), about.name) == without.end()) catalogue.push_back(&about);
   }
   const auto leaves_less = [](const ControllerCause& a, const ControllerCause& b) { return a.share_left < b.share_left; };
   std::vector<std::vector<Effects>> singles;  // of each effect the starts to go on from

@@ -11,10 +11,13 @@
 #include <span>
 
 #include "common/unit.h"
+#include "controller/effects/catalogue.h"
 #include "diagnosis/chance.h"
 #include "diagnosis/nuisance.h"
 #include "diagnosis/plausibility.h"
 #include "diagnosis/screen.h"
+#include "sim/effects/catalogue.h"
+#include "sim/machine/effect_scales.h"
 
 namespace slewlab::diagnosis {
 
@@ -119,11 +122,11 @@ void find_moments(const Problem& problem, const Point& point, Diagnosis& diagnos
   if (diagnosis.moments.size() > 8) diagnosis.moments.resize(8);
 }
 
-std::vector<Size> sizes_of(const std::vector<common::EffectInstance>& effects, const std::vector<double>& deviations) {
+std::vector<Size> sizes_of(const common::EffectCatalogue& catalogue, const std::vector<common::EffectInstance>& effects, const std::vector<double>& deviations) {
   std::vector<Size> sizes;
   std::size_t k = 0;
   for (const common::EffectInstance& effect : effects) {
-    const common::EffectAbout& about = about_effect(effect.name);
+    const common::EffectAbout& about = catalogue.at(effect.name);
     for (std::size_t p = 0; p < effect.values.size(); ++p, ++k) {
       const common::EffectParameter& parameter = about.parameters[p];
       const double value = effect.values[p];
@@ -145,7 +148,7 @@ std::vector<Size> sizes_of(const std::vector<common::EffectInstance>& effects, c
   return sizes;
 }
 
-Cause make_cause(const FitResult& result) {
+Cause make_cause(const common::EffectCatalogue& catalogue, const FitResult& result) {
   Cause cause;
   for (const common::EffectInstance& effect : result.point.effects) cause.effects.push_back(effect.name);
   cause.point = result.point;
@@ -153,7 +156,7 @@ Cause make_cause(const FitResult& result) {
   cause.excess = result.excess;
   cause.prior = result.prior;
   cause.information = result.information;
-  cause.sizes = sizes_of(result.point.effects, result.deviation);
+  cause.sizes = sizes_of(catalogue, result.point.effects, result.deviation);
   return cause;
 }
 
@@ -176,8 +179,8 @@ void find_groups(const Problem& problem, const FitResult& base, const Projector&
     for (std::size_t i = 0; i < fits.size(); ++i) {
       const std::vector<common::EffectInstance>& effects = fits[i].point.effects;
       const bool is_pair = effects.size() == 2 && probability[i] > kWorthAGroup && has_effect(effects, shared);
-      if (!is_pair || comes_by_chance(effects[0].name) || comes_by_chance(effects[1].name)) continue;
-      if (!beside) beside.emplace(fits[k].columns, fits[k].point, data_weight(fits[k].difference, problem.settings));
+      if (!is_pair || comes_by_chance(problem.catalogue.at(effects[0].name)) || comes_by_chance(problem.catalogue.at(effects[1].name))) continue;
+      if (!beside) beside.emplace(problem.catalogue, fits[k].columns, fits[k].point, data_weight(fits[k].difference, problem.settings));
       signatures.push_back({i, shared, (*beside)(fits[i].difference - fits[k].difference)});
     }
   }
@@ -208,18 +211,27 @@ void add_beside(const common::EffectInstance& effect, const std::vector<Size>& s
   diagnosis.probability_unknown = 1.0 - (1.0 - diagnosis.probability_unknown) * known;
 }
 
+// The effect whose size a record shows so; nullptr where the catalogue has none.
+const common::EffectAbout* read_off(const common::EffectCatalogue& catalogue, common::ReadOff from) {
+  for (const common::EffectAbout& about : catalogue.effects) {
+    if (about.read_off == from) return &about;
+  }
+  return nullptr;
+}
+
 // Counts are seen in the positions themselves, to the count: they need no fit.
 void add_counts(const Problem& problem, const DiagnosisSettings& settings, Diagnosis& diagnosis) {
   double quantum = 0.0;
   for (const Record& record : problem.records) quantum = std::max(quantum, record.encoder_quantum);
-  if (quantum < kCoarseCount || has_effect(problem.nominal.effects, kCounts)) return;
+  const common::EffectAbout* const counts = read_off(problem.catalogue, common::ReadOff::encoder_counts);
+  if (quantum < kCoarseCount || counts == nullptr || has_effect(problem.nominal.effects, counts->name)) return;
   diagnosis.counts = quantum;
-  common::EffectInstance effect = common::typical_instance(about_effect(kCounts));
-  effect.values[0] = quantum;
+  common::EffectInstance effect = common::typical_instance(*counts);
+  effect.values[common::kSize] = quantum;
   std::vector<double> deviations(effect.values.size(), 0.0);
-  deviations[0] = kCountError * quantum;
-  const bool left_out = std::find(settings.without.begin(), settings.without.end(), kCounts) != settings.without.end();
-  add_beside(effect, sizes_of({effect}, deviations), left_out ? kUnlikely : kSure, diagnosis);
+  deviations[common::kSize] = kCountError * quantum;
+  const bool left_out = std::find(settings.without.begin(), settings.without.end(), counts->name) != settings.without.end();
+  add_beside(effect, sizes_of(problem.catalogue, {effect}, deviations), left_out ? kUnlikely : kSure, diagnosis);
 }
 
 // The controller answers otherwise than its settings say, so every cause needs one of its effects beside what
@@ -243,7 +255,7 @@ void add_controller_causes(const Problem& problem, const controller::ControllerS
       }
       both.controller_effects = part.effects;
       both.probability *= part.probability * known;
-      const std::vector<Size> sizes = sizes_of(part.effects, part.deviation);
+      const std::vector<Size> sizes = sizes_of(controller::effects_for(controller), part.effects, part.deviation);
       both.sizes.insert(both.sizes.end(), sizes.begin(), sizes.end());
       combined.push_back(both);
     }
@@ -302,6 +314,8 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   Diagnosis diagnosis;
   Problem problem;
   problem.nominal = nominal;
+  if (!problem.nominal.scales) problem.nominal.scales = sim::effect_scales(nominal.crane);
+  problem.catalogue = sim::effects_for(problem.nominal);
   ShadowSettings shadow_settings;
   const bool is_coarse = std::any_of(records.begin(), records.end(),
                                      [](const Record& record) { return record.encoder_quantum >= kCoarseCount; });
@@ -373,8 +387,8 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   diagnosis.mean_square_parameters = base.mean_square;
   find_moments(problem, base.point, diagnosis);
 
-  const Projector project(base.columns, base.point, data_weight(base.difference, settings.fit));
-  const Screening screening = screen(problem, base, project, catalogue_starts(problem.nominal, settings.without, longest_record(problem)),
+  const Projector project(problem.catalogue, base.columns, base.point, data_weight(base.difference, settings.fit));
+  const Screening screening = screen(problem, base, project, catalogue_starts(problem.catalogue, problem.nominal, settings.without, longest_record(problem)),
                                      within(tell, kScreen));
   for (const auto& [name, square] : screening.visibility) {
     if (square < kVisible) diagnosis.not_excited.push_back(name);
@@ -391,7 +405,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   const MisfitCost misfit_cost(evidence, nothing.excess - least);
   std::vector<Candidate> candidates;
   const auto add_candidate = [&](const FitResult& result) {
-    Cause cause = make_cause(result);
+    Cause cause = make_cause(problem.catalogue, result);
     const Relaxed relaxed = relax(problem, result, misfit_cost, least);
     cause.excess = relaxed.excess;
     cause.prior = relaxed.prior;
@@ -419,7 +433,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
                                           ? &fits[static_cast<std::size_t>(likeliest - probabilities.candidate.begin() - 1)]
                                           : nullptr;
   locate(problem, base.difference,
-         answer_fit != nullptr && !comes_by_chance(answer_fit->point.effects[0].name) ? answer_fit->difference
+         answer_fit != nullptr && !comes_by_chance(problem.catalogue.at(answer_fit->point.effects[0].name)) ? answer_fit->difference
                                                                                       : Eigen::VectorXd::Ones(base.difference.size()),
          diagnosis);
   find_groups(problem, base, project, fits, std::span(probabilities.candidate).subspan(1), std::span(diagnosis.causes).subspan(1));
@@ -432,13 +446,14 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   std::set<std::string> names;
   for (const Cause& cause : diagnosis.causes) names.insert(name_of(cause));
   for (Cause& cause : diagnosis.causes) std::erase_if(cause.group, [&](const Alike& other) { return !names.contains(other.name); });
+  const common::EffectCatalogue known = controller ? joined(problem.catalogue, controller::effects_for(*controller)) : problem.catalogue;
   std::map<std::string, double> by_subsystem, by_effect;
   diagnosis.probability_nothing = 0.0;
   for (const Cause& cause : diagnosis.causes) {
     if (cause.effects.empty()) diagnosis.probability_nothing += cause.probability;
     std::set<std::string> touched;
     for (const std::string& effect : cause.effects) {
-      touched.insert(std::string(common::name_of(about_effect(effect).subsystem)));
+      touched.insert(std::string(common::name_of(known.at(effect).subsystem)));
       by_effect[effect] += cause.probability;
     }
     for (const std::string& subsystem : touched) by_subsystem[subsystem] += cause.probability;
@@ -481,7 +496,10 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
                     far.empty() ? "neither a known effect nor parameters within their spread explain it"
                                 : "the best fit wants " + far + ", more than machines of one make differ"));
   }
-  const auto has_no_fit = [](const common::EffectInstance& effect) { return effect.name == kCounts || comes_by_chance(effect.name); };
+  const auto has_no_fit = [&](const common::EffectInstance& effect) {
+    const common::EffectAbout& about = known.at(effect.name);
+    return about.read_off != common::ReadOff::none || comes_by_chance(about);
+  };
   const bool has_a_fit = std::none_of(first.point.effects.begin(), first.point.effects.end(), has_no_fit);
   Point followed = answer;
   std::erase_if(followed.effects, has_no_fit);

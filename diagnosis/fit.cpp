@@ -12,10 +12,9 @@
 #include <stdexcept>
 #include <thread>
 
-#include "controller/effects/catalogue.h"
 #include "diagnosis/chance.h"
 #include "diagnosis/nuisance.h"
-#include "sim/effects/catalogue.h"
+#include "sim/machine/effect_scales.h"
 
 namespace slewlab::diagnosis {
 
@@ -32,19 +31,19 @@ constexpr double kSpellStep = 0.05;    // of the time in which a spell fades: it
 constexpr double kStepDeviations = 2.0;  // the step where it is known how well the records tell the parameter, in what they leave open
 constexpr double kSmallestStep = 0.2;    // share of the first step, large against rounding
 
-Point moved(const Point& point, const Eigen::VectorXd& change) {
+Point moved(const common::EffectCatalogue& catalogue, const Point& point, const Eigen::VectorXd& change) {
   Point result = point;
   const auto nuisances = static_cast<Eigen::Index>(point.nuisance.size());
   for (Eigen::Index i = 0; i < nuisances; ++i) {
     double& z = result.nuisance[static_cast<std::size_t>(i)];
     z = std::clamp(z + change(i), -kFarthest, kFarthest);
   }
-  result.effects = effects_at(point.effects, effect_coordinates(point.effects) + change.tail(change.size() - nuisances));
+  result.effects = effects_at(catalogue, point.effects, effect_coordinates(catalogue, point.effects) + change.tail(change.size() - nuisances));
   return result;
 }
 
-Eigen::VectorXd coordinates_of(const Point& point) {
-  const Eigen::VectorXd effects = effect_coordinates(point.effects);
+Eigen::VectorXd coordinates_of(const common::EffectCatalogue& catalogue, const Point& point) {
+  const Eigen::VectorXd effects = effect_coordinates(catalogue, point.effects);
   const auto nuisances = static_cast<Eigen::Index>(point.nuisance.size());
   Eigen::VectorXd all(nuisances + effects.size());
   all << Eigen::Map<const Eigen::VectorXd>(point.nuisance.data(), nuisances), effects;
@@ -52,11 +51,11 @@ Eigen::VectorXd coordinates_of(const Point& point) {
 }
 
 // In coordinates, angles by the shorter way round.
-Eigen::VectorXd step_between(const Point& from, const Point& to) {
-  Eigen::VectorXd step = coordinates_of(to) - coordinates_of(from);
+Eigen::VectorXd step_between(const common::EffectCatalogue& catalogue, const Point& from, const Point& to) {
+  Eigen::VectorXd step = coordinates_of(catalogue, to) - coordinates_of(catalogue, from);
   auto i = static_cast<Eigen::Index>(from.nuisance.size());
   for (const common::EffectInstance& effect : from.effects) {
-    for (const common::EffectParameter& parameter : about_effect(effect.name).parameters) {
+    for (const common::EffectParameter& parameter : catalogue.at(effect.name).parameters) {
       if (is_all_round(parameter)) step(i) = std::remainder(step(i), 2.0 * std::numbers::pi / parameter.prior_scale);
       ++i;
     }
@@ -64,22 +63,22 @@ Eigen::VectorXd step_between(const Point& from, const Point& to) {
   return step;
 }
 
-double prior_cost(const Point& point) {
+double prior_cost(const common::EffectCatalogue& catalogue, const Point& point) {
   double cost = 0.0;
   for (std::size_t k = 0; k < point.nuisance.size(); ++k) cost += nuisance_prior(k, point.nuisance[k]).cost;
-  for (const double x : effect_coordinates(point.effects)) cost += effect_prior(x).cost;
+  for (const double x : effect_coordinates(catalogue, point.effects)) cost += effect_prior(x).cost;
   return cost;
 }
 
 double cost_of(const Problem& problem, const Point& point, const Eigen::VectorXd& difference) {
-  return discounted(excess(difference, problem.settings), problem.settings.law_freedom) + prior_cost(point);
+  return discounted(excess(difference, problem.settings), problem.settings.law_freedom) + prior_cost(problem.catalogue, point);
 }
 
 // The cost's, for Gauss-Newton steps.
 Eigen::MatrixXd curvature(const Problem& problem, const Point& point, const Eigen::VectorXd& difference,
                           const Eigen::MatrixXd& columns) {
   Eigen::MatrixXd system = data_weight(difference, problem.settings) * columns.transpose() * columns;
-  system.diagonal().array() += prior_rows(point).slope.array().square();
+  system.diagonal().array() += prior_rows(problem.catalogue, point).slope.array().square();
   return system;
 }
 
@@ -89,21 +88,22 @@ Eigen::VectorXd information_of(const Eigen::MatrixXd& columns) {
       .cwiseMax(0.0);
 }
 
-bool is_held(const Point& point, std::size_t k) {
+// Whether an effect at the point stands for nuisance `k`.
+bool is_held(const common::EffectCatalogue& catalogue, const Point& point, std::size_t k) {
   return std::any_of(point.effects.begin(), point.effects.end(),
-                     [&](const common::EffectInstance& effect) { return is_said_by(effect.name, k); });
+                     [&](const common::EffectInstance& effect) { return is_said_by(catalogue.at(effect.name), k); });
 }
 
-Eigen::VectorXd first_steps(const Point& point) {
+Eigen::VectorXd first_steps(const common::EffectCatalogue& catalogue, const Point& point) {
   const auto nuisances = static_cast<Eigen::Index>(point.nuisance.size());
-  Eigen::VectorXd steps = Eigen::VectorXd::Constant(nuisances + effect_coordinates(point.effects).size(), kEffectStep);
+  Eigen::VectorXd steps = Eigen::VectorXd::Constant(nuisances + effect_coordinates(catalogue, point.effects).size(), kEffectStep);
   steps.head(nuisances).setConstant(kNuisanceStep);
   Eigen::Index first = nuisances;
   for (const common::EffectInstance& effect : point.effects) {
-    const common::EffectAbout& about = about_effect(effect.name);
+    const common::EffectAbout& about = catalogue.at(effect.name);
     if (about.spell) {
-      const double step = kSpellStep * effect.values[about.spell->fade];
-      for (const std::size_t p : {about.spell->begin, about.spell->duration}) {
+      const double step = kSpellStep * effect.values[index_of(about, about.spell->fade)];
+      for (const std::size_t p : {index_of(about, about.spell->begin), index_of(about, about.spell->duration)}) {
         steps(first + static_cast<Eigen::Index>(p)) = step / value_per_deviation(about.parameters[p], effect.values[p]);
       }
     }
@@ -122,7 +122,7 @@ Eigen::MatrixXd covariance(const Problem& problem, const Point& point, const Eig
 // taken for its slope.
 Eigen::VectorXd steps_at(const Problem& problem, const Point& point, const Eigen::VectorXd& difference, const Eigen::MatrixXd& columns) {
   const Eigen::VectorXd variance = covariance(problem, point, difference, columns).diagonal();
-  Eigen::VectorXd steps = first_steps(point);
+  Eigen::VectorXd steps = first_steps(problem.catalogue, point);
   for (Eigen::Index i = 0; i < steps.size(); ++i) {
     const double open = kStepDeviations * std::sqrt(variance(i));
     if (std::isfinite(open)) steps(i) *= std::clamp(open / steps(i), kSmallestStep, 1.0);
@@ -143,7 +143,7 @@ Eigen::MatrixXd nuisance_columns(Problem& problem, const Point& point, const Eig
   // Nuisances that are moved together: a record's own change no other record, so each of them goes with its likes.
   std::vector<std::vector<std::size_t>> moves;
   for (std::size_t k = 0; k < common; ++k) {
-    if (!is_held(point, k)) moves.push_back({k});
+    if (!is_held(problem.catalogue, point, k)) moves.push_back({k});
   }
   for (std::size_t part = 0; part < kSwingAmounts && problem.nominal.crane.load.mass > 0.0; ++part) {
     std::vector<std::size_t>& move = moves.emplace_back();
@@ -169,14 +169,16 @@ Eigen::MatrixXd nuisance_columns(Problem& problem, const Point& point, const Eig
 }
 
 // Nuisances that an effect holds go back to the nominal machine, and what they were becomes the effect's.
-void hand_over(Point& point) {
+void hand_over(const common::EffectCatalogue& catalogue, Point& point) {
   for (common::EffectInstance& effect : point.effects) {
+    const common::EffectAbout& about = catalogue.at(effect.name);
     bool is_first = true;
     for (std::size_t k = 0; k < nuisances().size(); ++k) {
-      if (!is_said_by(effect.name, k)) continue;
-      const common::EffectParameter& factor = about_effect(effect.name).parameters.front();
+      if (!is_said_by(about, k)) continue;
+      const common::EffectParameter& factor = about.parameters[common::kSize];
       if (is_first) {
-        effect.values[0] = std::clamp(effect.values[0] * (1.0 + nuisances()[k].spread * point.nuisance[k]), factor.lower,
+        double& size = effect.values[common::kSize];
+        size = std::clamp(size * (1.0 + nuisances()[k].spread * point.nuisance[k]), factor.lower,
                                       factor.upper);
       }
       is_first = false;
@@ -194,11 +196,11 @@ Eigen::MatrixXd effect_columns(Problem& problem, const Point& point, const Eigen
   for (Eigen::Index e = 0; e < count; ++e) {
     Eigen::VectorXd change = Eigen::VectorXd::Zero(nuisance_count + count);
     change(nuisance_count + e) = asked(nuisance_count + e);
-    points.push_back(moved(point, change));
-    steps.push_back(step_between(point, points.back())(nuisance_count + e));
+    points.push_back(moved(problem.catalogue, point, change));
+    steps.push_back(step_between(problem.catalogue, point, points.back())(nuisance_count + e));
     if (std::fabs(steps.back()) < 0.5 * asked(nuisance_count + e)) {  // at its upper bound: look the other way
-      points.back() = moved(point, -change);
-      steps.back() = step_between(point, points.back())(nuisance_count + e);
+      points.back() = moved(problem.catalogue, point, -change);
+      steps.back() = step_between(problem.catalogue, point, points.back())(nuisance_count + e);
     }
   }
   const std::vector<Eigen::VectorXd> moved_differences = differences(problem, points);
@@ -217,7 +219,7 @@ Eigen::VectorXd newton_step(const Problem& problem, const Point& point, const Ei
   const double weight = data_weight(difference, problem.settings);
   Eigen::MatrixXd system = curvature(problem, point, difference, columns);
   system.diagonal() *= 1.0 + damping;
-  const PriorRows prior = prior_rows(point);
+  const PriorRows prior = prior_rows(problem.catalogue, point);
   const Eigen::VectorXd right = -weight * columns.transpose() * difference - prior.value.cwiseProduct(prior.slope);
   Eigen::VectorXd step = system.ldlt().solve(right);
   // Columns of a machine that was shaken to pieces give no direction; standing still ends the descent.
@@ -234,8 +236,8 @@ double descend(Problem& problem, int iterations, Eigen::MatrixXd& columns, Point
   for (int iteration = 0; iteration < iterations; ++iteration) {
     bool fell = false;
     for (const double damping : kDampings) {
-      const Point trial = moved(point, newton_step(problem, point, difference, columns, damping));
-      const Eigen::VectorXd step = step_between(point, trial);
+      const Point trial = moved(problem.catalogue, point, newton_step(problem, point, difference, columns, damping));
+      const Eigen::VectorXd step = step_between(problem.catalogue, point, trial);
       const double length = step.squaredNorm();
       if (length == 0.0) break;
       const Eigen::VectorXd trial_difference = differences(problem, trial);
@@ -271,10 +273,10 @@ double discounted_weight(double excess, double law_freedom) {
   return excess > 0.0 ? 1.0 / (1.0 + excess / law_freedom) : 1.0;
 }
 
-PriorRows prior_rows(const Point& point) {
+PriorRows prior_rows(const common::EffectCatalogue& catalogue, const Point& point) {
   std::vector<PriorTerm> terms;
   for (std::size_t k = 0; k < point.nuisance.size(); ++k) terms.push_back(nuisance_prior(k, point.nuisance[k]));
-  for (const double x : effect_coordinates(point.effects)) terms.push_back(effect_prior(x));
+  for (const double x : effect_coordinates(catalogue, point.effects)) terms.push_back(effect_prior(x));
   const auto count = static_cast<Eigen::Index>(terms.size());
   PriorRows rows{Eigen::VectorXd(count), Eigen::VectorXd(count)};
   for (Eigen::Index i = 0; i < count; ++i) {
@@ -291,6 +293,7 @@ double data_weight(const Eigen::VectorXd& difference, const FitSettings& setting
 
 sim::MachineSettings machine_at(const sim::MachineSettings& nominal, const Point& point) {
   sim::MachineSettings settings = nominal;
+  if (!settings.scales) settings.scales = sim::effect_scales(nominal.crane);
   settings.crane = with_nuisances(settings.crane, point.nuisance);
   sim::BoomParameters& boom = settings.crane.boom;
   if (boom.element_count > 0) boom.element_count = std::max(boom.element_count, kBoomElements);
@@ -300,20 +303,20 @@ sim::MachineSettings machine_at(const sim::MachineSettings& nominal, const Point
   return settings;
 }
 
-const common::EffectAbout& about_effect(const std::string& name) {
-  const sim::EffectDescription* description = sim::find_effect(name);
-  if (description != nullptr) return description->about;
-  const controller::ControllerEffect* effect = controller::find_effect(name);
-  if (effect == nullptr) throw std::invalid_argument("no effect is called " + name);
-  return effect->about;
+namespace {
+
+// Of a parameter's prior.
+double centre_of(const common::EffectParameter& parameter) {
+  return parameter.absent && std::isfinite(*parameter.absent) ? *parameter.absent : parameter.typical;
 }
+
+}  // namespace
 
 double to_coordinate(const common::EffectParameter& parameter, double value) {
   if (parameter.scale == common::ParameterScale::logarithmic) {
-    return std::log(value / parameter.typical) / parameter.prior_scale;
+    return std::log(value / centre_of(parameter)) / parameter.prior_scale;
   }
-  const double centre = parameter.absent ? *parameter.absent : parameter.typical;
-  return (value - centre) / parameter.prior_scale;
+  return (value - centre_of(parameter)) / parameter.prior_scale;
 }
 
 bool is_all_round(const common::EffectParameter& parameter) {
@@ -322,26 +325,27 @@ bool is_all_round(const common::EffectParameter& parameter) {
 }
 
 double value_at(const common::EffectParameter& parameter, double coordinate) {
-  const double centre = parameter.absent ? *parameter.absent : parameter.typical;
+  const double centre = centre_of(parameter);
   const double value = parameter.scale == common::ParameterScale::logarithmic
-                           ? parameter.typical * std::exp(coordinate * parameter.prior_scale)
+                           ? centre * std::exp(coordinate * parameter.prior_scale)
                            : centre + coordinate * parameter.prior_scale;
   return is_all_round(parameter) ? std::remainder(value, 2.0 * std::numbers::pi) : std::clamp(value, parameter.lower, parameter.upper);
 }
 
-Eigen::VectorXd effect_coordinates(std::span<const common::EffectInstance> effects) {
+Eigen::VectorXd effect_coordinates(const common::EffectCatalogue& catalogue, std::span<const common::EffectInstance> effects) {
   std::vector<double> x;
   for (const common::EffectInstance& effect : effects) {
-    const common::EffectAbout& about = about_effect(effect.name);
+    const common::EffectAbout& about = catalogue.at(effect.name);
     for (std::size_t p = 0; p < effect.values.size(); ++p) x.push_back(to_coordinate(about.parameters[p], effect.values[p]));
   }
   return Eigen::Map<const Eigen::VectorXd>(x.data(), static_cast<Eigen::Index>(x.size()));
 }
 
-std::vector<common::EffectInstance> effects_at(std::vector<common::EffectInstance> effects, const Eigen::VectorXd& coordinates) {
+std::vector<common::EffectInstance> effects_at(const common::EffectCatalogue& catalogue, std::vector<common::EffectInstance> effects,
+                                               const Eigen::VectorXd& coordinates) {
   Eigen::Index i = 0;
   for (common::EffectInstance& effect : effects) {
-    const common::EffectAbout& about = about_effect(effect.name);
+    const common::EffectAbout& about = catalogue.at(effect.name);
     for (std::size_t p = 0; p < effect.values.size(); ++p) effect.values[p] = value_at(about.parameters[p], coordinates(i++));
   }
   return effects;
@@ -466,24 +470,24 @@ FitResult fit_nuisances(Problem& problem, const FitResult& nominal) {
 FitResult fit(Problem& problem, const Eigen::MatrixXd& nuisance_columns, const Point& start) {
   FitResult result;
   result.point = start;
-  hand_over(result.point);
+  hand_over(problem.catalogue, result.point);
   result.difference = differences(problem, result.point);
   result.cost = cost_of(problem, result.point, result.difference);
-  const auto effect_count = effect_coordinates(start.effects).size();
+  const auto effect_count = effect_coordinates(problem.catalogue, start.effects).size();
   result.columns.resize(result.difference.size(), nuisance_columns.cols() + effect_count);
   result.columns.leftCols(nuisance_columns.cols()) = nuisance_columns;
   result.columns.rightCols(effect_count).setZero();  // nothing is known of them: the first steps
   for (std::size_t k = 0; k < result.point.nuisance.size(); ++k) {
-    if (is_held(result.point, k)) result.columns.col(static_cast<Eigen::Index>(k)).setZero();
+    if (is_held(problem.catalogue, result.point, k)) result.columns.col(static_cast<Eigen::Index>(k)).setZero();
   }
   improve(problem, result, false);
   return result;
 }
 
-void take_nuisance_columns(const Eigen::MatrixXd& columns, FitResult& result) {
+void take_nuisance_columns(const Problem& problem, const Eigen::MatrixXd& columns, FitResult& result) {
   for (std::size_t k = 0; k < result.point.nuisance.size(); ++k) {
     const auto column = static_cast<Eigen::Index>(k);
-    if (!is_held(result.point, k) && !columns.col(column).isZero(0.0)) result.columns.col(column) = columns.col(column);
+    if (!is_held(problem.catalogue, result.point, k) && !columns.col(column).isZero(0.0)) result.columns.col(column) = columns.col(column);
   }
 }
 
@@ -518,21 +522,21 @@ Relaxed relax(const Problem& problem, const FitResult& result, const MisfitCost&
     return misfit_cost(std::max(0.0, relaxed.excess - floor)) + relaxed.prior;
   };
   Relaxed best{result.excess, result.prior};
-  const double besides = result.prior - prior_cost(result.point);  // what does not go with where the parameters stand
+  const double besides = result.prior - prior_cost(problem.catalogue, result.point);  // what does not go with where the parameters stand
   Point point = result.point;
   Eigen::VectorXd step = Eigen::VectorXd::Zero(gram.cols());
   for (int iteration = 0; iteration < kRelaxations; ++iteration) {
     const double weight = share * misfit_cost.slope(std::max(0.0, best.excess - floor));
-    const PriorRows prior = prior_rows(point);
+    const PriorRows prior = prior_rows(problem.catalogue, point);
     Eigen::MatrixXd system = weight * gram;
     system.diagonal() += prior.slope.cwiseProduct(prior.slope);
     Eigen::VectorXd change = system.ldlt().solve(-weight * (slope + gram * step) - prior.value.cwiseProduct(prior.slope));
     if (!change.allFinite()) break;
     bool fell = false;
     for (int halving = 0; halving < 4 && !fell; ++halving, change *= 0.5) {
-      const Point trial = moved(point, change);
-      const Eigen::VectorXd trial_step = step_between(result.point, trial);
-      const Relaxed relaxed{excess_at(trial_step), prior_cost(trial) + besides};
+      const Point trial = moved(problem.catalogue, point, change);
+      const Eigen::VectorXd trial_step = step_between(problem.catalogue, result.point, trial);
+      const Relaxed relaxed{excess_at(trial_step), prior_cost(problem.catalogue, trial) + besides};
       if (cost_at(relaxed) >= cost_at(best)) continue;
       fell = true;
       best = relaxed;
@@ -547,13 +551,13 @@ Relaxed relax(const Problem& problem, const FitResult& result, const MisfitCost&
 void conclude(const Problem& problem, FitResult& result) {
   result.mean_square = mean_square(result.difference);
   result.excess = excess(result.difference, problem.settings);
-  result.prior = prior_cost(result.point);
+  result.prior = prior_cost(problem.catalogue, result.point);
   result.information = information_of(result.columns);
   const Eigen::VectorXd variance = covariance(problem, result.point, result.difference, result.columns).diagonal();
   auto e = static_cast<Eigen::Index>(result.point.nuisance.size());
   result.deviation.clear();
   for (const common::EffectInstance& effect : result.point.effects) {
-    const common::EffectAbout& about = about_effect(effect.name);
+    const common::EffectAbout& about = problem.catalogue.at(effect.name);
     for (std::size_t p = 0; p < effect.values.size(); ++p, ++e) {
       const common::EffectParameter& parameter = about.parameters[p];
       result.deviation.push_back(std::fabs(value_per_deviation(parameter, effect.values[p])) *

@@ -61,6 +61,7 @@ struct Chance;  // chance.h
 // Everything that stays the same over one diagnosis. Counts simulations; may be asked to stop.
 struct Problem {
   sim::MachineSettings nominal;
+  common::EffectCatalogue catalogue;  // the effects that suit the nominal machine, in its units
   ShadowGains gains;                 // of the nominal crane
   std::vector<Record> records;
   std::vector<Whitening> whitening;  // per record
@@ -109,7 +110,7 @@ double discounted_weight(double excess, double law_freedom);
 struct PriorRows {
   Eigen::VectorXd value, slope;
 };
-PriorRows prior_rows(const Point& point);
+PriorRows prior_rows(const common::EffectCatalogue& catalogue, const Point& point);
 
 // What a squared difference counts in the cost: s dL/dc.
 double data_weight(const Eigen::VectorXd& difference, const FitSettings& settings);
@@ -133,11 +134,11 @@ FitResult nominal_fit(Problem& problem);
 FitResult fit_nuisances(Problem& problem, const FitResult& nominal);
 
 // Fits the effects of `start` and the nuisances, from there: one round with nuisance columns from somewhere near. Nuisances that an
-// effect stands for (is_said_by) stay nominal.
+// effect stands for (EffectAbout::stands_for) stay nominal.
 FitResult fit(Problem& problem, const Eigen::MatrixXd& nuisance_columns, const Point& start);
 
 // Goes on with the nuisance columns of another fit, where that has any.
-void take_nuisance_columns(const Eigen::MatrixXd& columns, FitResult& result);
+void take_nuisance_columns(const Problem& problem, const Eigen::MatrixXd& columns, FitResult& result);
 
 // Where the fits have ended: prior, information, mean square and the spread of the sizes, from the curvature there.
 void conclude(const Problem& problem, FitResult& result);
@@ -168,9 +169,8 @@ bool is_all_round(const common::EffectParameter& parameter);
 double value_per_deviation(const common::EffectParameter& parameter, double value);
 
 // Of all parameters of the effects, in their order; and the effects with their parameters there, within their bounds.
-Eigen::VectorXd effect_coordinates(std::span<const common::EffectInstance> effects);
-std::vector<common::EffectInstance> effects_at(std::vector<common::EffectInstance> effects, const Eigen::VectorXd& coordinates);
-
-const common::EffectAbout& about_effect(const std::string& name);
+Eigen::VectorXd effect_coordinates(const common::EffectCatalogue& catalogue, std::span<const common::EffectInstance> effects);
+std::vector<common::EffectInstance> effects_at(const common::EffectCatalogue& catalogue, std::vector<common::EffectInstance> effects,
+                                               const Eigen::VectorXd& coordinates);
 
 }  // namespace slewlab::diagnosis

@@ -90,14 +90,8 @@ PriorTerm nuisance_prior(std::size_t k, double z) {
   return term;
 }
 
-bool is_said_by(std::string_view effect, std::size_t k) {
-  static const std::multimap<std::string_view, std::string_view> kSays{
-      {"house_inertia", "house inertia"},         {"boom_damping", "boom damping"},
-      {"boom_stiffness", "boom bending stiffness"}, {"boom_stiffness", "boom torsional stiffness"},
-      {"load_mass", "load mass"},                 {"rope_length", "rope length"}};
-  if (k >= nuisances().size()) return false;
-  const auto [first, last] = kSays.equal_range(effect);
-  return std::any_of(first, last, [&](const auto& entry) { return entry.second == nuisances()[k].name; });
+bool is_said_by(const common::EffectAbout& effect, std::size_t k) {
+  return k < nuisances().size() && std::find(effect.stands_for.begin(), effect.stands_for.end(), nuisances()[k].name) != effect.stands_for.end();
 }
 
 PriorTerm effect_prior(double x) {

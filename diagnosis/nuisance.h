@@ -7,6 +7,7 @@
 #include <string_view>
 #include <vector>
 
+#include "common/effect.h"
 #include "common/unit.h"
 #include "diagnosis/shadow.h"
 #include "sim/model/crane_parameters.h"
@@ -67,7 +68,7 @@ PriorTerm nuisance_prior(std::size_t k, double z);
 
 // Whether nuisance `k` is what the effect itself says of the machine: beside "the rope is longer", the rope's length is not
 // free as well.
-bool is_said_by(std::string_view effect, std::size_t k);
+bool is_said_by(const common::EffectAbout& effect, std::size_t k);
 
 // Of an effect's parameter, `x` standard deviations from its centre: Student's with 2 degrees of freedom. How large an effect is
 // on a machine is known by orders of magnitude at best.

@@ -8,7 +8,6 @@
 
 #include "common/unit.h"
 #include "diagnosis/chance.h"
-#include "sim/effects/catalogue.h"
 
 namespace slewlab::diagnosis {
 
@@ -22,6 +21,14 @@ constexpr double kCloserAmount = 2.0;           // at most, of a size that was f
 constexpr double kNearlyTried = 0.1;            // of the size: nearer than that to a start is not worth another look
 constexpr int kSecondAngles = 16;               // half round, between which the better one of two angles is looked for
 constexpr double kSameAngle = 1e-9;             // [rad] rounding
+
+// Indices of the parameters that say when a spell is.
+struct SpellPlaces {
+  std::size_t begin, duration, fade;
+};
+SpellPlaces places_of(const common::EffectAbout& about) {
+  return {index_of(about, about.spell->begin), index_of(about, about.spell->duration), index_of(about, about.spell->fade)};
+}
 
 // The angles of an effect that are looked for all round.
 std::vector<std::size_t> turning_angles(const common::EffectAbout& about) {
@@ -91,17 +98,18 @@ Screened between_quarters(std::span<const Screened> looks, std::size_t first_ang
 }
 
 // Gives `screened` what of a column with this square and product with the target serves best.
-void try_amount(double square, double product, double target_square, Screened& screened, double farthest) {
+void try_amount(const common::EffectCatalogue& catalogue, double square, double product, double target_square, Screened& screened,
+                double farthest) {
   screened.amount = square > 0.0 && std::isfinite(square) ? -product / square : 0.0;
-  screened.amount = std::clamp(screened.amount, may_turn(screened.start.name) ? -farthest : 0.0, farthest);
+  screened.amount = std::clamp(screened.amount, size_turns_sign(catalogue.at(screened.start.name)) ? -farthest : 0.0, farthest);
   screened.left = target_square + screened.amount * (2.0 * product + screened.amount * square);
 }
 
 }  // namespace
 
-Screened between_beginnings(const std::vector<const Screened*>& endless, const Eigen::VectorXd& target) {
-  const common::EffectAbout& about = about_effect(endless.front()->start.name);
-  const common::Spell& spell = *about.spell;
+Screened between_beginnings(const common::EffectCatalogue& catalogue, const std::vector<const Screened*>& endless, const Eigen::VectorXd& target) {
+  const common::EffectAbout& about = catalogue.at(endless.front()->start.name);
+  const SpellPlaces spell = places_of(about);
   const common::EffectParameter& duration = about.parameters[spell.duration];
   Eigen::MatrixXd columns(target.size(), static_cast<Eigen::Index>(endless.size()));
   for (Eigen::Index i = 0; i < columns.cols(); ++i) columns.col(i) = endless[static_cast<std::size_t>(i)]->column;
@@ -112,7 +120,7 @@ Screened between_beginnings(const std::vector<const Screened*>& endless, const E
   for (Eigen::Index i = 0; i < columns.cols(); ++i) {
     for (Eigen::Index j = i + 1; j < columns.cols(); ++j) {
       Screened spent{endless[static_cast<std::size_t>(i)]->start, {}, 0.0, 0.0, 0.0};
-      try_amount(products(i, i) + products(j, j) - 2.0 * products(i, j), with_target(i) - with_target(j), target_square, spent, kLargestAmount);
+      try_amount(catalogue, products(i, i) + products(j, j) - 2.0 * products(i, j), with_target(i) - with_target(j), target_square, spent, kLargestAmount);
       if (spent.left >= best.left) continue;
       std::vector<double>& values = spent.start.values;
       const double lasts = endless[static_cast<std::size_t>(j)]->start.values[spell.begin] - values[spell.begin] + values[spell.fade];
@@ -148,7 +156,7 @@ std::vector<common::EffectInstance> starts_of(const common::EffectAbout& about, 
   for (std::size_t p = 0; p < about.parameters.size(); ++p) {
     const common::EffectParameter& parameter = about.parameters[p];
     const bool fades_linearly = parameter.absent && std::isfinite(*parameter.absent);
-    const bool is_when = about.spell && (p == about.spell->begin || p == about.spell->duration);
+    const bool is_when = about.spell && (parameter.name == about.spell->begin || parameter.name == about.spell->duration);
     if (fades_linearly || is_all_round(parameter) || parameter.detail || is_when || !parameter.tries.empty()) continue;
     for (const double coordinate : {-1.0, 1.0}) {
       common::EffectInstance start = typical;
@@ -157,11 +165,12 @@ std::vector<common::EffectInstance> starts_of(const common::EffectAbout& about, 
     }
   }
   if (about.spell) {
-    const double every = std::max(kSpellEvery, duration / kMostBeginnings), latest = about.parameters[about.spell->begin].upper;
+    const SpellPlaces spell = places_of(about);
+    const double every = std::max(kSpellEvery, duration / kMostBeginnings), latest = about.parameters[spell.begin].upper;
     for (int k = 0; every * k < duration && every * k <= latest; ++k) {
       common::EffectInstance endless = typical;
-      endless.values[about.spell->begin] = every * k;
-      endless.values[about.spell->duration] = about.parameters[about.spell->duration].upper;
+      endless.values[spell.begin] = every * k;
+      endless.values[spell.duration] = about.parameters[spell.duration].upper;
       others.push_back(endless);
     }
   }
@@ -180,9 +189,9 @@ std::vector<common::EffectInstance> starts_of(const common::EffectAbout& about, 
   return starts;
 }
 
-Point with_amount(Point point, const Screened& screened, double amount) {
+Point with_amount(const common::EffectCatalogue& catalogue, Point point, const Screened& screened, double amount) {
   common::EffectInstance effect = screened.start;
-  const common::EffectAbout& about = about_effect(effect.name);
+  const common::EffectAbout& about = catalogue.at(effect.name);
   for (std::size_t p = 0; p < about.parameters.size(); ++p) {
     const common::EffectParameter& parameter = about.parameters[p];
     if (!parameter.absent) continue;
@@ -194,13 +203,8 @@ Point with_amount(Point point, const Screened& screened, double amount) {
   return point;
 }
 
-bool may_turn(const std::string& effect) {
-  const common::EffectParameter& parameter = about_effect(effect).parameters.front();
-  return parameter.absent && parameter.lower < *parameter.absent && parameter.upper > *parameter.absent;
-}
-
-void try_amount(const Eigen::VectorXd& column, const Eigen::VectorXd& target, Screened& screened, double farthest) {
-  try_amount(column.squaredNorm(), column.dot(target), target.squaredNorm(), screened, farthest);
+void try_amount(const common::EffectCatalogue& catalogue, const Eigen::VectorXd& column, const Eigen::VectorXd& target, Screened& screened, double farthest) {
+  try_amount(catalogue, column.squaredNorm(), column.dot(target), target.squaredNorm(), screened, farthest);
 }
 
 std::optional<Amounts> joint_amounts(const Eigen::VectorXd& a, const Eigen::VectorXd& b, const Eigen::VectorXd& target, double least) {
@@ -220,14 +224,15 @@ double forecast(const Problem& problem, const FitResult& from, const Screening& 
   return discounted(left, nu) - discounted(left - fall, nu);
 }
 
-std::vector<common::EffectInstance> catalogue_starts(const sim::MachineSettings& nominal, std::span<const std::string> without, double duration) {
+std::vector<common::EffectInstance> catalogue_starts(const common::EffectCatalogue& catalogue, const sim::MachineSettings& nominal,
+                                                     std::span<const std::string> without, double duration) {
   std::vector<common::EffectInstance> starts;
-  for (const sim::EffectDescription* description : sim::effect_catalogue()) {
-    const std::string name(description->about.name);
-    if (std::find(without.begin(), without.end(), name) != without.end() || name == kCounts) continue;
+  for (const common::EffectAbout& about : catalogue.effects) {
+    const std::string name(about.name);
+    if (std::find(without.begin(), without.end(), name) != without.end() || about.read_off != common::ReadOff::none) continue;
     // What the nominal crane has already is not missing, and a machine takes an effect once.
     if (has_effect(nominal.effects, name)) continue;
-    const std::vector<common::EffectInstance> own = starts_of(description->about, duration);
+    const std::vector<common::EffectInstance> own = starts_of(about, duration);
     starts.insert(starts.end(), own.begin(), own.end());
   }
   return starts;
@@ -249,7 +254,7 @@ std::vector<const Screened*> best_of_each(const Screening& screening) {
 std::vector<common::EffectInstance> best_starts(const Problem& problem, const Screening& screening) {
   std::vector<common::EffectInstance> starts;
   for (const Screened* screened : best_of_each(screening)) {
-    const common::EffectAbout& about = about_effect(screened->start.name);
+    const common::EffectAbout& about = problem.catalogue.at(screened->start.name);
     const std::vector<common::EffectInstance> turned = all_turned(screened->start, turning_angles(about), 1);
     starts.insert(starts.end(), turned.begin(), turned.end());
     if (about.spell) {  // when, cannot be told before the place is known
@@ -280,7 +285,7 @@ Screening screen(Problem& problem, const FitResult& from, const Projector& proje
   const auto look = [&](Screened& screened, const Eigen::VectorXd& difference, double farthest) {
     screened.column = project(difference - from.difference);
     screened.visibility = screened.column.squaredNorm();
-    try_amount(screened.column, gap, screened, farthest);
+    try_amount(problem.catalogue, screened.column, gap, screened, farthest);
   };
   {
     const std::size_t batch = 8 * static_cast<std::size_t>(std::max(1, problem.threads));
@@ -295,7 +300,7 @@ Screening screen(Problem& problem, const FitResult& from, const Projector& proje
   std::vector<Screened> between;
   std::map<std::string, std::vector<const Screened*>> endless;
   for (std::size_t i = 0; i < tried.size(); ++i) {
-    const common::EffectAbout& about = about_effect(tried[i].start.name);
+    const common::EffectAbout& about = problem.catalogue.at(tried[i].start.name);
     const std::vector<std::size_t> angles = turning_angles(about);
     const auto is_turned = [&](std::size_t one, std::size_t other, std::size_t angle) {
       return other < tried.size() && is_quarter_on(tried[one].start, tried[other].start, angle);
@@ -306,12 +311,12 @@ Screening screen(Problem& problem, const FitResult& from, const Projector& proje
     if (about.angles_multiply && is_turned(i, i + 1, angles[0]) && is_turned(i, i + 2, angles[1]) && is_turned(i + 2, i + 3, angles[0])) {
       between.push_back(between_quarters(std::span<const Screened>(tried).subspan(i, 4), angles[0], angles[1], gap));
     }
-    if (about.spell && tried[i].start.values[about.spell->duration] == about.parameters[about.spell->duration].upper) {
+    if (about.spell && tried[i].start.values[places_of(about).duration] == about.parameters[places_of(about).duration].upper) {
       endless[tried[i].start.name].push_back(&tried[i]);
     }
   }
   for (const auto& [name, beginnings] : endless) {
-    if (beginnings.size() > 1) between.push_back(between_beginnings(beginnings, gap));
+    if (beginnings.size() > 1) between.push_back(between_beginnings(problem.catalogue, beginnings, gap));
   }
   std::vector<const Screened*> looks;
   for (const Screened& screened : tried) looks.push_back(&screened);
@@ -322,7 +327,7 @@ Screening screen(Problem& problem, const FitResult& from, const Projector& proje
     for (const Screened* screened : best_of_each(std::move(looks))) {
       const bool is_tried = screened->column.size() != 0 && std::fabs(screened->amount - 1.0) < kNearlyTried;
       if (forecast(problem, from, screening, *screened) < kLeastGain || is_tried) continue;
-      at.push_back(with_amount(from.point, *screened, screened->amount));
+      at.push_back(with_amount(problem.catalogue, from.point, *screened, screened->amount));
       again.push_back({at.back().effects.back(), {}, 0.0, 0.0, 0.0});
     }
     tell(0.9 + 0.1 * closer / kCloserLooks, "looking again at the promising effects");
@@ -334,7 +339,7 @@ Screening screen(Problem& problem, const FitResult& from, const Projector& proje
     for (std::size_t i = known; i < tried.size(); ++i) looks.push_back(&tried[i]);
   }
   for (const Screened& screened : tried) {
-    if (comes_by_chance(screened.start.name)) continue;
+    if (comes_by_chance(problem.catalogue.at(screened.start.name))) continue;
     double& largest = screening.visibility[screened.start.name];
     largest = std::max(largest, screened.visibility);
   }

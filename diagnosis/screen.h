@@ -18,9 +18,6 @@
 
 namespace slewlab::diagnosis {
 
-// Coarse counts are read off the positions and never fitted.
-inline constexpr const char* kCounts = "encoder_quantisation";
-
 inline constexpr double kLargestAmount = 20.0;         // of the screened size that a linear forecast is trusted with
 inline constexpr double kLeastGain = 6.0;              // fall of the cost, forecast linearly, for which an effect is refined
 
@@ -40,14 +37,14 @@ struct Screened {
 };
 
 // The point with the start added, its fading parameters scaled by `amount`.
-Point with_amount(Point point, const Screened& screened, double amount);
+Point with_amount(const common::EffectCatalogue& catalogue, Point point, const Screened& screened, double amount);
 
 // Projects out what fitted parameters can imitate. Below the differences stand the rows of their prior, so that an effect
 // that relieves parameters of an unlikely value counts for that too.
 class Projector {
  public:
-  Projector(const Eigen::MatrixXd& columns, const Point& point, double weight)
-      : prior_(prior_rows(point)), scale_(1.0 / std::sqrt(weight)), columns_(columns.rows() + columns.cols(), columns.cols()) {
+  Projector(const common::EffectCatalogue& catalogue, const Eigen::MatrixXd& columns, const Point& point, double weight)
+      : prior_(prior_rows(catalogue, point)), scale_(1.0 / std::sqrt(weight)), columns_(columns.rows() + columns.cols(), columns.cols()) {
     columns_.topRows(columns.rows()) = columns;
     columns_.bottomRows(columns.cols()) = (scale_ * prior_.slope).asDiagonal();
     factor_.compute(columns_.transpose() * columns_);
@@ -76,15 +73,13 @@ class Projector {
   Eigen::LDLT<Eigen::MatrixXd> factor_;
 };
 
-// Whether the effect acts the other way round with its size turned, and so by a negative amount.
-bool may_turn(const std::string& effect);
-
-// Gives `screened` the multiple of the column that takes most of `target` away, at most `farthest`, and what that leaves.
-void try_amount(const Eigen::VectorXd& column, const Eigen::VectorXd& target, Screened& screened, double farthest = kLargestAmount);
+// Gives `screened` the multiple of the column that takes most of `target` away, at most `farthest`, and what that leaves;
+// a negative one only where the effect's size turns sign.
+void try_amount(const common::EffectCatalogue& catalogue, const Eigen::VectorXd& column, const Eigen::VectorXd& target, Screened& screened, double farthest = kLargestAmount);
 
 // Of one effect that begins at one moment each and never ends, at least two of them by rising beginnings, the best one from one
 // beginning to a later one.
-Screened between_beginnings(const std::vector<const Screened*>& endless, const Eigen::VectorXd& target);
+Screened between_beginnings(const common::EffectCatalogue& catalogue, const std::vector<const Screened*>& endless, const Eigen::VectorXd& target);
 
 // The multiples x, y of two columns that take most of `target` away together; nothing where the columns are parallel: where
 // 1 - cosine^2 is not above `least`.
@@ -102,9 +97,10 @@ struct Screening {
   std::map<std::string, double> visibility;  // largest of each effect's
   Eigen::VectorXd gap;                       // what parameters alone leave, as the projector shows it
 };
-// All starts of the catalogue but of `without`. `duration` [s] of the longest record, in which an effect may begin at any time.
-std::vector<common::EffectInstance> catalogue_starts(const sim::MachineSettings& nominal, std::span<const std::string> without,
-                                                     double duration);
+// All starts of the machine's catalogue but of `without`, of what the nominal machine has, and of what is read off a record.
+// `duration` [s] of the longest record, in which an effect may begin at any time.
+std::vector<common::EffectInstance> catalogue_starts(const common::EffectCatalogue& catalogue, const sim::MachineSettings& nominal,
+                                                     std::span<const std::string> without, double duration);
 
 // Of each effect the one that leaves least, by what they leave; of all that was tried, or of some.
 std::vector<const Screened*> best_of_each(const Screening& screening);

@@ -54,7 +54,7 @@ void go_on(Problem& problem, const Eigen::MatrixXd& nuisance_columns, std::vecto
   share_out(problem, std::min(fits.size(), static_cast<std::size_t>(std::max(1, leaders))) - 1, [&](std::size_t behind) {
     FitResult& leader = fits[behind + 1];
     tell((first + static_cast<double>(behind + 1)) / all, "converging " + effects_of(leader.point));
-    take_nuisance_columns(fits.front().columns, leader);
+    take_nuisance_columns(problem, fits.front().columns, leader);
     improve(problem, leader, false);
   });
   const auto best = std::min_element(fits.begin(), fits.end(), cheaper);
@@ -75,7 +75,7 @@ void go_back(Problem& problem, const Eigen::MatrixXd& nuisance_columns, std::siz
     start.effects.erase(start.effects.begin() + static_cast<std::ptrdiff_t>(left_out));
     FitResult& again = fewer[left_out];
     again = fit(problem, nuisance_columns, start);
-    take_nuisance_columns(from.columns, again);
+    take_nuisance_columns(problem, from.columns, again);
     improve(problem, again, false);
     if (again.point.effects.empty() && excess(again.difference, problem.settings) < kDoubtful) settle(problem, again, kFreshRounds);
   });
@@ -141,11 +141,11 @@ std::vector<PairStart> pair_starts(Problem& problem, const FitResult& base, cons
       const std::optional<Amounts> amounts = joint_amounts(best[i]->column, best[j]->column, gap, kParallel);
       if (!amounts) continue;
       const auto [x, y, a_target, b_target] = *amounts;
-      const auto allowed = [](const Screened& s, double amount) {
-        return std::fabs(amount) <= kLargestAmount && (amount > 0.0 || may_turn(s.start.name));
+      const auto allowed = [&](const Screened& s, double amount) {
+        return std::fabs(amount) <= kLargestAmount && (amount > 0.0 || common::size_turns_sign(problem.catalogue.at(s.start.name)));
       };
       if (!allowed(*best[i], x) || !allowed(*best[j], y)) continue;
-      joint.push_back({with_amount(with_amount(base.point, *best[i], x), *best[j], y), gap.squaredNorm() + x * a_target + y * b_target});
+      joint.push_back({with_amount(problem.catalogue, with_amount(problem.catalogue, base.point, *best[i], x), *best[j], y), gap.squaredNorm() + x * a_target + y * b_target});
     }
   }
   std::stable_sort(joint.begin(), joint.end(), [](const Pair& a, const Pair& b) { return a.left < b.left; });
@@ -161,21 +161,21 @@ std::vector<PairStart> pair_starts(Problem& problem, const FitResult& base, cons
   };
   for (std::size_t leader = 0; leader < std::min<std::size_t>(kPairLeaders, singles.size()); ++leader) {
     const FitResult& single = singles[leader];
-    const Projector project(single.columns, single.point, data_weight(single.difference, problem.settings));
+    const Projector project(problem.catalogue, single.columns, single.point, data_weight(single.difference, problem.settings));
     const Eigen::VectorXd left = project.gap(single.difference);
     std::vector<Screened> beside;
     const bool is_best = leader == 0;
     if (is_best) {
       std::vector<common::EffectInstance> starts_here = best_starts(problem, screening);
       std::erase_if(starts_here, [&](const common::EffectInstance& start) {
-        return same_as.contains(start.name) || comes_by_chance(start.name);
+        return same_as.contains(start.name) || comes_by_chance(problem.catalogue.at(start.name));
       });
       beside = screen(problem, single, project, starts_here, tell).tried;
     } else {
       for (const Screened* screened : best) {
         if (screened->start.name == single.point.effects[0].name) continue;
         beside.push_back(*screened);
-        try_amount(project(screened->column), left, beside.back());
+        try_amount(problem.catalogue, project(screened->column), left, beside.back());
       }
     }
     std::vector<const Screened*> ranked;
@@ -185,7 +185,7 @@ std::vector<PairStart> pair_starts(Problem& problem, const FitResult& base, cons
     ranked = best_of_each(std::move(ranked));
     const auto most = static_cast<std::size_t>(is_best ? settings.beside_the_best : kPairsPerLeader);
     for (std::size_t k = 0; k < std::min(most, ranked.size()); ++k) {
-      take(with_amount(single.point, *ranked[k], ranked[k]->amount), single);
+      take(with_amount(problem.catalogue, single.point, *ranked[k], ranked[k]->amount), single);
     }
   }
   const std::size_t most_of_all = starts.size() + static_cast<std::size_t>(settings.joint_pairs);
@@ -200,7 +200,7 @@ Found search(Problem& problem, const FitResult& base, const Screening& screening
   // All starts by what they leave, and of them the best of each effect.
   std::vector<const Screened*> ranked;
   for (const Screened& screened : screening.tried) {
-    if (!comes_by_chance(screened.start.name)) ranked.push_back(&screened);
+    if (!comes_by_chance(problem.catalogue.at(screened.start.name))) ranked.push_back(&screened);
   }
   std::stable_sort(ranked.begin(), ranked.end(), [](const Screened* a, const Screened* b) { return a->left < b->left; });
   std::vector<const Screened*> best = best_of_each(ranked);
@@ -230,7 +230,7 @@ Found search(Problem& problem, const FitResult& base, const Screening& screening
   const Progress refining = within(tell, kRefineSingles);
   share_out(problem, chosen.size(), [&](std::size_t i) {
     refining(static_cast<double>(i) / static_cast<double>(chosen.size()), "refining " + chosen[i]->start.name);
-    fits[i] = fit(problem, base.columns, with_amount(base.point, *chosen[i], chosen[i]->amount));
+    fits[i] = fit(problem, base.columns, with_amount(problem.catalogue, base.point, *chosen[i], chosen[i]->amount));
   });
   // One fit per effect, the better one. The leaders go on, the best of them with fresh columns, so that none loses for
   // want of convergence.
@@ -250,7 +250,7 @@ Found search(Problem& problem, const FitResult& base, const Screening& screening
       refining_pairs(static_cast<double>(i) / static_cast<double>(starts.size()), "refining " + effects_of(start));
       const auto nuisances = static_cast<Eigen::Index>(start.nuisance.size());
       pairs[i] = fit(problem, from->columns.leftCols(nuisances), start);
-      take_nuisance_columns(fits.front().columns, pairs[i]);
+      take_nuisance_columns(problem, fits.front().columns, pairs[i]);
     });
     go_on(problem, base.columns, pairs, settings.pair_contenders, settings.pair_leaders, within(tell, kConvergePairs));
     fits.insert(fits.end(), std::make_move_iterator(pairs.begin()), std::make_move_iterator(pairs.end()));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "sim/effects/catalogue.h"
 #include "sim/integrate/machine.h"
 #include "sim/model/drive_line.h"
 
@@ -11,7 +12,6 @@ namespace slewlab::diagnosis {
 namespace {
 
 constexpr double kNanosecond = 1e-9;  // [s]
-constexpr const char* kEncoderDelay = "encoder_delay";
 constexpr double kFirst = 0.25;       // [s] over which the tip sensor's offset is first taken; until then it leads nothing
 constexpr double kOffsetTime = 20.0;  // [s] in which it may drift: slower than any pendulum of a load
 
@@ -83,8 +83,9 @@ Shadow shadow(const sim::MachineSettings& settings, const Record& record, const 
   with_step.step = record.step;
   double encoder_lead = encoder_latency / record.step;  // [steps]
   std::erase_if(with_step.effects, [&](const common::EffectInstance& effect) {
-    if (effect.name != kEncoderDelay) return false;
-    encoder_lead += effect.values[0] / record.step;
+    const sim::EffectDescription* description = sim::find_effect(effect.name);
+    if (description == nullptr || description->about.pure_delay != common::PureDelay::encoder) return false;
+    encoder_lead += effect.values[common::kSize] / record.step;
     return true;
   });
   sim::Machine machine = sim::make_machine(with_step);

@@ -52,7 +52,7 @@ struct Swing {
   double rate = 0.0;   // [rad/s]
 };
 
-// `encoder_latency` [s] is how late (early, where negative) the encoders read. It, and an encoder_delay of the machine, are taken
+// `encoder_latency` [s] is how late (early, where negative) the encoders read. It, and a pure delay of the machine's encoders, are taken
 // out of the record instead of put into the shadow, whose feedback they would shake.
 // Throws std::invalid_argument where the machine cannot be built.
 Shadow shadow(const sim::MachineSettings& machine, const Record& record, const ShadowGains& gains,

@@ -2,17 +2,18 @@
 
 #include <stdexcept>
 
-#include "controller/effects/droop.h"
-#include "controller/effects/other_gains.h"
-#include "controller/effects/other_play_compensation.h"
-#include "controller/effects/other_ramp.h"
-#include "controller/effects/speed_filter.h"
 
 namespace slewlab::controller {
 
+#define EFFECT(name) const ControllerEffect& name();
+#include "controller/effects/catalogue.inc"
+#undef EFFECT
+
 const std::vector<const ControllerEffect*>& effect_catalogue() {
   static const std::vector<const ControllerEffect*> catalogue{
-      &droop(), &other_gains(), &other_ramp(), &other_play_compensation(), &speed_filter(),
+#define EFFECT(name) &name(),
+#include "controller/effects/catalogue.inc"
+#undef EFFECT
   };
   return catalogue;
 }
@@ -24,23 +25,24 @@ const ControllerEffect* find_effect(std::string_view name) {
   return nullptr;
 }
 
-const std::vector<const common::EffectAbout*>& effect_abouts() {
-  static const std::vector<const common::EffectAbout*> abouts = [] {
-    std::vector<const common::EffectAbout*> list;
-    for (const ControllerEffect* effect : effect_catalogue()) list.push_back(&effect->about);
-    return list;
-  }();
-  return abouts;
+common::EffectCatalogue effects_for(const ControllerSettings& nominal) {
+  std::vector<const common::EffectAbout*> laws;
+  for (const ControllerEffect* effect : effect_catalogue()) laws.push_back(&effect->about);
+  common::EffectScales scales;
+  scales[common::ScaleOf::motor_speed] = nominal.ramp.top_speed * nominal.total_ratio;
+  scales[common::ScaleOf::time] = nominal.speed_control.integral_time;
+  return common::catalogue_for(laws, scales, {});
 }
 
 ControllerSettings with_effects(ControllerSettings settings,
                                 const std::vector<common::EffectInstance>& effects) {
+  const common::EffectCatalogue catalogue = effects_for(settings);
   for (const common::EffectInstance& instance : effects) {
     const ControllerEffect* effect = find_effect(instance.name);
     if (effect == nullptr)
       throw std::invalid_argument("no effect of the controller is called " + instance.name);
-    common::check_instance(effect->about, instance);
-    effect->change(instance.values, settings);
+    common::check_instance(catalogue.at(instance.name), instance);
+    effect->change({effect->about, instance.values}, settings);
   }
   return settings;
 }

@@ -13,8 +13,9 @@ const std::vector<const ControllerEffect*>& effect_catalogue();
 // nullptr where no effect has the name.
 const ControllerEffect* find_effect(std::string_view name);
 
-// For common::read_effects and common::effects_text.
-const std::vector<const common::EffectAbout*>& effect_abouts();
+// The effects with their numbers in the units of a controller: `motor_speed` is the shaft's at the ramp's top speed, `time`
+// the integral time.
+common::EffectCatalogue effects_for(const ControllerSettings& nominal);
 
 // The settings with the effects in them. Throws std::invalid_argument: unknown effect, value out of bounds.
 ControllerSettings with_effects(ControllerSettings settings,

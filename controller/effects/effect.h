@@ -9,8 +9,8 @@
 namespace slewlab::controller {
 
 struct ControllerEffect {
-  common::EffectAbout about;
-  void (*change)(const std::vector<double>& values, ControllerSettings& settings) = nullptr;
+  common::EffectAbout about;  // numbers as multiples of a controller's scales (common/effect.h)
+  void (*change)(const common::EffectValues& values, ControllerSettings& settings) = nullptr;
 };
 
 }  // namespace slewlab::controller

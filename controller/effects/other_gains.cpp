@@ -1,12 +1,15 @@
-#include "controller/effects/other_gains.h"
+// Other gains: proportional gain and integral time are factors times what the settings say.
+//   K_p' = gain_factor K_p,  T_i' = integral_time_factor T_i
+// Source: thesis 3.5 (PI; its gains are not given).
+#include "controller/effects/effect.h"
 
 namespace slewlab::controller {
 
 namespace {
 
-void change(const std::vector<double>& values, ControllerSettings& settings) {
-  settings.speed_control.proportional_gain *= values[0];
-  settings.speed_control.integral_time *= values[1];
+void change(const common::EffectValues& values, ControllerSettings& settings) {
+  settings.speed_control.proportional_gain *= values["gain_factor"];
+  settings.speed_control.integral_time *= values["integral_time_factor"];
 }
 
 }  // namespace

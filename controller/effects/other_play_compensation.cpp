@@ -1,15 +1,20 @@
-#include "controller/effects/other_play_compensation.h"
+// Other play-compensation map: the two halves differ from the average torque by a factor times what the
+// map says,
+//   T_i = average + factor (T_i,map - average).
+// A map that is switched off stays off; factor 0 takes the offset away.
+// Source: thesis 3.5, Table 3.4.
+#include "controller/effects/effect.h"
 
 namespace slewlab::controller {
 
 namespace {
 
-void change(const std::vector<double>& values, ControllerSettings& settings) {
+void change(const common::EffectValues& values, ControllerSettings& settings) {
   PlayCompensationSettings& play = settings.play_compensation;
   for (int i = 0; i < play.point_count; ++i) {
     PlayMapPoint& point = play.points[static_cast<std::size_t>(i)];
-    point.half_1 = point.average + values[0] * (point.half_1 - point.average);
-    point.half_2 = point.average + values[0] * (point.half_2 - point.average);
+    point.half_1 = point.average + values["offset_factor"] * (point.half_1 - point.average);
+    point.half_2 = point.average + values["offset_factor"] * (point.half_2 - point.average);
   }
 }
 

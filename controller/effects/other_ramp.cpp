@@ -1,4 +1,8 @@
-#include "controller/effects/other_ramp.h"
+// Other ramp: acceleration and deceleration times are a factor times what the settings say, and the curved
+// share of the S-curve is changed (kept within 0 ... 0.5). The emergency stop's ramp is kept.
+//   t_accelerating' = time_factor t_accelerating,  t_decelerating' = time_factor t_decelerating,  share' = share + curved_share_change
+// Source: thesis 4.5 (S-curve; its times scale with the speed).
+#include "controller/effects/effect.h"
 
 #include <algorithm>
 
@@ -6,10 +10,10 @@ namespace slewlab::controller {
 
 namespace {
 
-void change(const std::vector<double>& values, ControllerSettings& settings) {
-  settings.ramp.acceleration_time *= values[0];
-  settings.ramp.deceleration_time *= values[0];
-  settings.ramp.curved_share = std::clamp(settings.ramp.curved_share + values[1], 0.0, 0.5);
+void change(const common::EffectValues& values, ControllerSettings& settings) {
+  settings.ramp.acceleration_time *= values["time_factor"];
+  settings.ramp.deceleration_time *= values["time_factor"];
+  settings.ramp.curved_share = std::clamp(settings.ramp.curved_share + values["curved_share_change"], 0.0, 0.5);
 }
 
 }  // namespace

@@ -1,11 +1,14 @@
-#include "controller/effects/speed_filter.h"
+// Filter on the measured speed: a first-order low-pass with a time constant above the one in the settings.
+//   T dv/dt = v_measured - v,  T = T_settings + time_constant
+// Source: textbook; thesis Figure 3.16 has none.
+#include "controller/effects/effect.h"
 
 namespace slewlab::controller {
 
 namespace {
 
-void change(const std::vector<double>& values, ControllerSettings& settings) {
-  settings.speed_filter_time += values[0];
+void change(const common::EffectValues& values, ControllerSettings& settings) {
+  settings.speed_filter_time += values["time_constant"];
 }
 
 }  // namespace
@@ -17,6 +20,7 @@ const ControllerEffect& speed_filter() {
                 .physics = "the measured speed is filtered",
                 .parameters = {{.name = "time_constant",
                                 .unit = common::Unit::second,
+                                .per = common::ScaleOf::time,
                                 .meaning = "added to the one in the settings",
                                 .lower = 0.0,
                                 .upper = 0.3,

@@ -79,11 +79,9 @@ double informed_gap(const withheld::CaseInput& input, const std::vector<std::str
   DiagnosisSettings with = settings.diagnosis;
   // Told the effects: everything else is left out of the catalogue.
   const auto told = [&](std::string_view name) { return std::find(effects.begin(), effects.end(), name) != effects.end(); };
-  for (const common::EffectAbout* about : sim::effect_abouts()) {
-    if (!told(about->name)) with.without.emplace_back(about->name);
-  }
-  for (const common::EffectAbout* about : controller::effect_abouts()) {
-    if (!told(about->name)) with.without.emplace_back(about->name);
+  const common::EffectCatalogue known = joined(sim::effects_for(data.nominal), controller::effects_for(data.controller));
+  for (const common::EffectAbout& about : known.effects) {
+    if (!told(about.name)) with.without.emplace_back(about.name);
   }
   const Diagnosis diagnosis = diagnose(data.nominal, data.controller, data.records, with, {}, is_stopped);
   double best = predict(data.nominal, data.controller, data.unseen).relative_gap;

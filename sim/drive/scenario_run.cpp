@@ -12,7 +12,7 @@ constexpr double kNanosecondsPerSecond = 1e9;
 std::vector<common::EffectInstance> effects_of(const CraneFile& crane) {
   if (crane.effects.kind == common::YamlNode::Kind::null) return {};
   common::InputProblems problems;
-  const auto effects = common::read_effects(crane.effects, effect_abouts(), problems);
+  const auto effects = common::read_effects(crane.effects, effects_for(crane.parameters), problems);
   if (!problems.empty()) throw common::InputError(problems);
   return effects;
 }

@@ -1,4 +1,7 @@
-#include "sim/effects/air_drag.h"
+// Air drag of the load in still air: F = -1/2 rho (C A) |v| v with v the load's lateral velocity, slewing
+// included.
+// Source: textbook (drag on bluff bodies). Not in the thesis.
+#include "sim/effects/effect.h"
 
 #include <cmath>
 
@@ -11,7 +14,7 @@ namespace {
 
 class AirDrag : public Running<AirDrag> {
  public:
-  explicit AirDrag(const EffectStart& start) : factor_(0.5 * kAirDensity * start.values[0]) {}
+  explicit AirDrag(const EffectStart& start) : factor_(0.5 * kAirDensity * start.value("drag_area")) {}
 
   void force(const EffectMoment& moment, PortForces& ports) override {
     ports.load_force -= factor_ * std::fabs(moment.load_velocity) * moment.load_velocity;
@@ -30,13 +33,16 @@ const EffectDescription& air_drag() {
                 .physics = "the air slows the load down",
                 .parameters = {{.name = "drag_area",
                                 .unit = common::Unit::square_metre,
+                                .per = common::ScaleOf::drag_area,
                                 .meaning = "drag coefficient times area of the load",
                                 .lower = 0.0,
-                                .upper = 2000.0,
-                                .typical = 200.0,
-                                .prior_scale = 50.0,
+                                .upper = 2.873,
+                                .typical = 0.2873,
+                                .prior_scale = 0.07181,
                                 .scale = common::ParameterScale::linear,
-                                .absent = 0.0}}},
+                                .absent = 0.0}},
+                .needs = {.boom = true, .load = true},
+                .family = common::Family::wind},
       .ports = {EffectPort::force},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<AirDrag>(start);

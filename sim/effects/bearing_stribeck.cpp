@@ -1,4 +1,8 @@
-#include "sim/effects/bearing_stribeck.h"
+// Stribeck friction of the slew bearing: dry friction that falls from its breakaway value as motion begins,
+//   |T| <= (1 +- a) (T_c + T_s exp(-(omega / omega_s)^2)),   + against positive motion,
+// holding at rest. T_s is the excess of breakaway over sliding. With `give` > 0 as bearing_coulomb.h.
+// Source: textbook (Stribeck curve); bearing friction is not in the thesis.
+#include "sim/effects/effect.h"
 
 #include <cmath>
 
@@ -12,11 +16,11 @@ namespace {
 class BearingStribeck : public Running<BearingStribeck> {
  public:
   explicit BearingStribeck(const EffectStart& start)
-      : coulomb_(start.values[0]),
-        excess_(start.values[1]),
-        speed_(start.values[2]),
-        asymmetry_(start.values[3]),
-        joint_{.give = start.values[4]} {}
+      : coulomb_(start.value("coulomb_torque")),
+        excess_(start.value("breakaway_excess")),
+        speed_(start.value("stribeck_speed")),
+        asymmetry_(start.value("asymmetry")),
+        joint_{.give = start.value("give")} {}
 
   void friction(const EffectMoment& moment, FrictionLevels& levels) override {
     if (joint_.give > 0.0) return;
@@ -53,33 +57,38 @@ const EffectDescription& bearing_stribeck() {
                 .physics = "dry friction of the slew bearing that falls as motion begins",
                 .parameters = {{.name = "coulomb_torque",
                                 .unit = common::Unit::newton_metre,
+                                .per = common::ScaleOf::axis_torque,
                                 .meaning = "friction while sliding, mean of both directions",
                                 .lower = 0.0,
-                                .upper = 3e6,
-                                .typical = 1.5e5,
-                                .prior_scale = 1e5,
+                                .upper = 0.7312,
+                                .typical = 0.03656,
+                                .prior_scale = 0.02437,
                                 .scale = common::ParameterScale::linear,
                                 .absent = 0.0},
                                {.name = "breakaway_excess",
                                 .unit = common::Unit::newton_metre,
+                                .per = common::ScaleOf::axis_torque,
                                 .meaning = "friction at rest above that while sliding",
                                 .lower = 0.0,
-                                .upper = 2e6,
-                                .typical = 1.5e5,
-                                .prior_scale = 1e5,
+                                .upper = 0.4875,
+                                .typical = 0.03656,
+                                .prior_scale = 0.02437,
                                 .scale = common::ParameterScale::linear,
                                 .absent = 0.0},
                                {.name = "stribeck_speed",
                                 .unit = common::Unit::radian_per_second,
+                                .per = common::ScaleOf::axis_speed,
                                 .meaning = "slewing speed at which the excess has fallen to 37 %",
-                                .lower = 2e-4,
-                                .upper = 0.1,
-                                .typical = 0.005,
+                                .lower = 0.004,
+                                .upper = 2.0,
+                                .typical = 0.1,
                                 .prior_scale = 0.5,
                                 .scale = common::ParameterScale::logarithmic,
                                 .absent = std::nullopt},
                                asymmetry_parameter(),
-                               give_parameter("slew angle over which the bearing takes up its friction; 0: dry friction", 1e-3, 3e-5)}},
+                               give_parameter("slew angle over which the bearing takes up its friction; 0: dry friction",
+                                              common::ScaleOf::axis_angle, 0.01986, 5.955e-4)},
+                .family = common::Family::friction},
       .ports = {EffectPort::friction, EffectPort::force},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<BearingStribeck>(start);

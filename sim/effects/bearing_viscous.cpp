@@ -1,4 +1,7 @@
-#include "sim/effects/bearing_viscous.h"
+// Viscous friction of the slew bearing:
+//   T = -d (1 + a) omega_house for positive speed, -d (1 - a) omega_house for negative.
+// Source: textbook (grease film). Not in the thesis.
+#include "sim/effects/effect.h"
 
 #include "sim/effects/asymmetry.h"
 
@@ -9,8 +12,8 @@ namespace {
 class BearingViscous : public Running<BearingViscous> {
  public:
   explicit BearingViscous(const EffectStart& start)
-      : positive_(start.values[0] * (1.0 + start.values[1])),
-        negative_(start.values[0] * (1.0 - start.values[1])) {}
+      : positive_(start.value("coefficient") * (1.0 + start.value("asymmetry"))),
+        negative_(start.value("coefficient") * (1.0 - start.value("asymmetry"))) {}
 
   void force(const EffectMoment& moment, PortForces& ports) override {
     ports.house_torque -= (moment.house_speed > 0.0 ? positive_ : negative_) * moment.house_speed;
@@ -30,14 +33,16 @@ const EffectDescription& bearing_viscous() {
                 .physics = "friction of the slew bearing that grows with speed",
                 .parameters = {{.name = "coefficient",
                                 .unit = common::Unit::newton_metre_second_per_radian,
+                                .per = common::ScaleOf::axis_damping,
                                 .meaning = "friction per speed, mean of both directions",
                                 .lower = 0.0,
-                                .upper = 5e7,
-                                .typical = 5e6,
-                                .prior_scale = 2e6,
+                                .upper = 0.6093,
+                                .typical = 0.06093,
+                                .prior_scale = 0.02437,
                                 .scale = common::ParameterScale::linear,
                                 .absent = 0.0},
-                               asymmetry_parameter()}},
+                               asymmetry_parameter()},
+                .family = common::Family::friction},
       .ports = {EffectPort::force},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<BearingViscous>(start);

@@ -1,11 +1,15 @@
-#include "sim/effects/boom_damping.h"
+// Boom damping: the damping ratio at the boom's first two bending modes is factor times the nominal one,
+// (3.15).
+//   zeta_i' = factor zeta_i, i = 1, 2
+// Source: thesis 3.3.2 (structural damping; its ratio is not given).
+#include "sim/effects/effect.h"
 
 namespace slewlab::sim {
 
 namespace {
 
-void change(EffectValues values, MachineParameters& parameters) {
-  parameters.crane.boom.damping_ratio *= values[0];
+void change(const common::EffectValues& values, MachineParameters& parameters) {
+  parameters.crane.boom.damping_ratio *= values["factor"];
 }
 
 }  // namespace
@@ -23,7 +27,9 @@ const EffectDescription& boom_damping() {
                                 .typical = 3.0,
                                 .prior_scale = 0.5,
                                 .scale = common::ParameterScale::logarithmic,
-                                .absent = 1.0}}},
+                                .absent = 1.0}},
+                .needs = {.flexible_boom = true},
+                .stands_for = {"boom damping"}},
       .ports = {EffectPort::parameters},
       .change = change};
   return description;

@@ -1,12 +1,16 @@
-#include "sim/effects/boom_stiffness.h"
+// Boom stiffness: bending and torsion stiffness are factor times the nominal ones (E and G), so that every
+// frequency of the clamped boom goes with the square root of the factor. The damping ratio is kept.
+//   E' = factor E,  G' = factor G,  f_i' = sqrt(factor) f_i
+// Source: thesis 2.8 (chords only, bracings left out; (2.11)).
+#include "sim/effects/effect.h"
 
 namespace slewlab::sim {
 
 namespace {
 
-void change(EffectValues values, MachineParameters& parameters) {
-  parameters.crane.boom.youngs_modulus *= values[0];
-  parameters.crane.boom.shear_modulus *= values[0];
+void change(const common::EffectValues& values, MachineParameters& parameters) {
+  parameters.crane.boom.youngs_modulus *= values["factor"];
+  parameters.crane.boom.shear_modulus *= values["factor"];
 }
 
 }  // namespace
@@ -24,7 +28,10 @@ const EffectDescription& boom_stiffness() {
                                 .typical = 0.85,
                                 .prior_scale = 0.1,
                                 .scale = common::ParameterScale::logarithmic,
-                                .absent = 1.0}}},
+                                .absent = 1.0}},
+                .needs = {.flexible_boom = true},
+                .family = common::Family::elasticity,
+                .stands_for = {"boom bending stiffness", "boom torsional stiffness"}},
       .ports = {EffectPort::parameters},
       .change = change};
   return description;

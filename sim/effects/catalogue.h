@@ -1,4 +1,4 @@
-// All effects of the machine that this project knows, and their names in a crane's file.
+// All effects of the machine that this project knows, and their names in a machine's file.
 // Effects of the controller stand in controller/effects/catalogue.h.
 #pragma once
 
@@ -14,7 +14,11 @@ const std::vector<const EffectDescription*>& effect_catalogue();
 // nullptr where no effect has the name.
 const EffectDescription* find_effect(std::string_view name);
 
-// For common::read_effects and common::effects_text.
-const std::vector<const common::EffectAbout*>& effect_abouts();
+// The effects that suit a machine, with their numbers in its units: bounds, sizes to start from, priors. The scales are
+// those of `scales_of`, of the nominal machine where `machine` is a changed one.
+common::EffectCatalogue effects_for(const CraneParameters& machine, const common::EffectScales& scales);
+common::EffectCatalogue effects_for(const CraneParameters& nominal);
+// Of the settings' machine, with the scales that they carry.
+common::EffectCatalogue effects_for(const MachineSettings& settings);
 
 }  // namespace slewlab::sim

@@ -1,4 +1,8 @@
-#include "sim/effects/clock_drift.h"
+// Clock drift: accelerometers and slew angle are sampled by a clock that runs slow against the drives', so
+// that what is stamped t was measured at t - drift t, linear between steps. The lag is kept at 1 s or
+// less.
+// Source: textbook (clocks of two devices). Not in the thesis.
+#include "sim/effects/effect.h"
 
 #include <algorithm>
 
@@ -9,17 +13,20 @@ namespace slewlab::sim {
 
 namespace {
 
-constexpr double kLongestLag = 1.0;  // [s]
+constexpr double kLongestLag = 1.0;  // [times the acceleration time]
 
 class ClockDrift : public Running<ClockDrift> {
  public:
   explicit ClockDrift(const EffectStart& start)
-      : drift_(start.values[0]), step_(start.model.step), line_(kLongestLag / start.model.step) {}
+      : drift_(start.value("drift")),
+        longest_(kLongestLag * start.scales[common::ScaleOf::time]),
+        step_(start.model.step),
+        line_(longest_ / step_) {}
 
   void sensor(const SensorMoment& moment, PlantReadings& readings) override {
     line_.push({readings.house_acceleration, readings.pivot_acceleration, readings.middle_acceleration,
                 readings.tip_acceleration, readings.slew_angle});
-    const auto past = line_.at(std::min(kLongestLag, drift_ * moment.time) / step_);
+    const auto past = line_.at(std::min(longest_, drift_ * moment.time) / step_);
     const auto mixed = [&](double Sample::* field) {
       return blend(past.older.*field, past.newer.*field, past.share);
     };
@@ -34,7 +41,7 @@ class ClockDrift : public Running<ClockDrift> {
   struct Sample {
     double house = 0.0, pivot = 0.0, middle = 0.0, tip = 0.0, slew = 0.0;
   };
-  double drift_, step_;
+  double drift_, longest_, step_;
   DelayLine<Sample> line_;
 };
 

@@ -1,4 +1,7 @@
-#include "sim/effects/command_delay.h"
+// Command delay: what the controller says arrives at the drives a fixed time later, torque, brake and
+// enable. Where it arrives inside a step, the step gets the mean of the torques and the older enable.
+// Source: textbook (bus cycle between PLC and drive). Not in the thesis.
+#include "sim/effects/effect.h"
 
 #include "sim/effects/delay_line.h"
 #include "sim/integrate/plant.h"
@@ -10,7 +13,7 @@ namespace {
 class CommandDelay : public Running<CommandDelay> {
  public:
   explicit CommandDelay(const EffectStart& start)
-      : delay_(start.values[0] / start.model.step), line_(delay_) {}
+      : delay_(start.value("delay") / start.model.step), line_(delay_) {}
 
   void message(double, DriveCommand& command) override {
     line_.push(command);
@@ -37,13 +40,17 @@ const EffectDescription& command_delay() {
                 .physics = "commands arrive late at the drives",
                 .parameters = {{.name = "delay",
                                 .unit = common::Unit::second,
+                                .per = common::ScaleOf::time,
                                 .meaning = "from controller to drives",
                                 .lower = 0.0,
-                                .upper = 0.2,
-                                .typical = 0.03,
-                                .prior_scale = 0.02,
+                                .upper = 0.1986,
+                                .typical = 0.02978,
+                                .prior_scale = 0.01985,
                                 .scale = common::ParameterScale::linear,
-                                .absent = 0.0}}},
+                                .absent = 0.0}},
+                .family = common::Family::delay,
+                .acts_late = true,
+                .pure_delay = common::PureDelay::command},
       .ports = {EffectPort::message},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<CommandDelay>(start);

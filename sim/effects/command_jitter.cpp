@@ -1,4 +1,8 @@
-#include "sim/effects/command_jitter.h"
+// Command jitter: every message takes a time of its own to arrive, evenly drawn from 0 ... spread, at
+// whole steps; a message never overtakes an older one. A message is known by its sequence.
+//   arrival_k = max(arrival_(k-1), t_k + spread u_k),  u_k drawn evenly from 0 ... 1, in whole steps
+// Source: textbook (shared bus). Not in the thesis.
+#include "sim/effects/effect.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,7 +17,7 @@ namespace {
 class CommandJitter : public Running<CommandJitter> {
  public:
   explicit CommandJitter(const EffectStart& start)
-      : spread_(start.values[0]),
+      : spread_(start.value("spread")),
         step_(start.model.step),
         seed_(start.seed),
         waiting_(static_cast<std::size_t>(std::ceil(spread_ / step_)) + 2) {}
@@ -60,13 +64,17 @@ const EffectDescription& command_jitter() {
                 .physics = "commands arrive late by changing times",
                 .parameters = {{.name = "spread",
                                 .unit = common::Unit::second,
+                                .per = common::ScaleOf::time,
                                 .meaning = "longest delay",
                                 .lower = 0.0,
-                                .upper = 0.2,
-                                .typical = 0.04,
-                                .prior_scale = 0.02,
+                                .upper = 0.1986,
+                                .typical = 0.0397,
+                                .prior_scale = 0.01985,
                                 .scale = common::ParameterScale::linear,
-                                .absent = 0.0}}},
+                                .absent = 0.0}},
+                .family = common::Family::delay,
+                .stochastic = common::Stochastic{.power_exponent = 2.0},
+                .acts_late = true},
       .ports = {EffectPort::message},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<CommandJitter>(start);

@@ -1,4 +1,11 @@
-#include "sim/effects/command_loss.h"
+// Command loss: messages are lost in bursts, and the drives hold the last one that arrived. Where no burst is on, one
+// begins at each message with the probability
+//   q = p / (burst (1 - p) + p)
+// and takes `burst` messages in a row (rounded to a whole number); another may begin right behind it. So the share that is
+// lost is p for every burst, and the stretches that are lost have the mean length burst + p / (1 - p); a burst of 1 is
+// independent loss, q = p. A message is known by its sequence; before the first arrives there is no torque.
+// Source: textbook (lossy bus; renewals for share and length). Not in the thesis.
+#include "sim/effects/effect.h"
 
 #include <cmath>
 
@@ -11,8 +18,8 @@ namespace {
 class CommandLoss : public Running<CommandLoss> {
  public:
   explicit CommandLoss(const EffectStart& start)
-      : burst_(static_cast<int>(std::lround(start.values[1]))),
-        begins_(start.values[0] / (burst_ * (1.0 - start.values[0]) + start.values[0])),
+      : burst_(static_cast<int>(std::lround(start.value("burst")))),
+        begins_(start.value("probability") / (burst_ * (1.0 - start.value("probability")) + start.value("probability"))),
         seed_(start.seed) {}
 
   void message(double, DriveCommand& command) override {
@@ -64,7 +71,10 @@ const EffectDescription& command_loss() {
                                 .prior_scale = 2.0,
                                 .scale = common::ParameterScale::logarithmic,
                                 .absent = std::nullopt,
-                                .tries = {5.0, 20.0}}}},
+                                .tries = {5.0, 20.0}}},
+                .family = common::Family::delay,
+                .stochastic = common::Stochastic{.power_exponent = 1.0},
+                .acts_late = true},
       .ports = {EffectPort::message},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<CommandLoss>(start);

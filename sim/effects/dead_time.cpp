@@ -1,4 +1,7 @@
-#include "sim/effects/dead_time.h"
+// Dead time of the drive: T(t) = T_command(t - delay).
+// A command is held between steps; where the delay ends inside a step, the step gets the mean.
+// Source: textbook; sampling and modulation of a VFD. The thesis neglects the VFD (2.3).
+#include "sim/effects/effect.h"
 
 #include "sim/effects/delay_line.h"
 #include "sim/integrate/plant.h"
@@ -9,7 +12,7 @@ namespace {
 
 class DeadTime : public Running<DeadTime> {
  public:
-  explicit DeadTime(const EffectStart& start) : delay_(start.values[0] / start.model.step), line_(delay_) {}
+  explicit DeadTime(const EffectStart& start) : delay_(start.value("delay") / start.model.step), line_(delay_) {}
 
   void actuator(const EffectMoment&, GroupArray& motor_torque) override {
     line_.push(motor_torque);
@@ -33,13 +36,17 @@ const EffectDescription& dead_time() {
                 .physics = "the motor torque follows its command after a fixed time",
                 .parameters = {{.name = "delay",
                                 .unit = common::Unit::second,
+                                .per = common::ScaleOf::time,
                                 .meaning = "time from command to torque",
                                 .lower = 0.0,
-                                .upper = 0.2,
-                                .typical = 0.03,
-                                .prior_scale = 0.02,
+                                .upper = 0.1986,
+                                .typical = 0.02978,
+                                .prior_scale = 0.01985,
                                 .scale = common::ParameterScale::linear,
-                                .absent = 0.0}}},
+                                .absent = 0.0}},
+                .family = common::Family::delay,
+                .acts_late = true,
+                .pure_delay = common::PureDelay::command},
       .ports = {EffectPort::actuator},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<DeadTime>(start);

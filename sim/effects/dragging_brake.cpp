@@ -1,4 +1,10 @@
-#include "sim/effects/dragging_brake.h"
+// Dragging brake: brakes that do not open fully rub on the motors with a torque that does not depend on
+// speed,
+//   |T_friction| <= T_drag (1 + u) n_motors i   on the first half of the groups, (1 - u) on the last,
+// against the motion, and holding at rest.
+// With `give` > 0 each brake gives before it slides (presliding.h); `give` is an angle of the motor.
+// Source: thesis 2.5 (brake plates; their details are left out there).
+#include "sim/effects/effect.h"
 
 #include "sim/effects/presliding.h"
 #include "sim/integrate/plant.h"
@@ -11,9 +17,9 @@ class DraggingBrake : public Running<DraggingBrake> {
  public:
   explicit DraggingBrake(const EffectStart& start) : group_count_(start.model.group_count) {
     for (int i = 0; i < group_count_; ++i) {
-      level_[i] = start.values[0] * (1.0 + start.values[1] * group_side(i, group_count_)) *
+      level_[i] = start.value("torque") * (1.0 + start.value("unevenness") * group_side(i, group_count_)) *
                   start.model.parameters.drive.motors_per_group * start.model.ratio;
-      joint_[static_cast<std::size_t>(i)].give = start.values[2] / start.model.ratio;
+      joint_[static_cast<std::size_t>(i)].give = start.value("give") / start.model.ratio;
     }
   }
 
@@ -44,11 +50,12 @@ const EffectDescription& dragging_brake() {
                 .physics = "brakes that do not open fully rub on the motors",
                 .parameters = {{.name = "torque",
                                 .unit = common::Unit::newton_metre,
+                                .per = common::ScaleOf::motor_torque,
                                 .meaning = "friction of one motor's brake, mean of the groups",
                                 .lower = 0.0,
-                                .upper = 200.0,
-                                .typical = 20.0,
-                                .prior_scale = 10.0,
+                                .upper = 0.8,
+                                .typical = 0.08,
+                                .prior_scale = 0.04,
                                 .scale = common::ParameterScale::linear,
                                 .absent = 0.0},
                                {.name = "unevenness",
@@ -60,7 +67,9 @@ const EffectDescription& dragging_brake() {
                                 .prior_scale = 0.3,
                                 .scale = common::ParameterScale::linear,
                                 .absent = std::nullopt},
-                               give_parameter("motor angle over which the brake takes up its friction; 0: dry friction", 2.0, 0.02)}},
+                               give_parameter("motor angle over which the brake takes up its friction; 0: dry friction",
+                                              common::ScaleOf::one, 2.0, 0.02)},
+                .family = common::Family::friction},
       .ports = {EffectPort::friction, EffectPort::force},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<DraggingBrake>(start);

@@ -86,20 +86,21 @@ class Running : public RunningEffect {
   }
 };
 
-using EffectValues = const std::vector<double>&;  // in the order of the effect's parameters
-
 // What an effect may know when it starts.
 struct EffectStart {
-  EffectValues values;
+  common::EffectValues values;
   const PlantModel& model;
-  std::uint64_t seed;  // its own
+  const common::EffectScales& scales;  // of the nominal machine
+  std::uint64_t seed;                  // its own
+
+  double value(std::string_view parameter) const { return values[parameter]; }
 };
 
 struct EffectDescription {
-  common::EffectAbout about;
+  common::EffectAbout about;  // numbers as multiples of a machine's scales (common/effect.h)
   std::vector<EffectPort> ports;
   // Throws std::invalid_argument where the values do not fit the crane.
-  void (*change)(EffectValues, MachineParameters&) = nullptr;
+  void (*change)(const common::EffectValues&, MachineParameters&) = nullptr;
   std::unique_ptr<RunningEffect> (*start)(const EffectStart&) = nullptr;
 };
 

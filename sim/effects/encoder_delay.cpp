@@ -1,4 +1,6 @@
-#include "sim/effects/encoder_delay.h"
+// Encoder delay: position and speed arrive late, x(t - delay), linear between steps.
+// Source: textbook (filtering and bus cycle of an encoder interface). Not in the thesis.
+#include "sim/effects/effect.h"
 
 #include "sim/effects/delay_line.h"
 #include "sim/integrate/plant.h"
@@ -10,7 +12,7 @@ namespace {
 class EncoderDelay : public Running<EncoderDelay> {
  public:
   explicit EncoderDelay(const EffectStart& start)
-      : delay_(start.values[0] / start.model.step), group_count_(start.model.group_count), line_(delay_) {}
+      : delay_(start.value("delay") / start.model.step), group_count_(start.model.group_count), line_(delay_) {}
 
   void sensor(const SensorMoment&, PlantReadings& readings) override {
     line_.push({readings.shaft_speed, readings.shaft_position});
@@ -39,13 +41,17 @@ const EffectDescription& encoder_delay() {
                 .physics = "the encoder's reading arrives late",
                 .parameters = {{.name = "delay",
                                 .unit = common::Unit::second,
+                                .per = common::ScaleOf::time,
                                 .meaning = "of position and speed",
                                 .lower = 0.0,
-                                .upper = 0.2,
-                                .typical = 0.03,
-                                .prior_scale = 0.02,
+                                .upper = 0.1986,
+                                .typical = 0.02978,
+                                .prior_scale = 0.01985,
                                 .scale = common::ParameterScale::linear,
-                                .absent = 0.0}}},
+                                .absent = 0.0}},
+                .family = common::Family::delay,
+                .acts_late = true,
+                .pure_delay = common::PureDelay::encoder},
       .ports = {EffectPort::sensor},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<EncoderDelay>(start);

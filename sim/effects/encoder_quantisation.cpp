@@ -1,4 +1,9 @@
-#include "sim/effects/encoder_quantisation.h"
+// Encoder quantisation: the position comes in steps of the resolution r, position_q = r floor(position /
+// r), and the speed from counts over a window w,
+//   speed_q(t) = speed(t) + (e(t) - e(t - w)) / w,   e = position_q - position,
+// which is the count's difference over w where the window is short against the motion.
+// Source: textbook (incremental encoder). Not in the thesis.
+#include "sim/effects/effect.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,8 +18,8 @@ namespace {
 class EncoderQuantisation : public Running<EncoderQuantisation> {
  public:
   explicit EncoderQuantisation(const EffectStart& start)
-      : resolution_(start.values[0]),
-        steps_(std::max(1.0, std::round(start.values[1] / start.model.step))),
+      : resolution_(start.value("resolution")),
+        steps_(std::max(1.0, std::round(start.value("window") / start.model.step))),
         window_(steps_ * start.model.step),
         group_count_(start.model.group_count),
         errors_(steps_) {}
@@ -56,13 +61,15 @@ const EffectDescription& encoder_quantisation() {
                                 .absent = 0.0},
                                {.name = "window",
                                 .unit = common::Unit::second,
+                                .per = common::ScaleOf::time,
                                 .meaning = "over which counts make a speed",
-                                .lower = 5e-4,
-                                .upper = 0.1,
-                                .typical = 0.005,
+                                .lower = 0.0004962,
+                                .upper = 0.09926,
+                                .typical = 0.004963,
                                 .prior_scale = 0.7,
                                 .scale = common::ParameterScale::logarithmic,
-                                .absent = std::nullopt}}},
+                                .absent = std::nullopt}},
+                .read_off = common::ReadOff::encoder_counts},
       .ports = {EffectPort::sensor},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<EncoderQuantisation>(start);

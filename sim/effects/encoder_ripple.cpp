@@ -1,4 +1,10 @@
-#include "sim/effects/encoder_ripple.h"
+// Encoder ripple: a disk mounted off its centre reads wrong once per turn, and an oval one twice,
+//   position += a (sin(p) - sin(phase) + s (sin(2 p) - sin(2 phase))),   p = position + phase,
+//   speed (1 + a (cos(p) + 2 s cos(2 p))):
+// both belong to one disk, so that one phase places both. It reads 0 where it starts.
+// Encoders are mounted one by one, so the phase of the last half of the groups is its own.
+// Source: textbook (eccentric encoder disk). Not in the thesis.
+#include "sim/effects/effect.h"
 
 #include <cmath>
 
@@ -11,8 +17,8 @@ namespace {
 class EncoderRipple : public Running<EncoderRipple> {
  public:
   explicit EncoderRipple(const EffectStart& start)
-      : amplitude_(start.values[0]), second_share_(start.values[3]), group_count_(start.model.group_count) {
-    for (int i = 0; i < group_count_; ++i) phase_[i] = group_side(i, group_count_) < 0.0 ? start.values[2] : start.values[1];
+      : amplitude_(start.value("amplitude")), second_share_(start.value("second_share")), group_count_(start.model.group_count) {
+    for (int i = 0; i < group_count_; ++i) phase_[i] = group_side(i, group_count_) < 0.0 ? start.value("phase_last") : start.value("phase");
   }
 
   void sensor(const SensorMoment&, PlantReadings& readings) override {
@@ -58,7 +64,8 @@ const EffectDescription& encoder_ripple() {
                                 .prior_scale = 0.3,
                                 .scale = common::ParameterScale::linear,
                                 .absent = 0.0,
-                                .detail = true}}},
+                                .detail = true}},
+                .family = common::Family::ripple},
       .ports = {EffectPort::sensor},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<EncoderRipple>(start);

@@ -1,4 +1,7 @@
-#include "sim/effects/encoder_scale.h"
+// Encoder scale: position and speed read (1 + error) times what they are (counts per turn or ratio set
+// wrong).
+// Source: textbook. Not in the thesis.
+#include "sim/effects/effect.h"
 
 namespace slewlab::sim {
 
@@ -6,7 +9,7 @@ namespace {
 
 class EncoderScale : public Running<EncoderScale> {
  public:
-  explicit EncoderScale(const EffectStart& start) : factor_(1.0 + start.values[0]) {}
+  explicit EncoderScale(const EffectStart& start) : factor_(1.0 + start.value("error")) {}
 
   void sensor(const SensorMoment&, PlantReadings& readings) override {
     for (double& speed : readings.shaft_speed) speed *= factor_;

@@ -1,4 +1,13 @@
-#include "sim/effects/gearbox_mesh_variation.h"
+// Gearbox mesh variation: the stiffness of the gearbox's first planetary stage goes up and down with its
+// mesh,
+//   k(theta) = k (1 + a (sin(m + phase) + second_sine sin(2 m) + second_cosine cos(2 m))),   m = Z_r Z_s / (Z_r + Z_s) theta_motor.
+// Z_r = 110, Z_s = 8 (Table 2.1) mesh at 150 Hz where the motor turns at 20 Hz. a is the share of the group's
+// whole stiffness: small, because the fast stage's own compliance counts on the outgoing shaft by its ratio
+// squared. Acts as the contact's torque (gear.h) at k(theta) less the one at k, on the house and back on the
+// motor; the contact's damping stays (mesh_variation.h, mesh_torque.h). The mean over the turned angle of a
+// step is taken, so that a mesh faster than the step does not fold down.
+// Source: thesis (2.1), (2.2).
+#include "sim/effects/effect.h"
 
 #include "sim/effects/mesh_variation.h"
 #include "sim/effects/ripple.h"
@@ -22,14 +31,16 @@ const EffectDescription& gearbox_mesh_variation() {
                                 .absent = 0.0},
                                common::angle_parameter("phase", "phase of the mesh at the start"),
                                second_sine_parameter(),
-                               second_cosine_parameter()}},
+                               second_cosine_parameter()},
+                .needs = {.gears = true},
+                .family = common::Family::ripple},
       .ports = {EffectPort::force, EffectPort::sensor},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         const Ripple ripple{.order = planetary_mesh_frequency(110, 8, 1.0) * start.model.ratio,
-                            .phase = start.values[1],
-                            .second_sine = start.values[2],
-                            .second_cosine = start.values[3]};
-        return start_mesh_variation(start, start.values[0], ripple, MeshAngle::motor);
+                            .phase = start.value("phase"),
+                            .second_sine = start.value("second_sine"),
+                            .second_cosine = start.value("second_cosine")};
+        return start_mesh_variation(start, start.value("amplitude"), ripple, MeshAngle::motor);
       }};
   return description;
 }

@@ -1,4 +1,11 @@
-#include "sim/effects/heel.h"
+// Heel: the vessel lies inclined by phi, downhill at the angle psi from the boom's first direction.
+// Gravity then has a part across the boom,
+//   f = g sin(phi) sin(psi - theta_house)  [m/s^2],
+// on every mass of boom, load and rod; the house's centre of mass lies on the axis. An accelerometer
+// cannot tell gravity from motion: it reads a - f. The loss of gravity along the rope, 1 - cos(phi), is
+// left out.
+// Source: textbook; thesis 1.1 names "static heel of the crane" as part of the current calculations.
+#include "sim/effects/effect.h"
 
 #include <cmath>
 #include <numbers>
@@ -13,8 +20,8 @@ namespace {
 class Heel : public Running<Heel> {
  public:
   explicit Heel(const EffectStart& start)
-      : gravity_(kGravity * std::sin(start.values[0])),
-        direction_(start.values[1]),
+      : gravity_(kGravity * std::sin(start.value("angle"))),
+        direction_(start.value("direction")),
         masses_(masses_of(start.model.parameters)) {}
 
   void force(const EffectMoment& moment, PortForces& ports) override {
@@ -52,7 +59,9 @@ const EffectDescription& heel() {
                                 .scale = common::ParameterScale::linear,
                                 .absent = 0.0},
                                common::angle_parameter("direction",
-                                                       "downhill, from the boom's first direction", 0.5 * std::numbers::pi)}},
+                                                       "downhill, from the boom's first direction", 0.5 * std::numbers::pi)},
+                .needs = {.boom = true},
+                .family = common::Family::gravity},
       .ports = {EffectPort::force, EffectPort::sensor},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<Heel>(start);

@@ -1,4 +1,13 @@
-#include "sim/effects/hoisting.h"
+// Hoisting while slewing: the rope's length is L(t) = L_0 - s(t), s rising at the hoisting speed from
+// `start` for `duration`. The speed is brought up and down within the ramp time t_r (or half the duration) as
+//   v (3 (t / t_r)^2 - 2 (t / t_r)^3):
+// a winch's drive has no steps of acceleration, and here they would strike the boom. In the absolute
+// displacement y_1 of the load the small-angle equation is M y_1'' = -T (y_1 - y_tip) / L(t) with the tension
+// T = M (g + s''), so that the difference to the constant rope is
+//   F = -(M (g + s'') / L(t) - M g / L_0) (y_1 - y_tip)   on the load, and -F on the tip.
+// L is kept at 2 m or more. Negative speed lowers.
+// Source: textbook; thesis 5 names hoisting as future work.
+#include "sim/effects/effect.h"
 
 #include <algorithm>
 
@@ -8,15 +17,15 @@ namespace slewlab::sim {
 
 namespace {
 
-constexpr double kShortestRope = 2.0;  // [m]
+constexpr double kShortestRope = 1.0 / 30.0;  // of its length
 
 class Hoisting : public Running<Hoisting> {
  public:
   explicit Hoisting(const EffectStart& start)
-      : speed_(start.values[0]),
-        start_(start.values[1]),
-        duration_(start.values[2]),
-        ramp_(std::min(start.values[3], 0.5 * start.values[2])),
+      : speed_(start.value("speed")),
+        start_(start.value("start")),
+        duration_(start.value("duration")),
+        ramp_(std::min(start.value("ramp_time"), 0.5 * start.value("duration"))),
         mass_(start.model.parameters.load.mass),
         length_(start.model.parameters.load.rope_length) {}
 
@@ -26,8 +35,8 @@ class Hoisting : public Running<Hoisting> {
     const double hoisted = speed_ * (way(since) - way(since - (duration_ - ramp_)));
     double acceleration = speed_ * (rise(since) - rise(since - (duration_ - ramp_)));
     double length = length_ - hoisted;
-    if (length < kShortestRope) {
-      length = kShortestRope;
+    if (length < kShortestRope * length_) {
+      length = kShortestRope * length_;
       acceleration = 0.0;
     }
     const double change = mass_ * ((kGravity + acceleration) / length - kGravity / length_) *
@@ -63,42 +72,47 @@ const EffectDescription& hoisting() {
                 .physics = "the load is hoisted during the slew",
                 .parameters = {{.name = "speed",
                                 .unit = common::Unit::metre_per_second,
+                                .per = common::ScaleOf::velocity,
                                 .meaning = "of hoisting, positive up",
-                                .lower = -1.5,
-                                .upper = 1.5,
-                                .typical = 0.2,
-                                .prior_scale = 0.3,
+                                .lower = -0.9579,
+                                .upper = 0.9579,
+                                .typical = 0.1277,
+                                .prior_scale = 0.1916,
                                 .scale = common::ParameterScale::linear,
                                 .absent = 0.0},
                                {.name = "start",
                                 .unit = common::Unit::second,
+                                .per = common::ScaleOf::time,
                                 .meaning = "when it begins",
                                 .lower = 0.0,
-                                .upper = 600.0,
-                                .typical = 8.0,
-                                .prior_scale = 10.0,
+                                .upper = 595.6,
+                                .typical = 7.941,
+                                .prior_scale = 9.926,
                                 .scale = common::ParameterScale::linear,
                                 .absent = std::nullopt},
                                {.name = "duration",
                                 .unit = common::Unit::second,
+                                .per = common::ScaleOf::time,
                                 .meaning = "how long it lasts",
-                                .lower = 0.5,
-                                .upper = 600.0,
-                                .typical = 20.0,
-                                .prior_scale = 10.0,
+                                .lower = 0.4962,
+                                .upper = 595.6,
+                                .typical = 19.85,
+                                .prior_scale = 9.926,
                                 .scale = common::ParameterScale::linear,
                                 .absent = std::nullopt},
                                {.name = "ramp_time",
                                 .unit = common::Unit::second,
+                                .per = common::ScaleOf::time,
                                 .meaning = "in which the speed is brought up, and down",
-                                .lower = 0.1,
-                                .upper = 20.0,
-                                .typical = 1.5,
+                                .lower = 0.09925,
+                                .upper = 19.86,
+                                .typical = 1.489,
                                 .prior_scale = 0.4,
                                 .scale = common::ParameterScale::logarithmic,
                                 .absent = std::nullopt,
                                 .detail = true}},
-                .spell = common::Spell{.begin = 1, .duration = 2, .fade = 3}},
+                .spell = common::Spell{.begin = "start", .duration = "duration", .fade = "ramp_time"},
+                .needs = {.boom = true, .load = true}},
       .ports = {EffectPort::force},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<Hoisting>(start);

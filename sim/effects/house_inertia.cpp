@@ -1,11 +1,14 @@
-#include "sim/effects/house_inertia.h"
+// House inertia: the crane house is heavier than its closed form says, J_h = factor J_h,nominal.
+// Machinery, cabin and counterweight stand outside the thin tube of (2.8).
+// Source: thesis (2.8), Table 2.3; called negligible in 2.10.
+#include "sim/effects/effect.h"
 
 namespace slewlab::sim {
 
 namespace {
 
-void change(EffectValues values, MachineParameters& parameters) {
-  parameters.crane.house.inertia *= values[0];
+void change(const common::EffectValues& values, MachineParameters& parameters) {
+  parameters.crane.house.inertia *= values["factor"];
 }
 
 }  // namespace
@@ -23,7 +26,9 @@ const EffectDescription& house_inertia() {
                                 .typical = 3.0,
                                 .prior_scale = 0.5,
                                 .scale = common::ParameterScale::logarithmic,
-                                .absent = 1.0}}},
+                                .absent = 1.0}},
+                .family = common::Family::mass,
+                .stands_for = {"house inertia"}},
       .ports = {EffectPort::parameters},
       .change = change};
   return description;

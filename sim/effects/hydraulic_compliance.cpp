@@ -1,4 +1,9 @@
-#include "sim/effects/hydraulic_compliance.h"
+// Hydraulic compliance: the oil column of a hydraulic drive is a damped spring in series with the gearbox,
+//   1/k = 1/k_gearbox + 1/k_oil,
+//   c = c_gearbox (k_oil / (k_gearbox + k_oil))^2 + c_oil (k_gearbox / (k_gearbox + k_oil))^2,
+// two damped springs in series far below their own frequencies. Per group, on the slew axis.
+// Source: thesis 1.1 (the Sleipnir's drive: "an additional stiffness as a result of the oil").
+#include "sim/effects/effect.h"
 
 #include <limits>
 
@@ -6,11 +11,11 @@ namespace slewlab::sim {
 
 namespace {
 
-void change(EffectValues values, MachineParameters& parameters) {
+void change(const common::EffectValues& values, MachineParameters& parameters) {
   for (GearContact& gear : parameters.gear) {
-    const double share = values[0] / (gear.stiffness + values[0]);
+    const double share = values["oil_stiffness"] / (gear.stiffness + values["oil_stiffness"]);
     gear.stiffness *= share;
-    gear.damping = gear.damping * share * share + values[1] * (1.0 - share) * (1.0 - share);
+    gear.damping = gear.damping * share * share + values["oil_damping"] * (1.0 - share) * (1.0 - share);
   }
 }
 
@@ -23,22 +28,26 @@ const EffectDescription& hydraulic_compliance() {
                 .physics = "the oil of a hydraulic drive is a damped spring in series with the gearbox",
                 .parameters = {{.name = "oil_stiffness",
                                 .unit = common::Unit::newton_metre_per_radian,
+                                .per = common::ScaleOf::gear_stiffness,
                                 .meaning = "of one motor group's oil, on the slew axis",
-                                .lower = 5e8,
-                                .upper = 1e12,
-                                .typical = 5e9,
+                                .lower = 0.07487,
+                                .upper = 149.8,
+                                .typical = 0.7488,
                                 .prior_scale = 1.0,
                                 .scale = common::ParameterScale::logarithmic,
                                 .absent = std::numeric_limits<double>::infinity()},
                                {.name = "oil_damping",
                                 .unit = common::Unit::newton_metre_second_per_radian,
+                                .per = common::ScaleOf::axis_damping,
                                 .meaning = "of one motor group's oil (leakage), on the slew axis",
                                 .lower = 0.0,
-                                .upper = 2e8,
-                                .typical = 5e7,
-                                .prior_scale = 5e7,
+                                .upper = 2.438,
+                                .typical = 0.6093,
+                                .prior_scale = 0.6093,
                                 .scale = common::ParameterScale::linear,
-                                .absent = std::nullopt}}},
+                                .absent = std::nullopt}},
+                .needs = {.gears = true},
+                .family = common::Family::elasticity},
       .ports = {EffectPort::parameters},
       .change = change};
   return description;

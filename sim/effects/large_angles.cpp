@@ -1,4 +1,10 @@
-#include "sim/effects/large_angles.h"
+// Large angles: the rope's true sideways pull in place of its small-angle one. With sin(beta) = (y_1 -
+// y_tip) / L the tension is T = M (g cos(beta) + L beta'^2 - y_tip'' sin(beta)), so that the load feels
+// besides M g sin(beta)
+//   F = -share M sin(beta) (g (cos(beta) - 1) + L beta'^2 - y_tip'' sin(beta)),   the tip -F.
+// The rod keeps its small angles. share 1 is the whole nonlinearity, 0 none.
+// Source: textbook (pendulum with a moved support); thesis 3.3.3 takes small angles.
+#include "sim/effects/effect.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +18,7 @@ namespace {
 class LargeAngles : public Running<LargeAngles> {
  public:
   explicit LargeAngles(const EffectStart& start)
-      : mass_(start.values[0] * start.model.parameters.load.mass),
+      : mass_(start.value("share") * start.model.parameters.load.mass),
         length_(start.model.parameters.load.rope_length) {}
 
   void force(const EffectMoment& moment, PortForces& ports) override {
@@ -47,7 +53,8 @@ const EffectDescription& large_angles() {
                                 .typical = 1.0,
                                 .prior_scale = 1.0,
                                 .scale = common::ParameterScale::linear,
-                                .absent = 0.0}}},
+                                .absent = 0.0}},
+                .needs = {.load = true}},
       .ports = {EffectPort::force},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<LargeAngles>(start);

@@ -1,10 +1,12 @@
-#include "sim/effects/load_mass.h"
+// Load mass: the load is factor times as heavy as told, M_l = factor M_l,nominal.
+// Source: thesis 3.3.3; the load's mass is what the operator was told.
+#include "sim/effects/effect.h"
 
 namespace slewlab::sim {
 
 namespace {
 
-void change(EffectValues values, MachineParameters& parameters) { parameters.crane.load.mass *= values[0]; }
+void change(const common::EffectValues& values, MachineParameters& parameters) { parameters.crane.load.mass *= values["factor"]; }
 
 }  // namespace
 
@@ -21,7 +23,10 @@ const EffectDescription& load_mass() {
                                 .typical = 1.2,
                                 .prior_scale = 0.15,
                                 .scale = common::ParameterScale::logarithmic,
-                                .absent = 1.0}}},
+                                .absent = 1.0}},
+                .needs = {.load = true},
+                .family = common::Family::mass,
+                .stands_for = {"load mass"}},
       .ports = {EffectPort::parameters},
       .change = change};
   return description;

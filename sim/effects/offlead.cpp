@@ -1,4 +1,9 @@
-#include "sim/effects/offlead.h"
+// Offlead by centrifugal force: slewing swings the load outwards by u,
+//   u'' + 2 zeta w u' + w^2 u = r_tip omega^2 + u omega^2,   w^2 = g / L, omega = y_1' / r_tip,
+// and the load, farther out, resists the slewing with its larger radius and by Coriolis,
+//   F = -share M (u omega' + 2 u' omega)   on the load's lateral motion, omega' from the rope's pull.
+// Source: textbook (motion in a turning frame); thesis 2.9 neglects the offlead.
+#include "sim/effects/effect.h"
 
 #include <cmath>
 
@@ -12,7 +17,7 @@ namespace {
 class Offlead : public Running<Offlead> {
  public:
   explicit Offlead(const EffectStart& start)
-      : mass_(start.values[0] * start.model.parameters.load.mass),
+      : mass_(start.value("share") * start.model.parameters.load.mass),
         radius_(tip_radius(start.model.parameters.boom)) {
     const LoadParameters& load = start.model.parameters.load;
     if (mass_ == 0.0) return;
@@ -58,7 +63,8 @@ const EffectDescription& offlead() {
                                 .typical = 1.0,
                                 .prior_scale = 1.0,
                                 .scale = common::ParameterScale::linear,
-                                .absent = 0.0}}},
+                                .absent = 0.0}},
+                .needs = {.boom = true, .load = true}},
       .ports = {EffectPort::force},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<Offlead>(start);

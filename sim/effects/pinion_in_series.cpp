@@ -1,4 +1,10 @@
-#include "sim/effects/pinion_in_series.h"
+// Pinion in series: the teeth of pinion and ring are a spring behind the gearbox,
+//   1/k = 1/k_gearbox + 1/k_pinion,   c = c_gearbox s (s + d (1 - s)),   s = k_pinion / (k_gearbox + k_pinion).
+// Two damped springs in series, far below their own frequencies. d, `damping_share`, is the loss factor of the teeth over
+// the gearbox's, c_pinion / k_pinion = d c_gearbox / k_gearbox: 0 is a bare spring, 1 keeps the gearbox's loss factor.
+// What teeth damp is not known.
+// Source: thesis (2.7), 713 MNm/rad per pinion for Table 2.2; section 2.6.2 takes it as rigid.
+#include "sim/effects/effect.h"
 
 #include <limits>
 
@@ -6,13 +12,13 @@ namespace slewlab::sim {
 
 namespace {
 
-void change(EffectValues values, MachineParameters& parameters) {
+void change(const common::EffectValues& values, MachineParameters& parameters) {
   const DriveParameters& drive = parameters.crane.drive;
-  const double pinion = values[0] * drive.motors_per_group * drive.pinion_ratio * drive.pinion_ratio;
+  const double pinion = values["pinion_stiffness"] * drive.motors_per_group * drive.pinion_ratio * drive.pinion_ratio;
   for (GearContact& gear : parameters.gear) {
     const double share = pinion / (gear.stiffness + pinion);
     gear.stiffness *= share;
-    gear.damping *= share * (share + values[1] * (1.0 - share));
+    gear.damping *= share * (share + values["damping_share"] * (1.0 - share));
   }
 }
 
@@ -25,10 +31,11 @@ const EffectDescription& pinion_in_series() {
                 .physics = "the pinion's teeth are a spring in series with the gearbox",
                 .parameters = {{.name = "pinion_stiffness",
                                 .unit = common::Unit::newton_metre_per_radian,
+                                .per = common::ScaleOf::gearbox_stiffness,
                                 .meaning = "mesh stiffness of one pinion on its own shaft, (2.7)",
-                                .lower = 5e6,
-                                .upper = 7.13e8,
-                                .typical = 5e7,
+                                .lower = 0.7246,
+                                .upper = 103.4,
+                                .typical = 7.246,
                                 .prior_scale = 1.0,
                                 .scale = common::ParameterScale::logarithmic,
                                 .absent = std::numeric_limits<double>::infinity()},
@@ -41,7 +48,9 @@ const EffectDescription& pinion_in_series() {
                                 .prior_scale = 0.5,
                                 .scale = common::ParameterScale::linear,
                                 .absent = std::nullopt,
-                                .detail = true}}},
+                                .detail = true}},
+                .needs = {.gears = true},
+                .family = common::Family::elasticity},
       .ports = {EffectPort::parameters},
       .change = change};
   return description;

@@ -37,9 +37,10 @@ inline double presliding_share(Presliding& joint, double angle) {
 }
 
 // The parameter `give` of an effect; prior about `typical` and as wide.
-inline common::EffectParameter give_parameter(std::string_view meaning, double upper, double typical) {
+inline common::EffectParameter give_parameter(std::string_view meaning, common::ScaleOf per, double upper, double typical) {
   return {.name = "give",
           .unit = common::Unit::radian,
+          .per = per,
           .meaning = meaning,
           .lower = 0.0,
           .upper = upper,

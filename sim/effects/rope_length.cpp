@@ -1,11 +1,14 @@
-#include "sim/effects/rope_length.h"
+// Rope length: the rope is factor times as long as told, so that the swing's frequency goes with its inverse
+// square root (2.17).
+// Source: thesis (2.17).
+#include "sim/effects/effect.h"
 
 namespace slewlab::sim {
 
 namespace {
 
-void change(EffectValues values, MachineParameters& parameters) {
-  parameters.crane.load.rope_length *= values[0];
+void change(const common::EffectValues& values, MachineParameters& parameters) {
+  parameters.crane.load.rope_length *= values["factor"];
 }
 
 }  // namespace
@@ -23,7 +26,9 @@ const EffectDescription& rope_length() {
                                 .typical = 1.15,
                                 .prior_scale = 0.1,
                                 .scale = common::ParameterScale::logarithmic,
-                                .absent = 1.0}}},
+                                .absent = 1.0}},
+                .needs = {.load = true},
+                .stands_for = {"rope length"}},
       .ports = {EffectPort::parameters},
       .change = change};
   return description;

@@ -1,4 +1,9 @@
-#include "sim/effects/torque_limit.h"
+// Torque limit: the drive delivers no more than T_max, whatever it is told,
+//   T = clamp(T_command, -T_max, T_max).
+// With `knee` w > 0 it yields before: |T| follows the command up to (1 - w) T_max and goes on, with the same slope, as
+//   (1 - w) T_max + w T_max tanh((|T_command| - (1 - w) T_max) / (w T_max)).
+// Source: every drive has a current limit; the thesis assumes that it is never met (2.4).
+#include "sim/effects/effect.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +16,7 @@ namespace {
 
 class TorqueLimit : public Running<TorqueLimit> {
  public:
-  explicit TorqueLimit(const EffectStart& start) : limit_(start.values[0]), knee_(start.values[1] * limit_) {}
+  explicit TorqueLimit(const EffectStart& start) : limit_(start.value("limit")), knee_(start.value("knee") * limit_) {}
 
   void actuator(const EffectMoment&, GroupArray& motor_torque) override {
     for (double& torque : motor_torque) torque = limited(torque);
@@ -38,15 +43,16 @@ const EffectDescription& torque_limit() {
                 .physics = "the drive delivers no more than a largest torque per motor",
                 .parameters = {{.name = "limit",
                                 .unit = common::Unit::newton_metre,
+                                .per = common::ScaleOf::motor_torque,
                                 .meaning = "largest torque of one motor",
-                                .lower = 20.0,
-                                .upper = 2000.0,
-                                .typical = 150.0,
+                                .lower = 0.08,
+                                .upper = 8.0,
+                                .typical = 0.6,
                                 .prior_scale = 0.7,
                                 .scale = common::ParameterScale::logarithmic,
                                 .absent = std::numeric_limits<double>::infinity(),
                                 // From 44 % to 92 % of T100 = 250 Nm (config/controllers/thesis.yaml): what a slew may meet.
-                                .tries = {110.0, 130.0, 175.0, 200.0, 230.0}},
+                                .tries = {0.44, 0.52, 0.7, 0.8, 0.92}},
                                {.name = "knee",
                                 .unit = common::Unit::none,
                                 .meaning = "share of the limit over which the drive yields; 0: a hard limit",

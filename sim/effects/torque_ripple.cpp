@@ -1,4 +1,9 @@
-#include "sim/effects/torque_ripple.h"
+// Torque ripple: on top of the command, a torque that depends on the rotor's angle,
+//   T = T_command + a (sin(n theta_motor + phase) + second_sine sin(2 n theta_motor) + second_cosine cos(2 n theta_motor)),
+// n ripples per turn of the motor. What acts over a step is its mean along the turned angle, exact for a steady speed, so
+// that ripples faster than the step do not fold down into slow ones.
+// Source: textbook; cogging and sixth harmonics of a three-phase machine, and their multiples. Left out in thesis 2.4.
+#include "sim/effects/effect.h"
 
 #include "sim/effects/ripple.h"
 #include "sim/integrate/plant.h"
@@ -10,11 +15,11 @@ namespace {
 class TorqueRipple : public Running<TorqueRipple> {
  public:
   explicit TorqueRipple(const EffectStart& start)
-      : amplitude_(start.values[0]),
-        ripple_{.order = start.values[1] * start.model.ratio,
-                .phase = start.values[2],
-                .second_sine = start.values[3],
-                .second_cosine = start.values[4]},
+      : amplitude_(start.value("amplitude")),
+        ripple_{.order = start.value("order") * start.model.ratio,
+                .phase = start.value("phase"),
+                .second_sine = start.value("second_sine"),
+                .second_cosine = start.value("second_cosine")},
         group_count_(start.model.group_count) {}
 
   void actuator(const EffectMoment& moment, GroupArray& motor_torque) override {
@@ -39,11 +44,12 @@ const EffectDescription& torque_ripple() {
                 .physics = "torque that goes up and down with the rotor angle",
                 .parameters = {{.name = "amplitude",
                                 .unit = common::Unit::newton_metre,
+                                .per = common::ScaleOf::motor_torque,
                                 .meaning = "amplitude per motor",
                                 .lower = 0.0,
-                                .upper = 200.0,
-                                .typical = 20.0,
-                                .prior_scale = 10.0,
+                                .upper = 0.8,
+                                .typical = 0.08,
+                                .prior_scale = 0.04,
                                 .scale = common::ParameterScale::linear,
                                 .absent = 0.0},
                                {.name = "order",
@@ -58,7 +64,8 @@ const EffectDescription& torque_ripple() {
                                 .tries = {1.0, 2.0, 3.0, 4.0, 12.0}},  // turn, pole pairs, their harmonics
                                common::angle_parameter("phase", "phase of the ripple at the start"),
                                second_sine_parameter(),
-                               second_cosine_parameter()}},
+                               second_cosine_parameter()},
+                .family = common::Family::ripple},
       .ports = {EffectPort::actuator},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<TorqueRipple>(start);

@@ -1,12 +1,16 @@
-#include "sim/effects/uneven_gearbox_stiffness.h"
+// Uneven gearbox stiffness: the first half of the motor groups has more, the last half less,
+//   k_i = k (1 + s), k (1 - s).
+// The middle one of an odd number of groups keeps its own. One group has no difference.
+// Source: thesis 2.4, first cause of an uneven load distribution (small deviations between drives).
+#include "sim/effects/effect.h"
 
 namespace slewlab::sim {
 
 namespace {
 
-void change(EffectValues values, MachineParameters& parameters) {
+void change(const common::EffectValues& values, MachineParameters& parameters) {
   const int count = parameters.crane.drive.group_count;
-  for (int i = 0; i < count; ++i) parameters.gear[i].stiffness *= 1.0 + values[0] * group_side(i, count);
+  for (int i = 0; i < count; ++i) parameters.gear[i].stiffness *= 1.0 + values["share"] * group_side(i, count);
 }
 
 }  // namespace
@@ -24,7 +28,9 @@ const EffectDescription& uneven_gearbox_stiffness() {
                                 .typical = 0.2,
                                 .prior_scale = 0.1,
                                 .scale = common::ParameterScale::linear,
-                                .absent = 0.0}}},
+                                .absent = 0.0}},
+                .needs = {.gears = true, .groups = 2},
+                .family = common::Family::elasticity},
       .ports = {EffectPort::parameters},
       .change = change};
   return description;

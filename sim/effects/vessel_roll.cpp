@@ -1,4 +1,10 @@
-#include "sim/effects/vessel_roll.h"
+// Vessel roll: the vessel rolls by phi(t) = A sin(2 pi t / period + phase), downhill for positive phi at
+// the angle psi from the boom's first direction. At the height z above the roll axis everything feels,
+// across the boom,
+//   f(z) = (g phi - z phi'') sin(psi - theta_house)  [m/s^2],
+// the boom at the height of its middle, the load at its own. Small phi. Accelerometers read a - f(z).
+// Source: textbook; thesis 1.1 names the period, 6 to 15 s, and leaves the motion out.
+#include "sim/effects/effect.h"
 
 #include <cmath>
 #include <numbers>
@@ -13,11 +19,11 @@ namespace {
 class VesselRoll : public Running<VesselRoll> {
  public:
   explicit VesselRoll(const EffectStart& start)
-      : amplitude_(start.values[0]),
-        frequency_(2.0 * std::numbers::pi / start.values[1]),
-        phase_(start.values[2]),
-        direction_(start.values[3]),
-        pivot_height_(start.values[4]),
+      : amplitude_(start.value("amplitude")),
+        frequency_(2.0 * std::numbers::pi / start.value("period")),
+        phase_(start.value("phase")),
+        direction_(start.value("direction")),
+        pivot_height_(start.value("height")),
         masses_(masses_of(start.model.parameters)) {
     const CraneParameters& crane = start.model.parameters;
     rise_ = crane.boom.length * std::sin(crane.boom.angle);
@@ -71,27 +77,31 @@ const EffectDescription& vessel_roll() {
                                 .absent = 0.0},
                                {.name = "period",
                                 .unit = common::Unit::second,
+                                .per = common::ScaleOf::swing_time,
                                 .meaning = "of the roll",
-                                .lower = 5.0,
-                                .upper = 20.0,
-                                .typical = 10.0,
+                                .lower = 2.798,
+                                .upper = 11.2,
+                                .typical = 5.597,
                                 .prior_scale = 0.3,
                                 .scale = common::ParameterScale::logarithmic,
                                 .absent = std::nullopt,
-                                .tries = {6.7, 7.5, 8.6, 12.0, 15.0}},  // a period between two of them is a quarter turn off after half a minute
+                                .tries = {3.75, 4.198, 4.813, 6.716, 8.395}},  // a period between two of them is a quarter turn off after half a minute
                                common::angle_parameter("phase", "of the roll at the start"),
                                common::angle_parameter("direction",
                                                        "of the positive roll's downhill, from the boom's first direction", 0.5 * std::numbers::pi),
                                {.name = "height",
                                 .unit = common::Unit::metre,
+                                .per = common::ScaleOf::length,
                                 .meaning = "of the boom's pivot above the roll axis",
                                 .lower = 0.0,
-                                .upper = 80.0,
-                                .typical = 20.0,
-                                .prior_scale = 10.0,
+                                .upper = 2.555,
+                                .typical = 0.6386,
+                                .prior_scale = 0.3193,
                                 .scale = common::ParameterScale::linear,
                                 .absent = std::nullopt}},
-                .angles_multiply = true},
+                .angles_multiply = true,
+                .needs = {.boom = true},
+                .family = common::Family::gravity},
       .ports = {EffectPort::force, EffectPort::sensor},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<VesselRoll>(start);

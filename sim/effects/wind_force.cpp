@@ -5,10 +5,11 @@ namespace slewlab::sim {
 common::EffectParameter boom_drag_area_parameter() {
   return {.name = "boom_drag_area",
           .unit = common::Unit::square_metre,
+          .per = common::ScaleOf::drag_area,
           .meaning = "drag coefficient times side area of the boom",
-          .lower = 1.0,
-          .upper = 500.0,
-          .typical = 80.0,
+          .lower = 0.001436,
+          .upper = 0.7182,
+          .typical = 0.1149,
           .prior_scale = 0.3,
           .scale = common::ParameterScale::logarithmic,
           .absent = std::nullopt,
@@ -19,8 +20,8 @@ common::EffectParameter load_drag_area_parameter() {
   common::EffectParameter parameter = boom_drag_area_parameter();
   parameter.name = "load_drag_area";
   parameter.meaning = "drag coefficient times area of the load";
-  parameter.lower = 0.1;
-  parameter.typical = 20.0;
+  parameter.lower = 1.435e-4;
+  parameter.typical = 0.02873;
   parameter.prior_scale = 0.5;
   return parameter;
 }

@@ -2,10 +2,9 @@
 #pragma once
 
 #include "sim/effects/effect.h"
+#include "sim/machine/effect_scales.h"
 
 namespace slewlab::sim {
-
-inline constexpr double kAirDensity = 1.225;  // [kg/m^3] at sea level and 15 degrees C, standard atmosphere
 
 struct DragAreas {
   double boom_per_length = 0.0;  // [m] drag coefficient times area, per length of the boom

@@ -6,6 +6,7 @@
 
 #include "sim/effects/catalogue.h"
 #include "sim/effects/random_number.h"
+#include "sim/machine/effect_scales.h"
 #include "sim/model/drive_line.h"
 
 namespace slewlab::sim {
@@ -98,16 +99,23 @@ const EffectDescription& described(const std::string& name) {
 
 }  // namespace
 
-MachineParameters machine_parameters(const CraneParameters& crane,
-                                     const std::vector<common::EffectInstance>& effects) {
+MachineParameters machine_parameters(const MachineSettings& settings) {
+  const CraneParameters& crane = settings.crane;
   MachineParameters parameters;
   parameters.crane = crane;
   parameters.group_inertia.fill(group_inertia(crane.drive));
   parameters.gear.fill(gear_contact(crane));
-  for (const common::EffectInstance& instance : effects) {
+  if (settings.effects.empty()) return parameters;
+  const common::EffectScales scales = settings.scales ? *settings.scales : effect_scales(crane);
+  const common::MachineParts parts = parts_of(crane);
+  for (const common::EffectInstance& instance : settings.effects) {
     const EffectDescription& description = described(instance.name);
-    common::check_instance(description.about, instance);
-    if (description.change != nullptr) description.change(instance.values, parameters);
+    const std::string missing = common::missing_parts(description.about.needs, parts);
+    if (!missing.empty()) {
+      throw std::invalid_argument("effect " + instance.name + " needs " + missing + ", which this machine has not");
+    }
+    common::check_instance(common::in_units_of(description.about, scales), instance);
+    if (description.change != nullptr) description.change({description.about, instance.values}, parameters);
   }
   return parameters;
 }
@@ -120,11 +128,13 @@ Machine make_machine(const MachineSettings& settings) {
       }
     }
   }
-  const MachineParameters parameters = machine_parameters(settings.crane, settings.effects);
+  const MachineParameters parameters = machine_parameters(settings);
   Machine machine;
   machine.model =
       make_plant_model(parameters.crane, settings.step, parameters.group_inertia, parameters.gear);
   machine.workspace = make_plant_workspace(machine.model);
+  common::EffectScales scales;
+  if (!settings.effects.empty()) scales = settings.scales ? *settings.scales : effect_scales(settings.crane);
   machine.state = make_plant_state(machine.model);
   for (const common::EffectInstance& instance : settings.effects) {
     const EffectDescription& description = described(instance.name);
@@ -133,7 +143,7 @@ Machine make_machine(const MachineSettings& settings) {
     // By the effect's name, so that one effect draws the same numbers whatever else is switched on.
     std::uint64_t seed = settings.seed;
     for (const char letter : instance.name) seed = mixed(seed, static_cast<std::uint64_t>(letter));
-    machine.effects.emplace_back(description.start({instance.values, machine.model, seed}));
+    machine.effects.emplace_back(description.start({{description.about, instance.values}, machine.model, scales, seed}));
     for (const EffectPort port : description.ports) {
       switch (port) {
         case EffectPort::parameters:

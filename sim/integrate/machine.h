@@ -65,8 +65,7 @@ struct Machine {
 Machine make_machine(const MachineSettings& settings);
 
 // What the effects make of the crane, before assembly.
-MachineParameters machine_parameters(const CraneParameters& crane,
-                                     const std::vector<common::EffectInstance>& effects);
+MachineParameters machine_parameters(const MachineSettings& settings);
 
 void step(Machine& machine, const DriveCommand& command);
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "common/effect.h"
@@ -14,7 +15,10 @@ struct MachineSettings {
   CraneParameters crane;
   std::vector<common::EffectInstance> effects;
   double step = 0.001;     // [s]
-  std::uint64_t seed = 0;  // of the effects that draw numbers (gusts, jitter, loss)
+  std::uint64_t seed = 0;  // of the effects that draw numbers
+  // By which the effects' bounds are judged: those of the nominal machine, where `crane` is a changed one. Without them
+  // the crane's own.
+  std::optional<common::EffectScales> scales = std::nullopt;
 };
 
 // What the drives are told, held until the next one. All values per motor of a group, on the fast axis.

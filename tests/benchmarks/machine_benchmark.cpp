@@ -48,9 +48,10 @@ void machine(benchmark::State& state, const std::vector<slewlab::common::EffectI
 int main(int count, char** arguments) {
   benchmark::RegisterBenchmark("bare_plant", bare_plant);
   benchmark::RegisterBenchmark("machine_without_effects", [](benchmark::State& state) { machine(state, {}); });
+  const slewlab::common::EffectCatalogue catalogue = effects_for(thesis_crane());
   for (const EffectDescription* effect : effect_catalogue()) {
     if (effect->start == nullptr) continue;
-    const auto instance = slewlab::common::typical_instance(effect->about);
+    const auto instance = slewlab::common::typical_instance(catalogue.at(effect->about.name));
     benchmark::RegisterBenchmark(("machine_with/" + instance.name).c_str(),
                                  [instance](benchmark::State& state) { machine(state, {instance}); });
   }

@@ -8,6 +8,7 @@
 #include "diagnosis/diagnose.h"
 #include "diagnosis/nuisance.h"
 #include "diagnosis/record.h"
+#include "sim/effects/catalogue.h"
 #include "sim/machine/crane_file.h"
 #include "tests/diagnosis/simulated_log.h"
 
@@ -41,6 +42,7 @@ inline constexpr double kDuration = 24.0;  // [s]
 struct BenchProblem : Problem {
   BenchProblem() {
     nominal.crane = bench().crane;
+    catalogue = sim::effects_for(nominal);
     gains = shadow_gains(bench().crane);
     latency_deviation = kLatencyDeviation;
   }

@@ -9,6 +9,9 @@
 #include <random>
 #include <vector>
 
+#include "sim/effects/catalogue.h"
+#include "tests/sim/thesis_crane.h"
+
 namespace slewlab::diagnosis {
 namespace {
 
@@ -149,16 +152,17 @@ TEST_F(OneForce, IsNotTakenForAForceInOtherProportions) {
 // By the effects' own laws: delays' torque errors go with the spread, so power with its square; a share lost twice as often
 // gives twice the power.
 TEST(Chance, SizesFollowThePower) {
-  EXPECT_NEAR(with_power({"command_jitter", {0.01}}, 4.0).values[0], 0.02, 1e-12);
-  EXPECT_NEAR(with_power({"command_loss", {0.1, 1.0}}, 4.0).values[0], 0.4, 1e-12);
-  EXPECT_NEAR(with_power({"gusts", {4.0, 12.0, 1.0, 5.0, 80.0, 20.0}}, 4.0).values[0], 8.0, 1e-12);
-  EXPECT_TRUE(comes_by_chance("command_loss"));
-  EXPECT_TRUE(comes_by_chance("gusts"));
-  EXPECT_TRUE(delays_by_chance("command_loss"));
-  EXPECT_FALSE(delays_by_chance("gusts"));
-  EXPECT_FALSE(comes_by_chance("command_delay"));
-  EXPECT_TRUE(is_mean_of_chance("command_delay"));
-  EXPECT_FALSE(is_mean_of_chance("command_loss"));
+  const common::EffectCatalogue catalogue = sim::effects_for(sim::thesis_crane());
+  EXPECT_NEAR(with_power(catalogue.at("command_jitter"), {"command_jitter", {0.01}}, 4.0).values[0], 0.02, 1e-12);
+  EXPECT_NEAR(with_power(catalogue.at("command_loss"), {"command_loss", {0.1, 1.0}}, 4.0).values[0], 0.4, 1e-12);
+  EXPECT_NEAR(with_power(catalogue.at("gusts"), {"gusts", {4.0, 12.0, 1.0, 5.0, 80.0, 20.0}}, 4.0).values[0], 8.0, 1e-12);
+  EXPECT_TRUE(comes_by_chance(catalogue.at("command_loss")));
+  EXPECT_TRUE(comes_by_chance(catalogue.at("gusts")));
+  EXPECT_TRUE(delays_by_chance(catalogue.at("command_loss")));
+  EXPECT_FALSE(delays_by_chance(catalogue.at("gusts")));
+  EXPECT_FALSE(comes_by_chance(catalogue.at("command_delay")));
+  EXPECT_TRUE(is_mean_of_chance(catalogue.at("command_delay")));
+  EXPECT_FALSE(is_mean_of_chance(catalogue.at("command_loss")));
 }
 
 }  // namespace

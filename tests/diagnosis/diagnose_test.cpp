@@ -198,7 +198,7 @@ TEST(ChanceFits, NameTheSecondEffectWhereNoDelayWasFitted) {
   BenchProblem problem;
   problem.add(make_record(simulated_log(truth, bench().controller, kThereAndBack, kDuration, 18), "a", bench().admission));
   const FitResult nothing = fit_nuisances(problem, nominal_fit(problem));
-  const Projector project(nothing.columns, nothing.point, data_weight(nothing.difference, problem.settings));
+  const Projector project(problem.catalogue, nothing.columns, nothing.point, data_weight(nothing.difference, problem.settings));
   const Progress quiet = [](double, const std::string&) {};
   const Screening screening = screen(problem, nothing, project, both, quiet);
   std::set<std::vector<std::string>> named;
@@ -291,8 +291,8 @@ TEST(Diagnose, EndsWhereItIsAskedTo) {
 TEST(Diagnose, AnswersTheSameOnAnyNumberOfThreads) {
   DiagnosisSettings settings;
   const std::set<std::string_view> kept{"gear_friction", "bearing_viscous", "torque_lag", "command_jitter", "uneven_gearbox_stiffness"};
-  for (const common::EffectAbout* about : sim::effect_abouts()) {
-    if (!kept.contains(about->name)) settings.without.emplace_back(about->name);
+  for (const sim::EffectDescription* effect : sim::effect_catalogue()) {
+    if (!kept.contains(effect->about.name)) settings.without.emplace_back(effect->about.name);
   }
   std::vector<Diagnosis> found;
   for (const int threads : {1, 3}) {
@@ -431,7 +431,7 @@ TEST(Diagnose, FindsGustsWithoutTheirDraw) {
 // Friction in the bearing, with all that brakes or blows left out of the catalogue: at low frequencies gusts turn the crane as any force
 // does, and by their power alone they were named here with certainty. Other axes fit better than theirs.
 TEST(Diagnose, NamesNoGustsForFriction) {
-  common::EffectInstance friction = common::typical_instance(about_effect("bearing_viscous"));
+  common::EffectInstance friction = common::typical_instance(sim::effects_for(bench().crane).at("bearing_viscous"));
   friction.values[0] *= 0.5;
   DiagnosisSettings settings;
   settings.without = {"bearing_viscous", "bearing_coulomb", "bearing_stribeck", "dragging_brake", "gear_friction", "wind",       "heel",
@@ -468,7 +468,7 @@ TEST(Diagnose, SaysNotInTheCatalogueWhereTheCauseIsLeftOut) {
 TEST(Diagnose, FindsTheControllersOwnEffectWithoutAnyNoise) {
   const auto* droop = controller::find_effect("droop");
   ASSERT_NE(droop, nullptr);
-  const common::EffectInstance effect = common::typical_instance(droop->about);
+  const common::EffectInstance effect = common::typical_instance(controller::effects_for(bench().controller).at("droop"));
   DiagnosisSettings settings;
   settings.search.singles_to_refine = 1;
   settings.search.joint_pairs = 0;
@@ -538,7 +538,7 @@ TEST(Diagnose, ACrawlTellsNothingAboutTheBoom) {
   sim::MachineSettings nominal;
   nominal.crane = bench().crane;
   const std::vector<Move> crawl{{2.0, 0.004}};
-  for (const common::EffectInstance& missing : {common::EffectInstance{"boom_damping", {3.0}}, common::typical_instance(about_effect("bearing_viscous"))}) {
+  for (const common::EffectInstance& missing : {common::EffectInstance{"boom_damping", {3.0}}, common::typical_instance(sim::effects_for(bench().crane).at("bearing_viscous"))}) {
     sim::MachineSettings truth;
     truth.crane = bench().crane;
     truth.crane.boom.element_count = 12;

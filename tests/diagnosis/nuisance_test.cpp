@@ -7,6 +7,7 @@
 #include <fstream>
 #include <string>
 
+#include "sim/effects/catalogue.h"
 #include "sim/machine/crane_file.h"
 #include "tests/msgs/temporary_folder.h"
 
@@ -44,8 +45,8 @@ TEST(Prior, LargeSizesStayPossible) {
 TEST(Nuisance, EffectsSayWhatParametersSay) {
   int said = 0;
   for (std::size_t k = 0; k < nuisance_count(2); ++k) {
-    said += is_said_by("boom_stiffness", k) ? 1 : 0;
-    EXPECT_FALSE(is_said_by("bearing_coulomb", k));
+    said += is_said_by(sim::find_effect("boom_stiffness")->about, k) ? 1 : 0;
+    EXPECT_FALSE(is_said_by(sim::find_effect("bearing_coulomb")->about, k));
   }
   EXPECT_EQ(said, 2);  // bending and torsion
 }

@@ -9,8 +9,16 @@
 #include <utility>
 #include <vector>
 
+#include "sim/effects/catalogue.h"
+#include "tests/sim/thesis_crane.h"
+
 namespace slewlab::diagnosis {
 namespace {
+
+const common::EffectCatalogue& catalogue() {
+  static const common::EffectCatalogue of_the_thesis = sim::effects_for(sim::thesis_crane());
+  return of_the_thesis;
+}
 
 Screened screened(const char* effect, double left) { return {{effect, {}}, {}, 0.0, 0.0, left}; }
 
@@ -38,8 +46,8 @@ TEST(Screen, SolvesTwoColumnsJointly) {
 TEST(Screen, TurnsOnlyWhatMayTurn) {
   const Eigen::Vector2d column(1.0, 0.0), target(3.0, 4.0);
   Screened turning = screened("hoisting", 0.0), fixed = screened("air_drag", 0.0);
-  try_amount(column, target, turning);
-  try_amount(column, target, fixed);
+  try_amount(catalogue(), column, target, turning);
+  try_amount(catalogue(), column, target, fixed);
   EXPECT_DOUBLE_EQ(turning.amount, -3.0);
   EXPECT_DOUBLE_EQ(turning.left, 16.0);
   EXPECT_DOUBLE_EQ(fixed.amount, 0.0);
@@ -47,7 +55,7 @@ TEST(Screen, TurnsOnlyWhatMayTurn) {
 }
 
 TEST(Screen, StartsFromEveryCombinationOfValuesWorthATry) {
-  const common::EffectAbout& about = about_effect("pedestal_flexibility");
+  const common::EffectAbout& about = catalogue().at("pedestal_flexibility");
   std::vector<std::vector<double>> combinations{{}};
   for (const common::EffectParameter& parameter : about.parameters) {
     std::vector<double> worth_a_try = parameter.tries;
@@ -77,22 +85,22 @@ TEST(Screen, StartsFromEveryCombinationOfValuesWorthATry) {
 
 // Columns of ramps: what begins at 1 s and ends, 1.5 s of ramp included, 3 s later is a ramp from 1 s less one from 2.5 s.
 TEST(Screen, FindsABeginningAndAnEndFromBeginningsAlone) {
-  const common::EffectAbout& about = about_effect("hoisting");
+  const common::EffectAbout& about = catalogue().at("hoisting");
   std::vector<Screened> endless;
   for (const common::EffectInstance& start : starts_of(about, 30.0)) {
-    if (start.values[about.spell->duration] < about.parameters[about.spell->duration].upper) continue;
+    if (start.values[index_of(about, about.spell->duration)] < about.parameters[index_of(about, about.spell->duration)].upper) continue;
     Eigen::VectorXd ramp(600);  // 30 s
-    for (Eigen::Index k = 0; k < ramp.size(); ++k) ramp(k) = std::max(0.0, 0.05 * static_cast<double>(k) - start.values[about.spell->begin]);
+    for (Eigen::Index k = 0; k < ramp.size(); ++k) ramp(k) = std::max(0.0, 0.05 * static_cast<double>(k) - start.values[index_of(about, about.spell->begin)]);
     endless.push_back({start, ramp, 0.0, 0.0, 0.0});
   }
   const auto beginning_at = [&](double time) {
-    return std::find_if(endless.begin(), endless.end(), [&](const Screened& one) { return one.start.values[about.spell->begin] == time; })->column;
+    return std::find_if(endless.begin(), endless.end(), [&](const Screened& one) { return one.start.values[index_of(about, about.spell->begin)] == time; })->column;
   };
   std::vector<const Screened*> looks;
   for (const Screened& one : endless) looks.push_back(&one);
-  const Screened best = between_beginnings(looks, -1.5 * (beginning_at(1.0) - beginning_at(2.5)));
-  EXPECT_DOUBLE_EQ(best.start.values[about.spell->begin], 1.0);
-  EXPECT_DOUBLE_EQ(best.start.values[about.spell->duration], 3.0);
+  const Screened best = between_beginnings(catalogue(), looks, -1.5 * (beginning_at(1.0) - beginning_at(2.5)));
+  EXPECT_DOUBLE_EQ(best.start.values[index_of(about, about.spell->begin)], 1.0);
+  EXPECT_DOUBLE_EQ(best.start.values[index_of(about, about.spell->duration)], 3.0);
   EXPECT_NEAR(best.amount, 1.5, 1e-9);
   EXPECT_NEAR(best.left, 0.0, 1e-6);
 }

@@ -256,11 +256,12 @@ nlohmann::json modes_json(const sim::MachineSettings& nominal) {
 // What of the command line is wrong, before any work is done.
 common::InputProblems problems_of(const DiagnoseOptions& options) {
   common::InputProblems problems;
-  std::vector<const common::EffectAbout*> catalogue = sim::effect_abouts();
-  catalogue.insert(catalogue.end(), controller::effect_abouts().begin(), controller::effect_abouts().end());
+  common::EffectCatalogue all;  // whatever the machine: what does not suit it may be left out as well
+  for (const sim::EffectDescription* effect : sim::effect_catalogue()) all.effects.push_back(effect->about);
+  for (const controller::ControllerEffect* effect : controller::effect_catalogue()) all.effects.push_back(effect->about);
   for (const std::string& name : options.without) {
-    if (sim::find_effect(name) != nullptr || controller::find_effect(name) != nullptr) continue;
-    problems.push_back({{"--without", 0, 0}, "", name, common::expected_effect_name(catalogue, name)});
+    if (all.find(name) != nullptr) continue;
+    problems.push_back({{"--without", 0, 0}, "", name, common::expected_effect_name(all, name)});
   }
   // What one log says twice would count as two logs that agree.
   std::set<std::filesystem::path> seen;
@@ -306,7 +307,7 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
     sim::MachineSettings nominal;
     nominal.crane = crane.parameters;
     if (crane.effects.kind != common::YamlNode::Kind::null) {
-      nominal.effects = common::read_effects(crane.effects, sim::effect_abouts(), problems);
+      nominal.effects = common::read_effects(crane.effects, sim::effects_for(nominal), problems);
     }
     if (!problems.empty()) throw common::InputError(problems);
     std::optional<controller::ControllerSettings> controller;
@@ -378,7 +379,7 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
       text += fmt::format("boom:\n  elements: {}\n", common::quantity_text(std::to_string(explained.crane.boom.element_count), common::Unit::none,
                                                                           "slewlab diagnose, as the sizes were fitted"));
     }
-    if (!effects.empty()) text += common::effects_text(effects, sim::effect_abouts(), "slewlab diagnose, " + found.verdict);
+    if (!effects.empty()) text += common::effects_text(effects, sim::effects_for(nominal), "slewlab diagnose, " + found.verdict);
     write_whole_file(options.out / "crane_with_effect.yaml", text);
     write_whole_file(options.out / "crane_as_fitted.yaml",
                      "include: crane_with_effect.yaml\ndescription: The same, with the parameters as slewlab diagnose fitted them.\n" +

@@ -133,14 +133,18 @@ int main(int count, char** arguments) {
     controller::ControllerSettings settings = controller::load_controller_file(controller_file).settings;
     settings.period = kStep * kStepsPerCycle;
     const Series nominal = simulate(crane, settings, {});
-    for (const common::EffectAbout* about : sim::effect_abouts()) {
-      nlohmann::json line = describe(*about);
+    const common::EffectCatalogue of_machine = sim::effects_for(crane);
+    for (const sim::EffectDescription* effect : sim::effect_catalogue()) {
+      nlohmann::json line = describe(effect->about);
+      const common::EffectAbout* about = of_machine.find(effect->about.name);
+      if (about == nullptr) continue;  // does not suit the machine
       line["signals"] = compare(simulate(crane, settings, {common::typical_instance(*about)}), nominal);
       std::printf("%s\n", line.dump().c_str());
     }
-    for (const common::EffectAbout* about : controller::effect_abouts()) {
-      nlohmann::json line = describe(*about);
-      const auto changed = controller::with_effects(settings, {common::typical_instance(*about)});
+    const common::EffectCatalogue of_controller = controller::effects_for(settings);
+    for (const controller::ControllerEffect* effect : controller::effect_catalogue()) {
+      nlohmann::json line = describe(effect->about);
+      const auto changed = controller::with_effects(settings, {common::typical_instance(of_controller.at(effect->about.name))});
       line["signals"] = compare(simulate(crane, changed, {}), nominal);
       std::printf("%s\n", line.dump().c_str());
     }

@@ -27,7 +27,7 @@ TEST(ControllerEffects, AbsentSizesChangeNothing) {
   settings.play_compensation.point_count = 1;
   settings.play_compensation.points[0] = {0.0, 0.10, -0.10};
   for (const ControllerEffect* effect : effect_catalogue()) {
-    common::EffectInstance instance = common::typical_instance(effect->about);
+    common::EffectInstance instance = common::typical_instance(effects_for(settings).at(effect->about.name));
     for (std::size_t i = 0; i < instance.values.size(); ++i) {
       instance.values[i] = effect->about.parameters[i].absent.value();
     }
@@ -49,7 +49,7 @@ TEST(ControllerEffects, SurviveAFileOverTheNominalOne) {
   EXPECT_EQ(changes_text(nominal, nominal, "test"), "");
   const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "controller_with_effect.yaml";
   for (const ControllerEffect* effect : effect_catalogue()) {
-    const ControllerSettings changed = with_effects(nominal, {common::typical_instance(effect->about)});
+    const ControllerSettings changed = with_effects(nominal, {common::typical_instance(effects_for(nominal).at(effect->about.name))});
     const std::string changes = changes_text(nominal, changed, "test");
     EXPECT_NE(changes, "") << effect->about.name;
     std::ofstream(file) << "include: " << nominal_file.string() << "\n" << changes;
@@ -61,7 +61,8 @@ TEST(ControllerEffects, SurviveAFileOverTheNominalOne) {
 
 // docs/effects/NAME.md states what the code has: one table row per parameter with its bounds.
 TEST(ControllerEffects, EveryEffectHasItsPage) {
-  for (const common::EffectAbout* about : effect_abouts()) {
+  for (const ControllerEffect* effect : effect_catalogue()) {
+    const common::EffectAbout* about = &effect->about;
     const std::filesystem::path page = std::filesystem::path(SLEWLAB_SOURCE_DIR) / "docs" / "effects" / (std::string(about->name) + ".md");
     std::ifstream file(page);
     ASSERT_TRUE(file) << page;

@@ -1,6 +1,6 @@
-#include "controller/effects/droop.h"
-
 #include <gtest/gtest.h>
+
+#include "tests/controller/effects/change_by.h"
 
 namespace slewlab::controller {
 namespace {
@@ -9,7 +9,7 @@ namespace {
 TEST(DroopEffect, RatedTorqueLowersTheReferenceByTheDroop) {
   ControllerSettings settings;
   settings.speed_control = {.proportional_gain = 40.0, .integral_time = 1.0, .droop = 0.0};
-  droop().change({5.0}, settings);
+  change_by("droop", {5.0}, settings);
   SpeedControlState state{.integral_torque = 400.0};
   const SpeedControlOutput output =
       step_speed_control(settings.speed_control, state, 1e-9, 5.0, 400.0, 800.0);

@@ -1,6 +1,6 @@
-#include "controller/effects/other_gains.h"
-
 #include <gtest/gtest.h>
+
+#include "tests/controller/effects/change_by.h"
 
 namespace slewlab::controller {
 namespace {
@@ -8,7 +8,7 @@ namespace {
 TEST(OtherGains, MultipliesGainAndIntegralTime) {
   ControllerSettings settings;
   settings.speed_control = {.proportional_gain = 40.0, .integral_time = 1.0};
-  other_gains().change({1.5, 0.5}, settings);
+  change_by("other_gains", {1.5, 0.5}, settings);
   // A step of the error e gives Kp e at once and Kp / Ti e per second besides.
   SpeedControlState state;
   const double period = 1e-6;

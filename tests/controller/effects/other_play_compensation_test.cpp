@@ -1,6 +1,6 @@
-#include "controller/effects/other_play_compensation.h"
-
 #include <gtest/gtest.h>
+
+#include "tests/controller/effects/change_by.h"
 
 namespace slewlab::controller {
 namespace {
@@ -13,7 +13,7 @@ TEST(OtherPlayCompensation, ScalesTheOffsetFromTheAverage) {
     settings.play_compensation.point_count = 2;
     settings.play_compensation.points[0] = {0.0, 0.10, -0.10};
     settings.play_compensation.points[1] = {0.18, 0.46, -0.10};
-    other_play_compensation().change({factor}, settings);
+    change_by("other_play_compensation", {factor}, settings);
     const HalfTorques positive = evaluate_play_map(settings.play_compensation, 0.18);
     EXPECT_NEAR(positive.half_1, 0.18 + factor * 0.28, 1e-12);
     EXPECT_NEAR(positive.half_2, 0.18 - factor * 0.28, 1e-12);

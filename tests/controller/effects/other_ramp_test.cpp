@@ -1,8 +1,8 @@
-#include "controller/effects/other_ramp.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
+
+#include "tests/controller/effects/change_by.h"
 
 namespace slewlab::controller {
 namespace {
@@ -16,7 +16,7 @@ TEST(OtherRamp, StretchesTheTimeToTopSpeed) {
                    .deceleration_time = 4.0,
                    .emergency_stop_time = 1.5,
                    .curved_share = 0.3};
-  other_ramp().change({1.5, 0.1}, settings);
+  change_by("other_ramp", {1.5, 0.1}, settings);
   RampState state;
   double peak = 0.0;
   double reached = 0.0;
@@ -33,7 +33,7 @@ TEST(OtherRamp, StretchesTheTimeToTopSpeed) {
 TEST(OtherRamp, KeepsTheCurvedShareWithinItsRange) {
   ControllerSettings settings;
   settings.ramp.curved_share = 0.3;
-  other_ramp().change({1.0, 0.5}, settings);
+  change_by("other_ramp", {1.0, 0.5}, settings);
   EXPECT_EQ(settings.ramp.curved_share, 0.5);
 }
 

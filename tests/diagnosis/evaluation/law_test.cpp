@@ -7,7 +7,7 @@
 #include <cmath>
 #include <set>
 
-#include "controller/controller.h"
+#include "controller/controller_file.h"
 #include "controller/effects/catalogue.h"
 #include "diagnosis/evaluation/bristle.h"
 #include "sim/effects/catalogue.h"
@@ -55,9 +55,10 @@ TEST(Law, NamesAreUniqueAndSizesPositive) {
 
 // Every effect of both catalogues can be drawn, under its own name, subsystem and parameters, within its bounds.
 TEST(Law, EveryEffectOfTheCataloguesHasALawThatFitsIt) {
-  std::vector<const common::EffectAbout*> abouts = sim::effect_abouts();
-  for (const common::EffectAbout* about : controller::effect_abouts()) abouts.push_back(about);
-  for (const common::EffectAbout* about : abouts) {
+  const controller::ControllerSettings settings = controller::load_controller_file(SLEWLAB_SOURCE_DIR "/config/controllers/thesis.yaml").settings;
+  const common::EffectCatalogue catalogue = joined(sim::effects_for(sim::thesis_crane()), controller::effects_for(settings));
+  for (const common::EffectAbout& effect : catalogue.effects) {
+    const common::EffectAbout* about = &effect;
     int found = 0;
     for (const Law& law : laws()) {
       if (law.effect != about->name) continue;
@@ -80,7 +81,7 @@ TEST(Law, EveryEffectOfTheCataloguesHasALawThatFitsIt) {
     }
     EXPECT_EQ(found, 1) << about->name;
   }
-  EXPECT_GE(abouts.size(), 40u);
+  EXPECT_GE(catalogue.effects.size(), 40u);
 }
 
 TEST(Law, SlidingBristlesCarryTheLevelAndRestThere) {

@@ -1,5 +1,3 @@
-#include "sim/effects/air_drag.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,5 +1,3 @@
-#include "sim/effects/bearing_coulomb.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -43,7 +41,7 @@ TEST(BearingCoulomb, HeldTorqueIsContinuousThroughZero) {
   constexpr double kTorque = 2e5, kAsymmetry = 0.4, kGive = 3e-5, kMove = 0.01 * kGive;
   const PlantModel model = make_plant_model(rigid_crane(), 0.001);
   const std::vector<double> values{kTorque, kAsymmetry, kGive};
-  const auto effect = bearing_coulomb().start({values, model, 0});
+  const auto effect = started("bearing_coulomb", values, model);
   EffectMoment moment;
   double before = 0.0, angle = 0.0;
   for (const double side : {1.0, -1.0, 1.0}) {

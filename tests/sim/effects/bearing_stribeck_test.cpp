@@ -1,5 +1,3 @@
-#include "sim/effects/bearing_stribeck.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>

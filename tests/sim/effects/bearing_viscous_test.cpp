@@ -1,5 +1,3 @@
-#include "sim/effects/bearing_viscous.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,5 +1,3 @@
-#include "sim/effects/boom_damping.h"
-
 #include <gtest/gtest.h>
 
 #include "sim/analysis/eigen.h"
@@ -13,7 +11,7 @@ namespace {
 TEST(BoomDamping, MultipliesTheDampingOfEveryMode) {
   MachineParameters parameters;
   parameters.crane = flexible_crane();
-  boom_damping().change({3.0}, parameters);
+  change_by("boom_damping", {3.0}, parameters);
   const std::vector<Mode> before = clamped_boom_modes(flexible_crane().boom), after = clamped_boom_modes(parameters.crane.boom);
   ASSERT_EQ(after.size(), before.size());
   for (std::size_t i = 0; i < before.size(); ++i) {

@@ -1,5 +1,3 @@
-#include "sim/effects/boom_stiffness.h"
-
 #include <gtest/gtest.h>
 
 #include "sim/model/boom.h"
@@ -12,7 +10,7 @@ namespace {
 TEST(BoomStiffness, ScalesTheFrequenciesByItsRoot) {
   MachineParameters parameters;
   parameters.crane = flexible_crane();
-  boom_stiffness().change({0.81}, parameters);
+  change_by("boom_stiffness", {0.81}, parameters);
   const auto before = clamped_bending_frequencies(flexible_crane().boom);
   const auto after = clamped_bending_frequencies(parameters.crane.boom);
   for (std::size_t k = 0; k < before.size(); ++k) EXPECT_NEAR(after[k] / before[k], 0.9, 1e-9);

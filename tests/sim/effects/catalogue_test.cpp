@@ -9,7 +9,10 @@
 #include <sstream>
 
 #include "common/yaml_file.h"
+#include "sim/integrate/machine.h"
+#include "sim/machine/effect_scales.h"
 #include "tests/sim/effects/effect_bench.h"
+#include "tests/sim/scaled_crane.h"
 
 namespace slewlab::sim {
 namespace {
@@ -73,12 +76,12 @@ TEST(EffectCatalogue, SizesFadeOut) {
   const BenchStart start{.slew_speed = 0.02, .rope_angle = 0.02};
   const auto without = run(MachineSettings{.crane = crane, .effects = {}}, 3.0, manoeuvre, start);
   for (const EffectDescription* effect : effect_catalogue()) {
-    common::EffectInstance typical_size = common::typical_instance(effect->about);
+    common::EffectInstance typical_size = common::typical_instance(thesis_effect(effect->about.name));
     if (typical_size.name == "hoisting") typical_size.values[1] = 0.0;  // begins at once
     common::EffectInstance faded = typical_size;
     bool exactly = true;
     for (std::size_t i = 0; i < faded.values.size(); ++i) {
-      const common::EffectParameter& p = effect->about.parameters[i];
+      const common::EffectParameter& p = thesis_effect(effect->about.name).parameters[i];
       if (!p.absent) continue;
       exactly = exactly && std::isfinite(*p.absent);
       faded.values[i] = std::min(p.upper, *p.absent);
@@ -91,6 +94,68 @@ TEST(EffectCatalogue, SizesFadeOut) {
   }
 }
 
+// One description serves machines of every size: the typical sizes of a machine with other masses, or with lengths times
+// lambda and times times sqrt(lambda), make the same motion, whatever the effect.
+TEST(EffectCatalogue, SizesFollowTheMachine) {
+  const CraneParameters thesis = flexible_crane();
+  const auto without = run(MachineSettings{.crane = thesis, .effects = {}}, 1.0, manoeuvre, {.slew_speed = 0.02, .rope_angle = 0.02});
+  struct Size {
+    CraneParameters crane;
+    double torque, time;  // factors
+  };
+  constexpr double kLambda = 4.0;
+  const double root = std::sqrt(kLambda);
+  for (const Size& size : {Size{with_masses_times(thesis, 1e3), 1e3, 1.0}, Size{with_masses_times(thesis, 1e-6), 1e-6, 1.0},
+                           Size{with_lengths_times(thesis, kLambda), kLambda, root}}) {
+    const common::EffectCatalogue catalogue = effects_for(size.crane);
+    EXPECT_TRUE(catalogue.unsuited.empty());
+    for (const common::EffectAbout& about : catalogue.effects) {
+      const auto there =
+          run({.crane = thesis, .effects = {common::typical_instance(thesis_effect(about.name))}}, 1.0, manoeuvre, {.slew_speed = 0.02, .rope_angle = 0.02});
+      const auto drive = [&](double time) {
+        DriveCommand command = manoeuvre(time / size.time);
+        for (double& torque : command.motor_torque) torque *= size.torque;
+        return command;
+      };
+      auto scaled = run({.crane = size.crane, .effects = {common::typical_instance(about)}, .step = 0.001 * size.time,
+                         .scales = effect_scales(size.crane)},
+                        size.time, drive, {.slew_speed = 0.02 / size.time, .rope_angle = 0.02});
+      for (BenchSample& sample : scaled) {
+        for (double& speed : sample.readings.shaft_speed) speed *= size.time;  // accelerations are as gravity is
+      }
+      ASSERT_EQ(scaled.size(), there.size()) << about.name;
+      EXPECT_LE(distance(scaled, there), 1e-3 * distance(there, without) + 1e-9) << about.name << ", torques times " << size.torque;
+    }
+  }
+}
+
+// A machine without load or boom has no effects of theirs, and says what is missing.
+TEST(EffectCatalogue, LeavesOutWhatDoesNotSuitTheMachine) {
+  CraneParameters machine = rigid_crane();
+  machine.boom = {};
+  machine.boom.element_count = 0;
+  machine.drive.group_count = 1;
+  const common::EffectCatalogue catalogue = effects_for(machine);
+  EXPECT_EQ(catalogue.find("wind"), nullptr);
+  EXPECT_EQ(catalogue.find("load_mass"), nullptr);
+  EXPECT_EQ(catalogue.find("uneven_play"), nullptr);
+  EXPECT_NE(catalogue.find("bearing_coulomb"), nullptr);
+  EXPECT_NE(catalogue.find("house_inertia"), nullptr);
+  for (const common::EffectAbout& about : catalogue.effects) {
+    for (const common::EffectParameter& p : about.parameters) {
+      EXPECT_LT(p.lower, p.upper) << about.name << " " << p.name;
+      EXPECT_TRUE(std::isfinite(p.typical) && p.prior_scale > 0.0) << about.name << " " << p.name;
+    }
+    EXPECT_NO_THROW(make_machine({.crane = machine, .effects = {common::typical_instance(about)}})) << about.name;
+  }
+  try {
+    make_machine({.crane = machine, .effects = {{"tag_line", {500.0, 2000.0}}}});
+    ADD_FAILURE() << "a tag line without a load";
+  } catch (const std::invalid_argument& refused) {
+    EXPECT_STREQ(refused.what(), "effect tag_line needs a boom and a load, which this machine has not");
+  }
+}
+
 // Gears wound up against each other stay in contact, so that everything is smooth: error over the step.
 TEST(EffectCatalogue, SmoothEffectsAreOfSecondOrderInTheStep) {
   const CraneParameters crane = flexible_crane();
@@ -100,7 +165,7 @@ TEST(EffectCatalogue, SmoothEffectsAreOfSecondOrderInTheStep) {
        {"torque_lag", "pinion_mesh_variation", "gear_friction", "dragging_brake", "bearing_coulomb",
         "bearing_viscous", "bearing_stribeck", "pedestal_flexibility", "heel", "wind",
         "hoisting", "large_angles", "air_drag", "offlead", "tag_line", "vessel_roll", "gusts"}) {
-    common::EffectInstance instance = common::typical_instance(find_effect(name)->about);
+    common::EffectInstance instance = common::typical_instance(thesis_effect(name));
     if (instance.name == "hoisting") instance.values = {0.5, 0.0, 8.0, 1.0};  // ramps of 1 s: at a whole step
     for (std::size_t p = 0; p < instance.values.size(); ++p) {
       if (find_effect(name)->about.parameters[p].name == "give") instance.values[p] = 0.0;  // below
@@ -130,7 +195,7 @@ TEST(EffectCatalogue, JointsThatGiveAreRightWithinAShareOfTheirEffect) {
   const CraneParameters crane = flexible_crane();
   const BenchStart start{.slew_speed = 0.03, .rope_angle = 0.03};
   for (const char* name : {"dragging_brake", "bearing_coulomb", "bearing_stribeck"}) {
-    const common::EffectInstance instance = common::typical_instance(find_effect(name)->about);
+    const common::EffectInstance instance = common::typical_instance(thesis_effect(name));
     const auto end = [&](double step, const std::vector<common::EffectInstance>& effects) {
       return run({.crane = crane, .effects = effects, .step = step}, 1.6, constant_drive(110.0, 95.0), start).back();
     };
@@ -145,11 +210,12 @@ TEST(EffectCatalogue, JointsThatGiveAreRightWithinAShareOfTheirEffect) {
 
 TEST(EffectCatalogue, ReadsBackWhatItWrites) {
   std::vector<common::EffectInstance> all;
-  for (const common::EffectAbout* about : effect_abouts()) all.push_back(common::typical_instance(*about));
+  const common::EffectCatalogue catalogue = effects_for(flexible_crane());
+  for (const common::EffectAbout& about : catalogue.effects) all.push_back(common::typical_instance(about));
   common::InputProblems problems;
   const auto tree =
-      common::parse_yaml_text(common::effects_text(all, effect_abouts(), "test"), "crane.yaml", problems);
-  const auto read = common::read_effects(*tree.find("effects"), effect_abouts(), problems);
+      common::parse_yaml_text(common::effects_text(all, catalogue, "test"), "crane.yaml", problems);
+  const auto read = common::read_effects(*tree.find("effects"), effects_for(flexible_crane()), problems);
   ASSERT_TRUE(problems.empty()) << common::to_text(problems.front());
   ASSERT_EQ(read.size(), all.size());
   for (std::size_t i = 0; i < all.size(); ++i) {
@@ -161,7 +227,7 @@ TEST(EffectCatalogue, ReadsBackWhatItWrites) {
 std::string problem_of(const std::string& text) {
   common::InputProblems problems;
   const auto tree = common::parse_yaml_text(text, "crane.yaml", problems);
-  common::read_effects(*tree.find("effects"), effect_abouts(), problems);
+  common::read_effects(*tree.find("effects"), effects_for(flexible_crane()), problems);
   std::string all;
   for (const common::InputProblem& problem : problems) all += common::to_text(problem) + "\n";
   return all;
@@ -196,7 +262,8 @@ TEST(EffectCatalogue, TellsWhatIsWrongInAFile) {
 
 // docs/effects/NAME.md states what the code has: one table row per parameter with its bounds.
 TEST(EffectCatalogue, EveryEffectHasItsPage) {
-  for (const common::EffectAbout* about : effect_abouts()) {
+  for (const EffectDescription* effect : effect_catalogue()) {
+    const common::EffectAbout* about = &effect->about;
     const std::filesystem::path page =
         std::filesystem::path(SLEWLAB_SOURCE_DIR) / "docs" / "effects" / (std::string(about->name) + ".md");
     std::ifstream file(page);

@@ -1,5 +1,3 @@
-#include "sim/effects/clock_drift.h"
-
 #include <gtest/gtest.h>
 
 #include "tests/sim/effects/effect_bench.h"

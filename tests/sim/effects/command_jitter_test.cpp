@@ -1,5 +1,3 @@
-#include "sim/effects/command_jitter.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,5 +1,3 @@
-#include "sim/effects/command_loss.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -19,7 +17,7 @@ constexpr std::uint64_t kSeed = 11;
 std::vector<bool> lost_messages(double probability, double burst, int count) {
   const Machine machine = make_machine({.crane = fixed_house(), .effects = {}});
   const std::vector<double> values{probability, burst};
-  const auto effect = command_loss().start({.values = values, .model = machine.model, .seed = kSeed});
+  const auto effect = started("command_loss", values, machine.model, kSeed);
   std::vector<bool> lost;
   for (int sequence = 1; sequence <= count; ++sequence) {
     DriveCommand command;

@@ -1,5 +1,3 @@
-#include "sim/effects/compression_softening.h"
-
 #include <gtest/gtest.h>
 
 #include <stdexcept>
@@ -22,7 +20,7 @@ MachineParameters homogeneous(double half_width) {
 TEST(CompressionSoftening, LowersTheFrequenciesOfAHomogeneousBoom) {
   MachineParameters parameters = homogeneous(1.47);
   const BoomParameters nominal = parameters.crane.boom;
-  compression_softening().change({8.5e6}, parameters);
+  change_by("compression_softening", {8.5e6}, parameters);
   const double moment =
       second_moment_of_area(nominal.chord_outer_diameter, nominal.chord_inner_diameter, 1.47);
   const double critical = critical_buckling_force(nominal.youngs_modulus, moment, nominal.length);
@@ -37,7 +35,7 @@ TEST(CompressionSoftening, LowersTheFrequenciesOfAHomogeneousBoom) {
 
 TEST(CompressionSoftening, RefusesABoomThatBuckles) {
   MachineParameters parameters = homogeneous(0.3);
-  EXPECT_THROW(compression_softening().change({9e6}, parameters), std::invalid_argument);
+  EXPECT_THROW(change_by("compression_softening", {9e6}, parameters), std::invalid_argument);
 }
 
 }  // namespace

@@ -1,5 +1,3 @@
-#include "sim/effects/dead_time.h"
-
 #include <gtest/gtest.h>
 
 #include "tests/sim/effects/effect_bench.h"

@@ -1,6 +1,8 @@
 #include "tests/sim/effects/effect_bench.h"
 
+#include "sim/effects/catalogue.h"
 #include "sim/integrate/machine.h"
+#include "sim/machine/effect_scales.h"
 #include "sim/model/boom.h"
 #include "sim/model/drive_line.h"
 #include "tests/sim/thesis_crane.h"
@@ -57,7 +59,10 @@ Drive constant_drive(double first, double second) {
 
 std::vector<BenchSample> run(const MachineSettings& settings, double duration, const Drive& drive,
                              const BenchStart& start) {
-  Machine machine = make_machine(settings);
+  // Machines of the bench are the thesis's crane with something held fast: its sizes count.
+  MachineSettings in_its_units = settings;
+  if (!in_its_units.scales) in_its_units.scales = effect_scales(thesis_crane());
+  Machine machine = make_machine(in_its_units);
   const PlantModel& model = machine.model;
   PlantState& state = machine.state;
   if (start.slew_speed != 0.0) {
@@ -115,6 +120,22 @@ std::vector<BenchSample> run(const CraneParameters& crane, const std::string& ef
                              const std::vector<double>& values, double duration, const Drive& drive,
                              const BenchStart& start) {
   return run({.crane = crane, .effects = {{effect, values}}}, duration, drive, start);
+}
+
+const common::EffectAbout& thesis_effect(std::string_view name) {
+  static const common::EffectCatalogue catalogue = effects_for(thesis_crane());
+  return catalogue.at(name);
+}
+
+std::unique_ptr<RunningEffect> started(const std::string& effect, const std::vector<double>& values, const PlantModel& model,
+                                       std::uint64_t seed) {
+  const EffectDescription* description = find_effect(effect);
+  return description->start({{description->about, values}, model, effect_scales(thesis_crane()), seed});
+}
+
+void change_by(const std::string& effect, const std::vector<double>& values, MachineParameters& parameters) {
+  const EffectDescription* description = find_effect(effect);
+  description->change({description->about, values}, parameters);
 }
 
 double period_of(const std::vector<BenchSample>& samples,

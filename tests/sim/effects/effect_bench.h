@@ -2,9 +2,12 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
+#include "sim/effects/effect.h"
 #include "sim/integrate/machine_settings.h"
 
 namespace slewlab::sim {
@@ -53,6 +56,15 @@ std::vector<BenchSample> run(const MachineSettings& settings, double duration, c
 std::vector<BenchSample> run(const CraneParameters& crane, const std::string& effect,
                              const std::vector<double>& values, double duration,
                              const Drive& drive = no_drive, const BenchStart& start = {});
+
+// The effect with its numbers for the thesis's crane.
+const common::EffectAbout& thesis_effect(std::string_view name);
+// Started by itself on a model, with values in the order of its parameters.
+std::unique_ptr<RunningEffect> started(const std::string& effect, const std::vector<double>& values, const PlantModel& model,
+                                       std::uint64_t seed = 0);
+
+// What it makes of a machine before assembly.
+void change_by(const std::string& effect, const std::vector<double>& values, MachineParameters& parameters);
 
 // [s] mean time between rising zero crossings of the values, linear between samples.
 double period_of(const std::vector<BenchSample>& samples,

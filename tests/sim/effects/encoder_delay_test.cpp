@@ -1,5 +1,3 @@
-#include "sim/effects/encoder_delay.h"
-
 #include <gtest/gtest.h>
 
 #include "tests/sim/effects/effect_bench.h"

@@ -1,5 +1,3 @@
-#include "sim/effects/encoder_ripple.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>

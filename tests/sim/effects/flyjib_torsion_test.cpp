@@ -1,5 +1,3 @@
-#include "sim/effects/flyjib_torsion.h"
-
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
@@ -23,7 +21,7 @@ TEST(FlyjibTorsion, MassOnBendingAndTwistOfALightBoom) {
   BoomParameters& boom = parameters.crane.boom;
   boom.mass = 1e-3;
   boom.profile = {{0.0, 1.47, 0.9}, {1.0, 1.47, 0.9}};
-  flyjib_torsion().change({3000.0, 5.0}, parameters);
+  change_by("flyjib_torsion", {3000.0, 5.0}, parameters);
   const BoomMatrices matrices = assemble_boom(boom);
   const Eigen::Index free = matrices.mass.rows() - 3;
   const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(
@@ -41,7 +39,7 @@ TEST(FlyjibTorsion, SheaveStandsInFrontOfTheTip) {
   MachineParameters parameters;
   parameters.crane = rigid_crane();
   const double without = rigid_boom_inertia(parameters.crane.boom);
-  flyjib_torsion().change({3000.0, 5.0}, parameters);
+  change_by("flyjib_torsion", {3000.0, 5.0}, parameters);
   const BoomParameters& boom = parameters.crane.boom;
   const double radius = tip_radius(boom) + 5.0 * std::sin(boom.angle);
   const FreeHouseModes modes = free_house_modes(parameters.crane);
@@ -56,7 +54,7 @@ TEST(FlyjibTorsion, AccelerometerStaysOnTheTip) {
     MachineParameters parameters;
     parameters.crane = rigid_crane();
     parameters.crane.boom.element_count = elements;
-    flyjib_torsion().change({3000.0, 5.0}, parameters);
+    change_by("flyjib_torsion", {3000.0, 5.0}, parameters);
     const PlantModel model = make_plant_model(parameters.crane, 0.001);
     // The rigid rotation is the first mode, of boom elements as well.
     EXPECT_NEAR(model.tip_sensor[0] / model.house[0], tip_radius(parameters.crane.boom), 1e-6) << elements;
@@ -78,7 +76,7 @@ TEST(FlyjibTorsion, AccelerometerReadsWhatSundialsSays) {
   MachineParameters parameters;
   parameters.crane = flexible_crane();
   const std::vector<double> values{3000.0, 5.0};
-  flyjib_torsion().change(values, parameters);
+  change_by("flyjib_torsion", values, parameters);
   const Drive drive = constant_drive(110.0, 95.0);
   const auto with = run(flexible_crane(), "flyjib_torsion", values, 1.0, drive);
   const auto without = run({.crane = flexible_crane(), .effects = {}}, 1.0, drive);
@@ -97,7 +95,7 @@ TEST(FlyjibTorsion, AccelerometerReadsWhatSundialsSays) {
 TEST(FlyjibTorsion, ElementsAndRigidBoomAgree) {
   MachineParameters parameters;
   parameters.crane = flexible_crane();
-  flyjib_torsion().change({3000.0, 5.0}, parameters);
+  change_by("flyjib_torsion", {3000.0, 5.0}, parameters);
   const FreeHouseModes modes = free_house_modes(parameters.crane);
   MachineParameters rigid = parameters;
   rigid.crane.boom.element_count = 0;

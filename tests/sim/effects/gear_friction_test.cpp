@@ -1,5 +1,3 @@
-#include "sim/effects/gear_friction.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -29,7 +27,7 @@ TEST(GearFriction, CostsItsShareOfTheGearTorque) {
 TEST(GearFriction, PassesZeroWithTheSpeed) {
   const PlantModel model = make_plant_model(rigid_crane(), 0.001);
   const std::vector<double> values{0.1, 4e-4};
-  const auto effect = gear_friction().start({values, model, 0});
+  const auto effect = started("gear_friction", values, model);
   for (const double carried : {1e6, -1e6}) {
     const auto at = [&](double speed) {
       EffectMoment moment;

@@ -1,5 +1,3 @@
-#include "sim/effects/gearbox_mesh_variation.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>

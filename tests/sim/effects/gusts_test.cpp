@@ -1,5 +1,3 @@
-#include "sim/effects/gusts.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,5 +1,3 @@
-#include "sim/effects/heel.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>

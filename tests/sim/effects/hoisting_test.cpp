@@ -1,5 +1,3 @@
-#include "sim/effects/hoisting.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>

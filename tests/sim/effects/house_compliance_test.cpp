@@ -1,5 +1,3 @@
-#include "sim/effects/house_compliance.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -17,7 +15,7 @@ constexpr double kStiffness = 1e10, kShare = 0.2;
 TEST(HouseCompliance, RingSwingsAgainstHouseAndBoom) {
   MachineParameters parameters;
   parameters.crane = rigid_crane();
-  house_compliance().change({kStiffness, kShare}, parameters);
+  change_by("house_compliance", {kStiffness, kShare}, parameters);
   const FreeHouseModes modes = free_house_modes(parameters.crane);
   const double ring = kShare * parameters.crane.house.inertia;
   const double rest = house_and_boom_inertia(parameters.crane) - ring;
@@ -46,7 +44,7 @@ TEST(HouseCompliance, AStiffHouseIsARigidOne) {
   const FreeHouseModes rigid = free_house_modes(parameters.crane);
   double before = 0.0;
   for (const double stiffness : {1e10, 1e11, 1e12}) {
-    house_compliance().change({stiffness, kShare}, parameters);
+    change_by("house_compliance", {stiffness, kShare}, parameters);
     const double shift = 1.0 - free_house_modes(parameters.crane).frequency[1] / rigid.frequency[1];
     EXPECT_GT(shift, 0.0);
     if (before > 0.0) {
@@ -61,7 +59,7 @@ TEST(HouseCompliance, FullMatricesHaveTheSameRing) {
   MachineParameters parameters;
   parameters.crane = flexible_crane();
   parameters.crane.load = {};
-  house_compliance().change({kStiffness, kShare}, parameters);
+  change_by("house_compliance", {kStiffness, kShare}, parameters);
   const CraneMatrices crane = assemble_crane(parameters.crane, GearState::kOpen);
   const FreeHouseModes modes = free_house_modes(parameters.crane);
   const int from = crane.at.house, count = crane.at.size - from;

@@ -1,5 +1,3 @@
-#include "sim/effects/hydraulic_compliance.h"
-
 #include <gtest/gtest.h>
 
 #include <complex>
@@ -13,8 +11,8 @@ namespace {
 // The exact complex stiffness of two damped springs in series, at a frequency far below c / k.
 TEST(HydraulicCompliance, IsTwoDampedSpringsInSeries) {
   const CraneParameters crane = flexible_crane();
-  const GearContact gear = machine_parameters(crane, {}).gear[0];
-  const GearContact both = machine_parameters(crane, {{"hydraulic_compliance", {5e9, 5e7}}}).gear[0];
+  const GearContact gear = machine_parameters({.crane = crane, .effects = {}}).gear[0];
+  const GearContact both = machine_parameters({.crane = crane, .effects = {{"hydraulic_compliance", {5e9, 5e7}}}}).gear[0];
   constexpr double kFrequency = 1e-3;  // [rad/s]
   const std::complex<double> first(gear.stiffness, kFrequency * gear.damping);
   const std::complex<double> oil(5e9, kFrequency * 5e7);

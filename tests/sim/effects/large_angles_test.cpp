@@ -1,5 +1,3 @@
-#include "sim/effects/large_angles.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,5 +1,3 @@
-#include "sim/effects/load_mass.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>

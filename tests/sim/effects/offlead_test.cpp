@@ -1,5 +1,3 @@
-#include "sim/effects/offlead.h"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>

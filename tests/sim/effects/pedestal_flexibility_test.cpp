@@ -1,5 +1,3 @@
-#include "sim/effects/pedestal_flexibility.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>

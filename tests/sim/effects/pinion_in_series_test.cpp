@@ -1,5 +1,3 @@
-#include "sim/effects/pinion_in_series.h"
-
 #include <gtest/gtest.h>
 
 #include <complex>
@@ -32,12 +30,12 @@ TEST(PinionInSeries, OfTheThesisIsNearlyRigid) {
 // Far below the springs' own frequencies, c of 1 / (1 / (k_g + i w c_g) + 1 / (k_p + i w c_p)) with c_p / k_p = d c_g / k_g.
 TEST(PinionInSeries, DampsAsTwoDampedSpringsInSeries) {
   const CraneParameters crane = fixed_house();
-  const GearContact before = machine_parameters(crane, {}).gear[0];
+  const GearContact before = machine_parameters({.crane = crane, .effects = {}}).gear[0];
   constexpr double kStiffness = 2e7;  // three times the gearbox: both give, both damp
   const double pinion = kStiffness * 3 * 12.7 * 12.7;
   const double frequency = 1e-4 * before.stiffness / before.damping;  // [rad/s]
   for (const double share : {0.0, 0.5, 1.0, 2.0}) {
-    const GearContact after = machine_parameters(crane, {{"pinion_in_series", {kStiffness, share}}}).gear[1];
+    const GearContact after = machine_parameters({.crane = crane, .effects = {{"pinion_in_series", {kStiffness, share}}}}).gear[1];
     const std::complex<double> gearbox(before.stiffness, frequency * before.damping);
     const std::complex<double> teeth(pinion, frequency * share * before.damping / before.stiffness * pinion);
     const std::complex<double> both = 1.0 / (1.0 / gearbox + 1.0 / teeth);

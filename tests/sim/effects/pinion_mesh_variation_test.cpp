@@ -1,5 +1,3 @@
-#include "sim/effects/pinion_mesh_variation.h"
-
 #include <gtest/gtest.h>
 
 #include <numbers>

@@ -1,5 +1,3 @@
-#include "sim/effects/rope_length.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,5 +1,3 @@
-#include "sim/effects/tag_line.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,5 +1,3 @@
-#include "sim/effects/torque_limit.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,5 +1,3 @@
-#include "sim/effects/uneven_gearbox_stiffness.h"
-
 #include <gtest/gtest.h>
 
 #include "tests/sim/effects/effect_bench.h"

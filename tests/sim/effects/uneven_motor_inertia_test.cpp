@@ -1,5 +1,3 @@
-#include "sim/effects/uneven_motor_inertia.h"
-
 #include <gtest/gtest.h>
 
 #include "tests/sim/effects/effect_bench.h"

@@ -1,5 +1,3 @@
-#include "sim/effects/vessel_roll.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,5 +1,3 @@
-#include "sim/effects/wind.h"
-
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -82,7 +82,7 @@ TEST(Machine, CopyRunsOnAsTheOriginalDoes) {
 TEST(Machine, SteppingAllocatesNothingWithEveryEffectOn) {
   MachineSettings settings{.crane = thesis_crane(), .effects = {}};
   for (const EffectDescription* effect : effect_catalogue()) {
-    settings.effects.push_back(common::typical_instance(effect->about));
+    settings.effects.push_back(common::typical_instance(effects_for(thesis_crane()).at(effect->about.name)));
   }
   Machine machine = make_machine(settings);
   const tests::AllocationGuard guard;
@@ -96,11 +96,13 @@ TEST(Machine, SteppingAllocatesNothingWithEveryEffectOn) {
 
 // Every value of every effect at its bounds makes a machine that runs and stays finite, or is refused.
 TEST(Machine, BoundsOfEveryEffectRunOrAreRefused) {
+  const common::EffectCatalogue catalogue = effects_for(thesis_crane());
   for (const EffectDescription* effect : effect_catalogue()) {
-    for (std::size_t p = 0; p < effect->about.parameters.size(); ++p) {
+    const common::EffectAbout& about = catalogue.at(effect->about.name);
+    for (std::size_t p = 0; p < about.parameters.size(); ++p) {
       for (const bool upper : {false, true}) {
-        common::EffectInstance instance = common::typical_instance(effect->about);
-        const common::EffectParameter& parameter = effect->about.parameters[p];
+        common::EffectInstance instance = common::typical_instance(about);
+        const common::EffectParameter& parameter = about.parameters[p];
         instance.values[p] = upper ? parameter.upper : parameter.lower;
         try {
           Machine machine = make_machine({.crane = thesis_crane(), .effects = {instance}});
@@ -128,7 +130,7 @@ TEST(Machine, NoEffectMakesTheTeethChatter) {
   };
   const auto without = contact_changes({});
   for (const EffectDescription* effect : effect_catalogue()) {
-    EXPECT_LT(contact_changes({common::typical_instance(effect->about)}), 2 * without + 40)
+    EXPECT_LT(contact_changes({common::typical_instance(effects_for(thesis_crane()).at(effect->about.name))}), 2 * without + 40)
         << effect->about.name << ", without " << without;
   }
 }

@@ -73,8 +73,8 @@ class DiagnoseCommand : public testing::Test {
 
   // Of the machine's catalogue: one effect is quick.
   static void leave_one(std::vector<std::string>& arguments, std::string_view effect) {
-    for (const common::EffectAbout* about : sim::effect_abouts()) {
-      if (about->name != effect) arguments.insert(arguments.end(), {"--without", std::string(about->name)});
+    for (const sim::EffectDescription* other : sim::effect_catalogue()) {
+      if (other->about.name != effect) arguments.insert(arguments.end(), {"--without", std::string(other->about.name)});
     }
   }
 

@@ -1,0 +1,70 @@
+// Generic code asks effects for their traits and knows none by name: no source outside the catalogues holds the name of an
+// effect as a text. The laws of the evaluation do, as the answers that they are.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <set>
+#include <sstream>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "controller/effects/catalogue.h"
+#include "sim/effects/catalogue.h"
+
+namespace slewlab::diagnosis {
+namespace {
+
+// Names of effects that are also keys of machine files, faults or families.
+const std::set<std::string, std::less<>> kOrdinaryWords{"rope_length", "torque_limit", "wind", "droop", "speed_filter"};
+
+std::vector<std::string> effect_names() {
+  std::vector<std::string> names;
+  for (const sim::EffectDescription* effect : sim::effect_catalogue()) names.emplace_back(effect->about.name);
+  for (const controller::ControllerEffect* effect : controller::effect_catalogue()) names.emplace_back(effect->about.name);
+  std::erase_if(names, [](const std::string& name) { return kOrdinaryWords.contains(name); });
+  return names;
+}
+
+std::vector<std::string> named_in(const std::string& text, const std::vector<std::string>& names) {
+  std::vector<std::string> found;
+  for (const std::string& name : names) {
+    for (const char quote : {'"', '\''}) {
+      if (text.find(quote + name + quote) != std::string::npos) found.push_back(name);
+    }
+  }
+  return found;
+}
+
+TEST(EffectNames, StandInNoGenericSource) {
+  const std::vector<std::string> names = effect_names();
+  const std::filesystem::path source = SLEWLAB_SOURCE_DIR;
+  int files = 0;
+  for (const char* room : {"common", "msgs", "sim", "diagnosis", "tools"}) {
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(source / room)) {
+      const std::set<std::string> kinds{".h", ".cpp", ".py"};
+      const std::string file = std::filesystem::relative(entry.path(), source).string();
+      if (!kinds.contains(entry.path().extension().string()) || file.starts_with("sim/effects/") ||
+          file.starts_with("diagnosis/evaluation/laws_")) {
+        continue;
+      }
+      ++files;
+      std::ifstream stream(entry.path());
+      std::ostringstream text;
+      text << stream.rdbuf();
+      for (const std::string& name : named_in(text.str(), names)) ADD_FAILURE() << file << " knows the effect " << name << " by its name";
+    }
+  }
+  EXPECT_GT(files, 100);
+}
+
+TEST(EffectNames, WouldBeNoticed) {
+  EXPECT_EQ(named_in("if (effect == \"command_delay\")", effect_names()), std::vector<std::string>{"command_delay"});
+  EXPECT_EQ(named_in("kind = 'gusts'", effect_names()), std::vector<std::string>{"gusts"});
+  EXPECT_TRUE(named_in("// gusts, command_delay", effect_names()).empty());
+}
+
+}  // namespace
+}  // namespace slewlab::diagnosis
