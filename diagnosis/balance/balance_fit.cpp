@@ -1,0 +1,548 @@
+#include "diagnosis/balance/balance_fit.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Core>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <stdexcept>
+
+namespace slewlab::diagnosis {
+
+namespace {
+
+constexpr int kBlocksPerRecord = 6;        // contiguous, left out in turn; chosen: each still holds several moves
+constexpr double kSignificance = 2.0;      // [standard errors] by which an addition must help the left-out blocks
+constexpr double kLeastShare = 1e-4;       // of the gap, below which an addition is not worth a word
+constexpr double kDiscrepancy = 0.02;      // amplitude, as a share of the gap's: laws of real machines are known no better
+constexpr double kTermPrior = 0.25;        // odds of one law more
+constexpr double kUnknownPrior = 0.05;     // of a law outside the catalogue
+constexpr std::size_t kMostTerms = 6;      // beside the inertia
+constexpr int kBumps = 20;                 // of a smooth function of one variable
+constexpr double kSmoothness = 1e-6;       // ridge, as a share of the columns' own square
+constexpr double kLeastDetermined = 0.1;   // of the sizes by all records but one, against all of them, for that one to judge
+constexpr double kFewestJudged = 50.0;     // samples that must move
+
+// One column of the regression and where it belongs.
+struct Column {
+  int law = -1;  // -1: acceleration
+  std::size_t shape = 0;
+};
+
+// Sums over one block: everything that a least-squares fit and its error need.
+struct Block {
+  std::size_t record = 0;
+  double count = 0.0, square = 0.0;
+  Eigen::MatrixXd products;
+  Eigen::VectorXd with_effort;
+};
+
+struct Regression {
+  std::vector<Column> columns;
+  std::vector<Block> blocks;
+  std::vector<Eigen::MatrixXd> values;    // per record, judged samples
+  std::vector<Eigen::VectorXd> efforts;
+  std::vector<std::vector<std::size_t>> judged;  // indices into the record
+  double count = 0.0, all = 0.0;
+};
+
+std::vector<double> law_column(const BalanceRecord& record, const std::function<double(const LawMoment&)>& value) {
+  std::vector<double> along(record.motion.time.size());
+  for (std::size_t n = 0; n < along.size(); ++n) {
+    along[n] = value({record.motion.time[n], record.motion.position[n], record.motion.speed[n], record.motion.effort_rate[n]});
+  }
+  return balance_smoothed(along, record.half_window);
+}
+
+std::vector<std::size_t> moving_samples(const BalanceRecord& record, double resolved_speed) {
+  std::vector<std::size_t> judged;
+  for (std::size_t n = 0; n < record.speed.size(); ++n) {
+    if (std::fabs(record.speed[n]) > resolved_speed) judged.push_back(n);
+  }
+  return judged;
+}
+
+void add_column(const std::vector<double>& series, const std::vector<std::size_t>& judged, Eigen::MatrixXd& values, Eigen::Index column) {
+  for (std::size_t i = 0; i < judged.size(); ++i) values(static_cast<Eigen::Index>(i), column) = series[judged[i]];
+}
+
+Regression make_regression(const std::vector<BalanceRecord>& records, const std::vector<BalanceLaw>& laws, double resolved_speed) {
+  Regression regression;
+  regression.columns.push_back({});
+  for (std::size_t l = 0; l < laws.size(); ++l) {
+    for (std::size_t s = 0; s < laws[l].shapes.size(); ++s) {
+      for (std::size_t c = 0; c < laws[l].shapes[s].columns.size(); ++c) regression.columns.push_back({static_cast<int>(l), s});
+    }
+  }
+  for (std::size_t r = 0; r < records.size(); ++r) {
+    const BalanceRecord& record = records[r];
+    const std::vector<std::size_t> judged = moving_samples(record, resolved_speed);
+    Eigen::MatrixXd values(static_cast<Eigen::Index>(judged.size()), static_cast<Eigen::Index>(regression.columns.size()));
+    add_column(record.acceleration, judged, values, 0);
+    Eigen::Index column = 1;
+    for (const BalanceLaw& law : laws) {
+      for (const LawShape& shape : law.shapes) {
+        for (const auto& value : shape.columns) add_column(law_column(record, value), judged, values, column++);
+      }
+    }
+    Eigen::VectorXd effort(values.rows());
+    for (std::size_t i = 0; i < judged.size(); ++i) effort(static_cast<Eigen::Index>(i)) = record.effort[judged[i]];
+    for (int b = 0; b < kBlocksPerRecord; ++b) {
+      const Eigen::Index first = values.rows() * b / kBlocksPerRecord, last = values.rows() * (b + 1) / kBlocksPerRecord;
+      if (last <= first) continue;
+      const auto rows = values.middleRows(first, last - first);
+      const auto targets = effort.segment(first, last - first);
+      regression.blocks.push_back({r, static_cast<double>(last - first), targets.squaredNorm(), rows.transpose() * rows, rows.transpose() * targets});
+    }
+    regression.count += static_cast<double>(judged.size());
+    regression.all += static_cast<double>(record.speed.size());
+    regression.values.push_back(std::move(values));
+    regression.efforts.push_back(std::move(effort));
+    regression.judged.push_back(judged);
+  }
+  if (regression.count < kFewestJudged) {
+    throw std::invalid_argument("the records hold no motion that the positions resolve; a torque balance needs moves at several speeds");
+  }
+  return regression;
+}
+
+// Columns of a choice of laws in shapes.
+struct Choice {
+  std::vector<std::pair<int, std::size_t>> laws;  // law, shape
+};
+
+std::vector<Eigen::Index> columns_of(const Regression& regression, const Choice& choice) {
+  std::vector<Eigen::Index> chosen;
+  for (std::size_t c = 0; c < regression.columns.size(); ++c) {
+    const Column& column = regression.columns[c];
+    const bool is_chosen = column.law < 0 || std::any_of(choice.laws.begin(), choice.laws.end(), [&](const auto& law) {
+                             return law.first == column.law && law.second == column.shape;
+                           });
+    if (is_chosen) chosen.push_back(static_cast<Eigen::Index>(c));
+  }
+  return chosen;
+}
+
+struct Sums {
+  Eigen::MatrixXd products;
+  Eigen::VectorXd with_effort;
+};
+
+Sums sums_of(const Regression& regression, const std::vector<Eigen::Index>& columns, const std::function<bool(const Block&)>& is_in) {
+  const auto size = static_cast<Eigen::Index>(columns.size());
+  Sums sums{Eigen::MatrixXd::Zero(size, size), Eigen::VectorXd::Zero(size)};
+  for (const Block& block : regression.blocks) {
+    if (!is_in(block)) continue;
+    sums.products += block.products(columns, columns);
+    sums.with_effort += block.with_effort(columns);
+  }
+  return sums;
+}
+
+// Least squares with columns brought to one size, so that units do not matter.
+Eigen::VectorXd solve(const Sums& sums) {
+  const Eigen::VectorXd scale = sums.products.diagonal().cwiseMax(std::numeric_limits<double>::min()).cwiseSqrt();
+  Eigen::MatrixXd scaled = scale.cwiseInverse().asDiagonal() * sums.products * scale.cwiseInverse().asDiagonal();
+  constexpr double kRidge = 1e-10;  // [-] parallel columns share a size instead of running away
+  scaled.diagonal().array() += kRidge;
+  return scale.cwiseInverse().asDiagonal() * scaled.ldlt().solve(scale.cwiseInverse().asDiagonal() * sums.with_effort);
+}
+
+// Smallest eigenvalue of the products of columns brought to one size: 0 where some of them are parallel.
+double least_determined(const Sums& sums) {
+  const Eigen::VectorXd scale = sums.products.diagonal().cwiseMax(std::numeric_limits<double>::min()).cwiseSqrt();
+  const Eigen::MatrixXd scaled = scale.cwiseInverse().asDiagonal() * sums.products * scale.cwiseInverse().asDiagonal();
+  return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scaled, Eigen::EigenvaluesOnly).eigenvalues()(0);
+}
+
+double squared_error(const Block& block, const std::vector<Eigen::Index>& columns, const Eigen::VectorXd& sizes) {
+  return block.square - 2.0 * sizes.dot(block.with_effort(columns)) + sizes.dot(block.products(columns, columns) * sizes);
+}
+
+// What a choice leaves where it was not fitted.
+struct Validated {
+  Choice choice;
+  Eigen::VectorXd sizes;              // fitted on everything
+  std::vector<double> block_error;    // mean square of each block, left out on its own
+  std::vector<double> record_error;   // of each record, left out whole; empty where the others do not determine the sizes
+  double of_blocks = 0.0, of_records = 0.0;  // mean squares; of_records only where record_error is there
+  bool is_physical = true;
+};
+
+Validated validate(const Regression& regression, const std::vector<BalanceLaw>& laws, const Choice& choice, std::size_t records) {
+  Validated result;
+  result.choice = choice;
+  const std::vector<Eigen::Index> columns = columns_of(regression, choice);
+  result.sizes = solve(sums_of(regression, columns, [](const Block&) { return true; }));
+  for (const Block& left_out : regression.blocks) {
+    const Eigen::VectorXd sizes = solve(sums_of(regression, columns, [&](const Block& block) { return &block != &left_out; }));
+    const double error = squared_error(left_out, columns, sizes);
+    result.block_error.push_back(error / left_out.count);
+    result.of_blocks += error / regression.count;
+  }
+  const double determined = least_determined(sums_of(regression, columns, [](const Block&) { return true; }));
+  for (std::size_t r = 0; r < records && records > 1; ++r) {
+    const Sums others = sums_of(regression, columns, [&](const Block& block) { return block.record != r; });
+    if (least_determined(others) < kLeastDetermined * determined) {
+      result.record_error.clear();
+      break;
+    }
+    const Eigen::VectorXd sizes = solve(others);
+    double error = 0.0, count = 0.0;
+    for (const Block& block : regression.blocks) {
+      if (block.record != r) continue;
+      error += squared_error(block, columns, sizes);
+      count += block.count;
+    }
+    result.record_error.push_back(count > 0.0 ? error / count : 0.0);
+    result.of_records += error / regression.count;
+  }
+  result.is_physical = result.sizes(0) > 0.0;
+  for (const auto& [law, shape] : choice.laws) {
+    if (!laws[static_cast<std::size_t>(law)].is_dissipative) continue;
+    for (std::size_t k = 0; k < columns.size(); ++k) {
+      const Column& column = regression.columns[static_cast<std::size_t>(columns[k])];
+      if (column.law == law && column.shape == shape && result.sizes(static_cast<Eigen::Index>(k)) < 0.0) result.is_physical = false;
+    }
+  }
+  return result;
+}
+
+// The validation mean squares of two models by what both were validated by: their geometric mean of blocks and records, or blocks alone.
+std::pair<double, double> compared(const Validated& a, const Validated& b) {
+  if (a.record_error.empty() || b.record_error.empty()) return {a.of_blocks, b.of_blocks};
+  return {std::sqrt(a.of_blocks * a.of_records), std::sqrt(b.of_blocks * b.of_records)};
+}
+
+bool is_better(const Validated& a, const Validated& b) {
+  const auto [left_a, left_b] = compared(a, b);
+  return left_a < left_b;
+}
+
+// Whether `with` predicts left-out data better than `without`: block by block, and no whole record at the others' cost.
+bool helps(const Validated& without, const Validated& with, double gap) {
+  const auto [left_with, left_without] = compared(with, without);
+  if (!with.is_physical || left_with > left_without - kLeastShare * gap) return false;
+  const auto count = static_cast<double>(with.block_error.size());
+  double mean = 0.0, square = 0.0;
+  for (std::size_t b = 0; b < with.block_error.size(); ++b) {
+    const double fall = without.block_error[b] - with.block_error[b];
+    mean += fall / count;
+    square += fall * fall / count;
+  }
+  const double error = std::sqrt(std::max(0.0, square - mean * mean) / std::max(1.0, count - 1.0));
+  if (mean < kSignificance * error) return false;
+  double gain = 0.0, loss = 0.0;
+  const std::size_t records = std::min(with.record_error.size(), without.record_error.size());
+  for (std::size_t r = 0; r < records; ++r) {
+    const double fall = without.record_error[r] - with.record_error[r];
+    (fall > 0.0 ? gain : loss) += std::fabs(fall);
+  }
+  return records == 0 || gain > kSignificance * loss;
+}
+
+// The choice with one law more, each law in the shape that validates best; nothing where none may be added.
+std::vector<Validated> additions(const Regression& regression, const std::vector<BalanceLaw>& laws, const Choice& choice, std::size_t records,
+                                 bool only_ordinary) {
+  std::vector<Validated> found;
+  const auto has = [&](const std::string& name) {
+    return std::any_of(choice.laws.begin(), choice.laws.end(), [&](const auto& law) { return laws[static_cast<std::size_t>(law.first)].name == name; });
+  };
+  for (std::size_t l = 0; l < laws.size(); ++l) {
+    if (only_ordinary && !laws[l].is_ordinary) continue;
+    if (has(laws[l].name) || (!laws[l].needs.empty() && !has(laws[l].needs))) continue;
+    std::optional<Validated> best;
+    for (std::size_t s = 0; s < laws[l].shapes.size(); ++s) {
+      Choice longer = choice;
+      longer.laws.emplace_back(static_cast<int>(l), s);
+      Validated validated = validate(regression, laws, longer, records);
+      if (!validated.is_physical) continue;
+      if (!best || is_better(validated, *best)) best = std::move(validated);
+    }
+    if (best) found.push_back(std::move(*best));
+  }
+  // By the blocks, which every model has.
+  std::stable_sort(found.begin(), found.end(), [](const Validated& a, const Validated& b) { return a.of_blocks < b.of_blocks; });
+  return found;
+}
+
+Choice without_law(Choice choice, std::size_t index) {
+  choice.laws.erase(choice.laws.begin() + static_cast<std::ptrdiff_t>(index));
+  return choice;
+}
+
+// Whether another law of the choice is a detail of this one.
+bool is_needed(const std::vector<BalanceLaw>& laws, const Choice& choice, std::size_t index) {
+  const std::string& name = laws[static_cast<std::size_t>(choice.laws[index].first)].name;
+  return std::any_of(choice.laws.begin(), choice.laws.end(), [&](const auto& law) { return laws[static_cast<std::size_t>(law.first)].needs == name; });
+}
+
+Eigen::VectorXd residual_of(const Regression& regression, const Validated& model, std::size_t record) {
+  const std::vector<Eigen::Index> columns = columns_of(regression, model.choice);
+  return regression.efforts[record] - regression.values[record](Eigen::all, columns) * model.sizes;
+}
+
+// [samples] over which the residual of neighbours goes together: the integral of its autocorrelation up to where that first falls to 0.
+double correlation_length(const Regression& regression, const Validated& model) {
+  double longest = 1.0;
+  for (std::size_t r = 0; r < regression.values.size(); ++r) {
+    const Eigen::VectorXd residual = residual_of(regression, model, r);
+    const double square = residual.squaredNorm();
+    if (!(square > 0.0)) continue;
+    double length = 1.0;
+    const Eigen::Index count = residual.size();
+    for (Eigen::Index lag = 1; lag < count / 4; ++lag) {
+      const double together = residual.head(count - lag).dot(residual.tail(count - lag)) / square;
+      if (together <= 0.0) break;
+      length += 2.0 * together;
+    }
+    longest = std::max(longest, length);
+  }
+  return longest;
+}
+
+// Bumps over the range of one variable, as functions of it.
+Eigen::MatrixXd bumps(const Eigen::VectorXd& variable, double low, double high) {
+  Eigen::MatrixXd values(variable.size(), kBumps);
+  const double width = (high - low) / (kBumps - 1);
+  for (Eigen::Index n = 0; n < variable.size(); ++n) {
+    for (int b = 0; b < kBumps; ++b) {
+      const double x = (variable(n) - (low + width * b)) / width;
+      values(n, b) = std::exp(-0.5 * x * x);
+    }
+  }
+  return values;
+}
+
+// Mean square that smooth functions of some variables leave of some targets, block by block left out.
+double smooth_validation(const Regression& regression, const std::vector<std::vector<Eigen::VectorXd>>& variables,
+                         const std::vector<Eigen::VectorXd>& targets, bool with_acceleration) {
+  const std::size_t kinds = variables.size();
+  std::vector<Eigen::MatrixXd> values;
+  for (std::size_t r = 0; r < targets.size(); ++r) {
+    Eigen::MatrixXd all(targets[r].size(), static_cast<Eigen::Index>(kinds) * kBumps + (with_acceleration ? 1 : 0));
+    for (std::size_t k = 0; k < kinds; ++k) {
+      double low = std::numeric_limits<double>::infinity(), high = -low;
+      for (const Eigen::VectorXd& one : variables[k]) {
+        if (one.size() == 0) continue;
+        low = std::min(low, one.minCoeff());
+        high = std::max(high, one.maxCoeff());
+      }
+      all.middleCols(static_cast<Eigen::Index>(k) * kBumps, kBumps) = bumps(variables[k][r], low, high);
+    }
+    if (with_acceleration) all.rightCols(1) = regression.values[r].leftCols(1);
+    values.push_back(std::move(all));
+  }
+  const Eigen::Index size = values.front().cols();
+  struct Part {
+    Eigen::MatrixXd products;
+    Eigen::VectorXd with;
+    double square;
+  };
+  std::vector<Part> parts;
+  Part sum{Eigen::MatrixXd::Zero(size, size), Eigen::VectorXd::Zero(size), 0.0};
+  double count = 0.0;
+  for (std::size_t r = 0; r < targets.size(); ++r) {
+    for (int b = 0; b < kBlocksPerRecord; ++b) {
+      const Eigen::Index first = values[r].rows() * b / kBlocksPerRecord, last = values[r].rows() * (b + 1) / kBlocksPerRecord;
+      if (last <= first) continue;
+      const auto rows = values[r].middleRows(first, last - first);
+      const auto target = targets[r].segment(first, last - first);
+      parts.push_back({rows.transpose() * rows, rows.transpose() * target, target.squaredNorm()});
+      sum.products += parts.back().products;
+      sum.with += parts.back().with;
+      count += static_cast<double>(last - first);
+    }
+  }
+  double error = 0.0;
+  for (const Part& part : parts) {
+    Eigen::MatrixXd products = sum.products - part.products;
+    const Eigen::VectorXd scale = products.diagonal().cwiseMax(std::numeric_limits<double>::min()).cwiseSqrt();
+    products = scale.cwiseInverse().asDiagonal() * products * scale.cwiseInverse().asDiagonal();
+    products.diagonal().array() += kSmoothness;
+    const Eigen::VectorXd fit = scale.cwiseInverse().asDiagonal() * products.ldlt().solve(scale.cwiseInverse().asDiagonal() * (sum.with - part.with));
+    error += part.square - 2.0 * fit.dot(part.with) + fit.dot(part.products * fit);
+  }
+  return std::max(0.0, error) / count;
+}
+
+std::vector<Eigen::VectorXd> variable_of(const std::vector<BalanceRecord>& records, const Regression& regression,
+                                         std::vector<double> BalanceRecord::* series) {
+  std::vector<Eigen::VectorXd> values;
+  for (std::size_t r = 0; r < records.size(); ++r) {
+    Eigen::VectorXd one(static_cast<Eigen::Index>(regression.judged[r].size()));
+    for (std::size_t i = 0; i < regression.judged[r].size(); ++i) one(static_cast<Eigen::Index>(i)) = (records[r].*series)[regression.judged[r][i]];
+    values.push_back(std::move(one));
+  }
+  return values;
+}
+
+Remainder find_remainder(const std::vector<BalanceRecord>& records, const Regression& regression, const Validated& best) {
+  std::vector<Eigen::VectorXd> residuals;
+  double square = 0.0;
+  for (std::size_t r = 0; r < records.size(); ++r) {
+    residuals.push_back(residual_of(regression, best, r));
+    square += residuals.back().squaredNorm();
+  }
+  const double mean = square / regression.count;
+  Remainder remainder;
+  const std::pair<const char*, std::vector<double> BalanceRecord::*> kVariables[] = {
+      {"speed", &BalanceRecord::speed}, {"position", &BalanceRecord::position}, {"time", &BalanceRecord::time}, {"torque", &BalanceRecord::effort}};
+  for (const auto& [name, series] : kVariables) {
+    const double left = smooth_validation(regression, {variable_of(records, regression, series)}, residuals, false);
+    const double share = mean > 0.0 ? 1.0 - left / mean : 0.0;
+    if (share > remainder.share) remainder = {name, share};
+  }
+  constexpr double kWorthAWord = 0.1;  // of what is left
+  return remainder.share > kWorthAWord ? remainder : Remainder{};
+}
+
+// The first of `candidates` that helps.
+const Validated* first_help(const Validated& best, const std::vector<Validated>& candidates, double gap) {
+  const auto found = std::find_if(candidates.begin(), candidates.end(), [&](const Validated& candidate) { return helps(best, candidate, gap); });
+  return found == candidates.end() ? nullptr : &*found;
+}
+
+// One law at a time while validation improves, two where no single one helps (in records of one direction each dry friction and a constant
+// torque help only together); one that another has made needless goes again. `tried` gets everything that was validated.
+Validated grow(const Regression& regression, const std::vector<BalanceLaw>& laws, Validated best, std::size_t records, bool only_ordinary, double gap,
+               std::vector<Validated>& tried) {
+  while (best.choice.laws.size() < kMostTerms) {
+    const std::vector<Validated> longer = additions(regression, laws, best.choice, records, only_ordinary);
+    tried.insert(tried.end(), longer.begin(), longer.end());
+    const Validated* found = first_help(best, longer, gap);
+    std::vector<Validated> pairs;
+    for (std::size_t k = 0; found == nullptr && only_ordinary && k < longer.size(); ++k) {
+      const std::vector<Validated> beside = additions(regression, laws, longer[k].choice, records, only_ordinary);
+      pairs.insert(pairs.end(), beside.begin(), beside.end());
+    }
+    if (found == nullptr) found = first_help(best, pairs, gap);
+    if (found == nullptr) break;
+    best = *found;
+    for (std::size_t k = 0; k + 1 < best.choice.laws.size(); ++k) {
+      if (is_needed(laws, best.choice, k)) continue;
+      Validated shorter = validate(regression, laws, without_law(best.choice, k), records);
+      if (!shorter.is_physical || helps(shorter, best, gap)) continue;
+      best = std::move(shorter);
+      break;
+    }
+  }
+  std::sort(best.choice.laws.begin(), best.choice.laws.end());
+  return validate(regression, laws, best.choice, records);
+}
+
+BalanceModel to_model(const Regression& regression, const std::vector<BalanceLaw>& laws, const Validated& validated, double independent) {
+  BalanceModel model;
+  const std::vector<Eigen::Index> columns = columns_of(regression, validated.choice);
+  const Sums sums = sums_of(regression, columns, [](const Block&) { return true; });
+  const double variance = validated.of_blocks * regression.count / std::max(1.0, independent);
+  const Eigen::VectorXd scale = sums.products.diagonal().cwiseSqrt();
+  const Eigen::MatrixXd inverse = (scale.cwiseInverse().asDiagonal() * sums.products * scale.cwiseInverse().asDiagonal()).ldlt().solve(
+      Eigen::MatrixXd::Identity(sums.products.rows(), sums.products.cols()));
+  const auto deviation = [&](Eigen::Index k) { return std::sqrt(std::max(0.0, variance * inverse(k, k))) / scale(k); };
+  model.inertia = validated.sizes(0);
+  model.inertia_deviation = deviation(0);
+  model.validation = compared(validated, validated).first;
+  for (const auto& [law, shape] : validated.choice.laws) {
+    const BalanceLaw& description = laws[static_cast<std::size_t>(law)];
+    BalanceTerm term{description.name, description.words, description.family, description.shapes[shape].shape, {}, {}, 0.0};
+    for (std::size_t k = 0; k < columns.size(); ++k) {
+      const Column& column = regression.columns[static_cast<std::size_t>(columns[k])];
+      if (column.law != law || column.shape != shape) continue;
+      term.size.push_back(validated.sizes(static_cast<Eigen::Index>(k)));
+      term.deviation.push_back(deviation(static_cast<Eigen::Index>(k)));
+    }
+    model.terms.push_back(std::move(term));
+  }
+  return model;
+}
+
+}  // namespace
+
+std::string BalanceModel::words() const {
+  if (terms.empty()) return "the inertia alone";
+  std::string text;
+  for (std::size_t k = 0; k < terms.size(); ++k) text += (k == 0 ? "" : k + 1 == terms.size() ? " and " : ", ") + terms[k].words;
+  return text;
+}
+
+BalanceAnswer fit_balance(const std::vector<BalanceRecord>& records, const std::vector<BalanceLaw>& laws, double nominal_inertia,
+                          double resolved_speed) {
+  const Regression regression = make_regression(records, laws, resolved_speed);
+  BalanceAnswer answer;
+  answer.judged_share = regression.count / regression.all;
+  for (const Block& block : regression.blocks) {
+    answer.nominal += (block.square - 2.0 * nominal_inertia * block.with_effort(0) + nominal_inertia * nominal_inertia * block.products(0, 0)) / regression.count;
+  }
+  const Validated alone = validate(regression, laws, {}, records.size());
+  std::vector<Validated> tried{alone};
+  Validated best = alone;
+  for (const bool only_ordinary : {true, false}) best = grow(regression, laws, best, records.size(), only_ordinary, alone.of_blocks, tried);
+  const auto [left, gap] = compared(best, alone);
+  answer.parameters = gap;
+  answer.explained = gap > 0.0 ? 1.0 - left / gap : 0.0;
+  answer.independent_count = regression.count / correlation_length(regression, best);
+  answer.best = to_model(regression, laws, best, answer.independent_count);
+  for (std::size_t k = 0; k < best.choice.laws.size(); ++k) {
+    tried.push_back(validate(regression, laws, without_law(best.choice, k), records.size()));
+    const auto [without, with] = compared(tried.back(), best);
+    answer.best.terms[k].share = gap > 0.0 ? std::max(0.0, (without - with) / gap) : 0.0;
+  }
+
+  // ln P relative to the best, of what validates worse with as many laws or fewer, and of a smooth unknown.
+  const auto log_odds = [&](double mean_square, double best_square, double more_laws) {
+    const double floor = kDiscrepancy * kDiscrepancy * gap;
+    return more_laws * std::log(kTermPrior) - 0.5 * answer.independent_count * std::log((mean_square + floor) / (best_square + floor));
+  };
+  const auto count = static_cast<double>(best.choice.laws.size());
+  const double smooth = smooth_validation(
+      regression, {variable_of(records, regression, &BalanceRecord::speed), variable_of(records, regression, &BalanceRecord::position),
+                   variable_of(records, regression, &BalanceRecord::time)},
+      regression.efforts, true);
+  constexpr double kVariables = 3.0, kLargestOdds = 50.0;  // ln
+  const double unknown = std::exp(std::min(kLargestOdds, std::log(kUnknownPrior) + log_odds(smooth, best.of_blocks, kVariables - count)));
+  double sum = 1.0 + unknown;
+  std::vector<Choice> seen{best.choice};
+  for (const Validated& candidate : tried) {
+    Choice choice = candidate.choice;
+    std::sort(choice.laws.begin(), choice.laws.end());
+    const bool is_seen = std::any_of(seen.begin(), seen.end(), [&](const Choice& other) { return other.laws == choice.laws; });
+    // What contains the best and did not help is the best with a needless law.
+    if (is_seen || !candidate.is_physical || choice.laws.size() > best.choice.laws.size()) continue;
+    seen.push_back(choice);
+    const auto [square, best_square] = compared(candidate, best);
+    BalanceModel model = to_model(regression, laws, candidate, answer.independent_count);
+    model.probability = std::exp(std::min(0.0, log_odds(square, best_square, static_cast<double>(choice.laws.size()) - count)));
+    sum += model.probability;
+    answer.models.push_back(std::move(model));
+  }
+  for (BalanceModel& model : answer.models) model.probability /= sum;
+  answer.best.probability = 1.0 / sum;
+  answer.probability_unknown = unknown / sum;
+  answer.models.insert(answer.models.begin(), answer.best);
+  std::stable_sort(answer.models.begin(), answer.models.end(), [](const BalanceModel& a, const BalanceModel& b) { return a.probability > b.probability; });
+  answer.remainder = find_remainder(records, regression, best);
+  return answer;
+}
+
+std::vector<double> balance_residual(const BalanceRecord& record, const std::vector<BalanceLaw>& laws, const BalanceModel& model,
+                                     double resolved_speed) {
+  const std::vector<std::size_t> judged = moving_samples(record, resolved_speed);
+  std::vector<double> residual(judged.size());
+  for (std::size_t i = 0; i < judged.size(); ++i) residual[i] = record.effort[judged[i]] - model.inertia * record.acceleration[judged[i]];
+  for (const BalanceTerm& term : model.terms) {
+    const auto law = std::find_if(laws.begin(), laws.end(), [&](const BalanceLaw& one) { return one.name == term.law; });
+    if (law == laws.end()) throw std::invalid_argument("the balance has no law called " + term.law);
+    const auto shape = std::find_if(law->shapes.begin(), law->shapes.end(), [&](const LawShape& one) { return one.shape == term.shape; });
+    if (shape == law->shapes.end()) throw std::invalid_argument("the law " + term.law + " has no such shape");
+    for (std::size_t c = 0; c < shape->columns.size(); ++c) {
+      const std::vector<double> column = law_column(record, shape->columns[c]);
+      for (std::size_t i = 0; i < judged.size(); ++i) residual[i] -= term.size[c] * column[judged[i]];
+    }
+  }
+  return residual;
+}
+
+}  // namespace slewlab::diagnosis

@@ -1,0 +1,104 @@
+// Which laws close the torque balance of an axis, decided by data that were not fitted.
+//
+//   F - (nominal load) = J q'' + sum over laws of size * law(q', q, t)
+//
+// Sizes by linear least squares; shapes (a Stribeck speed, a warming time) from a grid. Laws are added one at a time while
+// two kinds of validation improve: blocks of every record that were left out, and whole records that were left out. An
+// addition is kept where the mean fall of the squared residual over the left-out blocks is more than kSignificance of
+// its standard errors, and no left-out record gets worse by more than it gains elsewhere. A law whose size has a sign that
+// its physics forbids (friction that pushes) is no candidate.
+//
+// Samples slower than the speed that the positions resolve are left out: what dry friction holds at rest is not determined.
+//
+// Probabilities: ln P = ln prior - N/2 ln(E + kDiscrepancy^2 E_0), E the validation mean square and E_0 that of
+// the inertia alone, N the number of independent residuals: the records' length over the correlation time of
+// what the best model leaves. "Unknown" is a smooth function of speed, position and time under the same validation.
+//
+// All sizes are in units of the axis; every threshold is a share of the record's own or the machine's scales.
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "diagnosis/balance/balance_record.h"
+
+namespace slewlab::diagnosis {
+
+enum class LawFamily { friction, load, drive };
+
+struct LawMoment {
+  double time = 0.0, position = 0.0, speed = 0.0;
+  double effort_rate = 0.0;  // per second
+};
+
+// One law in one shape: size * value(moment), for each of its sizes.
+struct LawShape {
+  double shape = 0.0;  // 0 where the law has none
+  std::vector<std::function<double(const LawMoment&)>> columns;
+};
+
+struct BalanceLaw {
+  std::string name;
+  LawFamily family = LawFamily::friction;
+  std::string words;                 // "dry friction"
+  std::vector<LawShape> shapes;      // of which one is chosen
+  bool is_dissipative = false;       // its first size cannot be negative
+  std::string needs;                 // name of the law of which this is a detail; empty: stands alone
+  bool is_ordinary = false;          // nearly every machine has it: tried before the others, which bend what these leave
+};
+
+// The laws that a torque balance knows. `resolved_speed`: below it the direction of motion is not known.
+struct BalanceScales {
+  double top_speed = 0.0;       // of the axis
+  double resolved_speed = 0.0;
+  double duration = 0.0;        // [s] of the longest record
+  double middle_position = 0.0, half_range = 0.0;
+  bool is_rotary = true;
+};
+std::vector<BalanceLaw> balance_laws(const BalanceScales& scales);
+
+struct BalanceTerm {
+  std::string law, words;
+  LawFamily family = LawFamily::friction;
+  double shape = 0.0;
+  std::vector<double> size, deviation;
+  double share = 0.0;  // of the gap, that is lost on validation data without this term
+};
+
+struct BalanceModel {
+  double inertia = 0.0, inertia_deviation = 0.0;
+  std::vector<BalanceTerm> terms;   // in the order in which they were added
+  double validation = 0.0;          // mean square of the residual on blocks and records that were left out
+  double probability = 0.0;
+  std::string words() const;        // "dry friction and viscous friction"
+};
+
+// What the residual follows, of what is left.
+struct Remainder {
+  std::string variable;  // "speed", "position", "time", "torque"; empty: none
+  double share = 0.0;    // of the remaining mean square, on left-out blocks
+};
+
+struct BalanceAnswer {
+  double nominal = 0.0;              // mean square of the residual with the nominal inertia
+  double parameters = 0.0;           // validation with the inertia alone
+  BalanceModel best;
+  std::vector<BalanceModel> models;  // falling probability; best is among them
+  double probability_unknown = 0.0;
+  double explained = 0.0;            // share of the gap that the best model explains on left-out data
+  Remainder remainder;
+  double independent_count = 0.0;    // N
+  double judged_share = 0.0;         // of all samples
+};
+
+// Throws std::invalid_argument where the records do not move enough for a balance.
+BalanceAnswer fit_balance(const std::vector<BalanceRecord>& records, const std::vector<BalanceLaw>& laws, double nominal_inertia,
+                          double resolved_speed);
+
+// Residual of a model on a record that was not fitted: effort minus the model's, where the axis moves fast enough.
+std::vector<double> balance_residual(const BalanceRecord& record, const std::vector<BalanceLaw>& laws, const BalanceModel& model,
+                                     double resolved_speed);
+
+}  // namespace slewlab::diagnosis

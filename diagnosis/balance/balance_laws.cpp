@@ -1,0 +1,73 @@
+// The laws of balance_fit.h.
+#include <cmath>
+#include <numbers>
+
+#include "diagnosis/balance/balance_fit.h"
+
+namespace slewlab::diagnosis {
+
+namespace {
+
+// Shares of the top speed at which friction changes its character, chosen evenly in the logarithm over what bearings and
+// seals show (Stribeck speeds of a hundredth to a third of the working speed).
+constexpr double kSpeedShares[] = {0.01, 0.03, 0.1, 0.3};
+// Shares of the record's duration within which a machine warms.
+constexpr double kWarmingShares[] = {0.2, 1.0};
+// A rotary axis that turns less than this says nothing of how its load depends on the angle by sine and cosine.
+constexpr double kLeastTurn = 0.25;  // [rad] half range
+
+}  // namespace
+
+std::vector<BalanceLaw> balance_laws(const BalanceScales& scales) {
+  const double resolved = scales.resolved_speed, top = scales.top_speed;
+  const auto direction = [resolved](const LawMoment& m) { return std::tanh(m.speed / resolved); };
+  std::vector<BalanceLaw> laws;
+  laws.push_back({"dry", LawFamily::friction, "dry friction", {{0.0, {direction}}}, true, "", true});
+  laws.push_back({"viscous", LawFamily::friction, "viscous friction", {{0.0, {[](const LawMoment& m) { return m.speed; }}}}, true, "", true});
+  laws.push_back({"offset", LawFamily::load, "constant torque", {{0.0, {[](const LawMoment&) { return 1.0; }}}}, false, "", true});
+  // With a constant torque this is dry friction with a value of its own in each direction: the same motion.
+  laws.push_back({"viscous_direction", LawFamily::friction, "viscous friction that differs between the directions",
+                  {{0.0, {[](const LawMoment& m) { return std::fabs(m.speed); }}}}, false, "viscous", false});
+  BalanceLaw stribeck{"stribeck", LawFamily::friction, "friction that falls from its breakaway value", {}, true, "", false};
+  BalanceLaw rising{"rising", LawFamily::friction, "friction that rises from low speed and flattens", {}, true, "", false};
+  for (const double share : kSpeedShares) {
+    const double speed = share * top;
+    if (speed < 2.0 * resolved) continue;  // cannot be told from dry friction
+    stribeck.shapes.push_back({speed, {[direction, speed](const LawMoment& m) {
+                                 return direction(m) * std::exp(-(m.speed / speed) * (m.speed / speed));
+                               }}});
+    rising.shapes.push_back({speed, {[direction, speed](const LawMoment& m) {
+                               return direction(m) * (1.0 - std::exp(-std::fabs(m.speed) / speed));
+                             }}});
+  }
+  if (!stribeck.shapes.empty()) laws.push_back(std::move(stribeck));
+  if (!rising.shapes.empty()) laws.push_back(std::move(rising));
+  laws.push_back({"quadratic", LawFamily::friction, "drag with the square of the speed",
+                  {{0.0, {[top](const LawMoment& m) { return m.speed * std::fabs(m.speed) / top; }}}}, true, "", false});
+  const double middle = scales.middle_position, half = scales.half_range;
+  if (half > 0.0) {
+    const auto along = [middle, half](const LawMoment& m) { return (m.position - middle) / half; };
+    laws.push_back({"position_friction", LawFamily::friction, "friction that depends on the position",
+                    {{0.0, {[=](const LawMoment& m) { return direction(m) * along(m); },
+                            [=](const LawMoment& m) { return direction(m) * along(m) * along(m); }}}}, false, "", false});
+    if (scales.is_rotary && half > kLeastTurn) {
+      laws.push_back({"gravity", LawFamily::load, "gravity on a tilted axis",
+                      {{0.0, {[](const LawMoment& m) { return std::sin(m.position); }, [](const LawMoment& m) { return std::cos(m.position); }}}},
+                      false, "", false});
+    } else {
+      laws.push_back({"spring", LawFamily::load, "load that changes with the position",
+                      {{0.0, {[=](const LawMoment& m) { return along(m); }}}}, false, "", false});
+    }
+  }
+  BalanceLaw warming{"warming", LawFamily::friction, "friction that falls as the machine warms", {}, true, "", false};
+  for (const double share : kWarmingShares) {
+    const double time = share * scales.duration;
+    warming.shapes.push_back({time, {[direction, time](const LawMoment& m) { return direction(m) * std::exp(-m.time / time); }}});
+  }
+  laws.push_back(std::move(warming));
+  // To first order: what arrives is F - lag * F'. A negative lag are positions that come late.
+  laws.push_back({"lag", LawFamily::drive, "torque that comes late", {{0.0, {[](const LawMoment& m) { return m.effort_rate; }}}}, true, "", false});
+  return laws;
+}
+
+}  // namespace slewlab::diagnosis

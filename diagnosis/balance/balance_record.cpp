@@ -1,0 +1,123 @@
+#include "diagnosis/balance/balance_record.h"
+
+#include <Eigen/Core>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace slewlab::diagnosis {
+
+namespace {
+
+constexpr double kNoiseShare = 0.02;          // of the effort's root mean square, chosen: noise then hides in what laws leave
+constexpr std::size_t kFewestHalf = 3;        // [samples] a cubic over seven
+constexpr std::size_t kFewestMotionHalf = 2;  // [samples] the fewest that a cubic can be fitted to with one to spare
+constexpr std::size_t kLeastWindows = 4;      // of a record
+
+// Weights of the `derivative`-th derivative at the middle of a cubic fitted to 2 `half` + 1 values a unit apart.
+Eigen::VectorXd weights(std::size_t half, int derivative) {
+  const auto n = static_cast<Eigen::Index>(2 * half + 1);
+  Eigen::MatrixXd powers(n, 4);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const double x = (static_cast<double>(i) - static_cast<double>(half)) / static_cast<double>(half);
+    powers.row(i) << 1.0, x, x * x, x * x * x;
+  }
+  const Eigen::MatrixXd inverse = (powers.transpose() * powers).inverse() * powers.transpose();
+  const double factor = derivative == 2 ? 2.0 : 1.0;
+  return factor * inverse.row(derivative).transpose() / std::pow(static_cast<double>(half), derivative);
+}
+
+std::vector<double> convolved(const std::vector<double>& values, std::size_t half, int derivative, double step) {
+  const Eigen::VectorXd weight = weights(half, derivative) / std::pow(step, derivative);
+  const auto window = static_cast<Eigen::Index>(2 * half + 1);
+  std::vector<double> result(values.size() - 2 * half);
+  // About the window's middle, so that a position far from zero loses no digits.
+  for (std::size_t n = 0; n < result.size(); ++n) {
+    const double middle = values[n + half];
+    double sum = derivative == 0 ? middle : 0.0;
+    for (Eigen::Index i = 0; i < window; ++i) sum += weight(i) * (values[n + static_cast<std::size_t>(i)] - middle);
+    result[n] = sum;
+  }
+  return result;
+}
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0.0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace
+
+double position_noise(const std::vector<double>& position) {
+  // Third differences of white noise have 1 + 9 + 9 + 1 = 20 times its variance; a smooth motion has next to none.
+  std::vector<double> third;
+  double least_change = 0.0;
+  for (std::size_t n = 0; n < position.size(); ++n) {
+    if (n >= 3) third.push_back(std::fabs(position[n] - 3.0 * position[n - 1] + 3.0 * position[n - 2] - position[n - 3]));
+    const double change = n > 0 ? std::fabs(position[n] - position[n - 1]) : 0.0;
+    if (change > 0.0 && (least_change == 0.0 || change < least_change)) least_change = change;
+  }
+  const double of_differences = median(std::move(third)) / 0.6745 / std::sqrt(20.0);  // 0.6745: median of |normal|
+  // Counts: no change is smaller than one of them. A smooth signal's least change is far below its noise.
+  return std::max(of_differences, least_change / std::sqrt(12.0));
+}
+
+std::size_t balance_half_window(const AxisRecord& record, double inertia, double longest) {
+  double square = 0.0;
+  for (const double effort : record.effort) square += effort * effort;
+  const double rms = std::sqrt(square / static_cast<double>(std::max<std::size_t>(1, record.effort.size())));
+  const double noise = position_noise(record.position);
+  const auto most = std::max(kFewestHalf, static_cast<std::size_t>(0.5 * longest / record.step));
+  std::size_t half = kFewestHalf;
+  const auto is_noisy = [&](std::size_t h) {
+    const double n = 2.0 * static_cast<double>(h) + 1.0;
+    const double deviation = noise / (record.step * record.step) * std::sqrt(720.0 / (n * (n * n - 1.0) * (n * n - 4.0)));
+    return inertia * deviation > kNoiseShare * rms;
+  };
+  while (half < most && is_noisy(half)) ++half;
+  return half;
+}
+
+BalanceRecord make_balance_record(const AxisRecord& record, std::size_t half_window) {
+  const std::size_t window = 2 * half_window + 1;
+  if (record.position.size() < kLeastWindows * window || record.effort.size() != record.position.size()) {
+    throw std::invalid_argument(record.name + ": the record is too short for a torque balance");
+  }
+  BalanceRecord balance;
+  balance.name = record.name;
+  balance.step = record.step;
+  balance.half_window = half_window;
+  const std::size_t motion_half = std::max(kFewestMotionHalf, half_window / 2), cut = motion_half + half_window;
+  const auto inner = [&](std::vector<double> values) {
+    return std::vector<double>(values.begin() + static_cast<std::ptrdiff_t>(motion_half),
+                               values.end() - static_cast<std::ptrdiff_t>(motion_half));
+  };
+  balance.motion.position = convolved(record.position, motion_half, 0, record.step);
+  balance.motion.speed = convolved(record.position, motion_half, 1, record.step);
+  balance.speed_noise = position_noise(record.position) / record.step * weights(motion_half, 1).norm();
+  balance.position = inner(convolved(record.position, half_window, 0, record.step));
+  balance.speed = inner(convolved(record.position, half_window, 1, record.step));
+  balance.acceleration = inner(convolved(record.position, half_window, 2, record.step));
+  // What is held from sample to sample acts, on average, half a sample later.
+  std::vector<double> effort = record.effort;
+  for (std::size_t n = effort.size(); n-- > 1;) effort[n] = 0.5 * (effort[n] + effort[n - 1]);
+  balance.motion.effort_rate = convolved(effort, motion_half, 1, record.step);
+  balance.effort = inner(convolved(effort, half_window, 0, record.step));
+  const auto times = [&](std::size_t count, std::size_t first) {
+    std::vector<double> time(count);
+    for (std::size_t n = 0; n < count; ++n) time[n] = record.step * static_cast<double>(n + first);
+    return time;
+  };
+  balance.motion.time = times(balance.motion.position.size(), motion_half);
+  balance.time = times(balance.position.size(), cut);
+  return balance;
+}
+
+std::vector<double> balance_smoothed(const std::vector<double>& values, std::size_t half_window) {
+  return convolved(values, half_window, 0, 1.0);
+}
+
+}  // namespace slewlab::diagnosis

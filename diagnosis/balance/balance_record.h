@@ -1,0 +1,58 @@
+// What a torque balance needs of a record: position and effort of the axis on an even grid, smoothed alike.
+//
+//   J q'' + friction(q', q, t) + load(q) = F
+//
+// Position and effort pass the same filter (a cubic fitted over a sliding window: Savitzky, Golay 1964, Analytical
+// Chemistry 36, p. 1627), and so does every law that is evaluated on the measured motion: a balance that is linear in the
+// unknown sizes stays exact under it, apart from what changes inside a window. The window is as long as the noise of the
+// positions asks for, and no longer:
+//
+//   J sigma_a <= kNoiseShare * rms(F),   sigma_a^2 = 720 sigma_q^2 / (h^4 N (N^2 - 1) (N^2 - 4))   of N samples h apart
+//
+// Units: those of the axis; [rad, Nm, kg m^2] of a rotary, [m, N, kg] of a linear one.
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace slewlab::diagnosis {
+
+struct AxisRecord {
+  std::string name;
+  double step = 0.0;              // [s]
+  std::vector<double> position;   // on the axis
+  std::vector<double> effort;     // torque or force of the motors on the axis, held from this sample to the next
+};
+
+// What laws are evaluated on: the motion under a window half as long as the balance's, so that a reversal stays sharp.
+struct BalanceMotion {
+  std::vector<double> time;  // [s] since the record's beginning
+  std::vector<double> position, speed;
+  std::vector<double> effort_rate;  // of the commanded effort, per second
+};
+
+// Acceleration, effort and speed under the balance's window, of equal length; `motion` is longer by the window: a law
+// evaluated on it and passed through balance_smoothed() has this length.
+struct BalanceRecord {
+  std::string name;
+  double step = 0.0;
+  std::size_t half_window = 0;  // [samples]
+  BalanceMotion motion;
+  std::vector<double> time, position, speed, acceleration, effort;
+  double speed_noise = 0.0;     // standard deviation, of the motion's speed
+};
+
+// [unit of position] standard deviation of white noise in the positions: of counts, q / sqrt(12); of a smooth signal,
+// from the median of its third differences.
+double position_noise(const std::vector<double>& position);
+
+// Half of the window that the noise asks for, at least 3 samples, at most `longest` [s].
+std::size_t balance_half_window(const AxisRecord& record, double inertia, double longest);
+
+// Throws std::invalid_argument where the record is shorter than four windows.
+BalanceRecord make_balance_record(const AxisRecord& record, std::size_t half_window);
+
+// The filter of the balance on a series along the motion.
+std::vector<double> balance_smoothed(const std::vector<double>& values, std::size_t half_window);
+
+}  // namespace slewlab::diagnosis

@@ -1,0 +1,70 @@
+// The filter against polynomials, which a cubic window differentiates exactly, and the noise estimates against the noise
+// that was put in.
+#include "diagnosis/balance/balance_record.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace slewlab::diagnosis {
+namespace {
+
+TEST(BalanceRecord, ACubicIsDifferentiatedExactly) {
+  AxisRecord record{"cubic", 0.01, {}, {}};
+  for (int n = 0; n < 400; ++n) {
+    const double t = 0.01 * n;
+    record.position.push_back(3.0 + 2.0 * t - t * t + 0.5 * t * t * t);
+    record.effort.push_back(7.0);
+  }
+  const BalanceRecord balance = make_balance_record(record, 6);
+  for (std::size_t n = 0; n < balance.time.size(); ++n) {
+    const double t = balance.time[n];
+    EXPECT_NEAR(balance.speed[n], 2.0 - 2.0 * t + 1.5 * t * t, 1e-9);
+    EXPECT_NEAR(balance.acceleration[n], -2.0 + 3.0 * t, 1e-8);
+    EXPECT_NEAR(balance.effort[n], 7.0, 1e-12);
+  }
+  EXPECT_EQ(balance_smoothed(balance.motion.speed, 6).size(), balance.speed.size());
+}
+
+TEST(BalanceRecord, NoiseIsThatWhichWasPutIn) {
+  std::mt19937_64 generator(7);
+  std::normal_distribution<double> noise(0.0, 1e-3);
+  std::vector<double> smooth, counted;
+  for (int n = 0; n < 20000; ++n) {
+    smooth.push_back(std::sin(1e-3 * n) + noise(generator));
+    counted.push_back(0.02 * std::floor(std::sin(1e-3 * n) / 0.02));
+  }
+  EXPECT_NEAR(position_noise(smooth), 1e-3, 5e-5);                   // 20 000 values know a deviation to half a per cent
+  EXPECT_NEAR(position_noise(counted), 0.02 / std::sqrt(12.0), 1e-4);  // evenly between two counts
+}
+
+TEST(BalanceRecord, AWindowIsAsLongAsTheNoiseAsks) {
+  AxisRecord quiet{"quiet", 1e-3, {}, {}};
+  std::mt19937_64 generator(3);
+  std::normal_distribution<double> noise(0.0, 1.0);
+  for (int n = 0; n < 5000; ++n) {
+    quiet.position.push_back(std::sin(2e-3 * n));
+    quiet.effort.push_back(4.0 * std::sin(2e-3 * n));
+  }
+  AxisRecord noisy = quiet;
+  for (double& position : noisy.position) position += 1e-5 * noise(generator);
+  const std::size_t short_one = balance_half_window(quiet, 1.0, 0.5), long_one = balance_half_window(noisy, 1.0, 0.5);
+  EXPECT_EQ(short_one, 3u);
+  EXPECT_GT(long_one, 10u);
+  // From the formula of the header, at the length that was chosen: noise hides below 2 % of the effort.
+  const double n = 2.0 * static_cast<double>(long_one) + 1.0;
+  EXPECT_LE(1e-5 * 1e6 * std::sqrt(720.0 / (n * (n * n - 1.0) * (n * n - 4.0))), 1.05 * 0.02 * 4.0 / std::sqrt(2.0));
+  // Units do not matter: a thousand times heavier with a thousand times the effort.
+  AxisRecord heavy = noisy;
+  for (double& effort : heavy.effort) effort *= 1000.0;
+  EXPECT_EQ(balance_half_window(heavy, 1000.0, 0.5), long_one);
+}
+
+TEST(BalanceRecord, ARecordTooShortIsRefused) {
+  const AxisRecord record{"short", 0.01, std::vector<double>(20, 0.0), std::vector<double>(20, 0.0)};
+  EXPECT_THROW(make_balance_record(record, 6), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace slewlab::diagnosis
