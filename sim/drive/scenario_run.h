@@ -12,6 +12,7 @@ namespace slewlab::sim {
 // Throws common::InputError where an effect in the crane's file is unknown or wrong.
 MachineSettings machine_settings(const Scenario& scenario);
 
+// Of the configuration's run number 0 (msgs/run_identity.h), as drive_run().
 LockstepSettings lockstep_settings(const Scenario& scenario);
 
 DriveRun drive_run(const Scenario& scenario);

@@ -33,18 +33,11 @@ msgs::Encoder made_up(const msgs::Encoder& before, const msgs::Encoder& after, s
 class Asking {
  public:
   Asking(msgs::Bus& bus, const msgs::RunLog& record, const AskSettings& settings)
-      : bus_(bus), record_(record), settings_(settings) {
-    bus_.subscribe(msgs::kTorqueChannel, [this](msgs::Bytes bytes) {
-      msgs::Torque torque;
-      if (msgs::decode(bytes, torque) != msgs::DecodeStatus::ok) return;
-      if (!torque_ && torque.answered_sequence == asked_) torque_ = torque;
-    });
-    bus_.subscribe(msgs::kControllerStateChannel, [this](msgs::Bytes bytes) {
-      msgs::ControllerState state;
-      if (msgs::decode(bytes, state) != msgs::DecodeStatus::ok) return;
-      if (!state_ && state.answered_sequence == asked_) state_ = state;
-    });
-  }
+      : bus_(bus),
+        record_(record),
+        settings_(settings),
+        torque_subscription_(bus, msgs::kTorqueChannel, [this](msgs::Bytes bytes) { receive(bytes, torque_); }),
+        state_subscription_(bus, msgs::kControllerStateChannel, [this](msgs::Bytes bytes) { receive(bytes, state_); }) {}
 
   // False if asked to stop before the answer came.
   bool ask(const msgs::Encoder& encoder) {
@@ -69,6 +62,14 @@ class Asking {
   const std::optional<msgs::ControllerState>& state() const { return state_; }
 
  private:
+  template <class Message>
+  void receive(msgs::Bytes bytes, std::optional<Message>& answer) const {
+    Message message;
+    if (msgs::decode(bytes, message) != msgs::DecodeStatus::ok) return;
+    const bool is_answer = message.answered_sequence == asked_ && message.run_identity == record_.run_identity;
+    if (!answer && is_answer) answer = message;
+  }
+
   void send(const msgs::Encoder& encoder, bool again) {
     // Every OPERATOR that belongs before this ENCODER; the newest once more with a repetition.
     const auto& moves = record_.operator_moves;
@@ -81,6 +82,7 @@ class Asking {
     if (operator_.sequence < encoder.operator_sequence) {  // missing in the record: as before, under its number
       operator_.sequence = encoder.operator_sequence;
       operator_.configuration_hash = record_.configuration_hash;
+      operator_.run_identity = record_.run_identity;
       publish_operator();
       sent = true;
     }
@@ -106,6 +108,8 @@ class Asking {
   std::optional<msgs::Torque> torque_;
   std::optional<msgs::ControllerState> state_;
   std::vector<std::uint8_t> bytes_;
+  msgs::Subscription torque_subscription_;
+  msgs::Subscription state_subscription_;
 };
 
 }  // namespace

@@ -54,6 +54,7 @@ class Replay {
 
   msgs::RunLog run(std::int64_t cycles) {
     result_.configuration_hash = record_.configuration_hash;
+    result_.run_identity = record_.run_identity;
     output();
     for (std::int64_t cycle = 0; cycle < cycles; ++cycle) {
       talk(cycle);
@@ -74,6 +75,7 @@ class Replay {
     message.sequence = static_cast<std::int64_t>(channel.size());
     message.simulated_time = time_;
     message.configuration_hash = record_.configuration_hash;
+    message.run_identity = record_.run_identity;
     return channel.emplace_back(message);
   }
 
@@ -146,7 +148,7 @@ Arrivals recorded_arrivals(const std::filesystem::path& log, const msgs::RunLog&
     if (event.channel == msgs::kEncoderChannel) {
       current = -1;
       if (msgs::decode(event.data, encoder) != msgs::DecodeStatus::ok ||
-          encoder.configuration_hash != record.configuration_hash || expected == record.encoder.end() ||
+          encoder.configuration_hash != record.configuration_hash || encoder.run_identity != record.run_identity || expected == record.encoder.end() ||
           encoder.sequence != expected->sequence || encoder.shaft_position != expected->shaft_position) {
         continue;
       }
@@ -169,6 +171,7 @@ PlantReplay replay_plant(const sim::Scenario& scenario, const msgs::RunLog& reco
   }
   sim::DriveRun drive = sim::drive_run(scenario);
   drive.configuration_hash = record.configuration_hash;
+  drive.run_identity = record.run_identity;
   const int recorded_groups = record.encoder.empty() ? drive.group_count : record.encoder.front().group_count;
   if (recorded_groups != drive.group_count) {
     result.remarks.push_back(fmt::format("the record is of {} motor groups, the crane has {}: not replayed",
