@@ -196,6 +196,18 @@ std::vector<std::string> describe(const LogDamage& damage) {
   return lines;
 }
 
+std::int64_t log_digest(const std::filesystem::path& path) {
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> file(std::fopen(path.c_str(), "rb"), std::fclose);
+  if (!file) throw LogError("cannot read the log " + path.string() + ": " + std::strerror(errno));
+  std::vector<std::uint8_t> bytes(kChunkBytes);
+  std::int64_t digest = kHashOfNothing;
+  while (const std::size_t count = std::fread(bytes.data(), 1, bytes.size(), file.get())) {
+    digest = continued_hash(digest, Bytes(bytes.data(), count));
+  }
+  if (std::ferror(file.get()) != 0) throw LogError("cannot read the log " + path.string() + ": " + std::strerror(errno));
+  return digest;
+}
+
 std::string printable_channel(std::string_view channel) {
   constexpr char kDigits[] = "0123456789abcdef";
   std::string text;

@@ -77,6 +77,9 @@ class LogReader {
 // One line per kind of damage, empty if there is none.
 std::vector<std::string> describe(const LogDamage& damage);
 
+// Of the whole file, as LogWriter::digest() has it. Throws LogError.
+std::int64_t log_digest(const std::filesystem::path& path);
+
 // A channel's name as it may be shown: bytes that are no printable ASCII as \xNN, for a terminal obeys some of them.
 std::string printable_channel(std::string_view channel);
 

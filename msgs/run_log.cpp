@@ -106,38 +106,40 @@ struct Anchor {
   std::int64_t offset = 0;
   std::int64_t time = 0;  // [ns]
   std::int64_t sequence = 0;
-  int channel = 0;
-  bool same_message(const Anchor& other) const {
-    return channel == other.channel && sequence == other.sequence && time == other.time;
-  }
+  bool same_message(const Anchor& other) const { return sequence == other.sequence && time == other.time; }
 };
 
-std::vector<Anchor> anchors_of(const Group& group) {
+template <class Message>
+std::vector<Anchor> anchors_of(const Channel<Message>& channel) {
   std::vector<Anchor> anchors;
-  int number = 0;
-  const auto add = [&](const auto& channel) {
-    for (const auto& placed : channel) {
-      anchors.push_back({placed.offset, placed.message.simulated_time, placed.message.sequence, number});
-    }
-    ++number;
-  };
-  add(group.encoder);
-  add(group.sensors);
-  add(group.truth);
-  add(group.plant_status);
-  std::sort(anchors.begin(), anchors.end(), [](const Anchor& a, const Anchor& b) { return a.offset < b.offset; });
+  for (const auto& placed : channel) anchors.push_back({placed.offset, placed.message.simulated_time, placed.message.sequence});
   return anchors;
+}
+
+bool differ(const std::vector<Anchor>& anchors) {
+  return std::any_of(anchors.begin(), anchors.end(), [&](const Anchor& anchor) { return !anchor.same_message(anchors.front()); });
+}
+
+// The messages that tell the runs of the group apart, in the order of the file.
+std::vector<Anchor> anchors_of(const Group& group) {
+  std::vector<Anchor> best = anchors_of(group.encoder);
+  if (differ(best)) return best;
+  for (std::vector<Anchor> other : {anchors_of(group.sensors), anchors_of(group.truth), anchors_of(group.plant_status)}) {
+    if (other.size() > best.size()) best = std::move(other);
+  }
+  return best;
+}
+
+bool is_run(const Group& group) {
+  const bool one_says_it = differ(anchors_of(group));
+  const std::size_t channels = !group.encoder.empty() + !group.sensors.empty() + !group.truth.empty() + !group.plant_status.empty();
+  return one_says_it || channels > 1;
 }
 
 std::size_t size_of(const Group& group) {
   std::size_t size = 0;
   for_every_channel([&](const char*, auto channel, auto) { size += (group.*channel).size(); });
   return size;
-}
-
-bool is_run(const std::vector<Anchor>& anchors) {
-  return std::any_of(anchors.begin(), anchors.end(),
-                     [&](const Anchor& anchor) { return !anchor.same_message(anchors.front()); });
 }
 
 // [ns] beyond which simulated time leaps ahead.
@@ -196,8 +198,8 @@ std::vector<Segment> segments_of(const std::vector<Anchor>& anchors, std::set<st
   return segments;
 }
 
-// Which segment a message belongs to that is no anchor: the one whose messages stand around it in the file; between two
-// runs the one whose time is nearer.
+// Which segment a message belongs to: the one whose anchors stand around it in the file; between two the one whose time is
+// nearer.
 std::size_t segment_at(const std::vector<Segment>& segments, std::int64_t offset, std::int64_t time) {
   std::size_t s = 0;
   while (s + 1 < segments.size() && segments[s + 1].anchors.front().offset <= offset) ++s;
@@ -295,6 +297,8 @@ void drop_strays(Channel<Message>& channel, const std::optional<Line>& known_lin
     for (const auto& placed : channel) stays.push_back(line->holds(key_of(placed.message), placed.message.simulated_time));
   } else {
     stays = in_order(channel);
+    const auto strays = static_cast<std::size_t>(std::count(stays.begin(), stays.end(), false));
+    if (strays > 1 && 100 * strays > channel.size()) stays.assign(channel.size(), true);
   }
   std::size_t kept = 0;
   for (std::size_t i = 0; i < channel.size(); ++i) {
@@ -336,10 +340,9 @@ std::vector<Message> put_in_order(Channel<Message>& placed, const char* channel,
 }
 
 // The runs of one pair, in the order of the file; `begins` takes the offset at which each begins.
-void add_runs(Sorting& sorting, Group& group, const std::vector<Anchor>& anchors, RunLogs& logs,
-              std::vector<std::int64_t>& begins) {
+void add_runs(Sorting& sorting, Group& group, RunLogs& logs, std::vector<std::int64_t>& begins) {
   std::set<std::int64_t> leapt;
-  const std::vector<Segment> segments = segments_of(anchors, leapt);
+  const std::vector<Segment> segments = segments_of(anchors_of(group), leapt);
   std::vector<Group> parts(segments.size());
   for_every_channel([&](const char* name, auto channel, auto) {
     for (auto& placed : group.*channel) {
@@ -429,18 +432,16 @@ RunLogs read_run_logs(const std::filesystem::path& path) {
     if (!ours) ++sorting.foreign[std::string(event.channel)];
   }
 
-  std::vector<std::vector<Anchor>> anchors;
   std::size_t largest = 0;
   bool any_run = false;
-  for (const Group& group : sorting.groups) {
-    anchors.push_back(anchors_of(group));
-    any_run = any_run || is_run(anchors.back());
-    if (size_of(group) > size_of(sorting.groups[largest])) largest = anchors.size() - 1;
+  for (std::size_t g = 0; g < sorting.groups.size(); ++g) {
+    any_run = any_run || is_run(sorting.groups[g]);
+    if (size_of(sorting.groups[g]) > size_of(sorting.groups[largest])) largest = g;
   }
   std::vector<std::int64_t> begins;
   for (std::size_t g = 0; g < sorting.groups.size(); ++g) {
-    if (any_run ? is_run(anchors[g]) : g == largest) {
-      add_runs(sorting, sorting.groups[g], anchors[g], logs, begins);
+    if (any_run ? is_run(sorting.groups[g]) : g == largest) {
+      add_runs(sorting, sorting.groups[g], logs, begins);
       continue;
     }
     for_every_channel([&](const char* name, auto channel, auto) {

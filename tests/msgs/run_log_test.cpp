@@ -135,7 +135,10 @@ TEST_F(RunLogTest, NothingOfARunLandsInTheOneBefore) {
     path_ = folder.path() / "run.lcmlog";
     writer_ = std::make_unique<LogWriter>(path_);
     const auto as_it_is = [](std::int64_t, Torque&) {};
-    for (int i = 0; i < 3; ++i) add("SENSORS", example::sensors(), 1000 + i, 10'000'000'000 + i, 1, 5);  // the end of a run
+    for (int i = 0; i < 3; ++i) {  // the end of a run
+      add("ENCODER", example::encoder(), 1000 + i, 10'000'000'000 + i * 10'000'000, 1, 5);
+      add("SENSORS", example::sensors(), 1001 + i, 10'010'000'000 + i * 10'000'000, 1, 5);
+    }
     add_run(same_identity ? 5 : 6, as_it_is);
     const RunLogs logs = read();
     ASSERT_EQ(logs.runs.size(), 2u) << same_identity;

@@ -53,8 +53,7 @@ USUAL_DISTANCES = 4
 PLACES = 5                 # of damage that are told
 FOREIGN_CHANNELS = 10      # that are told by name
 
-# What tells runs apart: the plant's own messages in the order in which it says them.
-ANCHORS = ("ENCODER", "SENSORS", "TRUTH", "PLANT_STATUS")
+PLANT_CHANNELS = ("ENCODER", "SENSORS", "TRUTH", "PLANT_STATUS")
 
 
 class LogProblem(Exception):
@@ -149,19 +148,27 @@ def _key(name):
     return "answered_sequence" if name in ("TORQUE", "CONTROLLER_STATE") else "sequence"
 
 
+def _differ(anchors):
+    return len(anchors) > 1 and bool(np.any(anchors[:, :2] != anchors[0, :2]))
+
+
 def _anchors(group):
-    """(time, sequence, channel, offset) of the plant's messages, one row each, in the order of the file."""
-    rows = [
-        np.column_stack([messages["simulated_time"], messages["sequence"], np.full(len(messages), number), offsets])
-        for number, name in enumerate(ANCHORS) if name in group
-        for messages, offsets in [group[name]]
-    ]
-    rows = np.concatenate(rows) if rows else np.zeros((0, 4), np.int64)
-    return rows[np.argsort(rows[:, 3], kind="stable")]
+    """(time, sequence, offset) of the messages that tell the runs of the group apart, in the order of the file."""
+    best = np.zeros((0, 3), np.int64)
+    for name in PLANT_CHANNELS:
+        if name not in group:
+            continue
+        messages, offsets = group[name]
+        rows = np.column_stack([messages["simulated_time"], messages["sequence"], offsets])
+        if len(rows) > len(best):
+            best = rows
+        if name == "ENCODER" and _differ(rows):
+            break
+    return best
 
 
-def _is_run(anchors):
-    return len(anchors) > 1 and bool(np.any(anchors[:, :3] != anchors[0, :3]))
+def _is_run(group):
+    return _differ(_anchors(group)) or sum(name in group for name in PLANT_CHANNELS) > 1
 
 
 def _segments(anchors):
@@ -183,15 +190,15 @@ def _segments(anchors):
         on_run = bool(segments) and goes_on(segments[-1][-1], anchor)
         on_leapt = bool(leapt) and goes_on(leapt[-1], anchor)
         if on_run and not (on_leapt and anchor[0] < segments[-1][-1][0]):
-            strays.update(each[3] for each in leapt)
+            strays.update(each[2] for each in leapt)
             leapt = []
             segments[-1].append(anchor)
             continue
         if not on_leapt:
-            strays.update(each[3] for each in leapt)
+            strays.update(each[2] for each in leapt)
             leapt = []
         leapt.append(anchor)
-        if leapt[0][:3] == anchor[:3]:
+        if leapt[0][:2] == anchor[:2]:
             continue
         if not segments or leapt[0][0] < segments[-1][-1][0]:
             segments.append([])
@@ -199,16 +206,16 @@ def _segments(anchors):
         leapt = []
     if not segments:
         return [leapt], strays
-    strays.update(each[3] for each in leapt)
+    strays.update(each[2] for each in leapt)
     return segments, strays
 
 
 def _segment_of(segments, messages, offsets):
     """Which run each message belongs to: the one around it in the file; between two the one whose time is nearer."""
-    begins = np.array([segment[0][3] if segment else 0 for segment in segments])
+    begins = np.array([segment[0][2] if segment else 0 for segment in segments])
     which = np.maximum(np.searchsorted(begins, offsets, side="right") - 1, 0)
     for number, (segment, following) in enumerate(zip(segments, segments[1:])):
-        between = (which == number) & (offsets > segment[-1][3])
+        between = (which == number) & (offsets > segment[-1][2])
         for index in np.flatnonzero(between).tolist():
             time = int(messages["simulated_time"][index])
             which[index] += abs(following[0][0] - time) < abs(segment[-1][0] - time)
@@ -264,14 +271,16 @@ def _that_stay(name, messages, known_line):
             on_line = _on_line(line, keys, times)
             if 2 * np.count_nonzero(on_line) > len(keys):
                 return on_line
-    return _in_order(keys, times)
+    stays = _in_order(keys, times)
+    strays = np.count_nonzero(~stays)
+    return np.ones(len(keys), bool) if strays > 1 and 100 * strays > len(keys) else stays
 
 
 def _runs(group, left_out):
     """The runs of one pair of configuration and run identity: [(offset in the file, {channel: messages})]."""
     anchors = _anchors(group)
     segments, leapt = _segments(anchors)
-    runs = [(segment[0][3] if segment else 0, {}) for segment in segments]
+    runs = [(segment[0][2] if segment else 0, {}) for segment in segments]
     lines = {}
     for name in MESSAGE_OF_CHANNEL:
         if name not in group:
@@ -417,7 +426,7 @@ def read_run_log(path):
             groups.setdefault(pair, {})[name] = (messages[mine], offsets[mine])
     first_of = {pair: min(int(offsets[0]) for _, offsets in group.values()) for pair, group in groups.items()}
     in_file = sorted(groups, key=lambda pair: first_of[pair])
-    of_runs = [pair for pair in in_file if _is_run(_anchors(groups[pair]))]
+    of_runs = [pair for pair in in_file if _is_run(groups[pair])]
     if not of_runs:
         of_runs = [max(in_file, key=lambda pair: sum(len(offsets) for _, offsets in groups[pair].values()))]
     other_runs, strays, runs = {}, {}, []
