@@ -6,7 +6,7 @@
 
 #include "common/yaml_reader.h"
 #include "controller/controller_file.h"
-#include "sim/machine/crane_file.h"
+#include "sim/machine/machine_file.h"
 #include "sim/drive/scenario_file.h"
 
 namespace slewlab::tools {
@@ -15,6 +15,8 @@ namespace {
 using common::InputError;
 using common::InputProblems;
 using common::YamlNode;
+
+constexpr const char* kKinds = "crane, axis, controller or scenario";
 
 // Where the scenario names its controller, for problems that lie between two files.
 common::SourceMark mark_of(const std::filesystem::path& file, const std::vector<common::Override>& overrides,
@@ -37,7 +39,7 @@ void check_scenario(const std::filesystem::path& file, const std::vector<common:
     if (whole && settings.group_count != crane_groups) {
       problems.push_back({mark_of(file, overrides, "controller"), "controller",
                           "a controller for " + std::to_string(settings.group_count) + " motor group(s)",
-                          "one for the crane's " + std::to_string(crane_groups)});
+                          "one for the " + std::to_string(crane_groups) + " of the " + std::string(sim::name_of(scenario.crane.kind))});
     }
   } catch (const InputError& error) {
     problems.insert(problems.end(), error.problems().begin(), error.problems().end());
@@ -52,20 +54,20 @@ InputProblems problems_in(const std::filesystem::path& file, const std::vector<c
   const YamlNode* kind = root.find("kind");
   if (kind == nullptr) {
     if (problems.empty()) {
-      problems.push_back({root.mark, "kind", "nothing: the key is missing", "crane, controller or scenario"});
+      problems.push_back({root.mark, "kind", "nothing: the key is missing", kKinds});
     }
     return problems;
   }
   problems.clear();
   try {
-    if (kind->scalar == "crane") {
-      sim::load_crane_file(file, overrides);
+    if (kind->scalar == "crane" || kind->scalar == "axis") {
+      sim::load_machine_file(file, overrides);
     } else if (kind->scalar == "controller") {
       controller::load_controller_file(file, overrides);
     } else if (kind->scalar == "scenario") {
       check_scenario(file, overrides, problems);
     } else {
-      problems.push_back({kind->mark, "kind", common::excerpt(*kind), "crane, controller or scenario"});
+      problems.push_back({kind->mark, "kind", common::excerpt(*kind), kKinds});
     }
   } catch (const InputError& error) {
     problems = error.problems();
