@@ -8,8 +8,10 @@ import unittest
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 
 import axis_report
+import export
 import made_run
 import report
 from run_numbers import read_run
@@ -22,7 +24,10 @@ COUNT, PERIOD = 1000, 2_000_000  # [-], [ns]
 def facts(record=None):
     made = {"rated_torque": 8.0, "total_ratio": RATIO, "machine": {
         "kind": "axis", "is_rigid": True, "ratio": RATIO, "position_unit": "rad", "speed_unit": "rad/s",
-        "efforts": [{"name": "motor torque", "unit": "N m"}, {"name": "torque on the axis", "unit": "N m"}], "sensors": []}}
+        "efforts": [{"name": "motor torque", "unit": "N m"}, {"name": "torque on the axis", "unit": "N m"}],
+        "sensors": [{"name": "motor speed", "unit": "rad/s", "channel": "ENCODER", "field": "shaft_speed"},
+                    {"name": "motor position", "unit": "rad", "channel": "ENCODER", "field": "shaft_position"},
+                    {"name": "load position", "unit": "rad", "channel": "SENSORS", "field": "slew_angle"}]}}
     if record is not None:
         made["open_loop"] = {"record": "a", "record_hash": f"{record:016x}"}
     return made
@@ -92,6 +97,16 @@ class AxisReportTest(unittest.TestCase):
             self.assertNotIn(word, said)
         # Without the record there is nothing to differ from.
         self.assertNotIn("against the record", self.report(self.simulated))
+
+    def test_export_names_the_axis_signals(self):
+        with contextlib.redirect_stdout(io.StringIO()):
+            self.assertEqual(export.main([str(self.simulated), "--format", "parquet"]), 0)
+        folder = self.simulated / "run_parquet"
+        self.assertIn("motor_speed [rad/s]", pd.read_parquet(folder / "ENCODER.parquet").columns)
+        self.assertIn("motor_torque [N m]", pd.read_parquet(folder / "TORQUE.parquet").columns)
+        sensors = pd.read_parquet(folder / "SENSORS.parquet")
+        self.assertEqual(list(sensors.columns[-1:]), ["load_position [rad]"])
+        self.assertNotIn("tip_acceleration", sensors.columns)
 
     def test_a_crane_stays_a_crane(self):
         crane = made_run.write_run(self.folder / "crane")
