@@ -269,6 +269,11 @@ Record make_record(const msgs::RunLog& run, const std::string& name, const Admis
     throw NotAdmitted(fmt::format("{}: ENCODER speaks of {} motor groups, TORQUE of {}", name, record.group_count,
                                   run.torque.front().group_count));
   }
+  for (const msgs::Torque& message : run.torque) {
+    if (message.group_count == record.group_count) continue;
+    throw NotAdmitted(fmt::format("{}: TORQUE at {:.3f} s is for {} motor groups, the crane has {}; the drive did not take it: cut the log there",
+                                  name, static_cast<double>(message.simulated_time) * kNanosecond, message.group_count, record.group_count));
+  }
   const std::vector<std::int64_t> encoder_times = times_of(run.encoder);
   const std::int64_t period = common_period(encoder_times);
   if (period <= 0) throw NotAdmitted(fmt::format("{}: ENCODER has no even clock", name));

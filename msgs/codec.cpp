@@ -1,6 +1,8 @@
 #include "msgs/codec.h"
 
+#include <algorithm>
 #include <array>
+#include <slewlab_msgs/layouts.hpp>
 #include <stdexcept>
 #include <string>
 
@@ -8,93 +10,7 @@ namespace slewlab::msgs {
 namespace {
 
 constexpr std::size_t kFingerprintBytes = 8;
-constexpr std::size_t kHeadBytes = kFingerprintBytes + 3 * 8;  // and sequence, simulated time, configuration
-
-// A message is a row of sections: `fixed` bytes, then (but for the last) a 32-bit count and `element` bytes
-// for each counted element. The count itself is not part of `fixed`.
-struct Section {
-  std::size_t fixed;
-  std::size_t element;
-};
-
-// One Layout per message: its sections, the bytes behind the last array, and its arrays with their counts.
-template <class Message>
-struct Layout;
-
-template <>
-struct Layout<Encoder> {
-  static constexpr std::array<Section, 1> sections{{{4 * 8, 2 * 8}}};
-  static constexpr std::size_t tail = 0;
-  template <class M, class Visit>
-  static void arrays(M& m, Visit visit) {
-    visit(m.group_count, m.shaft_speed);
-    visit(m.group_count, m.shaft_position);
-  }
-};
-
-template <>
-struct Layout<Torque> {
-  static constexpr std::array<Section, 1> sections{{{5 * 8 + 4, 8}}};
-  static constexpr std::size_t tail = 0;
-  template <class M, class Visit>
-  static void arrays(M& m, Visit visit) {
-    visit(m.group_count, m.motor_torque);
-  }
-};
-
-template <>
-struct Layout<Operator> {
-  static constexpr std::array<Section, 0> sections{};
-  static constexpr std::size_t tail = 4 * 8 + 2;
-  template <class M, class Visit>
-  static void arrays(M&, Visit) {}
-};
-
-template <>
-struct Layout<Sensors> {
-  static constexpr std::array<Section, 0> sections{};
-  static constexpr std::size_t tail = 8 * 8;
-  template <class M, class Visit>
-  static void arrays(M&, Visit) {}
-};
-
-template <>
-struct Layout<Truth> {
-  static constexpr std::array<Section, 3> sections{{{3 * 8, 3 * 8}, {7 * 8, 8}, {0, 8}}};
-  static constexpr std::size_t tail = 0;
-  template <class M, class Visit>
-  static void arrays(M& m, Visit visit) {
-    visit(m.group_count, m.gearbox_torque);
-    visit(m.group_count, m.gear_deflection);
-    visit(m.group_count, m.play_crossings);
-    visit(m.element_count, m.shear_force);
-    visit(m.mode_count, m.modal_energy);
-  }
-};
-
-template <>
-struct Layout<ControllerState> {
-  static constexpr std::array<Section, 1> sections{{{4 * 8 + 1 + 3 * 8, 2 * 8}}};
-  static constexpr std::size_t tail = 0;
-  template <class M, class Visit>
-  static void arrays(M& m, Visit visit) {
-    visit(m.group_count, m.proportional_torque);
-    visit(m.group_count, m.integral_torque);
-  }
-};
-
-template <>
-struct Layout<PlantStatus> {
-  static constexpr std::array<Section, 2> sections{{{3 * 8 + 2, 8}, {2 * 8, 3 * 8}}};
-  static constexpr std::size_t tail = 0;
-  template <class M, class Visit>
-  static void arrays(M& m, Visit visit) {
-    visit(m.fault_count, m.faults);
-    visit(m.bin_count, m.bin_edge);
-    visit(m.bin_count, m.wakeup_latency);
-    visit(m.bin_count, m.step_time);
-  }
-};
+constexpr std::size_t kHeadBytes = kFingerprintBytes + 4 * 8;  // and sequence, simulated time, configuration, run
 
 std::int64_t big_endian_64(const std::uint8_t* p) {
   std::uint64_t value = 0;
@@ -124,17 +40,17 @@ DecodeStatus check(Bytes bytes) {
     return plausible_head(bytes) ? DecodeStatus::other_version : DecodeStatus::garbage;
   }
   std::size_t left = bytes.size() - kFingerprintBytes;
-  for (const Section& section : Layout<Message>::sections) {
-    if (left < section.fixed + 4) return DecodeStatus::truncated;
-    left -= section.fixed + 4;
-    const std::int32_t count = big_endian_32(bytes.data() + bytes.size() - left - 4);
-    if (count < 0) return DecodeStatus::garbage;
-    const std::size_t wanted = static_cast<std::size_t>(count) * section.element;
+  std::array<std::size_t, std::max(1, Layout<Message>::counts)> counts{};
+  for (const Piece& piece : Layout<Message>::pieces) {
+    const std::size_t wanted = piece.kind == Piece::array ? counts[piece.index] * piece.bytes : piece.bytes;
     if (left < wanted) return DecodeStatus::truncated;
     left -= wanted;
+    if (piece.kind != Piece::count) continue;
+    const std::int32_t count = big_endian_32(bytes.data() + bytes.size() - left - piece.bytes);
+    if (count < 0) return DecodeStatus::garbage;
+    counts[piece.index] = static_cast<std::size_t>(count);
   }
-  if (left < Layout<Message>::tail) return DecodeStatus::truncated;
-  return left == Layout<Message>::tail ? DecodeStatus::ok : DecodeStatus::garbage;
+  return left == 0 ? DecodeStatus::ok : DecodeStatus::garbage;
 }
 
 template <class Message>

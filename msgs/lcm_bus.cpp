@@ -189,9 +189,21 @@ class LcmBus : public Bus {
     }
   }
 
-  void subscribe(const char* channel, Handler handler) override {
+  SubscriptionId subscribe(const char* channel, Handler handler) override {
     if (std::strlen(channel) > kLongestChannel) throw BusError(std::string("channel name too long: ") + channel);
-    subscriptions_.push_back({channel, std::move(handler)});
+    entries_.push_back(std::make_shared<const Entry>(Entry{next_id_, channel, std::move(handler)}));
+    return next_id_++;
+  }
+
+  void unsubscribe(SubscriptionId subscription) override {
+    const auto ended = std::find_if(entries_.begin(), entries_.end(),
+                                    [&](const auto& entry) { return entry && entry->id == subscription; });
+    if (ended == entries_.end()) return;
+    if (delivering_ > 0) {
+      ended->reset();  // the places of the others stay until the message is delivered to all
+    } else {
+      entries_.erase(ended);
+    }
   }
 
   bool handle_one(std::chrono::milliseconds timeout) override {
@@ -215,28 +227,48 @@ class LcmBus : public Bus {
   }
 
  private:
-  struct Subscription {
+  struct Entry {
+    SubscriptionId id;
     std::string channel;
     Handler handler;
   };
 
+  // Handlers may subscribe and unsubscribe.
   bool deliver(std::size_t size) {
     const std::optional<Datagram> datagram = read_datagram(Bytes(datagram_.data(), size));
     if (!datagram) return false;
+    const Delivery delivery(*this);
     bool delivered = false;
-    for (const Subscription& subscription : subscriptions_) {
-      if (subscription.channel != datagram->channel) continue;
-      subscription.handler(datagram->data);
+    for (std::size_t i = 0, count = entries_.size(); i < count; ++i) {
+      const std::shared_ptr<const Entry> entry = entries_[i];  // shared: it may end itself
+      if (!entry || entry->channel != datagram->channel) continue;
+      entry->handler(datagram->data);
       delivered = true;
     }
     return delivered;
   }
 
+  // Clears away what ended meanwhile, also where a handler threw.
+  class Delivery {
+   public:
+    explicit Delivery(LcmBus& bus) : bus_(bus) { ++bus_.delivering_; }
+    ~Delivery() {
+      if (--bus_.delivering_ == 0) std::erase(bus_.entries_, nullptr);
+    }
+    Delivery(const Delivery&) = delete;
+    Delivery& operator=(const Delivery&) = delete;
+
+   private:
+    LcmBus& bus_;
+  };
+
   sockaddr_in target_;
   Socket sender_;
   Socket receiver_;
   std::uint32_t number_ = 0;
-  std::vector<Subscription> subscriptions_;
+  std::vector<std::shared_ptr<const Entry>> entries_;  // none: ended during a delivery
+  SubscriptionId next_id_ = 0;
+  int delivering_ = 0;
   std::vector<std::uint8_t> datagram_;
 };
 

@@ -59,6 +59,7 @@ void LogWriter::append(std::string_view channel, std::int64_t timestamp_us, Byte
   put_32(p, static_cast<std::uint32_t>(data.size()));
   std::memcpy(p, channel.data(), channel.size());
   if (!data.empty()) std::memcpy(p + channel.size(), data.data(), data.size());
+  digest_ = continued_hash(digest_, Bytes(buffer_).subspan(begin));
   ++event_count_;
   if (buffer_.size() >= kBufferBytes) flush();
 }

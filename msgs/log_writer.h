@@ -19,6 +19,7 @@
 #include <vector>
 
 #include "msgs/codec.h"
+#include "msgs/configuration_hash.h"
 
 namespace slewlab::msgs {
 
@@ -46,6 +47,9 @@ class LogWriter {
   void finish();  // flush, close, and give the file its own name
 
   std::int64_t event_count() const { return event_count_; }
+  // Of every byte appended so far (FNV-1a, msgs/configuration_hash.h): by it a reader knows whether a file is as it was
+  // written.
+  std::int64_t digest() const { return digest_; }
   std::int64_t byte_count() const { return written_ + static_cast<std::int64_t>(buffer_.size()); }
 
  private:
@@ -56,6 +60,7 @@ class LogWriter {
   std::vector<std::uint8_t> buffer_;  // whole events only
   std::int64_t written_ = 0;          // [bytes] in the file, always whole events
   std::int64_t event_count_ = 0;
+  std::int64_t digest_ = kHashOfNothing;
   std::int64_t flushed_event_count_ = 0;
 };
 

@@ -18,15 +18,21 @@ void MemoryBus::publish(const char* channel, Bytes bytes) {
   std::vector<std::uint8_t> arriving(bytes.begin(), bytes.end());
   const int copies = wire_.copies ? wire_.copies(name, arriving) : 1;
   for (MemoryBus* party : wire_.parties_) {
-    for (const auto& subscription : party->subscriptions_) {
-      if (subscription->channel != name) continue;
-      for (int i = 0; i < copies; ++i) party->queue_.push_back({subscription.get(), arriving});
+    for (const auto& entry : party->entries_) {
+      if (entry->channel != name) continue;
+      for (int i = 0; i < copies; ++i) party->queue_.push_back({entry, arriving});
     }
   }
 }
 
-void MemoryBus::subscribe(const char* channel, Handler handler) {
-  subscriptions_.push_back(std::make_unique<Subscription>(Subscription{channel, std::move(handler)}));
+Bus::SubscriptionId MemoryBus::subscribe(const char* channel, Handler handler) {
+  entries_.push_back(std::make_shared<const Entry>(Entry{next_id_, channel, std::move(handler)}));
+  return next_id_++;
+}
+
+void MemoryBus::unsubscribe(SubscriptionId subscription) {
+  std::erase_if(entries_, [&](const auto& entry) { return entry->id == subscription; });
+  std::erase_if(queue_, [&](const Message& message) { return message.entry->id == subscription; });
 }
 
 bool MemoryBus::handle_one(std::chrono::milliseconds timeout) {
@@ -37,7 +43,7 @@ bool MemoryBus::handle_one(std::chrono::milliseconds timeout) {
   }
   const Message message = std::move(queue_.front());
   queue_.pop_front();
-  message.subscription->handler(message.bytes);
+  message.entry->handler(message.bytes);
   return true;
 }
 

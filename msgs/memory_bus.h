@@ -35,7 +35,8 @@ class MemoryBus : public Bus {
   ~MemoryBus() override;
 
   void publish(const char* channel, Bytes bytes) override;
-  void subscribe(const char* channel, Handler handler) override;
+  SubscriptionId subscribe(const char* channel, Handler handler) override;
+  void unsubscribe(SubscriptionId subscription) override;
   bool handle_one(std::chrono::milliseconds timeout) override;
 
   std::function<void()> on_wait;
@@ -45,17 +46,19 @@ class MemoryBus : public Bus {
   friend class MemoryWire;
   explicit MemoryBus(MemoryWire& wire) : wire_(wire) {}
 
-  struct Subscription {
+  struct Entry {
+    SubscriptionId id;
     std::string channel;
     Handler handler;
   };
   struct Message {
-    Subscription* subscription;
+    std::shared_ptr<const Entry> entry;  // shared: a handler may end its own subscription
     std::vector<std::uint8_t> bytes;
   };
 
   MemoryWire& wire_;
-  std::vector<std::unique_ptr<Subscription>> subscriptions_;
+  std::vector<std::shared_ptr<const Entry>> entries_;
+  SubscriptionId next_id_ = 0;
   std::deque<Message> queue_;
 };
 

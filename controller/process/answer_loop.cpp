@@ -4,19 +4,51 @@
 
 namespace slewlab::controller {
 
-AnswerLoop::AnswerLoop(msgs::Bus& bus, Compute compute) : bus_(bus), compute_(std::move(compute)) {
-  bus_.subscribe(msgs::kOperatorChannel, [this](msgs::Bytes bytes) { receive_operator(bytes); });
-  bus_.subscribe(msgs::kEncoderChannel, [this](msgs::Bytes bytes) { receive_encoder(bytes); });
-}
+AnswerLoop::AnswerLoop(msgs::Bus& bus, Compute compute)
+    : bus_(bus),
+      fresh_compute_(std::move(compute)),
+      operator_subscription_(bus, msgs::kOperatorChannel, [this](msgs::Bytes bytes) { receive_operator(bytes); }),
+      encoder_subscription_(bus, msgs::kEncoderChannel, [this](msgs::Bytes bytes) { receive_encoder(bytes); }) {}
 
 void AnswerLoop::receive_operator(msgs::Bytes bytes) {
   if (msgs::decode(bytes, incoming_operator_) != msgs::DecodeStatus::ok) {
     ++counts_.undecodable;
     return;
   }
-  if (have_operator_ && incoming_operator_.sequence <= operator_.sequence) return;
-  operator_ = incoming_operator_;
-  have_operator_ = true;
+  const bool of_this_run = have_run_ && incoming_operator_.run_identity == run_;
+  msgs::Operator& held = of_this_run ? operator_ : other_operator_;
+  bool& have = of_this_run ? have_operator_ : have_other_operator_;
+  if (have && incoming_operator_.run_identity == held.run_identity && incoming_operator_.sequence <= held.sequence) return;
+  held = incoming_operator_;
+  have = true;
+}
+
+bool AnswerLoop::is_of_this_run() {
+  if (have_run_ && encoder_.run_identity == run_) {
+    have_candidate_ = false;
+    return true;
+  }
+  if (have_run_ && !(have_candidate_ && encoder_.run_identity == candidate_)) {
+    candidate_ = encoder_.run_identity;
+    have_candidate_ = true;
+    ++counts_.first_of_another_run;
+    return false;
+  }
+  begin_run();
+  return true;
+}
+
+void AnswerLoop::begin_run() {
+  run_ = encoder_.run_identity;
+  have_run_ = true;
+  have_candidate_ = false;
+  compute_ = fresh_compute_;
+  answers_ = 0;
+  answered_ = -1;
+  have_operator_ = have_other_operator_ && other_operator_.run_identity == run_;
+  if (have_operator_) operator_ = other_operator_;
+  have_other_operator_ = false;
+  ++counts_.runs;
 }
 
 void AnswerLoop::receive_encoder(msgs::Bytes bytes) {
@@ -24,6 +56,7 @@ void AnswerLoop::receive_encoder(msgs::Bytes bytes) {
     ++counts_.undecodable;
     return;
   }
+  if (!is_of_this_run()) return;
   if (encoder_.sequence == answered_) {
     ++counts_.repeated_answers;
     send_answer();
@@ -39,17 +72,19 @@ void AnswerLoop::receive_encoder(msgs::Bytes bytes) {
   }
 
   const auto set_head = [&](auto& message) {
-    message.sequence = counts_.answers;
+    message.sequence = answers_;
     message.simulated_time = encoder_.simulated_time;
     message.configuration_hash = encoder_.configuration_hash;
+    message.run_identity = encoder_.run_identity;
     message.answered_sequence = encoder_.sequence;
   };
   set_head(torque_);
   set_head(state_);
-  torque_.alive_counter = counts_.answers;
+  torque_.alive_counter = answers_;
   torque_.state_follows = 1;
   compute_(encoder_, operator_, torque_, state_);
   ++counts_.answers;
+  ++answers_;
   answered_ = encoder_.sequence;
   msgs::encode(torque_, torque_bytes_);
   if (torque_.state_follows) msgs::encode(state_, state_bytes_);

@@ -8,6 +8,9 @@
 //   answer; the plant sends both again.
 // - An ENCODER older than the newest answered is left alone, and so is what cannot be decoded; both are
 //   counted.
+// - An ENCODER of another run (run_identity) begins that run: state anew, counting anew. One message alone may be a bit
+//   that turned over on its way; the second of the same identity counts, and a plant asks again until it is answered. A
+//   controller that has answered nothing yet takes the first.
 
 #include <cstdint>
 #include <functional>
@@ -24,16 +27,19 @@ using Compute = std::function<void(const msgs::Encoder& encoder, const msgs::Ope
                                    msgs::Torque& torque, msgs::ControllerState& state)>;
 
 struct AnswerCounts {
-  std::int64_t answers = 0;           // computed
+  std::int64_t runs = 0;              // begun
+  std::int64_t answers = 0;           // computed, in all runs
   std::int64_t repeated_answers = 0;  // sent again
   std::int64_t stale_questions = 0;
   std::int64_t waits_for_operator = 0;
+  std::int64_t first_of_another_run = 0;  // not answered: ENCODER with an identity not heard before
   std::int64_t undecodable = 0;
 };
 
 class AnswerLoop {
  public:
-  // Subscribes; from then on whoever handles the bus makes it answer. The bus must outlive this.
+  // Subscribes; from then on whoever handles the bus makes it answer. The bus must outlive this. Every run is computed by
+  // a copy of `compute` as it is handed in.
   AnswerLoop(msgs::Bus& bus, Compute compute);
   AnswerLoop(const AnswerLoop&) = delete;
   AnswerLoop& operator=(const AnswerLoop&) = delete;
@@ -42,22 +48,34 @@ class AnswerLoop {
 
  private:
   void receive_operator(msgs::Bytes bytes);
+  bool is_of_this_run();  // ENCODER; begins its run where that is due
+  void begin_run();
   void receive_encoder(msgs::Bytes bytes);
   void send_answer();
 
   msgs::Bus& bus_;
-  Compute compute_;
+  Compute fresh_compute_;
+  Compute compute_;  // of this run
   AnswerCounts counts_;
+  bool have_run_ = false;
+  std::int64_t run_ = 0;        // identity
+  std::int64_t candidate_ = 0;  // of another run, heard once
+  bool have_candidate_ = false;
+  std::int64_t answers_ = 0;    // computed in this run
   std::int64_t answered_ = -1;  // the newest ENCODER answered
 
-  msgs::Operator operator_{};
   msgs::Operator incoming_operator_{};
+  msgs::Operator operator_{};        // the newest of this run
+  msgs::Operator other_operator_{};  // the newest of another run, whose ENCODER may follow
   bool have_operator_ = false;
+  bool have_other_operator_ = false;
   msgs::Encoder encoder_{};
   msgs::Torque torque_{};
   msgs::ControllerState state_{};
   std::vector<std::uint8_t> torque_bytes_;
   std::vector<std::uint8_t> state_bytes_;
+  msgs::Subscription operator_subscription_;
+  msgs::Subscription encoder_subscription_;
 };
 
 }  // namespace slewlab::controller

@@ -13,6 +13,7 @@
 #include "diagnosis/evaluation/side_by_side.h"
 #include "msgs/codec.h"
 #include "msgs/configuration_hash.h"
+#include "msgs/run_identity.h"
 #include "msgs/log_writer.h"
 #include "sim/machine/machine_file.h"
 
@@ -96,6 +97,7 @@ void write_log(const TruthRun& run, std::int64_t hash, const fs::path& file) {
   msgs::Torque torque{};
   msgs::Sensors sensors{};
   wish.configuration_hash = encoder.configuration_hash = torque.configuration_hash = sensors.configuration_hash = hash;
+  wish.run_identity = encoder.run_identity = torque.run_identity = sensors.run_identity = msgs::run_identity(hash);
   append(msgs::kOperatorChannel, wish);  // the lever stands in the middle
   std::size_t next = 0;
   const auto steps = static_cast<std::int64_t>(run.sensors.size());

@@ -267,6 +267,10 @@ struct controller {
 
   /* The wire. */
   lcm_t* bus;
+  bool have_run, have_candidate;
+  int64_t run, candidate; /* run_identity of the run answered, and of another one heard once */
+  bool have_other_operator;
+  slewlab_msgs_operator_t other_operator; /* the newest of another run, whose ENCODER may follow */
   bool have_operator;
   int64_t operator_sequence;
   double speed_request;
@@ -350,17 +354,63 @@ static void step(struct controller* self, const slewlab_msgs_encoder_t* encoder)
   self->state.offset_torque = 0.5 * (added[0] - added[1]);
 }
 
-static void on_operator(const lcm_recv_buf_t* buffer, const char* channel, const slewlab_msgs_operator_t* message,
-                        void* user) {
-  (void)buffer;
-  (void)channel;
-  struct controller* self = user;
-  if (self->have_operator && message->sequence <= self->operator_sequence) return;
+static void take_operator(struct controller* self, const slewlab_msgs_operator_t* message) {
   self->have_operator = true;
   self->operator_sequence = message->sequence;
   self->speed_request = message->speed_request;
   self->emergency_stop = message->emergency_stop;
   self->acknowledge = message->acknowledge;
+}
+
+static void on_operator(const lcm_recv_buf_t* buffer, const char* channel, const slewlab_msgs_operator_t* message,
+                        void* user) {
+  (void)buffer;
+  (void)channel;
+  struct controller* self = user;
+  if (self->have_run && message->run_identity == self->run) {
+    if (!self->have_operator || message->sequence > self->operator_sequence) take_operator(self, message);
+    return;
+  }
+  if (self->have_other_operator && message->run_identity == self->other_operator.run_identity &&
+      message->sequence <= self->other_operator.sequence) {
+    return;
+  }
+  self->have_other_operator = true;
+  self->other_operator = *message;
+}
+
+/* A run begins with the controller's state anew. */
+static void begin_run(struct controller* self, int64_t run) {
+  self->run = run;
+  self->have_run = true;
+  self->have_candidate = false;
+  self->mode = kStopped;
+  self->unusable = false;
+  memset(&self->ramp, 0, sizeof self->ramp);
+  memset(self->control, 0, sizeof self->control);
+  memset(self->commanded, 0, sizeof self->commanded);
+  self->answered = -1;
+  self->count = 0;
+  self->have_operator = false;
+  if (self->have_other_operator && self->other_operator.run_identity == run) {
+    take_operator(self, &self->other_operator);
+  }
+  self->have_other_operator = false;
+}
+
+/* An ENCODER of another run begins that run. One alone may be a bit that turned over; the second counts. */
+static bool is_of_this_run(struct controller* self, const slewlab_msgs_encoder_t* encoder) {
+  if (self->have_run && encoder->run_identity == self->run) {
+    self->have_candidate = false;
+    return true;
+  }
+  if (self->have_run && !(self->have_candidate && encoder->run_identity == self->candidate)) {
+    self->candidate = encoder->run_identity;
+    self->have_candidate = true;
+    return false;
+  }
+  begin_run(self, encoder->run_identity);
+  return true;
 }
 
 /* Every ENCODER gets one answer, a repeated one the same answer again. */
@@ -369,7 +419,7 @@ static void on_encoder(const lcm_recv_buf_t* buffer, const char* channel, const 
   (void)buffer;
   (void)channel;
   struct controller* self = user;
-  if (encoder->sequence < self->answered) return;
+  if (!is_of_this_run(self, encoder) || encoder->sequence < self->answered) return;
   if (encoder->sequence > self->answered) {
     /* That OPERATOR was lost; both will be sent again. */
     if (!self->have_operator || self->operator_sequence < encoder->operator_sequence) return;
@@ -377,6 +427,7 @@ static void on_encoder(const lcm_recv_buf_t* buffer, const char* channel, const 
     self->torque.sequence = self->state.sequence = self->torque.alive_counter = self->count++;
     self->torque.simulated_time = self->state.simulated_time = encoder->simulated_time;
     self->torque.configuration_hash = self->state.configuration_hash = encoder->configuration_hash;
+    self->torque.run_identity = self->state.run_identity = encoder->run_identity;
     self->torque.answered_sequence = self->state.answered_sequence = encoder->sequence;
     self->torque.acknowledge = self->acknowledge;
     self->torque.state_follows = true;
@@ -396,7 +447,6 @@ int main(void) {
   const char* period_ms = getenv("SLEWLAB_CONTROLLER_PERIOD_MS");
   static struct controller self;
   self.period = (period_ms != NULL ? strtod(period_ms, NULL) : 10.0) * 1e-3;
-  self.answered = -1;
   self.bus = lcm_create(url);
   if (self.bus == NULL) {
     fprintf(stderr, "controller: no bus at %s\n", url != NULL ? url : "LCM's default address");

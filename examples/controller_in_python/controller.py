@@ -296,22 +296,48 @@ class Answers:
 
     def __init__(self, bus):
         self.bus = bus
-        self.controller = Controller()
-        self.operator = None
-        self.answered = -1  # the newest ENCODER answered
-        self.count = 0
-        self.bytes = None
+        self.run = None             # run_identity of the run that is answered
+        self.candidate = None       # that of another one, heard once
+        self.operator = None        # the newest OPERATOR of this run
+        self.other_operator = None  # the newest of another run, whose ENCODER may follow
         for channel, handler in (("OPERATOR", self.on_operator), ("ENCODER", self.on_encoder)):
             bus.subscribe(channel, handler).set_queue_capacity(0)  # unlimited: by default the newest are dropped
 
     def on_operator(self, channel, data):
         message = operator_t.decode(data)
-        if self.operator is None or message.sequence > self.operator.sequence:
+        of_this_run = message.run_identity == self.run
+        held = self.operator if of_this_run else self.other_operator
+        if held and message.run_identity == held.run_identity and message.sequence <= held.sequence:
+            return
+        if of_this_run:
             self.operator = message
+        else:
+            self.other_operator = message
+
+    def begin_run(self, run):
+        """A run begins with the controller's state anew."""
+        self.run, self.candidate = run, None
+        self.controller = Controller()
+        self.answered = -1  # the newest ENCODER answered
+        self.count = 0
+        self.bytes = None
+        newest, self.other_operator = self.other_operator, None
+        self.operator = newest if newest and newest.run_identity == run else None
+
+    def is_of_this_run(self, encoder):
+        """An ENCODER of another run begins that run. One alone may be a bit that turned over; the second counts."""
+        if encoder.run_identity == self.run:
+            self.candidate = None
+            return True
+        if self.run is not None and encoder.run_identity != self.candidate:
+            self.candidate = encoder.run_identity
+            return False
+        self.begin_run(encoder.run_identity)
+        return True
 
     def on_encoder(self, channel, data):
         encoder = encoder_t.decode(data)
-        if encoder.sequence < self.answered:
+        if not self.is_of_this_run(encoder) or encoder.sequence < self.answered:
             return
         if encoder.sequence > self.answered:
             if self.operator is None or self.operator.sequence < encoder.operator_sequence:
@@ -326,6 +352,7 @@ class Answers:
             message.sequence = self.count
             message.simulated_time = encoder.simulated_time
             message.configuration_hash = encoder.configuration_hash
+            message.run_identity = encoder.run_identity
             message.answered_sequence = encoder.sequence
         torque.alive_counter = self.count
         torque.state_follows = True

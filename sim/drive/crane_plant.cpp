@@ -80,6 +80,7 @@ void CranePlant::read_truth(msgs::Truth& message) {
 void CranePlant::read_status(msgs::PlantStatus& message) {
   message.drive_state = static_cast<std::int8_t>(drive_.state);
   message.trip_cause = static_cast<std::int8_t>(drive_.trip_cause);
+  message.trip_time = drive_.trip_time;
   message.fault_count = kDriveFaultCount;
   message.faults.assign(drive_.faults.begin(), drive_.faults.end());
   message.stale_commands = drive_.stale_commands;

@@ -38,7 +38,14 @@ inline constexpr std::array<const char*, kDriveFaultCount> kDriveFaultNames{
     "repeated_answer", "group_count", "not_a_number",  "infinite", "torque_limit",        "torque_rate",
     "alive_frozen",    "silence",     "group_lost",    "power_lost"};
 
-inline const char* name_of(DriveState state) { return kDriveStateNames[static_cast<std::size_t>(state)]; }
-inline const char* name_of(DriveFault fault) { return kDriveFaultNames[static_cast<std::size_t>(fault)]; }
+// Of any number that a log may hold.
+inline const char* name_of(DriveState state) {
+  const auto index = static_cast<std::size_t>(state);
+  return index < kDriveStateNames.size() ? kDriveStateNames[index] : "unknown";
+}
+inline const char* name_of(DriveFault fault) {
+  const auto index = static_cast<std::size_t>(fault);
+  return index < kDriveFaultNames.size() ? kDriveFaultNames[index] : "unknown";
+}
 
 }  // namespace slewlab::sim

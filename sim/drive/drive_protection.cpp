@@ -13,12 +13,13 @@ constexpr double kBrakeOpen = 1e-3;
 
 void count(DriveProtectionState& state, DriveFault fault) { ++state.faults[static_cast<std::size_t>(fault)]; }
 
-void trip(DriveProtectionState& state, DriveFault cause) {
+void trip(DriveProtectionState& state, DriveFault cause, std::int64_t time) {
   if (state.trip_cause != DriveFault::none) return;  // the first cause stands
   state.state = DriveState::tripped;
   state.trip_cause = cause;
   state.motor_torque = {};
   ++state.trips;
+  state.trip_time = time;
 }
 
 void refuse(DriveProtectionState& state, DriveFault fault) {
@@ -79,7 +80,9 @@ void begin_cycle(DriveProtectionState& state, std::int64_t sequence) {
 void receive(const DriveProtectionSettings& settings, const DriveRun& run, DriveProtectionState& state,
              const DriveMoment& moment, msgs::DecodeStatus status, const msgs::Torque& torque) {
   if (status != msgs::DecodeStatus::ok) return refuse(state, fault_of(status));
-  if (torque.configuration_hash != run.configuration_hash) return refuse(state, DriveFault::other_configuration);
+  if (torque.configuration_hash != run.configuration_hash || torque.run_identity != run.run_identity) {
+    return refuse(state, DriveFault::other_configuration);
+  }
   if (state.has_command && torque.answered_sequence == state.answered_sequence) {
     return count(state, DriveFault::repeated_answer);
   }
@@ -90,16 +93,16 @@ void receive(const DriveProtectionSettings& settings, const DriveRun& run, Drive
   }
   if (torque.group_count != run.group_count) {
     count(state, DriveFault::group_count);
-    return trip(state, DriveFault::group_count);
+    return trip(state, DriveFault::group_count, moment.time);
   }
   if (const DriveFault fault = unusable_number(torque); fault != DriveFault::none) {
     count(state, fault);
-    return trip(state, fault);
+    return trip(state, fault, moment.time);
   }
 
   if (state.has_command && torque.alive_counter == state.alive_counter) {
     count(state, DriveFault::alive_frozen);
-    if (moment.time - state.last_alive >= settings.alive_timeout) trip(state, DriveFault::alive_frozen);
+    if (moment.time - state.last_alive >= settings.alive_timeout) trip(state, DriveFault::alive_frozen, moment.time);
   } else {
     state.last_alive = moment.time;
   }
@@ -148,19 +151,19 @@ DriveCommand drive_command(const DriveProtectionSettings& settings, const DriveR
                            const DriveMoment& moment, std::int64_t step) {
   if (!moment.main_power) {
     if (!state.power_loss_seen) count(state, DriveFault::power_lost);
-    trip(state, DriveFault::power_lost);
+    trip(state, DriveFault::power_lost, moment.time);
   }
   state.power_loss_seen = !moment.main_power;
   for (int group = 0; group < run.group_count; ++group) {
     if (moment.group_lost[group] && !state.group_loss_seen[group]) count(state, DriveFault::group_lost);
     state.group_loss_seen[group] = moment.group_lost[group];
   }
-  if (lost_group(settings, run, moment)) trip(state, DriveFault::group_lost);
+  if (lost_group(settings, run, moment)) trip(state, DriveFault::group_lost, moment.time);
   if (moment.time - state.last_command >= settings.silence_timeout) {
     const bool refused = state.refused != DriveFault::none;
     if (!state.silence_seen && !refused) count(state, DriveFault::silence);
     state.silence_seen = true;
-    trip(state, refused ? state.refused : DriveFault::silence);
+    trip(state, refused ? state.refused : DriveFault::silence, moment.time);
   }
 
   if (state.state == DriveState::tripped) {

@@ -32,6 +32,7 @@ struct DriveRun {
   int group_count = 0;
   std::int64_t configuration_hash = 0;
   std::int64_t controller_period = 0;  // [ns]
+  std::int64_t run_identity = 0;
 };
 
 struct BrakeState {
@@ -47,6 +48,7 @@ struct DriveProtectionState {
   std::array<std::int64_t, kDriveFaultCount> faults{};  // how often each was seen
   std::int64_t stale_commands = 0;                      // cycles that ended without a fresh command
   std::int64_t trips = 0;
+  std::int64_t trip_time = -1;  // [ns] of the last one; -1: it never tripped
 
   std::int64_t asked_sequence = -1;  // of the newest ENCODER
   bool fresh = true;                 // a good command came since that ENCODER

@@ -29,14 +29,14 @@ class Lockstep {
         bus_(bus),
         hooks_(hooks),
         output_(settings, plant, bus, log),
-        faults_(settings.faults, settings.controller_period) {
+        faults_(settings.faults, settings.controller_period),
+        torque_subscription_(bus, msgs::kTorqueChannel, [this](msgs::Bytes bytes) { receive_torque(bytes); }),
+        state_subscription_(bus, msgs::kControllerStateChannel, [this](msgs::Bytes bytes) { receive_state(bytes); }) {
     require_multiple(settings.controller_period, settings.plant_step, "a controller period");
     require_multiple(settings.sensors_period, settings.plant_step, "a sensors period");
     require_multiple(settings.truth_period, settings.plant_step, "a truth period");
     require_multiple(settings.status_period, settings.plant_step, "a status period");
     require_multiple(settings.live_period, settings.plant_step, "a live period");
-    bus_.subscribe(msgs::kTorqueChannel, [this](msgs::Bytes bytes) { receive_torque(bytes); });
-    bus_.subscribe(msgs::kControllerStateChannel, [this](msgs::Bytes bytes) { receive_state(bytes); });
   }
 
   LockstepCounts run() {
@@ -124,6 +124,7 @@ class Lockstep {
     if (msgs::decode(message.bytes, incoming_encoder_) != msgs::DecodeStatus::ok) return Reading::no_question;
     if (incoming_encoder_.sequence != message.sequence ||
         incoming_encoder_.configuration_hash != settings_.configuration_hash ||
+        incoming_encoder_.run_identity != settings_.run_identity ||
         incoming_encoder_.operator_sequence < 0 || incoming_encoder_.operator_sequence > output_.operator_sequence()) {
       return Reading::other_question;
     }
@@ -170,7 +171,15 @@ class Lockstep {
   bool answered() const { return have_torque_ && (have_state_ || !expects_state()); }
 
   void receive_torque(msgs::Bytes bytes) {
+    if (bytes.size() > kLargestAnswer) {
+      bytes = bytes.first(kLargestAnswer);
+      ++counts_.cut_answers;
+    }
     const msgs::DecodeStatus status = msgs::decode(bytes, incoming_torque_);
+    if (status == msgs::DecodeStatus::ok && incoming_torque_.run_identity != settings_.run_identity) {
+      ++counts_.foreign_answers;
+      return;
+    }
     ++answers_;
     if (status == msgs::DecodeStatus::ok) {
       if (incoming_torque_.sequence <= newest_torque_ && incoming_torque_.answered_sequence != asked_) {
@@ -195,7 +204,7 @@ class Lockstep {
   void receive_state(msgs::Bytes bytes) {
     if (msgs::decode(bytes, state_) != msgs::DecodeStatus::ok) return;
     if (have_state_ || state_.answered_sequence != asked_ ||
-        state_.configuration_hash != settings_.configuration_hash) {
+        state_.configuration_hash != settings_.configuration_hash || state_.run_identity != settings_.run_identity) {
       return;
     }
     state_bytes_.assign(bytes.begin(), bytes.end());
@@ -230,6 +239,9 @@ class Lockstep {
   ByteBuffer encoder_bytes_;
   ByteBuffer torque_bytes_;
   ByteBuffer state_bytes_;
+
+  msgs::Subscription torque_subscription_;
+  msgs::Subscription state_subscription_;
 };
 
 }  // namespace

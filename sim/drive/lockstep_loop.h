@@ -8,6 +8,7 @@
 // A controller that answers wrongly - bytes that are no TORQUE, another configuration, another sequence number - has
 // answered: what came is handed to the drive (drive_protection.h), and simulated time goes on. An answer is wrong, and
 // not the late repetition of an older one, if it is more than the answers still outstanding from repeated questions.
+// A TORQUE of another run (run_identity) is no answer: it is counted and left alone.
 //
 // Faults on purpose (fault_injector.h) act on the messages at the loop's edge, keyed by sequence numbers: repeated questions
 // change none of their decisions. An ENCODER that is lost on purpose is not sent, and its cycle is one of silence to
@@ -46,6 +47,7 @@ struct LockstepSettings {
   std::int64_t status_period = 100'000'000;     // [ns]
   std::int64_t live_period = 100'000'000;       // [ns] of the three on the bus
   std::int64_t configuration_hash = 0;
+  std::int64_t run_identity = 0;
   // By rising time. A move takes effect at the first controller period that begins at its time or later.
   std::vector<OperatorMove> operator_moves;
   std::vector<Fault> faults;
@@ -59,6 +61,8 @@ struct LockstepCounts {
   std::int64_t resends = 0;         // of an ENCODER
   std::int64_t stale_answers = 0;   // TORQUE that repeats an answer already taken
   std::int64_t wrong_answers = 0;   // TORQUE that is no answer to the ENCODER asked, handed to the drive as it is
+  std::int64_t foreign_answers = 0; // TORQUE of another run, left alone
+  std::int64_t cut_answers = 0;     // on TORQUE, longer than kLargestAnswer: the rest is left out
   std::int64_t simulated_time = 0;  // [ns] reached
 };
 
@@ -75,8 +79,7 @@ struct LockstepHooks {
 using LogSink = std::function<void(const char* channel, std::int64_t timestamp_us, msgs::Bytes bytes)>;
 
 // Throws std::invalid_argument where periods do not fit each other, msgs::LogError, msgs::BusError.
-// Returns early, with simulated_time short of the duration, where `stop` said so. Does not finish the log. The bus
-// must not be handled any more after it.
+// Returns early, with simulated_time short of the duration, where `stop` said so. Does not finish the log.
 LockstepCounts run_lockstep(const LockstepSettings& settings, DrivenPlant& plant, msgs::Bus& bus,
                             const LogSink& log, const LockstepHooks& hooks = {});
 LockstepCounts run_lockstep(const LockstepSettings& settings, DrivenPlant& plant, msgs::Bus& bus,

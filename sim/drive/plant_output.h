@@ -14,6 +14,10 @@
 
 namespace slewlab::sim {
 
+// What the drive looks at of a message on TORQUE, and the log holds of it: the TORQUE of the largest crane is half as
+// long, and what floods the bus must not fill the disk.
+inline constexpr std::size_t kLargestAnswer = 256;  // [bytes]
+
 class PlantOutput {
  public:
   // Keeps references to all of them.
@@ -25,6 +29,7 @@ class PlantOutput {
     message.sequence = sequence;
     message.simulated_time = simulated_time;
     message.configuration_hash = settings_.configuration_hash;
+    message.run_identity = settings_.run_identity;
   }
 
   void log(const char* channel, std::int64_t simulated_time, msgs::Bytes bytes) { log_(channel, simulated_time / 1000, bytes); }

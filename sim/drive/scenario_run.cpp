@@ -2,6 +2,7 @@
 
 #include "common/effect.h"
 #include "msgs/configuration_hash.h"
+#include "msgs/run_identity.h"
 #include "sim/effects/catalogue.h"
 
 namespace slewlab::sim {
@@ -39,14 +40,15 @@ LockstepSettings lockstep_settings(const Scenario& scenario) {
   settings.operator_moves = scenario.moves;
   settings.faults = scenario.faults;
   settings.configuration_hash = msgs::configuration_hash(scenario.configuration_text);
+  settings.run_identity = msgs::run_identity(settings.configuration_hash);
   // A hundred milliseconds or, with a coarser step, the next whole number of steps.
   settings.live_period = (settings.live_period + settings.plant_step - 1) / settings.plant_step * settings.plant_step;
   return settings;
 }
 
 DriveRun drive_run(const Scenario& scenario) {
-  return {scenario.crane.parameters.drive.group_count, msgs::configuration_hash(scenario.configuration_text),
-          scenario.controller_period};
+  const std::int64_t hash = msgs::configuration_hash(scenario.configuration_text);
+  return {scenario.crane.parameters.drive.group_count, hash, scenario.controller_period, msgs::run_identity(hash)};
 }
 
 }  // namespace slewlab::sim

@@ -13,6 +13,7 @@ namespace slewlab::sim {
 std::vector<common::EffectInstance> effects_of(const MachineFile& machine);
 MachineSettings machine_settings(const Scenario& scenario);
 
+// Of the configuration's run number 0 (msgs/run_identity.h), as drive_run().
 LockstepSettings lockstep_settings(const Scenario& scenario);
 
 DriveRun drive_run(const Scenario& scenario);

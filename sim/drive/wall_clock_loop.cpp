@@ -22,13 +22,13 @@ class WallClock {
         clock_(clock),
         hooks_(hooks),
         output_(settings, plant, bus, log),
-        faults_(settings.faults, settings.controller_period, Stopping::process_stopped) {
+        faults_(settings.faults, settings.controller_period, Stopping::process_stopped),
+        torque_subscription_(bus, msgs::kTorqueChannel, [this](msgs::Bytes bytes) { receive_torque(bytes); }),
+        state_subscription_(bus, msgs::kControllerStateChannel, [this](msgs::Bytes bytes) { receive_state(bytes); }) {
     if (!(speed > 0.0) || !std::isfinite(speed)) throw std::invalid_argument("a speed must be a positive number");
     if (settings.plant_step <= 0 || settings.controller_period % settings.plant_step != 0) {
       throw std::invalid_argument("a controller period must be a multiple of the plant step");
     }
-    bus_.subscribe(msgs::kTorqueChannel, [this](msgs::Bytes bytes) { receive_torque(bytes); });
-    bus_.subscribe(msgs::kControllerStateChannel, [this](msgs::Bytes bytes) { this->log(msgs::kControllerStateChannel, bytes); });
   }
 
   WallClockReport run() {
@@ -51,6 +51,10 @@ class WallClock {
       plant_.step(faults_.conditions(report_.simulated_time));
       report_.simulated_time += settings_.plant_step;
       send_series();
+      if (report_.simulated_time % settings_.controller_period == 0) {
+        ++report_.cycles;
+        if (hooks_.after_cycle) hooks_.after_cycle(report_);
+      }
 
       const std::int64_t done = clock_.now();
       report_.step_time.add(done - awake);
@@ -80,17 +84,17 @@ class WallClock {
       if (bus_.handle_one(kPatience)) continue;
       output_.repeat_operator();
       bus_.publish(msgs::kEncoderChannel, encoder_bytes_);
+      if (hooks_.while_waiting) hooks_.while_waiting(report_);
     }
     return true;
   }
 
   void begin_period() {
     const std::int64_t time = report_.simulated_time;
+    answers_ = undecodable_answers_ = 0;
     if (encoder_sequence_ >= 0) {
       faults_.end_period(FaultChannel::torque);
       hand_over();
-      ++report_.cycles;
-      if (hooks_.after_cycle) hooks_.after_cycle(report_);
     }
     if (!faults_.empty()) {
       for (const ControllerAction action : faults_.controller_actions(time)) {
@@ -127,15 +131,32 @@ class WallClock {
   }
 
   void receive_torque(msgs::Bytes bytes) {
+    if (bytes.size() > kLargestAnswer) {
+      bytes = bytes.first(kLargestAnswer);
+      ++report_.cut_answers;
+    }
+    const bool known = msgs::decode(bytes, torque_) == msgs::DecodeStatus::ok;
+    if (known && torque_.run_identity != settings_.run_identity) {
+      ++report_.foreign_answers;
+      return;
+    }
+    if (known ? ++answers_ > kAnswersPerPeriod : ++undecodable_answers_ > kUndecodablePerPeriod) {
+      ++report_.flooding_answers;
+      return;
+    }
     heard_ = true;
     if (faults_.empty()) {
       give_to_drive(bytes);
       return;
     }
-    const bool known = msgs::decode(bytes, torque_) == msgs::DecodeStatus::ok;
     faults_.pass(FaultChannel::torque, report_.simulated_time, known ? torque_.answered_sequence : encoder_sequence_,
                  bytes);
     hand_over();
+  }
+
+  void receive_state(msgs::Bytes bytes) {
+    if (msgs::decode(bytes, state_) != msgs::DecodeStatus::ok || state_.run_identity != settings_.run_identity) return;
+    log(msgs::kControllerStateChannel, bytes);
   }
 
   // What the faults have let through since the last time.
@@ -166,6 +187,9 @@ class WallClock {
 
   static constexpr std::int64_t kIntroduction = 5'000'000'000;  // [ns] a program takes that long to come up at most
 
+  static constexpr int kAnswersPerPeriod = 1000;   // chosen: of a controller that stood still for 10 s at 10 ms
+  static constexpr int kUndecodablePerPeriod = 4;  // chosen: a field bus brings one telegram
+
   const LockstepSettings& settings_;
   double speed_;
   DrivenPlant& plant_;
@@ -177,13 +201,19 @@ class WallClock {
 
   WallClockReport report_;
   bool heard_ = false;
+  int answers_ = 0;              // on TORQUE in this period that decode
+  int undecodable_answers_ = 0;  // that do not
   std::size_t handed_over_ = 0;  // of the TORQUE that arrived in this period
   std::int64_t newcomer_until_ = 0;  // [ns]
   std::int64_t encoder_sequence_ = -1;
 
   msgs::Encoder encoder_{};
   msgs::Torque torque_{};
+  msgs::ControllerState state_{};
   ByteBuffer encoder_bytes_;
+
+  msgs::Subscription torque_subscription_;
+  msgs::Subscription state_subscription_;
 };
 
 }  // namespace

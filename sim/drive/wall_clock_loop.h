@@ -10,6 +10,9 @@
 // A deadline is missed where a step's work ends after the next one is due. It is the plant's own doing where the work
 // alone, by the thread's own processor time, was longer than the step; otherwise the machine had something else to do.
 //
+// Of what comes on TORQUE within one period, the drive takes a few messages that are none and a thousand that are (those
+// of a controller that was stopped come all at once); the rest is counted and left out.
+//
 // Faults on purpose (fault_injector.h) act as in lockstep, but what is drawn meets whatever message comes.
 //
 // The thread that runs it does no file I/O: the log goes to a function handed in (msgs/log_queue.h).
@@ -36,6 +39,9 @@ class LoopClock {
 struct WallClockReport {
   std::int64_t simulated_time = 0;  // [ns] reached
   std::int64_t cycles = 0;          // controller periods
+  std::int64_t foreign_answers = 0;  // TORQUE of another run, left alone
+  std::int64_t cut_answers = 0;      // on TORQUE, longer than kLargestAnswer: the rest is left out
+  std::int64_t flooding_answers = 0; // on TORQUE, more than a period takes: neither drive nor log gets them
   std::int64_t missed_deadlines = 0;
   std::int64_t missed_by_own_computation = 0;  // of these
   LatencyHistogram wakeup_latency;             // from due to awake
@@ -45,11 +51,12 @@ struct WallClockReport {
 struct WallClockHooks {
   std::function<bool()> stop;                              // asked in every step
   std::function<void(const WallClockReport&)> after_cycle;
+  std::function<void(const WallClockReport&)> while_waiting;  // for the first answer, whenever it is asked again
   std::function<void(ControllerAction)> controller_action;  // must not wait
 };
 
 // Takes the settings of a lockstep run; resends do not occur. `speed` is simulated seconds per second. Throws
-// std::invalid_argument, msgs::BusError. The bus must not be handled any more after it.
+// std::invalid_argument, msgs::BusError.
 WallClockReport run_wall_clock(const LockstepSettings& settings, double speed, DrivenPlant& plant, msgs::Bus& bus,
                                const LogSink& log, LoopClock& clock, const WallClockHooks& hooks = {});
 

@@ -25,6 +25,7 @@
 #include "msgs/configuration_hash.h"
 #include "msgs/lcm_bus.h"
 #include "msgs/log_queue.h"
+#include "msgs/run_identity.h"
 #include "sim/drive/crane_plant.h"
 #include "sim/drive/lockstep_loop.h"
 #include "sim/drive/scenario_run.h"
@@ -45,8 +46,54 @@ struct Options {
   std::string bus;
   std::string log;
   std::vector<std::string> overrides;
+  std::string run_identity;  // 16 hexadecimal digits; empty: a fresh one
   bool realtime = false;
   double speed = 1.0;
+};
+
+// What is to be said of the other side, once each: that nobody answers, and then for how long nobody did; that another run
+// is on the bus.
+class WireNotices {
+ public:
+  void waiting(std::int64_t simulated_time, std::int64_t resends) {
+    const WallClock::time_point now = WallClock::now();
+    if (!waiting_) {
+      waiting_ = true;
+      since_ = now;
+      resends_before_ = resends;
+      return;
+    }
+    if (told_ || now - since_ < kSilence) return;
+    told_ = true;
+    std::fprintf(stderr, "slewlab-plant: no answer to the ENCODER of %.3f s since %lld s; still asking\n",
+                 static_cast<double>(simulated_time) / kNanosecondsPerSecond,
+                 static_cast<long long>(std::chrono::duration_cast<std::chrono::seconds>(now - since_).count()));
+  }
+  void answered(std::int64_t resends) { end_wait("was answered", resends); }
+  void ended(std::int64_t resends) { end_wait("was not answered until the run was stopped", resends); }
+  void foreign(std::int64_t count) {
+    if (count == 0 || foreign_told_) return;
+    foreign_told_ = true;
+    std::fprintf(stderr, "slewlab-plant: TORQUE of another run on this bus; it is left alone and counted (one port is one bus)\n");
+  }
+
+ private:
+  void end_wait(const char* how, std::int64_t resends) {
+    if (!waiting_) return;
+    if (told_) {
+      std::fprintf(stderr, "slewlab-plant: that ENCODER %s, after %.1f s and %lld repetitions\n", how,
+                   std::chrono::duration<double>(WallClock::now() - since_).count(),
+                   static_cast<long long>(resends - resends_before_ + 1));
+    }
+    waiting_ = told_ = false;
+  }
+
+  static constexpr std::chrono::seconds kSilence{3};
+  bool waiting_ = false;
+  bool told_ = false;
+  bool foreign_told_ = false;
+  WallClock::time_point since_;
+  std::int64_t resends_before_ = 0;
 };
 
 nlohmann::ordered_json drive_summary(const DriveProtectionState& drive) {
@@ -96,12 +143,14 @@ int end_run(const LockstepSettings& settings, const CranePlant& plant, msgs::Log
   const double simulated_seconds = static_cast<double>(simulated_time) / kNanosecondsPerSecond;
   nlohmann::ordered_json summary{{"complete", complete},
                                  {"configuration_hash", msgs::hash_text(settings.configuration_hash)},
+                                 {"run_identity", msgs::hash_text(settings.run_identity)},
                                  {"simulated_seconds", simulated_seconds},
                                  {"wall_seconds", wall_seconds}};
   summary.update(own);
   summary["drive"] = drive_summary(plant.drive());
   summary["log_events"] = log.event_count();
   summary["log_bytes"] = log.byte_count();
+  summary["log_digest"] = msgs::hash_text(log.digest());
   std::printf("summary %s\n", summary.dump().c_str());
   std::fflush(stdout);
   if (complete) return 0;
@@ -121,14 +170,22 @@ int run_in_lockstep(const LockstepSettings& settings, CranePlant& plant, msgs::B
   LockstepHooks hooks;
   hooks.stop = common::stop_requested;
   // Looking at the clock in every cycle would cost as much as the plant's step does.
+  WireNotices notices;
   hooks.after_cycle = [&](const LockstepCounts& counts) {
+    notices.answered(counts.resends);
+    notices.foreign(counts.foreign_answers);
     if (counts.cycles % 64 == 0) show_progress(counts);
   };
-  hooks.while_waiting = show_progress;
+  hooks.while_waiting = [&](const LockstepCounts& counts) {
+    notices.waiting(counts.simulated_time, counts.resends);
+    notices.foreign(counts.foreign_answers);
+    show_progress(counts);
+  };
   hooks.controller_action = ask_launcher;
 
   print_progress({}, settings);
   const LockstepCounts counts = run_lockstep(settings, plant, bus, log, hooks);
+  notices.ended(counts.resends);
   const double wall_seconds = std::chrono::duration<double>(WallClock::now() - begin).count();
   print_progress(counts, settings);
   const double simulated_seconds = static_cast<double>(counts.simulated_time) / kNanosecondsPerSecond;
@@ -138,7 +195,9 @@ int run_in_lockstep(const LockstepSettings& settings, CranePlant& plant, msgs::B
       {"lockstep_cycles_per_second", static_cast<double>(counts.cycles) / wall_seconds},
       {"resends", counts.resends},
       {"stale_answers", counts.stale_answers},
-      {"wrong_answers", counts.wrong_answers}});
+      {"wrong_answers", counts.wrong_answers},
+      {"foreign_answers", counts.foreign_answers},
+      {"cut_answers", counts.cut_answers}});
 }
 
 nlohmann::ordered_json latency_summary(const LatencyHistogram& histogram) {
@@ -169,7 +228,22 @@ int run_in_real_time(const Options& options, const LockstepSettings& settings, C
   };
   WallClockHooks hooks;
   hooks.stop = [&] { return common::stop_requested() || queue.failed(); };
-  hooks.after_cycle = show_progress;
+  WireNotices notices;
+  std::int64_t questions = 0;  // for the first answer
+  hooks.while_waiting = [&](const WallClockReport& report) {
+    notices.waiting(report.simulated_time, ++questions);
+    notices.foreign(report.foreign_answers);
+  };
+  bool flood_told = false;
+  hooks.after_cycle = [&](const WallClockReport& report) {
+    notices.answered(questions);
+    notices.foreign(report.foreign_answers);
+    if (report.flooding_answers > 0 && !flood_told) {
+      flood_told = true;
+      std::fprintf(stderr, "slewlab-plant: TORQUE is flooded; what a period cannot take is left out and counted\n");
+    }
+    show_progress(report);
+  };
   hooks.controller_action = tell_launcher;
 
   print_progress({}, settings);
@@ -177,6 +251,7 @@ int run_in_real_time(const Options& options, const LockstepSettings& settings, C
     queue.put(channel, timestamp_us, bytes);
   };
   const WallClockReport report = run_wall_clock(settings, options.speed, plant, bus, sink, clock, hooks);
+  notices.ended(questions);
   const double wall_seconds = static_cast<double>(clock.now() - begin) / kNanosecondsPerSecond;
   print_progress({.simulated_time = report.simulated_time}, settings);
   queue.finish();
@@ -184,6 +259,9 @@ int run_in_real_time(const Options& options, const LockstepSettings& settings, C
       {"realtime",
        {{"speed", options.speed},
         {"permissions", permissions},
+        {"foreign_answers", report.foreign_answers},
+        {"cut_answers", report.cut_answers},
+        {"flooding_answers", report.flooding_answers},
         {"missed_deadlines", report.missed_deadlines},
         {"missed_by_own_computation", report.missed_by_own_computation},
         {"wakeup_latency", latency_summary(report.wakeup_latency)},
@@ -196,8 +274,11 @@ int run(const Options& options) {
   std::vector<common::Override> overrides;
   for (const std::string& text : options.overrides) overrides.push_back(common::parse_override(text));
   const Scenario scenario = load_scenario_file(options.scenario, overrides);
-  const LockstepSettings settings = lockstep_settings(scenario);
-  CranePlant plant(machine_settings(scenario), scenario.crane.drive_protection, drive_run(scenario));
+  LockstepSettings settings = lockstep_settings(scenario);
+  DriveRun drive = drive_run(scenario);
+  settings.run_identity = drive.run_identity =
+      options.run_identity.empty() ? msgs::fresh_run_identity() : msgs::hash_of_text(options.run_identity);
+  CranePlant plant(machine_settings(scenario), scenario.crane.drive_protection, drive);
   const auto bus = msgs::open_lcm_bus(options.bus);
   msgs::LogWriter log(options.log);
 
@@ -220,6 +301,10 @@ int main(int argc, char** argv) {
       ->envname("SLEWLAB_BUS")
       ->required();
   app.add_option("--log", options.log, "log to write; NAME.partial until it is complete")->required();
+  app.add_option("--run-identity", options.run_identity,
+                 "16 hexadecimal digits that stand in every message of this run; a new one where absent")
+      ->check(CLI::Validator([](const std::string& text) { return msgs::is_hash_text(text) ? "" : "16 hexadecimal digits are wanted"; },
+                             "HEX"));
   app.add_flag("--realtime", options.realtime, "against the wall clock instead of in lockstep");
   app.add_option("--speed", options.speed, "with --realtime: simulated seconds per second")->check(CLI::PositiveNumber);
   app.add_option("--set", options.overrides, "key=value over the files, e.g. crane.load.mass=20");

@@ -65,6 +65,16 @@ TEST_F(Admission, RefusesMissingTorques) {
   EXPECT_NE(refusal().find("no TORQUE"), std::string::npos);
 }
 
+TEST_F(Admission, RefusesMessagesForAnotherNumberOfMotorGroups) {
+  log_.torque[7000].motor_torque.resize(1);
+  log_.torque[7000].group_count = 1;
+  EXPECT_NE(refusal().find("is for 1 motor groups, the crane has 2"), std::string::npos) << refusal();
+  log_.encoder[7000].shaft_speed.resize(1);
+  log_.encoder[7000].shaft_position.resize(1);
+  log_.encoder[7000].group_count = 1;
+  EXPECT_NE(refusal().find("the number of motor groups changes"), std::string::npos) << refusal();
+}
+
 TEST_F(Admission, RefusesAGapAndSaysWhere) {
   log_.encoder.erase(log_.encoder.begin() + 5000, log_.encoder.begin() + 5100);
   EXPECT_NE(refusal().find("gap of 0.101 s in ENCODER at 4.999 s"), std::string::npos) << refusal();

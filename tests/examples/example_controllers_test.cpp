@@ -12,8 +12,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <csignal>
 #include <filesystem>
 
+#include "msgs/lcm_bus.h"
 #include "msgs/run_log.h"
 #include "tests/msgs/temporary_folder.h"
 #include "tests/tools/running_program.h"
@@ -25,6 +27,7 @@ namespace {
 namespace fs = std::filesystem;
 
 const std::string kSlewlab = SLEWLAB_BINARY_DIR "/bin/slewlab";
+const std::string kPlant = SLEWLAB_BINARY_DIR "/bin/slewlab-plant";
 const std::string kScenarios = SLEWLAB_SOURCE_DIR "/config/scenarios/";
 const std::string kPython = SLEWLAB_SOURCE_DIR "/.venv/bin/python";
 const std::string kPythonController = "PYTHONDONTWRITEBYTECODE=1 PYTHONPATH=" SLEWLAB_BINARY_DIR "/python " + kPython +
@@ -88,6 +91,41 @@ TEST_P(ExampleControllersTest, DrivesTheCraneAsOursDoes) {
     }
   }
   EXPECT_NEAR(peak_tip_acceleration(its), peak_tip_acceleration(ours), 0.05 * peak_tip_acceleration(ours));
+}
+
+// One controller, two plants one after the other on one bus: the second is answered as the first was, from a fresh state.
+void expect_to_answer_two_runs(const std::string& controller_command, const fs::path& folder) {
+  const msgs::ReservedPort port;
+  const std::string bus = msgs::bus_url(port.number());
+  RunningProgram controller({"/bin/sh", "-c", "export SLEWLAB_BUS='" + bus + "' LCM_DEFAULT_URL='" + bus +
+                                                  "' SLEWLAB_CONTROLLER_PERIOD_MS=10; exec " + controller_command});
+  std::vector<msgs::RunLog> runs;
+  for (const char* name : {"first.lcmlog", "second.lcmlog"}) {
+    RunningProgram plant({kPlant, "--scenario", kScenarios + "thesis_slew.yaml", "--bus", bus, "--log", (folder / name).string(), "--set",
+                          "duration=6 s"});
+    ASSERT_EQ(plant.wait_for_end(), 0) << plant.complaints();
+    runs.push_back(msgs::read_run_logs(folder / name).runs.at(0));
+  }
+  kill(controller.pid(), SIGTERM);
+  controller.wait_for_end();
+  EXPECT_NE(runs[0].run_identity, runs[1].run_identity);
+  ASSERT_EQ(runs[0].torque.size(), 600u);
+  ASSERT_EQ(runs[1].torque.size(), 600u);
+  for (std::size_t i = 0; i < 600; ++i) {
+    EXPECT_EQ(runs[1].torque[i].run_identity, runs[1].run_identity);
+    EXPECT_EQ(runs[1].torque[i].sequence, runs[0].torque[i].sequence);
+    ASSERT_EQ(runs[1].torque[i].motor_torque, runs[0].torque[i].motor_torque) << "TORQUE " << i;
+  }
+}
+
+TEST_P(ExampleControllersTest, OutlivesAPlantAndAnswersTheNext) {
+  expect_to_answer_two_runs(is_python() ? "env " + its_command() : its_command(), folder_.path());
+}
+
+TEST(OurController, OutlivesAPlantAndAnswersTheNext) {
+  const TemporaryFolder folder;
+  expect_to_answer_two_runs(SLEWLAB_BINARY_DIR "/bin/slewlab-controller --config " SLEWLAB_SOURCE_DIR "/config/controllers/thesis.yaml",
+                            folder.path());
 }
 
 INSTANTIATE_TEST_SUITE_P(, ExampleControllersTest, testing::Values("Python", "C"),

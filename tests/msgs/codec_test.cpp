@@ -42,6 +42,7 @@ TEST(Codec, AnEncodedMessageComesBackWithEveryField) {
   Torque torque;
   ASSERT_EQ(decode(encoded(example::torque()), torque), DecodeStatus::ok);
   EXPECT_EQ(torque.simulated_time, 8'000'000);
+  EXPECT_EQ(torque.run_identity, 0x0fedcba987654321LL);
   EXPECT_EQ(torque.alive_counter, 9);
   EXPECT_EQ(torque.enable, 1);
   EXPECT_EQ(torque.brake, 0);
@@ -69,7 +70,7 @@ TEST(Codec, EveryShorteningIsTruncatedAndEveryExtensionGarbage) {
 TEST(Codec, AnArrayCountBeyondTheBytesAllocatesNothing) {
   auto bytes = encoded(example::torque());
   Torque message;
-  const std::size_t count_at = 8 + 5 * 8 + 4;  // fingerprint, five numbers, four flags
+  const std::size_t count_at = 8 + 6 * 8 + 4;  // fingerprint, six numbers, four flags
   const auto set_count = [&](std::uint32_t count) {
     for (std::size_t i = 0; i < 4; ++i) bytes[count_at + i] = static_cast<std::uint8_t>(count >> (24 - 8 * i));
   };

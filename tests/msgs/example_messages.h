@@ -11,6 +11,7 @@ void set_head(Message& message) {
   message.sequence = 7;
   message.simulated_time = 8'000'000;
   message.configuration_hash = -0x123456789abcdefLL;
+  message.run_identity = 0x0fedcba987654321LL;
 }
 
 inline Encoder encoder(int groups = 2) {
@@ -91,6 +92,7 @@ inline PlantStatus plant_status(int faults = 9, int bins = 5) {
   set_head(m);
   m.drive_state = 1;
   m.trip_cause = 2;
+  m.trip_time = 18;
   m.fault_count = faults;
   m.faults.assign(faults, 13);
   m.stale_commands = 14;

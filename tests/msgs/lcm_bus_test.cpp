@@ -62,6 +62,30 @@ TEST(LcmBus, BusesOnTwoPortsDoNotHearEachOther) {
   EXPECT_EQ(heard_there, 0);
 }
 
+TEST(LcmBus, WhatIsUnsubscribedHearsNothingAnyMore) {
+  const ReservedPort port;
+  const auto bus = open_lcm_bus(bus_url(port.number()));
+  int staying = 0;
+  bus->subscribe("A", [&](Bytes) { ++staying; });
+  int ended_by_itself = 0;
+  Bus::SubscriptionId itself = -1;
+  itself = bus->subscribe("A", [&](Bytes) {
+    ++ended_by_itself;
+    bus->unsubscribe(itself);
+  });
+  int scoped = 0;
+  {
+    const Subscription subscription(*bus, "A", [&](Bytes) { ++scoped; });
+    bus->publish("A", kByte);
+    ASSERT_TRUE(bus->handle_one(kPatience));
+  }
+  bus->publish("A", kByte);
+  ASSERT_TRUE(bus->handle_one(kPatience));
+  EXPECT_EQ(staying, 2);
+  EXPECT_EQ(ended_by_itself, 1);
+  EXPECT_EQ(scoped, 1);
+}
+
 // The protocol is LCM's: its own library hears us and we hear it, with every byte and the channel's name.
 TEST(LcmBus, LcmsOwnLibraryIsAPartyToTheBus) {
   const ReservedPort port;

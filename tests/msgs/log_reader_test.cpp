@@ -106,6 +106,48 @@ TEST_F(LogReaderTest, ReadsOnBehindALengthThatWouldReachBeyondTheEnd) {
   EXPECT_EQ(damage_.cut_off_bytes, 0);
 }
 
+// A length that is damaged to reach over whole events must not swallow them, whether a sync word stands at its end or not.
+TEST_F(LogReaderTest, ALengthThatReachesOverOtherEventsSwallowsNone) {
+  for (const int longer : {1, 40, 77, 100}) {
+    std::vector<char> bytes = log_bytes();
+    bytes[event_begin(2) + 27] = static_cast<char>(bytes[event_begin(2) + 27] + longer);
+    store(bytes);
+    EXPECT_EQ(numbers(), (std::vector<std::int64_t>{0, 1, 3, 4, 5, 6, 7, 8, 9})) << longer;
+    EXPECT_EQ(damage_.skipped_bytes, static_cast<std::int64_t>(event_begin(3) - event_begin(2)));
+  }
+}
+
+TEST_F(LogReaderTest, SaysWhereTheDamageIs) {
+  std::vector<char> bytes = log_bytes();
+  bytes[event_begin(4)] = 0;
+  bytes.resize(event_begin(9) + 5);
+  store(bytes);
+  numbers();
+  const std::string told = describe(damage_).at(0) + describe(damage_).at(1);
+  EXPECT_NE(told.find("39 at byte " + std::to_string(event_begin(4)) + " behind 0.003 s"), std::string::npos) << told;
+  EXPECT_NE(told.find("5 at byte " + std::to_string(event_begin(9)) + " behind 0.008 s"), std::string::npos) << told;
+}
+
+// A file of nothing but heads that claim large events: each is looked at once, and none is read into memory.
+TEST_F(LogReaderTest, LargeLengthsEverywhereTakeNoMoreTimeThanTheFilesSize) {
+  std::vector<char> bytes;
+  constexpr std::size_t kHeads = 200'000;
+  for (std::size_t i = 0; i < kHeads; ++i) {
+    std::vector<char> head(kLogEventHeadBytes + 1, 0);
+    for (int b = 0; b < 4; ++b) head[b] = static_cast<char>(kLogSyncWord >> (24 - 8 * b));
+    head[23] = 1;                                   // channel length
+    head[25] = static_cast<char>(0x20 + i % 0x20);  // 2 to 4 MiB of data
+    bytes.insert(bytes.end(), head.begin(), head.end());
+  }
+  store(bytes);
+  LogReader reader(path_);
+  LogEvent event;
+  std::size_t used = 0;
+  while (reader.next(event)) used += kLogEventHeadBytes + event.channel.size() + event.data.size();
+  EXPECT_EQ(used + static_cast<std::size_t>(reader.damage().skipped_bytes + reader.damage().cut_off_bytes), bytes.size());
+  EXPECT_LE(reader.damage().places.size(), LogDamage::kPlaces);
+}
+
 TEST_F(LogReaderTest, RandomDamageNeverStopsTheReadingAndEveryByteIsAccountedFor) {
   const std::vector<char> whole = log_bytes();
   std::mt19937_64 random(3);

@@ -58,5 +58,40 @@ TEST(MemoryBus, MessagesCanBeLostDoubledAndChanged) {
   EXPECT_EQ(heard, (std::vector<std::uint8_t>{9, 9, 9}));
 }
 
+TEST(MemoryBus, WhatIsUnsubscribedHearsNothingAnyMoreNotEvenWhatWaits) {
+  MemoryWire wire;
+  const auto left = wire.connect();
+  const auto right = wire.connect();
+  int ended = 0;
+  int staying = 0;
+  const Bus::SubscriptionId id = right->subscribe("A", [&](Bytes) { ++ended; });
+  right->subscribe("A", [&](Bytes) { ++staying; });
+  left->publish("A", kOne);
+  right->drain();
+  left->publish("A", kOne);
+  right->unsubscribe(id);
+  right->unsubscribe(id);  // nothing to end any more
+  right->drain();
+  left->publish("A", kOne);
+  right->drain();
+  EXPECT_EQ(ended, 1);
+  EXPECT_EQ(staying, 3);
+}
+
+TEST(MemoryBus, AHandlerMayEndItsOwnSubscription) {
+  MemoryWire wire;
+  const auto left = wire.connect();
+  int heard = 0;
+  std::unique_ptr<Subscription> once;
+  once = std::make_unique<Subscription>(*left, "A", [&](Bytes bytes) {
+    once.reset();
+    heard += static_cast<int>(bytes.size());  // its own state and the bytes still stand
+  });
+  left->publish("A", kTwo);
+  left->publish("A", kTwo);
+  left->drain();
+  EXPECT_EQ(heard, 2);
+}
+
 }  // namespace
 }  // namespace slewlab::msgs

@@ -9,14 +9,17 @@
 #include <numbers>
 #include <optional>
 
+#include "sim/drive/drive_fault.h"
+
 namespace slewlab::tools {
 namespace {
 
 constexpr double kNanosecondsPerSecond = 1e9;
 constexpr double kPercent = 100.0;
 constexpr double kDegrees = 180.0 / std::numbers::pi;
-constexpr std::int8_t kRunning = 1;
-constexpr std::int8_t kTripped = 2;  // drive_state of PLANT_STATUS from here on: tripped, braked
+constexpr auto kRunning = static_cast<std::int8_t>(sim::DriveState::running);
+constexpr auto kTripped = static_cast<std::int8_t>(sim::DriveState::tripped);  // from here on: tripped, braked
+constexpr std::int64_t kLongestHole = 1'000'000'000;  // [ns] chosen: stops and settling are judged to some tenths
 constexpr double kForever = std::numeric_limits<double>::infinity();
 
 double seconds(std::int64_t nanoseconds) { return static_cast<double>(nanoseconds) / kNanosecondsPerSecond; }
@@ -30,6 +33,13 @@ double mean(const std::vector<double>& values) {
   double sum = 0.0;
   for (const double value : values) sum += value;
   return values.empty() ? 0.0 : sum / static_cast<double>(values.size());
+}
+
+// The names of docs/wire.md, as words.
+std::string in_words(std::int8_t cause) {
+  std::string text = sim::name_of(static_cast<sim::DriveFault>(cause));
+  std::replace(text.begin(), text.end(), '_', ' ');
+  return text;
 }
 
 // What the operator asks for from `begin` until `end`.
@@ -47,7 +57,7 @@ struct View {
   std::vector<Stretch> stretches;
   double stop = kForever;      // [s] of the emergency stop
   double trip = kForever;      // [s] from which on the drive had tripped
-  int trip_cause = 0;
+  std::string trip_cause;      // in words
   double recovered = kForever;    // [s] when it ran again behind that, acknowledged
   double first_fault = kForever;  // [s] on purpose
 };
@@ -57,14 +67,22 @@ double end_of(const View& view) { return std::min({view.trip, view.first_fault, 
 View view_of(const msgs::RunLog& run, const AcceptanceLimits& limits, const AcceptedMachine& machine) {
   View view;
   view.first_fault = machine.first_fault.value_or(kForever);
+  double last_not_running = kForever;
   for (const msgs::PlantStatus& status : run.plant_status) {
     const double time = seconds(status.simulated_time);
-    // A drive that holds its brakes without a cause has not tripped.
-    if (std::isinf(view.trip) && status.drive_state >= kTripped && status.trip_cause != 0) {
-      view.trip = time;
-      view.trip_cause = status.trip_cause;
-    } else if (std::isfinite(view.trip) && std::isinf(view.recovered) && status.drive_state == kRunning) {
-      view.recovered = time;
+    const bool dated = status.trip_time >= 0 && status.trip_time <= status.simulated_time;
+    // A drive that holds its brakes without a cause has not tripped. One that has recovered since shows its trip's time alone.
+    const bool trips = status.drive_state >= kTripped && status.trip_cause != 0;
+    if (std::isinf(view.trip) && (trips || dated)) {
+      view.trip = dated ? seconds(status.trip_time) : time;
+      view.trip_cause = trips ? in_words(status.trip_cause) : "unknown, it has recovered since";
+      last_not_running = view.trip;
+    }
+    if (std::isinf(view.trip) || std::isfinite(view.recovered)) continue;
+    if (status.drive_state == kRunning) {
+      view.recovered = last_not_running;  // at the earliest
+    } else {
+      last_not_running = time;
     }
   }
   for (const msgs::Encoder& encoder : run.encoder) {
@@ -138,6 +156,7 @@ CheckResult not_applicable(const char* name, const char* why) {
 // `scale` from SI to the unit that people read.
 CheckResult at_most(const char* name, Sample measured, double limit, double scale, const char* unit,
                     const std::string& what) {
+  if (measured.value == -kForever) return not_applicable(name, "the log holds nothing of that time");
   CheckResult result;
   result.name = name;
   result.verdict = measured.value <= limit ? Verdict::pass : Verdict::fail;
@@ -363,8 +382,7 @@ class Checks {
         result.limit = *limits_.trips;
         result.unit = "trips";
         result.time = tripped ? view_.trip : -1.0;
-        result.reason = tripped ? fmt::format("the drive tripped, seen at {:.2f} s, cause {} of docs/wire.md", view_.trip,
-                                              view_.trip_cause)
+        result.reason = tripped ? fmt::format("the drive tripped at {:.2f} s, cause: {}", view_.trip, view_.trip_cause)
                                 : "the drive did not trip";
         add(result);
       }
@@ -373,13 +391,14 @@ class Checks {
     if (!tripped) return add(not_applicable("reaction", "the drive did not trip"));
     const double end = std::min(view_.recovered, view_.speed.back().time);
     const Stretch after{view_.trip, end, 0.0, false};
+    if (!(end > view_.trip)) return add(not_applicable("reaction", "the drive ran again, or the log ends, before the next PLANT_STATUS"));
     Sample stood{view_.trip, time_to_settle(view_, after, band())};
     CheckResult result =
         at_most("reaction", stood, *limits_.standstill_after_trip, 1.0, "s",
-                fmt::format("the drive tripped by cause {} of docs/wire.md; time until the crane stands for good",
+                fmt::format("the drive tripped at {:.2f} s, cause: {}; time until the crane stands for good", view_.trip,
                             view_.trip_cause));
     if (std::isinf(stood.value)) {
-      result.reason = fmt::format("the drive tripped by cause {} of docs/wire.md, but the crane does not stand still",
+      result.reason = fmt::format("the drive tripped at {:.2f} s, cause: {}, but the crane does not stand still", view_.trip,
                                   view_.trip_cause);
     }
     add(result);
@@ -423,8 +442,39 @@ std::vector<CheckResult> acceptance_checks(const msgs::RunLog& run, const Accept
 }
 
 bool accepted(const std::vector<CheckResult>& results) {
-  return std::none_of(results.begin(), results.end(),
-                      [](const CheckResult& result) { return result.verdict == Verdict::fail; });
+  const auto any = [&](Verdict verdict) {
+    return std::any_of(results.begin(), results.end(), [&](const CheckResult& result) { return result.verdict == verdict; });
+  };
+  return any(Verdict::pass) && !any(Verdict::fail);
+}
+
+std::string why_no_verdict(const msgs::RunLogs& logs, const ExpectedRun& expected) {
+  if (logs.lost_bytes > 0) return fmt::format("the log is damaged: {} bytes of it are no whole event", logs.lost_bytes);
+  if (logs.lost_messages > 0) return fmt::format("the log is damaged: {} messages of the plant cannot be used", logs.lost_messages);
+  if (logs.runs.size() > 1) return fmt::format("the log holds {} runs: which of them is meant is not known", logs.runs.size());
+  const msgs::RunLog& run = logs.runs.front();
+  if (run.encoder.empty()) return "there is no ENCODER in the log: the run never started";
+  if (run.torque.empty()) return "there is no TORQUE in the log: no controller ever answered";
+  const auto too_short = [&](std::int64_t end) {
+    return fmt::format("the log ends at {:.3f} s of {:.3f} s: the run did not come to its end, or the log is cut off",
+                       seconds(end), seconds(expected.duration));
+  };
+  if (run.encoder.front().simulated_time > kLongestHole) {
+    return fmt::format("the log begins at {:.3f} s: the run's beginning is missing", seconds(run.encoder.front().simulated_time));
+  }
+  if (run.encoder.back().simulated_time < expected.duration - expected.controller_period) {
+    return too_short(run.encoder.back().simulated_time);
+  }
+  if (!run.sensors.empty() && run.sensors.back().simulated_time < expected.duration - expected.sensors_period) {
+    return too_short(run.sensors.back().simulated_time);
+  }
+  for (std::size_t i = 1; i < run.encoder.size(); ++i) {
+    const std::int64_t hole = run.encoder[i].simulated_time - run.encoder[i - 1].simulated_time;
+    if (hole > kLongestHole) {
+      return fmt::format("the log has a hole of {:.3f} s behind {:.3f} s", seconds(hole), seconds(run.encoder[i - 1].simulated_time));
+    }
+  }
+  return {};
 }
 
 std::string junit_xml(const std::string& suite, const std::vector<CheckResult>& results) {

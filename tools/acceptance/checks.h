@@ -22,6 +22,7 @@
 //   reaction           where it has: if the drive trips, the crane stands still in time and stays so,
 //                      until the drive runs again
 //
+// A trip is dated by trip_time of PLANT_STATUS, that is when it happened, and not by when it was told.
 // The other checks look at the run up to the drive's trip or the first fault on purpose, whichever comes first.
 // A check whose channel is not in the log, or whose occasion is not in the run, is not applicable.
 
@@ -54,7 +55,17 @@ struct CheckResult {
 std::vector<CheckResult> acceptance_checks(const msgs::RunLog& run, const AcceptanceLimits& limits,
                                            const AcceptedMachine& machine);
 
+// No check failed, and at least one passed.
 bool accepted(const std::vector<CheckResult>& results);
+
+// Why a run must not be judged: its log is cut off, damaged or has a hole; empty where it may. `duration` and the periods
+// [ns] are the scenario's.
+struct ExpectedRun {
+  std::int64_t duration = 0;
+  std::int64_t controller_period = 0;
+  std::int64_t sensors_period = 0;
+};
+std::string why_no_verdict(const msgs::RunLogs& logs, const ExpectedRun& expected);
 
 // JUnit XML: one test suite, a test case per check; what is not applicable counts as skipped.
 std::string junit_xml(const std::string& suite, const std::vector<CheckResult>& results);

@@ -10,6 +10,8 @@
 #include <stdexcept>
 
 #include "common/input_error.h"
+#include "msgs/configuration_hash.h"
+#include "msgs/log_reader.h"
 #include "msgs/run_log.h"
 #include "sim/drive/fault_expectation.h"
 #include "sim/model/drive_line.h"
@@ -35,6 +37,27 @@ std::string why_incomplete(const fs::path& folder) {
   if (!summary.is_object() || summary.value("outcome", "complete") == "complete") return {};
   const std::string reason = summary.value("reason", "");
   return reason.empty() ? summary.value("outcome", "") : reason;
+}
+
+CheckResult failed_check(const char* name, const std::string& reason) {
+  CheckResult result;
+  result.name = name;
+  result.verdict = Verdict::fail;
+  result.reason = reason;
+  return result;
+}
+
+// Why the log is not the one that the run wrote; empty where it is, or where nothing tells.
+std::string why_another_log(const fs::path& folder, const fs::path& log) {
+  std::ifstream file(folder / "summary.json");
+  const auto summary = nlohmann::json::parse(file, nullptr, false);
+  if (!summary.is_object() || !summary.contains("run") || !summary["run"].is_object()) return {};
+  const std::string written = summary["run"].value("log_digest", "");
+  if (written.empty()) return {};
+  const std::string found = msgs::hash_text(msgs::log_digest(log));
+  if (found == written) return {};
+  return fmt::format("{} is not as the run wrote it: {} bytes with digest {}, summary.json says {} bytes with digest {}",
+                     log.filename().string(), fs::file_size(log), found, summary["run"].value("log_bytes", 0LL), written);
 }
 
 // What the scenario itself says must happen.
@@ -78,22 +101,25 @@ int judge(const fs::path& folder, const AcceptOptions& options, const Acceptance
     machine.first_fault = std::min(machine.first_fault.value_or(from), from);
   }
   std::vector<CheckResult> results;
-  if (const std::string reason = why_incomplete(folder); !reason.empty()) {
-    CheckResult failed;
-    failed.name = "run";
-    failed.verdict = Verdict::fail;
-    failed.reason = reason;
-    results.push_back(failed);
-  }
+  std::string no_verdict = why_incomplete(folder);
+  if (!no_verdict.empty()) results.push_back(failed_check("run", no_verdict));
+  fs::remove(folder / "acceptance.json");  // of an earlier time
   const fs::path log = fs::exists(folder / "run.lcmlog") ? folder / "run.lcmlog" : folder / "run.lcmlog.partial";
   const bool any_log = fs::exists(log) && fs::file_size(log) > 0;
-  if (any_log || results.empty()) {
+  if (results.empty()) {
     const msgs::RunLogs logs = msgs::read_run_logs(log);
     for (const std::string& remark : logs.remarks) std::printf("note: %s\n", remark.c_str());
-    if (logs.runs.size() > 1) std::printf("note: the log holds %zu runs; the first is judged\n", logs.runs.size());
-    const std::vector<CheckResult> checks = acceptance_checks(logs.runs.front(), limits, machine);
-    results.insert(results.end(), checks.begin(), checks.end());
-    if (machine.first_fault) results.push_back(expected_reaction(scenario.expectation, logs.runs.front()));
+    no_verdict = why_no_verdict(logs, {scenario.duration, scenario.controller_period, scenario.sensors_period});
+    if (no_verdict.empty()) no_verdict = why_another_log(folder, log);
+    if (!no_verdict.empty()) {
+      results.push_back(failed_check("log", no_verdict));
+    } else {
+      results = acceptance_checks(logs.runs.front(), limits, machine);
+      if (machine.first_fault) results.push_back(expected_reaction(scenario.expectation, logs.runs.front()));
+      const bool any_judged = std::any_of(results.begin(), results.end(),
+                                          [](const CheckResult& result) { return result.verdict != Verdict::not_applicable; });
+      if (!any_judged) no_verdict = "no check applies to this run";
+    }
   }
 
   const std::string name = options.subject.stem().string();
@@ -102,7 +128,11 @@ int judge(const fs::path& folder, const AcceptOptions& options, const Acceptance
   if (!options.junit.empty()) write_whole_file(options.junit, junit_xml(name, results));
   if (any_log && options.plot) draw(folder);
   const bool good = accepted(results);
-  std::printf("%s: %s\n", name.c_str(), good ? "accepted" : "NOT accepted");
+  if (no_verdict.empty()) {
+    std::printf("%s: %s\n", name.c_str(), good ? "accepted" : "NOT accepted");
+  } else {
+    std::printf("%s: no verdict, and NOT accepted: %s\n", name.c_str(), no_verdict.c_str());
+  }
   return good ? 0 : 1;
 }
 

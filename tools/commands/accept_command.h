@@ -4,8 +4,10 @@
 // YAML. A scenario is run first, as `slewlab run` would; of a run's folder only the log is read.
 //
 // Into the run's folder go acceptance.json and, where the Python side is set up, acceptance.html with the plot; where
-// asked for, JUnit XML. Exit codes: 0 accepted, 1 not accepted (or the run failed: then the check "run" says why), 2 the
-// call or the configuration is wrong.
+// asked for, JUnit XML. No verdict is given on a run that did not come to its end (the check "run" says why) or whose log is
+// cut off, damaged, or not the one that the run wrote (the check "log"): no other check is made then, and the exit code is
+// that of a run that is not accepted. Exit codes: 0 accepted, 1 not accepted or no verdict, 2 the call or the
+// configuration is wrong.
 
 #include <filesystem>
 #include <string>

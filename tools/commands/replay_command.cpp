@@ -34,6 +34,7 @@ using Comparison = std::vector<ChannelComparison>;
 
 constexpr double kNanosecondsPerSecond = 1e9;
 constexpr std::int64_t kUsualPlantStep = 1'000'000;  // [ns], of a log that came without a scenario
+constexpr std::int64_t kShortestPlantStep = 10'000;  // [ns] chosen: a hundredth of the usual one
 constexpr std::chrono::seconds kSilence{3};          // wall clock, until a controller that does not answer is told of
 
 // What cannot be done as asked: exit code 2.
@@ -113,6 +114,11 @@ sim::Scenario scenario_of(const msgs::RunLog& record, const sim::MachineFile& cr
   scenario.status_period = or_controller_period(period_of(record.plant_status));
   scenario.plant_step = std::gcd(std::gcd(kUsualPlantStep, scenario.controller_period),
                                  std::gcd(scenario.sensors_period, std::gcd(scenario.truth_period, scenario.status_period)));
+  if (scenario.plant_step < kShortestPlantStep) {
+    throw BadCall(fmt::format("the periods in the log (ENCODER {} ns, SENSORS {} ns, TRUTH {} ns, PLANT_STATUS {} ns) have no common step of "
+                              "{} ns or more; give --scenario", scenario.controller_period, scenario.sensors_period, scenario.truth_period,
+                              scenario.status_period, kShortestPlantStep));
+  }
   return scenario;
 }
 

@@ -20,7 +20,9 @@
 
 #include "common/input_error.h"
 #include "controller/controller_file.h"
+#include "msgs/configuration_hash.h"
 #include "msgs/lcm_bus.h"
+#include "msgs/run_identity.h"
 #include "msgs/run_log.h"
 #include "sim/drive/fault_expectation.h"
 #include "sim/drive/scenario_file.h"
@@ -347,7 +349,8 @@ int run_in(const fs::path& folder, const RunOptions& options, const std::string&
   plant_options.name = "plant";
   plant_options.listens = true;
   plant_options.command = {(programs / "slewlab-plant").string(), "--scenario", scenario_file.string(), "--bus", bus,
-                           "--log", log.string()};
+                           "--log", log.string(), "--run-identity",
+                           msgs::hash_text(msgs::run_identity(msgs::configuration_hash(scenario.configuration_text)))};
   if (options.realtime) {
     char speed[32];
     std::snprintf(speed, sizeof speed, "%.9g", options.speed);

@@ -12,6 +12,15 @@ namespace {
 constexpr double kNanosecondsPerSecond = 1e9;
 constexpr int kIdleMessagesPerResend = 100;  // waits that bring messages but never the answer
 
+// ENCODER numbers that a record may span, for each of its ENCODER and to begin with; chosen.
+constexpr double kNumbersPerMessage = 100.0;
+constexpr double kNumbersAtLeast = 1000.0;
+
+// Of a counter that may hold any number.
+std::int64_t advance(std::int64_t from, std::int64_t to) {
+  return static_cast<std::int64_t>(static_cast<std::uint64_t>(to) - static_cast<std::uint64_t>(from));
+}
+
 double on_line(double from, double to, double share) { return from + share * (to - from); }
 
 // Between two recorded ENCODER, on a straight line.
@@ -33,18 +42,11 @@ msgs::Encoder made_up(const msgs::Encoder& before, const msgs::Encoder& after, s
 class Asking {
  public:
   Asking(msgs::Bus& bus, const msgs::RunLog& record, const AskSettings& settings)
-      : bus_(bus), record_(record), settings_(settings) {
-    bus_.subscribe(msgs::kTorqueChannel, [this](msgs::Bytes bytes) {
-      msgs::Torque torque;
-      if (msgs::decode(bytes, torque) != msgs::DecodeStatus::ok) return;
-      if (!torque_ && torque.answered_sequence == asked_) torque_ = torque;
-    });
-    bus_.subscribe(msgs::kControllerStateChannel, [this](msgs::Bytes bytes) {
-      msgs::ControllerState state;
-      if (msgs::decode(bytes, state) != msgs::DecodeStatus::ok) return;
-      if (!state_ && state.answered_sequence == asked_) state_ = state;
-    });
-  }
+      : bus_(bus),
+        record_(record),
+        settings_(settings),
+        torque_subscription_(bus, msgs::kTorqueChannel, [this](msgs::Bytes bytes) { receive(bytes, torque_); }),
+        state_subscription_(bus, msgs::kControllerStateChannel, [this](msgs::Bytes bytes) { receive(bytes, state_); }) {}
 
   // False if asked to stop before the answer came.
   bool ask(const msgs::Encoder& encoder) {
@@ -69,6 +71,14 @@ class Asking {
   const std::optional<msgs::ControllerState>& state() const { return state_; }
 
  private:
+  template <class Message>
+  void receive(msgs::Bytes bytes, std::optional<Message>& answer) const {
+    Message message;
+    if (msgs::decode(bytes, message) != msgs::DecodeStatus::ok) return;
+    const bool is_answer = message.answered_sequence == asked_ && message.run_identity == record_.run_identity;
+    if (!answer && is_answer) answer = message;
+  }
+
   void send(const msgs::Encoder& encoder, bool again) {
     // Every OPERATOR that belongs before this ENCODER; the newest once more with a repetition.
     const auto& moves = record_.operator_moves;
@@ -81,6 +91,7 @@ class Asking {
     if (operator_.sequence < encoder.operator_sequence) {  // missing in the record: as before, under its number
       operator_.sequence = encoder.operator_sequence;
       operator_.configuration_hash = record_.configuration_hash;
+      operator_.run_identity = record_.run_identity;
       publish_operator();
       sent = true;
     }
@@ -106,6 +117,8 @@ class Asking {
   std::optional<msgs::Torque> torque_;
   std::optional<msgs::ControllerState> state_;
   std::vector<std::uint8_t> bytes_;
+  msgs::Subscription torque_subscription_;
+  msgs::Subscription state_subscription_;
 };
 
 }  // namespace
@@ -128,6 +141,14 @@ Questions recorded_questions(const msgs::RunLog& record) {
   });
   std::map<std::int64_t, const msgs::Encoder*> known;
   for (const msgs::Encoder& encoder : encoders) known.emplace(encoder.sequence, &encoder);
+
+  const std::int64_t last = known.rbegin()->first;
+  const double span = static_cast<double>(last) - static_cast<double>(known.begin()->first);
+  if (span > kNumbersPerMessage * static_cast<double>(encoders.size()) + kNumbersAtLeast) {
+    questions.remarks.push_back(fmt::format("the record's {} ENCODER speak of number {} to {}: too far apart for a record of that size, a "
+                                            "number in it must be damaged; nothing is asked", encoders.size(), known.begin()->first, last));
+    return questions;
+  }
 
   std::int64_t made_up_count = 0;
   std::int64_t unanswered = 0;
@@ -152,11 +173,12 @@ Questions recorded_questions(const msgs::RunLog& record) {
     if (fresh) questions.starts.emplace_back();
     // Of the ENCODER since the last answer in the record, as many as the alive counter says were computed.
     const std::int64_t computed =
-        fresh ? torque.alive_counter : torque.alive_counter - answers[i - 1]->alive_counter - 1;
+        fresh ? torque.alive_counter : advance(answers[i - 1]->alive_counter, torque.alive_counter) - 1;
     const std::int64_t asked = std::clamp<std::int64_t>(computed, 0, gap);
     unanswered += gap - asked;
     const std::int64_t begin = fresh ? torque.answered_sequence - asked : from;
-    for (std::int64_t k = 0; k < asked; ++k) ask(begin + k);
+    const std::int64_t end = std::min(begin + asked, last + 1);
+    for (std::int64_t sequence = std::max(begin, first); sequence < end; ++sequence) ask(sequence);
     if (torque.answered_sequence >= first) ask(torque.answered_sequence);
   }
   std::erase_if(questions.starts, [](const auto& start) { return start.empty(); });

@@ -46,8 +46,8 @@ struct AskSettings {
 };
 
 // Asks one list of questions, with the OPERATOR messages of the record, and appends the answers to `replay`. What the
-// controller counts (sequence, alive counter) is moved so that the first answer counts as the recorded one did. The
-// bus must not be handled any more after it. False where `stop` ended it.
+// controller counts (sequence, alive counter) is moved so that the first answer counts as the recorded one did. False
+// where `stop` ended it.
 bool ask_controller(msgs::Bus& bus, const msgs::RunLog& record, const std::vector<Question>& questions,
                     const AskSettings& settings, ControllerReplay& replay);
 

@@ -15,6 +15,11 @@ namespace {
 
 constexpr double kNanosecondsPerSecond = 1e9;
 
+// Plant steps that a record may ask for: so many for each of its messages, and some to begin with. A damaged number that
+// speaks of a far future must not be simulated.
+constexpr double kStepsPerMessage = 2000.0;  // chosen: ten times a period of 20 ms over steps of 0.1 ms
+constexpr double kStepsAtLeast = 1e6;        // chosen: a thousand seconds of 1 ms
+
 bool gapless(const std::vector<msgs::Encoder>& encoders) {
   return !encoders.empty() &&
          encoders.back().sequence - encoders.front().sequence + 1 == static_cast<std::int64_t>(encoders.size());
@@ -54,6 +59,7 @@ class Replay {
 
   msgs::RunLog run(std::int64_t cycles) {
     result_.configuration_hash = record_.configuration_hash;
+    result_.run_identity = record_.run_identity;
     output();
     for (std::int64_t cycle = 0; cycle < cycles; ++cycle) {
       talk(cycle);
@@ -74,6 +80,7 @@ class Replay {
     message.sequence = static_cast<std::int64_t>(channel.size());
     message.simulated_time = time_;
     message.configuration_hash = record_.configuration_hash;
+    message.run_identity = record_.run_identity;
     return channel.emplace_back(message);
   }
 
@@ -113,11 +120,17 @@ Arrivals arrivals_by_answer(const msgs::RunLog& record) {
   Arrivals arrivals;
   std::int64_t made_up = 0;
   std::int64_t first_made_up = -1;
+  const auto most = static_cast<std::int64_t>(10 * record.torque.size() + 1000);  // chosen: a record of this much hearsay is none
   const msgs::Torque* before = nullptr;
   for (const msgs::Torque& torque : record.torque) {
     if (before != nullptr && torque.motor_torque.size() == before->motor_torque.size()) {
       const std::int64_t gap = torque.answered_sequence - before->answered_sequence;
-      const std::int64_t sent = std::clamp<std::int64_t>(torque.alive_counter - before->alive_counter, 1, gap) - 1;
+      std::int64_t sent = gap < 1 ? 0 : std::clamp<std::int64_t>(static_cast<std::int64_t>(static_cast<std::uint64_t>(torque.alive_counter) - static_cast<std::uint64_t>(before->alive_counter)), 1, gap) - 1;
+      if (sent > most - made_up) {
+        arrivals.remarks.push_back(fmt::format("{} TORQUE seem to be missing behind that for ENCODER {}: too many to be put in", sent,
+                                               before->answered_sequence));
+        sent = 0;
+      }
       for (std::int64_t k = 1; k <= sent; ++k) {
         if (made_up++ == 0) first_made_up = before->answered_sequence + k;
         msgs::encode(on_line(*before, torque, k, gap), arrivals.messages[before->answered_sequence + k].emplace_back());
@@ -146,7 +159,7 @@ Arrivals recorded_arrivals(const std::filesystem::path& log, const msgs::RunLog&
     if (event.channel == msgs::kEncoderChannel) {
       current = -1;
       if (msgs::decode(event.data, encoder) != msgs::DecodeStatus::ok ||
-          encoder.configuration_hash != record.configuration_hash || expected == record.encoder.end() ||
+          encoder.configuration_hash != record.configuration_hash || encoder.run_identity != record.run_identity || expected == record.encoder.end() ||
           encoder.sequence != expected->sequence || encoder.shaft_position != expected->shaft_position) {
         continue;
       }
@@ -169,6 +182,7 @@ PlantReplay replay_plant(const sim::Scenario& scenario, const msgs::RunLog& reco
   }
   sim::DriveRun drive = sim::drive_run(scenario);
   drive.configuration_hash = record.configuration_hash;
+  drive.run_identity = record.run_identity;
   const int recorded_groups = record.encoder.empty() ? drive.group_count : record.encoder.front().group_count;
   if (recorded_groups != drive.group_count) {
     result.remarks.push_back(fmt::format("the record is of {} motor groups, the crane has {}: not replayed",
@@ -188,6 +202,15 @@ PlantReplay replay_plant(const sim::Scenario& scenario, const msgs::RunLog& reco
                                   (!record.sensors.empty() && record.sensors.back().simulated_time >
                                                                   record.encoder.back().simulated_time))) {
     last = record.encoder.back().sequence;
+  }
+  const double steps = (static_cast<double>(last) + 1.0) * static_cast<double>(scenario.controller_period / scenario.plant_step);
+  const double messages = static_cast<double>(record.encoder.size() + record.torque.size());
+  if (first < 0 || steps > kStepsPerMessage * messages + kStepsAtLeast) {
+    result.remarks.push_back(
+        fmt::format("the record's {} ENCODER and {} TORQUE speak of ENCODER {} to {}, {:.3g} plant steps: too far for a record of that "
+                    "size, a number in it must be damaged; not replayed",
+                    record.encoder.size(), record.torque.size(), first, last, steps));
+    return result;
   }
   std::int64_t silent = 0;
   std::int64_t first_silent = -1;

@@ -40,7 +40,8 @@ struct PlantReplay {
 };
 
 // Crane, steps, periods and what fails on the crane are the scenario's; operator moves and configuration the record's.
-// Ends one controller period behind the last ENCODER with an arrival. Throws std::invalid_argument where the crane cannot
+// Ends one controller period behind the last ENCODER with an arrival. A record whose numbers speak of far more plant steps
+// than its messages can stand for is not replayed, and a remark says so. Throws std::invalid_argument where the crane cannot
 // be built.
 PlantReplay replay_plant(const sim::Scenario& scenario, const msgs::RunLog& record, const Arrivals& arrivals);
 

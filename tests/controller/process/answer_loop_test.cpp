@@ -23,6 +23,7 @@ class AnswerLoopTest : public testing::Test {
   void send_operator(std::int64_t sequence, double speed_request) {
     msgs::Operator message{};
     message.sequence = sequence;
+    message.run_identity = run_;
     message.speed_request = speed_request;
     send("OPERATOR", message);
   }
@@ -31,6 +32,7 @@ class AnswerLoopTest : public testing::Test {
     message.sequence = sequence;
     message.simulated_time = 1000 * sequence;
     message.configuration_hash = 5;
+    message.run_identity = run_;
     message.operator_sequence = operator_sequence;
     message.group_count = 1;
     message.shaft_speed = message.shaft_position = {0.0};
@@ -53,6 +55,7 @@ class AnswerLoopTest : public testing::Test {
   msgs::MemoryWire wire_;
   std::unique_ptr<msgs::MemoryBus> plant_ = wire_.connect();
   std::unique_ptr<msgs::MemoryBus> controller_ = wire_.connect();
+  std::int64_t run_ = 11;  // of what is sent
   int computed_ = 0;
   AnswerLoop loop_{*controller_, [this](const msgs::Encoder&, const msgs::Operator& operator_move,
                                         msgs::Torque& torque, msgs::ControllerState& state) {
@@ -72,6 +75,7 @@ TEST_F(AnswerLoopTest, AnswersBySequenceWithTheStateFirst) {
   const msgs::Torque answer = torque(0);
   EXPECT_EQ(answer.answered_sequence, 0);
   EXPECT_EQ(answer.configuration_hash, 5);
+  EXPECT_EQ(answer.run_identity, 11);
   EXPECT_EQ(answer.motor_torque.at(0), 1.5);
   send_encoder(1, 0);
   EXPECT_EQ(torque(1).answered_sequence, 1);
@@ -121,6 +125,62 @@ TEST_F(AnswerLoopTest, OlderQuestionsAndBrokenBytesGetNoAnswer) {
   EXPECT_EQ(torques_.size(), 1u);
   EXPECT_EQ(loop_.counts().stale_questions, 1);
   EXPECT_EQ(loop_.counts().undecodable, 1);
+}
+
+TEST_F(AnswerLoopTest, TheNextRunIsAnsweredFromItsFirstQuestionOnWhenAskedAgain) {
+  send_operator(4, 0.5);
+  send_encoder(100, 4);
+  run_ = 12;
+  send_operator(0, 0.25);
+  send_encoder(0, 0);
+  EXPECT_EQ(torques_.size(), 1u);  // a bit that turned over would look the same
+  send_operator(0, 0.25);
+  send_encoder(0, 0);
+  ASSERT_EQ(torques_.size(), 2u);
+  EXPECT_EQ(torque(1).run_identity, 12);
+  EXPECT_EQ(torque(1).answered_sequence, 0);
+  EXPECT_EQ(torque(1).sequence, 0);
+  EXPECT_EQ(torque(1).motor_torque.at(0), 2.25);  // the new run's OPERATOR, though its number is lower
+  send_encoder(1, 0);
+  EXPECT_EQ(torque(2).answered_sequence, 1);
+  EXPECT_EQ(loop_.counts().runs, 2);
+}
+
+TEST_F(AnswerLoopTest, OneQuestionOfAnotherRunDisturbsNothing) {
+  send_operator(0, 0.5);
+  send_encoder(0, 0);
+  for (int k = 1; k <= 3; ++k) {
+    run_ = 12;
+    send_operator(9, -1.0);
+    send_encoder(k, 0);
+    run_ = 11;
+    send_encoder(k, 0);
+  }
+  ASSERT_EQ(torques_.size(), 4u);
+  EXPECT_EQ(torque(3).answered_sequence, 3);
+  EXPECT_EQ(torque(3).run_identity, 11);
+  EXPECT_EQ(torque(3).motor_torque.at(0), 4.5);  // by the OPERATOR of its own run
+  EXPECT_EQ(loop_.counts().runs, 1);
+  EXPECT_EQ(loop_.counts().first_of_another_run, 3);
+}
+
+TEST_F(AnswerLoopTest, EveryRunIsComputedByAFreshState) {
+  int steps = 0;
+  AnswerLoop loop(*controller_, [calls = 0, &steps](const msgs::Encoder&, const msgs::Operator&, msgs::Torque& answer,
+                                                    msgs::ControllerState& state) mutable {
+    steps = ++calls;
+    answer.group_count = 0;
+    answer.motor_torque.clear();
+    state.group_count = 0;
+  });
+  send_operator(0, 0.0);
+  for (int k = 0; k < 3; ++k) send_encoder(k, 0);
+  EXPECT_EQ(steps, 3);
+  run_ = 12;
+  send_operator(0, 0.0);
+  send_encoder(0, 0);
+  send_encoder(0, 0);
+  EXPECT_EQ(steps, 1);
 }
 
 }  // namespace

@@ -281,6 +281,20 @@ TEST_F(DriveProtectionTest, AMessageOfAnotherConfigurationIsHeldOverAndTripsAfte
   expect_only(DriveFault::other_configuration);
 }
 
+TEST_F(DriveProtectionTest, AMessageOfAnotherRunIsHeldOverAndTripsAfterTheTimeout) {
+  cycle();
+  answer_.run_identity = run_.run_identity + 1;
+  answer_.motor_torque = {500.0, 500.0};
+  cycles(9);
+  expect_running(100.0);
+  EXPECT_EQ(state_.trip_time, -1);
+  cycle();
+  expect_tripped_by(DriveFault::other_configuration);
+  expect_only(DriveFault::other_configuration);
+  // The last good command came at 0 ms; silence_timeout is 100 ms.
+  EXPECT_EQ(state_.trip_time, 100 * kMillisecond);
+}
+
 TEST_F(DriveProtectionTest, AnAnswerToAWrongSequenceNumberIsHeldOverAndTripsAfterTheTimeout) {
   for (const std::int64_t offset : {1, 1000, -1000}) {
     state_ = {};

@@ -50,12 +50,14 @@ class ToyController {
   std::int64_t wrong_configuration = 0;
   std::int64_t answered = -1;
   int heard = 0;
+  std::function<void(msgs::Bus& bus, std::int64_t sequence)> before_answer;
 
  private:
   void compute(const msgs::Encoder& encoder) {
     torque_.sequence = torque_.alive_counter = encoder.sequence;
     torque_.simulated_time = encoder.simulated_time;
     torque_.configuration_hash = encoder.configuration_hash + wrong_configuration;
+    torque_.run_identity = encoder.run_identity;
     torque_.answered_sequence = encoder.sequence + wrong_sequence;
     torque_.enable = 1;
     torque_.state_follows = with_state;
@@ -66,9 +68,11 @@ class ToyController {
     state_.sequence = state_.answered_sequence = encoder.sequence;
     state_.simulated_time = encoder.simulated_time;
     state_.configuration_hash = encoder.configuration_hash;
+    state_.run_identity = encoder.run_identity;
     state_.group_count = 0;
   }
   void send() {
+    if (before_answer) before_answer(bus_, answered);
     std::vector<std::uint8_t> bytes;
     if (with_state) {
       msgs::encode(state_, bytes);
@@ -97,6 +101,7 @@ class LockstepLoopTest : public testing::Test {
   LockstepLoopTest() {
     settings_.duration = 100 * kMillisecond;
     settings_.configuration_hash = 77;
+    settings_.run_identity = 1001;
     settings_.operator_moves = {{0, 0.0, false, false}, {25 * kMillisecond, 0.8, false, false}};
   }
 
@@ -251,6 +256,30 @@ TEST_F(LockstepLoopTest, WrongAnswersAreHandedOnAndTimeGoesOn) {
   EXPECT_EQ(cut.counts.wrong_answers, 10);
   EXPECT_EQ(cut.plant.received.at(msgs::DecodeStatus::truncated), 10);
   EXPECT_EQ(cut.plant.commands, 0);
+}
+
+// A second run's controller on the same bus: its answers are to other questions.
+TEST_F(LockstepLoopTest, ATorqueOfAnotherRunIsNoAnswer) {
+  const Result alone = run();
+  msgs::Torque foreign{};
+  foreign.configuration_hash = 77;
+  foreign.run_identity = 1002;
+  foreign.group_count = 2;
+  foreign.motor_torque = {500.0, 500.0};
+  int sent = 0;
+  const Result crowded = run([&](ToyController& controller) {
+    controller.before_answer = [&](msgs::Bus& bus, std::int64_t sequence) {
+      foreign.sequence = foreign.answered_sequence = sequence;
+      std::vector<std::uint8_t> bytes;
+      msgs::encode(foreign, bytes);
+      bus.publish(msgs::kTorqueChannel, bytes);
+      ++sent;
+    };
+  });
+  EXPECT_EQ(sent, 10);
+  EXPECT_EQ(crowded.counts.foreign_answers, 10);
+  EXPECT_EQ(crowded.counts.wrong_answers, 0);
+  EXPECT_EQ(crowded.log, alone.log);
 }
 
 TEST_F(LockstepLoopTest, WrongAnswersMakeTheSameRunHoweverOftenTheControllerIsAsked) {

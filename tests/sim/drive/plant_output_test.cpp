@@ -22,6 +22,7 @@ class PlantOutputTest : public testing::Test {
     settings_.status_period = 50 * kMillisecond;
     settings_.live_period = 20 * kMillisecond;
     settings_.configuration_hash = 77;
+    settings_.run_identity = 78;
     for (const char* channel : {msgs::kOperatorChannel, msgs::kSensorsChannel, msgs::kTruthChannel, msgs::kPlantStatusChannel}) {
       listener_->subscribe(channel, [this, channel](msgs::Bytes) { ++heard_[channel]; });
     }
@@ -65,6 +66,7 @@ TEST_F(PlantOutputTest, StatusIsCompletedBeforeItIsSent) {
   listen();
   EXPECT_EQ(seen.missed_deadlines, 5);
   EXPECT_EQ(seen.configuration_hash, 77);
+  EXPECT_EQ(seen.run_identity, 78);
 }
 
 // The first call speaks even where nothing moves; afterwards only moves do, each once. A repetition is no event of the log.

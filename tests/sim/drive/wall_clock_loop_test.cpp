@@ -8,6 +8,7 @@
 
 #include "msgs/memory_bus.h"
 #include "sim/drive/drive_protection.h"
+#include "sim/drive/plant_output.h"
 #include "tests/sim/drive/toy_plant.h"
 
 namespace slewlab::sim {
@@ -72,6 +73,7 @@ class WallClockLoopTest : public testing::Test {
       msgs::Torque torque{};
       torque.sequence = torque.answered_sequence = torque.alive_counter = encoder.sequence;
       torque.configuration_hash = encoder.configuration_hash;
+      torque.run_identity = encoder.run_identity + (foreign_ ? 1 : 0);
       torque.enable = 1;
       torque.group_count = 2;
       torque.motor_torque = {1.0, 2.0};
@@ -92,6 +94,7 @@ class WallClockLoopTest : public testing::Test {
         settings_, speed_, plant_, *plant_bus_,
         [this](const char* channel, std::int64_t, msgs::Bytes bytes) {
           ++logged_[channel];
+          if (channel == std::string(msgs::kTorqueChannel)) largest_ = std::max(largest_, bytes.size());
           if (channel == std::string(msgs::kPlantStatusChannel)) msgs::decode(bytes, status_);
         },
         clock_, hooks_);
@@ -108,6 +111,9 @@ class WallClockLoopTest : public testing::Test {
   std::function<bool(std::int64_t)> answers_ = [](std::int64_t) { return true; };
   std::function<std::int64_t(int)> work_;
   int asked_ = 0;
+  bool foreign_ = false;  // the controller answers as to another run
+  int waits_ = 0;
+  std::size_t largest_ = 0;  // [bytes] TORQUE in the log
   std::map<std::string, int> logged_;
   msgs::PlantStatus status_;
 };
@@ -118,6 +124,7 @@ TEST_F(WallClockLoopTest, WakesAtStartPlusWholeStepsAndDoesNotDrift) {
   ASSERT_EQ(clock_.wakeups.size(), 1000u);
   for (std::int64_t i = 0; i < 1000; ++i) EXPECT_EQ(clock_.wakeups[i], clock_.wakeups[0] + i * kMillisecond);
   EXPECT_EQ(report.simulated_time, 1000 * kMillisecond);
+  EXPECT_EQ(report.cycles, 100);
   EXPECT_EQ(report.missed_deadlines, 0);
   EXPECT_EQ(report.wakeup_latency.count(), 1000);
   EXPECT_EQ(report.wakeup_latency.largest(), 70'000);
@@ -222,6 +229,33 @@ TEST_F(WallClockLoopTest, FaultsOnPurposeActHereToo) {
   run();
   EXPECT_EQ(plant_.drive.stale_commands, 5);
   EXPECT_EQ(logged_["TORQUE"], 95);
+}
+
+TEST_F(WallClockLoopTest, AFloodOfGarbageIsBoundedAndCounted) {
+  const std::vector<std::uint8_t> garbage(60'000, 0xee);
+  plant_.on_step = [&](int) {
+    for (int i = 0; i < 100; ++i) controller_bus_->publish(msgs::kTorqueChannel, garbage);
+    controller_bus_->drain();
+  };
+  const WallClockReport report = run();
+  // Per period of 10 ms 4 of them and the controller's own answer; what comes behind the last step is not heard.
+  EXPECT_EQ(logged_["TORQUE"], 100 + 100 * 4);
+  EXPECT_EQ(report.cut_answers, 999 * 100);
+  EXPECT_EQ(report.flooding_answers, 999 * 100 - 100 * 4);
+  EXPECT_LE(largest_, kLargestAnswer);
+  EXPECT_EQ(plant_.drive.faults[static_cast<std::size_t>(DriveFault::garbage)], 100 * 4);
+  EXPECT_EQ(plant_.drive.trips, 0);
+}
+
+TEST_F(WallClockLoopTest, ATorqueOfAnotherRunDoesNotStartTheClock) {
+  settings_.run_identity = 1;
+  foreign_ = true;
+  hooks_.while_waiting = [this](const WallClockReport&) { ++waits_; };
+  hooks_.stop = [this] { return waits_ >= 10; };
+  const WallClockReport report = run();
+  EXPECT_EQ(report.simulated_time, 0);
+  EXPECT_GE(report.foreign_answers, 10);
+  EXPECT_EQ(logged_["TORQUE"], 0);
 }
 
 TEST_F(WallClockLoopTest, AStopIsHeardWithinAStep) {

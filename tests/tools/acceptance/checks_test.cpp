@@ -22,6 +22,7 @@ struct MadeUp {
   std::vector<std::pair<double, double>> requests;  // [s], share
   double stop = -1.0;                               // [s]
   double trip = -1.0;                               // [s]
+  int status_every = 1;                             // PLANT_STATUS with every so many ENCODER
   double duration = 20.0;                           // [s]
 };
 
@@ -47,11 +48,14 @@ msgs::RunLog log_of(const MadeUp& run) {
     torque.group_count = 2;
     torque.motor_torque = {run.half_1(time) * 250.0, run.half_2(time) * 250.0};
     log.torque.push_back(torque);
+    if (k % run.status_every != 0) continue;
     msgs::PlantStatus status{};
     status.simulated_time = encoder.simulated_time;
+    status.trip_time = -1;
     if (run.trip >= 0.0 && time >= run.trip) {
       status.drive_state = 2;
       status.trip_cause = 13;
+      status.trip_time = nanoseconds(run.trip);
     }
     log.plant_status.push_back(status);
   }
@@ -161,13 +165,57 @@ TEST(AcceptanceChecks, ATripIsAFailureOrTheReactionToAFault) {
   run.trip = 10.0;
   run.speed = [](double t) { return t < 1.0 ? 0.0 : t < 5.0 ? (t - 1.0) / 4.0 : t < 10.0 ? 1.0 : std::max(0.0, 1.0 - (t - 10.0) / 2.0); };
   EXPECT_EQ(check(run, "trips").verdict, Verdict::fail);
-  EXPECT_NE(check(run, "trips").reason.find("cause 13"), std::string::npos);
+  EXPECT_NE(check(run, "trips").reason.find("at 10.00 s, cause: silence"), std::string::npos) << check(run, "trips").reason;
   // With a fault on purpose the same trip is right, if the crane then stands: 5 % are reached 1.9 s behind it.
   const CheckResult reaction = check(run, "reaction", 9.5);
   EXPECT_EQ(reaction.verdict, Verdict::pass);
   EXPECT_NEAR(reaction.measured, 1.9, 0.011);
+  // The same, however seldom the plant tells: the next PLANT_STATUS comes at 12 s.
+  run.status_every = 300;
+  EXPECT_NEAR(check(run, "reaction", 9.5).measured, 1.9, 0.011);
+  EXPECT_EQ(check(run, "reaction", 9.5).verdict, Verdict::pass);
+  run.status_every = 1;
   run.speed = [](double t) { return t < 1.0 ? 0.0 : std::min(1.0, (t - 1.0) / 4.0); };
   EXPECT_EQ(check(run, "reaction", 9.5).verdict, Verdict::fail);
+}
+
+TEST(AcceptanceChecks, WhatIsNotInTheLogIsNotPassed) {
+  MadeUp run;
+  run.requests = {{1.0, 1.0}};
+  run.stop = 0.005;       // between the first ENCODER and the second, which never comes
+  run.duration = 0.009;
+  const std::vector<CheckResult> results = acceptance_checks(log_of(run), limits(), {kRatio, {}});
+  for (const CheckResult& result : results) {
+    EXPECT_TRUE(std::isfinite(result.measured)) << result.name << ": " << result.reason;
+    EXPECT_EQ(result.reason.find("inf"), std::string::npos) << result.reason;
+  }
+  EXPECT_FALSE(accepted({}));
+}
+
+TEST(AcceptanceChecks, ARunThatDidNotComeToItsEndGetsNoVerdict) {
+  MadeUp run;
+  run.requests = {{1.0, 1.0}};
+  const auto why = [](const msgs::RunLog& log) {
+    msgs::RunLogs logs;
+    logs.runs = {log};
+    return why_no_verdict(logs, {20'000'000'000, 10'000'000, 1'000'000});
+  };
+  const msgs::RunLog whole = log_of(run);
+  EXPECT_EQ(why(whole), "");
+  msgs::RunLog cut = whole;
+  cut.encoder.resize(cut.encoder.size() * 2 / 5);
+  EXPECT_NE(why(cut).find("ends at 7.990 s of 20.000 s"), std::string::npos) << why(cut);
+  msgs::RunLog hole = whole;
+  hole.encoder.erase(hole.encoder.begin() + 500, hole.encoder.begin() + 700);
+  EXPECT_NE(why(hole).find("hole of 2.010 s behind 4.990 s"), std::string::npos) << why(hole);
+  msgs::RunLog late = whole;
+  late.encoder.erase(late.encoder.begin(), late.encoder.begin() + 300);
+  EXPECT_NE(why(late).find("begins at 3.000 s"), std::string::npos) << why(late);
+  EXPECT_NE(why(msgs::RunLog{}).find("never started"), std::string::npos);
+  msgs::RunLogs damaged;
+  damaged.runs = {whole};
+  damaged.lost_bytes = 7;
+  EXPECT_NE(why_no_verdict(damaged, {20'000'000'000, 10'000'000, 1'000'000}).find("7 bytes"), std::string::npos);
 }
 
 TEST(AcceptanceChecks, JUnitTellsPassFailAndSkipped) {

@@ -13,6 +13,7 @@ types = message_types()
 STOP = 10.0   # [s] emergency stop
 END = 20.0    # [s]
 HASH = 0x1234
+RUN = 0x5678
 # Times [s] at which each gearbox crosses its play; 10.0 is the stop's own moment and belongs behind it.
 CROSSINGS = [[5.0, 7.5, 10.0, 11.0], [5.0, 15.0]]
 
@@ -29,7 +30,7 @@ def rope_angle(time):
     return math.radians(3.0 if time < STOP else 6.0) * math.sin(2 * math.pi * time / 16.0)
 
 
-def messages(configuration_hash=HASH):
+def messages(configuration_hash=HASH, run_identity=RUN):
     """All events of the run in the order of time: (channel, time [ns], message)."""
     events = []
 
@@ -37,6 +38,7 @@ def messages(configuration_hash=HASH):
         message.sequence = sequence
         message.simulated_time = milliseconds * 1_000_000
         message.configuration_hash = configuration_hash
+        message.run_identity = run_identity
         events.append((channel, message.simulated_time, message))
 
     for k, (milliseconds, request, stop) in enumerate([(0, 0.0, False), (2000, 1.0, False), (10000, 1.0, True)]):

@@ -63,6 +63,52 @@ class RunLogTest(unittest.TestCase):
             log = self.read(long + made_run.messages(configuration_hash=77)[:500])
             self.assertEqual(set(log.channel("SENSORS")["configuration_hash"]), {made_run.HASH})
 
+    def test_no_bit_of_a_torques_head_splits_a_run(self):
+        torques = sum(1 for event in made_run.messages() if event[0] == "TORQUE")
+        for field in ("simulated_time", "configuration_hash", "run_identity", "answered_sequence"):
+            for bit in (12, 45, 63):
+                with self.subTest(field=field, bit=bit):
+                    events = made_run.messages()
+                    torque = [event for event in events if event[0] == "TORQUE"][700][2]
+                    changed = (getattr(torque, field) ^ (1 << bit)) & (1 << 64) - 1
+                    setattr(torque, field, changed - (1 << 64) if changed >> 63 else changed)
+                    log = self.read(events)
+                    self.assertEqual(len(log.channel("TORQUE")), torques - 1)
+                    self.assertEqual(len(log.channel("ENCODER")), torques)
+                    self.assertRegex("\n".join(log.remarks), "TORQUE: 1 messages .* left out, at byte")
+                    self.assertNotIn("runs", "\n".join(log.remarks))
+
+    def test_the_operator_of_the_next_run_does_not_land_in_the_one_before(self):
+        for run_identity in (made_run.RUN, made_run.RUN + 1):
+            with self.subTest(run_identity=run_identity):
+                first = [e for e in made_run.messages() if e[1] <= 15_000_000_000 and e[0] != "OPERATOR"]
+                log = self.read(first + made_run.messages(run_identity=run_identity))
+                self.assertIn("holds 2 runs", " ".join(log.remarks))
+                self.assertEqual(len(log.channel("OPERATOR")), 3)
+                log = self.read(made_run.messages() + made_run.messages(run_identity=run_identity)[:2000])
+                self.assertEqual(len(log.channel("OPERATOR")), 3)
+                self.assertEqual(len(log.channel("ENCODER")), 2000)
+
+    def test_names_of_channels_are_shown_as_text(self):
+        log = self.read(made_run.messages() + [("\x1b[2J\x07", 0, b"")] + [(f"C{k}", 0, b"") for k in range(50)])
+        told = "\n".join(log.remarks)
+        self.assertTrue(all(c == "\n" or " " <= c <= "~" for c in told), told)
+        self.assertIn("\\x1b[2J\\x07", told)
+        self.assertLess(len(log.remarks), 15)
+
+    def test_a_length_that_reaches_over_other_events_swallows_none(self):
+        events = [event for event in made_run.messages() if event[0] == "SENSORS"][:6]
+        made_run.write_log(self.path, events)
+        whole = bytearray(self.path.read_bytes())
+        size = len(whole) // 6
+        for longer in (1, 40, size, 2 * size):
+            damaged = bytearray(whole)
+            damaged[2 * size + 24:2 * size + 28] = (int.from_bytes(whole[2 * size + 24:2 * size + 28], "big") + longer).to_bytes(4, "big")
+            self.path.write_bytes(bytes(damaged))
+            log = read_run_log(self.path)
+            np.testing.assert_array_equal(log.channel("SENSORS")["sequence"], [0, 1, 3, 4, 5])
+            self.assertIn(f"{size} at byte {2 * size} behind 0.005 s", " ".join(log.remarks))
+
     def test_a_log_cut_off_at_any_byte_is_read_up_to_there(self):
         events = [event for event in made_run.messages() if event[0] == "SENSORS"][:3]
         made_run.write_log(self.path, events)

@@ -1,0 +1,126 @@
+# cmake -DFILES="a.lcm;b.lcm" -DOUTPUT=layouts.hpp -P layouts.cmake
+#
+# Writes down the byte layout of every message as C++ (struct Layout, see msgs/codec.cpp), read from the .lcm files:
+# what lcm-gen's decoder takes on trust is checked by it before anything is decoded. Knows what these files use: one
+# struct per file, LCM's primitive types but string, and arrays of one dimension whose count is an int32_t above them.
+# Anything else ends the build with the file and the line that it does not know.
+
+set(head "sequence;simulated_time;configuration_hash;run_identity")  # what every message begins with, int64_t each
+
+set(size_of_int8_t 1)
+set(size_of_byte 1)
+set(size_of_boolean 1)
+set(size_of_int16_t 2)
+set(size_of_int32_t 4)
+set(size_of_int64_t 8)
+set(size_of_float 4)
+set(size_of_double 8)
+
+set(layouts "")
+set(includes "")
+foreach(file IN LISTS FILES)
+  file(STRINGS ${file} lines)
+  set(package "")
+  set(struct "")
+  set(names "")
+  set(pieces "")
+  set(arrays "")
+  set(counts "")
+  set(fixed 0)
+  macro(end_of_fixed_bytes)
+    if(fixed GREATER 0)
+      list(APPEND pieces "{Piece::fixed, ${fixed}, 0}")
+      set(fixed 0)
+    endif()
+  endmacro()
+  foreach(line IN LISTS lines)
+    string(REGEX REPLACE "//.*" "" line "${line}")
+    string(REGEX REPLACE "; *$" "" line "${line}")
+    string(STRIP "${line}" line)
+    if(line STREQUAL "" OR line STREQUAL "{" OR line STREQUAL "}")
+      continue()
+    elseif(line MATCHES "^package ([a-z_]+)$")
+      set(package ${CMAKE_MATCH_1})
+    elseif(line MATCHES "^struct ([a-z_0-9]+)$")
+      set(struct ${CMAKE_MATCH_1})
+    elseif(line MATCHES "^([a-z0-9_]+) ([a-z0-9_]+)(\\[([a-z0-9_]+)\\])?$")
+      set(type ${CMAKE_MATCH_1})
+      set(name ${CMAKE_MATCH_2})
+      set(count "${CMAKE_MATCH_4}")
+      if(NOT DEFINED size_of_${type})
+        message(FATAL_ERROR "${file}: '${line}': the type ${type} is not known to msgs/layouts.cmake")
+      endif()
+      list(LENGTH names place)
+      list(LENGTH head head_length)
+      if(place LESS head_length)
+        list(GET head ${place} expected)
+        if(NOT "${type} ${name}${count}" STREQUAL "int64_t ${expected}")
+          message(FATAL_ERROR "${file}: found '${line}', expected 'int64_t ${expected}': every message begins with the same head")
+        endif()
+      endif()
+      list(APPEND names ${name})
+      if(count)
+        list(FIND counts ${count} index)
+        if(index LESS 0)
+          message(FATAL_ERROR "${file}: '${line}': there is no int32_t ${count} above it")
+        endif()
+        end_of_fixed_bytes()
+        list(APPEND pieces "{Piece::array, ${size_of_${type}}, ${index}}")
+        string(APPEND arrays "    visit(m.${count}, m.${name});\n")
+      elseif(type STREQUAL "int32_t")
+        end_of_fixed_bytes()
+        list(LENGTH counts index)
+        list(APPEND counts ${name})
+        list(APPEND pieces "{Piece::count, 4, ${index}}")
+      else()
+        math(EXPR fixed "${fixed} + ${size_of_${type}}")
+      endif()
+    else()
+      message(FATAL_ERROR "${file}: '${line}' is not known to msgs/layouts.cmake")
+    endif()
+  endforeach()
+  end_of_fixed_bytes()
+  list(LENGTH pieces piece_count)
+  list(LENGTH counts count_count)
+  list(JOIN pieces ", " pieces)
+  string(APPEND includes "#include <${package}/${struct}.hpp>\n")
+  if(arrays)
+    set(parameters "M& m, Visit visit")
+  else()
+    set(parameters "M&, Visit")
+  endif()
+  string(APPEND layouts "
+template <>
+struct Layout<${package}::${struct}> {
+  static constexpr std::array<Piece, ${piece_count}> pieces{{${pieces}}};
+  static constexpr int counts = ${count_count};
+  template <class M, class Visit>
+  static void arrays(${parameters}) {
+${arrays}  }
+};
+")
+endforeach()
+
+set(text "// Made by msgs/layouts.cmake from the .lcm files; do not edit.
+#pragma once
+
+#include <array>
+#include <cstddef>
+
+${includes}
+namespace slewlab::msgs {
+
+// A stretch of a message's bytes: `bytes` as they are, a 32-bit count with the number `index`, or `bytes` for each
+// element that the count with the number `index` counts.
+struct Piece {
+  enum Kind { fixed, count, array } kind;
+  std::size_t bytes;
+  std::size_t index;
+};
+
+template <class Message>
+struct Layout;
+${layouts}
+}  // namespace slewlab::msgs
+")
+file(WRITE ${OUTPUT} "${text}")

@@ -1,0 +1,117 @@
+// What the programs make of a log that is not as it was written: none hangs, none judges it, none takes memory without
+// bounds, and what they print is text. The damage is drawn: cut off, bits turned over, bytes put in, blocks written twice
+// or lost.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <random>
+
+#include "tests/msgs/file_contents.h"
+#include "tests/msgs/temporary_folder.h"
+#include "tests/tools/running_program.h"
+
+namespace slewlab::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+const std::string kSlewlab = SLEWLAB_BINARY_DIR "/bin/slewlab";
+const std::string kThesis = SLEWLAB_SOURCE_DIR "/config/scenarios/thesis_slew.yaml";
+const std::string kPython = SLEWLAB_SOURCE_DIR "/.venv/bin/python";
+
+constexpr const char* kMemory = "4000000";  // [KiB] of address space: ten times what the whole log takes
+constexpr const char* kPatience = "120";    // [s] wall clock; a whole log takes one
+
+std::string damaged(std::string log, std::mt19937_64& random) {
+  const auto place = [&] { return static_cast<std::size_t>(random() % log.size()); };
+  switch (random() % 5) {
+    case 0: log.resize(place()); break;
+    case 1:
+      for (std::uint64_t i = 0, flips = 1 + random() % 20; i < flips; ++i) {
+        log[place()] ^= static_cast<char>(1U << random() % 8);
+      }
+      break;
+    case 2: {
+      std::string noise(1 + random() % 500, '\0');
+      for (char& c : noise) c = static_cast<char>(random());
+      log.insert(place(), noise);
+      break;
+    }
+    case 3: log.insert(place(), log.substr(place(), 1 + random() % 100'000)); break;
+    default: log.erase(place(), 1 + random() % 100'000); break;
+  }
+  return log;
+}
+
+class DamagedLogTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    RunningProgram run({kSlewlab, "run", kThesis, "--out", folder_.path() / "run", "--progress", "none", "--set",
+                        "telemetry.sensors_period=20 ms", "--set", "telemetry.truth_period=100 ms"});
+    ASSERT_EQ(run.wait_for_end(), 0) << run.complaints();
+    whole_ = contents(log_);
+    ASSERT_FALSE(whole_.empty());
+  }
+  void store(const std::string& bytes) { std::ofstream(log_, std::ios::binary) << bytes; }
+
+  // The exit code of a program that may take so much memory and time; 124 where it did not end.
+  int exit_code(const std::vector<std::string>& command) {
+    std::vector<std::string> line{"/bin/sh", "-c", std::string("ulimit -v ") + kMemory + "; exec timeout " + kPatience + " \"$@\"", "sh"};
+    line.insert(line.end(), command.begin(), command.end());
+    RunningProgram program(line);
+    const int code = program.wait_for_end();
+    output_ = program.output() + program.complaints();
+    for (const char c : output_) {
+      EXPECT_TRUE(c == '\n' || static_cast<unsigned char>(c) >= 0x20) << "byte " << static_cast<int>(c) << " of\n" << output_;
+    }
+    return code;
+  }
+  int accept() { return exit_code({kSlewlab, "accept", folder_.path() / "run", "--no-plot"}); }
+
+  TemporaryFolder folder_;
+  fs::path log_ = folder_.path() / "run/run.lcmlog";
+  std::string whole_;
+  std::string output_;
+};
+
+TEST_F(DamagedLogTest, AWholeLogIsAcceptedAndOneCutBeforeItsStopIsNot) {
+  EXPECT_EQ(accept(), 0) << output_;
+  store(whole_.substr(0, whole_.size() * 2 / 5));
+  EXPECT_EQ(accept(), 1);
+  EXPECT_NE(output_.find("no verdict"), std::string::npos) << output_;
+  // Also where nothing tells what the run wrote, and where the cut is between two events.
+  fs::remove(folder_.path() / "run/summary.json");
+  EXPECT_EQ(accept(), 1);
+  store(whole_.substr(0, whole_.find("\xED\xA1\xDA\x01", whole_.size() * 2 / 5)));
+  EXPECT_EQ(accept(), 1);
+  EXPECT_NE(output_.find("the run did not come to its end, or the log is cut off"), std::string::npos) << output_;
+}
+
+TEST_F(DamagedLogTest, NoDamageIsAcceptedAndEverythingEnds) {
+  std::random_device source;
+  const char* chosen = std::getenv("SLEWLAB_TEST_SEED");
+  const std::uint64_t seed = chosen != nullptr ? std::strtoull(chosen, nullptr, 10) : source();
+  std::mt19937_64 random(seed);
+  constexpr int kRounds = 25;
+  for (int round = 0; round < kRounds; ++round) {
+    const std::string log = damaged(whole_, random);
+    if (log == whole_) continue;
+    SCOPED_TRACE("SLEWLAB_TEST_SEED=" + std::to_string(seed) + " round " + std::to_string(round));
+    store(log);
+    EXPECT_EQ(accept(), 1) << output_;
+    const int replayed = exit_code({kSlewlab, "replay", folder_.path() / "run"});
+    EXPECT_TRUE(replayed == 0 || replayed == 1 || replayed == 2) << replayed << "\n" << output_;
+    if (round % 5 != 0 || !fs::exists(kPython)) continue;
+    const int exported = exit_code({kSlewlab, "export", log_, "--format", "csv", "--out", folder_.path() / "exported"});
+    EXPECT_TRUE(exported == 0 || exported == 1 || exported == 2) << exported << "\n" << output_;
+    EXPECT_EQ(output_.find("Traceback"), std::string::npos) << output_;
+    fs::remove_all(folder_.path() / "exported");
+  }
+}
+
+}  // namespace
+}  // namespace slewlab::tools
