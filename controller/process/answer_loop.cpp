@@ -4,6 +4,19 @@
 
 namespace slewlab::controller {
 
+void begin_answer(const msgs::Encoder& encoder, std::int64_t answers, msgs::Torque& torque, msgs::ControllerState& state) {
+  const auto set_head = [&](auto& message) {
+    message.sequence = answers;
+    message.simulated_time = encoder.simulated_time;
+    message.configuration_hash = encoder.configuration_hash;
+    message.answered_sequence = encoder.sequence;
+  };
+  set_head(torque);
+  set_head(state);
+  torque.alive_counter = answers;
+  torque.state_follows = 1;
+}
+
 AnswerLoop::AnswerLoop(msgs::Bus& bus, Compute compute) : bus_(bus), compute_(std::move(compute)) {
   bus_.subscribe(msgs::kOperatorChannel, [this](msgs::Bytes bytes) { receive_operator(bytes); });
   bus_.subscribe(msgs::kEncoderChannel, [this](msgs::Bytes bytes) { receive_encoder(bytes); });
@@ -38,16 +51,7 @@ void AnswerLoop::receive_encoder(msgs::Bytes bytes) {
     return;
   }
 
-  const auto set_head = [&](auto& message) {
-    message.sequence = counts_.answers;
-    message.simulated_time = encoder_.simulated_time;
-    message.configuration_hash = encoder_.configuration_hash;
-    message.answered_sequence = encoder_.sequence;
-  };
-  set_head(torque_);
-  set_head(state_);
-  torque_.alive_counter = counts_.answers;
-  torque_.state_follows = 1;
+  begin_answer(encoder_, counts_.answers, torque_, state_);
   compute_(encoder_, operator_, torque_, state_);
   ++counts_.answers;
   answered_ = encoder_.sequence;

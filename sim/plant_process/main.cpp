@@ -197,7 +197,7 @@ int run(const Options& options) {
   for (const std::string& text : options.overrides) overrides.push_back(common::parse_override(text));
   const Scenario scenario = load_scenario_file(options.scenario, overrides);
   const LockstepSettings settings = lockstep_settings(scenario);
-  CranePlant plant(machine_settings(scenario), scenario.crane.drive_protection, drive_run(scenario));
+  CranePlant plant(machine_settings(scenario), drive_run(scenario));
   const auto bus = msgs::open_lcm_bus(options.bus);
   msgs::LogWriter log(options.log);
 
