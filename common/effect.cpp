@@ -102,7 +102,7 @@ std::string expected_effect_name(const EffectCatalogue& catalogue, std::string_v
 
 std::string_view name_of(ScaleOf scale) {
   constexpr std::array<std::string_view, kScaleCount> kNames{
-      "-",          "time",           "swing time",        "motor torque", "motor speed", "axis torque", "axis speed",
+      "-",          "time",           "swing time",        "motor torque", "drive torque", "motor speed", "axis torque", "axis speed",
       "axis angle", "axis damping",   "gear stiffness",    "gearbox stiffness", "gear wind-up", "length", "velocity",
       "wind speed", "mass",           "force",             "lateral stiffness", "lateral damping", "drag area"};
   return kNames[static_cast<std::size_t>(scale)];

@@ -32,6 +32,7 @@ enum class ScaleOf {
   time,               // [s] from rest to top speed with the rated torque
   swing_time,         // [s] sqrt(reach / g): of waves, gusts and pendulums
   motor_torque,       // [Nm] rated, of one motor
+  drive_torque,       // [Nm] the most of motor_torque that the machine's own drive lets one motor have
   motor_speed,        // [rad/s] of a motor at the axis's top speed
   axis_torque,        // [Nm] rated, of all motors
   axis_speed,         // [rad/s] top speed

@@ -293,7 +293,7 @@ double data_weight(const Eigen::VectorXd& difference, const FitSettings& setting
 
 sim::MachineSettings machine_at(const sim::MachineSettings& nominal, const Point& point) {
   sim::MachineSettings settings = nominal;
-  if (!settings.scales) settings.scales = sim::effect_scales(nominal.crane);
+  if (!settings.scales) settings.scales = sim::effect_scales(nominal.crane, nominal.drive_protection);
   settings.crane = with_nuisances(settings.crane, point.nuisance);
   sim::BoomParameters& boom = settings.crane.boom;
   if (boom.element_count > 0) boom.element_count = std::max(boom.element_count, kBoomElements);

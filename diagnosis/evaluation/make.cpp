@@ -33,7 +33,6 @@ namespace {
 constexpr std::array<const char*, 3> kLogNames{"a.lcmlog", "b.lcmlog", "unseen.lcmlog"};
 constexpr std::size_t kDiagnosedLogs = 2;  // of them, the first ones
 constexpr double kImpactTime = 2.0;  // [s] that visibility leaves out from a contact change on
-constexpr std::int64_t kStepNs = 1'000'000;  // kBaseStep [ns]
 
 std::vector<double> column(const TruthRun& run, double SensorValues::*value) {
   std::vector<double> values;
@@ -109,12 +108,12 @@ void write_log(const TruthRun& run, std::int64_t hash, const fs::path& file) {
       const std::vector<Request>& requests = run.manoeuvre.requests;
       for (; next < requests.size() && requests[next].time <= now + 1e-6 * kBaseStep; ++next) {
         ++wish.sequence;
-        wish.simulated_time = n * kStepNs;
+        wish.simulated_time = n * kBaseStepNs;
         wish.speed_request = requests[next].speed_request;
         append(msgs::kOperatorChannel, wish);
       }
       encoder.sequence = torque.sequence = torque.answered_sequence = cycle;
-      encoder.simulated_time = torque.simulated_time = n * kStepNs;
+      encoder.simulated_time = torque.simulated_time = n * kBaseStepNs;
       encoder.operator_sequence = wish.sequence;
       encoder.group_count = torque.group_count = run.group_count;
       encoder.shaft_speed.clear();
@@ -133,7 +132,7 @@ void write_log(const TruthRun& run, std::int64_t hash, const fs::path& file) {
     }
     const SensorValues& values = run.sensors[static_cast<std::size_t>(n)];
     sensors.sequence = n;
-    sensors.simulated_time = n * kStepNs;
+    sensors.simulated_time = n * kBaseStepNs;
     sensors.house_acceleration = values.house;
     sensors.pivot_acceleration = values.pivot;
     sensors.middle_acceleration = values.middle;
@@ -148,6 +147,7 @@ namespace {
 
 struct Nominal {
   sim::CraneParameters crane;
+  sim::DriveProtectionSettings drive_protection;
   controller::ControllerSettings controller;
   std::int64_t hash = 0;
 };
@@ -155,7 +155,7 @@ struct Nominal {
 Nominal load_nominal(const MakeSettings& settings) {
   const sim::MachineFile crane = sim::load_machine_file(settings.crane);
   const controller::ControllerFile controller = controller::load_controller_file(settings.controller);
-  Nominal nominal{crane.parameters, controller.settings,
+  Nominal nominal{crane.parameters, crane.drive_protection, controller.settings,
                   msgs::configuration_hash(crane.canonical_text + controller.canonical_text)};
   nominal.controller.period = settings.controller_period;
   return nominal;
@@ -179,12 +179,20 @@ bool is_complete(const MakeSettings& settings, int number) {
          fs::exists(settings.directory / "sealed" / (case_name(number) + ".json"));
 }
 
+// The drawn machine with the laws that are `on`, behind the nominal machine's drive.
+TruthMachine machine_of(const DrawnCase& drawn, const Nominal& nominal, const std::vector<bool>& on,
+                        std::vector<std::vector<TrueSize>>* sizes = nullptr) {
+  TruthMachine machine = build(drawn, nominal.crane, nominal.controller, on, sizes);
+  machine.drive_protection = nominal.drive_protection;
+  return machine;
+}
+
 json make_case(const MakeSettings& settings, const Nominal& nominal, const DrawnCase& drawn) {
   const fs::path folder = settings.directory / case_name(drawn.number);
   fs::create_directories(folder);
   std::vector<std::vector<TrueSize>> sizes;
   const std::size_t laws = drawn.laws.size();
-  const TruthMachine machine = build(drawn, nominal.crane, nominal.controller, std::vector<bool>(laws, true), &sizes);
+  const TruthMachine machine = machine_of(drawn, nominal, std::vector<bool>(laws, true), &sizes);
   const RunOptions options{.noise_seed = 0,
                            .reference = {.method = sim::ReferenceMethod::kDirk, .tolerance = 1e-5, .order = 3}};
   // What the machine is compared with in the manoeuvres to diagnose: itself without any law, and without each of several.
@@ -205,7 +213,7 @@ json make_case(const MakeSettings& settings, const Nominal& nominal, const Drawn
     write_log(run, nominal.hash, folder / kLogNames[m]);
     if (m >= kDiagnosedLogs) continue;
     for (Comparison& other : comparisons) {
-      const TruthMachine without = build(drawn, nominal.crane, nominal.controller, other.on);
+      const TruthMachine without = machine_of(drawn, nominal, other.on);
       const Visibility one = visibility(run, run_truth(without, drawn.manoeuvres[m], here), without);
       if (one.largest > other.seen.largest) other.seen = one;
     }

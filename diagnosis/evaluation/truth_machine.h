@@ -16,11 +16,13 @@
 
 #include "controller/controller.h"
 #include "diagnosis/evaluation/structure.h"
+#include "sim/drive/drive_protection_settings.h"
 #include "sim/integrate/reference.h"
 
 namespace slewlab::diagnosis::withheld {
 
 inline constexpr double kBaseStep = 1e-3;     // [s]
+inline constexpr std::int64_t kBaseStepNs = 1'000'000;  // the same [ns]
 inline constexpr int kTruthElementCount = 16;  // boom elements; the nominal crane has 6
 
 using sim::GroupArray;
@@ -68,6 +70,7 @@ struct NoiseSettings {
 
 struct TruthMachine {
   sim::CraneParameters crane;
+  sim::DriveProtectionSettings drive_protection;  // of the drive between controller and wire; brakes are not modelled
   StructureChange structure;
   GroupArray inertia_share{}, stiffness_share{}, damping_share{};  // 1: as the crane says
   GroupArray added_half_play{};                                    // [rad] slew axis

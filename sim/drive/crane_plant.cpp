@@ -2,14 +2,15 @@
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace slewlab::sim {
 
-CranePlant::CranePlant(const MachineSettings& machine, const DriveProtectionSettings& protection, const DriveRun& run)
-    : protection_(protection),
-      run_(run),
-      step_(std::llround(machine.step * 1e9)),
-      machine_(make_machine(machine)) {}
+CranePlant::CranePlant(const MachineSettings& machine, const DriveRun& run)
+    : CranePlant(make_machine(machine), machine.drive_protection, run) {}
+
+CranePlant::CranePlant(Machine machine, const DriveProtectionSettings& protection, const DriveRun& run)
+    : protection_(protection), run_(run), step_(std::llround(machine.model.step * 1e9)), machine_(std::move(machine)) {}
 
 DriveMoment CranePlant::moment() const {
   DriveMoment moment;

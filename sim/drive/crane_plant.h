@@ -12,7 +12,9 @@ namespace slewlab::sim {
 class CranePlant : public DrivenPlant {
  public:
   // Throws std::invalid_argument where the machine cannot be built.
-  CranePlant(const MachineSettings& machine, const DriveProtectionSettings& protection, const DriveRun& run);
+  CranePlant(const MachineSettings& machine, const DriveRun& run);
+  // A machine that exists, from the state it is in.
+  CranePlant(Machine machine, const DriveProtectionSettings& protection, const DriveRun& run);
 
   void read_encoder(msgs::Encoder& message) override;
   void begin_cycle(std::int64_t encoder_sequence) override;

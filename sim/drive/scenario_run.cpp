@@ -12,18 +12,19 @@ constexpr double kNanosecondsPerSecond = 1e9;
 
 }  // namespace
 
-std::vector<common::EffectInstance> effects_of(const MachineFile& crane) {
-  if (crane.effects.kind == common::YamlNode::Kind::null) return {};
+MachineSettings machine_settings(const MachineFile& crane) {
+  MachineSettings settings;
+  settings.crane = crane.parameters;
+  settings.drive_protection = crane.drive_protection;
+  if (crane.effects.kind == common::YamlNode::Kind::null) return settings;
   common::InputProblems problems;
-  const auto effects = common::read_effects(crane.effects, effects_for(crane.parameters), problems);
+  settings.effects = common::read_effects(crane.effects, effects_for(settings), problems);
   if (!problems.empty()) throw common::InputError(problems);
-  return effects;
+  return settings;
 }
 
 MachineSettings machine_settings(const Scenario& scenario) {
-  MachineSettings settings;
-  settings.crane = scenario.crane.parameters;
-  settings.effects = effects_of(scenario.crane);
+  MachineSettings settings = machine_settings(scenario.crane);
   settings.step = static_cast<double>(scenario.plant_step) / kNanosecondsPerSecond;
   settings.seed = static_cast<std::uint64_t>(scenario.seed);
   return settings;

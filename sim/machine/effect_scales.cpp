@@ -1,5 +1,6 @@
 #include "sim/machine/effect_scales.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "sim/machine/scales.h"
@@ -7,12 +8,13 @@
 
 namespace slewlab::sim {
 
-common::EffectScales effect_scales(const CraneParameters& nominal) {
+common::EffectScales effect_scales(const CraneParameters& nominal, const DriveProtectionSettings& protection) {
   using common::ScaleOf;
   const Scales machine = scales_of(nominal);
   common::EffectScales scales;
   scales[ScaleOf::time] = machine.acceleration_time;
   scales[ScaleOf::motor_torque] = machine.motor_torque;
+  scales[ScaleOf::drive_torque] = std::min(machine.motor_torque, protection.torque_limit);
   scales[ScaleOf::motor_speed] = machine.top_speed * machine.ratio;
   scales[ScaleOf::axis_torque] = machine.axis_torque;
   scales[ScaleOf::axis_speed] = machine.top_speed;

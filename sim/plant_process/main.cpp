@@ -278,7 +278,7 @@ int run(const Options& options) {
   DriveRun drive = drive_run(scenario);
   settings.run_identity = drive.run_identity =
       options.run_identity.empty() ? msgs::fresh_run_identity() : msgs::hash_of_text(options.run_identity);
-  CranePlant plant(machine_settings(scenario), scenario.crane.drive_protection, drive);
+  CranePlant plant(machine_settings(scenario), drive);
   const auto bus = msgs::open_lcm_bus(options.bus);
   msgs::LogWriter log(options.log);
 

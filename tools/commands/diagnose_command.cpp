@@ -23,6 +23,7 @@
 #include "diagnosis/nuisance.h"
 #include "diagnosis/prediction.h"
 #include "sim/analysis/eigen.h"
+#include "sim/drive/scenario_run.h"
 #include "sim/machine/machine_file.h"
 #include "sim/effects/catalogue.h"
 #include "tools/commands/python_command.h"
@@ -301,15 +302,9 @@ class ProgressDisplay {
 int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostream& complaints) {
   common::catch_stop_signals();
   try {
-    common::InputProblems problems = problems_of(options);
+    const common::InputProblems problems = problems_of(options);
     if (!problems.empty()) throw common::InputError(problems);
-    const sim::MachineFile crane = sim::load_machine_file(options.crane);
-    sim::MachineSettings nominal;
-    nominal.crane = crane.parameters;
-    if (crane.effects.kind != common::YamlNode::Kind::null) {
-      nominal.effects = common::read_effects(crane.effects, sim::effects_for(nominal), problems);
-    }
-    if (!problems.empty()) throw common::InputError(problems);
+    const sim::MachineSettings nominal = sim::machine_settings(sim::load_machine_file(options.crane));
     std::optional<controller::ControllerSettings> controller;
     if (!options.controller.empty()) controller = controller::load_controller_file(options.controller).settings;
 
