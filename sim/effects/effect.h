@@ -98,7 +98,7 @@ struct EffectStart {
 struct EffectDescription {
   common::EffectAbout about;
   std::vector<EffectPort> ports;
-  // Throws std::invalid_argument where the values do not fit the crane.
+  // Throws CannotBeBuilt where the values do not fit the crane.
   void (*change)(EffectValues, MachineParameters&) = nullptr;
   std::unique_ptr<RunningEffect> (*start)(const EffectStart&) = nullptr;
 };
