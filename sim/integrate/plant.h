@@ -135,8 +135,8 @@ struct PlantWorkspace {
   std::vector<double> q, v;  // trial end state
 };
 
-// Throws std::invalid_argument when the crane cannot be built (no groups, no inertia, step <= 0, a rigid drive with a boom
-// that bends or a load).
+// Throws CannotBeBuilt for a machine without inertia or stiffness, or a rigid drive with a boom that bends or a load;
+// std::invalid_argument for no groups or a step <= 0.
 PlantModel make_plant_model(const CraneParameters& crane, double step);
 // As make_plant_model, with each group's inertia and gears given (uneven drives).
 PlantModel make_plant_model(const CraneParameters& crane, double step, const GroupArray& group_inertia,

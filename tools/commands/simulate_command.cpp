@@ -53,7 +53,7 @@ int simulate(const SimulateOptions& options, std::ostream& out) {
   if (logs.runs.size() > 1) out << fmt::format("{}: holds {} runs; used is the longest one\n", log.string(), logs.runs.size());
 
   const std::int64_t hash = msgs::configuration_hash("open loop\n" + machine.canonical_text + "\nrecord " + msgs::hash_text(record->configuration_hash));
-  const OpenLoopRun simulated = simulate_open_loop(machine, sim::effects_of(machine), *record, options.longest_step, hash);
+  const OpenLoopRun simulated = simulate_open_loop(machine, sim::machine_settings(machine).effects, *record, options.longest_step, hash);
   for (const std::string& remark : simulated.remarks) out << "note: " << remark << '\n';
 
   fs::create_directories(options.out);
