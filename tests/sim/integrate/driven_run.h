@@ -146,6 +146,9 @@ inline Drive drive_of(const Demo& demo) {
   Drive drive;
   drive.period = demo.settings.period;
   drive.duration = 1e-9 * static_cast<double>(demo.scenario.duration);
+  const double samples = drive.period / drive.sample;  // a torque begins with a sample
+  if (std::fabs(samples - std::round(samples)) > 1e-9) drive.sample = 1e-3;
+  auto state = std::make_shared<controller::ControllerState>();
   drive.operator_moves = demo.scenario.moves;
   drive.answer = [settings = demo.settings] { return diagnosis::ControllerAnswer(settings); };
   return drive;
