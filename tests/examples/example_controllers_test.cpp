@@ -102,7 +102,7 @@ void expect_to_answer_two_runs(const std::string& controller_command, const fs::
   std::vector<msgs::RunLog> runs;
   for (const char* name : {"first.lcmlog", "second.lcmlog"}) {
     RunningProgram plant({kPlant, "--scenario", kScenarios + "thesis_slew.yaml", "--bus", bus, "--log", (folder / name).string(), "--set",
-                          "duration=6 s"});
+                          "duration=6"});
     ASSERT_EQ(plant.wait_for_end(), 0) << plant.complaints();
     runs.push_back(msgs::read_run_logs(folder / name).runs.at(0));
   }

@@ -449,8 +449,6 @@ bool accepted(const std::vector<CheckResult>& results) {
 }
 
 std::string why_no_verdict(const msgs::RunLogs& logs, const ExpectedRun& expected) {
-  if (logs.lost_bytes > 0) return fmt::format("the log is damaged: {} bytes of it are no whole event", logs.lost_bytes);
-  if (logs.lost_messages > 0) return fmt::format("the log is damaged: {} messages of the plant cannot be used", logs.lost_messages);
   if (logs.runs.size() > 1) return fmt::format("the log holds {} runs: which of them is meant is not known", logs.runs.size());
   const msgs::RunLog& run = logs.runs.front();
   if (run.encoder.empty()) return "there is no ENCODER in the log: the run never started";
@@ -474,6 +472,8 @@ std::string why_no_verdict(const msgs::RunLogs& logs, const ExpectedRun& expecte
       return fmt::format("the log has a hole of {:.3f} s behind {:.3f} s", seconds(hole), seconds(run.encoder[i - 1].simulated_time));
     }
   }
+  if (logs.lost_bytes > 0) return fmt::format("the log is damaged: {} bytes of it are no whole event", logs.lost_bytes);
+  if (logs.lost_messages > 0) return fmt::format("the log is damaged: {} messages of the plant cannot be used", logs.lost_messages);
   return {};
 }
 

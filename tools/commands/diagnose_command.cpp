@@ -343,12 +343,14 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
 
     const diagnosis::AdmissionSettings admission = diagnosis::admission_for(nominal.crane, controller ? controller->rated_torque : 0.0);
     std::vector<Record> records;
+    bool is_damaged = false;  // one of the logs
     for (const std::filesystem::path& log : options.logs) {
       const msgs::RunLogs logs = msgs::read_run_logs(log);
       for (std::size_t r = 0; r < logs.runs.size(); ++r) {
         const std::string name = logs.runs.size() == 1 ? log.string() : fmt::format("{} run {}", log.string(), r + 1);
         records.push_back(diagnosis::make_record(logs.runs[r], name, admission));
       }
+      is_damaged = is_damaged || logs.lost_bytes > 0 || logs.lost_messages > 0;
       for (const std::string& remark : logs.remarks) records.back().remarks.push_back(log.string() + ": " + remark);
       if (logs.runs.size() > 1) {
         records.back().remarks.push_back(
@@ -361,9 +363,10 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
     settings.threads = options.threads;
     settings.hold_out = true;
     ProgressDisplay progress(options.terminal, out);
-    const Diagnosis found =
-        diagnosis::diagnose(nominal, controller, records, settings, std::ref(progress), common::stop_requested);
+    Diagnosis found = diagnosis::diagnose(nominal, controller, records, settings, std::ref(progress), common::stop_requested);
     progress.keep();
+    // Said with the answer and not only in a note: what is lost may be where the gap was.
+    if (is_damaged) found.verdict += " (from what is left of a damaged log)";
 
     if (common::stop_requested()) throw diagnosis::Interrupted{};  // what follows takes seconds, and then it is written
     const Cause nothing;

@@ -77,6 +77,20 @@ TEST(FaultScenarios, WithoutItsFaultTheManoeuvreTripsNothing) {
   for (const std::string& broken : broken_expectations(calm, logs.runs.at(0))) ADD_FAILURE() << broken;
 }
 
+// Whatever bit is turned over, the log is one run's. (What the drive makes of it depends on the bit.)
+TEST(FaultScenarios, NoTurnedBitMakesAnotherRunOfALog) {
+  for (int seed = 1; seed <= 8; ++seed) {
+    const Scenario scenario = load_scenario_file(kFolder / "torque_bits.yaml", {{"seed", std::to_string(seed)}});
+    const TemporaryFolder folder;
+    run(scenario, folder.path() / "run.lcmlog");
+    const msgs::RunLogs logs = msgs::read_run_logs(folder.path() / "run.lcmlog");
+    ASSERT_EQ(logs.runs.size(), 1u) << "seed " << seed;
+    const auto cycles = static_cast<std::size_t>(scenario.duration / scenario.controller_period);
+    EXPECT_EQ(logs.runs[0].encoder.size(), cycles) << "seed " << seed;
+    EXPECT_EQ(logs.lost_messages, 0) << "seed " << seed;
+  }
+}
+
 TEST(FaultScenarios, AnExpectationThatDoesNotHoldIsToldWithWhatWasFound) {
   const Scenario scenario = load_scenario_file(kFolder / "controller_killed.yaml");
   const TemporaryFolder folder;

@@ -50,8 +50,7 @@ std::string damaged(std::string log, std::mt19937_64& random) {
 class DamagedLogTest : public testing::Test {
  protected:
   void SetUp() override {
-    RunningProgram run({kSlewlab, "run", kThesis, "--out", folder_.path() / "run", "--progress", "none", "--set",
-                        "telemetry.sensors_period=20 ms", "--set", "telemetry.truth_period=100 ms"});
+    RunningProgram run({kSlewlab, "run", kThesis, "--out", folder_.path() / "run", "--progress", "none"});
     ASSERT_EQ(run.wait_for_end(), 0) << run.complaints();
     whole_ = contents(log_);
     ASSERT_FALSE(whole_.empty());

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <sstream>
@@ -256,6 +257,24 @@ TEST_F(ReplayTest, ADamagedLogIsReplayedAsFarAsItGoesAndSaysWhatItCouldNotUse) {
                            "messages are missing"}) {
     EXPECT_NE(out_.str().find(said), std::string::npos) << said << " is not in\n" << out_.str();
   }
+}
+
+// A number that speaks of a far future is not simulated until then, and nobody is asked until then.
+TEST_F(ReplayTest, AFarFutureIsRefusedInWords) {
+  const auto mentions = [](const std::vector<std::string>& remarks, const char* words) {
+    return std::any_of(remarks.begin(), remarks.end(), [&](const std::string& remark) { return remark.find(words) != std::string::npos; });
+  };
+  msgs::RunLog run = recorded();
+  run.encoder.back().sequence = run.torque.back().answered_sequence = run.torque.back().alive_counter = std::int64_t{1} << 50;
+  const PlantReplay plant = replay_plant(scenario_, run, arrivals_by_answer(run));
+  EXPECT_TRUE(plant.run.encoder.empty());
+  EXPECT_TRUE(mentions(plant.remarks, "a number in it must be damaged; not replayed"));
+  EXPECT_TRUE(mentions(plant.remarks, "too many to be put in"));
+  const Questions questions = recorded_questions(run);
+  EXPECT_TRUE(questions.starts.empty());
+  EXPECT_TRUE(mentions(questions.remarks, "nothing is asked"));
+  run.encoder.front().sequence = -(std::int64_t{1} << 50);
+  EXPECT_TRUE(replay_plant(scenario_, run, arrivals_by_answer(run)).run.encoder.empty());
 }
 
 TEST_F(ReplayTest, WhatCannotBeAnsweredIsRefused) {
