@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "sim/integrate/friction.h"
 #include "sim/integrate/oscillator.h"
 #include "sim/model/boom.h"
 #include "sim/model/drive_line.h"
@@ -14,8 +15,8 @@ namespace {
 
 // Times below which a split would not move the state [s].
 constexpr double kShortestSplit = 1e-12;
-// Sweeps over the frictions of a step; motors and house act on each other through soft gears, so each sweep
-// gains two to four digits.
+// Sweeps over the frictions of a step before they are solved by pivots; motors and house act on each other through
+// soft gears, so each sweep gains two to four digits.
 constexpr int kFrictionSweeps = 12;
 
 void size_step(ModalStep& step, int count) {
@@ -156,6 +157,7 @@ struct Trial {
   GroupArray angle, speed;  // motors at the end
   GroupArray friction;      // on motors
   double house_friction;
+  FrictionEnd friction_end;
   double torque_sum, rate_sum;
   House house;
 };
@@ -263,9 +265,10 @@ void solve_end(const PlantModel& model, const ModalStep& step, const PlantState&
   }
 }
 
-// Projected Gauss-Seidel: each friction takes what would stop its body within the step, up to its level.
-void solve_with_friction(const PlantModel& model, const ModalStep& step, const PlantState& state,
-                         const Push& push, const Start& start, const House& free_house, Trial& trial) {
+// Each friction takes what would stop its body within the step, up to its level; sweep by sweep that of the others gets
+// into it. True once nothing changes any more.
+bool sweep_frictions(const PlantModel& model, const ModalStep& step, const PlantState& state, const Push& push,
+                     const Start& start, const House& free_house, Trial& trial) {
   for (int sweep = 0; sweep < kFrictionSweeps; ++sweep) {
     solve_end(model, step, state, push, start, free_house, trial);
     double change = 0.0;
@@ -281,9 +284,54 @@ void solve_with_friction(const PlantModel& model, const ModalStep& step, const P
     const double level = push.friction.house_positive + push.friction.house_negative;
     change = std::max(change, std::fabs(taken - trial.house_friction) - 1e-12 * level);
     trial.house_friction = taken;
-    if (change <= 0.0) return;
+    if (change <= 0.0) return true;
   }
+  return false;
+}
+
+// Stiff gears couple motors and house too closely for sweeps: the end speeds are linear in the frictions, so a few solves
+// of the step's end give the whole problem.
+FrictionEnd pivot_frictions(const PlantModel& model, const ModalStep& step, const PlantState& state, const Push& push,
+                            const Start& start, const House& free_house, Trial& trial) {
+  const int groups = model.group_count;
+  FrictionProblem problem;
+  problem.count = groups + 1;
+  double friction[kMaximumFrictions];
+  for (int i = 0; i < groups; ++i) {
+    friction[i] = trial.friction[i];
+    problem.lowest[i] = -push.friction.motor[i];
+    problem.highest[i] = push.friction.motor[i];
+  }
+  friction[groups] = trial.house_friction;
+  problem.lowest[groups] = -push.friction.house_positive;
+  problem.highest[groups] = push.friction.house_negative;
+
+  const auto speed_of = [&](int body) { return body < groups ? trial.speed[body] : trial.house.speed; };
+  trial.friction.fill(0.0);
+  trial.house_friction = 0.0;
   solve_end(model, step, state, push, start, free_house, trial);
+  for (int i = 0; i <= groups; ++i) problem.free_speed[i] = speed_of(i);
+  for (int j = 0; j <= groups; ++j) {
+    // What gives the body alone 1 rad/s within the step.
+    const double torque = j < groups ? model.group_inertia[j] / step.length : 1.0 / step.house_speed_to_torque;
+    double& on_body = j < groups ? trial.friction[j] : trial.house_friction;
+    on_body = torque;
+    solve_end(model, step, state, push, start, free_house, trial);
+    on_body = 0.0;
+    for (int i = 0; i <= groups; ++i) problem.mobility[i][j] = (speed_of(i) - problem.free_speed[i]) / torque;
+  }
+
+  const FrictionEnd end = solve_frictions(problem, friction);
+  for (int i = 0; i < groups; ++i) trial.friction[i] = friction[i];
+  trial.house_friction = friction[groups];
+  solve_end(model, step, state, push, start, free_house, trial);
+  return end;
+}
+
+void solve_with_friction(const PlantModel& model, const ModalStep& step, const PlantState& state, const Push& push,
+                         const Start& start, const House& free_house, Trial& trial) {
+  if (sweep_frictions(model, step, state, push, start, free_house, trial)) return;
+  trial.friction_end = pivot_frictions(model, step, state, push, start, free_house, trial);
 }
 
 // First pass over the modes: where they are at the end without the end torques. Returns the house's part.
@@ -459,6 +507,7 @@ void accept(const PlantModel& model, const ModalStep& step, const LoadStep& load
     state.motor_friction[i] = trial.friction[i];
   }
   state.house_friction = trial.house_friction;
+  if (push.has_friction && trial.friction_end != FrictionEnd::solved) ++state.unsolved_frictions;
   state.other_house_torque = push.house + trial.house_friction;
   state.supplied_work += state.other_house_torque * (trial.house.angle - state.house_angle);
   state.house_angle = trial.house.angle;
@@ -499,6 +548,7 @@ void attempt(const PlantModel& model, const ModalStep& step, const PlantState& s
   const House free_house = advance_free(model, step, state, push, start, workspace);
   trial.friction.fill(0.0);
   trial.house_friction = 0.0;
+  trial.friction_end = FrictionEnd::solved;
   if (push.has_friction) {
     trial.friction = state.motor_friction;
     trial.house_friction = state.house_friction;

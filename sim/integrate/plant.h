@@ -13,7 +13,8 @@
 //   advanced exactly for a tip that moves linearly between the step's ends.
 // - Torques of the motors are held over the step; port forces of effects too. Friction on motors and house
 //   (brake, dragging brake, slew bearing) is a torque that opposes motion up to a level and holds at rest: it
-//   is found with the step's end speed, so that sticking is exact and nothing chatters.
+//   is found with the step's end speed, so that sticking is exact and nothing chatters: by sweeps over motors and
+//   house, and by pivots (friction.h) where those do not settle.
 //
 // Order of accuracy: the contact phases are of fourth order in h, the splits keep at least second order across
 // impacts. step() allocates nothing, locks nothing, throws nothing. Same inputs, same bits.
@@ -116,6 +117,7 @@ struct PlantState {
   std::array<int, kMaximumGroupCount> last_flank{};               // -1 or +1; 0 before the first contact
   std::int64_t contact_changes = 0;                               // contacts made or lost since the start
   std::int64_t unsplit_steps = 0;  // steps in which kMaximumSplits was reached
+  std::int64_t unsolved_frictions = 0;  // steps, or parts of one, whose frictions do not hold to their law (friction.h)
   double supplied_work = 0.0;      // [J] by motors, friction and ports since the start
 };
 

@@ -87,6 +87,7 @@ void take_record(const sim::CranePlant& plant, const SoakFacts& facts, const sim
   record.play_crossings = state.play_crossings;
   record.contact_changes = state.contact_changes;
   record.unsplit_steps = state.unsplit_steps;
+  record.unsolved_frictions = state.unsolved_frictions;
   record.house_angle = state.house_angle;
   record.house_speed = state.house_speed;
   record.rope_angle = sim::rope_angle(model, state);
@@ -132,7 +133,7 @@ class WatchedPlant : public sim::DrivenPlant {
     check_speed(facts_, limits_, now_, findings_);
     check_angles(facts_, limits_, now_, findings_);
     check_contact(facts_, before_, now_, findings_);
-    check_friction(facts_, now_, findings_);
+    check_friction(facts_, before_, now_, findings_);
     check_drive(facts_, behind_message, now_, false, findings_);
     energy_.check(now_, findings_);
     house_speed_ = std::max(house_speed_, std::fabs(now_.house_speed));
