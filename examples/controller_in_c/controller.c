@@ -35,7 +35,7 @@ static const double kPlayMap[][3] = {           /* average, half 1, half 2 in sh
     {0.0, 0.10, -0.10},  {0.18, 0.46, -0.10}, {0.415, 0.93, -0.10},
     {0.48, 0.93, 0.03},  {0.57, 0.88, 0.24},  {1.0, 1.0, 1.0}};
 /* Readings that are refused, of the motor shafts. */
-static const double kSpeedLimit = 1.2 * 0.05 * 2735.58; /* [rad/s] 120 % of top speed; chosen */
+static const double kSpeedLimit = 1.3 * 0.05 * 2735.58; /* [rad/s] 130 % of top speed; chosen */
 static const double kAccelerationLimit = 800.0;  /* [rad/s^2] what motor, brake and gears can do to a motor; chosen */
 static const double kTolerance = 0.03 * 0.05 * 2735.58; /* [rad/s] noise and counting of an encoder; chosen */
 static const double kHoldTime = 0.05;            /* [s] for which a refused reading is held over; chosen */

@@ -11,6 +11,7 @@ motor [N m]; time is in seconds.
 
 import math
 import os
+import struct
 
 import lcm
 from slewlab_msgs import controller_state_t, encoder_t, operator_t, torque_t
@@ -29,7 +30,7 @@ CURVED_SHARE = 0.3           # of the ramp's time, at each end; chosen
 GAIN = 40.0                  # [N m s/rad] proportional, fast axis; chosen
 INTEGRAL_TIME = 1.0          # [s] chosen
 # Readings that are refused, of the motor shafts.
-SPEED_LIMIT = 1.2 * TOP_SPEED * RATIO  # [rad/s] 120 % of top speed; chosen
+SPEED_LIMIT = 1.3 * TOP_SPEED * RATIO  # [rad/s] 130 % of top speed; chosen
 ACCELERATION_LIMIT = 800.0   # [rad/s^2] what motor, brake and gears can do to a motor; chosen
 TOLERANCE = 0.03 * TOP_SPEED * RATIO   # [rad/s] noise and counting of an encoder; chosen
 HOLD_TIME = 0.05             # [s] for which a refused reading is held over; chosen
@@ -291,6 +292,14 @@ class Controller:
         state.proportional_torque = state.integral_torque = [0.0] * GROUPS
 
 
+def decoded(message_class, data):
+    """The message; None where the bytes are none: a bit that turned over on its way."""
+    try:
+        return message_class.decode(data)
+    except (ValueError, struct.error):
+        return None
+
+
 class Answers:
     """The wire (docs/wire.md): every ENCODER gets one answer, a repeated one the same bytes again."""
 
@@ -305,13 +314,15 @@ class Answers:
             bus.subscribe(channel, handler).set_queue_capacity(0)  # unlimited: by default the newest are dropped
 
     def on_operator(self, channel, data):
-        message = operator_t.decode(data)
+        message = decoded(operator_t, data)
+        if message is None:
+            return
         if self.operator is None or message.sequence > self.operator.sequence:
             self.operator = message
 
     def on_encoder(self, channel, data):
-        encoder = encoder_t.decode(data)
-        if encoder.sequence < self.answered:
+        encoder = decoded(encoder_t, data)
+        if encoder is None or encoder.sequence < self.answered:
             return
         if encoder.sequence > self.answered:
             if self.operator is None or self.operator.sequence < encoder.operator_sequence:

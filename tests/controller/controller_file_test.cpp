@@ -36,7 +36,7 @@ TEST(ControllerFile, ThesisValues) {
 TEST(ControllerFile, PlausibilityFollowsFromTheRampWhereItIsNotGiven) {
   const double top_speed = 0.05 * 2735.58;  // [rad/s] of the motors
   const PlausibilitySettings given = load_controller_file(kFolder + "thesis.yaml").settings.plausibility;
-  EXPECT_DOUBLE_EQ(given.speed_limit, 1.2 * top_speed);
+  EXPECT_DOUBLE_EQ(given.speed_limit, 1.3 * top_speed);
   EXPECT_EQ(given.acceleration_limit, 800.0);
   EXPECT_DOUBLE_EQ(given.tolerance, 0.03 * top_speed);
   EXPECT_DOUBLE_EQ(given.timeout, 0.05);
