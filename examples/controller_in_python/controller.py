@@ -11,6 +11,7 @@ motor [N m]; time is in seconds.
 
 import math
 import os
+import struct
 
 import lcm
 from slewlab_msgs import controller_state_t, encoder_t, operator_t, torque_t
@@ -289,6 +290,14 @@ class Controller:
         torque.motor_torque = [0.0] * GROUPS
         state.mode, state.ramped_speed, state.average_torque, state.offset_torque = WAITING, 0.0, 0.0, 0.0
         state.proportional_torque = state.integral_torque = [0.0] * GROUPS
+
+
+def decoded(message_class, data):
+    """The message; None where the bytes are none: a bit that turned over on its way."""
+    try:
+        return message_class.decode(data)
+    except (ValueError, struct.error):
+        return None
 
 
 class Answers:
