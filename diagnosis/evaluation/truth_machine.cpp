@@ -13,6 +13,7 @@ namespace slewlab::diagnosis::withheld {
 TruthMachine make_truth_machine(const sim::CraneParameters& crane, const controller::ControllerSettings& controller) {
   TruthMachine machine;
   machine.crane = crane;
+  machine.scales = law_scales(crane, controller);
   machine.crane.boom.element_count = kTruthElementCount;
   machine.controller = controller;
   machine.inertia_share.fill(1.0);

@@ -15,13 +15,14 @@
 #include <vector>
 
 #include "controller/controller.h"
+#include "diagnosis/evaluation/law_scales.h"
 #include "diagnosis/evaluation/structure.h"
 #include "sim/integrate/reference.h"
 
 namespace slewlab::diagnosis::withheld {
 
 inline constexpr double kBaseStep = 1e-3;     // [s]
-inline constexpr int kTruthElementCount = 16;  // boom elements; the nominal crane has 6
+inline constexpr int kTruthElementCount = 16;  // boom elements; the nominal cranes of config/cranes have 6
 
 using sim::GroupArray;
 
@@ -68,6 +69,7 @@ struct NoiseSettings {
 
 struct TruthMachine {
   sim::CraneParameters crane;
+  LawScales scales;  // of the nominal machine
   StructureChange structure;
   GroupArray inertia_share{}, stiffness_share{}, damping_share{};  // 1: as the crane says
   GroupArray added_half_play{};                                    // [rad] slew axis
@@ -82,6 +84,7 @@ struct TruthMachine {
   NoiseSettings noise;
 };
 
+// With the scales of `crane` itself. Throws std::invalid_argument where it has none.
 TruthMachine make_truth_machine(const sim::CraneParameters& crane, const controller::ControllerSettings& controller);
 
 struct Request {

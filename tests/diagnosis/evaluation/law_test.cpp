@@ -11,6 +11,7 @@
 #include "controller/effects/catalogue.h"
 #include "diagnosis/evaluation/bristle.h"
 #include "sim/effects/catalogue.h"
+#include "tests/sim/scaled_crane.h"
 #include "tests/sim/thesis_crane.h"
 
 namespace slewlab::diagnosis::withheld {
@@ -64,7 +65,8 @@ TEST(Law, EveryEffectOfTheCataloguesHasALawThatFitsIt) {
       if (law.effect != about->name) continue;
       ++found;
       EXPECT_EQ(law.subsystem, common::name_of(about->subsystem)) << law.name;
-      for (const double size : {law.low, law.high}) {
+      const double unit = law.unit(make_truth_machine(sim::thesis_crane(16), {}).scales);
+      for (const double size : {law.low * unit, law.high * unit}) {
         for (std::uint64_t seed = 0; seed < 20; ++seed) {
           TruthMachine machine = make_truth_machine(sim::thesis_crane(16), {});
           Random random(seed, "test");
@@ -220,6 +222,93 @@ TEST(Law, AirDragHasItsAreaAtTheReferenceSpeed) {
   Still still(0.0);
   still.motion.rope_end_velocity = 1.5;
   EXPECT_NEAR(still.forces(machine, {}).load_force, -0.5 * 1.225 * 200.0 * 1.5 * 1.5, 0.01);
+}
+
+// Exponents of a quantity under masses and forces times f, and under lengths times lambda with times by sqrt(lambda).
+struct Exponents {
+  double of_masses, of_lengths;
+};
+Exponents exponents_of(common::Unit unit) {
+  using common::Unit;
+  switch (unit) {
+    case Unit::second: return {0.0, 0.5};
+    case Unit::metre: return {0.0, 1.0};
+    case Unit::square_metre: return {0.0, 2.0};
+    case Unit::metre_per_second: return {0.0, 0.5};
+    case Unit::radian_per_second: return {0.0, -0.5};
+    case Unit::kilogram: return {1.0, 0.0};
+    case Unit::newton: return {1.0, 0.0};
+    case Unit::newton_per_metre: return {1.0, -1.0};
+    case Unit::newton_second_per_metre: return {1.0, -0.5};
+    case Unit::newton_metre: return {1.0, 1.0};
+    case Unit::newton_metre_per_radian: return {1.0, 1.0};
+    case Unit::newton_metre_second_per_radian: return {1.0, 1.5};
+    default: return {0.0, 0.0};
+  }
+}
+
+// The air's density does not scale: what the wind does is a share of the machine's force at the tip.
+Exponents exponents_of(const std::string& effect, const common::EffectParameter& parameter) {
+  const bool is_wind = effect == "wind" || effect == "gusts";
+  if (is_wind && parameter.unit == common::Unit::metre_per_second) return {0.5, -1.0};
+  if (effect == "air_drag") return {1.0, -1.0};
+  return exponents_of(parameter.unit);
+}
+
+struct ScaledMachines {
+  TruthMachine one, heavier, longer;
+  static constexpr double kFactor = 1e3, kLambda = 4.0;
+  ScaledMachines() {
+    controller::ControllerSettings controller;
+    controller.ramp.acceleration_time = 4.4;
+    one = make_truth_machine(sim::thesis_crane(16), controller);
+    heavier = make_truth_machine(sim::with_masses_times(sim::thesis_crane(16), kFactor), controller);
+    controller.ramp.acceleration_time *= std::sqrt(kLambda);
+    longer = make_truth_machine(sim::with_lengths_times(sim::thesis_crane(16), kLambda), controller);
+  }
+};
+
+// All that a law draws keeps its proportion to the machine.
+TEST(Law, SizesFollowMassesAndLengthsOfTheMachine) {
+  std::vector<const common::EffectAbout*> abouts = sim::effect_abouts();
+  for (const common::EffectAbout* about : controller::effect_abouts()) abouts.push_back(about);
+  const ScaledMachines machines;
+  for (const Law& law : laws()) {
+    const auto about = std::find_if(abouts.begin(), abouts.end(), [&](const auto* a) { return a->name == law.effect; });
+    if (about == abouts.end()) continue;
+    const auto sizes = [&](TruthMachine machine, double share) {
+      Random random(7, "test");
+      return law.apply(machine, share * law.unit(machine.scales), random);
+    };
+    const std::vector<TrueSize> one = sizes(machines.one, law.high), heavier = sizes(machines.heavier, law.high),
+                                longer = sizes(machines.longer, law.high);
+    for (std::size_t k = 0; k < one.size(); ++k) {
+      if (one[k].value == 0.0 || one[k].parameter == "window") continue;  // the window is the drive's own clock
+      const auto parameter = std::find_if((*about)->parameters.begin(), (*about)->parameters.end(),
+                                          [&](const common::EffectParameter& p) { return p.name == one[k].parameter; });
+      ASSERT_NE(parameter, (*about)->parameters.end()) << law.name << " " << one[k].parameter;
+      const Exponents expected = exponents_of(law.effect, *parameter);
+      EXPECT_NEAR(heavier[k].value / one[k].value / std::pow(ScaledMachines::kFactor, expected.of_masses), 1.0, 1e-6)
+          << law.name << " " << one[k].parameter;
+      EXPECT_NEAR(longer[k].value / one[k].value / std::pow(ScaledMachines::kLambda, expected.of_lengths), 1.0, 1e-6)
+          << law.name << " " << one[k].parameter;
+    }
+  }
+}
+
+// Those that no catalogue has, by the units that their sizes have.
+TEST(Law, SizesOutsideTheCatalogueFollowMassesAndLengths) {
+  const std::pair<const char*, Exponents> kExpected[] = {
+      {"stiffening_gears", {0.0, 0.0}}, {"slew_cogging", {1.0, 1.0}},   {"tight_spot", {1.0, 1.0}},
+      {"creeping_rope", {0.0, 0.5}},    {"warming_motors", {0.0, 0.0}}, {"flat_roller", {1.0, 1.0}},
+      {"stiffening_guy", {1.0, -3.0}}};  // N/m^3
+  const ScaledMachines machines;
+  for (const auto& [name, expected] : kExpected) {
+    const Law& law = law_named(name);
+    const double one = law.unit(machines.one.scales);
+    EXPECT_NEAR(law.unit(machines.heavier.scales) / one / std::pow(ScaledMachines::kFactor, expected.of_masses), 1.0, 1e-6) << name;
+    EXPECT_NEAR(law.unit(machines.longer.scales) / one / std::pow(ScaledMachines::kLambda, expected.of_lengths), 1.0, 1e-6) << name;
+  }
 }
 
 }  // namespace

@@ -30,7 +30,8 @@ constexpr ReferenceOptions kJudge{.method = ReferenceMethod::kBdf, .tolerance = 
 class DemoScenario : public testing::TestWithParam<const char*> {};
 INSTANTIATE_TEST_SUITE_P(Accuracy, DemoScenario,
                          testing::Values("thesis_slew", "thesis_slew_without_play_compensation",
-                                         "thesis_slew_linear_ramp"),
+                                         "thesis_slew_linear_ramp", "harbour_5t_slew", "harbour_5t_inching",
+                                         "offshore_900t_slew", "offshore_900t_inching"),
                          [](const auto& name) { return std::string(name.param); });
 
 TEST_P(DemoScenario, FixedStepFollowsTheReference) {
