@@ -111,6 +111,8 @@ inline Drive drive_of(const Demo& demo) {
   Drive drive;
   drive.period = demo.settings.period;
   drive.duration = 1e-9 * static_cast<double>(demo.scenario.duration);
+  const double samples = drive.period / drive.sample;  // a torque begins with a sample
+  if (std::fabs(samples - std::round(samples)) > 1e-9) drive.sample = 1e-3;
   auto state = std::make_shared<controller::ControllerState>();
   drive.torque = [&demo, state](double time, const GroupArray& shaft_speed) {
     if (time == 0.0) *state = {};
