@@ -14,7 +14,6 @@ namespace {
 constexpr double kDragShare = 0.642;
 constexpr double kLoadArea = 0.25;         // [-] of the boom's: chosen
 constexpr double kRampOverRated = 4.4;     // [-] ramp time over the shortest possible, where no controller is known: chosen
-constexpr double kSwingOverRamp = 0.56;    // [-] where nothing swings: chosen, a load's sqrt(length / g) over its crane's ramp
 constexpr int kWidthStations = 200;        // midpoints for the mean width
 
 double mean_half_width(const sim::BoomParameters& boom) {
@@ -53,9 +52,11 @@ LawScales law_scales(const sim::CraneParameters& nominal, const controller::Cont
     scales.boom_area = kDragShare * 2.0 * mean_half_width(boom) * boom.length;
     scales.load_area = kLoadArea * scales.boom_area;
     scales.wind_speed = std::sqrt(scales.tip_force / (0.5 * kAirDensity * scales.boom_area));
-    scales.drag_area = scales.tip_force / (0.5 * kAirDensity * scales.tip_speed * scales.tip_speed);
+    scales.drag_area = scales.tip_force / (0.5 * kAirDensity * sim::kGravity * machine.reach);
+    scales.wave_time = std::sqrt(machine.reach / sim::kGravity);
+    const double radius_by_time = machine.reach * machine.acceleration_time;
+    scales.sideways_stiffness = machine.axis_inertia / (radius_by_time * radius_by_time);
   }
-  scales.swing_time = kSwingOverRamp * scales.ramp_time;
   if (nominal.load.mass > 0.0) {
     scales.load_weight = nominal.load.mass * sim::kGravity;
     scales.rope_length = nominal.load.rope_length;

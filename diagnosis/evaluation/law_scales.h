@@ -33,11 +33,13 @@ struct LawScales {
   double boom_area = 0.0;          // [m^2] that drags in the wind
   double load_area = 0.0;          // [m^2]
   double wind_speed = 0.0;         // [m/s] at which the wind on the boom is tip_force
-  double drag_area = 0.0;          // [m^2] whose drag at tip_speed is tip_force
+  double drag_area = 0.0;          // [m^2] on which a wind of sqrt(g reach) makes tip_force
+  double wave_time = 0.0;          // [s] sqrt(reach / g): how waves' periods go with the size of what they move
+  double sideways_stiffness = 0.0; // [N/m] axis_inertia at the reach over acceleration_time squared
   double load_weight = 0.0;        // [N]
   double rope_length = 0.0;        // [m]
-  double rope_stiffness = 0.0;     // [N/m] sideways, weight / length
-  double swing_time = 0.0;         // [s] sqrt(length / g); without a load as the ramp has it
+  double rope_stiffness = 0.0;     // [N/m] sideways, weight / length, as the small-angle rope has it
+  double swing_time = 0.0;         // [s] sqrt(rope length / g)
 };
 
 // Throws std::invalid_argument where the machine has no scales.

@@ -168,7 +168,7 @@ std::vector<TrueSize> offlead(TruthMachine& machine, double, Random&) {
 }
 
 std::vector<TrueSize> tag_line(TruthMachine& machine, double size, Random& random) {
-  const double damping = size * machine.scales.swing_time * random.between(0.809, 2.02);  // [Ns/m]
+  const double damping = size * machine.scales.machine.acceleration_time * random.between(1.99, 4.96);  // [Ns/m]
   const double stiffening = 0.0667 * machine.scales.rope_length;  // [m] at which the sagging line is twice as stiff
   machine.forces.push_back({{}, {}, [=](const Scene& scene, const double*, sim::ReferenceForces& forces, double*) {
     const double x = scene.motion.rope_end_displacement - scene.tip_radius * scene.motion.house_angle;
@@ -185,7 +185,7 @@ double of_boom_mass(const LawScales& s) { return s.machine.boom_mass; }
 double of_wind_speed(const LawScales& s) { return s.wind_speed; }
 double of_rope_per_swing(const LawScales& s) { return s.rope_length / (2.0 * kPi * s.swing_time); }
 double of_drag_area(const LawScales& s) { return s.drag_area; }
-double of_rope_stiffness(const LawScales& s) { return s.rope_stiffness; }
+double of_sideways_stiffness(const LawScales& s) { return s.sideways_stiffness; }
 
 }  // namespace
 
@@ -206,9 +206,9 @@ std::vector<Law> boom_and_load_laws() {
       {"hoisting_on_elastic_rope", "hoisting", "load", "true geometry, elastic rope, smooth speed", 0.00259, 0.207,
        of_rope_per_swing, hoisting, {}, Needs::load},
       {"true_pendulum", "large_angles", "load", "true geometry, elastic rope", 1.0, 1.0, pure_number, large_angles, {}, Needs::load},
-      {"drag_by_power", "air_drag", "load", "power 1.85 of the speed", 1.15e-4, 0.0172, of_drag_area, air_drag, {}, Needs::load},
+      {"drag_by_power", "air_drag", "load", "power 1.85 of the speed", 0.0144, 2.155, of_drag_area, air_drag, {}, Needs::load},
       {"radial_pendulum", "offlead", "load", "true radius and sine", 1.0, 1.0, pure_number, offlead, {}, Needs::load},
-      {"sagging_tag_line", "tag_line", "load", "stiffens with its deflection", 0.00408, 0.815, of_rope_stiffness, tag_line, {},
+      {"sagging_tag_line", "tag_line", "load", "stiffens with its deflection", 2.41e-4, 0.0482, of_sideways_stiffness, tag_line, {},
        Needs::load},
   };
 }

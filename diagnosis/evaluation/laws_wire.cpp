@@ -13,8 +13,7 @@ namespace {
 constexpr double kPi = std::numbers::pi;
 
 std::vector<TrueSize> vessel_roll(TruthMachine& machine, double size, Random& random) {
-  // [s] thesis 1.1: 6 to 15 s, beside a pendulum of 15.5 s
-  const double period = 2.0 * kPi * machine.scales.swing_time * random.between(0.386, 0.965);
+  const double period = machine.scales.wave_time * random.between(3.36, 8.39);  // [s] thesis 1.1: 6 to 15 s, for a reach of 31 m
   const double phase = random.between(-kPi, kPi), second_phase = random.between(-kPi, kPi);
   const double direction = random.between(-kPi, kPi);
   const double height = machine.scales.machine.reach * random.between(0.319, 0.958);  // [m]

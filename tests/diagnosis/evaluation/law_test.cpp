@@ -11,6 +11,7 @@
 #include "controller/effects/catalogue.h"
 #include "diagnosis/evaluation/bristle.h"
 #include "sim/effects/catalogue.h"
+#include "sim/machine/crane_file.h"
 #include "tests/sim/scaled_crane.h"
 #include "tests/sim/thesis_crane.h"
 
@@ -22,6 +23,18 @@ TruthMachine machine_with(const std::string& law, double size) {
   Random random(1, "test");
   law_named(law).apply(machine, size, random);
   return machine;
+}
+
+const std::string kConfig = SLEWLAB_SOURCE_DIR "/config/";
+
+sim::CraneParameters crane_of(const std::string& name) {
+  return sim::load_crane_file(kConfig + "cranes/" + name + ".yaml").parameters;
+}
+controller::ControllerSettings controller_of(const std::string& name) {
+  return controller::load_controller_file(kConfig + "controllers/" + name + ".yaml").settings;
+}
+common::EffectCatalogue effects_of(const std::string& name) {
+  return joined(sim::effects_for(crane_of(name)), controller::effects_for(controller_of(name)));
 }
 
 // A crane that slews as one body at `speed`, its load hanging straight.
@@ -55,9 +68,13 @@ TEST(Law, NamesAreUniqueAndSizesPositive) {
 }
 
 // Every effect of both catalogues can be drawn, under its own name, subsystem and parameters, within its bounds.
-TEST(Law, EveryEffectOfTheCataloguesHasALawThatFitsIt) {
-  const controller::ControllerSettings settings = controller::load_controller_file(SLEWLAB_SOURCE_DIR "/config/controllers/thesis.yaml").settings;
-  const common::EffectCatalogue catalogue = joined(sim::effects_for(sim::thesis_crane()), controller::effects_for(settings));
+class LawsOfACrane : public testing::TestWithParam<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Law, LawsOfACrane, testing::Values("thesis", "harbour_5t", "offshore_900t"),
+                         [](const auto& name) { return std::string(name.param); });
+
+TEST_P(LawsOfACrane, EveryEffectOfTheCataloguesHasALawThatFitsIt) {
+  const common::EffectCatalogue catalogue = effects_of(GetParam());
+  const TruthMachine nominal = make_truth_machine(crane_of(GetParam()), controller_of(GetParam()));
   for (const common::EffectAbout& effect : catalogue.effects) {
     const common::EffectAbout* about = &effect;
     int found = 0;
@@ -65,10 +82,10 @@ TEST(Law, EveryEffectOfTheCataloguesHasALawThatFitsIt) {
       if (law.effect != about->name) continue;
       ++found;
       EXPECT_EQ(law.subsystem, common::name_of(about->subsystem)) << law.name;
-      const double unit = law.unit(make_truth_machine(sim::thesis_crane(16), {}).scales);
+      const double unit = law.unit(nominal.scales);
       for (const double size : {law.low * unit, law.high * unit}) {
         for (std::uint64_t seed = 0; seed < 20; ++seed) {
-          TruthMachine machine = make_truth_machine(sim::thesis_crane(16), {});
+          TruthMachine machine = nominal;
           Random random(seed, "test");
           for (const TrueSize& value : law.apply(machine, size, random)) {
             const auto parameter =
@@ -270,12 +287,12 @@ struct ScaledMachines {
 
 // All that a law draws keeps its proportion to the machine.
 TEST(Law, SizesFollowMassesAndLengthsOfTheMachine) {
-  std::vector<const common::EffectAbout*> abouts = sim::effect_abouts();
-  for (const common::EffectAbout* about : controller::effect_abouts()) abouts.push_back(about);
+  const common::EffectCatalogue catalogue = effects_of("thesis");
   const ScaledMachines machines;
   for (const Law& law : laws()) {
-    const auto about = std::find_if(abouts.begin(), abouts.end(), [&](const auto* a) { return a->name == law.effect; });
-    if (about == abouts.end()) continue;
+    const auto about = std::find_if(catalogue.effects.begin(), catalogue.effects.end(),
+                                    [&](const common::EffectAbout& effect) { return effect.name == law.effect; });
+    if (about == catalogue.effects.end()) continue;
     const auto sizes = [&](TruthMachine machine, double share) {
       Random random(7, "test");
       return law.apply(machine, share * law.unit(machine.scales), random);
@@ -284,9 +301,9 @@ TEST(Law, SizesFollowMassesAndLengthsOfTheMachine) {
                                 longer = sizes(machines.longer, law.high);
     for (std::size_t k = 0; k < one.size(); ++k) {
       if (one[k].value == 0.0 || one[k].parameter == "window") continue;  // the window is the drive's own clock
-      const auto parameter = std::find_if((*about)->parameters.begin(), (*about)->parameters.end(),
+      const auto parameter = std::find_if(about->parameters.begin(), about->parameters.end(),
                                           [&](const common::EffectParameter& p) { return p.name == one[k].parameter; });
-      ASSERT_NE(parameter, (*about)->parameters.end()) << law.name << " " << one[k].parameter;
+      ASSERT_NE(parameter, about->parameters.end()) << law.name << " " << one[k].parameter;
       const Exponents expected = exponents_of(law.effect, *parameter);
       EXPECT_NEAR(heavier[k].value / one[k].value / std::pow(ScaledMachines::kFactor, expected.of_masses), 1.0, 1e-6)
           << law.name << " " << one[k].parameter;
