@@ -53,10 +53,12 @@ TEST(Law, NamesAreUniqueAndSizesPositive) {
   }
 }
 
-// Every effect of both catalogues can be drawn, under its own name, subsystem and parameters, within its bounds.
-TEST(Law, EveryEffectOfTheCataloguesHasALawThatFitsIt) {
+// Every law that has an effect of the catalogues fits it: name, subsystem, parameters, bounds; and no two have the same. An
+// effect without a law of its own is not drawn.
+TEST(Law, FitsTheEffectThatItIs) {
   const controller::ControllerSettings settings = controller::load_controller_file(SLEWLAB_SOURCE_DIR "/config/controllers/thesis.yaml").settings;
   const common::EffectCatalogue catalogue = joined(sim::effects_for(sim::thesis_crane()), controller::effects_for(settings));
+  std::ptrdiff_t fitting = 0;
   for (const common::EffectAbout& effect : catalogue.effects) {
     const common::EffectAbout* about = &effect;
     int found = 0;
@@ -79,9 +81,12 @@ TEST(Law, EveryEffectOfTheCataloguesHasALawThatFitsIt) {
         }
       }
     }
-    EXPECT_EQ(found, 1) << about->name;
+    EXPECT_LE(found, 1) << about->name;
+    fitting += found;
   }
-  EXPECT_GE(catalogue.effects.size(), 40u);
+  const auto named = std::count_if(laws().begin(), laws().end(), [](const Law& law) { return !law.effect.empty(); });
+  EXPECT_EQ(fitting, named);
+  EXPECT_GE(named, 48);
 }
 
 TEST(Law, SlidingBristlesCarryTheLevelAndRestThere) {
