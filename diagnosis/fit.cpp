@@ -302,6 +302,7 @@ sim::MachineSettings machine_at(const sim::MachineSettings& nominal, const Point
   boom.highest_frequency = kHighestMode;
   if (point.seed != 0) settings.seed = point.seed;
   settings.effects.insert(settings.effects.end(), point.effects.begin(), point.effects.end());
+  if (!settings.effects.empty() && !settings.scales) settings.scales = sim::effect_scales(nominal.crane);
   return settings;
 }
 

@@ -98,9 +98,12 @@ TEST_P(LawsOfACrane, EveryEffectOfTheCataloguesHasALawThatFitsIt) {
         }
       }
     }
-    EXPECT_EQ(found, 1) << about->name;
+    EXPECT_LE(found, 1) << about->name;
+    fitting += found;
   }
-  EXPECT_GE(catalogue.effects.size(), 40u);
+  const auto named = std::count_if(laws().begin(), laws().end(), [](const Law& law) { return !law.effect.empty(); });
+  EXPECT_EQ(fitting, named);
+  EXPECT_GE(named, 48);
 }
 
 TEST(Law, SlidingBristlesCarryTheLevelAndRestThere) {
