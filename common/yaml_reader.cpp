@@ -273,18 +273,18 @@ YamlReader YamlReader::map(std::string_view key) {
   return YamlReader(entry == nullptr ? kNothing : *entry, path_of(key), *problems_);
 }
 
-std::vector<YamlReader> YamlReader::list(std::string_view key) {
-  std::vector<YamlReader> readers;
+void YamlReader::each(std::string_view key, const std::function<void(YamlReader&)>& read) {
   const YamlNode* entry = ask(key);
-  if (entry == nullptr) return readers;
+  if (entry == nullptr) return;
   if (entry->kind != YamlNode::Kind::sequence) {
     report_at(entry->mark, key, excerpt(*entry), "a list");
-    return readers;
+    return;
   }
+  const std::string path = path_of(key) + '.';
   for (std::size_t i = 0; i < entry->items.size(); ++i) {
-    readers.emplace_back(entry->items[i], path_of(key) + '.' + std::to_string(i), *problems_);
+    YamlReader reader(entry->items[i], path + std::to_string(i), *problems_);
+    read(reader);
   }
-  return readers;
 }
 
 const YamlNode* YamlReader::raw(std::string_view key) { return ask(key); }

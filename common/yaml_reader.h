@@ -12,6 +12,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <initializer_list>
 #include <limits>
 #include <optional>
@@ -62,8 +63,8 @@ class YamlReader {
 
   // A map below the key; where it is missing or no map, a reader that answers everything quietly.
   YamlReader map(std::string_view key);
-  // The entries of a list of maps; an absent key is an empty list.
-  std::vector<YamlReader> list(std::string_view key);
+  // Hands every entry of a list of maps to `read`, one after the other; an absent key is an empty list.
+  void each(std::string_view key, const std::function<void(YamlReader&)>& read);
   // A part kept as it is, for a reader elsewhere; nullptr where it is absent.
   const YamlNode* raw(std::string_view key);
 

@@ -59,7 +59,7 @@ void check_multiple(YamlReader& reader, std::string_view key, std::int64_t time,
 std::vector<OperatorMove> read_moves(YamlReader& scenario, std::int64_t plant_step) {
   std::vector<OperatorMove> moves;
   OperatorMove move;
-  for (YamlReader& reader : scenario.list("operator")) {
+  scenario.each("operator", [&](YamlReader& reader) {
     const std::int64_t last = move.time;
     move.time = nanoseconds(reader.number("time", Unit::second, between(0.0, kLongest)));
     check_multiple(reader, "time", move.time, plant_step);
@@ -74,7 +74,7 @@ std::vector<OperatorMove> read_moves(YamlReader& scenario, std::int64_t plant_st
     if (reader.has("acknowledge")) move.acknowledge = reader.flag("acknowledge");
     reader.finish();
     moves.push_back(move);
-  }
+  });
   return moves;
 }
 
@@ -102,7 +102,7 @@ void read_scenario(YamlReader& reader, Scenario& scenario) {
 }
 
 // The scenario's own part of the configuration: the contents of crane and controller stand for their names.
-std::string own_text(YamlNode root) {
+std::string own_text(YamlNode&& root) {
   std::erase_if(root.entries, [](const common::YamlEntry& entry) {
     return entry.key == "crane" || entry.key == "controller" || entry.key == "expect";
   });
@@ -118,7 +118,7 @@ Scenario read_scenario_file(const std::filesystem::path& file, const std::vector
   scenario.crane_overrides = take("crane.", own);
   scenario.controller_overrides = take("controller.", own);
 
-  const YamlNode root = common::load_yaml_file(file, own, problems);
+  YamlNode root = common::load_yaml_file(file, own, problems);
   if (root.kind != YamlNode::Kind::map) return scenario;
   YamlReader reader(root, "", problems);
   read_scenario(reader, scenario);
@@ -145,7 +145,7 @@ Scenario read_scenario_file(const std::filesystem::path& file, const std::vector
     }
   }
   scenario.configuration_text = "crane " + scenario.crane.canonical_text + "\ncontroller " +
-                                common::canonical_text(controller) + "\nscenario " + own_text(root) + "\n";
+                                common::canonical_text(controller) + "\nscenario " + own_text(std::move(root)) + "\n";
   return scenario;
 }
 
