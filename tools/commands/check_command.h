@@ -11,9 +11,16 @@
 namespace slewlab::tools {
 
 // Everything wrong with one file, whichever kind it says it is (`kind: crane | controller | scenario`). A
-// scenario is checked with the crane and the controller that it names, and how they fit together.
+// scenario is checked with the crane and the controller that it names, and how they fit together; effects against the
+// catalogue, and whether the crane with them can be built. A controller by the user need not be one of ours: its file is
+// left to it.
+enum class ControllerBy { slewlab, user };
 common::InputProblems problems_in(const std::filesystem::path& file,
-                                  const std::vector<common::Override>& overrides = {});
+                                  const std::vector<common::Override>& overrides = {},
+                                  ControllerBy by = ControllerBy::slewlab);
+
+// One problem a line, the first hundred of them.
+void complain(const common::InputProblems& problems, std::ostream& complaints);
 
 // Prints "FILE: OK" to `out` or the problems, one a line, to `complaints`, for each file. Answers with the
 // exit code: 0 when all is well, 1 when any file has a problem.

@@ -147,13 +147,54 @@ TEST_F(CheckCommand, ControllerThatDoesNotFitTheCrane) {
 
 TEST_F(CheckCommand, ScenarioIsCheckedWithItsCraneAndItsController) {
   const auto problems = problems_in(folder_ / "config/scenarios/thesis_slew.yaml",
-                                    {{"crane.load.mass", "-1"}, {"controller.ramp.top_speed", "-1"}, {"seed", "-1"}});
+                                    {{"crane.load.mass", "-1 t"}, {"controller.ramp.top_speed", "-1"}, {"seed", "-1"}});
   std::string said;
   for (const auto& problem : problems) said += common::to_text(problem) + '\n';
   EXPECT_EQ(problems.size(), 3u) << said;
   for (const char* key : {"key 'load.mass'", "key 'ramp.top_speed'", "key 'seed'"}) {
     EXPECT_NE(said.find(key), std::string::npos) << said;
   }
+}
+
+// What the plant refuses of the effects is told of the file and line where the user wrote it, not of the run's own copy.
+TEST_F(CheckCommand, UnknownEffect) {
+  expect_line(said_after("kind: crane\n", "effects: [{effect: dead_tim}]\nkind: crane\n"), "effects.0.effect", "dead_tim",
+              "the name of an effect; 'dead_time' is near");
+}
+
+TEST_F(CheckCommand, EffectWithAWrongUnit) {
+  expect_line(said_after("kind: crane\n", "effects: [{effect: dead_time, delay: {value: 3, unit: mm, source: s}}]\nkind: crane\n"),
+              "effects.0.delay", "the unit 'mm', which measures something else", "one of s, ms, us, min, h");
+}
+
+TEST_F(CheckCommand, EffectWithoutItsParameter) {
+  expect_line(said_after("kind: crane\n", "effects: [{effect: dead_time}]\nkind: crane\n"), "effects.0.delay",
+              "nothing: the key is missing", "a number from");
+}
+
+TEST_F(CheckCommand, EffectsOfAnIncludedFileOfAScenariosCrane) {
+  std::ofstream(folder_ / "config/cranes/base.yaml") << "include: thesis.yaml\n\neffects:\n  - effect: no_such_effect\n";
+  std::ofstream(folder_ / "config/cranes/top.yaml") << "include: base.yaml\n";
+  for (const ControllerBy by : {ControllerBy::slewlab, ControllerBy::user}) {
+    const auto problems = problems_in(folder_ / "config/scenarios/thesis_slew.yaml",
+                                      {{"crane", (folder_ / "config/cranes/top.yaml").string()}}, by);
+    ASSERT_EQ(problems.size(), 1u);
+    EXPECT_EQ(common::to_text(problems[0]).rfind((folder_ / "config/cranes/base.yaml:4:13: key 'effects.0.effect'").string(), 0), 0u)
+        << common::to_text(problems[0]);
+  }
+}
+
+// Each value is within its bounds; together they are more than Euler's load of the boom.
+TEST_F(CheckCommand, EffectThatTheCraneCannotHave) {
+  const auto problems =
+      problems_in(folder_ / "config/cranes/thesis.yaml",
+                  {{"effects", "[{effect: compression_softening, compression: {value: 4, unit: MN, source: s}}]"},
+                   {"boom.youngs_modulus", "1 GPa"}});
+  ASSERT_EQ(problems.size(), 1u);
+  EXPECT_NE(common::to_text(problems[0]).find("key 'effects': found a machine that cannot be built (effect "
+                                              "compression_softening: the boom buckles under this compression)"),
+            std::string::npos)
+      << common::to_text(problems[0]);
 }
 
 TEST_F(CheckCommand, OneBadFileDoesNotHideTheOthers) {
