@@ -15,6 +15,7 @@
 #include "diagnosis/chance.h"
 #include "diagnosis/nuisance.h"
 #include "sim/machine/effect_scales.h"
+#include "sim/model/cannot_be_built.h"
 
 namespace slewlab::diagnosis {
 
@@ -411,7 +412,7 @@ Eigen::VectorXd differences(Problem& problem, const Point& point) {
     auto rows = result.segment(first_row[r], problem.whitening[r].size());
     try {
       rows = whiten(problem.whitening[r], shadow_at(problem, point, r));
-    } catch (const std::invalid_argument&) {  // no such machine can be built: its boom buckles
+    } catch (const sim::CannotBeBuilt&) {  // its boom buckles; any other error is one of the program's
       rows.setConstant(kVeryFarOff);
     }
     problem.simulation_time +=

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "sim/integrate/oscillator.h"
+#include "sim/model/cannot_be_built.h"
 #include "sim/model/boom.h"
 #include "sim/model/drive_line.h"
 
@@ -526,10 +527,10 @@ PlantModel make_plant_model(const CraneParameters& crane, double step, const Gro
     throw std::invalid_argument("the number of motor groups must be 1 ... 8");
   }
   for (int i = 0; i < groups; ++i) {
-    if (!(group_inertia[i] > 0.0)) throw std::invalid_argument("a motor group needs an inertia above 0");
-    if (!(gear[i].stiffness > 0.0)) throw std::invalid_argument("gearboxes need a stiffness above 0");
+    if (!(group_inertia[i] > 0.0)) throw CannotBeBuilt("a motor group needs an inertia above 0");
+    if (!(gear[i].stiffness > 0.0)) throw CannotBeBuilt("gearboxes need a stiffness above 0");
   }
-  if (!(driven_inertia(crane) > 0.0)) throw std::invalid_argument("house and boom have no inertia");
+  if (!(driven_inertia(crane) > 0.0)) throw CannotBeBuilt("house and boom have no inertia");
 
   PlantModel model;
   model.parameters = crane;

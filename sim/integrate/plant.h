@@ -125,7 +125,7 @@ struct PlantWorkspace {
   std::vector<double> q, v;  // trial end state
 };
 
-// Throws std::invalid_argument when the crane cannot be built (no groups, no inertia, step <= 0).
+// Throws CannotBeBuilt for a machine without inertia or stiffness, std::invalid_argument for no groups or a step <= 0.
 PlantModel make_plant_model(const CraneParameters& crane, double step);
 // As make_plant_model, with each group's inertia and gears given (uneven drives).
 PlantModel make_plant_model(const CraneParameters& crane, double step, const GroupArray& group_inertia,
