@@ -18,6 +18,7 @@
 #include "common/stop_signal.h"
 #include "controller/controller_file.h"
 #include "controller/effects/catalogue.h"
+#include "diagnosis/decimation.h"
 #include "diagnosis/diagnose.h"
 #include "diagnosis/discriminate.h"
 #include "diagnosis/nuisance.h"
@@ -95,7 +96,8 @@ nlohmann::json to_json(const Diagnosis& diagnosis) {
                       {"simulation_seconds", diagnosis.simulation_seconds},
                       {"seconds", diagnosis.total_seconds},
                       {"remarks", diagnosis.remarks},
-                      {"not_excited", diagnosis.not_excited}};
+                      {"not_excited", diagnosis.not_excited},
+                      {"causes", nlohmann::json::array()}};
   for (const auto& [subsystem, probability] : diagnosis.subsystems) json["subsystems"][subsystem] = probability;
   for (const auto& [effect, probability] : diagnosis.effects) json["effects"][effect] = probability;
   for (const diagnosis::BandShare& band : diagnosis.bands) {
@@ -119,37 +121,68 @@ struct Predicted {
   diagnosis::Prediction before, after;  // by the nominal crane, and with the effect
 };
 
-// Measured and missing torque, and what was predicted where there is a controller: every `stride`th value of the record.
+// Measured and missing torque, and what was predicted where there is a controller: every `stride`th value of the record,
+// filtered so that nothing folds into the page's spectrogram.
 std::string series_text(const Record& record, const diagnosis::Followed& followed, const std::optional<Predicted>& predicted,
                         std::size_t stride) {
-  std::vector<std::size_t> accelerometers;
+  std::string head = "time_s";
+  std::vector<std::vector<double>> columns;
+  const auto add = [&](const std::string& name, const std::vector<double>& values) {
+    head += ',' + name;
+    columns.push_back(diagnosis::decimated(values, stride));
+  };
+  add("speed", record.shaft_speed[0]);
+  add("missing_torque", followed.nominal.missing_torque[0]);
+  add("missing_torque_after", followed.explained.missing_torque[0]);
+  add("torque", record.motor_torque[0]);
+  if (predicted) {
+    add("torque_before", predicted->before.series.motor_torque[0]);
+    add("torque_after", predicted->after.series.motor_torque[0]);
+  }
   for (std::size_t a = 0; a < diagnosis::kAccelerometerCount; ++a) {
-    if (!record.acceleration[a].empty()) accelerometers.push_back(a);
+    if (record.acceleration[a].empty()) continue;
+    const std::string name = diagnosis::accelerometer_name(static_cast<int>(a));
+    add(name, record.acceleration[a]);
+    if (!predicted) continue;
+    add(name + "_before", predicted->before.series.acceleration[a]);
+    add(name + "_after", predicted->after.series.acceleration[a]);
   }
-  std::string text = "time_s,speed,missing_torque,missing_torque_after,torque";
-  if (predicted) text += ",torque_before,torque_after";
-  for (const std::size_t a : accelerometers) {
-    const char* name = diagnosis::accelerometer_name(static_cast<int>(a));
-    text += fmt::format(",{}", name);
-    if (predicted) text += fmt::format(",{0}_before,{0}_after", name);
-  }
-  text += "\n";
-  for (std::size_t n = 0; n < record.size(); n += stride) {
-    text += fmt::format("{:.4f},{:.6g},{:.6g},{:.6g},{:.6g}", record.time(n), record.shaft_speed[0][n], followed.nominal.missing_torque[0][n],
-                        followed.explained.missing_torque[0][n], record.motor_torque[0][n]);
-    if (predicted) {
-      text += fmt::format(",{:.6g},{:.6g}", predicted->before.series.motor_torque[0][n], predicted->after.series.motor_torque[0][n]);
-    }
-    for (const std::size_t a : accelerometers) {
-      text += fmt::format(",{:.6g}", record.acceleration[a][n]);
-      if (predicted) {
-        text += fmt::format(",{:.6g},{:.6g}", predicted->before.series.acceleration[a][n], predicted->after.series.acceleration[a][n]);
-      }
-    }
+  std::string text = head + "\n";
+  for (std::size_t row = 0; row * stride < record.size(); ++row) {
+    text += fmt::format("{:.4f}", record.time(row * stride));
+    for (const std::vector<double>& column : columns) text += fmt::format(",{:.6g}", column[row]);
     text += "\n";
   }
   return text;
 }
+
+// What is written into the folder of the findings; where the disk is full, all of it goes again.
+class Findings {
+ public:
+  explicit Findings(std::filesystem::path folder) : folder_(std::move(folder)), is_new_(!std::filesystem::exists(folder_)) {
+    std::filesystem::create_directories(folder_);
+  }
+  ~Findings() {
+    if (is_whole_) return;
+    std::error_code ignored;
+    for (const std::filesystem::path& file : written_) std::filesystem::remove(file, ignored);
+    if (is_new_) std::filesystem::remove(folder_, ignored);
+  }
+  Findings(const Findings&) = delete;
+  Findings& operator=(const Findings&) = delete;
+
+  void write(const char* name, const std::string& text) {
+    write_whole_file(folder_ / name, text);
+    written_.push_back(folder_ / name);
+  }
+  void keep() { is_whole_ = true; }
+
+ private:
+  std::filesystem::path folder_;
+  bool is_new_;
+  bool is_whole_ = false;
+  std::vector<std::filesystem::path> written_;
+};
 
 std::string advice(const diagnosis::Separation& apart) {
   if (apart.noise_floors < diagnosis::kSeparated) {
@@ -342,7 +375,7 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
     const Cause& first = found.causes.empty() ? nothing : found.causes.front();
     // Where no known effect is the answer, nothing is added to the crane; the gap is shown with what comes nearest, and says so.
     const Cause& answer = found.is_unknown ? nothing : first;
-    std::filesystem::create_directories(options.out);
+    Findings findings(options.out);
     nlohmann::json json = to_json(found);
     const ToldApartBy apart = told_apart_by(nominal, controller, found);
     for (std::size_t k = 0; k < apart.size(); ++k) {
@@ -367,10 +400,10 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
       }
     }
     const auto stride = static_cast<std::size_t>(std::max(1L, std::lround(0.01 / last.step)));
-    write_whole_file(options.out / "series.csv", series_text(last, found.followed, predicted, stride));
+    findings.write("series.csv", series_text(last, found.followed, predicted, stride));
     json["crane"] = std::filesystem::absolute(options.crane).string();
     json["modes"] = modes_json(nominal);
-    write_whole_file(options.out / "diagnosis.json", json.dump(2) + "\n");
+    findings.write("diagnosis.json", json.dump(2) + "\n");
     const sim::MachineSettings explained = diagnosis::machine_at(nominal, answer.point);
     const std::vector<common::EffectInstance>& effects = explained.effects;
     std::string text = fmt::format("include: {}\ndescription: The nominal crane with what slewlab diagnose found.\n",
@@ -380,21 +413,21 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
                                                                           "slewlab diagnose, as the sizes were fitted"));
     }
     if (!effects.empty()) text += common::effects_text(effects, sim::effects_for(nominal), "slewlab diagnose, " + found.verdict);
-    write_whole_file(options.out / "crane_with_effect.yaml", text);
-    write_whole_file(options.out / "crane_as_fitted.yaml",
+    findings.write("crane_with_effect.yaml", text);
+    findings.write("crane_as_fitted.yaml",
                      "include: crane_with_effect.yaml\ndescription: The same, with the parameters as slewlab diagnose fitted them.\n" +
                          diagnosis::parameters_text(nominal.crane, answer.point.nuisance, "slewlab diagnose"));
-    const std::filesystem::path controller_file = options.out / "controller_with_effect.yaml";
-    std::filesystem::remove(controller_file);  // of a diagnosis before, which found something there
+    std::filesystem::remove(options.out / "controller_with_effect.yaml");  // of a diagnosis before, which found something there
     if (!answer.controller_effects.empty()) {
-      write_whole_file(controller_file,
+      findings.write("controller_with_effect.yaml",
                        fmt::format("include: {}\ndescription: The nominal controller with what slewlab diagnose found.\n",
                                    std::filesystem::absolute(options.controller).string()) +
                            controller::changes_text(*controller, controller::with_effects(*controller, answer.controller_effects),
                                                     "slewlab diagnose, " + found.verdict));
     }
     const std::string summary = summary_text(found, apart, predicted, place);
-    write_whole_file(options.out / "summary.txt", summary);
+    findings.write("summary.txt", summary);
+    findings.keep();
     out << "\n" << summary << "files: " << options.out.string() << std::endl;
     // Becomes the program that draws; without an interpreter it says so, and the findings stand all the same.
     run_python("diagnosis_report.py", {options.out.string()});

@@ -13,6 +13,7 @@ Sensors that are not mapped are NaN in SENSORS. The log appears when it is compl
 
 import argparse
 import csv
+import io
 import json
 import signal
 import sys
@@ -39,6 +40,9 @@ LONGEST_GAP = 5.5         # [usual intervals] that interpolation may bridge
 MOST_DENSE = 100          # [new rows per row] that resampling may make
 SHORTEST_PERIOD = 1e-6    # [s] between two rows of a log, whose times are whole nanoseconds
 NANOSECONDS = 1_000_000_000
+MOST_COLUMNS = 10_000     # a recorder has hundreds of channels; rows and columns are taken for each other
+LONGEST_HEADER = 2_000_000  # [characters] of a CSV's line of names
+WORTH_TELLING = 50        # [MB] of data that take so long that a person wants to know
 ONE_OF_DERIVATIVES = f"a column with its unit, or {{derive: one of {', '.join(DERIVATIVES)}}}"
 
 
@@ -206,7 +210,17 @@ def column_names(mapping, path):
     with open(path, newline="", encoding="utf-8-sig") as stream:
         for _ in range(mapping.skip_lines):
             stream.readline()
-        header = next(csv.reader(stream, delimiter="\t" if mapping.separator == "tab" else mapping.separator), [])
+        header = stream.readline(LONGEST_HEADER)
+        while header.count('"') % 2 and len(header) < LONGEST_HEADER:  # a name with a line break in it
+            more = stream.readline(LONGEST_HEADER)
+            if not more:
+                break
+            header += more
+        if len(header) >= LONGEST_HEADER:
+            raise LogProblem(f"{path}: the line of column names has more than {LONGEST_HEADER} characters; expected one "
+                             f"row per moment and at most {MOST_COLUMNS} columns")
+    separator = "\t" if mapping.separator == "tab" else mapping.separator
+    header = next(csv.reader(io.StringIO(header, newline=""), delimiter=separator), [])
     return [name.strip() for name in header]
 
 
@@ -218,6 +232,12 @@ def read_table(mapping, path):
         raise LogProblem(f"{path}: there is no such file")
     try:
         names = column_names(mapping, path)
+        if len(names) > MOST_COLUMNS:
+            raise LogProblem(f"{path}: found {len(names)} columns, expected one row per moment and at most {MOST_COLUMNS} "
+                             f"columns; turn the table, or cut it to the columns that the map names")
+        megabytes = path.stat().st_size / 1e6
+        if megabytes > WORTH_TELLING:
+            print(f"reading {path}: {megabytes:.0f} MB with {len(names)} columns", file=sys.stderr, flush=True)
         wanted = [(mapping.time, mapping.time_column)]
         wanted += [(e.reader, e.column) for entries in mapping.signals.values() for e in entries if e.column is not None]
         for reader, column in wanted:

@@ -107,6 +107,12 @@ class ImportTest(unittest.TestCase):
         self.assertEqual(self.call(table()), (0, ""))
         self.check_log()
 
+    def test_more_columns_than_any_recorder_has_are_refused(self):
+        """A table turned on its side, rows for columns: refused by its line of names, before its values are read."""
+        wide = lambda count: lambda file: file.write_text(",".join(f"c{k}" for k in range(count)) + "\nno number\n")
+        self.refused(None, "data.csv: found 20000 columns, expected one row per moment and at most 10000 columns", write=wide(20_000))
+        self.refused(None, "data.csv: the line of column names has more than 2000000 characters", write=wide(1_000_000))
+
     def test_parquet_becomes_the_same_log(self):
         self.assertEqual(self.call(table(), suffix="parquet"), (0, ""))
         self.check_log()
