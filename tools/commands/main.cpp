@@ -13,6 +13,7 @@
 #include "tools/commands/accept_command.h"
 #include "tools/commands/check_command.h"
 #include "tools/commands/diagnose_command.h"
+#include "tools/commands/home.h"
 #include "tools/commands/modes_command.h"
 #include "tools/commands/python_command.h"
 #include "tools/commands/replay_command.h"
@@ -28,6 +29,11 @@ std::vector<common::Override> parse_overrides(const std::vector<std::string>& te
   std::vector<common::Override> overrides;
   for (const std::string& text : texts) overrides.push_back(common::parse_override(text));
   return overrides;
+}
+
+// What an option means that was not given: a file of slewlab's own.
+void fill(std::filesystem::path& file, const char* own) {
+  if (file.empty()) file = home() / own;
 }
 
 // Each of these adds its subcommand; what it is to do goes into `action`, which answers with the exit code.
@@ -109,7 +115,6 @@ void add_accept(CLI::App& app, const std::vector<std::string>& command_line, Act
     std::vector<std::string> overrides;
   };
   auto options = std::make_shared<Options>();
-  options->accept.limits = SLEWLAB_SOURCE_DIR "/config/acceptance/thesis.yaml";
   CLI::App* command = app.add_subcommand("accept", "Check a controller's run against limits: pass or fail, and why");
   command->add_option("SCENARIO|RUN_DIR", options->accept.subject, "scenario to run, or a run that was made already")
       ->required()
@@ -122,6 +127,7 @@ void add_accept(CLI::App& app, const std::vector<std::string>& command_line, Act
   command->add_option("--set", options->overrides, "key=value, as of slewlab run");
   command->callback([options, &command_line, &action] {
     action = [options, &command_line] {
+      fill(options->accept.limits, "config/acceptance/thesis.yaml");
       options->accept.overrides = parse_overrides(options->overrides);
       return accept(options->accept, command_line);
     };
@@ -150,19 +156,21 @@ void add_withhold(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("withhold", "Machines nobody has looked at, to judge the diagnosis by");
   command->require_subcommand(1);
   auto options = std::make_shared<WithholdMakeOptions>();
-  options->crane = SLEWLAB_SOURCE_DIR "/config/cranes/thesis.yaml";
-  options->controller = SLEWLAB_SOURCE_DIR "/config/controllers/thesis.yaml";
   CLI::App* make = command->add_subcommand("make", "Draw machines, run them and write their logs; answers sealed");
   make->add_option("--cases", options->cases, "how many")->required()->check(CLI::PositiveNumber);
   make->add_option("--seed", options->seed, "below 1000 for tuning, from 1000 on for scoring")->required();
   make->add_option("--out", options->directory, "folder for the set")->required();
   make->add_option("--purpose", options->purpose, "tune or score: refused where the seed is for the other");
-  make->add_option("--crane", options->crane, "nominal crane");
-  make->add_option("--controller", options->controller, "nominal controller");
+  make->add_option("--crane", options->crane, "nominal crane (config/cranes/thesis.yaml)");
+  make->add_option("--controller", options->controller, "nominal controller (config/controllers/thesis.yaml)");
   make->add_option("--controller-period", options->controller_period_ms, "[ms] whole milliseconds");
   make->add_option("--threads", options->threads, "cases side by side");
   make->callback([options, &action] {
-    action = [options] { return withhold_make(*options, std::cout, std::cerr); };
+    action = [options] {
+      fill(options->crane, "config/cranes/thesis.yaml");
+      fill(options->controller, "config/controllers/thesis.yaml");
+      return withhold_make(*options, std::cout, std::cerr);
+    };
   });
   add_withhold_score(*command, action);
 }
@@ -188,9 +196,6 @@ void add_soak(CLI::App& app, Action& action) {
   };
   auto options = std::make_shared<Options>();
   SoakOptions& soak_options = options->soak;
-  soak_options.crane = SLEWLAB_SOURCE_DIR "/config/cranes/thesis.yaml";
-  soak_options.controller = SLEWLAB_SOURCE_DIR "/config/controllers/thesis.yaml";
-  soak_options.config = SLEWLAB_SOURCE_DIR "/config/soak/thesis.yaml";
   CLI::App* command = app.add_subcommand("soak", "Slew at random for hours, faster than real time, and check what must always hold");
   auto* hours = command->add_option("--hours", soak_options.hours, "simulated hours, rounded up to whole tasks")
                     ->check(CLI::PositiveNumber);
@@ -213,6 +218,9 @@ void add_soak(CLI::App& app, Action& action) {
   command->callback([options, hours, task, &action] {
     if (hours->count() + task->count() == 0) throw CLI::RequiredError("--hours or --task");
     action = [options] {
+      fill(options->soak.crane, "config/cranes/thesis.yaml");
+      fill(options->soak.controller, "config/controllers/thesis.yaml");
+      fill(options->soak.config, "config/soak/thesis.yaml");
       options->soak.overrides = parse_overrides(options->overrides);
       return soak(options->soak);
     };
@@ -251,12 +259,16 @@ void add_modes(CLI::App& app, Action& action) {
 
 void add_verify(CLI::App& app, Action& action) {
   auto options = std::make_shared<VerifyOptions>();
-  options->config_directory = std::filesystem::path(SLEWLAB_SOURCE_DIR) / "config";
   CLI::App* command = app.add_subcommand("verify", "Compute every number of the thesis anew and compare");
   command->add_option("--config", options->config_directory, "folder with cranes/ and controllers/")
       ->check(CLI::ExistingDirectory);
   command->add_flag("--json", options->json, "rows as JSON");
-  command->callback([options, &action] { action = [options] { return verify(*options, std::cout, std::cerr); }; });
+  command->callback([options, &action] {
+    action = [options] {
+      fill(options->config_directory, "config");
+      return verify(*options, std::cout, std::cerr);
+    };
+  });
 }
 
 int main(const std::vector<std::string>& command_line, int argc, char** argv) {
