@@ -1,11 +1,10 @@
 # Flags and helper functions that every target of the project shares.
 #
 # Same inputs, same bits: floating-point operations are never contracted into fused ones, and no flag
-# names the architecture of the machine that builds, and no folder of it stands in a program (an assertion's __FILE__).
+# names the architecture of the machine that builds.
 function(slewlab_flags target)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wconversion
-                                           -Wno-sign-conversion -ffp-contract=off
-                                           -ffile-prefix-map=${CMAKE_SOURCE_DIR}/=)
+                                           -Wno-sign-conversion -ffp-contract=off)
   target_include_directories(${target} PUBLIC ${CMAKE_SOURCE_DIR})
 endfunction()
 

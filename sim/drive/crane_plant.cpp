@@ -83,4 +83,23 @@ void CranePlant::read_status(msgs::PlantStatus& message) {
   message.bin_count = 0;
 }
 
+std::optional<Divergence> CranePlant::divergence() const {
+  // [m/s], and [rad/s] at a metre from the axis: of light. What is faster, or no number, is no machine's.
+  constexpr double kFastest = 3e8;
+  const auto possible = [](double speed) { return std::fabs(speed) <= kFastest; };  // false for what is no number
+  const PlantState& state = machine_.state;
+  for (int group = 0; group < machine_.model.group_count; ++group) {
+    if (!possible(state.motor_speed[group])) return Divergence{"speed of a motor group, on the slew axis", "rad/s", state.motor_speed[group]};
+  }
+  if (!possible(state.house_speed)) return Divergence{"slewing speed", "rad/s", state.house_speed};
+  if (!possible(state.tip_velocity)) return Divergence{"velocity of the boom's tip", "m/s", state.tip_velocity};
+  if (machine_.model.has_load) {
+    if (!std::isfinite(state.rope_force)) return Divergence{"force of the rope on the boom's tip", "N", state.rope_force};
+    for (const double velocity : state.load_v) {
+      if (!std::isfinite(velocity)) return Divergence{"velocity of the load's swing, times the root of its mass", "m/s kg^0.5", velocity};
+    }
+  }
+  return std::nullopt;
+}
+
 }  // namespace slewlab::sim

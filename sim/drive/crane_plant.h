@@ -21,6 +21,7 @@ class CranePlant : public DrivenPlant {
   void read_sensors(msgs::Sensors& message) override;
   void read_truth(msgs::Truth& message) override;
   void read_status(msgs::PlantStatus& message) override;
+  std::optional<Divergence> divergence() const override;
 
   const Machine& machine() const { return machine_; }
   const DriveProtectionState& drive() const { return drive_; }

@@ -2,7 +2,7 @@
 // how finely time is cut. Both the plant process and `slewlab run` read it here.
 //
 // Overrides whose key begins with "crane." or "controller." change those files, all others the scenario:
-//   --set crane.load.mass=20   --set controller.ramp.curved_share=0.2   --set duration=10
+//   --set crane.load.mass="20 t"   --set controller.ramp.curved_share=0.2   --set duration=10
 //   --set crane=other.yaml     names another file, relative to the working directory.
 //
 // Times are whole nanoseconds. The controller's period, the telemetry's periods and the operator's times are

@@ -49,7 +49,7 @@ struct WallClockHooks {
 };
 
 // Takes the settings of a lockstep run; resends do not occur. `speed` is simulated seconds per second. Throws
-// std::invalid_argument, msgs::BusError. The bus must not be handled any more after it.
+// std::invalid_argument, PlantDiverged, msgs::BusError. The bus must not be handled any more after it.
 WallClockReport run_wall_clock(const LockstepSettings& settings, double speed, DrivenPlant& plant, msgs::Bus& bus,
                                const LogSink& log, LoopClock& clock, const WallClockHooks& hooks = {});
 

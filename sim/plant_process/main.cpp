@@ -222,7 +222,7 @@ int main(int argc, char** argv) {
   app.add_option("--log", options.log, "log to write; NAME.partial until it is complete")->required();
   app.add_flag("--realtime", options.realtime, "against the wall clock instead of in lockstep");
   app.add_option("--speed", options.speed, "with --realtime: simulated seconds per second")->check(CLI::PositiveNumber);
-  app.add_option("--set", options.overrides, "key=value over the files, e.g. crane.load.mass=20");
+  app.add_option("--set", options.overrides, "key=value over the files, e.g. crane.load.mass=20t");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

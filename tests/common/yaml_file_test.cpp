@@ -160,7 +160,7 @@ TEST_F(YamlFile, ABareNumberIsTakenWhereTheFileSpeaksSi) {
 TEST_F(YamlFile, ASecondDocumentIsRefused) {
   const auto file = write("a.yaml", "kind: crane\n---\nkind: controller\n");
   load(file);
-  EXPECT_EQ(said(), file.string() + ":3:1: found a second YAML document (behind ---), expected one document in a file");
+  EXPECT_EQ(said(), file.string() + ":2:1: found a second YAML document (behind ---), expected one document in a file");
 }
 
 TEST_F(YamlFile, OneDocumentMayBeginAndEndWithItsMarks) {

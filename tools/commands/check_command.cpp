@@ -9,10 +9,12 @@
 #include "common/effect.h"
 #include "common/yaml_reader.h"
 #include "controller/controller_file.h"
+#include "sim/drive/run_cost.h"
 #include "sim/drive/scenario_file.h"
 #include "sim/effects/catalogue.h"
 #include "sim/integrate/machine.h"
 #include "sim/machine/crane_file.h"
+#include "sim/machine/plausibility.h"
 
 namespace slewlab::tools {
 namespace {
@@ -30,9 +32,52 @@ common::SourceMark mark_of(const std::filesystem::path& file, const std::vector<
   return node == nullptr ? root.mark : node->mark;
 }
 
+// The node at a key path, or the nearest one above it that there is: a value may lie in an included file.
+common::SourceMark mark_at(const YamlNode& root, std::string_view path) {
+  const YamlNode* node = &root;
+  common::SourceMark mark = root.mark;
+  while (!path.empty()) {
+    const std::size_t dot = path.find('.');
+    node = node->find(path.substr(0, dot));
+    if (node == nullptr) break;
+    mark = node->mark;
+    path = dot == std::string_view::npos ? std::string_view{} : path.substr(dot + 1);
+  }
+  return mark;
+}
+
+std::string place_text(const common::SourceMark& mark) {
+  std::string text = mark.file.text();
+  if (mark.line > 0) text += ':' + std::to_string(mark.line) + ':' + std::to_string(mark.column);
+  return text + ": ";
+}
+
+// What is possible and yet unlikely of a crane that is read already.
+void weigh_crane(const sim::CraneParameters& crane, const std::filesystem::path& file,
+                 const std::vector<common::Override>& overrides, double plant_step, std::vector<std::string>& warnings) {
+  const std::vector<sim::ImplausibleValue> values = sim::implausible_values(crane, plant_step);
+  if (values.empty()) return;
+  InputProblems ignored;
+  const YamlNode root = common::load_yaml_file(file, overrides, ignored);
+  for (const sim::ImplausibleValue& value : values) {
+    warnings.push_back(place_text(mark_at(root, value.key)) + "warning: key '" + value.key + "': " + value.found +
+                       "; usual: " + value.usual);
+  }
+}
+
+void weigh_cost(const sim::Scenario& scenario, const std::filesystem::path& file, std::vector<std::string>& warnings) {
+  constexpr double kWorthTelling = 60.0;  // [s]
+  const sim::RunCost cost = sim::run_cost(scenario);
+  if (cost.seconds < kWorthTelling) return;
+  warnings.push_back(file.string() + ": warning: " + text_of(cost) + " of computing in lockstep, with a plant_step of " +
+                     common::shortest(static_cast<double>(scenario.plant_step) * 1e-6) + " ms and " +
+                     std::to_string(scenario.crane.parameters.boom.element_count) + " boom elements");
+}
+
 // What a run would refuse of the crane's effects, said where the user wrote them.
 std::vector<common::EffectInstance> check_effects(const sim::CraneFile& crane, InputProblems& problems) {
-  return common::read_effects(crane.effects, sim::effect_abouts(), problems);
+  if (crane.canonical_text.empty()) return {};  // it could not be read, which is told
+  return common::read_effects(crane.effects, sim::effects_for(crane.parameters), problems);
 }
 
 // Whether parameters that are good one by one make a machine; a boom of so many elements takes milliseconds to assemble.
@@ -49,17 +94,22 @@ void check_machine(const sim::CraneFile& crane, double plant_step, const std::fi
   }
 }
 
-void check_crane(const std::filesystem::path& file, const std::vector<common::Override>& overrides, InputProblems& problems) {
-  const double plant_step = sim::MachineSettings{}.step;
-  check_machine(sim::load_crane_file(file, overrides), plant_step, file, problems);
+void check_crane(const std::filesystem::path& file, const std::vector<common::Override>& overrides, Findings& found) {
+  const sim::CraneFile crane = sim::load_crane_file(file, overrides);
+  check_machine(crane, sim::MachineSettings{}.step, file, found.problems);
+  if (found.problems.empty()) weigh_crane(crane.parameters, file, overrides, 0.0, found.warnings);
 }
 
 void check_scenario(const std::filesystem::path& file, const std::vector<common::Override>& overrides, ControllerBy by,
-                    InputProblems& problems) {
+                    Findings& found) {
+  InputProblems& problems = found.problems;
   const sim::Scenario scenario = sim::read_scenario_file(file, overrides, problems);
   const bool whole = problems.empty();
   if (whole) {
-    check_machine(scenario.crane, static_cast<double>(scenario.plant_step) * 1e-9, scenario.crane_file, problems);
+    const double plant_step = static_cast<double>(scenario.plant_step) * 1e-9;  // [s]
+    check_machine(scenario.crane, plant_step, scenario.crane_file, problems);
+    weigh_crane(scenario.crane.parameters, scenario.crane_file, scenario.crane_overrides, plant_step, found.warnings);
+    weigh_cost(scenario, file, found.warnings);
   } else {
     check_effects(scenario.crane, problems);
   }
@@ -90,26 +140,25 @@ std::optional<YamlNode> kind_of(const std::filesystem::path& file, InputProblems
 
 }  // namespace
 
-InputProblems problems_in(const std::filesystem::path& file, const std::vector<common::Override>& overrides,
-                          ControllerBy by) {
-  InputProblems problems;
-  const std::optional<YamlNode> kind = kind_of(file, problems);
-  if (!kind) return problems;
-  problems.clear();
+Findings examine(const std::filesystem::path& file, const std::vector<common::Override>& overrides, ControllerBy by) {
+  Findings found;
+  const std::optional<YamlNode> kind = kind_of(file, found.problems);
+  if (!kind) return found;
+  found.problems.clear();
   try {
     if (kind->scalar == "crane") {
-      check_crane(file, overrides, problems);
+      check_crane(file, overrides, found);
     } else if (kind->scalar == "controller") {
       controller::load_controller_file(file, overrides);
     } else if (kind->scalar == "scenario") {
-      check_scenario(file, overrides, by, problems);
+      check_scenario(file, overrides, by, found);
     } else {
-      problems.push_back({kind->mark, "kind", common::excerpt(*kind), "crane, controller or scenario"});
+      found.problems.push_back({kind->mark, "kind", common::excerpt(*kind), "crane, controller or scenario"});
     }
   } catch (const InputError& error) {
-    problems = error.problems();
+    found.problems = error.problems();
   }
-  return problems;
+  return found;
 }
 
 void complain(const InputProblems& problems, std::ostream& complaints) {
@@ -118,17 +167,22 @@ void complain(const InputProblems& problems, std::ostream& complaints) {
   if (problems.size() > kMost) complaints << "and " << problems.size() - kMost << " more problems\n";
 }
 
+void warn(const std::vector<std::string>& warnings, std::ostream& complaints) {
+  for (const std::string& warning : warnings) complaints << warning << '\n';
+}
+
 int check_files(const std::vector<std::filesystem::path>& files,
                 const std::vector<common::Override>& overrides, std::ostream& out, std::ostream& complaints) {
   int exit_code = 0;
   for (const std::filesystem::path& file : files) {
-    const InputProblems problems = problems_in(file, overrides);
-    if (problems.empty()) {
+    const Findings found = examine(file, overrides);
+    if (found.problems.empty()) {
+      warn(found.warnings, complaints);
       out << file.string() << ": OK\n";
       continue;
     }
     exit_code = 1;
-    complain(problems, complaints);
+    complain(found.problems, complaints);
   }
   return exit_code;
 }

@@ -213,7 +213,7 @@ void add_soak(CLI::App& app, Action& action) {
   command->add_option("--config", soak_options.config, "what is drawn, and the limits (config/soak/thesis.yaml)")
       ->check(CLI::ExistingFile);
   command->add_option("--set", options->overrides,
-                      "key=value: of --config as they are, crane.KEY and controller.KEY, e.g. limits.sidelead=5");
+                      "key=value: of --config as they are, crane.KEY and controller.KEY, e.g. limits.sidelead=5deg");
   command->footer("Journal, failures and how to repeat one: docs/soak.md");
   command->callback([options, hours, task, &action] {
     if (hours->count() + task->count() == 0) throw CLI::RequiredError("--hours or --task");

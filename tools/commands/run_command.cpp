@@ -413,11 +413,13 @@ int run_scenario(const RunOptions& options, const std::vector<std::string>& comm
   const fs::path folder = options.out.empty() ? fs::path("runs") / name : options.out;
   try {
     const ControllerBy by = options.controller_command.empty() ? ControllerBy::slewlab : ControllerBy::user;
-    if (const auto problems = problems_in(options.scenario, options.overrides, by); !problems.empty()) {
-      complain(problems, std::cerr);
+    const Findings found = examine(options.scenario, options.overrides, by);
+    if (!found.problems.empty()) {
+      complain(found.problems, std::cerr);
       return 2;
     }
     need_multicast(command_line);
+    warn(found.warnings, std::cerr);
     fs::create_directories(folder);
     return run_in(folder, options, name);
   } catch (const common::InputError& error) {

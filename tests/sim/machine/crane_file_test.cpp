@@ -82,7 +82,7 @@ TEST(CraneFile, KeepsTheEffectsAsTheyAre) {
 
 TEST(CraneFile, ReadsTheDriveProtectionInItsUnits) {
   const DriveProtectionSettings protection =
-      load_crane_file(kFolder + "thesis.yaml", {{"drive_protection.silence_timeout", "120"}}).drive_protection;
+      load_crane_file(kFolder + "thesis.yaml", {{"drive_protection.silence_timeout", "120 ms"}}).drive_protection;
   EXPECT_EQ(protection.silence_timeout, 120'000'000);  // [ns]
   EXPECT_EQ(protection.brake.closing_delay, 80'000'000);
   EXPECT_DOUBLE_EQ(protection.brake.closing_time_constant, 0.06);
@@ -95,15 +95,15 @@ TEST(CraneFile, ReadsTheDriveProtectionInItsUnits) {
 }
 
 TEST(CraneFile, BadValuesAreExplained) {
-  EXPECT_EQ(complaint({{"load.mass", "-30"}}),
-            "--set load.mass=-30: key 'load.mass': found -30 t, that is -30000 kg, expected a number of at least 0 kg");
-  EXPECT_EQ(complaint({{"boom.angle", "120"}}).find("--set boom.angle=120: key 'boom.angle': found 120 deg, that is 2.0943"),
+  EXPECT_EQ(complaint({{"load.mass", "-30 t"}}),
+            "--set load.mass=-30 t: key 'load.mass': found -30 t, that is -30000 kg, expected a number of at least 0 kg");
+  EXPECT_EQ(complaint({{"boom.angle", "120 deg"}}).find("--set boom.angle=120 deg: key 'boom.angle': found 120 deg, that is 2.0943"),
             0u);
   EXPECT_NE(complaint({{"boom.angel", "50"}}).find("key 'boom.angel': found a key that is not known here, "
                                                    "expected 'angle' (or one of"),
             std::string::npos);
-  EXPECT_EQ(complaint({{"boom.chord_inner_diameter", "300"}}),
-            "--set boom.chord_inner_diameter=300: key 'boom.chord_inner_diameter': found 0.3 m, "
+  EXPECT_EQ(complaint({{"boom.chord_inner_diameter", "300 mm"}}),
+            "--set boom.chord_inner_diameter=300 mm: key 'boom.chord_inner_diameter': found 0.3 m, "
             "expected less than chord_outer_diameter, 0.267 m");
   EXPECT_EQ(complaint({{"boom.profile.half_width", "[1, 2]"}}),
             "--set boom.profile.half_width=[1, 2]: key 'boom.profile.half_width': found a list of 2, "

@@ -51,7 +51,7 @@ class DiagnoseCommand : public testing::Test {
                            << "    unevenness: {value: 0.3, unit: \"-\", source: \"test\"}\n"
                            << "    give: {value: 0.02, unit: rad, source: \"test\"}\n";
     RunningProgram run({kSlewlab, "run", kConfig + "scenarios/slew_there_and_back.yaml", "--out", (folder_->path() / "measured").string(),
-                        "--progress", "none", "--set", "crane=" + machine.string(), "--set", "telemetry.sensors_period=1", "--set",
+                        "--progress", "none", "--set", "crane=" + machine.string(), "--set", "telemetry.sensors_period=1 ms", "--set",
                         "duration=24"});
     ASSERT_EQ(run.wait_for_end(), 0) << run.complaints();
   }
@@ -193,7 +193,7 @@ TEST_F(DiagnoseCommand, WritesTheControllerThatWasFound) {
                        << "  droop: {value: 5, unit: rad/s, source: \"test\"}\n";
   const fs::path measured = out().parent_path() / "measured_with_droop";
   RunningProgram run({kSlewlab, "run", kConfig + "scenarios/slew_there_and_back.yaml", "--out", measured.string(), "--progress", "none", "--set",
-                      "controller=" + other.string(), "--set", "telemetry.sensors_period=1", "--set", "duration=24"});
+                      "controller=" + other.string(), "--set", "telemetry.sensors_period=1 ms", "--set", "duration=24"});
   ASSERT_EQ(run.wait_for_end(), 0) << run.complaints();
   std::vector<std::string> all{"--crane", kConfig + "cranes/thesis.yaml", "--controller", kConfig + "controllers/thesis.yaml", "--log",
                                (measured / "run.lcmlog").string()};
