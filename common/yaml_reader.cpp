@@ -72,6 +72,21 @@ std::optional<std::string> nearest_name(std::string_view name, const std::vector
   return nearest;
 }
 
+std::optional<double> parse_share(const YamlNode& node) {
+  if (node.kind != YamlNode::Kind::scalar) return std::nullopt;
+  std::string_view text = node.scalar;
+  double factor = 1.0;
+  if (text.ends_with('%')) {
+    factor = 0.01;
+    text.remove_suffix(1);
+    while (text.ends_with(' ')) text.remove_suffix(1);
+  }
+  double number = 0.0;
+  if (!parse_number(std::string(text), number)) return std::nullopt;
+  number *= factor;
+  return number > 0.0 && number <= 1.0 ? std::optional(number) : std::nullopt;
+}
+
 YamlReader::YamlReader(const YamlNode& node, std::string path, InputProblems& problems)
     : node_(&node), path_(std::move(path)), problems_(&problems), quiet_(node.kind != YamlNode::Kind::map) {
   const bool unread = node.kind == YamlNode::Kind::null && node.mark.file.empty();
@@ -120,6 +135,10 @@ const YamlNode* YamlReader::sourced(const YamlNode& entry, std::string_view key,
   }
   for (const YamlEntry& part : entry.entries) {
     if (part.key == "value" || part.key == "source" || (unit && part.key == "unit")) continue;
+    if (unit && part.key == "spread") {
+      if (!parse_share(part.value)) report_at(part.mark, key, "the spread " + excerpt(part.value), "a share above 0, such as 10 %");
+      continue;
+    }
     report_at(part.mark, key, "the unknown key '" + part.key + "'", form);
   }
   const YamlNode* value = entry.find("value");

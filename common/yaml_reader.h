@@ -3,6 +3,7 @@
 //
 // Form of a value in a file:
 //   motor_torque_rated: {value: 400, unit: N m, source: "chosen: ..."}   number(), numbers()
+//   mass: {value: 95, unit: kg, spread: 10 %, source: ...}   a number may say its spread: parse_share()
 //   boom_elements: {value: 6, unit: "-", source: "thesis 4.2"}           integer()
 //   shape: {value: s_curve, source: "thesis 4.5"}                        choice(), flag(): no unit
 //   description: any text                                                text()
@@ -98,6 +99,9 @@ class YamlReader {
   bool quiet_;  // stands in for a map that could not be read
   std::vector<std::string> asked_;
 };
+
+// A share above 0 and at most 1, as "10 %" or 0.1; nothing where the node holds none.
+std::optional<double> parse_share(const YamlNode& node);
 
 // The known name that differs from `name` least, where one is near enough to be meant.
 std::optional<std::string> nearest_name(std::string_view name, const std::vector<std::string>& known);

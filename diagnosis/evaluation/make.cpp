@@ -14,7 +14,7 @@
 #include "msgs/codec.h"
 #include "msgs/configuration_hash.h"
 #include "msgs/log_writer.h"
-#include "sim/machine/crane_file.h"
+#include "sim/machine/machine_file.h"
 
 namespace slewlab::diagnosis::withheld {
 
@@ -151,7 +151,7 @@ struct Nominal {
 };
 
 Nominal load_nominal(const MakeSettings& settings) {
-  const sim::CraneFile crane = sim::load_crane_file(settings.crane);
+  const sim::MachineFile crane = sim::load_machine_file(settings.crane);
   const controller::ControllerFile controller = controller::load_controller_file(settings.controller);
   Nominal nominal{crane.parameters, controller.settings,
                   msgs::configuration_hash(crane.canonical_text + controller.canonical_text)};

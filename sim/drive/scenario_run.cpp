@@ -9,15 +9,15 @@ namespace {
 
 constexpr double kNanosecondsPerSecond = 1e9;
 
-std::vector<common::EffectInstance> effects_of(const CraneFile& crane) {
+}  // namespace
+
+std::vector<common::EffectInstance> effects_of(const MachineFile& crane) {
   if (crane.effects.kind == common::YamlNode::Kind::null) return {};
   common::InputProblems problems;
   const auto effects = common::read_effects(crane.effects, effects_for(crane.parameters), problems);
   if (!problems.empty()) throw common::InputError(problems);
   return effects;
 }
-
-}  // namespace
 
 MachineSettings machine_settings(const Scenario& scenario) {
   MachineSettings settings;

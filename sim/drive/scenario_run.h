@@ -9,7 +9,8 @@
 
 namespace slewlab::sim {
 
-// Throws common::InputError where an effect in the crane's file is unknown or wrong.
+// Throws common::InputError where an effect in the machine's file is unknown or wrong.
+std::vector<common::EffectInstance> effects_of(const MachineFile& machine);
 MachineSettings machine_settings(const Scenario& scenario);
 
 LockstepSettings lockstep_settings(const Scenario& scenario);

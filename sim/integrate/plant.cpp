@@ -509,6 +509,54 @@ void attempt(const PlantModel& model, const ModalStep& step, const PlantState& s
   }
 }
 
+// The whole step of a machine that is one inertia. Friction has its full level against the motion, and at rest takes
+// what holds it there, up to the level: at most two pieces, one until it stops and one from then on.
+void step_rigid(const PlantModel& model, const Push& push, PlantState& state) {
+  const double h = model.step;
+  double torque = push.house, against_positive = push.friction.house_positive, against_negative = push.friction.house_negative;
+  for (int i = 0; i < model.group_count; ++i) {
+    torque += push.motor[i];
+    against_positive += push.friction.motor[i];
+    against_negative += push.friction.motor[i];
+  }
+  const double start_speed = state.house_speed;
+  double speed = start_speed, turned = 0.0, friction_impulse = 0.0, friction_work = 0.0, remaining = h;
+  for (int piece = 0; piece < 2 && remaining > 0.0; ++piece) {
+    const double friction = speed > 0.0   ? -against_positive
+                            : speed < 0.0 ? against_negative
+                                          : std::clamp(-torque, -against_positive, against_negative);
+    const double acceleration = (torque + friction) / model.rigid_inertia;
+    const bool stops = friction != 0.0 && speed * acceleration < 0.0 && -speed / acceleration < remaining;
+    const double length = stops ? -speed / acceleration : remaining;
+    const double way = length * (speed + 0.5 * length * acceleration);
+    turned += way;
+    friction_impulse += friction * length;
+    friction_work += friction * way;
+    speed = stops ? 0.0 : speed + length * acceleration;
+    remaining -= length;
+    if (!stops) break;
+  }
+  const double acceleration = (speed - start_speed) / h;
+  const double friction = friction_impulse / h;
+  const double level = friction < 0.0 ? against_positive : against_negative;
+  const double share = level > 0.0 ? friction / level : 0.0;
+
+  state.supplied_work += torque * turned + friction_work;
+  state.house_friction = share * (friction < 0.0 ? push.friction.house_positive : push.friction.house_negative);
+  state.other_house_torque = push.house + state.house_friction;
+  state.house_angle += turned;
+  state.house_speed = speed;
+  for (int i = 0; i < model.group_count; ++i) {
+    state.motor_friction[i] = share * push.friction.motor[i];
+    state.gear_torque[i] = push.motor[i] + state.motor_friction[i] - model.group_inertia[i] * acceleration;
+    state.contact[i] = state.gear_torque[i] > 0.0 ? 1 : state.gear_torque[i] < 0.0 ? -1 : 0;
+    state.motor_angle[i] = state.house_angle;
+    state.motor_speed[i] = speed;
+  }
+  state.q[0] = state.house_angle / model.house[0];
+  state.v[0] = speed / model.house[0];
+}
+
 }  // namespace
 
 PlantModel make_plant_model(const CraneParameters& crane, double step) {
@@ -527,10 +575,10 @@ PlantModel make_plant_model(const CraneParameters& crane, double step, const Gro
     throw std::invalid_argument("the number of motor groups must be 1 ... 8");
   }
   for (int i = 0; i < groups; ++i) {
-    if (!(group_inertia[i] > 0.0)) throw CannotBeBuilt("a motor group needs an inertia above 0");
-    if (!(gear[i].stiffness > 0.0)) throw CannotBeBuilt("gearboxes need a stiffness above 0");
+    if (!crane.drive.is_rigid && !(group_inertia[i] > 0.0)) throw CannotBeBuilt("a motor group needs an inertia above 0");
+    if (!crane.drive.is_rigid && !(gear[i].stiffness > 0.0)) throw CannotBeBuilt("gearboxes need a stiffness above 0");
   }
-  if (!(driven_inertia(crane) > 0.0)) throw CannotBeBuilt("house and boom have no inertia");
+  if (!(driven_inertia(crane) > 0.0)) throw CannotBeBuilt("what the motors drive has no inertia");
 
   PlantModel model;
   model.parameters = crane;
@@ -567,9 +615,18 @@ PlantModel make_plant_model(const CraneParameters& crane, double step, const Gro
     model.house_per_uniform_force += model.house[k] * model.uniform[k];
   }
   model.has_load = crane.load.mass > 0.0;
+  model.has_axis_force = crane.axis_force.constant != 0.0 || crane.axis_force.gravity != 0.0;
+  model.is_rigid = crane.drive.is_rigid;
+  if (model.is_rigid) {
+    if (model.mode_count > 1 || model.has_load) {
+      throw std::invalid_argument("a rigid drive is stepped as one inertia: it goes with neither a boom that bends nor a load on a rope");
+    }
+    model.rigid_inertia = driven_inertia(crane);
+    for (int i = 0; i < groups; ++i) model.rigid_inertia += group_inertia[i];
+  }
   if (model.has_load) model.load = load_on_spring(crane.load);
   size_step(model.full, model.padded_count);
-  discretise(model, step, model.full);
+  if (!model.is_rigid) discretise(model, step, model.full);
   model.load_step = discretise_load(model, step);
   return model;
 }
@@ -598,6 +655,11 @@ void refresh(const PlantModel& model, PlantState& state) {
       dot(model.house_acceleration_q, state.q) + dot(model.house_acceleration_v, state.v);
   rope_forces(model, 0.0, state);
   for (int i = 0; i < model.group_count; ++i) {
+    if (model.is_rigid) {
+      state.motor_angle[i] = state.house_angle;
+      state.motor_speed[i] = state.house_speed;
+      continue;
+    }
     state.gear_torque[i] =
         contact_torque(model.gear[i], gear_deflection(state, i), state.motor_speed[i] - state.house_speed);
     state.contact[i] = state.gear_torque[i] > 0.0 ? 1 : state.gear_torque[i] < 0.0 ? -1 : 0;
@@ -615,10 +677,19 @@ void step(const PlantModel& model, PlantWorkspace& workspace, const PlantInput& 
   }
   push.friction = input.friction;
   push.house = input.ports.house_torque;
+  if (model.has_axis_force) {
+    push.house += axis_force_at(model.parameters.axis_force, state.house_angle + 0.5 * model.step * state.house_speed);
+  }
   push.tip = input.ports.tip_force;
   push.uniform = input.ports.uniform_force;
   push.load = input.ports.load_force;
   push.rod = input.ports.rod_moment;
+
+  if (model.is_rigid) {
+    step_rigid(model, push, state);
+    ++state.step_count;
+    return;
+  }
 
   Start start;
   Trial trial;

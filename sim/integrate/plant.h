@@ -15,6 +15,11 @@
 //   (brake, dragging brake, slew bearing) is a torque that opposes motion up to a level and holds at rest: it
 //   is found with the step's end speed, so that sticking is exact and nothing chatters.
 //
+// - A machine of one inertia (`drive.is_rigid`) is stepped as one inertia: constant acceleration between the moments
+//   at which friction stops it, exactly, for torques held over the step.
+// - What acts on the axis wherever it stands (AxisForceParameters) is held at its value in the middle of the step, angle
+//   x + h v / 2: second order, and of an undamped pendulum the energy stays bounded (Verlet's scheme).
+//
 // Order of accuracy: the contact phases are of fourth order in h, the splits keep at least second order across
 // impacts. step() allocates nothing, locks nothing, throws nothing. Same inputs, same bits.
 //
@@ -84,6 +89,9 @@ struct PlantModel {
   double house_per_uniform_force = 0.0; // [1/kg] sum house uniform
   LoadOnSpring load;
   bool has_load = false;
+  bool has_axis_force = false;
+  bool is_rigid = false;
+  double rigid_inertia = 0.0;  // [kg m^2] of everything, where the drive is rigid
   ModalStep full;  // for the whole step
   LoadStep load_step;
 };
@@ -125,7 +133,8 @@ struct PlantWorkspace {
   std::vector<double> q, v;  // trial end state
 };
 
-// Throws CannotBeBuilt for a machine without inertia or stiffness, std::invalid_argument for no groups or a step <= 0.
+// Throws CannotBeBuilt for a machine without inertia or stiffness, std::invalid_argument for no groups, a step <= 0 or a
+// rigid drive with a boom that bends or a load.
 PlantModel make_plant_model(const CraneParameters& crane, double step);
 // As make_plant_model, with each group's inertia and gears given (uneven drives).
 PlantModel make_plant_model(const CraneParameters& crane, double step, const GroupArray& group_inertia,
@@ -135,7 +144,8 @@ PlantWorkspace make_plant_workspace(const PlantModel& model);
 // At rest, gears in the middle of their play, load hanging straight.
 PlantState make_plant_state(const PlantModel& model);
 
-// Recomputes what a state derives from its angles, speeds and modes: call it after setting those by hand.
+// Recomputes what a state derives from its angles, speeds and modes: call it after setting those by hand. Where the
+// drive is rigid, the motors' angles and speeds are derived, too.
 void refresh(const PlantModel& model, PlantState& state);
 
 // Advances the state by model.step.

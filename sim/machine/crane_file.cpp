@@ -3,7 +3,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "common/yaml_reader.h"
+#include "sim/machine/drive_protection_file.h"
+#include "sim/machine/possible_values.h"
 
 namespace slewlab::sim {
 namespace {
@@ -13,29 +14,6 @@ using common::not_negative;
 using common::positive;
 using common::Unit;
 using common::YamlReader;
-
-// What no machine has, whatever its scale: a slip of units or of the keyboard. In SI; 0 is left to the key's own range.
-struct Possible {
-  double least, most;
-};
-constexpr Possible kMass{1e-6, 1e9};          // [kg] a grain to a thousand thousand tonnes, more than any ship
-constexpr Possible kLength{1e-4, 1e4};        // [m] a tenth of a millimetre to ten kilometres
-constexpr Possible kInertia{1e-12, 1e15};     // [kg m^2] the smallest rotor to the greatest mass a kilometre out
-constexpr Possible kStiffness{1e-6, 1e18};    // [Nm/rad]
-constexpr Possible kRatio{1e-4, 1e6};         // [-]
-constexpr Possible kModulus{1e3, 1e13};       // [Pa] jelly to ten times diamond
-constexpr Possible kTorque{1e-9, 1e12};       // [Nm]
-constexpr Possible kSpeed{1e-9, 1e6};         // [rad/s]
-
-double sized(YamlReader& reader, std::string_view key, Unit unit, common::Range range, Possible possible) {
-  const double value = reader.number(key, unit, range);
-  if (value != 0.0 && (value < possible.least || value > possible.most)) {
-    const std::string name(common::name_of(unit));
-    reader.report(key, common::shortest(value) + ' ' + name + ", which no machine has",
-                  "from " + common::shortest(possible.least) + " to " + common::shortest(possible.most) + ' ' + name);
-  }
-  return value;
-}
 
 constexpr double kRightAngle = 0.5 * std::numbers::pi;  // [rad]
 
@@ -135,49 +113,10 @@ LoadParameters read_load(YamlReader reader) {
   return load;
 }
 
-// Times of the drive are whole nanoseconds, as all times of the wire.
-std::int64_t read_time(YamlReader& reader, std::string_view key) {
-  constexpr double kLongest = 3600.0;  // [s]
-  constexpr double kNanosecondsPerSecond = 1e9;
-  return std::llround(reader.number(key, Unit::second, between(0.0, kLongest)) * kNanosecondsPerSecond);
-}
-
-BrakeSettings read_brake(YamlReader reader) {
-  BrakeSettings brake;
-  brake.torque = reader.number("torque", Unit::newton_metre, not_negative());
-  brake.closing_delay = read_time(reader, "closing_delay");
-  brake.closing_time_constant = reader.number("closing_time_constant", Unit::second, not_negative());
-  brake.release_delay = read_time(reader, "release_delay");
-  brake.release_time_constant = reader.number("release_time_constant", Unit::second, not_negative());
-  reader.finish();
-  return brake;
-}
-
-DriveProtectionSettings read_drive_protection(YamlReader reader) {
-  constexpr int kOldestAnswer = 1000;  // [cycles]
-  DriveProtectionSettings protection;
-  protection.torque_limit = reader.number("torque_limit", Unit::newton_metre, positive());
-  protection.torque_rate_limit = reader.number("torque_rate_limit", Unit::newton_metre_per_second, positive());
-  protection.alive_timeout = read_time(reader, "alive_timeout");
-  protection.silence_timeout = read_time(reader, "silence_timeout");
-  protection.answer_age_limit = reader.integer("answer_age_limit", 0, kOldestAnswer);
-  protection.standstill_speed = reader.number("standstill_speed", Unit::radian_per_second, not_negative());
-  protection.trip_on_group_lost = reader.flag("trip_on_group_lost");
-  protection.brake = read_brake(reader.map("brake"));
-  reader.finish();
-  return protection;
-}
-
 }  // namespace
 
-CraneFile load_crane_file(const std::filesystem::path& file, const std::vector<common::Override>& overrides) {
-  common::InputProblems problems;
-  const common::YamlNode root = common::load_yaml_file(file, overrides, problems);
-  if (root.kind != common::YamlNode::Kind::map) throw common::InputError(problems);
-
-  CraneFile result;
-  CraneParameters& crane = result.parameters;
-  YamlReader reader(root, "", problems);
+void read_crane(YamlReader& reader, MachineFile& file) {
+  CraneParameters& crane = file.parameters;
   reader.heading("crane");
   crane.drive = read_drive(reader.map("drive"));
   crane.house = read_house(reader.map("house"));
@@ -187,12 +126,7 @@ CraneFile load_crane_file(const std::filesystem::path& file, const std::vector<c
     crane.boom.element_count = 0;
   }
   if (reader.has("load")) crane.load = read_load(reader.map("load"));
-  if (reader.has("drive_protection")) result.drive_protection = read_drive_protection(reader.map("drive_protection"));
-  if (const common::YamlNode* effects = reader.raw("effects")) result.effects = *effects;
-  reader.finish();
-  if (!problems.empty()) throw common::InputError(problems);
-  result.canonical_text = common::canonical_text(root);
-  return result;
+  if (reader.has("drive_protection")) file.drive_protection = read_drive_protection(reader.map("drive_protection"), {});
 }
 
 }  // namespace slewlab::sim

@@ -38,7 +38,7 @@ common::EffectScales effect_scales(const CraneParameters& nominal) {
 }
 
 common::MachineParts parts_of(const CraneParameters& machine) {
-  return {.gears = machine.drive.gearbox_stiffness > 0.0 && std::isfinite(machine.drive.gearbox_stiffness),
+  return {.gears = !machine.drive.is_rigid && machine.drive.gearbox_stiffness > 0.0 && std::isfinite(machine.drive.gearbox_stiffness),
           .boom = machine.boom.length > 0.0,
           .flexible_boom = machine.boom.length > 0.0 && machine.boom.element_count > 0,
           .load = machine.load.mass > 0.0,

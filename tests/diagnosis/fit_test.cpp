@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "sim/effects/catalogue.h"
-#include "sim/machine/crane_file.h"
+#include "sim/machine/machine_file.h"
 #include "tests/diagnosis/bench.h"
 
 namespace slewlab::diagnosis {
@@ -58,7 +58,7 @@ TEST(ShareOut, ThrowsAgainWhatAShareThrewAndBeginsNoOther) {
 // A factor is judged by how far it is from 1, where the effect is absent: an unchanged inertia costs nothing, and factors
 // of e^0.5 and e^-0.5 as much as each other. Where absent is infinite, by how far it is from its typical size.
 TEST(Coordinates, OfALogarithmicParameterAreZeroWhereTheEffectIsAbsent) {
-  const common::EffectCatalogue catalogue = sim::effects_for(sim::load_crane_file(SLEWLAB_SOURCE_DIR "/config/cranes/thesis.yaml").parameters);
+  const common::EffectCatalogue catalogue = sim::effects_for(sim::load_machine_file(SLEWLAB_SOURCE_DIR "/config/cranes/thesis.yaml").parameters);
   const common::EffectParameter& factor = catalogue.at("house_inertia").parameters[common::kSize];
   EXPECT_EQ(to_coordinate(factor, 1.0), 0.0);
   EXPECT_EQ(value_at(factor, 0.0), 1.0);

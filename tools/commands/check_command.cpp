@@ -13,7 +13,7 @@
 #include "sim/drive/scenario_file.h"
 #include "sim/effects/catalogue.h"
 #include "sim/integrate/machine.h"
-#include "sim/machine/crane_file.h"
+#include "sim/machine/machine_file.h"
 #include "sim/machine/plausibility.h"
 
 namespace slewlab::tools {
@@ -22,6 +22,8 @@ namespace {
 using common::InputError;
 using common::InputProblems;
 using common::YamlNode;
+
+constexpr const char* kKinds = "crane, axis, controller or scenario";
 
 // Where the scenario names its controller, for problems that lie between two files.
 common::SourceMark mark_of(const std::filesystem::path& file, const std::vector<common::Override>& overrides,
@@ -52,10 +54,10 @@ std::string place_text(const common::SourceMark& mark) {
   return text + ": ";
 }
 
-// What is possible and yet unlikely of a crane that is read already.
-void weigh_crane(const sim::CraneParameters& crane, const std::filesystem::path& file,
+// What is possible and yet unlikely of a machine that is read already.
+void weigh_machine(const sim::MachineFile& machine, const std::filesystem::path& file,
                  const std::vector<common::Override>& overrides, double plant_step, std::vector<std::string>& warnings) {
-  const std::vector<sim::ImplausibleValue> values = sim::implausible_values(crane, plant_step);
+  const std::vector<sim::ImplausibleValue> values = sim::implausible_values(machine.parameters, plant_step, machine.kind);
   if (values.empty()) return;
   InputProblems ignored;
   const YamlNode root = common::load_yaml_file(file, overrides, ignored);
@@ -75,13 +77,13 @@ void weigh_cost(const sim::Scenario& scenario, const std::filesystem::path& file
 }
 
 // What a run would refuse of the crane's effects, said where the user wrote them.
-std::vector<common::EffectInstance> check_effects(const sim::CraneFile& crane, InputProblems& problems) {
+std::vector<common::EffectInstance> check_effects(const sim::MachineFile& crane, InputProblems& problems) {
   if (crane.canonical_text.empty()) return {};  // it could not be read, which is told
   return common::read_effects(crane.effects, sim::effects_for(crane.parameters), problems);
 }
 
 // Whether parameters that are good one by one make a machine; a boom of so many elements takes milliseconds to assemble.
-void check_machine(const sim::CraneFile& crane, double plant_step, const std::filesystem::path& file, InputProblems& problems) {
+void check_machine(const sim::MachineFile& crane, double plant_step, const std::filesystem::path& file, InputProblems& problems) {
   constexpr int kMostElements = 64;
   const std::vector<common::EffectInstance> effects = check_effects(crane, problems);
   if (!problems.empty() || crane.parameters.boom.element_count > kMostElements) return;
@@ -95,9 +97,9 @@ void check_machine(const sim::CraneFile& crane, double plant_step, const std::fi
 }
 
 void check_crane(const std::filesystem::path& file, const std::vector<common::Override>& overrides, Findings& found) {
-  const sim::CraneFile crane = sim::load_crane_file(file, overrides);
+  const sim::MachineFile crane = sim::load_machine_file(file, overrides);
   check_machine(crane, sim::MachineSettings{}.step, file, found.problems);
-  if (found.problems.empty()) weigh_crane(crane.parameters, file, overrides, 0.0, found.warnings);
+  if (found.problems.empty()) weigh_machine(crane, file, overrides, 0.0, found.warnings);
 }
 
 void check_scenario(const std::filesystem::path& file, const std::vector<common::Override>& overrides, ControllerBy by,
@@ -108,7 +110,7 @@ void check_scenario(const std::filesystem::path& file, const std::vector<common:
   if (whole) {
     const double plant_step = static_cast<double>(scenario.plant_step) * 1e-9;  // [s]
     check_machine(scenario.crane, plant_step, scenario.crane_file, problems);
-    weigh_crane(scenario.crane.parameters, scenario.crane_file, scenario.crane_overrides, plant_step, found.warnings);
+    weigh_machine(scenario.crane, scenario.crane_file, scenario.crane_overrides, plant_step, found.warnings);
     weigh_cost(scenario, file, found.warnings);
   } else {
     check_effects(scenario.crane, problems);
@@ -121,7 +123,7 @@ void check_scenario(const std::filesystem::path& file, const std::vector<common:
     if (whole && settings.group_count != crane_groups) {
       problems.push_back({mark_of(file, overrides, "controller"), "controller",
                           "a controller for " + std::to_string(settings.group_count) + " motor group(s)",
-                          "one for the crane's " + std::to_string(crane_groups)});
+                          "one for the " + std::to_string(crane_groups) + " of the " + std::string(sim::name_of(scenario.crane.kind))});
     }
   } catch (const InputError& error) {
     problems.insert(problems.end(), error.problems().begin(), error.problems().end());
@@ -133,7 +135,7 @@ std::optional<YamlNode> kind_of(const std::filesystem::path& file, InputProblems
   const YamlNode root = common::load_yaml_file(file, {}, problems);
   if (const YamlNode* kind = root.find("kind")) return *kind;
   if (problems.empty()) {
-    problems.push_back({root.mark, "kind", "nothing: the key is missing", "crane, controller or scenario"});
+    problems.push_back({root.mark, "kind", "nothing: the key is missing", kKinds});
   }
   return std::nullopt;
 }
@@ -146,14 +148,14 @@ Findings examine(const std::filesystem::path& file, const std::vector<common::Ov
   if (!kind) return found;
   found.problems.clear();
   try {
-    if (kind->scalar == "crane") {
+    if (kind->scalar == "crane" || kind->scalar == "axis") {
       check_crane(file, overrides, found);
     } else if (kind->scalar == "controller") {
       controller::load_controller_file(file, overrides);
     } else if (kind->scalar == "scenario") {
       check_scenario(file, overrides, by, found);
     } else {
-      found.problems.push_back({kind->mark, "kind", common::excerpt(*kind), "crane, controller or scenario"});
+      found.problems.push_back({kind->mark, "kind", common::excerpt(*kind), kKinds});
     }
   } catch (const InputError& error) {
     found.problems = error.problems();

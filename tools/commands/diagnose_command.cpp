@@ -24,7 +24,7 @@
 #include "diagnosis/nuisance.h"
 #include "diagnosis/prediction.h"
 #include "sim/analysis/eigen.h"
-#include "sim/machine/crane_file.h"
+#include "sim/machine/machine_file.h"
 #include "sim/effects/catalogue.h"
 #include "tools/commands/python_command.h"
 #include "tools/commands/status_line.h"
@@ -336,7 +336,7 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
   try {
     common::InputProblems problems = problems_of(options);
     if (!problems.empty()) throw common::InputError(problems);
-    const sim::CraneFile crane = sim::load_crane_file(options.crane);
+    const sim::MachineFile crane = sim::load_machine_file(options.crane);
     sim::MachineSettings nominal;
     nominal.crane = crane.parameters;
     if (crane.effects.kind != common::YamlNode::Kind::null) {

@@ -18,6 +18,7 @@
 #include "tools/commands/python_command.h"
 #include "tools/commands/replay_command.h"
 #include "tools/commands/run_command.h"
+#include "tools/commands/simulate_command.h"
 #include "tools/commands/soak_command.h"
 #include "tools/commands/verify_command.h"
 #include "tools/commands/withhold_command.h"
@@ -92,7 +93,7 @@ void add_replay(CLI::App& app, const std::vector<std::string>& command_line, Act
   CLI::App* command = app.add_subcommand("replay", "Feed a log to plant and controller again and compare to the bit");
   command->add_option("LOG", options->replay.log, "log, or the folder of a run")->required()->check(CLI::ExistingPath);
   command->add_option("--scenario", options->replay.scenario, "in place of scenario.yaml beside the log");
-  command->add_option("--crane", options->replay.crane, "in place of the scenario's crane");
+  command->add_option("--crane,--axis", options->replay.crane, "in place of the scenario's machine");
   command->add_option("--controller-config", options->replay.controller_config, "in place of the scenario's");
   command->add_option("--controller", options->replay.controller_command,
                       "shell command of your own controller: what it would have answered to the recorded motion");
@@ -105,6 +106,29 @@ void add_replay(CLI::App& app, const std::vector<std::string>& command_line, Act
     action = [options, &command_line] {
       options->replay.overrides = parse_overrides(options->overrides);
       return replay(options->replay, command_line, std::cout, std::cerr);
+    };
+  });
+}
+
+void add_simulate(CLI::App& app, Action& action) {
+  struct Options {
+    SimulateOptions simulate;
+    std::vector<std::string> overrides;
+    double longest_step_ms = 1.0;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("simulate", "Drive a machine by the torque of a log, open loop, for report against the log");
+  command->add_option("MACHINE", options->simulate.machine, "file of a crane or an axis")->required()->check(CLI::ExistingFile);
+  command->add_option("LOG", options->simulate.log, "log, or the folder of a run")->required()->check(CLI::ExistingPath);
+  command->add_option("--out", options->simulate.out, "folder for the simulated log")->required();
+  command->add_option("--plant-step", options->longest_step_ms, "[ms] longest step of the plant (1)")->check(CLI::PositiveNumber);
+  command->add_option("--set", options->overrides, "key=value over the machine's file");
+  command->callback([options, &action] {
+    action = [options] {
+      constexpr double kMillisecond = 1e-3;  // [s]
+      options->simulate.longest_step = options->longest_step_ms * kMillisecond;
+      options->simulate.overrides = parse_overrides(options->overrides);
+      return simulate(options->simulate, std::cout);
     };
   });
 }
@@ -137,7 +161,7 @@ void add_accept(CLI::App& app, const std::vector<std::string>& command_line, Act
 void add_diagnose(CLI::App& app, Action& action) {
   auto options = std::make_shared<DiagnoseOptions>();
   CLI::App* command = app.add_subcommand("diagnose", "Where a measured crane differs from its model, and which effect causes it");
-  command->add_option("--crane", options->crane, "nominal crane")->required();
+  command->add_option("--crane,--axis", options->crane, "nominal machine")->required();
   command->add_option("--controller", options->controller,
                       "nominal controller; without it the machine's side alone is judged");
   command->add_option("--log", options->logs, "measured logs; more than one manoeuvre tells more")->required();
@@ -243,12 +267,12 @@ void add_modes(CLI::App& app, Action& action) {
     std::vector<std::string> overrides;
   };
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("modes", "Eigenfrequencies, convergence and frequency response of a crane");
-  command->add_option("CRANE", options->modes.crane, "crane file")->required();
+  CLI::App* command = app.add_subcommand("modes", "Eigenfrequencies, convergence and frequency response of a crane or an axis");
+  command->add_option("MACHINE", options->modes.crane, "file of a crane or an axis")->required();
   command->add_option("--elements", options->modes.elements, "boom elements, in place of the crane's own")
       ->check(CLI::Range(0, 256));
   command->add_option("--bode", options->modes.bode, "CSV of the response from motor torque to tip velocity");
-  command->add_option("--set", options->overrides, "key=value over the crane file");
+  command->add_option("--set", options->overrides, "key=value over the machine's file");
   command->callback([options, &action] {
     action = [options] {
       options->modes.overrides = parse_overrides(options->overrides);
@@ -277,6 +301,7 @@ int main(const std::vector<std::string>& command_line, int argc, char** argv) {
   Action action;
   add_run(app, command_line, action);
   add_replay(app, command_line, action);
+  add_simulate(app, action);
   add_accept(app, command_line, action);
   add_soak(app, action);
   add_check(app, action);

@@ -9,7 +9,7 @@
 #include "controller/process/computed_answer.h"
 #include "msgs/log_writer.h"
 #include "msgs/memory_bus.h"
-#include "sim/machine/crane_file.h"
+#include "sim/machine/machine_file.h"
 #include "sim/drive/crane_plant.h"
 #include "sim/drive/lockstep_loop.h"
 #include "sim/drive/scenario_run.h"
@@ -301,8 +301,8 @@ std::vector<common::Override> overrides_of(const SoakPlan& plan, std::string_vie
   return overrides;
 }
 
-sim::CraneFile plain_crane(const SoakPlan& plan) {
-  return sim::load_crane_file(plan.crane, overrides_of(plan, "crane."));
+sim::MachineFile plain_crane(const SoakPlan& plan) {
+  return sim::load_machine_file(plan.crane, overrides_of(plan, "crane."));
 }
 controller::ControllerFile plain_controller(const SoakPlan& plan) {
   return controller::load_controller_file(plan.controller, overrides_of(plan, "controller."));

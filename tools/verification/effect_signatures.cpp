@@ -16,7 +16,7 @@
 #include "controller/controller_file.h"
 #include "controller/effects/catalogue.h"
 #include "sim/analysis/spectrum.h"
-#include "sim/machine/crane_file.h"
+#include "sim/machine/machine_file.h"
 #include "sim/effects/catalogue.h"
 #include "sim/integrate/machine.h"
 
@@ -129,7 +129,7 @@ int main(int count, char** arguments) {
   app.add_option("controller", controller_file, "controller file")->required();
   CLI11_PARSE(app, count, arguments);
   try {
-    const sim::CraneParameters crane = sim::load_crane_file(crane_file).parameters;
+    const sim::CraneParameters crane = sim::load_machine_file(crane_file).parameters;
     controller::ControllerSettings settings = controller::load_controller_file(controller_file).settings;
     settings.period = kStep * kStepsPerCycle;
     const Series nominal = simulate(crane, settings, {});

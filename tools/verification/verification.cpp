@@ -1,7 +1,7 @@
 #include "tools/verification/verification.h"
 
 #include "controller/controller_file.h"
-#include "sim/machine/crane_file.h"
+#include "sim/machine/machine_file.h"
 
 namespace slewlab::tools {
 
@@ -20,7 +20,7 @@ std::unique_ptr<const diagnosis::ClosedLoopSeries> run(const sim::CraneParameter
 
 VerificationInputs load_verification_inputs(const std::filesystem::path& config_directory) {
   const auto controllers = config_directory / "controllers";
-  return {.crane = sim::load_crane_file(config_directory / "cranes" / "thesis.yaml").parameters,
+  return {.crane = sim::load_machine_file(config_directory / "cranes" / "thesis.yaml").parameters,
           .compensated = controller::load_controller_file(controllers / "thesis.yaml").settings,
           .uncompensated =
               controller::load_controller_file(controllers / "thesis_without_play_compensation.yaml").settings,
