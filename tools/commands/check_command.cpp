@@ -135,7 +135,7 @@ std::optional<YamlNode> kind_of(const std::filesystem::path& file, InputProblems
   const YamlNode root = common::load_yaml_file(file, {}, problems);
   if (const YamlNode* kind = root.find("kind")) return *kind;
   if (problems.empty()) {
-    problems.push_back({root.mark, "kind", "nothing: the key is missing", "crane, controller or scenario"});
+    problems.push_back({root.mark, "kind", "nothing: the key is missing", kKinds});
   }
   return std::nullopt;
 }
