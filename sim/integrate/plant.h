@@ -21,11 +21,6 @@
 // - What acts on the axis wherever it stands (AxisForceParameters) is held at its value in the middle of the step, angle
 //   x + h v / 2: second order, and of an undamped pendulum the energy stays bounded (Verlet's scheme).
 //
-// - A machine of one inertia (`drive.is_rigid`) is stepped as one inertia: constant acceleration between the moments
-//   at which friction stops it, exactly, for torques held over the step.
-// - What acts on the axis wherever it stands (AxisForceParameters) is held at its value in the middle of the step, angle
-//   x + h v / 2: second order, and of an undamped pendulum the energy stays bounded (Verlet's scheme).
-//
 // Order of accuracy: the contact phases are of fourth order in h, the splits keep at least second order across
 // impacts. step() allocates nothing, locks nothing, throws nothing. Same inputs, same bits.
 //

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "sim/machine/drive_protection_file.h"
+#include "sim/machine/possible_values.h"
 
 namespace slewlab::sim {
 namespace {

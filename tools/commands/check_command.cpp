@@ -54,11 +54,10 @@ std::string place_text(const common::SourceMark& mark) {
   return text + ": ";
 }
 
-// What is possible and yet unlikely of a machine that is read already; of an axis nothing is usual.
+// What is possible and yet unlikely of a machine that is read already.
 void weigh_machine(const sim::MachineFile& machine, const std::filesystem::path& file,
                  const std::vector<common::Override>& overrides, double plant_step, std::vector<std::string>& warnings) {
-  if (machine.kind != sim::MachineKind::crane) return;
-  const std::vector<sim::ImplausibleValue> values = sim::implausible_values(machine.parameters, plant_step);
+  const std::vector<sim::ImplausibleValue> values = sim::implausible_values(machine.parameters, plant_step, machine.kind);
   if (values.empty()) return;
   InputProblems ignored;
   const YamlNode root = common::load_yaml_file(file, overrides, ignored);

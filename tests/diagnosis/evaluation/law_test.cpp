@@ -98,12 +98,9 @@ TEST_P(LawsOfACrane, EveryEffectOfTheCataloguesHasALawThatFitsIt) {
         }
       }
     }
-    EXPECT_LE(found, 1) << about->name;
-    fitting += found;
+    EXPECT_EQ(found, 1) << about->name;
   }
-  const auto named = std::count_if(laws().begin(), laws().end(), [](const Law& law) { return !law.effect.empty(); });
-  EXPECT_EQ(fitting, named);
-  EXPECT_GE(named, 48);
+  EXPECT_GE(catalogue.effects.size(), 40u);
 }
 
 TEST(Law, SlidingBristlesCarryTheLevelAndRestThere) {
