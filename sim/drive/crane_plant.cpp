@@ -94,11 +94,10 @@ std::optional<Divergence> CranePlant::divergence() const {
   constexpr double kFastest = 3e8;
   const auto possible = [](double speed) { return std::fabs(speed) <= kFastest; };  // false for what is no number
   const PlantState& state = machine_.state;
-  const char* const unit = machine_.model.parameters.form.is_linear ? "m/s" : "rad/s";
   for (int group = 0; group < machine_.model.group_count; ++group) {
-    if (!possible(state.motor_speed[group])) return Divergence{"speed of a motor group, on the axis", unit, state.motor_speed[group]};
+    if (!possible(state.motor_speed[group])) return Divergence{"speed of a motor group, on the slew axis", "rad/s", state.motor_speed[group]};
   }
-  if (!possible(state.house_speed)) return Divergence{"speed of the axis", unit, state.house_speed};
+  if (!possible(state.house_speed)) return Divergence{"slewing speed", "rad/s", state.house_speed};
   if (!possible(state.tip_velocity)) return Divergence{"velocity of the boom's tip", "m/s", state.tip_velocity};
   if (machine_.model.has_load) {
     if (!std::isfinite(state.rope_force)) return Divergence{"force of the rope on the boom's tip", "N", state.rope_force};

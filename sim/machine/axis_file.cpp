@@ -3,7 +3,6 @@
 #include <numbers>
 
 #include "sim/machine/drive_protection_file.h"
-#include "sim/machine/possible_values.h"
 
 namespace slewlab::sim {
 namespace {
@@ -16,7 +15,6 @@ using common::Unit;
 using common::YamlReader;
 
 constexpr double kTurn = 2.0 * std::numbers::pi;  // [rad]
-constexpr Possible kTravel{1e-6, 1e3};            // [m] per turn
 
 // A key that belongs to the other form of axis, told in words instead of as unknown.
 void refuse(YamlReader& reader, std::string_view key, std::string_view why) {
@@ -24,8 +22,8 @@ void refuse(YamlReader& reader, std::string_view key, std::string_view why) {
 }
 
 void read_transmission(YamlReader reader, bool is_linear, DriveParameters& drive) {
-  drive.gearbox_stiffness = is_linear ? sized(reader, "stiffness", Unit::newton_per_metre, positive(), kLinearStiffness)
-                                      : sized(reader, "stiffness", Unit::newton_metre_per_radian, positive(), kStiffness);
+  drive.gearbox_stiffness =
+      reader.number("stiffness", is_linear ? Unit::newton_per_metre : Unit::newton_metre_per_radian, positive());
   drive.gear_damping_ratio = reader.number("damping_ratio", Unit::none, between(0.0, 1.0));
   drive.gearbox_play = reader.optional_number("play", is_linear ? Unit::metre : Unit::radian, not_negative()).value_or(0.0);
   reader.finish();
@@ -49,32 +47,28 @@ AxisForceParameters read_load(YamlReader reader, bool is_linear) {
 
 void read_axis(YamlReader& reader, MachineFile& file) {
   reader.heading("axis");
-  AxisForm& form = file.parameters.form;
+  AxisForm& form = file.axis;
   DriveParameters& drive = file.parameters.drive;
   form.is_linear = reader.choice("coordinate", {"rotary", "linear"}) == 1;
   drive.group_count = drive.motors_per_group = 1;
 
   if (form.is_linear) {
-    file.parameters.house.inertia = sized(reader, "mass", Unit::kilogram, positive(), kMass);
-    form.is_shaft_linear = !reader.has("travel_per_turn");
-    if (!form.is_shaft_linear) {
-      const double travel = sized(reader, "travel_per_turn", Unit::metre, positive(), kTravel);
-      drive.gearbox_ratio = travel > 0.0 ? kTurn / travel : 1.0;
-    }
+    file.parameters.house.inertia = reader.number("mass", Unit::kilogram, positive());
+    const auto travel = reader.optional_number("travel_per_turn", Unit::metre, positive());
+    form.is_shaft_linear = !travel;
+    drive.gearbox_ratio = travel ? kTurn / *travel : 1.0;
     refuse(reader, "inertia", "'mass' in kg: the axis is linear");
     refuse(reader, "ratio", "'travel_per_turn' in m: the axis is linear");
   } else {
-    file.parameters.house.inertia = sized(reader, "inertia", Unit::kilogram_square_metre, positive(), kInertia);
-    if (reader.has("ratio")) drive.gearbox_ratio = sized(reader, "ratio", Unit::none, positive(), kRatio);
+    file.parameters.house.inertia = reader.number("inertia", Unit::kilogram_square_metre, positive());
+    drive.gearbox_ratio = reader.optional_number("ratio", Unit::none, positive()).value_or(1.0);
     refuse(reader, "mass", "'inertia' in kg m^2: the axis is rotary");
     refuse(reader, "travel_per_turn", "'ratio': the axis is rotary");
   }
 
   const std::string_view own = form.is_shaft_linear ? "motor_mass" : "motor_inertia";
-  if (reader.has(own)) {
-    drive.motor_inertia = form.is_shaft_linear ? sized(reader, own, Unit::kilogram, positive(), kMass)
-                                               : sized(reader, own, Unit::kilogram_square_metre, positive(), kInertia);
-  }
+  drive.motor_inertia =
+      reader.optional_number(own, form.is_shaft_linear ? Unit::kilogram : Unit::kilogram_square_metre, positive()).value_or(0.0);
   refuse(reader, form.is_shaft_linear ? "motor_inertia" : "motor_mass",
          form.is_shaft_linear ? "'motor_mass' in kg, or a 'travel_per_turn': without one the motor does not turn"
                               : "'motor_inertia' in kg m^2: the motor turns");
@@ -89,13 +83,12 @@ void read_axis(YamlReader& reader, MachineFile& file) {
   if (reader.has("load")) file.parameters.axis_force = read_load(reader.map("load"), form.is_linear);
   file.parameters.house.has_encoder = reader.has("load_encoder") && reader.flag("load_encoder");
 
-  drive.rated_torque = form.is_shaft_linear ? sized(reader, "rated_force", Unit::newton, positive(), kForce)
-                                            : sized(reader, "rated_torque", Unit::newton_metre, positive(), kTorque);
+  drive.rated_torque = form.is_shaft_linear ? reader.number("rated_force", Unit::newton, positive())
+                                            : reader.number("rated_torque", Unit::newton_metre, positive());
   refuse(reader, form.is_shaft_linear ? "rated_torque" : "rated_force",
          form.is_shaft_linear ? "'rated_force' in N: without 'travel_per_turn' the motor does not turn"
                               : "'rated_torque' in N m, of the motor");
-  drive.top_speed = form.is_linear ? sized(reader, "top_speed", Unit::metre_per_second, positive(), kLinearSpeed)
-                                   : sized(reader, "top_speed", Unit::radian_per_second, positive(), kSpeed);
+  drive.top_speed = reader.number("top_speed", form.is_linear ? Unit::metre_per_second : Unit::radian_per_second, positive());
   if (reader.has("drive_protection")) {
     file.drive_protection = read_drive_protection(reader.map("drive_protection"), form.is_shaft_linear ? kLinearShaft : ShaftUnits{});
   }

@@ -37,7 +37,7 @@ double boom_frequency(const CraneParameters& machine) {
 
 }  // namespace
 
-std::vector<ImplausibleValue> implausible_values(const CraneParameters& machine, double plant_step, MachineKind kind) {
+std::vector<ImplausibleValue> implausible_values(const CraneParameters& machine, double plant_step) {
   const Scales scales = scales_of(machine);
   const bool has_boom = machine.boom.length > 0.0 && machine.boom.mass > 0.0;
   const LoadParameters& load = machine.load;
@@ -52,23 +52,17 @@ std::vector<ImplausibleValue> implausible_values(const CraneParameters& machine,
     judge("load.rope_length", load.rope_length / machine.boom.length, 1e-3, 20.0, "a rope of %.3g times the boom's length",
           "a fiftieth to three times");
   }
-  const bool is_axis = kind == MachineKind::axis;
-  const char* const motor_inertia = !is_axis ? "drive.motor_inertia" : machine.form.is_shaft_linear ? "motor_mass" : "motor_inertia";
-  const char* const rated_torque = !is_axis ? "drive.rated_torque" : machine.form.is_shaft_linear ? "rated_force" : "rated_torque";
-  const char* const stiffness = is_axis ? "transmission.stiffness" : "drive.gearbox_stiffness";
-  const bool has_motor_inertia = machine.drive.motor_inertia > 0.0;  // an axis may have it in its own
-  if (has_motor_inertia) judge(motor_inertia, (scales.axis_inertia - scales.driven_inertia) / scales.driven_inertia, 1e-4, 1e5,
+  judge("drive.motor_inertia", (scales.axis_inertia - scales.driven_inertia) / scales.driven_inertia, 1e-4, 1e5,
         "motors with %.3g times the inertia of what they drive, both on the axis", "a hundredth to a hundred times");
   const double with_load = scales.axis_inertia + load.mass * scales.reach * scales.reach;
-  judge(rated_torque, with_load * scales.top_speed / scales.axis_torque, 1e-3, 1e3,
+  judge("drive.rated_torque", with_load * scales.top_speed / scales.axis_torque, 1e-3, 1e3,
         "%.3g s from rest to top speed with the rated torque, the load included", "a tenth of a second to a minute");
-  if (machine.drive.is_rigid) return found;
   const double frequency = drive_frequency(machine);
   if (plant_step > 0.0) {
-    judge(stiffness, 1.0 / (frequency * plant_step), 12.0, HUGE_VAL,
+    judge("drive.gearbox_stiffness", 1.0 / (frequency * plant_step), 12.0, HUGE_VAL,
           "motors that swing on their gears with %.3g plant steps to a period", "twenty and more; a shorter plant_step would do as well");
   }
-  judge(stiffness, frequency * scales.acceleration_time, 0.5, HUGE_VAL,
+  judge("drive.gearbox_stiffness", frequency * scales.acceleration_time, 0.5, HUGE_VAL,
         "gears so soft that the motors swing %.3g times while the machine comes to its top speed", "twice and more");
   if (has_boom && machine.boom.element_count > 0) {
     judge("boom.youngs_modulus", boom_frequency(machine) * scales.acceleration_time, 0.2, 1e5,

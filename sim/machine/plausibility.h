@@ -6,7 +6,6 @@
 #include <string>
 #include <vector>
 
-#include "sim/machine/machine_file.h"
 #include "sim/model/crane_parameters.h"
 
 namespace slewlab::sim {
@@ -18,7 +17,6 @@ struct ImplausibleValue {
 };
 
 // `plant_step` in [s]; 0 where none is known yet. Throws std::invalid_argument where scales_of() does.
-std::vector<ImplausibleValue> implausible_values(const CraneParameters& machine, double plant_step,
-                                                 MachineKind kind = MachineKind::crane);
+std::vector<ImplausibleValue> implausible_values(const CraneParameters& machine, double plant_step);
 
 }  // namespace slewlab::sim

@@ -95,7 +95,7 @@ TEST(CranePlantDivergence, IsFoundInTheStateAndCostsNoAllocation) {
     MachineSettings settings;
     settings.crane = thesis_crane();
     if (!possible) settings.crane.boom.mass = 1e308;
-    CranePlant plant(settings, DriveProtectionSettings{}, DriveRun{settings.crane.drive.group_count, 7, 10 * kMillisecond});
+    CranePlant plant(settings, DriveRun{settings.crane.drive.group_count, 7, 10 * kMillisecond});
     msgs::Torque torque{};
     torque.configuration_hash = 7;
     torque.enable = 1;
