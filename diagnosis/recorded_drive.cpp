@@ -7,6 +7,7 @@ namespace slewlab::diagnosis {
 namespace {
 
 constexpr double kNanosecondsPerSecond = 1e9;
+constexpr double kAtRest = 1e-3;  // of the largest speed: less than drives reach in their first cycle
 
 bool says_tripped(const msgs::PlantStatus& status) {
   const auto state = static_cast<sim::DriveState>(status.drive_state);
@@ -37,7 +38,9 @@ bool RecordedDrive::begins_at_rest() const {
   if (record_.torque.empty() || record_.torque.front().answered_sequence > 0) return false;
   for (int g = 0; g < record_.group_count; ++g) {
     const std::vector<double>& speed = record_.position_rate[static_cast<std::size_t>(g)];
-    if (!speed.empty() && std::fabs(speed.front()) > protection_.standstill_speed) return false;
+    double largest = 0.0;
+    for (const double one : speed) largest = std::max(largest, std::fabs(one));
+    if (!speed.empty() && std::fabs(speed.front()) > std::max(protection_.standstill_speed, kAtRest * largest)) return false;
   }
   return true;
 }

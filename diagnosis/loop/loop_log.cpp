@@ -1,5 +1,7 @@
 #include "diagnosis/loop/loop_log.h"
 
+#include "msgs/run_identity.h"
+
 namespace slewlab::diagnosis {
 namespace {
 
@@ -10,6 +12,7 @@ Message& next(std::vector<Message>& channel, std::int64_t time, std::int64_t con
   message.sequence = static_cast<std::int64_t>(channel.size());
   message.simulated_time = time;
   message.configuration_hash = configuration_hash;
+  message.run_identity = msgs::run_identity(configuration_hash);
   return channel.emplace_back(message);
 }
 

@@ -69,7 +69,8 @@ const EffectDescription& bearing_rising() {
                                 .scale = common::ParameterScale::linear,
                                 .absent = std::nullopt},
                                asymmetry_parameter()},
-                .family = common::Family::friction},
+                .family = common::Family::friction,
+                .is_looked_for = false},
       .ports = {EffectPort::friction},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<BearingRising>(start);

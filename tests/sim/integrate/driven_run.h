@@ -70,9 +70,10 @@ class ReferencePlant : public DrivenPlant {
       : reference(make_reference(crane, options)), groups_(crane.drive.group_count), step_(step) {}
 
   void read_encoder(msgs::Encoder& message) override {
-    const GroupArray speed = read(*reference).shaft_speed;
+    const PlantReadings readings = read(*reference);
     message.group_count = groups_;
-    message.shaft_speed.assign(speed.begin(), speed.begin() + groups_);
+    message.shaft_speed.assign(readings.shaft_speed.begin(), readings.shaft_speed.begin() + groups_);
+    message.shaft_position.assign(readings.shaft_position.begin(), readings.shaft_position.begin() + groups_);
   }
   void begin_cycle(std::int64_t) override {}
   void receive(msgs::DecodeStatus, const msgs::Torque& message) override {
