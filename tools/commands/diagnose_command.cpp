@@ -55,19 +55,21 @@ ToldApartBy told_apart_by(const sim::MachineSettings& nominal, const std::option
         std::find_if(found.causes.begin(), found.causes.end(), [&](const Cause& cause) { return name_of(cause) == alike.name; });
     if (other == found.causes.end()) return {};
     best.push_back(
-        diagnosis::separations(diagnosis::machine_at(nominal, first.point), diagnosis::machine_at(nominal, other->point), *controller)
+        diagnosis::separations(diagnosis::machine_at(nominal, found.nuisances, first.point),
+                               diagnosis::machine_at(nominal, found.nuisances, other->point), *controller)
             .front());
   }
   return best;
 }
 
-nlohmann::json to_json(const Cause& cause) {
+nlohmann::json to_json(const Cause& cause, const std::vector<sim::Parameter>& parameters) {
   nlohmann::json json{{"effects", cause.effects},
                       {"probability", cause.probability},
                       {"explained_share", cause.explained},
                       {"excess", cause.excess},
                       {"prior", cause.prior},
                       {"mean_square_left", cause.mean_square},
+                      {"fit_ended", diagnosis::name_of(cause.ending)},
                       {"cannot_be_told_from", nlohmann::json::array()}};
   for (const diagnosis::Alike& other : cause.group) {
     json["cannot_be_told_from"].push_back({{"cause", other.name}, {"signature_apart", other.apart}});
@@ -76,9 +78,8 @@ nlohmann::json to_json(const Cause& cause) {
     json["sizes"].push_back({{"parameter", size.parameter}, {"value", size.value}, {"unit", size.unit},
                              {"low_90", size.low}, {"high_90", size.high}});
   }
-  const auto& nuisances = diagnosis::nuisances();
-  for (std::size_t k = 0; k < std::min(nuisances.size(), cause.point.nuisance.size()); ++k) {
-    json["parameters"][std::string(nuisances[k].name)] = 1.0 + nuisances[k].spread * cause.point.nuisance[k];
+  for (std::size_t k = 0; k < std::min(parameters.size(), cause.point.nuisance.size()); ++k) {
+    json["parameters"][std::string(parameters[k].name)] = 1.0 + parameters[k].spread * cause.point.nuisance[k];
   }
   return json;
 }
@@ -110,7 +111,7 @@ nlohmann::json to_json(const Diagnosis& diagnosis) {
     json["controller_replay"].push_back({{"torque_rms_nm", replay.torque_rms}, {"difference_rms_nm", replay.difference_rms},
                                          {"largest_difference_nm", replay.largest_difference}, {"at_s", replay.largest_time}});
   }
-  for (const Cause& cause : diagnosis.causes) json["causes"].push_back(to_json(cause));
+  for (const Cause& cause : diagnosis.causes) json["causes"].push_back(to_json(cause, diagnosis.nuisances.parameters));
   return json;
 }
 
@@ -245,7 +246,7 @@ std::string summary_text(const Diagnosis& diagnosis, const ToldApartBy& apart, c
 // Of the nominal crane's boom and gears, with the boom cut as fits cut it; none of a crane that has neither.
 nlohmann::json modes_json(const sim::MachineSettings& nominal) {
   nlohmann::json modes = nlohmann::json::array();
-  for (const sim::Mode& mode : sim::crane_modes(diagnosis::machine_at(nominal, {}).crane)) {
+  for (const sim::Mode& mode : sim::crane_modes(diagnosis::machine_at(nominal, {}, {}).crane)) {
     if (mode.kind == sim::ModeKind::kRigid || mode.kind == sim::ModeKind::kLoad) continue;
     if (mode.frequency > kHighestMarked) break;
     modes.push_back({{"name", fmt::format("{} {}", sim::name_of(mode.kind), mode.count)}, {"frequency_hz", mode.frequency}});
@@ -313,7 +314,7 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
     std::optional<controller::ControllerSettings> controller;
     if (!options.controller.empty()) controller = controller::load_controller_file(options.controller).settings;
 
-    const diagnosis::AdmissionSettings admission = diagnosis::admission_for(nominal.crane, controller ? controller->rated_torque : 0.0);
+    const diagnosis::AdmissionSettings admission = diagnosis::thresholds_of(sim::describe(crane)).admission;
     std::vector<Record> records;
     for (const std::filesystem::path& log : options.logs) {
       const msgs::RunLogs logs = msgs::read_run_logs(log);
@@ -358,7 +359,7 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
       const Point& unbiased = found.held_out ? found.held_out->point : first.point;
       const double from_time = found.held_out ? found.held_out->from_time : last.start_time;
       predicted = {diagnosis::predict(nominal, *controller, last, from_time),
-                   diagnosis::predict(diagnosis::machine_at(nominal, unbiased), explained_controller, last, from_time)};
+                   diagnosis::predict(diagnosis::machine_at(nominal, found.nuisances, unbiased), explained_controller, last, from_time)};
       json["gaps_on"] = place;
       for (std::size_t i = 0; i < predicted->before.gaps.size(); ++i) {
         const diagnosis::SignalGap& before = predicted->before.gaps[i];
@@ -371,7 +372,7 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
     json["crane"] = std::filesystem::absolute(options.crane).string();
     json["modes"] = modes_json(nominal);
     write_whole_file(options.out / "diagnosis.json", json.dump(2) + "\n");
-    const sim::MachineSettings explained = diagnosis::machine_at(nominal, answer.point);
+    const sim::MachineSettings explained = diagnosis::machine_at(nominal, found.nuisances, answer.point);
     const std::vector<common::EffectInstance>& effects = explained.effects;
     std::string text = fmt::format("include: {}\ndescription: The nominal crane with what slewlab diagnose found.\n",
                                    std::filesystem::absolute(options.crane).string());
@@ -383,7 +384,7 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
     write_whole_file(options.out / "crane_with_effect.yaml", text);
     write_whole_file(options.out / "crane_as_fitted.yaml",
                      "include: crane_with_effect.yaml\ndescription: The same, with the parameters as slewlab diagnose fitted them.\n" +
-                         diagnosis::parameters_text(nominal.crane, answer.point.nuisance, "slewlab diagnose"));
+                         diagnosis::parameters_text(found.nuisances, nominal.crane, answer.point.nuisance, "slewlab diagnose"));
     const std::filesystem::path controller_file = options.out / "controller_with_effect.yaml";
     std::filesystem::remove(controller_file);  // of a diagnosis before, which found something there
     if (!answer.controller_effects.empty()) {
