@@ -60,7 +60,7 @@ TEST(LeastSquares, FollowsACurvedValley) {
   constexpr std::array<double, 6> kFine{0.0, 0.1, 1.0, 10.0, 100.0, 1000.0};
   const Residuals valley{[](const Eigen::VectorXd& x) -> Eigen::VectorXd { return Eigen::Vector2d(10.0 * (x(1) - x(0) * x(0)), 1.0 - x(0)); },
                          [](const Eigen::VectorXd& x) -> Eigen::MatrixXd { return (Eigen::Matrix2d() << -20.0 * x(0), 10.0, -1.0, 0.0).finished(); }};
-  const Result result = solve(valley, Eigen::Vector2d(-1.2, 1.0), {100, kFine, 0.0, 0.0});
+  const Result result = solve(valley, Eigen::Vector2d(-1.2, 1.0), {2000, kFine, 0.0, 0.0});
   EXPECT_NEAR(result.x(0), 1.0, 1e-9);
   EXPECT_NEAR(result.x(1), 1.0, 1e-9);
 }

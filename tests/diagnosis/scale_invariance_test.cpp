@@ -2,14 +2,17 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
+#include <functional>
+#include <iterator>
 #include <string>
 #include <vector>
 
+#include "controller/effects/catalogue.h"
 #include "diagnosis/diagnose.h"
 #include "diagnosis/plausibility.h"
 #include "sim/effects/catalogue.h"
-#include "controller/effects/catalogue.h"
 #include "tests/diagnosis/scaled_machine.h"
 
 namespace slewlab::diagnosis {
@@ -20,7 +23,7 @@ constexpr double kLength = 12.0;   // [s] of the manoeuvre
 const std::vector<Move> kShort{{1.0, 0.4}, {5.0, 0.0}, {7.0, -0.4}};
 const Scaling kOwnSize;
 
-// The scale of what has a dimension, as the log of a manoeuvre and the nominal machine in that size.
+// Nominal machine and log of a manoeuvre in one size.
 struct Case {
   Scaling scaling;
   sim::MachineSettings nominal;
@@ -42,7 +45,6 @@ Case make_case(const Scaling& scaling, const std::vector<common::EffectInstance>
   return made;
 }
 
-// In a size that is made of powers of two the same digits come out, but where a length's root is not one.
 void expect_same_series(const std::vector<double>& own, const std::vector<double>& other, double factor, double relative, const std::string& what) {
   ASSERT_EQ(own.size(), other.size()) << what;
   double largest = 0.0, apart = 0.0;
@@ -114,7 +116,7 @@ TEST_P(InAnotherSize, TheSameIsRefused) {
       const std::string text = problem.what();
       std::string words;
       std::copy_if(text.begin(), text.end(), std::back_inserter(words), [](char c) { return c == ' ' || std::isalpha(static_cast<unsigned char>(c)); });
-      return words.substr(0, 40);
+      return words.substr(0, 23);  // up to the first number
     }
   };
   const std::vector<std::function<void(msgs::RunLog&, const Scaling&)>> spoils{
@@ -166,16 +168,15 @@ TEST_P(InAnotherSize, TheAnswerIsTheSame) {
   expect_same_answer(diagnose_case(own), diagnose_case(other), relative);
   const std::vector<common::EffectInstance> missing{{"house_inertia", {1.6}}};
   const Diagnosis found = diagnose_case(make_case(kOwnSize, missing));
-  EXPECT_EQ(found.verdict, "house_inertia");
+  EXPECT_EQ(found.verdict, "house_inertia") << found.mean_square_nominal << " " << found.mean_square_parameters << " " << found.simulations << " " << found.causes.front().probability;
   expect_same_answer(found, diagnose_case(make_case(scaling, missing)), relative);
 }
 
+const std::vector<std::string> kSizeNames{"MassesOfAMillionth", "MassesOfAThousandth", "MassesTimesAThousand", "LengthsOfATenth", "LengthsTimesFour"};
+
 INSTANTIATE_TEST_SUITE_P(Sizes, InAnotherSize,
                          testing::Values(Scaling{1e-6, 1.0}, Scaling{1e-3, 1.0}, Scaling{1e3, 1.0}, Scaling{1.0, 0.316228}, Scaling{1.0, 2.0}),
-                         [](const testing::TestParamInfo<Scaling>& info) {
-                           return std::vector<std::string>{"MassesOfAMillionth", "MassesOfAThousandth", "MassesTimesAThousand", "LengthsOfATenth",
-                                                           "LengthsTimesFour"}[info.index];
-                         });
+                         [](const testing::TestParamInfo<Scaling>& info) { return kSizeNames.at(info.index); });
 
 }  // namespace
 }  // namespace slewlab::diagnosis
