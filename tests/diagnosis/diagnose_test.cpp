@@ -131,7 +131,7 @@ TEST(Fit, ArrivesWhereAFullStepIsTooBold) {
   const FitResult base = fit_nuisances(problem, nominal_fit(problem));
   Point start;
   start.nuisance.assign(base.point.nuisance.size(), 0.0);
-  start.effects = {{"torque_ripple", {17.21, 2.99992, 2.2504, -0.1124, 0.2783}}};  // where the fit of case 43 of seed 1015 stood still
+  start.effects = {{"torque_ripple", {17.21, 2.99992, 2.2504, -0.1124, 0.2783}}};  // where undamped steps stand still
   FitResult result = fit(problem, base.columns, start);
   settle(problem, result, 5);
   EXPECT_LT(excess(result.difference, problem.settings), 0.0);
@@ -395,8 +395,8 @@ TEST(Diagnose, FindsJitterWithoutItsDraw) {
   EXPECT_TRUE(named.contains("command_jitter")) << found.verdict;
 }
 
-// The jib is by far the larger one, and late messages have a mean that other delays have as well. Sizes of case 67 of seed 1015, which
-// was "not in the catalogue".
+// The jib is by far the larger one, and late messages have a mean that other delays have as well. Taken for
+// one effect this pair is outside the catalogue.
 TEST(Diagnose, FindsALargeSecondEffectBesideJitter) {
   sim::MachineSettings truth;
   truth.crane = spread_crane(67);
