@@ -35,7 +35,8 @@ namespace {
 
 constexpr double kWorthNaming = 0.05;  // probability that an effect acts, from which the page says so
 constexpr double kLineInterval = 2.0;  // [s] between progress lines where there is no terminal
-constexpr double kHighestMarked = 20.0;  // [Hz] the upper edge of the page's spectrogram
+// The page's spectrogram: up to half the highest frequency that is judged, over windows of two characteristic times.
+constexpr double kShownShare = 0.5, kShownWindow = 2.0;
 
 using diagnosis::Cause;
 using diagnosis::Diagnosis;
@@ -244,11 +245,11 @@ std::string summary_text(const Diagnosis& diagnosis, const ToldApartBy& apart, c
 }
 
 // Of the nominal crane's boom and gears, with the boom cut as fits cut it; none of a crane that has neither.
-nlohmann::json modes_json(const sim::MachineSettings& nominal) {
+nlohmann::json modes_json(const sim::MachineSettings& nominal, double highest) {
   nlohmann::json modes = nlohmann::json::array();
   for (const sim::Mode& mode : sim::crane_modes(diagnosis::machine_at(nominal, {}, {}).crane)) {
     if (mode.kind == sim::ModeKind::kRigid || mode.kind == sim::ModeKind::kLoad) continue;
-    if (mode.frequency > kHighestMarked) break;
+    if (mode.frequency > highest) break;
     modes.push_back({{"name", fmt::format("{} {}", sim::name_of(mode.kind), mode.count)}, {"frequency_hz", mode.frequency}});
   }
   return modes;
@@ -314,13 +315,13 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
     std::optional<controller::ControllerSettings> controller;
     if (!options.controller.empty()) controller = controller::load_controller_file(options.controller).settings;
 
-    const diagnosis::AdmissionSettings admission = diagnosis::thresholds_of(sim::describe(crane)).admission;
+    const diagnosis::Thresholds thresholds = diagnosis::thresholds_of(sim::describe(crane));
     std::vector<Record> records;
     for (const std::filesystem::path& log : options.logs) {
       const msgs::RunLogs logs = msgs::read_run_logs(log);
       for (std::size_t r = 0; r < logs.runs.size(); ++r) {
         const std::string name = logs.runs.size() == 1 ? log.string() : fmt::format("{} run {}", log.string(), r + 1);
-        records.push_back(diagnosis::make_record(logs.runs[r], name, admission));
+        records.push_back(diagnosis::make_record(logs.runs[r], name, thresholds.admission));
       }
       for (const std::string& remark : logs.remarks) records.back().remarks.push_back(log.string() + ": " + remark);
       if (logs.runs.size() > 1) {
@@ -370,7 +371,9 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
     const auto stride = static_cast<std::size_t>(std::max(1L, std::lround(0.01 / last.step)));
     write_whole_file(options.out / "series.csv", series_text(last, found.followed, predicted, stride));
     json["crane"] = std::filesystem::absolute(options.crane).string();
-    json["modes"] = modes_json(nominal);
+    const double highest_shown = kShownShare * thresholds.whitening.highest_frequency;
+    json["spectrogram"] = {{"highest_hz", highest_shown}, {"window_s", kShownWindow * thresholds.time}};
+    json["modes"] = modes_json(nominal, highest_shown);
     write_whole_file(options.out / "diagnosis.json", json.dump(2) + "\n");
     const sim::MachineSettings explained = diagnosis::machine_at(nominal, found.nuisances, answer.point);
     const std::vector<common::EffectInstance>& effects = explained.effects;
