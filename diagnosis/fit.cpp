@@ -293,13 +293,13 @@ double data_weight(const Eigen::VectorXd& difference, const FitSettings& setting
 
 sim::MachineSettings machine_at(const sim::MachineSettings& nominal, const Point& point) {
   sim::MachineSettings settings = nominal;
-  if (!settings.scales) settings.scales = sim::effect_scales(nominal.crane);
   settings.crane = with_nuisances(settings.crane, point.nuisance);
   sim::BoomParameters& boom = settings.crane.boom;
   if (boom.element_count > 0) boom.element_count = std::max(boom.element_count, kBoomElements);
   boom.highest_frequency = kHighestMode;
   if (point.seed != 0) settings.seed = point.seed;
   settings.effects.insert(settings.effects.end(), point.effects.begin(), point.effects.end());
+  if (!settings.effects.empty() && !settings.scales) settings.scales = sim::effect_scales(nominal.crane);
   return settings;
 }
 

@@ -100,7 +100,7 @@ TEST(Screen, FindsABeginningAndAnEndFromBeginningsAlone) {
   for (const Screened& one : endless) looks.push_back(&one);
   const Screened best = between_beginnings(catalogue(), looks, -1.5 * (beginning_at(1.0) - beginning_at(2.5)));
   EXPECT_DOUBLE_EQ(best.start.values[index_of(about, about.spell->begin)], 1.0);
-  EXPECT_DOUBLE_EQ(best.start.values[index_of(about, about.spell->duration)], 3.0);
+  EXPECT_DOUBLE_EQ(best.start.values[index_of(about, about.spell->duration)], 1.5 + best.start.values[index_of(about, about.spell->fade)]);
   EXPECT_NEAR(best.amount, 1.5, 1e-9);
   EXPECT_NEAR(best.left, 0.0, 1e-6);
 }

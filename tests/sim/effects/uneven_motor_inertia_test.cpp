@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <stdexcept>
+
 #include "tests/sim/effects/effect_bench.h"
 
 namespace slewlab::sim {
@@ -19,9 +21,7 @@ TEST(UnevenMotorInertia, GroupsAccelerateByTheirOwnInertia) {
 TEST(UnevenMotorInertia, OneGroupHasNoDifference) {
   CraneParameters crane = rigid_crane();
   crane.drive.group_count = 1;
-  const auto with = run(crane, "uneven_motor_inertia", {0.2}, 0.5, constant_drive(50.0, 0.0));
-  const auto without = run(MachineSettings{.crane = crane, .effects = {}}, 0.5, constant_drive(50.0, 0.0));
-  EXPECT_EQ(with.back().motor_angle[0], without.back().motor_angle[0]);
+  EXPECT_THROW(run(crane, "uneven_motor_inertia", {0.2}, 0.5, constant_drive(50.0, 0.0)), std::invalid_argument);
 }
 
 }  // namespace
