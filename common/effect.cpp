@@ -102,7 +102,7 @@ std::string expected_effect_name(const EffectCatalogue& catalogue, std::string_v
 
 std::string_view name_of(ScaleOf scale) {
   constexpr std::array<std::string_view, kScaleCount> kNames{
-      "-",          "time",           "swing time",        "motor torque", "motor speed", "axis torque", "axis speed",
+      "-",          "time",           "swing time",        "motor torque", "drive torque", "motor speed", "axis torque", "axis speed",
       "axis angle", "axis damping",   "gear stiffness",    "gearbox stiffness", "gear wind-up", "length", "velocity",
       "wind speed", "mass",           "force",             "lateral stiffness", "lateral damping", "drag area"};
   return kNames[static_cast<std::size_t>(scale)];
@@ -180,13 +180,13 @@ std::vector<EffectInstance> read_effects(const YamlNode& list,
   file.mark = list.mark;
   file.entries.push_back({"effects", list.mark, list});
   YamlReader reader(file, "", problems);
-  for (YamlReader& entry : reader.list("effects")) {
+  reader.each("effects", [&](YamlReader& entry) {
     EffectInstance instance{.name = entry.text("effect"), .values = {}};
-    if (instance.name.empty()) continue;  // the reader has told why
+    if (instance.name.empty()) return;  // the reader has told why
     const EffectAbout* about = catalogue.find(instance.name);
     if (about == nullptr) {
       entry.report("effect", instance.name, expected_effect_name(catalogue, instance.name));
-      continue;
+      return;
     }
     const bool repeated = std::any_of(instances.begin(), instances.end(), [&](const EffectInstance& other) {
       return other.name == instance.name;
@@ -197,8 +197,8 @@ std::vector<EffectInstance> read_effects(const YamlNode& list,
           entry.number(parameter.name, parameter.unit, between(parameter.lower, parameter.upper)));
     }
     entry.finish();
-    instances.push_back(std::move(instance));
-  }
+    if (!repeated) instances.push_back(std::move(instance));
+  });
   return instances;
 }
 

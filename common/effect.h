@@ -32,6 +32,7 @@ enum class ScaleOf {
   time,               // [s] from rest to top speed with the rated torque
   swing_time,         // [s] sqrt(reach / g): of waves, gusts and pendulums
   motor_torque,       // [Nm] rated, of one motor
+  drive_torque,       // [Nm] the most of motor_torque that the machine's own drive lets one motor have
   motor_speed,        // [rad/s] of a motor at the axis's top speed
   axis_torque,        // [Nm] rated, of all motors
   axis_speed,         // [rad/s] top speed
@@ -131,6 +132,8 @@ struct EffectAbout {
   MachineParts needs = {};
   Family family = Family::none;
   std::optional<Stochastic> stochastic = std::nullopt;
+  // Whether a diagnosis looks for it. One whose relatives in the catalogue it has not been weighed against is switched on by hand alone.
+  bool is_looked_for = true;
   bool acts_late = false;  // delays or lags what it acts on; a stochastic one does so on the average
   PureDelay pure_delay = PureDelay::none;
   ReadOff read_off = ReadOff::none;

@@ -5,7 +5,7 @@
 namespace slewlab::common {
 
 std::string to_text(const InputProblem& problem) {
-  std::string text = problem.where.file;
+  std::string text = problem.where.file.text();
   if (problem.where.line > 0) {
     text += ':' + std::to_string(problem.where.line) + ':' + std::to_string(problem.where.column);
   }

@@ -1,16 +1,40 @@
 // What is wrong in a file or on a command line that a user wrote, in words the user can act on.
 #pragma once
 
+#include <memory>
+#include <ostream>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace slewlab::common {
 
+// The name of a file, one text for all the marks that name it: a tree has several marks for every line.
+class FileName {
+ public:
+  FileName() = default;
+  FileName(std::string name) : name_(std::make_shared<const std::string>(std::move(name))) {}
+  FileName(const char* name) : FileName(std::string(name)) {}
+
+  operator const std::string&() const { return text(); }
+  const std::string& text() const {
+    static const std::string kNone;
+    return name_ ? *name_ : kNone;
+  }
+  bool empty() const { return text().empty(); }
+
+  friend bool operator==(const FileName& a, const FileName& b) { return a.text() == b.text(); }
+  friend std::ostream& operator<<(std::ostream& stream, const FileName& name) { return stream << name.text(); }
+
+ private:
+  std::shared_ptr<const std::string> name_;
+};
+
 // Where a piece of YAML stands. Line and column count from 1; line 0 means the command line, and `file`
 // then holds the option as it was given.
 struct SourceMark {
-  std::string file;
+  FileName file;
   int line = 0;
   int column = 0;
 };

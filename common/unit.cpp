@@ -62,6 +62,8 @@ constexpr Spelling kSpellings[] = {
     {Unit::newton_per_metre, "N/m", 1.0},
     {Unit::newton_per_metre, "kN/m", 1e3},
     {Unit::newton_per_metre, "MN/m", 1e6},
+    {Unit::newton_per_second, "N/s", 1.0},
+    {Unit::newton_per_second, "kN/s", 1e3},
     {Unit::newton_second_per_metre, "N s/m", 1.0},
     {Unit::newton_second_per_metre, "kN s/m", 1e3},
     {Unit::newton_metre, "N m", 1.0},

@@ -26,6 +26,7 @@ enum class Unit {
   kilogram_square_metre,
   newton,
   newton_per_metre,
+  newton_per_second,
   newton_second_per_metre,
   newton_metre,
   newton_metre_per_second,

@@ -10,6 +10,9 @@
 #include <optional>
 #include <sstream>
 #include <system_error>
+#include <unordered_map>
+
+#include "common/unit.h"
 
 namespace slewlab::common {
 namespace {
@@ -17,12 +20,15 @@ namespace {
 // YAML's own limit for a key that stands before its colon is 1024; no name here comes near it.
 constexpr std::size_t kLongestKey = 200;
 constexpr std::ptrdiff_t kDeepest = 100;  // [names] in the path of a `--set`
+// What one input may hold with all its includes; a scenario with 300 000 of the operator's moves has 28 MB.
+constexpr std::uintmax_t kMostBytes = 32'000'000;
+constexpr int kMostFiles = 1000;
 const std::string kShorterName = "a name of at most " + std::to_string(kLongestKey) + " characters";
 
 // Builds the tree from the parser's events. A frame is a map or list that is still open.
 class TreeBuilder : public YAML::EventHandler {
  public:
-  TreeBuilder(std::string file, InputProblems& problems) : file_(std::move(file)), problems_(problems) {}
+  TreeBuilder(FileName file, InputProblems& problems) : file_(std::move(file)), problems_(problems) {}
 
   YamlNode root;
 
@@ -73,7 +79,8 @@ class TreeBuilder : public YAML::EventHandler {
  private:
   struct Frame {
     YamlNode node;
-    std::optional<YamlEntry> pending;  // a map's key that still waits for its value
+    std::optional<YamlEntry> pending;              // a map's key that still waits for its value
+    std::unordered_map<std::string, int> lines;    // of a map's keys so far
   };
 
   SourceMark at(const YAML::Mark& mark) const { return {file_, mark.line + 1, mark.column + 1}; }
@@ -111,6 +118,8 @@ class TreeBuilder : public YAML::EventHandler {
   void close() {
     YamlNode node = std::move(frames_.back().node);
     frames_.pop_back();
+    node.items.shrink_to_fit();
+    node.entries.shrink_to_fit();
     add(std::move(node));
   }
 
@@ -136,20 +145,36 @@ class TreeBuilder : public YAML::EventHandler {
     YamlEntry entry = std::move(*frame.pending);
     frame.pending.reset();
     entry.value = std::move(node);
-    for (const YamlEntry& earlier : frame.node.entries) {
-      if (earlier.key != entry.key) continue;
+    const auto [earlier, is_new] = frame.lines.try_emplace(entry.key, entry.mark.line);
+    if (!is_new) {
       const std::string above = path();
       problems_.push_back({entry.mark, above.empty() ? entry.key : above + '.' + entry.key,
                            "the key a second time",
-                           "it once; it stands in line " + std::to_string(earlier.mark.line) + " already"});
+                           "it once; it stands in line " + std::to_string(earlier->second) + " already"});
       return;
     }
     frame.node.entries.push_back(std::move(entry));
   }
 
-  std::string file_;
+  FileName file_;
   InputProblems& problems_;
   std::vector<Frame> frames_;
+};
+
+// Notices where a document begins, and forgets what is in it.
+class DocumentFinder : public YAML::EventHandler {
+ public:
+  YAML::Mark begin;
+
+  void OnDocumentStart(const YAML::Mark& mark) override { begin = mark; }
+  void OnDocumentEnd() override {}
+  void OnNull(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnAlias(const YAML::Mark&, YAML::anchor_t) override {}
+  void OnScalar(const YAML::Mark&, const std::string&, YAML::anchor_t, const std::string&) override {}
+  void OnSequenceStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {}
+  void OnSequenceEnd() override {}
+  void OnMapStart(const YAML::Mark&, const std::string&, YAML::anchor_t, YAML::EmitterStyle::value) override {}
+  void OnMapEnd() override {}
 };
 
 void lay_over(YamlNode& base, YamlNode&& top) {
@@ -160,29 +185,72 @@ void lay_over(YamlNode& base, YamlNode&& top) {
     return;
   }
   base.mark = top.mark;
+  std::unordered_map<std::string, std::size_t> places;
+  for (std::size_t i = 0; i < base.entries.size(); ++i) places.emplace(base.entries[i].key, i);
   for (YamlEntry& entry : top.entries) {
-    if (YamlNode* below = base.find(entry.key)) {
-      lay_over(*below, std::move(entry.value));
-    } else {
+    const auto [place, is_new] = places.try_emplace(entry.key, base.entries.size());
+    if (is_new) {
       base.entries.push_back(std::move(entry));
+    } else {
+      lay_over(base.entries[place->second].value, std::move(entry.value));
     }
   }
 }
 
-bool read_file(const std::filesystem::path& file, std::string& text) {
+// What an input has read so far, its includes counted as often as they are named.
+struct Amount {
+  std::uintmax_t bytes = 0;
+  int files = 0;
+  bool refused = false;
+};
+
+enum class Reading { good, impossible, too_large };
+
+Reading read_file(const std::filesystem::path& file, Amount& amount, std::string& text) {
   std::error_code error;
-  if (!std::filesystem::is_regular_file(file, error)) return false;
+  if (!std::filesystem::is_regular_file(file, error)) return Reading::impossible;
   std::ifstream stream(file, std::ios::binary);
-  if (!stream) return false;
-  std::ostringstream content;
-  content << stream.rdbuf();
-  text = content.str();
-  return true;
+  if (!stream) return Reading::impossible;
+  const std::uintmax_t size = std::filesystem::file_size(file, error);
+  if (error) return Reading::impossible;
+  amount.bytes += size;
+  ++amount.files;
+  if (size > kMostBytes || amount.bytes > kMostBytes || amount.files > kMostFiles) return Reading::too_large;
+  text.resize(size);
+  stream.read(text.data(), static_cast<std::streamsize>(size));
+  text.resize(static_cast<std::size_t>(stream.gcount()));  // it may have shrunk meanwhile
+  return Reading::good;
+}
+
+std::string size_text(std::uintmax_t bytes) {
+  std::ostringstream text;
+  text.precision(3);
+  text << static_cast<double>(bytes) * 1e-6 << " MB";
+  return text.str();
+}
+
+YamlNode parse_text(std::string text, const FileName& file_name, InputProblems& problems) {
+  std::istringstream stream(std::move(text));
+  TreeBuilder builder(file_name, problems);
+  try {
+    YAML::Parser parser(stream);
+    parser.HandleNextDocument(builder);
+    DocumentFinder second;
+    if (parser.HandleNextDocument(second)) {
+      problems.push_back({{file_name, second.begin.line + 1, second.begin.column + 1}, "",
+                          "a second YAML document (behind ---)", "one document in a file"});
+    }
+  } catch (const YAML::Exception& error) {
+    problems.push_back({{file_name, error.mark.line + 1, error.mark.column + 1}, "",
+                        "what is not YAML (" + error.msg + ")", "well-formed YAML"});
+    return {};
+  }
+  return std::move(builder.root);
 }
 
 // `chain` holds the files that are being loaded, outermost first; `named_by` is where this one is named.
 YamlNode load_with_includes(const std::filesystem::path& file, const SourceMark& named_by,
-                            const std::string& key, std::vector<std::filesystem::path>& chain,
+                            const std::string& key, std::vector<std::filesystem::path>& chain, Amount& amount,
                             InputProblems& problems) {
   std::error_code no_such_place;  // read_file below tells
   const std::filesystem::path identity = std::filesystem::weakly_canonical(file, no_such_place);
@@ -194,12 +262,25 @@ YamlNode load_with_includes(const std::filesystem::path& file, const SourceMark&
     return {};
   }
   std::string text;
-  if (!read_file(file, text)) {
+  const Reading reading = read_file(file, amount, text);
+  if (reading == Reading::impossible) {
     problems.push_back({named_by, key, "'" + file.string() + "', which cannot be read",
                         "the name of a readable file"});
     return {};
   }
-  YamlNode tree = parse_yaml_text(text, file.string(), problems);
+  if (reading == Reading::too_large) {
+    // Said once: what follows is too large as well.
+    if (!amount.refused) {
+      problems.push_back({named_by, key,
+                          "'" + file.string() + "', with which the input has " + std::to_string(amount.files) +
+                              " file(s) and " + size_text(amount.bytes),
+                          "at most " + std::to_string(kMostFiles) + " files and " + size_text(kMostBytes) +
+                              " with all includes"});
+    }
+    amount.refused = true;
+    return {};
+  }
+  YamlNode tree = parse_text(std::move(text), file.string(), problems);
   const auto include = std::find_if(tree.entries.begin(), tree.entries.end(),
                                     [](const YamlEntry& entry) { return entry.key == "include"; });
   if (include == tree.entries.end()) return tree;
@@ -221,7 +302,7 @@ YamlNode load_with_includes(const std::filesystem::path& file, const SourceMark&
           {reference.mark, "include", excerpt(reference), "the name of a file, or a list of them"});
       continue;
     }
-    lay_over(base, load_with_includes(resolve_path(reference), reference.mark, "include", chain, problems));
+    lay_over(base, load_with_includes(resolve_path(reference), reference.mark, "include", chain, amount, problems));
     if (base.kind == YamlNode::Kind::null) base.kind = YamlNode::Kind::map;
   }
   chain.pop_back();
@@ -245,6 +326,75 @@ YamlNode text_node(std::string text, const SourceMark& mark) {
   node.quoted = true;
   node.mark = mark;
   return node;
+}
+
+YamlNode number_node(std::string_view text, const SourceMark& mark) {
+  YamlNode node = text_node(std::string(text), mark);
+  node.quoted = false;
+  return node;
+}
+
+bool holds_numbers(const YamlNode& node) {
+  double number = 0.0;
+  if (node.kind == YamlNode::Kind::scalar) return !node.quoted && parse_number(node.scalar, number);
+  return node.kind == YamlNode::Kind::sequence && !node.items.empty() &&
+         std::all_of(node.items.begin(), node.items.end(), holds_numbers);
+}
+
+// "60 t" as its number and its unit; nothing where the text does not begin with a number or has no unit behind it.
+std::optional<std::pair<std::string_view, std::string_view>> number_and_unit(std::string_view text) {
+  const std::size_t end = text.find_first_not_of("+-.0123456789eE");
+  if (end == std::string_view::npos) return std::nullopt;
+  double number = 0.0;
+  if (!parse_number(text.substr(0, end), number)) return std::nullopt;
+  const std::size_t unit = text.find_first_not_of(' ', end);
+  if (unit == std::string_view::npos) return std::nullopt;
+  return std::pair{text.substr(0, end), text.substr(unit)};
+}
+
+// Whether a bare number says what it means: messages speak SI, the file its own unit, and where the two are one no one errs.
+bool is_plain_unit(const YamlNode& unit) {
+  const std::optional<Unit> known = unit_of(unit.scalar);
+  return known && factor_to_si(*known, unit.scalar) == 1.0;
+}
+
+// What to write instead of a bare number.
+std::string with_its_unit(const std::string& value, const YamlNode& unit) {
+  std::string text = '"' + value + ' ' + unit.scalar + '"';
+  if (const std::optional<Unit> known = unit_of(unit.scalar)) {
+    text += " or \"" + value + ' ' + std::string(name_of(*known)) + '"';
+  }
+  return text;
+}
+
+void put_source(YamlNode& node, const SourceMark& mark) {
+  if (YamlNode* source = node.find("source")) {
+    *source = text_node("command line", mark);
+  } else {
+    node.entries.push_back({"source", mark, text_node("command line", mark)});
+  }
+}
+
+// A bare value into {value, unit, source}.
+void put_value(YamlNode& node, YamlNode&& value, const Override& change, const SourceMark& mark, InputProblems& problems) {
+  YamlNode* unit = node.find("unit");
+  if (unit != nullptr && value.kind == YamlNode::Kind::scalar && !value.quoted) {
+    if (const auto parts = number_and_unit(value.scalar)) {
+      *unit = text_node(std::string(parts->second), mark);
+      value = number_node(parts->first, mark);
+      unit = nullptr;  // it is told
+    }
+  }
+  if (unit != nullptr && holds_numbers(value) && !is_plain_unit(*unit)) {
+    const bool is_list = value.kind == YamlNode::Kind::sequence;
+    problems.push_back({mark, change.key, change.value + " without a unit",
+                        is_list ? "{value: " + change.value + ", unit: " + unit->scalar + "}"
+                                : "the number with its unit, " + with_its_unit(change.value, *unit)});
+    return;
+  }
+  *node.find("value") = std::move(value);
+  node.mark = mark;
+  put_source(node, mark);
 }
 
 void apply_override(YamlNode& root, const Override& change, InputProblems& problems) {
@@ -303,15 +453,10 @@ void apply_override(YamlNode& root, const Override& change, InputProblems& probl
   }
 
   if (is_sourced_value(*node) && !is_sourced_value(value)) {
-    *node->find("value") = std::move(value);
-    node->mark = mark;
-    if (YamlNode* source = node->find("source")) {
-      *source = text_node("command line", mark);
-    } else {
-      node->entries.push_back({"source", mark, text_node("command line", mark)});
-    }
+    put_value(*node, std::move(value), change, mark, problems);
     return;
   }
+  if (is_sourced_value(value) && value.find("source") == nullptr) put_source(value, mark);
   *node = std::move(value);
 }
 
@@ -326,31 +471,22 @@ Override parse_override(std::string_view option) {
 }
 
 YamlNode parse_yaml_text(std::string_view text, const std::string& file_name, InputProblems& problems) {
-  std::istringstream stream{std::string(text)};
-  TreeBuilder builder(file_name, problems);
-  try {
-    YAML::Parser parser(stream);
-    parser.HandleNextDocument(builder);
-  } catch (const YAML::Exception& error) {
-    problems.push_back({{file_name, error.mark.line + 1, error.mark.column + 1}, "",
-                        "what is not YAML (" + error.msg + ")", "well-formed YAML"});
-    return {};
-  }
-  return std::move(builder.root);
+  return parse_text(std::string(text), file_name, problems);
 }
 
 std::filesystem::path resolve_path(const YamlNode& reference) {
   const std::filesystem::path named = reference.scalar;
   const bool on_command_line = reference.mark.line == 0;
   if (named.is_absolute() || on_command_line) return named;
-  return (std::filesystem::path(reference.mark.file).parent_path() / named).lexically_normal();
+  return (std::filesystem::path(reference.mark.file.text()).parent_path() / named).lexically_normal();
 }
 
 YamlNode load_yaml_file(const std::filesystem::path& file, const std::vector<Override>& overrides,
                         InputProblems& problems) {
   std::vector<std::filesystem::path> chain;
+  Amount amount;
   const std::size_t problems_before = problems.size();
-  YamlNode root = load_with_includes(file, {file.string(), 0, 0}, "", chain, problems);
+  YamlNode root = load_with_includes(file, {file.string(), 0, 0}, "", chain, amount, problems);
   if (root.kind != YamlNode::Kind::map && problems.size() == problems_before) {
     problems.push_back({{file.string(), std::max(root.mark.line, 1), std::max(root.mark.column, 1)}, "",
                         excerpt(root), "a map of keys and values"});

@@ -4,8 +4,8 @@
 //   load: null                  # takes away what the base has
 //
 // A map is merged key by key, a value with unit and source and a list are replaced whole. Paths are
-// relative to the file that names them. Duplicate keys, include cycles (with their chain), anchors and
-// aliases are problems.
+// relative to the file that names them. Duplicate keys, include cycles (with their chain), anchors, aliases, a second
+// document and more than 32 MB or 1000 files with all includes are problems. Takes time in proportion to the text.
 #pragma once
 
 #include <filesystem>
@@ -18,8 +18,9 @@
 
 namespace slewlab::common {
 
-// One `--set key.path=value`. The value is YAML; a bare value keeps the unit that stands in the file, and
-// its source becomes "command line". A list's entries count from 0: moves.0.time=5.
+// One `--set key.path=value`. The value is YAML. For a value with a unit it is a number with its unit (60 t) or
+// {value: 60, unit: t}; a bare number only where the file's unit is the SI unit (s, m, -), which messages speak: 60000 for
+// a load given in tonnes is a problem. The source becomes "command line". A list's entries count from 0: moves.0.time=5.
 struct Override {
   std::string key;
   std::string value;

@@ -72,6 +72,21 @@ std::optional<std::string> nearest_name(std::string_view name, const std::vector
   return nearest;
 }
 
+std::optional<double> parse_share(const YamlNode& node) {
+  if (node.kind != YamlNode::Kind::scalar) return std::nullopt;
+  std::string_view text = node.scalar;
+  double factor = 1.0;
+  if (text.ends_with('%')) {
+    factor = 0.01;
+    text.remove_suffix(1);
+    while (text.ends_with(' ')) text.remove_suffix(1);
+  }
+  double number = 0.0;
+  if (!parse_number(std::string(text), number)) return std::nullopt;
+  number *= factor;
+  return number > 0.0 && number <= 1.0 ? std::optional(number) : std::nullopt;
+}
+
 YamlReader::YamlReader(const YamlNode& node, std::string path, InputProblems& problems)
     : node_(&node), path_(std::move(path)), problems_(&problems), quiet_(node.kind != YamlNode::Kind::map) {
   const bool unread = node.kind == YamlNode::Kind::null && node.mark.file.empty();
@@ -120,6 +135,10 @@ const YamlNode* YamlReader::sourced(const YamlNode& entry, std::string_view key,
   }
   for (const YamlEntry& part : entry.entries) {
     if (part.key == "value" || part.key == "source" || (unit && part.key == "unit")) continue;
+    if (unit && part.key == "spread") {
+      if (!parse_share(part.value)) report_at(part.mark, key, "the spread " + excerpt(part.value), "a share above 0, such as 10 %");
+      continue;
+    }
     report_at(part.mark, key, "the unknown key '" + part.key + "'", form);
   }
   const YamlNode* value = entry.find("value");
@@ -273,18 +292,18 @@ YamlReader YamlReader::map(std::string_view key) {
   return YamlReader(entry == nullptr ? kNothing : *entry, path_of(key), *problems_);
 }
 
-std::vector<YamlReader> YamlReader::list(std::string_view key) {
-  std::vector<YamlReader> readers;
+void YamlReader::each(std::string_view key, const std::function<void(YamlReader&)>& read) {
   const YamlNode* entry = ask(key);
-  if (entry == nullptr) return readers;
+  if (entry == nullptr) return;
   if (entry->kind != YamlNode::Kind::sequence) {
     report_at(entry->mark, key, excerpt(*entry), "a list");
-    return readers;
+    return;
   }
+  const std::string path = path_of(key) + '.';
   for (std::size_t i = 0; i < entry->items.size(); ++i) {
-    readers.emplace_back(entry->items[i], path_of(key) + '.' + std::to_string(i), *problems_);
+    YamlReader reader(entry->items[i], path + std::to_string(i), *problems_);
+    read(reader);
   }
-  return readers;
 }
 
 const YamlNode* YamlReader::raw(std::string_view key) { return ask(key); }

@@ -3,6 +3,7 @@
 //
 // Form of a value in a file:
 //   motor_torque_rated: {value: 400, unit: N m, source: "chosen: ..."}   number(), numbers()
+//   mass: {value: 95, unit: kg, spread: 10 %, source: ...}   a number may say its spread: parse_share()
 //   boom_elements: {value: 6, unit: "-", source: "thesis 4.2"}           integer()
 //   shape: {value: s_curve, source: "thesis 4.5"}                        choice(), flag(): no unit
 //   description: any text                                                text()
@@ -12,6 +13,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <initializer_list>
 #include <limits>
 #include <optional>
@@ -62,8 +64,8 @@ class YamlReader {
 
   // A map below the key; where it is missing or no map, a reader that answers everything quietly.
   YamlReader map(std::string_view key);
-  // The entries of a list of maps; an absent key is an empty list.
-  std::vector<YamlReader> list(std::string_view key);
+  // Hands every entry of a list of maps to `read`, one after the other; an absent key is an empty list.
+  void each(std::string_view key, const std::function<void(YamlReader&)>& read);
   // A part kept as it is, for a reader elsewhere; nullptr where it is absent.
   const YamlNode* raw(std::string_view key);
 
@@ -97,6 +99,9 @@ class YamlReader {
   bool quiet_;  // stands in for a map that could not be read
   std::vector<std::string> asked_;
 };
+
+// A share above 0 and at most 1, as "10 %" or 0.1; nothing where the node holds none.
+std::optional<double> parse_share(const YamlNode& node);
 
 // The known name that differs from `name` least, where one is near enough to be meant.
 std::optional<std::string> nearest_name(std::string_view name, const std::vector<std::string>& known);

@@ -9,7 +9,7 @@ namespace slewlab::controller {
 namespace {
 
 bool is_usable(const ControllerSettings& settings, const ControllerInput& input) {
-  if (input.group_count != settings.group_count) return false;
+  if (input.unusable_reading || input.group_count != settings.group_count) return false;
   for (int i = 0; i < input.group_count; ++i) {
     if (!std::isfinite(input.shaft_speed[i])) return false;
   }
@@ -84,7 +84,7 @@ void step(const ControllerSettings& settings, ControllerState& state, const Cont
         filtered_speed(settings.speed_filter_time, settings.period, previous, input.shaft_speed[i]);
     const SpeedControlOutput control =
         step_speed_control(settings.speed_control, state.speed_control[i], settings.period,
-                           reference - state.filtered_speed[i], settings.rated_torque, settings.rated_torque);
+                           reference - state.filtered_speed[i], settings.rated_torque, settings.limits.torque);
     controlled[i] = control.torque;
     output.proportional_torque[i] = control.proportional_torque;
     average += control.torque;

@@ -14,25 +14,22 @@
 // sets the crane moving by itself. The motors hold it at zero speed; the disk brakes serve at power loss
 // only (thesis 2.5) and are asked for only where a measurement is unusable.
 //
-// A shaft speed that is no finite number, or a wrong number of groups, cannot be controlled by: torque
-// goes to zero at once, drives are disabled, the brakes are asked for, and the mode is
-// waiting_for_acknowledgement.
+// A shaft speed that is no finite number, a wrong number of groups, or a reading that plausibility.h calls
+// unusable, cannot be controlled by: torque goes to zero at once, drives are disabled, the brakes are asked
+// for, and the mode is waiting_for_acknowledgement.
 #pragma once
 
 #include <array>
 #include <cstdint>
-#include <limits>
 
+#include "controller/groups.h"
 #include "controller/limits.h"
+#include "controller/plausibility.h"
 #include "controller/play_compensation.h"
 #include "controller/ramp.h"
 #include "controller/speed_control.h"
 
 namespace slewlab::controller {
-
-inline constexpr int kMaximumGroups = 8;
-
-using PerGroup = std::array<double, kMaximumGroups>;
 
 struct ControllerSettings {
   double period = 0.01;      // [s] between two steps
@@ -43,6 +40,7 @@ struct ControllerSettings {
   SpeedControlSettings speed_control;
   PlayCompensationSettings play_compensation;
   TorqueLimits limits;
+  PlausibilitySettings plausibility;
   double speed_filter_time = 0.0;  // [s] time constant on the measured speed; 0 is off
 };
 
@@ -67,6 +65,7 @@ struct ControllerInput {
   std::int64_t simulated_time = 0;  // [ns]
   int group_count = 0;
   PerGroup shaft_speed{};      // [rad/s] on the fast axis
+  bool unusable_reading = false;  // not to be controlled by, whatever the speeds say
   double speed_request = 0.0;  // [-] -1 ... 1 of top speed
   bool emergency_stop = false;
   bool acknowledge = false;

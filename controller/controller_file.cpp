@@ -35,6 +35,34 @@ SpeedControlSettings read_speed_control(YamlReader reader) {
   return control;
 }
 
+// What a machine's file does not say follows from its speeds and times: half more than top speed, twenty times the
+// acceleration of its emergency stop (which gears that meet and brakes that fall in exceed, and a wrong reading exceeds
+// by far), a twentieth of top speed for noise, a thirtieth of the stop's time. All chosen.
+constexpr double kSpeed = 1.5, kAcceleration = 20.0, kTolerance = 0.05, kTimeout = 1.0 / 30.0;
+
+PlausibilitySettings read_plausibility(YamlReader& controller, const RampSettings& ramp, double total_ratio) {
+  const double top_speed = ramp.top_speed * total_ratio;  // of the motor shaft
+  PlausibilitySettings plausibility{.speed_limit = kSpeed * top_speed,
+                                    .acceleration_limit = kAcceleration * top_speed / ramp.emergency_stop_time,
+                                    .tolerance = kTolerance * top_speed,
+                                    .timeout = kTimeout * ramp.emergency_stop_time};
+  if (!controller.has("plausibility")) return plausibility;
+  constexpr double kAny = std::numeric_limits<double>::infinity();
+  YamlReader reader = controller.map("plausibility");
+  if (const auto given = reader.optional_number("speed_limit", Unit::none, {1.0, kAny, false})) {
+    plausibility.speed_limit = *given * top_speed;
+  }
+  plausibility.acceleration_limit =
+      reader.optional_number("acceleration_limit", Unit::radian_per_second_squared, positive())
+          .value_or(plausibility.acceleration_limit);
+  if (const auto given = reader.optional_number("tolerance", Unit::none, positive())) {
+    plausibility.tolerance = *given * top_speed;
+  }
+  plausibility.timeout = reader.optional_number("timeout", Unit::second, not_negative()).value_or(plausibility.timeout);
+  reader.finish();
+  return plausibility;
+}
+
 PlayCompensationSettings read_play_compensation(YamlReader reader) {
   PlayCompensationSettings play;
   play.enabled = reader.flag("enabled");
@@ -103,6 +131,7 @@ ControllerFile load_controller_file(const std::filesystem::path& file,
   settings.speed_filter_time =
       reader.optional_number("speed_filter_time", Unit::second, not_negative()).value_or(0.0);
   settings.ramp = read_ramp(reader.map("ramp"));
+  settings.plausibility = read_plausibility(reader, settings.ramp, settings.total_ratio);
   settings.speed_control = read_speed_control(reader.map("speed_control"));
   settings.play_compensation = read_play_compensation(reader.map("play_compensation"));
   reader.finish();

@@ -1,5 +1,6 @@
 #include "controller/play_compensation.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace slewlab::controller {
@@ -8,7 +9,9 @@ HalfTorques evaluate_play_map(const PlayCompensationSettings& settings, double a
   const double size = std::abs(average);
   const PlayMapPoint* const points = settings.points.data();
   const int last = settings.point_count - 1;
-  HalfTorques torques{points[last].half_1, points[last].half_2};
+  // Beyond the map the groups stay as far apart as at its end.
+  const double beyond = std::max(0.0, size - points[last].average);
+  HalfTorques torques{points[last].half_1 + beyond, points[last].half_2 + beyond};
   for (int i = 0; i < last; ++i) {
     if (size >= points[i + 1].average) continue;
     const double share = (size - points[i].average) / (points[i + 1].average - points[i].average);

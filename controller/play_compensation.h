@@ -1,8 +1,8 @@
 // Play compensation (thesis 3.5, Table 3.4, appendix B as the notes give it): the two halves of the motor
 // groups work against each other so that the gears stay under tension.
 //
-// A map gives the torque of each half for an average torque >= 0, all in shares of the rated torque T100,
-// linear between its points and held beyond the last. For a negative average it is mirrored:
+// A map gives the torque of each half for an average torque >= 0, all in shares of the rated torque T100, linear
+// between its points, with slope 1 beyond the last. For a negative average it is mirrored:
 //   T1(-a) = -T2(a),  T2(-a) = -T1(a).
 // The map's first point is at average 0 with T1 = -T2, so that the mirrored map joins without a jump.
 #pragma once

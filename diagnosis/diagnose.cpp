@@ -314,7 +314,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   Diagnosis diagnosis;
   Problem problem;
   problem.nominal = nominal;
-  if (!problem.nominal.scales) problem.nominal.scales = sim::effect_scales(nominal.crane);
+  if (!problem.nominal.scales) problem.nominal.scales = sim::effect_scales(nominal.crane, nominal.drive_protection);
   problem.catalogue = sim::effects_for(problem.nominal);
   ShadowSettings shadow_settings;
   const bool is_coarse = std::any_of(records.begin(), records.end(),
@@ -347,7 +347,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
         }
       }
     }
-    check_torques(record, follower, nominal.crane);
+    check_torques(record, follower, nominal);
     const std::vector<bool> trusted = trusted_stretches(record, follower);
     const double share = static_cast<double>(std::count(trusted.begin(), trusted.end(), true)) / static_cast<double>(record.size());
     if (share < kLeastTrusted) {

@@ -14,7 +14,9 @@
 
 #include "diagnosis/chance.h"
 #include "diagnosis/nuisance.h"
+#include "sim/effects/catalogue.h"
 #include "sim/machine/effect_scales.h"
+#include "sim/model/cannot_be_built.h"
 
 namespace slewlab::diagnosis {
 
@@ -299,7 +301,7 @@ sim::MachineSettings machine_at(const sim::MachineSettings& nominal, const Point
   boom.highest_frequency = kHighestMode;
   if (point.seed != 0) settings.seed = point.seed;
   settings.effects.insert(settings.effects.end(), point.effects.begin(), point.effects.end());
-  if (!settings.effects.empty() && !settings.scales) settings.scales = sim::effect_scales(nominal.crane);
+  if (!settings.effects.empty() && !settings.scales) settings.scales = sim::effect_scales(nominal.crane, nominal.drive_protection);
   return settings;
 }
 
@@ -411,7 +413,7 @@ Eigen::VectorXd differences(Problem& problem, const Point& point) {
     auto rows = result.segment(first_row[r], problem.whitening[r].size());
     try {
       rows = whiten(problem.whitening[r], shadow_at(problem, point, r));
-    } catch (const std::invalid_argument&) {  // no such machine can be built: its boom buckles
+    } catch (const sim::CannotBeBuilt&) {  // its boom buckles; any other error is one of the program's
       rows.setConstant(kVeryFarOff);
     }
     problem.simulation_time +=

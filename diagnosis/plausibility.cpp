@@ -10,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "diagnosis/recorded_drive.h"
 #include "sim/model/drive_line.h"
 
 namespace slewlab::diagnosis {
@@ -194,16 +195,18 @@ void check_units(const Record& record, const AdmissionSettings& settings) {
   }
 }
 
-void check_torques(const Record& record, const Shadow& follower, const sim::CraneParameters& nominal) {
+void check_torques(const Record& record, const Shadow& follower, const sim::MachineSettings& nominal) {
   // Of one motor, the mean of all groups: the gears carry torque from one to the other.
   std::vector<double> recorded(record.size(), 0.0), needed(record.size(), 0.0);
   std::array<std::vector<double>, sim::kMaximumGroupCount> needed_of;  // each group
-  for (int g = 0; g < record.group_count; ++g) {
-    const auto i = static_cast<std::size_t>(g);
-    needed_of[i].resize(record.size());
-    for (std::size_t n = 0; n < record.size(); ++n) {
-      needed_of[i][n] = record.motor_torque[i][n] + follower.missing_torque[i][n];
-      recorded[n] += record.motor_torque[i][n] / record.group_count;
+  for (std::vector<double>& one : needed_of) one.resize(record.size());
+  RecordedDrive drive(record, nominal.drive_protection);
+  for (std::size_t n = 0; n < record.size(); ++n) {
+    const sim::DriveCommand delivered = drive.next();
+    for (int g = 0; g < record.group_count; ++g) {
+      const auto i = static_cast<std::size_t>(g);
+      needed_of[i][n] = delivered.motor_torque[i] + follower.missing_torque[i][n];
+      recorded[n] += delivered.motor_torque[i] / record.group_count;
       needed[n] += needed_of[i][n] / record.group_count;
     }
   }
@@ -211,8 +214,8 @@ void check_torques(const Record& record, const Shadow& follower, const sim::Cran
   const std::vector<double> slow_recorded = smooth(recorded, slow), slow_needed = smooth(needed, slow);
   const Fit fit = fit_line(slow_needed, slow_recorded);
   if (std::fabs(fit.correlation) > kClose && (fit.slope < 1.0 / kGross || fit.slope > kGross)) {
-    const int motors = nominal.drive.motors_per_group, all_motors = motors * nominal.drive.group_count;
-    const double ratio = sim::total_ratio(nominal.drive);
+    const int motors = nominal.crane.drive.motors_per_group, all_motors = motors * nominal.crane.drive.group_count;
+    const double ratio = sim::total_ratio(nominal.crane.drive);
     const std::string words = explain_factor(fit.slope, {{static_cast<double>(motors), fmt::format("it looks like the sum over a group's {} motors", motors)},
                                                          {static_cast<double>(all_motors), fmt::format("it looks like the sum over all {} motors", all_motors)},
                                                          {ratio, "it looks like the torque on the slew axis"},

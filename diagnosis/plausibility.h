@@ -4,7 +4,7 @@
 
 #include "diagnosis/record.h"
 #include "diagnosis/shadow.h"
-#include "sim/model/crane_parameters.h"
+#include "sim/integrate/machine_settings.h"
 
 namespace slewlab::diagnosis {
 
@@ -12,10 +12,10 @@ namespace slewlab::diagnosis {
 // rated one, where it is known. Throws NotAdmitted.
 void check_units(const Record& record, const AdmissionSettings& settings);
 
-// Torques against what the nominal crane, following the record, needs for the same motion: recorded + missing (shadow.h), mean of the
+// Torques against what the nominal crane, following the record, needs for the same motion: what its drive makes of the recorded ones + missing (shadow.h), mean of the
 // groups, slower than the boom. Refuses a factor above 3 or below 1/3 between two that go together, a turned sign, and a command
 // that stands still for a second while the need changes by a seventh of its range (half of it where one group alone stands). Throws
 // NotAdmitted.
-void check_torques(const Record& record, const Shadow& follower, const sim::CraneParameters& nominal);
+void check_torques(const Record& record, const Shadow& follower, const sim::MachineSettings& nominal);
 
 }  // namespace slewlab::diagnosis

@@ -6,9 +6,15 @@
 #include <numeric>
 #include <span>
 
-#include "sim/integrate/machine.h"
+#include "diagnosis/loop/loop.h"
 
 namespace slewlab::diagnosis {
+
+namespace {
+
+constexpr double kNanosecondsPerSecond = 1e9;
+
+}  // namespace
 
 SignalGap gap_between(const std::string& signal, const char* unit, std::span<const double> measured, std::span<const double> predicted) {
   const double count = static_cast<double>(measured.size());
@@ -47,47 +53,31 @@ std::vector<SignalGap> signal_gaps(const Record& measured, const Record& predict
   return gaps;
 }
 
-Prediction predict(const sim::MachineSettings& settings, const controller::ControllerSettings& controller_settings,
-                   const Record& record, double from_time) {
-  sim::MachineSettings with_step = settings;
-  with_step.step = record.step;
-  sim::Machine machine = sim::make_machine(with_step);
-  controller::ControllerSettings controller = controller_settings;
-  controller.period = record.encoder_period;
-  controller::ControllerState state;
-  controller::ControllerInput input;
-  controller::ControllerOutput output;
-  input.group_count = record.group_count;
-  sim::DriveCommand command;
+namespace {
 
-  Prediction prediction;
-  Record& series = prediction.series;
+std::vector<sim::OperatorMove> moves_of(const Record& record) {
+  const std::int64_t start = std::llround(record.start_time * kNanosecondsPerSecond);
+  std::vector<sim::OperatorMove> moves;
+  for (const OperatorMove& move : record.operator_moves) {
+    moves.push_back({move.simulated_time - start, move.speed_request, move.emergency_stop, move.acknowledge});
+  }
+  return moves;
+}
+
+// The series of a record, on its grid, as machine and controller make them in closed loop.
+Record simulated(const LoopSettings& settings, const Record& record) {
+  Record series;
   series.name = record.name;
   series.step = record.step;
   series.start_time = record.start_time;
   series.group_count = record.group_count;
-  const auto groups = static_cast<std::size_t>(record.group_count);
-  const auto cycle = static_cast<std::size_t>(std::lround(record.encoder_period / record.step));
-  std::size_t move = 0;
-  for (std::size_t n = 0; n < record.size(); ++n) {
-    const sim::MachineReadings readings = sim::read(machine);
-    if (n % cycle == 0) {
-      const auto now = static_cast<std::int64_t>(std::llround(record.time(n) * 1e9));
-      while (move < record.operator_moves.size() && record.operator_moves[move].simulated_time <= now) {
-        input.speed_request = record.operator_moves[move].speed_request;
-        input.emergency_stop = record.operator_moves[move].emergency_stop;
-        input.acknowledge = record.operator_moves[move].acknowledge;
-        ++move;
-      }
-      input.simulated_time = now;
-      for (std::size_t g = 0; g < groups; ++g) input.shaft_speed[g] = readings.shaft_speed[g];
-      controller::step(controller, state, input, output);
-      command.sequence = static_cast<std::int64_t>(n / cycle);
-      command.enable = output.enable;
-      for (std::size_t g = 0; g < groups; ++g) command.motor_torque[g] = output.motor_torque[g];
-    }
-    for (std::size_t g = 0; g < groups; ++g) {
-      series.motor_torque[g].push_back(command.motor_torque[g]);
+  MachineLoop loop(settings);
+  loop.course.ends_with_answer = true;  // the last point of a record is one of its grid, too
+  LoopHooks hooks;
+  hooks.instant = [&](const LoopMoment&) {
+    const sim::MachineReadings readings = sim::read(loop.plant.machine());
+    for (std::size_t g = 0; g < static_cast<std::size_t>(record.group_count); ++g) {
+      series.motor_torque[g].push_back(loop.controller.torque().motor_torque[g]);
       series.shaft_speed[g].push_back(readings.shaft_speed[g]);
       series.shaft_position[g].push_back(readings.shaft_position[g]);
     }
@@ -96,10 +86,25 @@ Prediction predict(const sim::MachineSettings& settings, const controller::Contr
     series.acceleration[kMiddle].push_back(readings.middle_acceleration);
     series.acceleration[kTip].push_back(readings.tip_acceleration);
     series.slew_angle.push_back(readings.slew_angle);
-    sim::step(machine, command);
-  }
+  };
+  loop.run(hooks);
+  return series;
+}
 
-  prediction.gaps = signal_gaps(record, series, from_time);
+}  // namespace
+
+Prediction predict(const sim::MachineSettings& machine, const controller::ControllerSettings& controller, const Record& record,
+                   double from_time) {
+  LoopSettings settings;
+  settings.machine = machine;
+  settings.machine.step = record.step;
+  settings.controller = controller;
+  settings.controller.period = record.encoder_period;
+  settings.operator_moves = moves_of(record);
+  settings.duration = record.step * static_cast<double>(record.size() - 1);
+  Prediction prediction;
+  prediction.series = simulated(settings, record);
+  prediction.gaps = signal_gaps(record, prediction.series, from_time);
   double sum = 0.0;
   for (const SignalGap& gap : prediction.gaps) {
     const double share = gap.measured > 0.0 ? gap.gap / gap.measured : 0.0;

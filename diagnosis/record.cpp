@@ -369,6 +369,7 @@ Record make_record(const msgs::RunLog& run, const std::string& name, const Admis
   }
   record.encoder = run.encoder;
   record.torque = run.torque;
+  record.plant_status = run.plant_status;
   record.encoder_quantum = find_quantum(run.encoder);
 
   double largest_speed = 0.0;

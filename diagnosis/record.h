@@ -46,6 +46,7 @@ struct Record {
   std::vector<OperatorMove> operator_moves;
   std::vector<msgs::Encoder> encoder;  // the messages themselves, for the controller's replay
   std::vector<msgs::Torque> torque;
+  std::vector<msgs::PlantStatus> plant_status;
   double encoder_quantum = 0.0;        // [rad] smallest step that the encoder positions keep to; 0: none found
   std::vector<std::string> remarks;    // what was mended or left out, one line each
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/recorded_drive.h"
 #include "sim/effects/catalogue.h"
 #include "sim/integrate/machine.h"
 #include "sim/model/drive_line.h"
@@ -113,9 +114,10 @@ Shadow shadow(const sim::MachineSettings& settings, const Record& record, const 
   const double forget = std::exp(-record.step / kOffsetTime);
   double tip_offset = 0.0;  // [m/s^2]
   result.contact_lost.assign(count, false);
-  sim::DriveCommand command;
+  RecordedDrive drive(record, settings.drive_protection);
   for (std::size_t n = 0; n < count; ++n) {
     const sim::MachineReadings readings = sim::read(machine);
+    sim::DriveCommand command = drive.next();
     command.sequence = static_cast<std::int64_t>(n / std::max<std::size_t>(1, cycle));
     for (int g = 0; g < record.group_count; ++g) {
       const auto i = static_cast<std::size_t>(g);
@@ -124,7 +126,6 @@ Shadow shadow(const sim::MachineSettings& settings, const Record& record, const 
           gains.speed * (between(record.position_rate[i], read_at) - readings.shaft_speed[i]) +
           gains.position * (between(record.shaft_position[i], read_at) - origin[i] - readings.shaft_position[i]);
       result.missing_torque[i][n] = missing;
-      command.motor_torque[i] = record.motor_torque[i][n];
       // Past the actuators: what is missing at a motor is not limited or delayed by its drive.
       machine.outside.motor_torque[i] = missing * to_slew_axis;
       // Gears without play touch always: they change flanks without a shock.

@@ -1,4 +1,4 @@
-// A machine that shadows a record: it gets the recorded torques and is led along by forces from outside, at each
+// A machine that shadows a record: it gets what its drive makes of the recorded torques (recorded_drive.h) and is led along by forces from outside, at each
 // motor the torque that keeps its encoder on the recorded one, at the tip a force that damps what the tip's
 // accelerometer still differs by. The torque is what the model misses at the motors, in Nm; the accelerometers'
 // differences are what it misses behind them. Feedback that hides a gap in the speed shows it here as an

@@ -4,6 +4,20 @@
 
 namespace slewlab::controller {
 
+void begin_answer(const msgs::Encoder& encoder, std::int64_t answers, msgs::Torque& torque, msgs::ControllerState& state) {
+  const auto set_head = [&](auto& message) {
+    message.sequence = answers;
+    message.simulated_time = encoder.simulated_time;
+    message.configuration_hash = encoder.configuration_hash;
+    message.run_identity = encoder.run_identity;
+    message.answered_sequence = encoder.sequence;
+  };
+  set_head(torque);
+  set_head(state);
+  torque.alive_counter = answers;
+  torque.state_follows = 1;
+}
+
 AnswerLoop::AnswerLoop(msgs::Bus& bus, Compute compute)
     : bus_(bus),
       fresh_compute_(std::move(compute)),
@@ -71,17 +85,7 @@ void AnswerLoop::receive_encoder(msgs::Bytes bytes) {
     return;
   }
 
-  const auto set_head = [&](auto& message) {
-    message.sequence = answers_;
-    message.simulated_time = encoder_.simulated_time;
-    message.configuration_hash = encoder_.configuration_hash;
-    message.run_identity = encoder_.run_identity;
-    message.answered_sequence = encoder_.sequence;
-  };
-  set_head(torque_);
-  set_head(state_);
-  torque_.alive_counter = answers_;
-  torque_.state_follows = 1;
+  begin_answer(encoder_, answers_, torque_, state_);
   compute_(encoder_, operator_, torque_, state_);
   ++counts_.answers;
   ++answers_;

@@ -26,6 +26,9 @@ namespace slewlab::controller {
 using Compute = std::function<void(const msgs::Encoder& encoder, const msgs::Operator& operator_move,
                                    msgs::Torque& torque, msgs::ControllerState& state)>;
 
+// Sets the heads of the `answers`-th answer (from 0) and what else every answer says of itself.
+void begin_answer(const msgs::Encoder& encoder, std::int64_t answers, msgs::Torque& torque, msgs::ControllerState& state);
+
 struct AnswerCounts {
   std::int64_t runs = 0;              // begun
   std::int64_t answers = 0;           // computed, in all runs

@@ -12,14 +12,23 @@ void copy_per_group(const PerGroup& from, int count, std::vector<double>& to) {
 }  // namespace
 
 Compute computed_answer(const ControllerSettings& settings) {
-  return [settings, state = ControllerState{}, input = ControllerInput{}, output = ControllerOutput{}](
+  return [settings, state = ControllerState{}, plausibility = PlausibilityState{}, reading = EncoderReading{},
+          input = ControllerInput{}, output = ControllerOutput{}](
              const msgs::Encoder& encoder, const msgs::Operator& operator_move, msgs::Torque& torque,
              msgs::ControllerState& report) mutable {
-    input.simulated_time = encoder.simulated_time;
+    reading.sequence = encoder.sequence;
+    reading.simulated_time = encoder.simulated_time;
     // The pure controller knows what to do about a number of groups that is not its own.
-    input.group_count = encoder.group_count;
+    reading.group_count = encoder.group_count;
     const int groups = std::min(encoder.group_count, kMaximumGroups);
-    std::copy_n(encoder.shaft_speed.begin(), groups, input.shaft_speed.begin());
+    std::copy_n(encoder.shaft_speed.begin(), groups, reading.shaft_speed.begin());
+    std::copy_n(encoder.shaft_position.begin(), groups, reading.shaft_position.begin());
+    const Plausibility judged =
+        judge(settings.plausibility, settings.period, settings.group_count, plausibility, reading);
+    input.simulated_time = encoder.simulated_time;
+    input.group_count = reading.group_count;
+    input.shaft_speed = reading.shaft_speed;
+    input.unusable_reading = judged == Plausibility::unusable;
     input.speed_request = operator_move.speed_request;
     input.emergency_stop = operator_move.emergency_stop;
     input.acknowledge = operator_move.acknowledge;

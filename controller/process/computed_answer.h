@@ -1,6 +1,7 @@
 #pragma once
 
-// The controller behind the wire: one step of controller.h per ENCODER, as the function that AnswerLoop asks for.
+// The controller behind the wire: per ENCODER one judgement of plausibility.h and one step of controller.h, as the
+// function that AnswerLoop asks for.
 // Settings and state live in the function; a copy of it runs on as the original would.
 
 #include "controller/controller.h"

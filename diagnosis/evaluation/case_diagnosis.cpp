@@ -6,7 +6,8 @@
 #include "controller/effects/catalogue.h"
 #include "diagnosis/prediction.h"
 #include "msgs/run_log.h"
-#include "sim/machine/crane_file.h"
+#include "sim/drive/scenario_run.h"
+#include "sim/machine/machine_file.h"
 #include "sim/effects/catalogue.h"
 
 namespace slewlab::diagnosis {
@@ -24,7 +25,7 @@ Record load_record(const std::filesystem::path& log, const AdmissionSettings& ad
 
 CaseData load_case(const withheld::CaseInput& input, bool accelerometers) {
   CaseData data;
-  data.nominal.crane = sim::load_crane_file(input.crane).parameters;
+  data.nominal = sim::machine_settings(sim::load_machine_file(input.crane));
   data.controller = controller::load_controller_file(input.controller).settings;
   const AdmissionSettings admission = admission_for(data.nominal.crane, data.controller.rated_torque);
   for (const std::filesystem::path& log : input.logs) {

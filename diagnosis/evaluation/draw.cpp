@@ -32,39 +32,28 @@ Kind kind_named(const std::string& name) {
   throw std::invalid_argument("no kind of case is called \"" + name + "\"");
 }
 
-const std::vector<SpreadParameter>& spread_parameters() {
-  using sim::CraneParameters;
-  static const std::vector<SpreadParameter> kParameters{
-      {"drive inertia",
-       [](CraneParameters& c, double f) {
-         c.drive.motor_inertia *= f;
-         c.drive.brake_inertia *= f;
-         c.drive.gearbox_inertia *= f;
-       }},
-      {"gearbox stiffness", [](CraneParameters& c, double f) { c.drive.gearbox_stiffness *= f; }},
-      {"gear damping", [](CraneParameters& c, double f) { c.drive.gear_damping_ratio *= f; }},
-      {"play",
-       [](CraneParameters& c, double f) {
-         c.drive.gearbox_play *= f;
-         c.drive.pinion_play *= f;
-       }},
-      {"house inertia", [](CraneParameters& c, double f) { c.house.inertia *= f; }},
-      {"house sensor radius", [](CraneParameters& c, double f) { c.house.sensor_radius *= f; }},
-      {"boom mass", [](CraneParameters& c, double f) { c.boom.mass *= f; }},
-      {"boom bending stiffness", [](CraneParameters& c, double f) { c.boom.youngs_modulus *= f; }},
-      {"boom torsional stiffness", [](CraneParameters& c, double f) { c.boom.torsion_constant *= f; }},
-      {"boom damping", [](CraneParameters& c, double f) { c.boom.damping_ratio *= f; }},
-      {"boom angle", [](CraneParameters& c, double f) { c.boom.angle *= f; }},
-      {"pivot radius", [](CraneParameters& c, double f) { c.boom.pivot_radius *= f; }},
-      {"load mass", [](CraneParameters& c, double f) { c.load.mass *= f; }},
-      {"rope length", [](CraneParameters& c, double f) { c.load.rope_length *= f; }},
-      {"rod length", [](CraneParameters& c, double f) { c.load.rod_length *= f; }},
-      {"load damping", [](CraneParameters& c, double f) { c.load.damping_ratio *= f; }},
-  };
-  return kParameters;
+NominalMachine nominal_machine(const sim::MachineDescription& description, const controller::ControllerSettings& controller) {
+  return {description, controller, law_scales(description.machine, controller)};
 }
 
 namespace {
+
+constexpr std::array<const char*, 4> kBeginNames{"rest", "on", "motion", "any"};
+
+}  // namespace
+
+const char* name_of(Begin begin) { return kBeginNames[static_cast<std::size_t>(begin)]; }
+
+Begin begin_named(const std::string& name) {
+  for (std::size_t k = 0; k < kBeginNames.size(); ++k) {
+    if (name == kBeginNames[k]) return static_cast<Begin>(k);
+  }
+  throw std::invalid_argument("a record begins \"rest\", \"on\", \"motion\" or \"any\", not \"" + name + "\"");
+}
+
+namespace {
+
+// The manoeuvres, with times for a ramp of kWrittenForRamp.
 
 // Slew to one side and back, with a pause; 30 s.
 Manoeuvre there_and_back(Random& random) {
@@ -109,6 +98,23 @@ Manoeuvre longer_slew(Random& random) {
   return manoeuvre;
 }
 
+// The same for a machine whose ramp is slower or faster.
+Manoeuvre stretched(Manoeuvre manoeuvre, double stretch) {
+  for (Request& request : manoeuvre.requests) request.time *= stretch;
+  manoeuvre.duration *= stretch;
+  return manoeuvre;
+}
+
+// When the recorder is switched on: with the drives on, late before the first request; in motion, up to a ramp after it.
+double drawn_record_from(const Manoeuvre& manoeuvre, Begin begin, double ramp_time, Random& random) {
+  const double first = manoeuvre.requests.front().time;
+  const double share = random.uniform();
+  const Begin one = begin == Begin::kAny ? static_cast<Begin>(random.below(3)) : begin;
+  if (one == Begin::kDrivesOn) return first * (0.75 + 0.2 * share);
+  if (one == Begin::kInMotion) return first + ramp_time * (0.2 + 0.8 * share);
+  return 0.0;
+}
+
 // Names in equal numbers, in random order.
 std::vector<std::string> dealt(std::vector<std::string> names, std::size_t count, Random& random) {
   std::vector<std::string> all;
@@ -120,15 +126,16 @@ std::vector<std::string> dealt(std::vector<std::string> names, std::size_t count
   return all;
 }
 
-// Evenly in the logarithm, from `from` of the range on.
-double drawn_size(const Law& law, double from, Random& random) {
-  if (law.low == law.high) return law.low;
-  return law.low * std::pow(law.high / law.low, random.between(from, 1.0));
+// [SI] Evenly in the logarithm, from `from` of the range on.
+double drawn_size(const Law& law, const LawScales& scales, double from, Random& random) {
+  const double unit = law.unit(scales);
+  if (law.low == law.high) return law.low * unit;
+  return law.low * std::pow(law.high / law.low, random.between(from, 1.0)) * unit;
 }
 
 }  // namespace
 
-std::vector<DrawnCase> draw_cases(int count, std::uint64_t seed) {
+std::vector<DrawnCase> draw_cases(int count, std::uint64_t seed, const NominalMachine& nominal, Begin begin) {
   // Kinds in proportion, largest remainders first, then shuffled.
   std::vector<Kind> kinds;
   std::array<double, 6> given{};
@@ -144,7 +151,10 @@ std::vector<DrawnCase> draw_cases(int count, std::uint64_t seed) {
   order.shuffle(kinds);
 
   std::vector<std::string> in_catalogue, outside;
-  for (const Law& law : laws()) (law.effect.empty() ? outside : in_catalogue).push_back(law.name);
+  for (const Law& law : laws()) {
+    if (!suits(law, nominal.description.machine, nominal.controller)) continue;
+    (law.effect.empty() ? outside : in_catalogue).push_back(law.name);
+  }
   const auto many = static_cast<std::size_t>(count);
   Random deal(seed, "deal");
   const std::vector<std::string> ones = dealt(in_catalogue, many, deal);
@@ -160,7 +170,7 @@ std::vector<DrawnCase> draw_cases(int count, std::uint64_t seed) {
     drawn.kind = kinds[static_cast<std::size_t>(n - 1)];
     Random sizes(seed, "size", static_cast<std::uint64_t>(n));
     const auto add = [&](const std::string& name, double from) {
-      drawn.laws.push_back({name, drawn_size(law_named(name), from, sizes)});
+      drawn.laws.push_back({name, drawn_size(law_named(name), nominal.scales, from, sizes)});
     };
     switch (drawn.kind) {
       case Kind::kNothing:
@@ -194,8 +204,9 @@ std::vector<DrawnCase> draw_cases(int count, std::uint64_t seed) {
       if (!is_true) drawn.without = {effect};
     }
     Random spread(seed, "spread", static_cast<std::uint64_t>(n));
-    for (const SpreadParameter& parameter : spread_parameters()) {
-      double factor = spread.between(1.0 - kUnitSpread, 1.0 + kUnitSpread);
+    for (const sim::Parameter& parameter : nominal.description.parameters) {
+      const double half_range = std::sqrt(3.0) * parameter.spread;  // of an even distribution of this deviation
+      double factor = spread.between(1.0 - half_range, 1.0 + half_range);
       for (const DrawnLaw& law : drawn.laws) {
         const std::vector<std::string>& own = law_named(law.law).own;
         if (std::find(own.begin(), own.end(), parameter.name) != own.end()) factor = 1.0;
@@ -204,6 +215,11 @@ std::vector<DrawnCase> draw_cases(int count, std::uint64_t seed) {
     }
     Random moves(seed, "manoeuvre", static_cast<std::uint64_t>(n));
     drawn.manoeuvres = {there_and_back(moves), inching(moves), longer_slew(moves)};
+    Random switched_on(seed, "begin", static_cast<std::uint64_t>(n));
+    for (std::size_t m = 0; m < drawn.manoeuvres.size(); ++m) {
+      drawn.manoeuvres[m] = stretched(std::move(drawn.manoeuvres[m]), nominal.scales.stretch);
+      if (m < kDiagnosedManoeuvres) drawn.record_from[m] = drawn_record_from(drawn.manoeuvres[m], begin, nominal.scales.ramp_time, switched_on);
+    }
     Random noise(seed, "noise", static_cast<std::uint64_t>(n));
     for (std::uint64_t& noise_seed : drawn.noise_seeds) noise_seed = noise.bits();
     drawn.law_seed = Random(seed, "law", static_cast<std::uint64_t>(n)).bits();
@@ -212,13 +228,15 @@ std::vector<DrawnCase> draw_cases(int count, std::uint64_t seed) {
   return cases;
 }
 
-TruthMachine build(const DrawnCase& drawn, const sim::CraneParameters& nominal,
-                   const controller::ControllerSettings& controller, const std::vector<bool>& on,
+TruthMachine build(const DrawnCase& drawn, const NominalMachine& nominal, const std::vector<bool>& on,
                    std::vector<std::vector<TrueSize>>* sizes) {
-  sim::CraneParameters crane = nominal;
-  const std::vector<SpreadParameter>& parameters = spread_parameters();
-  for (std::size_t k = 0; k < parameters.size(); ++k) parameters[k].scale(crane, drawn.spread[k]);
-  TruthMachine machine = make_truth_machine(crane, controller);
+  sim::CraneParameters crane = nominal.description.machine;
+  const std::vector<sim::Parameter>& parameters = nominal.description.parameters;
+  for (std::size_t k = 0; k < parameters.size(); ++k) {
+    for (const sim::FileNumber& number : parameters[k].numbers) number.of(crane) *= drawn.spread[k];
+  }
+  TruthMachine machine = make_truth_machine(crane, nominal.controller);
+  machine.scales = nominal.scales;
   for (std::size_t k = 0; k < drawn.laws.size(); ++k) {
     if (!on[k]) continue;
     Random random(drawn.law_seed, drawn.laws[k].law, k);

@@ -15,6 +15,17 @@ const std::vector<Law>& laws() {
   return kLaws;
 }
 
+bool suits(const Law& law, const sim::CraneParameters& nominal, const controller::ControllerSettings& controller) {
+  switch (law.needs) {
+    case Needs::nothing: return true;
+    case Needs::boom: return nominal.boom.length > 0.0;
+    case Needs::load: return nominal.load.mass > 0.0 && nominal.boom.length > 0.0;
+    case Needs::two_groups: return nominal.drive.group_count > 1;
+    case Needs::play_compensation: return nominal.drive.group_count > 1 && controller.play_compensation.enabled;
+  }
+  return true;
+}
+
 const Law& law_named(const std::string& name) {
   for (const Law& law : laws()) {
     if (law.name == name) return law;

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "diagnosis/evaluation/law_scales.h"
 #include "diagnosis/evaluation/random.h"
 #include "diagnosis/evaluation/truth_machine.h"
 
@@ -18,15 +19,28 @@ struct TrueSize {
   bool comparable = true;  // false: it shapes the effect, or this law means something else by it
 };
 
+// What a machine must have for a law to be drawn on it.
+enum class Needs { nothing, boom, load, two_groups, play_compensation };
+
 struct Law {
   std::string name;
   std::string effect;      // the catalogue's name; empty: in no catalogue
   std::string subsystem;
   std::string difference;  // from the catalogue's law
-  double low, high;        // size, from barely visible (first) to large
-  std::vector<TrueSize> (*apply)(TruthMachine&, double size, Random&);
-  std::vector<std::string> own = {};  // spread parameters (draw.h) that the law is about: they do not spread then
+  double low, high;        // size in `unit`, from barely visible (first) to large
+  double (*unit)(const LawScales&);  // [SI per unit] what the size is a multiple of
+  std::vector<TrueSize> (*apply)(TruthMachine&, double size, Random&);  // size in SI
+  std::vector<std::string> own = {};  // parameters of the description (sim/machine) that the law is about: they do not spread then
+  Needs needs = Needs::nothing;
 };
+
+bool suits(const Law& law, const sim::CraneParameters& nominal, const controller::ControllerSettings& controller);
+
+// Units of sizes.
+inline double pure_number(const LawScales&) { return 1.0; }
+inline double of_rated_torque(const LawScales& s) { return s.machine.motor_torque; }
+inline double of_axis_torque(const LawScales& s) { return s.machine.axis_torque; }
+inline double of_period(const LawScales& s) { return s.period; }
 
 // All of them, those of the catalogue first.
 const std::vector<Law>& laws();

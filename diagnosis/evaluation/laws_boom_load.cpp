@@ -8,7 +8,6 @@ namespace slewlab::diagnosis::withheld {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kAirDensity = 1.225;  // [kg/m^3] sea level, 15 degrees C, standard atmosphere
 
 std::vector<TrueSize> compression_softening(TruthMachine& machine, double size, Random&) {
   machine.structure.axial_force = size;
@@ -20,6 +19,7 @@ std::vector<TrueSize> boom_damping(TruthMachine& machine, double size, Random& r
   const double factor = std::exp(size * random.sign());
   machine.structure.damping_factor = factor;
   machine.structure.damping_power = -0.25;
+  machine.structure.damping_pivot = 1.8 * 2.0 * kPi / machine.scales.period;  // between the first two bending modes
   return {{"factor", factor}};
 }
 
@@ -32,15 +32,15 @@ std::vector<TrueSize> boom_stiffness(TruthMachine& machine, double size, Random&
 
 std::vector<TrueSize> flyjib_torsion(TruthMachine& machine, double size, Random& random) {
   machine.structure.jib_mass = size;
-  machine.structure.jib_eccentricity = random.between(2.0, 7.0);  // [m]
+  machine.structure.jib_eccentricity = machine.scales.boom_length * random.between(0.0429, 0.15);  // [m]
   return {{"mass", size}, {"eccentricity", machine.structure.jib_eccentricity}};
 }
 
 // Wind on a boom and a load that move themselves: the part of the relative wind across the boom counts.
 std::vector<TrueSize> wind(TruthMachine& machine, double size, Random& random) {
   const double direction = random.between(-kPi, kPi);
-  const double boom_area = 80.0 * random.log_between(0.8, 1.25);  // [m^2]
-  const double load_area = 20.0 * random.log_between(0.8, 1.25);  // [m^2]
+  const double boom_area = machine.scales.boom_area * random.log_between(0.8, 1.25);  // [m^2]
+  const double load_area = machine.scales.load_area * random.log_between(0.8, 1.25);  // [m^2]
   machine.forces.push_back({{}, {}, [=](const Scene& scene, const double*, sim::ReferenceForces& forces, double*) {
     const auto pressure = [&](double speed_across) {
       const double angle = direction - scene.motion.house_angle;
@@ -77,12 +77,13 @@ struct WinchMove {
   double speed = 0.0;     // [m/s] positive up
   double start = 0.0;     // [s]
   double duration = 0.0;  // [s]
+  double ramp = 0.0;      // [s]
 };
 
-// Hoisted length and its rate: the speed comes and goes as a raised cosine within 1.5 s.
+// Hoisted length and its rate: the speed comes and goes as a raised cosine within the ramp.
 void hoisted(const WinchMove& move, double time, double& length, double& rate) {
   length = rate = 0.0;
-  const double ramp = std::min(1.5, 0.5 * move.duration);  // [s]
+  const double ramp = std::min(move.ramp, 0.5 * move.duration);  // [s]
   const double t = time - move.start;
   if (move.speed == 0.0 || t <= 0.0) return;
   const auto risen = [&](double s) { return 0.5 * (s - ramp / kPi * std::sin(kPi * s / ramp)); };
@@ -101,20 +102,21 @@ void hoisted(const WinchMove& move, double time, double& length, double& rate) {
 }
 
 void hang_on_true_rope(TruthMachine& machine, const WinchMove& move) {
-  machine.forces.push_back({{0.0, 0.0}, {0.01, 0.1}, [move](const Scene& scene, const double* states,
+  constexpr double kStrain = 4.9e-4;  // [-] of a few falls of steel wire under the nominal load
+  const double rope_stiffness = machine.scales.rope_stiffness / kStrain;  // [N/m]
+  machine.forces.push_back({{0.0, 0.0}, {0.01, 0.1}, [move, rope_stiffness](const Scene& scene, const double* states,
                                                             sim::ReferenceForces& forces, double* rates) {
-    constexpr double kRopeStiffness = 1e7;  // [N/m] a few falls of steel wire, 60 m long
     const double mass = scene.crane.load.mass;
-    const double damping = 0.04 * std::sqrt(kRopeStiffness * mass);  // 2 % of critical
+    const double damping = 0.04 * std::sqrt(rope_stiffness * mass);  // 2 % of critical
     double up = 0.0, up_rate = 0.0;
     hoisted(move, scene.motion.time, up, up_rate);
     const double free_length = scene.crane.load.rope_length - up;
     const double x = scene.motion.rope_end_displacement - scene.motion.tip_displacement;
     const double x_rate = scene.motion.rope_end_velocity - scene.motion.tip_velocity;
-    const double z = scene.crane.load.rope_length + mass * sim::kGravity / kRopeStiffness + states[0];
+    const double z = scene.crane.load.rope_length + mass * sim::kGravity / rope_stiffness + states[0];
     const double length = std::sqrt(x * x + z * z);
     const double length_rate = (x * x_rate + z * states[1]) / length;
-    const double tension = kRopeStiffness * (length - free_length) + damping * (length_rate + up_rate);
+    const double tension = rope_stiffness * (length - free_length) + damping * (length_rate + up_rate);
     const double difference = tension * x / length - scene.rope_stiffness * x;
     forces.load_force -= difference;
     forces.tip_force += difference;
@@ -124,7 +126,10 @@ void hang_on_true_rope(TruthMachine& machine, const WinchMove& move) {
 }
 
 std::vector<TrueSize> hoisting(TruthMachine& machine, double size, Random& random) {
-  const WinchMove move{size * random.sign(), random.between(2.0, 10.0), random.between(8.0, 16.0)};
+  const double stretch = machine.scales.stretch;
+  const double speed = size * random.sign();
+  const double start = stretch * random.between(2.0, 10.0);
+  const WinchMove move{speed, start, stretch * random.between(8.0, 16.0), 1.5 * stretch};
   hang_on_true_rope(machine, move);
   return {{"speed", move.speed}, {"start", move.start, false}, {"duration", move.duration, false}};
 }
@@ -135,12 +140,12 @@ std::vector<TrueSize> large_angles(TruthMachine& machine, double, Random&) {
 }
 
 std::vector<TrueSize> air_drag(TruthMachine& machine, double size, Random&) {
-  machine.forces.push_back({{}, {}, [size](const Scene& scene, const double*, sim::ReferenceForces& forces, double*) {
-    constexpr double kPower = 1.85;          // [-] drag coefficients fall with the Reynolds number
-    constexpr double kReferenceSpeed = 1.5;  // [m/s] at which the area is what it says
+  const double reference_speed = 0.958 * machine.scales.tip_speed;  // [m/s] at which the area is what it says
+  machine.forces.push_back({{}, {}, [=](const Scene& scene, const double*, sim::ReferenceForces& forces, double*) {
+    constexpr double kPower = 1.85;  // [-] drag coefficients fall with the Reynolds number
     const double speed = scene.motion.rope_end_velocity;
-    forces.load_force -= 0.5 * kAirDensity * size * speed * kReferenceSpeed *
-                         std::pow(std::fabs(speed) / kReferenceSpeed + 1e-9, kPower - 1.0);
+    forces.load_force -= 0.5 * kAirDensity * size * speed * reference_speed *
+                         std::pow(std::fabs(speed) / reference_speed + 1e-9, kPower - 1.0);
   }});
   return {{"drag_area", size}};
 }
@@ -163,37 +168,48 @@ std::vector<TrueSize> offlead(TruthMachine& machine, double, Random&) {
 }
 
 std::vector<TrueSize> tag_line(TruthMachine& machine, double size, Random& random) {
-  const double damping = size * random.between(2.0, 5.0);  // [Ns/m]
+  const double damping = size * machine.scales.machine.acceleration_time * random.between(1.99, 4.96);  // [Ns/m]
+  const double stiffening = 0.0667 * machine.scales.rope_length;  // [m] at which the sagging line is twice as stiff
   machine.forces.push_back({{}, {}, [=](const Scene& scene, const double*, sim::ReferenceForces& forces, double*) {
-    constexpr double kStiffening = 4.0;  // [m] at which the sagging line is twice as stiff
     const double x = scene.motion.rope_end_displacement - scene.tip_radius * scene.motion.house_angle;
     const double v = scene.motion.rope_end_velocity - scene.tip_radius * scene.motion.house_speed;
-    const double pull = size * x * (1.0 + x * x / (kStiffening * kStiffening)) + damping * v;
+    const double pull = size * x * (1.0 + x * x / (stiffening * stiffening)) + damping * v;
     forces.load_force -= pull;
     forces.house_torque += pull * scene.tip_radius;
   }});
   return {{"stiffness", size}, {"damping", damping, false}};
 }
 
+double of_buckling_force(const LawScales& s) { return s.buckling_force; }
+double of_boom_mass(const LawScales& s) { return s.machine.boom_mass; }
+double of_wind_speed(const LawScales& s) { return s.wind_speed; }
+double of_rope_per_swing(const LawScales& s) { return s.rope_length / (2.0 * kPi * s.swing_time); }
+double of_drag_area(const LawScales& s) { return s.drag_area; }
+double of_sideways_stiffness(const LawScales& s) { return s.sideways_stiffness; }
+
 }  // namespace
 
 std::vector<Law> boom_and_load_laws() {
   return {
-      {"axial_force", "compression_softening", "boom", "geometric stiffness of every element", 4e5, 8.5e6,
-       compression_softening},
-      {"damping_by_power", "boom_damping", "boom", "goes with the frequency to another power", 0.3, 2.2, boom_damping,
-       {"boom damping"}},
-      {"other_steel", "boom_stiffness", "boom", "finer mesh only", 0.02, 0.4, boom_stiffness,
-       {"boom bending stiffness", "boom torsional stiffness"}},
-      {"jib_beside_the_axis", "flyjib_torsion", "boom", "a mass of the structure", 150.0, 8e3, flyjib_torsion},
-      {"relative_wind", "wind", "boom", "wind relative to the moving boom and load", 1.5, 25.0, wind},
-      {"other_load", "load_mass", "load", "finer mesh only", 0.02, 0.6, load_mass, {"load mass"}},
-      {"other_rope", "rope_length", "load", "finer mesh only", 0.02, 0.4, rope_length, {"rope length"}},
-      {"hoisting_on_elastic_rope", "hoisting", "load", "true geometry, elastic rope, smooth speed", 0.01, 0.8, hoisting},
-      {"true_pendulum", "large_angles", "load", "true geometry, elastic rope", 1.0, 1.0, large_angles},
-      {"drag_by_power", "air_drag", "load", "power 1.85 of the speed", 10.0, 1500.0, air_drag},
-      {"radial_pendulum", "offlead", "load", "true radius and sine", 1.0, 1.0, offlead},
-      {"sagging_tag_line", "tag_line", "load", "stiffens with its deflection", 20.0, 4000.0, tag_line},
+      {"axial_force", "compression_softening", "boom", "geometric stiffness of every element", 3.49e-3, 0.0742,
+       of_buckling_force, compression_softening, {}, Needs::boom},
+      {"damping_by_power", "boom_damping", "boom", "goes with the frequency to another power", 0.3, 2.2, pure_number, boom_damping,
+       {"boom damping"}, Needs::boom},
+      {"other_steel", "boom_stiffness", "boom", "finer mesh only", 0.02, 0.4, pure_number, boom_stiffness,
+       {"boom bending stiffness", "boom torsional stiffness"}, Needs::boom},
+      {"jib_beside_the_axis", "flyjib_torsion", "boom", "a mass of the structure", 0.00185, 0.0987, of_boom_mass, flyjib_torsion, {},
+       Needs::boom},
+      {"relative_wind", "wind", "boom", "wind relative to the moving boom and load", 0.029, 0.483, of_wind_speed,
+       wind, {}, Needs::boom},
+      {"other_load", "load_mass", "load", "finer mesh only", 0.02, 0.6, pure_number, load_mass, {"load mass"}, Needs::load},
+      {"other_rope", "rope_length", "load", "finer mesh only", 0.02, 0.4, pure_number, rope_length, {"rope length"}, Needs::load},
+      {"hoisting_on_elastic_rope", "hoisting", "load", "true geometry, elastic rope, smooth speed", 0.00259, 0.207,
+       of_rope_per_swing, hoisting, {}, Needs::load},
+      {"true_pendulum", "large_angles", "load", "true geometry, elastic rope", 1.0, 1.0, pure_number, large_angles, {}, Needs::load},
+      {"drag_by_power", "air_drag", "load", "power 1.85 of the speed", 0.0144, 2.155, of_drag_area, air_drag, {}, Needs::load},
+      {"radial_pendulum", "offlead", "load", "true radius and sine", 1.0, 1.0, pure_number, offlead, {}, Needs::load},
+      {"sagging_tag_line", "tag_line", "load", "stiffens with its deflection", 2.41e-4, 0.0482, of_sideways_stiffness, tag_line, {},
+       Needs::load},
   };
 }
 

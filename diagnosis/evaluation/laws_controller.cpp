@@ -47,16 +47,19 @@ std::vector<TrueSize> speed_filter(TruthMachine& machine, double size, Random&) 
   return {{"time_constant", size}};
 }
 
+double of_top_shaft_speed(const LawScales& s) { return s.top_shaft_speed; }
+
 }  // namespace
 
 std::vector<Law> controller_laws() {
   constexpr const char* kSame = "the controller's own settings";
   return {
-      {"droop_on", "droop", "controller", kSame, 0.1, 10.0, droop},
-      {"gains", "other_gains", "controller", kSame, 0.02, 0.8, other_gains},
-      {"ramp_times", "other_ramp", "controller", kSame, 0.01, 0.5, other_ramp},
-      {"play_map", "other_play_compensation", "controller", kSame, 0.03, 0.9, other_play_compensation},
-      {"filter_on", "speed_filter", "controller", kSame, 0.002, 0.08, speed_filter},
+      {"droop_on", "droop", "controller", kSame, 7.31e-4, 0.0731, of_top_shaft_speed, droop},
+      {"gains", "other_gains", "controller", kSame, 0.02, 0.8, pure_number, other_gains},
+      {"ramp_times", "other_ramp", "controller", kSame, 0.01, 0.5, pure_number, other_ramp},
+      {"play_map", "other_play_compensation", "controller", kSame, 0.03, 0.9, pure_number, other_play_compensation, {},
+       Needs::play_compensation},
+      {"filter_on", "speed_filter", "controller", kSame, 0.00262, 0.105, of_period, speed_filter},
   };
 }
 

@@ -147,11 +147,12 @@ std::vector<TrueSize> gearbox_mesh_variation(TruthMachine& machine, double size,
 }
 
 std::vector<TrueSize> gear_friction(TruthMachine& machine, double size, Random&) {
-  machine.forces.push_back({{}, {}, [size](const Scene& scene, const double*, sim::ReferenceForces& forces, double*) {
-    constexpr double kFullSpeed = 2e-4;  // [rad/s] slew axis, 0.4 % of top speed: teeth slide fully above it
+  const double top_speed = machine.scales.machine.top_speed;
+  machine.forces.push_back({{}, {}, [=](const Scene& scene, const double*, sim::ReferenceForces& forces, double*) {
+    const double full_speed = 0.004 * top_speed;  // teeth slide fully above it
     for (int i = 0; i < scene.group_count; ++i) {
       forces.motor_torque[i] -=
-          size * std::fabs(scene.motion.gear_torque[i]) * std::tanh(scene.motion.motor_speed[i] / kFullSpeed);
+          size * std::fabs(scene.motion.gear_torque[i]) * std::tanh(scene.motion.motor_speed[i] / full_speed);
     }
   }});
   return {{"loss", size}};
@@ -160,12 +161,13 @@ std::vector<TrueSize> gear_friction(TruthMachine& machine, double size, Random&)
 std::vector<TrueSize> dragging_brake(TruthMachine& machine, double size, Random& random) {
   const double unevenness = random.uniform() < 0.5 ? 0.0 : random.between(-0.5, 0.5);
   const int groups = machine.crane.drive.group_count;
+  const double settle = 6.55e-4 * machine.scales.period;
   const std::vector<double> rest(static_cast<std::size_t>(groups), 0.0);
   const std::vector<double> scale(static_cast<std::size_t>(groups), 1.0);
   machine.forces.push_back({rest, scale, [=](const Scene& scene, const double* states, sim::ReferenceForces& forces,
                                              double* rates) {
     const double ratio = sim::total_ratio(scene.crane.drive);
-    const Bristle kPlates{.angle = 0.03 / ratio, .settle = 5e-4};  // 0.03 rad of the motor: plates in splines
+    const Bristle kPlates{.angle = 0.03 / ratio, .settle = settle};  // 0.03 rad of the motor: plates in splines
     for (int i = 0; i < scene.group_count; ++i) {
       const double level = size * (1.0 + unevenness * side(i, scene.group_count)) *
                            scene.crane.drive.motors_per_group * ratio;
@@ -177,12 +179,15 @@ std::vector<TrueSize> dragging_brake(TruthMachine& machine, double size, Random&
   return {{"torque", size}, {"unevenness", unevenness}};
 }
 
+// [Nm/rad] of one group of the equal ones.
+double of_group_stiffness(const LawScales& s) { return s.gear_stiffness * s.group_share; }
+
 std::vector<TrueSize> hydraulic_compliance(TruthMachine& machine, double size, Random& random) {
-  // Gearbox and oil, each a damped spring, in series: the complex stiffness of both at 2 Hz, where the drive swings
-  // (thesis 2.10).
-  const double damping = 5e7 * random.between(0.5, 1.5);  // [Nms/rad] of the oil
-  const double omega = 2.0 * kPi * 2.0;
+  // Gearbox and oil, each a damped spring, in series: the complex stiffness of both half as fast again as the first mode,
+  // where drive and boom swing together.
+  const double omega = 1.53 * 2.0 * kPi / machine.scales.period;
   const sim::GearContact gear = sim::gear_contact(machine.crane);
+  const double damping = 0.0196 * of_group_stiffness(machine.scales) * machine.scales.period * random.between(0.5, 1.5);  // [Nms/rad] of the oil
   const std::complex<double> gearbox(gear.stiffness, omega * gear.damping), oil(size, omega * damping);
   const std::complex<double> both = gearbox * oil / (gearbox + oil);
   for (double& share : machine.stiffness_share) share *= both.real() / gear.stiffness;
@@ -190,27 +195,32 @@ std::vector<TrueSize> hydraulic_compliance(TruthMachine& machine, double size, R
   return {{"oil_stiffness", size}, {"oil_damping", damping, false}};
 }
 
+double of_wind_up(const LawScales& s) { return s.wind_up; }
+double of_gearbox_stiffness(const LawScales& s) { return s.gearbox_stiffness; }
+
 }  // namespace
 
 std::vector<Law> drive_laws() {
   return {
-      {"lag_of_two", "torque_lag", "drive", "two equal lags in a row instead of one", 0.004, 0.07, torque_lag},
-      {"soft_limit", "torque_limit", "drive", "yields smoothly towards the limit", 230.0, 110.0, torque_limit},
-      {"sampled_dead_time", "dead_time", "drive", "the drive samples every 2 ms", 0.003, 0.04, dead_time},
-      {"ripple_of_two", "torque_ripple", "drive", "a second harmonic of 30 %", 1.0, 60.0, torque_ripple},
-      {"uneven_motors", "uneven_motor_inertia", "drive", "finer mesh only", 0.02, 0.4, uneven_motor_inertia},
-      {"uneven_gearboxes", "uneven_gearbox_stiffness", "drive", "damping stays", 0.05, 0.55, uneven_gearbox_stiffness},
-      {"worn_gears", "larger_play", "drive", "finer mesh only", 4e-5, 1.5e-3, larger_play},
-      {"uneven_gears", "uneven_play", "drive", "finer mesh only", 8e-5, 9e-4, uneven_play},
-      {"pinion_teeth", "pinion_in_series", "drive", "damping by loss factor", 3e8, 8e6, pinion_in_series},
-      {"pinion_mesh", "pinion_mesh_variation", "drive", "by the motor's angle, second harmonic of 25 %", 0.01, 0.4,
+      {"lag_of_two", "torque_lag", "drive", "two equal lags in a row instead of one", 0.00524, 0.0918, of_period, torque_lag},
+      {"soft_limit", "torque_limit", "drive", "yields smoothly towards the limit", 0.92, 0.44, of_rated_torque, torque_limit},
+      {"sampled_dead_time", "dead_time", "drive", "the drive samples every 2 ms", 0.00393, 0.0524, of_period, dead_time},
+      {"ripple_of_two", "torque_ripple", "drive", "a second harmonic of 30 %", 0.004, 0.24, of_rated_torque, torque_ripple},
+      {"uneven_motors", "uneven_motor_inertia", "drive", "finer mesh only", 0.02, 0.4, pure_number, uneven_motor_inertia, {}, Needs::two_groups},
+      {"uneven_gearboxes", "uneven_gearbox_stiffness", "drive", "damping stays", 0.05, 0.55, pure_number, uneven_gearbox_stiffness, {},
+       Needs::two_groups},
+      {"worn_gears", "larger_play", "drive", "finer mesh only", 0.0651, 2.44, of_wind_up, larger_play},
+      {"uneven_gears", "uneven_play", "drive", "finer mesh only", 0.13, 1.465, of_wind_up, uneven_play, {}, Needs::two_groups},
+      {"pinion_teeth", "pinion_in_series", "drive", "damping by loss factor", 43.5, 1.16, of_gearbox_stiffness, pinion_in_series},
+      {"pinion_mesh", "pinion_mesh_variation", "drive", "by the motor's angle, second harmonic of 25 %", 0.01, 0.4, pure_number,
        pinion_mesh_variation},
-      {"gearbox_mesh", "gearbox_mesh_variation", "drive", "stiffness itself, second harmonic of 15 %", 0.0008, 0.04,
+      {"gearbox_mesh", "gearbox_mesh_variation", "drive", "stiffness itself, second harmonic of 15 %", 0.0008, 0.04, pure_number,
        gearbox_mesh_variation},
-      {"tooth_friction", "gear_friction", "drive", "smooth through zero speed, does not hold", 0.004, 0.15,
+      {"tooth_friction", "gear_friction", "drive", "smooth through zero speed, does not hold", 0.004, 0.15, pure_number,
        gear_friction},
-      {"brake_bristles", "dragging_brake", "drive", "bristles instead of dry friction", 1.0, 60.0, dragging_brake},
-      {"oil_column", "hydraulic_compliance", "drive", "complex stiffness at 2 Hz", 1e11, 1.5e9, hydraulic_compliance},
+      {"brake_bristles", "dragging_brake", "drive", "bristles instead of dry friction", 0.004, 0.24, of_rated_torque, dragging_brake},
+      {"oil_column", "hydraulic_compliance", "drive", "complex stiffness at one frequency", 30.0, 0.449, of_group_stiffness,
+       hydraulic_compliance},
   };
 }
 

@@ -12,14 +12,14 @@ namespace {
 
 constexpr double kPi = std::numbers::pi;
 
-// Gears that stiffen under load: k (1 + b (depth / 3e-4 rad)^2), 3e-4 rad being the thesis's gears at 1 MNm.
+// Gears that stiffen under load: k (1 + b (depth / d)^2), d being what half of the rated torque winds them up by.
 std::vector<TrueSize> stiffening_gears(TruthMachine& machine, double size, Random&) {
-  machine.gears.emplace_back([size](const Scene& scene, sim::ReferenceGears& gears) {
-    constexpr double kDepth = 3e-4;  // [rad]
+  const double unit_depth = 0.488 * machine.scales.wind_up;  // [rad]
+  machine.gears.emplace_back([=](const Scene& scene, sim::ReferenceGears& gears) {
     const double play = sim::half_play(scene.crane.drive);
     for (int i = 0; i < scene.group_count; ++i) {
       const double depth =
-          std::max(0.0, std::fabs(scene.motion.motor_angle[i] - scene.motion.house_angle) - play) / kDepth;
+          std::max(0.0, std::fabs(scene.motion.motor_angle[i] - scene.motion.house_angle) - play) / unit_depth;
       gears.stiffness_share[i] *= 1.0 + size * depth * depth;
     }
   });
@@ -38,22 +38,25 @@ std::vector<TrueSize> slew_cogging(TruthMachine& machine, double size, Random& r
 
 // A dented raceway: friction that rises at one place.
 std::vector<TrueSize> tight_spot(TruthMachine& machine, double size, Random& random) {
-  const double place = random.between(0.08, 0.22) * random.sign();  // [rad]
-  const double width = random.between(0.03, 0.07);                  // [rad]
+  const double top_speed = machine.scales.machine.top_speed;
+  const double slewed = top_speed * machine.scales.ramp_time;  // [rad] twice what a ramp takes
+  const double place = slewed * random.between(0.364, 1.0) * random.sign();  // [rad]
+  const double width = slewed * random.between(0.136, 0.318);                // [rad]
   machine.forces.push_back({{}, {}, [=](const Scene& scene, const double*, sim::ReferenceForces& forces, double*) {
-    constexpr double kSlidingSpeed = 3e-4;  // [rad/s]
+    const double sliding_speed = 0.006 * top_speed;  // [rad/s]
     const double far = (scene.motion.house_angle - place) / width;
-    forces.house_torque -= size * std::exp(-far * far) * std::tanh(scene.motion.house_speed / kSlidingSpeed);
+    forces.house_torque -= size * std::exp(-far * far) * std::tanh(scene.motion.house_speed / sliding_speed);
   }});
   return {{"torque", size, false}};
 }
 
-// The rope's upper end creeps sideways in its sheave under the side force F: s' = size (F / 10 kN)^3 [m/s].
+// The rope's upper end creeps sideways in its sheave under the side force F: s' = size (F / (3.4 % of the weight))^3 [m/s].
 std::vector<TrueSize> creeping_rope(TruthMachine& machine, double size, Random&) {
-  machine.forces.push_back({{0.0}, {0.01}, [size](const Scene& scene, const double* states,
+  const double unit_force = 0.034 * machine.scales.load_weight;  // [N]
+  machine.forces.push_back({{0.0}, {0.01}, [=](const Scene& scene, const double* states,
                                                   sim::ReferenceForces& forces, double* rates) {
     const double x = scene.motion.rope_end_displacement - scene.motion.tip_displacement;
-    const double share = scene.rope_stiffness * (x - states[0]) / 1e4;
+    const double share = scene.rope_stiffness * (x - states[0]) / unit_force;
     rates[0] = size * share * share * share;
     forces.load_force += scene.rope_stiffness * states[0];
     forces.tip_force -= scene.rope_stiffness * states[0];
@@ -63,7 +66,7 @@ std::vector<TrueSize> creeping_rope(TruthMachine& machine, double size, Random&)
 
 // Warming magnets: the motors deliver less and less of what they are told.
 std::vector<TrueSize> warming_motors(TruthMachine& machine, double size, Random& random) {
-  const double time_constant = random.between(6.0, 20.0);  // [s]
+  const double time_constant = machine.scales.stretch * random.between(6.0, 20.0);  // [s]
   machine.torque.emplace_back([=](double time, const GroupArray&, const GroupArray&, GroupArray& torque) {
     for (double& t : torque) t *= 1.0 - size * (1.0 - std::exp(-time / time_constant));
   });
@@ -94,17 +97,20 @@ std::vector<TrueSize> stiffening_guy(TruthMachine& machine, double size, Random&
   return {{"cubic_stiffness", size, false}};
 }
 
+double of_tip_speed(const LawScales& s) { return s.tip_speed; }
+double of_guy(const LawScales& s) { return s.guy; }
+
 }  // namespace
 
 std::vector<Law> laws_in_no_catalogue() {
   return {
-      {"stiffening_gears", "", "drive", "", 0.02, 3.0, stiffening_gears},
-      {"slew_cogging", "", "house", "", 3e3, 3e5, slew_cogging},
-      {"tight_spot", "", "house", "", 1e4, 6e5, tight_spot},
-      {"creeping_rope", "", "load", "", 0.005, 0.5, creeping_rope},
-      {"warming_motors", "", "drive", "", 0.005, 0.3, warming_motors},
-      {"flat_roller", "", "house", "", 2e4, 8e5, flat_roller},
-      {"stiffening_guy", "", "boom", "", 3e6, 3e9, stiffening_guy},
+      {"stiffening_gears", "", "drive", "", 0.02, 3.0, pure_number, stiffening_gears},
+      {"slew_cogging", "", "house", "", 7.31e-4, 0.0731, of_axis_torque, slew_cogging},
+      {"tight_spot", "", "house", "", 0.00244, 0.146, of_axis_torque, tight_spot},
+      {"creeping_rope", "", "load", "", 0.00319, 0.319, of_tip_speed, creeping_rope, {}, Needs::load},
+      {"warming_motors", "", "drive", "", 0.005, 0.3, pure_number, warming_motors},
+      {"flat_roller", "", "house", "", 0.00487, 0.195, of_axis_torque, flat_roller},
+      {"stiffening_guy", "", "boom", "", 0.124, 124.0, of_guy, stiffening_guy, {}, Needs::boom},
   };
 }
 

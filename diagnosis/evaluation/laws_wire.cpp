@@ -11,13 +11,12 @@ namespace slewlab::diagnosis::withheld {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
-constexpr double kAirDensity = 1.225;  // [kg/m^3] sea level, 15 degrees C, standard atmosphere
 
 std::vector<TrueSize> vessel_roll(TruthMachine& machine, double size, Random& random) {
-  const double period = random.between(6.0, 15.0);  // [s] thesis 1.1
+  const double period = machine.scales.wave_time * random.between(3.36, 8.39);  // [s] thesis 1.1: 6 to 15 s, for a reach of 31 m
   const double phase = random.between(-kPi, kPi), second_phase = random.between(-kPi, kPi);
   const double direction = random.between(-kPi, kPi);
-  const double height = random.between(10.0, 30.0);  // [m]
+  const double height = machine.scales.machine.reach * random.between(0.319, 0.958);  // [m]
   // Two neighbouring periods, as in a swell; the second one with a quarter of the amplitude.
   const auto lateral = [=](double time, double z, double slew_angle) {
     double sum = 0.0;
@@ -48,14 +47,16 @@ std::vector<TrueSize> vessel_roll(TruthMachine& machine, double size, Random& ra
 // Kaimal's spectrum, S(n) ~ 1 / (1 + 1.5 n T)^(5/3), as a sum of sines at uneven frequencies.
 std::vector<TrueSize> gusts(TruthMachine& machine, double size, Random& random) {
   constexpr int kSines = 60;
-  const double mean = random.between(6.0, 18.0);            // [m/s]
+  const double mean = machine.scales.wind_speed * random.between(0.116, 0.348);  // [m/s]
   const double direction = random.between(-kPi, kPi);
-  const double time_scale = random.log_between(3.0, 20.0);  // [s]
+  const double stretch = machine.scales.stretch;
+  const double time_scale = stretch * random.log_between(3.0, 20.0);  // [s]
+  const double boom_area = machine.scales.boom_area, load_area = machine.scales.load_area;  // [m^2]
   std::vector<std::array<double, 3>> sines;
   double square = 0.0;
   for (int k = 0; k < kSines; ++k) {
     const double width = std::pow(2.0 / 0.005, 1.0 / kSines);
-    const double low = 0.005 * std::pow(width, k);  // [Hz]
+    const double low = 0.005 / stretch * std::pow(width, k);  // [Hz]
     const double frequency = random.log_between(low, low * width);
     const double power = low * (width - 1.0) / std::pow(1.0 + 1.5 * frequency * time_scale, 5.0 / 3.0);
     square += power;
@@ -68,15 +69,15 @@ std::vector<TrueSize> gusts(TruthMachine& machine, double size, Random& random) 
     const double wind = mean + gust;
     const double pressure = 0.5 * kAirDensity * (wind * std::fabs(wind) - mean * mean) *
                             std::sin(direction - scene.motion.house_angle);
-    forces.uniform_force += 80.0 / scene.crane.boom.length * pressure;  // [m^2] as in the catalogue
-    forces.load_force += 20.0 * pressure;
+    forces.uniform_force += boom_area / scene.crane.boom.length * pressure;
+    forces.load_force += load_area * pressure;
   }});
   return {{"deviation", size},
           {"mean_speed", mean, false},
           {"direction", direction, false},
           {"correlation_time", time_scale, false},
-          {"boom_drag_area", 80.0, false},
-          {"load_drag_area", 20.0, false}};
+          {"boom_drag_area", boom_area, false},
+          {"load_drag_area", load_area, false}};
 }
 
 std::vector<TrueSize> encoder_quantisation(TruthMachine& machine, double size, Random& random) {
@@ -155,13 +156,13 @@ std::vector<TrueSize> encoder_delay(TruthMachine& machine, double size, Random&)
 std::vector<TrueSize> clock_drift(TruthMachine& machine, double size, Random& random) {
   const double phase = random.between(-kPi, kPi);
   struct Drift {
-    double drift, phase;
+    double drift, phase, stretch;
     Past<SensorValues> past{1100};
     void operator()(double time, const SensorValues&, SensorValues& seen) {
       past.push(seen);
-      constexpr double kWarmth = 40.0;  // [s] the crystal's temperature goes up and down
-      const double lag = std::min(1.0, drift * (time + 1.0 + 0.1 * kWarmth / (2.0 * kPi) *
-                                                                (std::sin(2.0 * kPi * time / kWarmth + phase) - 1.0)));
+      const double warmth = 40.0 * stretch;  // [s] the crystal's temperature goes up and down
+      const double lag = std::min(1.0, drift * (time + stretch + 0.1 * warmth / (2.0 * kPi) *
+                                                                (std::sin(2.0 * kPi * time / warmth + phase) - 1.0)));
       const double steps = std::max(0.0, lag) / kBaseStep;
       const auto whole = static_cast<std::size_t>(steps);
       const double share = steps - std::floor(steps);
@@ -173,7 +174,7 @@ std::vector<TrueSize> clock_drift(TruthMachine& machine, double size, Random& ra
       seen.slew_angle = newer.slew_angle + share * (older.slew_angle - newer.slew_angle);
     }
   };
-  machine.sensors.emplace_back(Drift{.drift = size, .phase = phase});
+  machine.sensors.emplace_back(Drift{.drift = size, .phase = phase, .stretch = machine.scales.stretch});
   return {{"drift", size}};
 }
 
@@ -247,23 +248,26 @@ std::vector<TrueSize> command_loss(TruthMachine& machine, double size, Random& r
   return {{"probability", size, false}};
 }
 
+double of_wind_speed(const LawScales& s) { return s.wind_speed; }
+
 }  // namespace
 
 std::vector<Law> wire_laws() {
   return {
-      {"swell", "vessel_roll", "environment", "two neighbouring periods, sine of the roll", 2e-4, 0.03, vessel_roll},
-      {"kaimal_gusts", "gusts", "environment", "Kaimal's spectrum", 0.2, 6.0, gusts},
-      {"coarse_counts", "encoder_quantisation", "sensor", "edges at an unknown phase", 0.002, 0.05,
+      {"swell", "vessel_roll", "environment", "two neighbouring periods, sine of the roll", 2e-4, 0.03, pure_number,
+       vessel_roll, {}, Needs::boom},
+      {"kaimal_gusts", "gusts", "environment", "Kaimal's spectrum", 0.00387, 0.116, of_wind_speed, gusts, {}, Needs::boom},
+      {"coarse_counts", "encoder_quantisation", "sensor", "edges at an unknown phase", 0.002, 0.05, pure_number,
        encoder_quantisation},
       {"eccentric_encoder", "encoder_ripple", "sensor", "a second harmonic of 20 %, each group its own phase", 5e-4,
-       0.05, encoder_ripple},
+       0.05, pure_number, encoder_ripple},
       {"wrong_scale", "encoder_scale", "sensor", "on the counts; the drive makes the speed of them", 0.001, 0.1,
-       encoder_scale},
-      {"late_encoder", "encoder_delay", "sensor", "partly a moving mean", 0.002, 0.04, encoder_delay},
-      {"warm_clock", "clock_drift", "sensor", "the drift itself wanders by 10 %", 3e-5, 6e-3, clock_drift},
-      {"beating_bus", "command_delay", "wire", "wanders by 10 %", 0.003, 0.04, command_delay},
-      {"two_hops", "command_jitter", "wire", "two hops instead of one", 0.006, 0.06, command_jitter},
-      {"bursts_of_loss", "command_loss", "wire", "lost in bursts of 25", 0.03, 0.8, command_loss},
+       pure_number, encoder_scale},
+      {"late_encoder", "encoder_delay", "sensor", "partly a moving mean", 0.00262, 0.0524, of_period, encoder_delay},
+      {"warm_clock", "clock_drift", "sensor", "the drift itself wanders by 10 %", 3e-5, 6e-3, pure_number, clock_drift},
+      {"beating_bus", "command_delay", "wire", "wanders by 10 %", 0.00393, 0.0524, of_period, command_delay},
+      {"two_hops", "command_jitter", "wire", "two hops instead of one", 0.00787, 0.0787, of_period, command_jitter},
+      {"bursts_of_loss", "command_loss", "wire", "lost in bursts of 25", 0.03, 0.8, pure_number, command_loss},
   };
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <stdexcept>
@@ -15,7 +16,8 @@
 #include "msgs/configuration_hash.h"
 #include "msgs/run_identity.h"
 #include "msgs/log_writer.h"
-#include "sim/machine/crane_file.h"
+#include "sim/machine/description.h"
+#include "sim/machine/machine_file.h"
 
 namespace slewlab::diagnosis::withheld {
 
@@ -31,9 +33,7 @@ std::string case_name(int number) {
 namespace {
 
 constexpr std::array<const char*, 3> kLogNames{"a.lcmlog", "b.lcmlog", "unseen.lcmlog"};
-constexpr std::size_t kDiagnosedLogs = 2;  // of them, the first ones
 constexpr double kImpactTime = 2.0;  // [s] that visibility leaves out from a contact change on
-constexpr std::int64_t kStepNs = 1'000'000;  // kBaseStep [ns]
 
 std::vector<double> column(const TruthRun& run, double SensorValues::*value) {
   std::vector<double> values;
@@ -41,7 +41,18 @@ std::vector<double> column(const TruthRun& run, double SensorValues::*value) {
   return values;
 }
 
+constexpr std::array<const char*, 3> kSensorNames{"all", "tip", "none"};
+
 }  // namespace
+
+const char* name_of(Sensors sensors) { return kSensorNames[static_cast<std::size_t>(sensors)]; }
+
+Sensors sensors_named(const std::string& name) {
+  for (std::size_t k = 0; k < kSensorNames.size(); ++k) {
+    if (name == kSensorNames[k]) return static_cast<Sensors>(k);
+  }
+  throw std::invalid_argument("sensors are \"all\", \"tip\" or \"none\", not \"" + name + "\"");
+}
 
 Visibility visibility(const TruthRun& with, const TruthRun& without, const TruthMachine& machine) {
   Visibility best;
@@ -67,7 +78,7 @@ Visibility visibility(const TruthRun& with, const TruthRun& without, const Truth
   const auto consider = [&](const std::string& signal, double difference, double floor) {
     if (difference / floor > best.largest) best = {difference / floor, signal};
   };
-  const double floor = counting_noise(machine.counting);
+  const double floor = counting_noise(machine.counting, machine.scales.top_shaft_speed);
   for (int i = 0; i < with.group_count; ++i) {
     const std::string group = " " + std::to_string(i + 1);
     consider("shaft speed" + group, rms(with.shaft_speed[i], without.shaft_speed[i], cycle), floor);
@@ -85,7 +96,9 @@ Visibility visibility(const TruthRun& with, const TruthRun& without, const Truth
   return best;
 }
 
-void write_log(const TruthRun& run, std::int64_t hash, const fs::path& file) {
+void write_log(const TruthRun& run, const LogSettings& settings, const fs::path& file) {
+  constexpr double kAbsent = std::numeric_limits<double>::quiet_NaN();
+  const std::int64_t hash = settings.configuration_hash;
   msgs::LogWriter writer(file);
   std::vector<std::uint8_t> bytes;
   const auto append = [&](const char* channel, const auto& message) {
@@ -98,23 +111,31 @@ void write_log(const TruthRun& run, std::int64_t hash, const fs::path& file) {
   msgs::Sensors sensors{};
   wish.configuration_hash = encoder.configuration_hash = torque.configuration_hash = sensors.configuration_hash = hash;
   wish.run_identity = encoder.run_identity = torque.run_identity = sensors.run_identity = msgs::run_identity(hash);
-  append(msgs::kOperatorChannel, wish);  // the lever stands in the middle
+  // The lever where it stands when the recorder is switched on.
+  const std::vector<Request>& requests = run.manoeuvre.requests;
   std::size_t next = 0;
+  const std::int64_t whole_cycles = std::llround(settings.from / kBaseStep) / run.cycle_steps;
+  const std::int64_t first = whole_cycles * run.cycle_steps;
+  for (; next < requests.size() && requests[next].time < static_cast<double>(first) * kBaseStep; ++next) {
+    ++wish.sequence;
+    wish.speed_request = requests[next].speed_request;
+  }
+  wish.simulated_time = first * kBaseStepNs;
+  append(msgs::kOperatorChannel, wish);
   const auto steps = static_cast<std::int64_t>(run.sensors.size());
-  for (std::int64_t n = 0; n < steps; ++n) {
+  for (std::int64_t n = first; n < steps; ++n) {
     if (n % run.cycle_steps == 0) {
       const std::int64_t cycle = n / run.cycle_steps;
       const auto k = static_cast<std::size_t>(cycle);
       const double now = static_cast<double>(n) * kBaseStep;
-      const std::vector<Request>& requests = run.manoeuvre.requests;
       for (; next < requests.size() && requests[next].time <= now + 1e-6 * kBaseStep; ++next) {
         ++wish.sequence;
-        wish.simulated_time = n * kStepNs;
+        wish.simulated_time = n * kBaseStepNs;
         wish.speed_request = requests[next].speed_request;
         append(msgs::kOperatorChannel, wish);
       }
       encoder.sequence = torque.sequence = torque.answered_sequence = cycle;
-      encoder.simulated_time = torque.simulated_time = n * kStepNs;
+      encoder.simulated_time = torque.simulated_time = n * kBaseStepNs;
       encoder.operator_sequence = wish.sequence;
       encoder.group_count = torque.group_count = run.group_count;
       encoder.shaft_speed.clear();
@@ -131,14 +152,16 @@ void write_log(const TruthRun& run, std::int64_t hash, const fs::path& file) {
       append(msgs::kEncoderChannel, encoder);
       append(msgs::kTorqueChannel, torque);
     }
+    if (settings.sensors == Sensors::kNone || n % settings.sensor_steps != 0) continue;
     const SensorValues& values = run.sensors[static_cast<std::size_t>(n)];
-    sensors.sequence = n;
-    sensors.simulated_time = n * kStepNs;
-    sensors.house_acceleration = values.house;
-    sensors.pivot_acceleration = values.pivot;
-    sensors.middle_acceleration = values.middle;
+    const bool all = settings.sensors == Sensors::kAll;
+    sensors.sequence = n / settings.sensor_steps;
+    sensors.simulated_time = n * kBaseStepNs;
+    sensors.house_acceleration = all ? values.house : kAbsent;
+    sensors.pivot_acceleration = all ? values.pivot : kAbsent;
+    sensors.middle_acceleration = all ? values.middle : kAbsent;
     sensors.tip_acceleration = values.tip;
-    sensors.slew_angle = values.slew_angle;
+    sensors.slew_angle = all ? values.slew_angle : kAbsent;
     append(msgs::kSensorsChannel, sensors);
   }
   writer.finish();
@@ -146,19 +169,24 @@ void write_log(const TruthRun& run, std::int64_t hash, const fs::path& file) {
 
 namespace {
 
+// Base steps of a period [s]; 0 where they are not whole.
+std::int64_t whole_steps(double period) {
+  const double steps = period / kBaseStep;
+  return std::fabs(steps - std::round(steps)) < 1e-6 ? std::llround(steps) : 0;
+}
+
 struct Nominal {
-  sim::CraneParameters crane;
-  controller::ControllerSettings controller;
+  NominalMachine machine;
+  sim::DriveProtectionSettings drive_protection;
   std::int64_t hash = 0;
 };
 
 Nominal load_nominal(const MakeSettings& settings) {
-  const sim::CraneFile crane = sim::load_crane_file(settings.crane);
-  const controller::ControllerFile controller = controller::load_controller_file(settings.controller);
-  Nominal nominal{crane.parameters, controller.settings,
-                  msgs::configuration_hash(crane.canonical_text + controller.canonical_text)};
-  nominal.controller.period = settings.controller_period;
-  return nominal;
+  const sim::MachineFile crane = sim::load_machine_file(settings.crane);
+  controller::ControllerFile controller = controller::load_controller_file(settings.controller);
+  controller.settings.period = settings.controller_period;
+  return {nominal_machine(sim::describe(crane), controller.settings), crane.drive_protection,
+          msgs::configuration_hash(crane.canonical_text + controller.canonical_text)};
 }
 
 json about_text(const MakeSettings& settings, const Nominal& nominal) {
@@ -168,6 +196,9 @@ json about_text(const MakeSettings& settings, const Nominal& nominal) {
           {"crane", "crane.yaml"},
           {"controller", "controller.yaml"},
           {"controller_period_s", settings.controller_period},
+          {"record_period_s", settings.record_period},
+          {"sensors", name_of(settings.sensors)},
+          {"begin", name_of(settings.begin)},
           {"accelerometer_noise_m_s2", NoiseSettings{}.accelerometer},
           {"configuration_hash", msgs::hash_text(nominal.hash)},
           {"given_to_the_diagnosis", {"crane.yaml", "controller.yaml", "case_*/a.lcmlog", "case_*/b.lcmlog", "case_*/given.json"}}};
@@ -179,12 +210,20 @@ bool is_complete(const MakeSettings& settings, int number) {
          fs::exists(settings.directory / "sealed" / (case_name(number) + ".json"));
 }
 
+// The drawn machine with the laws that are `on`, behind the nominal machine's drive.
+TruthMachine machine_of(const DrawnCase& drawn, const Nominal& nominal, const std::vector<bool>& on,
+                        std::vector<std::vector<TrueSize>>* sizes = nullptr) {
+  TruthMachine machine = build(drawn, nominal.machine, on, sizes);
+  machine.drive_protection = nominal.drive_protection;
+  return machine;
+}
+
 json make_case(const MakeSettings& settings, const Nominal& nominal, const DrawnCase& drawn) {
   const fs::path folder = settings.directory / case_name(drawn.number);
   fs::create_directories(folder);
   std::vector<std::vector<TrueSize>> sizes;
   const std::size_t laws = drawn.laws.size();
-  const TruthMachine machine = build(drawn, nominal.crane, nominal.controller, std::vector<bool>(laws, true), &sizes);
+  const TruthMachine machine = machine_of(drawn, nominal, std::vector<bool>(laws, true), &sizes);
   const RunOptions options{.noise_seed = 0,
                            .reference = {.method = sim::ReferenceMethod::kDirk, .tolerance = 1e-5, .order = 3}};
   // What the machine is compared with in the manoeuvres to diagnose: itself without any law, and without each of several.
@@ -202,10 +241,10 @@ json make_case(const MakeSettings& settings, const Nominal& nominal, const Drawn
     RunOptions here = options;
     here.noise_seed = drawn.noise_seeds[m];
     const TruthRun run = run_truth(machine, drawn.manoeuvres[m], here);
-    write_log(run, nominal.hash, folder / kLogNames[m]);
-    if (m >= kDiagnosedLogs) continue;
+    write_log(run, {nominal.hash, whole_steps(settings.record_period), settings.sensors, drawn.record_from[m]}, folder / kLogNames[m]);
+    if (m >= kDiagnosedManoeuvres) continue;
     for (Comparison& other : comparisons) {
-      const TruthMachine without = build(drawn, nominal.crane, nominal.controller, other.on);
+      const TruthMachine without = machine_of(drawn, nominal, other.on);
       const Visibility one = visibility(run, run_truth(without, drawn.manoeuvres[m], here), without);
       if (one.largest > other.seen.largest) other.seen = one;
     }
@@ -223,7 +262,9 @@ json make_case(const MakeSettings& settings, const Nominal& nominal, const Drawn
                        {"visibility", comparisons[laws == 1 ? 0 : k + 1].seen.largest}, {"sizes", values}});
   }
   json spread = json::object();
-  for (std::size_t k = 0; k < drawn.spread.size(); ++k) spread[spread_parameters()[k].name] = drawn.spread[k];
+  for (std::size_t k = 0; k < drawn.spread.size(); ++k) {
+    spread[std::string(nominal.machine.description.parameters[k].name)] = drawn.spread[k];
+  }
   return {{"case", case_name(drawn.number)},   {"kind", name_of(drawn.kind)},  {"effects", effects},
           {"visibility", seen.largest},        {"most_visible", seen.signal},  {"spread", spread}};
 }
@@ -243,6 +284,9 @@ void seal(const MakeSettings& settings) {
 
 bool make_cases(const MakeSettings& settings, const MakeProgress& progress, const std::function<bool()>& is_stopped) {
   check_seed(settings.seed, settings.purpose);
+  if (whole_steps(settings.record_period) < 1 || whole_steps(settings.controller_period) < 1) {
+    throw std::invalid_argument("a set's record and controller take a whole number of milliseconds per sample");
+  }
   if (settings.cases < 1) throw std::invalid_argument("a set needs at least one case");
   const Nominal nominal = load_nominal(settings);
   fs::create_directories(settings.directory / "sealed");
@@ -256,7 +300,7 @@ bool make_cases(const MakeSettings& settings, const MakeProgress& progress, cons
   write_whole(settings.directory / "controller.yaml", read_whole(settings.controller));
   write_whole(about_file, about);
 
-  const std::vector<DrawnCase> cases = draw_cases(settings.cases, settings.seed);
+  const std::vector<DrawnCase> cases = draw_cases(settings.cases, settings.seed, nominal.machine, settings.begin);
   std::mutex telling;
   int done = 0;
   const auto tell = [&](const std::string& line) {

@@ -24,6 +24,12 @@
 
 namespace slewlab::diagnosis::withheld {
 
+// What the record has beside motor encoders and torques: accelerometers at house, pivot, middle and tip and an encoder on
+// the slew ring; the tip's accelerometer alone; nothing. What is not there is NaN in SENSORS, as `slewlab import` writes it.
+enum class Sensors { kAll, kTip, kNone };
+const char* name_of(Sensors sensors);
+Sensors sensors_named(const std::string& name);  // throws std::invalid_argument
+
 struct MakeSettings {
   int cases = 0;
   std::uint64_t seed = 0;
@@ -31,6 +37,9 @@ struct MakeSettings {
   std::filesystem::path directory;
   std::filesystem::path crane, controller;  // nominal, YAML
   double controller_period = 1e-3;          // [s]
+  double record_period = 1e-3;              // [s] of SENSORS; ENCODER and TORQUE come with the controller
+  Sensors sensors = Sensors::kAll;
+  Begin begin = Begin::kAtRest;
   int threads = 2;
 };
 
@@ -40,8 +49,15 @@ struct Visibility {
 };
 Visibility visibility(const TruthRun& with, const TruthRun& without, const TruthMachine& machine);
 
-// The log as a run's: messages in the order of the wire.
-void write_log(const TruthRun& run, std::int64_t configuration_hash, const std::filesystem::path& file);
+// The log as a run's: messages in the order of the wire, from `from` [s] on, as a recorder writes it that is switched on
+// then: it begins with the operator's request of that moment; times and numbers are those of the run.
+struct LogSettings {
+  std::int64_t configuration_hash = 0;
+  std::int64_t sensor_steps = 1;  // base steps from SENSORS to SENSORS
+  Sensors sensors = Sensors::kAll;
+  double from = 0.0;              // [s]
+};
+void write_log(const TruthRun& run, const LogSettings& settings, const std::filesystem::path& file);
 
 std::string case_name(int number);  // case_0001
 
@@ -49,7 +65,8 @@ std::string case_name(int number);  // case_0001
 using MakeProgress = std::function<void(int done, int all, const std::string& line)>;
 
 // Skips cases that are complete. False where `is_stopped` said so first: call again to go on. Throws
-// std::invalid_argument where the seed does not serve the purpose or DIR holds another set, std::runtime_error,
+// std::invalid_argument where the seed does not serve the purpose, a period is no whole number of base steps or DIR holds
+// another set, std::runtime_error,
 // common::InputError.
 bool make_cases(const MakeSettings& settings, const MakeProgress& progress = {},
                 const std::function<bool()>& is_stopped = {});

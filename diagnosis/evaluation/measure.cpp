@@ -36,15 +36,14 @@ void CountingEncoder::update(double true_position) {
   speed_ = (counted_ - oldest) / (static_cast<double>(past_.size()) * kBaseStep);
 }
 
-double counting_noise(const EncoderCounting& counting) {
-  constexpr double kTopSpeed = 140.0;  // [rad/s]
+double counting_noise(const EncoderCounting& counting, double top_speed) {
   constexpr int kSteps = 5000;
   EncoderCounting ideal = counting;
   ideal.resolution = 0.0;
   CountingEncoder counted(counting, 0.5), smooth(ideal, 0.5);
   double position = 0.0, square = 0.0;
   for (int n = 0; n < kSteps; ++n) {
-    position += 0.5 * kTopSpeed * (1.0 - std::cos(kTwoPi * n / kSteps)) * kBaseStep;
+    position += 0.5 * top_speed * (1.0 - std::cos(kTwoPi * n / kSteps)) * kBaseStep;
     counted.update(position);
     smooth.update(position);
     square += (counted.speed() - smooth.speed()) * (counted.speed() - smooth.speed());

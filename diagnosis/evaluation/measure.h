@@ -28,8 +28,8 @@ class CountingEncoder {
 };
 
 // [rad/s] RMS of what counting alone does to the speed: the loop with counts against the loop without, over speeds
-// from standstill to 140 rad/s, the thesis's top speed of the motors.
-double counting_noise(const EncoderCounting& counting);
+// from standstill to the motors' top speed [rad/s].
+double counting_noise(const EncoderCounting& counting, double top_speed);
 
 // White noise plus 1/f noise from first-order filters, one per octave, 0.01 ... 80 Hz.
 class ColouredNoise {

@@ -144,15 +144,23 @@ std::vector<CalibrationBin> calibration_bins(const std::vector<Stated>& stated) 
   return bins;
 }
 
-// Mean distance of what was stated from what was right, weighted by cases.
+// Mean distance of what was stated from what was right, weighted by cases. Its interval is that of a weighted mean whose
+// bins err as shares do, Laplace's (k + 1) / (n + 2) standing for the share, so that a bin of one case is not certain.
 Score calibration_score(const std::string& name, const std::vector<CalibrationBin>& bins) {
   Score score{name, 0.0, 0.0, 1.0, 0, 0.0, 0.05};
-  double error = 0.0;
+  double error = 0.0, variance = 0.0;
   for (const CalibrationBin& bin : bins) {
-    error += std::fabs(bin.stated - bin.right) * bin.cases;
+    const double n = bin.cases;
+    const double share = (bin.right * n + 1.0) / (n + 2.0);
+    error += std::fabs(bin.stated - bin.right) * n;
+    variance += n * share * (1.0 - share);
     score.cases += bin.cases;
   }
-  if (score.cases > 0) score.value = score.low = score.high = error / score.cases;
+  if (score.cases == 0) return score;
+  const double half = kQuantile * std::sqrt(variance) / score.cases;
+  score.value = error / score.cases;
+  score.low = std::max(0.0, score.value - half);
+  score.high = std::min(1.0, score.value + half);
   return score;
 }
 
@@ -167,7 +175,10 @@ ScoreTable tabulate(const std::vector<Judged>& cases) {
   std::vector<Stated> stated, stated_acting;
   std::vector<double> acting;
 
-  for (const auto& [answer, result, informed] : cases) {
+  for (const Judged& judged : cases) {
+    const CaseAnswer& answer = judged.answer;
+    const CaseResult& result = judged.result;
+    const std::optional<double>& informed = judged.unseen_informed;
     const std::vector<Given> given = ranked(result);
     const Given& top = given.front();
     const std::map<std::string, double> probability_of = acting_probabilities(given);

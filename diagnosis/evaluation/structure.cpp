@@ -132,7 +132,7 @@ Structure make_structure(const sim::CraneParameters& crane, const StructureChang
       }
     }
     const double frequency = std::sqrt(square);
-    const double power = k == 0 ? 1.0 : std::pow(frequency / kDampingPivot, change.damping_power);
+    const double power = k == 0 ? 1.0 : std::pow(frequency / change.damping_pivot, change.damping_power);
     const double steel_square = k == 0 ? 0.0 : shape.dot(steel * shape);
     double damping = a1 * change.damping_factor * power * steel_square;
     if (has_pedestal) damping += pedestal_damping * shape(pedestal) * shape(pedestal);

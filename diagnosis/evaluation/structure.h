@@ -29,9 +29,8 @@ struct StructureChange {
   double axial_force = 0.0;             // [N] compression
   double damping_factor = 1.0;          // [-] on the steel's damping at `damping_pivot`
   double damping_power = 0.0;           // [-] damping goes with (omega / damping_pivot)^power besides
+  double damping_pivot = 1.0;           // [rad/s]
 };
-
-inline constexpr double kDampingPivot = 15.0;  // [rad/s] between the two lowest modes of the thesis's crane
 
 struct Structure {
   sim::FreeHouseModes modes;  // house: the ring that the pinions push; tip: where the rope leaves

@@ -1,10 +1,13 @@
 #include "diagnosis/evaluation/truth_machine.h"
 
+#include <array>
 #include <cmath>
+#include <functional>
 #include <stdexcept>
 
 #include "diagnosis/evaluation/measure.h"
 #include "diagnosis/evaluation/random.h"
+#include "diagnosis/loop/loop.h"
 #include "sim/model/boom.h"
 #include "sim/model/drive_line.h"
 
@@ -13,6 +16,7 @@ namespace slewlab::diagnosis::withheld {
 TruthMachine make_truth_machine(const sim::CraneParameters& crane, const controller::ControllerSettings& controller) {
   TruthMachine machine;
   machine.crane = crane;
+  machine.scales = law_scales(crane, controller);
   machine.crane.boom.element_count = kTruthElementCount;
   machine.controller = controller;
   machine.inertia_share.fill(1.0);
@@ -61,105 +65,181 @@ double times(const std::vector<double>& shape, const double* values) {
   return sum;
 }
 
-}  // namespace
-
-TruthRun run_truth(TruthMachine machine, const Manoeuvre& manoeuvre, const RunOptions& options) {
-  const int groups = machine.crane.drive.group_count;
-  if (machine.controller.group_count != groups) {
-    throw std::invalid_argument("crane and controller differ in their number of motor groups");
-  }
-  const auto cycle_steps = static_cast<std::int64_t>(std::llround(machine.controller.period / kBaseStep));
-  if (cycle_steps < 1 || std::fabs(static_cast<double>(cycle_steps) * kBaseStep - machine.controller.period) > 1e-12) {
-    throw std::invalid_argument("the controller's period must be a whole number of milliseconds");
-  }
-
-  const Structure structure = make_structure(machine.crane, machine.structure);
-  sim::ReferenceMachine reference_machine{
-      .crane = machine.crane, .group_inertia = {}, .gear = {}, .modes = structure.modes};
-  for (int i = 0; i < groups; ++i) {
-    reference_machine.group_inertia[i] = sim::group_inertia(machine.crane.drive) * machine.inertia_share[i];
+sim::ReferenceMachine reference_machine(const TruthMachine& machine, const Structure& structure) {
+  sim::ReferenceMachine reference{.crane = machine.crane, .group_inertia = {}, .gear = {}, .modes = structure.modes};
+  for (int i = 0; i < machine.crane.drive.group_count; ++i) {
+    reference.group_inertia[i] = sim::group_inertia(machine.crane.drive) * machine.inertia_share[i];
     sim::GearContact gear = sim::gear_contact(machine.crane);
     gear.stiffness *= machine.stiffness_share[i];
     gear.damping *= machine.damping_share[i];
     gear.half_play = std::max(0.0, gear.half_play + machine.added_half_play[i]);
-    reference_machine.gear[i] = gear;
+    reference.gear[i] = gear;
   }
-  const sim::ReferencePointer reference =
-      sim::make_reference(reference_machine, options.reference, make_extra(machine));
-  sim::hang_load(*reference);
+  return reference;
+}
 
-  Random phases(options.noise_seed, "encoder phase");
-  std::vector<CountingEncoder> encoders;
-  for (int i = 0; i < groups; ++i) encoders.emplace_back(machine.counting, phases.uniform());
-  std::array<ColouredNoise, 4> noise{ColouredNoise(machine.noise, Random(options.noise_seed, "accelerometer", 0)),
-                                     ColouredNoise(machine.noise, Random(options.noise_seed, "accelerometer", 1)),
-                                     ColouredNoise(machine.noise, Random(options.noise_seed, "accelerometer", 2)),
-                                     ColouredNoise(machine.noise, Random(options.noise_seed, "accelerometer", 3))};
+// The machine with its drive on the plant's side of the loop: wire and actuators, the reference, the sensors.
+class TruthPlant : public sim::DrivenPlant {
+ public:
+  TruthPlant(TruthMachine& machine, std::int64_t steps_per_period, const RunOptions& options, TruthRun& run)
+      : machine_(machine),
+        groups_(machine.crane.drive.group_count),
+        drive_run_{groups_, 0, steps_per_period * kBaseStepNs},
+        structure_(make_structure(machine.crane, machine.structure)),
+        reference_(sim::make_reference(reference_machine(machine, structure_), options.reference, make_extra(machine))),
+        acceleration_(structure_.modes.frequency.size()),
+        noise_{accelerometer(0, options), accelerometer(1, options), accelerometer(2, options), accelerometer(3, options)},
+        run_(run) {
+    sim::hang_load(*reference_);
+    Random phases(options.noise_seed, "encoder phase");
+    for (int i = 0; i < groups_; ++i) encoders_.emplace_back(machine.counting, phases.uniform());
+    measure();
+  }
 
-  TruthRun run;
-  run.group_count = groups;
-  run.cycle_steps = cycle_steps;
-  run.manoeuvre = manoeuvre;
-  controller::ControllerState controller_state;
-  controller::ControllerOutput command;
-  std::vector<double> acceleration(structure.modes.frequency.size());
-  std::size_t next_request = 0;
-  double speed_request = 0.0;
-  const auto steps = static_cast<std::int64_t>(std::llround(manoeuvre.duration / kBaseStep));
-  for (std::int64_t n = 0; n <= steps; ++n) {
-    const double now = static_cast<double>(n) * kBaseStep;
-    const sim::PlantReadings readings = sim::read(*reference);
-    sim::modal_accelerations(*reference, acceleration.data());
-    const double* q = sim::modal_coordinates(*reference);
-    SensorValues truth{.house = times(structure.house_sensor, acceleration.data()),
-                       .pivot = times(structure.pivot_sensor, acceleration.data()),
-                       .middle = times(structure.middle_sensor, acceleration.data()),
-                       .tip = times(structure.tip_sensor, acceleration.data()),
-                       .slew_angle = times(structure.slew_sensor, q)};
-    SensorValues seen = truth;
-    for (const SensorLaw& law : machine.sensors) law(now, truth, seen);
-    seen.house += noise[0].next();
-    seen.pivot += noise[1].next();
-    seen.middle += noise[2].next();
-    seen.tip += noise[3].next();
-    seen.slew_angle = machine.noise.slew_resolution * std::round(seen.slew_angle / machine.noise.slew_resolution);
-    run.sensors.push_back(seen);
-
-    GroupArray position = readings.shaft_position;
-    for (const EncoderLaw& law : machine.encoder) law(now, position);
-    for (int i = 0; i < groups; ++i) encoders[static_cast<std::size_t>(i)].update(position[i]);
-
-    if (n % cycle_steps == 0) {
-      while (next_request < manoeuvre.requests.size() &&
-             manoeuvre.requests[next_request].time <= now + 1e-6 * kBaseStep) {
-        speed_request = manoeuvre.requests[next_request++].speed_request;
-      }
-      controller::ControllerInput input;
-      input.simulated_time = n * std::llround(kBaseStep * 1e9);
-      input.group_count = groups;
-      input.speed_request = speed_request;
-      for (int i = 0; i < groups; ++i) input.shaft_speed[i] = encoders[static_cast<std::size_t>(i)].speed();
-      controller::step(machine.controller, controller_state, input, command);
-      for (int i = 0; i < groups; ++i) {
-        run.shaft_speed[i].push_back(encoders[static_cast<std::size_t>(i)].speed());
-        run.shaft_position[i].push_back(encoders[static_cast<std::size_t>(i)].position());
-        run.motor_torque[i].push_back(command.motor_torque[i]);
-        run.true_speed[i].push_back(readings.shaft_speed[i]);
-      }
-      run.enable.push_back(command.enable);
-      run.brake.push_back(command.brake);
+  void read_encoder(msgs::Encoder& message) override {
+    message.group_count = groups_;
+    message.shaft_speed.clear();
+    message.shaft_position.clear();
+    for (const CountingEncoder& encoder : encoders_) {
+      message.shaft_speed.push_back(encoder.speed());
+      message.shaft_position.push_back(encoder.position());
     }
-    if (n == steps) break;
-    GroupArray torque{};
-    for (int i = 0; i < groups; ++i) torque[i] = command.enable ? command.motor_torque[i] : 0.0;
-    for (const WireLaw& law : machine.wire) law(now, n / cycle_steps, torque);
-    for (const TorqueLaw& law : machine.torque) law(now, readings.shaft_position, readings.shaft_speed, torque);
-    sim::advance(*reference, torque, static_cast<double>(n + 1) * kBaseStep);
-    const std::int64_t changes = sim::counts(*reference).contact_changes;
-    if (changes != run.counts.contact_changes) run.contact_change_times.push_back(now);
-    run.counts.contact_changes = changes;
   }
-  run.counts = sim::counts(*reference);
+  void begin_cycle(std::int64_t encoder_sequence) override { sim::begin_cycle(drive_, encoder_sequence); }
+  void receive(msgs::DecodeStatus status, const msgs::Torque& message) override {
+    sim::receive(machine_.drive_protection, drive_run_, drive_, moment(), status, message);
+  }
+
+  // By one base step. What has failed on a crane is no part of a withheld case.
+  void step(const sim::PlantConditions&) override {
+    const sim::DriveCommand command = sim::drive_command(machine_.drive_protection, drive_run_, drive_, moment(), kBaseStepNs);
+    if (command.brake_torque[0] > 0.0) throw std::runtime_error("a withheld machine has no brakes, and its drive asks for them");
+    GroupArray torque = command.motor_torque;
+    for (const WireLaw& law : machine_.wire) law(now(), command.sequence, torque);
+    for (const TorqueLaw& law : machine_.torque) law(now(), readings_.shaft_position, readings_.shaft_speed, torque);
+    sim::advance(*reference_, torque, static_cast<double>(steps_ + 1) * kBaseStep);
+    const std::int64_t changes = sim::counts(*reference_).contact_changes;
+    if (changes != contact_changes_) run_.contact_change_times.push_back(now());
+    contact_changes_ = changes;
+    ++steps_;
+    measure();
+  }
+
+  void read_sensors(msgs::Sensors& message) override {
+    message.house_acceleration = seen_.house;
+    message.pivot_acceleration = seen_.pivot;
+    message.middle_acceleration = seen_.middle;
+    message.tip_acceleration = seen_.tip;
+    message.slew_angle = seen_.slew_angle;
+  }
+  void read_truth(msgs::Truth&) override {}
+  void read_status(msgs::PlantStatus&) override {}
+
+  const SensorValues& sensors() const { return seen_; }
+  const GroupArray& true_speed() const { return readings_.shaft_speed; }
+  sim::ReferenceCounts counts() const { return sim::counts(*reference_); }
+
+ private:
+  double now() const { return static_cast<double>(steps_) * kBaseStep; }
+
+  sim::DriveMoment moment() const {
+    sim::DriveMoment moment;
+    moment.time = steps_ * kBaseStepNs;
+    moment.shaft_speed = readings_.shaft_speed;
+    return moment;
+  }
+
+  ColouredNoise accelerometer(int number, const RunOptions& options) const {
+    return ColouredNoise(machine_.noise, Random(options.noise_seed, "accelerometer", number));
+  }
+
+  // What the sensors say at the end of a step.
+  void measure() {
+    readings_ = sim::read(*reference_);
+    sim::modal_accelerations(*reference_, acceleration_.data());
+    const SensorValues truth{.house = times(structure_.house_sensor, acceleration_.data()),
+                             .pivot = times(structure_.pivot_sensor, acceleration_.data()),
+                             .middle = times(structure_.middle_sensor, acceleration_.data()),
+                             .tip = times(structure_.tip_sensor, acceleration_.data()),
+                             .slew_angle = times(structure_.slew_sensor, sim::modal_coordinates(*reference_))};
+    seen_ = truth;
+    for (const SensorLaw& law : machine_.sensors) law(now(), truth, seen_);
+    seen_.house += noise_[0].next();
+    seen_.pivot += noise_[1].next();
+    seen_.middle += noise_[2].next();
+    seen_.tip += noise_[3].next();
+    seen_.slew_angle = machine_.noise.slew_resolution * std::round(seen_.slew_angle / machine_.noise.slew_resolution);
+    GroupArray position = readings_.shaft_position;
+    for (const EncoderLaw& law : machine_.encoder) law(now(), position);
+    for (std::size_t i = 0; i < encoders_.size(); ++i) encoders_[i].update(position[i]);
+  }
+
+  TruthMachine& machine_;
+  int groups_;
+  sim::DriveRun drive_run_;
+  sim::DriveProtectionState drive_;
+  Structure structure_;
+  sim::ReferencePointer reference_;
+  std::vector<double> acceleration_;  // [m/s^2] modal
+  std::array<ColouredNoise, 4> noise_;
+  std::vector<CountingEncoder> encoders_;
+  std::int64_t steps_ = 0;
+  std::int64_t contact_changes_ = 0;
+  sim::PlantReadings readings_;
+  SensorValues seen_;
+  TruthRun& run_;
+};
+
+std::int64_t steps_per_period(const TruthMachine& machine) {
+  const auto steps = static_cast<std::int64_t>(std::llround(machine.controller.period / kBaseStep));
+  if (steps < 1 || std::fabs(static_cast<double>(steps) * kBaseStep - machine.controller.period) > 1e-12) {
+    throw std::invalid_argument("the controller's period must be a whole number of milliseconds");
+  }
+  return steps;
+}
+
+std::vector<sim::OperatorMove> moves_of(const Manoeuvre& manoeuvre) {
+  std::vector<sim::OperatorMove> moves;
+  for (const Request& request : manoeuvre.requests) {
+    moves.push_back({.time = std::llround(request.time * 1e9), .speed_request = request.speed_request});
+  }
+  return moves;
+}
+
+void keep_cycle(const msgs::Encoder& encoder, const msgs::Torque& torque, const GroupArray& true_speed, TruthRun& run) {
+  for (std::size_t i = 0; i < encoder.shaft_speed.size(); ++i) {
+    run.shaft_speed[i].push_back(encoder.shaft_speed[i]);
+    run.shaft_position[i].push_back(encoder.shaft_position[i]);
+    run.motor_torque[i].push_back(torque.motor_torque[i]);
+    run.true_speed[i].push_back(true_speed[i]);
+  }
+  run.enable.push_back(torque.enable);
+  run.brake.push_back(torque.brake);
+}
+
+}  // namespace
+
+TruthRun run_truth(TruthMachine machine, const Manoeuvre& manoeuvre, const RunOptions& options) {
+  if (machine.controller.group_count != machine.crane.drive.group_count) {
+    throw std::invalid_argument("crane and controller differ in their number of motor groups");
+  }
+  LoopCourse course;
+  course.plant_step = kBaseStep;
+  course.steps_per_period = steps_per_period(machine);
+  course.steps = std::llround(manoeuvre.duration / kBaseStep);
+  course.ends_with_answer = true;
+  course.operator_moves = moves_of(manoeuvre);
+  TruthRun run;
+  run.group_count = machine.crane.drive.group_count;
+  run.cycle_steps = course.steps_per_period;
+  run.manoeuvre = manoeuvre;
+  TruthPlant plant(machine, course.steps_per_period, options, run);
+  ControllerAnswer controller(machine.controller);
+  LoopHooks hooks;
+  hooks.answered = [&](const LoopMoment& moment) { keep_cycle(moment.encoder, controller.torque(), plant.true_speed(), run); };
+  hooks.instant = [&](const LoopMoment&) { run.sensors.push_back(plant.sensors()); };
+  run_loop(course, plant, std::ref(controller), hooks);
+  run.counts = plant.counts();
   return run;
 }
 

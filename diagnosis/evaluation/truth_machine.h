@@ -15,13 +15,16 @@
 #include <vector>
 
 #include "controller/controller.h"
+#include "diagnosis/evaluation/law_scales.h"
 #include "diagnosis/evaluation/structure.h"
+#include "sim/drive/drive_protection_settings.h"
 #include "sim/integrate/reference.h"
 
 namespace slewlab::diagnosis::withheld {
 
 inline constexpr double kBaseStep = 1e-3;     // [s]
-inline constexpr int kTruthElementCount = 16;  // boom elements; the nominal crane has 6
+inline constexpr std::int64_t kBaseStepNs = 1'000'000;  // the same [ns]
+inline constexpr int kTruthElementCount = 16;  // boom elements; the nominal cranes of config/cranes have 6
 
 using sim::GroupArray;
 
@@ -68,6 +71,8 @@ struct NoiseSettings {
 
 struct TruthMachine {
   sim::CraneParameters crane;
+  sim::DriveProtectionSettings drive_protection;  // of the drive between controller and wire; brakes are not modelled
+  LawScales scales;  // of the nominal machine
   StructureChange structure;
   GroupArray inertia_share{}, stiffness_share{}, damping_share{};  // 1: as the crane says
   GroupArray added_half_play{};                                    // [rad] slew axis
@@ -82,6 +87,7 @@ struct TruthMachine {
   NoiseSettings noise;
 };
 
+// With the scales of `crane` itself. Throws std::invalid_argument where it has none.
 TruthMachine make_truth_machine(const sim::CraneParameters& crane, const controller::ControllerSettings& controller);
 
 struct Request {

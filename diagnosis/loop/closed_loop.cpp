@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "sim/model/drive_line.h"
 
@@ -10,97 +11,81 @@ namespace slewlab::diagnosis {
 
 namespace {
 
-constexpr double kPeriodTolerance = 1e-9;  // [-] share of a step by which the periods may miss each other
+constexpr double kRatioTolerance = 0.01;  // [-] chosen: a controller's ratio is rounded, not another gear's
 
-std::int64_t steps_per_period(const ClosedLoopRun& run) {
-  const double share = run.controller.period / run.plant_step;
-  const double whole = std::round(share);
-  if (!(whole >= 1.0) || std::fabs(share - whole) > kPeriodTolerance * whole) {
-    throw std::invalid_argument("the controller's period must be a whole multiple of the plant's step");
+void require_a_match(const LoopSettings& settings) {
+  const sim::DriveParameters& drive = settings.machine.crane.drive;
+  if (settings.controller.group_count != drive.group_count) {
+    throw std::invalid_argument("crane and controller differ in their number of motor groups");
   }
-  return static_cast<std::int64_t>(whole);
+  if (std::fabs(settings.controller.total_ratio / sim::total_ratio(drive) - 1.0) > kRatioTolerance) {
+    throw std::invalid_argument("crane and controller differ by more than 1 % in the total ratio");
+  }
 }
+
+class Sampler {
+ public:
+  Sampler(const LoopSettings& settings, const MachineLoop& loop, bool record_shear)
+      : loop_(loop), sensor_radius_(settings.machine.crane.house.sensor_radius), crossings_(state().play_crossings) {
+    series.step = settings.machine.step;
+    series.group_count = model().group_count;
+    if (!record_shear) return;
+    shear_.resize(static_cast<std::size_t>(model().parameters.boom.element_count));
+    series.shear.resize(shear_.size());
+  }
+
+  void sample() {
+    const double time = static_cast<double>(state().step_count) * series.step;
+    const sim::MachineReadings readings = sim::read(loop_.plant.machine());
+    series.time.push_back(time);
+    series.ramped_speed.push_back(loop_.controller.state().ramped_speed);
+    series.average_torque.push_back(loop_.controller.state().average_torque);
+    series.slew_angle.push_back(state().house_angle);
+    series.house_speed.push_back(state().house_speed);
+    series.house_acceleration.push_back(readings.house_acceleration / sensor_radius_);
+    series.middle_acceleration.push_back(readings.middle_acceleration);
+    series.tip_velocity.push_back(state().tip_velocity);
+    series.tip_acceleration.push_back(readings.tip_acceleration);
+    series.rope_angle.push_back(sim::rope_angle(model(), state()));
+    series.rod_angle.push_back(sim::rod_angle(model(), state()));
+    for (int i = 0; i < series.group_count; ++i) sample_group(i, time, readings);
+    if (series.shear.empty()) return;
+    sim::shear_forces(model(), state(), shear_.data());
+    for (std::size_t e = 0; e < shear_.size(); ++e) series.shear[e].push_back(shear_[e]);
+  }
+
+  ClosedLoopSeries series;
+
+ private:
+  void sample_group(int i, double time, const sim::MachineReadings& readings) {
+    series.shaft_speed[i].push_back(readings.shaft_speed[i]);
+    series.motor_torque[i].push_back(loop_.plant.machine().applied_torque[i]);
+    series.gear_torque[i].push_back(state().gear_torque[i]);
+    series.deflection[i].push_back(sim::gear_deflection(state(), i));
+    for (; crossings_[i] < state().play_crossings[i]; ++crossings_[i]) series.crossing_times[i].push_back(time);
+  }
+
+  const sim::PlantModel& model() const { return loop_.plant.machine().model; }
+  const sim::PlantState& state() const { return loop_.plant.machine().state; }
+
+  const MachineLoop& loop_;
+  double sensor_radius_;  // [m]
+  decltype(sim::PlantState::play_crossings) crossings_;  // seen so far
+  std::vector<double> shear_;
+};
 
 }  // namespace
 
-ClosedLoopSeries run_closed_loop(const ClosedLoopRun& run) {
-  const std::int64_t period_steps = steps_per_period(run);
-  if (run.controller.group_count != run.crane.drive.group_count) {
-    throw std::invalid_argument("crane and controller differ in their number of motor groups");
-  }
-  const double ratio = sim::total_ratio(run.crane.drive);
-  if (std::fabs(run.controller.total_ratio / ratio - 1.0) > 0.01) {
-    throw std::invalid_argument("crane and controller differ by more than 1 % in the total ratio");
-  }
-
-  const sim::PlantModel model = sim::make_plant_model(run.crane, run.plant_step);
-  sim::PlantWorkspace workspace = sim::make_plant_workspace(model);
-  sim::PlantState state = sim::make_plant_state(model);
-  controller::ControllerState controller_state;
-  controller::ControllerOutput output;
-  sim::PlantInput plant_input;
-  const int groups = model.group_count;
-  const auto step_count = static_cast<std::int64_t>(std::llround(run.duration / run.plant_step));
-  const double sensor_radius = run.crane.house.sensor_radius;
-
-  ClosedLoopSeries series;
-  series.step = run.plant_step;
-  series.group_count = groups;
-  if (run.record_shear) series.shear.resize(static_cast<std::size_t>(run.crane.boom.element_count));
-  std::vector<double> shear(static_cast<std::size_t>(run.crane.boom.element_count));
-
-  std::size_t next_event = 0;
-  OperatorEvent operator_now;
-  for (std::int64_t n = 0; n < step_count; ++n) {
-    if (n % period_steps == 0) {
-      const double now = static_cast<double>(n) * run.plant_step;
-      while (next_event < run.schedule.size() &&
-             run.schedule[next_event].time <= now + kPeriodTolerance * run.plant_step) {
-        operator_now = run.schedule[next_event++];
-      }
-      controller::ControllerInput input;
-      input.simulated_time = std::llround(now * 1e9);
-      input.group_count = groups;
-      for (int i = 0; i < groups; ++i) input.shaft_speed[i] = state.motor_speed[i] * model.ratio;
-      input.speed_request = operator_now.speed_request;
-      input.emergency_stop = operator_now.emergency_stop;
-      input.acknowledge = operator_now.acknowledge;
-      controller::step(run.controller, controller_state, input, output);
-      for (int i = 0; i < groups; ++i) plant_input.motor_torque[i] = output.enable ? output.motor_torque[i] : 0.0;
-    }
-    const auto crossings_before = state.play_crossings;
-    sim::step(model, workspace, plant_input, state);
-
-    const double time = static_cast<double>(state.step_count) * run.plant_step;
-    const sim::PlantReadings readings = sim::read(model, state);
-    series.time.push_back(time);
-    series.ramped_speed.push_back(output.ramped_speed);
-    series.slew_angle.push_back(state.house_angle);
-    series.house_speed.push_back(state.house_speed);
-    series.house_acceleration.push_back(readings.house_acceleration / sensor_radius);
-    series.middle_acceleration.push_back(readings.middle_acceleration);
-    series.tip_velocity.push_back(state.tip_velocity);
-    series.tip_acceleration.push_back(readings.tip_acceleration);
-    series.rope_angle.push_back(sim::rope_angle(model, state));
-    series.rod_angle.push_back(sim::rod_angle(model, state));
-    series.average_torque.push_back(output.average_torque);
-    for (int i = 0; i < groups; ++i) {
-      series.shaft_speed[i].push_back(readings.shaft_speed[i]);
-      series.motor_torque[i].push_back(plant_input.motor_torque[i]);
-      series.gear_torque[i].push_back(state.gear_torque[i]);
-      series.deflection[i].push_back(sim::gear_deflection(state, i));
-      for (std::int64_t c = crossings_before[i]; c < state.play_crossings[i]; ++c) {
-        series.crossing_times[i].push_back(time);
-      }
-    }
-    if (run.record_shear) {
-      sim::shear_forces(model, state, shear.data());
-      for (std::size_t e = 0; e < shear.size(); ++e) series.shear[e].push_back(shear[e]);
-    }
-  }
-  series.mode_steps = step_count * model.mode_count;
-  series.contact_changes = state.contact_changes;
-  return series;
+ClosedLoopSeries run_closed_loop(const LoopSettings& settings, bool record_shear) {
+  require_a_match(settings);
+  MachineLoop loop(settings);
+  Sampler sampler(settings, loop, record_shear);
+  LoopHooks hooks;
+  hooks.stepped = [&](const LoopMoment&) { sampler.sample(); };
+  const std::int64_t steps = loop.run(hooks);
+  sampler.series.mode_steps = steps * loop.plant.machine().model.mode_count;
+  sampler.series.contact_changes = loop.plant.machine().state.contact_changes;
+  return std::move(sampler.series);
 }
 
 std::size_t index_at(const ClosedLoopSeries& series, double time) {

@@ -1,35 +1,13 @@
-// Crane and controller as libraries in one process, in lockstep on a virtual clock: the same as the two
-// processes with LCM in between, without the wire. Operator schedule in, time series out.
-//
-// At each controller period the controller sees the encoders of that instant; its torques are held until the
-// next one. Same inputs, same bits.
+// A run in the loop (loop.h) as time series of what machine and controller do, truth included.
 #pragma once
 
 #include <array>
 #include <cstdint>
 #include <vector>
 
-#include "controller/controller.h"
-#include "sim/integrate/plant.h"
+#include "diagnosis/loop/loop.h"
 
 namespace slewlab::diagnosis {
-
-// What the operator does from `time` on, until the next event.
-struct OperatorEvent {
-  double time = 0.0;           // [s]
-  double speed_request = 0.0;  // [-] -1 ... 1
-  bool emergency_stop = false;
-  bool acknowledge = false;
-};
-
-struct ClosedLoopRun {
-  sim::CraneParameters crane;
-  controller::ControllerSettings controller;  // its period must be a whole multiple of plant_step
-  double plant_step = 1e-3;                   // [s]
-  double duration = 0.0;                      // [s]
-  std::vector<OperatorEvent> schedule;        // rising times
-  bool record_shear = false;
-};
 
 using PerGroupSeries = std::array<std::vector<double>, sim::kMaximumGroupCount>;
 
@@ -49,7 +27,7 @@ struct ClosedLoopSeries {
   std::vector<double> rod_angle;           // [rad]
   std::vector<double> average_torque;      // [Nm] per motor, fast axis, before the play compensation
   PerGroupSeries shaft_speed;              // [rad/s] fast axis
-  PerGroupSeries motor_torque;             // [Nm] per motor, fast axis
+  PerGroupSeries motor_torque;             // [Nm] per motor, fast axis, as the drives deliver it
   PerGroupSeries gear_torque;              // [Nm] on the house, slew axis
   PerGroupSeries deflection;               // [rad] motor minus house, slew axis
   PerGroupSeries crossing_times;           // [s] at which the play was crossed from flank to flank
@@ -58,9 +36,9 @@ struct ClosedLoopSeries {
   std::int64_t contact_changes = 0;
 };
 
-// Throws std::invalid_argument when the crane cannot be built, the groups or ratios of crane and controller
+// Throws std::invalid_argument when the machine cannot be built, the groups or ratios of machine and controller
 // do not agree, or the periods do not fit.
-ClosedLoopSeries run_closed_loop(const ClosedLoopRun& run);
+ClosedLoopSeries run_closed_loop(const LoopSettings& settings, bool record_shear = false);
 
 // Index of the first value at or after `time` [s].
 std::size_t index_at(const ClosedLoopSeries& series, double time);

@@ -34,6 +34,11 @@ static const double kIntegralTime = 1.0;        /* [s] chosen */
 static const double kPlayMap[][3] = {           /* average, half 1, half 2 in shares of T100; thesis Table 3.4 */
     {0.0, 0.10, -0.10},  {0.18, 0.46, -0.10}, {0.415, 0.93, -0.10},
     {0.48, 0.93, 0.03},  {0.57, 0.88, 0.24},  {1.0, 1.0, 1.0}};
+/* Readings that are refused, of the motor shafts. */
+static const double kSpeedLimit = 1.2 * 0.05 * 2735.58; /* [rad/s] 120 % of top speed; chosen */
+static const double kAccelerationLimit = 800.0;  /* [rad/s^2] what motor, brake and gears can do to a motor; chosen */
+static const double kTolerance = 0.03 * 0.05 * 2735.58; /* [rad/s] noise and counting of an encoder; chosen */
+static const double kHoldTime = 0.05;            /* [s] for which a refused reading is held over; chosen */
 enum { kMapPoints = sizeof kPlayMap / sizeof kPlayMap[0] };
 
 /* CONTROLLER_STATE.mode */
@@ -161,18 +166,19 @@ static double step_speed_control(struct speed_control* control, double period, d
   const double half_step = 0.5 * period * kGain / kIntegralTime;
   const double wanted = (kGain + half_step) * error + (control->integral + half_step * control->error);
   const double growth = half_step * (error + control->error);
-  const bool winds_up = (wanted > kRatedTorque && growth > 0.0) || (wanted < -kRatedTorque && growth < 0.0);
+  const bool winds_up = (wanted > kTorqueLimit && growth > 0.0) || (wanted < -kTorqueLimit && growth < 0.0);
   if (!winds_up) control->integral += growth;
-  control->integral = clamp(control->integral, -kRatedTorque, kRatedTorque);
+  control->integral = clamp(control->integral, -kTorqueLimit, kTorqueLimit);
   control->error = error;
-  return clamp(wanted, -kRatedTorque, kRatedTorque);
+  return clamp(wanted, -kTorqueLimit, kTorqueLimit);
 }
 
 /* Shares of T100 of the two halves, which work against each other so that the gears stay under tension. */
 static void play_map(double average, double halves[GROUPS]) {
   const double size = fabs(average);
-  double half_1 = kPlayMap[kMapPoints - 1][1];
-  double half_2 = kPlayMap[kMapPoints - 1][2];
+  const double beyond = fmax(0.0, size - kPlayMap[kMapPoints - 1][0]);
+  double half_1 = kPlayMap[kMapPoints - 1][1] + beyond;
+  double half_2 = kPlayMap[kMapPoints - 1][2] + beyond;
   for (int i = 0; i + 1 < kMapPoints; ++i) {
     if (size >= kPlayMap[i + 1][0]) continue;
     const double share = (size - kPlayMap[i][0]) / (kPlayMap[i + 1][0] - kPlayMap[i][0]);
@@ -184,10 +190,77 @@ static void play_map(double average, double halves[GROUPS]) {
   halves[1] = average >= 0.0 ? half_2 : -half_1;
 }
 
+/* Refuses readings that the machine cannot have made: a flipped bit, a frozen counter, a reading out of its time
+ * (controller/plausibility.h has the equations). One alone does no harm: the speeds before it are held. */
+struct monitor {
+  bool known, distrusted;
+  int64_t sequence, time; /* of the last plausible reading; [ns] */
+  double speed[GROUPS], position[GROUPS];
+  int refused, plausible; /* in a row; while distrusted */
+};
+
+static void remember(struct monitor* monitor, const slewlab_msgs_encoder_t* encoder) {
+  monitor->sequence = encoder->sequence;
+  monitor->time = encoder->simulated_time;
+  for (int i = 0; i < GROUPS; ++i) {
+    monitor->speed[i] = encoder->shaft_speed[i];
+    monitor->position[i] = encoder->shaft_position[i];
+  }
+}
+
+static bool can_follow(const struct monitor* monitor, double period, const slewlab_msgs_encoder_t* encoder) {
+  const double cycles = (double)encoder->sequence - (double)monitor->sequence;
+  const double elapsed = ((double)encoder->simulated_time - (double)monitor->time) * 1e-9;
+  if (!(elapsed > 0.0 && fabs(elapsed - cycles * period) <= 0.5 * period)) return false;
+  const double change = kAccelerationLimit * elapsed;
+  for (int i = 0; i < GROUPS; ++i) {
+    const double speed = encoder->shaft_speed[i], before = monitor->speed[i];
+    const double turned = (encoder->shaft_position[i] - monitor->position[i]) / elapsed;
+    if (fabs(speed - before) > change + kTolerance) return false;
+    if (fabs(turned - 0.5 * (speed + before)) > 0.25 * change + kTolerance) return false;
+  }
+  return true;
+}
+
+/* False where there is nothing to control by; otherwise `speed` gets it. */
+static bool judge(struct monitor* monitor, double period, const slewlab_msgs_encoder_t* encoder, double speed[GROUPS]) {
+  const double longest = kHoldTime * (1.0 + 1e-9);
+  bool in_range = true;
+  bool signal = encoder->group_count == GROUPS;
+  for (int i = 0; signal && i < GROUPS; ++i) {
+    signal = isfinite(encoder->shaft_speed[i]);
+    in_range = in_range && fabs(encoder->shaft_speed[i]) <= kSpeedLimit && isfinite(encoder->shaft_position[i]);
+  }
+  if (!signal) { /* an encoder says so */
+    memset(monitor, 0, sizeof *monitor);
+    monitor->distrusted = true;
+    return false;
+  }
+  if (in_range && (!monitor->known || can_follow(monitor, period, encoder))) {
+    remember(monitor, encoder);
+    monitor->known = true;
+    monitor->refused = 0;
+    if (monitor->distrusted && ++monitor->plausible * period <= longest) return false;
+    monitor->distrusted = false;
+    monitor->plausible = 0;
+  } else {
+    monitor->plausible = 0;
+    if (monitor->distrusted || !monitor->known || ++monitor->refused * period > longest) {
+      monitor->distrusted = true;
+      monitor->known = in_range;
+      remember(monitor, encoder);
+      return false;
+    }
+  }
+  for (int i = 0; i < GROUPS; ++i) speed[i] = monitor->speed[i];
+  return true;
+}
+
 struct controller {
   double period; /* [s] between two ENCODER */
   int mode;
-  bool unusable; /* a measurement was no number; stays off until acknowledged */
+  bool unusable; /* there was nothing to control by; stays off until acknowledged */
+  struct monitor monitor;
   struct ramp ramp;
   struct speed_control control[GROUPS];
   double commanded[GROUPS];
@@ -209,7 +282,7 @@ struct controller {
   double motor_torque[GROUPS], proportional_torque[GROUPS], integral_torque[GROUPS];
 };
 
-/* Nobody can control by a speed that is no number: no torque, brakes, until acknowledged. */
+/* Nothing to control by: no torque, brakes, until acknowledged. */
 static void let_go(struct controller* self) {
   memset(&self->ramp, 0, sizeof self->ramp);
   memset(self->control, 0, sizeof self->control);
@@ -228,8 +301,8 @@ static void let_go(struct controller* self) {
 static void step(struct controller* self, const slewlab_msgs_encoder_t* encoder) {
   const double request = isfinite(self->speed_request) ? clamp(self->speed_request, -1.0, 1.0) : 0.0;
   const bool acknowledged = self->acknowledge && !self->emergency_stop && request == 0.0;
-  bool usable = encoder->group_count == GROUPS;
-  for (int i = 0; usable && i < GROUPS; ++i) usable = isfinite(encoder->shaft_speed[i]);
+  double shaft_speed[GROUPS];
+  const bool usable = judge(&self->monitor, self->period, encoder, shaft_speed);
   if (!usable || (self->unusable && !acknowledged)) {
     let_go(self);
     return;
@@ -253,7 +326,7 @@ static void step(struct controller* self, const slewlab_msgs_encoder_t* encoder)
   double average = 0.0;
   double shared = 0.0; /* one integral for both: integrals of their own would work the compensation's offset off */
   for (int i = 0; i < GROUPS; ++i) {
-    controlled[i] = step_speed_control(&self->control[i], self->period, reference - encoder->shaft_speed[i]);
+    controlled[i] = step_speed_control(&self->control[i], self->period, reference - shaft_speed[i]);
     average += controlled[i];
     shared += self->control[i].integral;
   }

@@ -11,6 +11,7 @@ motor [N m]; time is in seconds.
 
 import math
 import os
+import struct
 
 import lcm
 from slewlab_msgs import controller_state_t, encoder_t, operator_t, torque_t
@@ -28,6 +29,11 @@ EMERGENCY_STOP_TIME = 1.5    # [s] from top speed to 0; thesis Table 4.2
 CURVED_SHARE = 0.3           # of the ramp's time, at each end; chosen
 GAIN = 40.0                  # [N m s/rad] proportional, fast axis; chosen
 INTEGRAL_TIME = 1.0          # [s] chosen
+# Readings that are refused, of the motor shafts.
+SPEED_LIMIT = 1.2 * TOP_SPEED * RATIO  # [rad/s] 120 % of top speed; chosen
+ACCELERATION_LIMIT = 800.0   # [rad/s^2] what motor, brake and gears can do to a motor; chosen
+TOLERANCE = 0.03 * TOP_SPEED * RATIO   # [rad/s] noise and counting of an encoder; chosen
+HOLD_TIME = 0.05             # [s] for which a refused reading is held over; chosen
 PLAY_MAP = [                 # average, half 1, half 2 in shares of T100; thesis Table 3.4
     (0.0, 0.10, -0.10), (0.18, 0.46, -0.10), (0.415, 0.93, -0.10),
     (0.48, 0.93, 0.03), (0.57, 0.88, 0.24), (1.0, 1.0, 1.0)]
@@ -143,19 +149,21 @@ class SpeedControl:
         half_step = 0.5 * PERIOD * GAIN / INTEGRAL_TIME
         wanted = (GAIN + half_step) * error + (self.integral + half_step * self.error)
         growth = half_step * (error + self.error)
-        winds_up = (wanted > RATED_TORQUE and growth > 0.0) or (wanted < -RATED_TORQUE and growth < 0.0)
+        winds_up = (wanted > TORQUE_LIMIT and growth > 0.0) or (wanted < -TORQUE_LIMIT and growth < 0.0)
         if not winds_up:
             self.integral += growth
-        self.integral = clamp(self.integral, -RATED_TORQUE, RATED_TORQUE)
+        self.integral = clamp(self.integral, -TORQUE_LIMIT, TORQUE_LIMIT)
         self.error = error
         self.proportional = GAIN * error
-        return clamp(wanted, -RATED_TORQUE, RATED_TORQUE)
+        return clamp(wanted, -TORQUE_LIMIT, TORQUE_LIMIT)
 
 
 def play_map(average):
     """Shares of T100 of the two halves, which work against each other so that the gears stay under tension."""
     size = abs(average)
-    _, half_1, half_2 = PLAY_MAP[-1]
+    last, half_1, half_2 = PLAY_MAP[-1]
+    beyond = max(0.0, size - last)
+    half_1, half_2 = half_1 + beyond, half_2 + beyond
     for (a, a1, a2), (b, b1, b2) in zip(PLAY_MAP, PLAY_MAP[1:]):
         if size < b:
             share = (size - a) / (b - a)
@@ -164,10 +172,64 @@ def play_map(average):
     return (half_1, half_2) if average >= 0.0 else (-half_2, -half_1)
 
 
+class Monitor:
+    """Refuses readings that the machine cannot have made: a flipped bit, a frozen counter, a reading out of its time
+    (controller/plausibility.h has the equations). One alone does no harm: the speeds before it are held."""
+
+    def __init__(self):
+        self.last = None          # plausible reading
+        self.refused = 0          # in a row
+        self.distrusted = False   # until plausible for HOLD_TIME
+        self.plausible = 0        # in a row, while distrusted
+
+    def judge(self, encoder):
+        """The speeds to control by; None where there is nothing to control by."""
+        longest = HOLD_TIME * (1.0 + 1e-9)
+        if encoder.group_count != GROUPS or not all(map(math.isfinite, encoder.shaft_speed)):
+            self.__init__()       # no signal: an encoder says so
+            self.distrusted = True
+            return None
+        in_range = (all(abs(speed) <= SPEED_LIMIT for speed in encoder.shaft_speed)
+                    and all(map(math.isfinite, encoder.shaft_position)))
+        if in_range and (self.last is None or self._can_follow(encoder)):
+            self.last, self.refused = encoder, 0
+            if self.distrusted:
+                self.plausible += 1
+                if self.plausible * PERIOD <= longest:
+                    return None
+            self.distrusted, self.plausible = False, 0
+            return encoder.shaft_speed
+        self.plausible = 0
+        if not self.distrusted and self.last is not None:
+            self.refused += 1
+            if self.refused * PERIOD <= longest:
+                return self.last.shaft_speed
+        self.distrusted = True
+        self.last = encoder if in_range else None
+        return None
+
+    def _can_follow(self, encoder):
+        last = self.last
+        cycles = encoder.sequence - last.sequence
+        elapsed = (encoder.simulated_time - last.simulated_time) * 1e-9
+        if not (elapsed > 0.0 and abs(elapsed - cycles * PERIOD) <= 0.5 * PERIOD):
+            return False
+        change = ACCELERATION_LIMIT * elapsed
+        for speed, before, position, position_before in zip(
+                encoder.shaft_speed, last.shaft_speed, encoder.shaft_position, last.shaft_position):
+            turned = (position - position_before) / elapsed
+            if abs(speed - before) > change + TOLERANCE:
+                return False
+            if abs(turned - 0.5 * (speed + before)) > 0.25 * change + TOLERANCE:
+                return False
+        return True
+
+
 class Controller:
     """One step per ENCODER: fills in TORQUE and CONTROLLER_STATE."""
 
     def __init__(self):
+        self.monitor = Monitor()
         self.start_afresh()
 
     def start_afresh(self):
@@ -180,10 +242,10 @@ class Controller:
     def step(self, encoder, operator, torque, state):
         request = clamp(operator.speed_request, -1.0, 1.0) if math.isfinite(operator.speed_request) else 0.0
         acknowledged = operator.acknowledge and not operator.emergency_stop and request == 0.0
-        usable = encoder.group_count == GROUPS and all(map(math.isfinite, encoder.shaft_speed))
+        shaft_speed = self.monitor.judge(encoder)
         torque.acknowledge = operator.acknowledge
         torque.group_count = state.group_count = GROUPS
-        if not usable or (self.unusable and not acknowledged):
+        if shaft_speed is None or (self.unusable and not acknowledged):
             self._let_go(torque, state)
             return
         self.unusable = False
@@ -199,7 +261,7 @@ class Controller:
             self.mode = RUNNING if self.ramp.target != 0.0 or self.ramp.moving else STOPPED
 
         reference = self.ramp.speed * RATIO
-        controlled = [c.step(reference - speed) for c, speed in zip(self.control, encoder.shaft_speed)]
+        controlled = [c.step(reference - speed) for c, speed in zip(self.control, shaft_speed)]
         average = sum(controlled) / GROUPS
         # One integral for both: integrals of their own would work the play compensation's offset off.
         shared = sum(c.integral for c in self.control) / GROUPS
@@ -221,13 +283,21 @@ class Controller:
         state.integral_torque = [c.integral for c in self.control]
 
     def _let_go(self, torque, state):
-        """Nobody can control by a speed that is no number: no torque, brakes, until acknowledged."""
+        """Nothing to control by: no torque, brakes, until acknowledged."""
         self.start_afresh()
         self.mode, self.unusable = WAITING, True
         torque.enable, torque.brake = False, True
         torque.motor_torque = [0.0] * GROUPS
         state.mode, state.ramped_speed, state.average_torque, state.offset_torque = WAITING, 0.0, 0.0, 0.0
         state.proportional_torque = state.integral_torque = [0.0] * GROUPS
+
+
+def decoded(message_class, data):
+    """The message; None where the bytes are none: a bit that turned over on its way."""
+    try:
+        return message_class.decode(data)
+    except (ValueError, struct.error):
+        return None
 
 
 class Answers:

@@ -13,7 +13,9 @@ namespace slewlab::sim {
 std::vector<BodePoint> frequency_response(const CraneParameters& crane, const std::vector<double>& frequencies) {
   const CraneMatrices matrices = assemble_crane(crane, GearState::kClosed);
   Eigen::VectorXcd force = Eigen::VectorXcd::Zero(matrices.at.size);
-  force.head(matrices.at.group_count).setConstant(crane.drive.motors_per_group * total_ratio(crane.drive));
+  const double per_group = crane.drive.motors_per_group * total_ratio(crane.drive);
+  force.head(matrices.at.group_count).setConstant(per_group);
+  if (crane.drive.is_rigid) force(matrices.at.house) = crane.drive.group_count * per_group;
   std::vector<BodePoint> response;
   response.reserve(frequencies.size());
   for (const double frequency : frequencies) {

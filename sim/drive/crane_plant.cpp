@@ -1,14 +1,16 @@
 #include "sim/drive/crane_plant.h"
 
 #include <cmath>
+#include <limits>
+#include <utility>
 
 namespace slewlab::sim {
 
-CranePlant::CranePlant(const MachineSettings& machine, const DriveProtectionSettings& protection, const DriveRun& run)
-    : protection_(protection),
-      run_(run),
-      step_(std::llround(machine.step * 1e9)),
-      machine_(make_machine(machine)) {}
+CranePlant::CranePlant(const MachineSettings& machine, const DriveRun& run)
+    : CranePlant(make_machine(machine), machine.drive_protection, run) {}
+
+CranePlant::CranePlant(Machine machine, const DriveProtectionSettings& protection, const DriveRun& run)
+    : protection_(protection), run_(run), step_(std::llround(machine.model.step * 1e9)), machine_(std::move(machine)) {}
 
 DriveMoment CranePlant::moment() const {
   DriveMoment moment;
@@ -42,11 +44,14 @@ void CranePlant::step(const PlantConditions& conditions) {
 
 void CranePlant::read_sensors(msgs::Sensors& message) {
   const PlantReadings readings = read(machine_);
-  message.house_acceleration = readings.house_acceleration;
-  message.pivot_acceleration = readings.pivot_acceleration;
-  message.middle_acceleration = readings.middle_acceleration;
-  message.tip_acceleration = readings.tip_acceleration;
-  message.slew_angle = readings.slew_angle;
+  const CraneParameters& parameters = machine_.model.parameters;
+  const auto where = [](bool has_sensor, double value) { return has_sensor ? value : std::numeric_limits<double>::quiet_NaN(); };
+  const bool has_boom = parameters.boom.length > 0.0;
+  message.house_acceleration = where(parameters.house.sensor_radius > 0.0, readings.house_acceleration);
+  message.pivot_acceleration = where(has_boom, readings.pivot_acceleration);
+  message.middle_acceleration = where(has_boom, readings.middle_acceleration);
+  message.tip_acceleration = where(has_boom, readings.tip_acceleration);
+  message.slew_angle = where(parameters.house.has_encoder, readings.slew_angle);
 }
 
 void CranePlant::read_truth(msgs::Truth& message) {
@@ -82,6 +87,25 @@ void CranePlant::read_status(msgs::PlantStatus& message) {
   message.stale_commands = drive_.stale_commands;
   message.missed_deadlines = 0;
   message.bin_count = 0;
+}
+
+std::optional<Divergence> CranePlant::divergence() const {
+  // [m/s], and [rad/s] at a metre from the axis: of light. What is faster, or no number, is no machine's.
+  constexpr double kFastest = 3e8;
+  const auto possible = [](double speed) { return std::fabs(speed) <= kFastest; };  // false for what is no number
+  const PlantState& state = machine_.state;
+  for (int group = 0; group < machine_.model.group_count; ++group) {
+    if (!possible(state.motor_speed[group])) return Divergence{"speed of a motor group, on the slew axis", "rad/s", state.motor_speed[group]};
+  }
+  if (!possible(state.house_speed)) return Divergence{"slewing speed", "rad/s", state.house_speed};
+  if (!possible(state.tip_velocity)) return Divergence{"velocity of the boom's tip", "m/s", state.tip_velocity};
+  if (machine_.model.has_load) {
+    if (!std::isfinite(state.rope_force)) return Divergence{"force of the rope on the boom's tip", "N", state.rope_force};
+    for (const double velocity : state.load_v) {
+      if (!std::isfinite(velocity)) return Divergence{"velocity of the load's swing, times the root of its mass", "m/s kg^0.5", velocity};
+    }
+  }
+  return std::nullopt;
 }
 
 }  // namespace slewlab::sim

@@ -12,7 +12,9 @@ namespace slewlab::sim {
 class CranePlant : public DrivenPlant {
  public:
   // Throws std::invalid_argument where the machine cannot be built.
-  CranePlant(const MachineSettings& machine, const DriveProtectionSettings& protection, const DriveRun& run);
+  CranePlant(const MachineSettings& machine, const DriveRun& run);
+  // A machine that exists, from the state it is in.
+  CranePlant(Machine machine, const DriveProtectionSettings& protection, const DriveRun& run);
 
   void read_encoder(msgs::Encoder& message) override;
   void begin_cycle(std::int64_t encoder_sequence) override;
@@ -21,6 +23,7 @@ class CranePlant : public DrivenPlant {
   void read_sensors(msgs::Sensors& message) override;
   void read_truth(msgs::Truth& message) override;
   void read_status(msgs::PlantStatus& message) override;
+  std::optional<Divergence> divergence() const override;
 
   const Machine& machine() const { return machine_; }
   const DriveProtectionState& drive() const { return drive_; }

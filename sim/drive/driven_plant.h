@@ -6,6 +6,8 @@
 // A controller period: read_encoder, begin_cycle, receive for whatever comes on TORQUE (nothing is silence), steps.
 
 #include <array>
+#include <optional>
+#include <stdexcept>
 
 #include "msgs/codec.h"
 #include "sim/model/crane_parameters.h"
@@ -16,6 +18,19 @@ namespace slewlab::sim {
 struct PlantConditions {
   bool main_power = true;
   std::array<bool, kMaximumGroupCount> group_lost{};
+};
+
+// A quantity of the plant that no machine can have.
+struct Divergence {
+  const char* quantity = "";
+  const char* unit = "";
+  double value = 0.0;
+};
+
+// Ends a run whose plant diverged; says when, what and how far.
+class PlantDiverged : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
 };
 
 class DrivenPlant {
@@ -29,6 +44,8 @@ class DrivenPlant {
   virtual void read_sensors(msgs::Sensors& message) = 0;
   virtual void read_truth(msgs::Truth& message) = 0;
   virtual void read_status(msgs::PlantStatus& message) = 0;
+  // Nothing while the plant's state is that of a machine. Asked once per controller period; allocates nothing.
+  virtual std::optional<Divergence> divergence() const { return std::nullopt; }
 };
 
 }  // namespace slewlab::sim

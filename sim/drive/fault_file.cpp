@@ -98,10 +98,10 @@ CountRange read_range(YamlReader reader) {
 std::vector<Fault> read_faults(YamlReader& scenario, std::int64_t controller_period, int group_count,
                                std::uint64_t scenario_seed) {
   std::vector<Fault> faults;
-  for (YamlReader& reader : scenario.list("faults")) {
+  scenario.each("faults", [&](YamlReader& reader) {
     constexpr std::uint64_t kApart = 1'000'003;  // far enough that lists of neighbouring seeds share none
     faults.push_back(read_fault(reader, controller_period, group_count, scenario_seed + kApart * (faults.size() + 1)));
-  }
+  });
   return faults;
 }
 

@@ -25,6 +25,11 @@ double normal_number(std::uint64_t seed, std::int64_t sequence, std::uint64_t dr
   return radius * std::cos(2.0 * std::numbers::pi * uniform_number(seed, counter(sequence, draw + 1)));
 }
 
+// A controller of any make may answer with any number.
+std::int64_t raised(std::int64_t value, std::uint64_t by) {
+  return static_cast<std::int64_t>(static_cast<std::uint64_t>(value) + by);
+}
+
 bool is_message_fault(FaultKind kind) {
   return kind == FaultKind::message_lost || kind == FaultKind::message_delayed ||
          kind == FaultKind::message_duplicated || kind == FaultKind::message_reordered ||
@@ -38,7 +43,8 @@ FaultInjector::FaultInjector(std::vector<Fault> faults, std::int64_t controller_
       controller_period_(controller_period),
       stopping_(stopping),
       actions_done_(faults_.size()),
-      frozen_(faults_.size()) {}
+      frozen_(faults_.size()),
+      alive_counter_(faults_.size()) {}
 
 PlantConditions FaultInjector::conditions(std::int64_t time) const {
   PlantConditions conditions;
@@ -135,9 +141,10 @@ void FaultInjector::pass(FaultChannel channel, std::int64_t time, std::int64_t s
                          std::span<const std::uint8_t> bytes) {
   Side& here = side(channel);
   Message message{sequence, {bytes.begin(), bytes.end()}};
-  for (const Fault& fault : faults_) {
+  for (std::size_t i = 0; i < faults_.size(); ++i) {
+    const Fault& fault = faults_[i];
     if (!fault.active(time)) {
-      if (fault.corruption == Corruption::alive_frozen) here.alive_frozen = false;
+      alive_counter_[i].reset();
       continue;
     }
     if (fault.kind == FaultKind::controller_stopped && stopping_ == Stopping::questions_held &&
@@ -159,7 +166,7 @@ void FaultInjector::pass(FaultChannel channel, std::int64_t time, std::int64_t s
         here.arriving.push_back(std::move(message));
         return;
       case FaultKind::message_corrupted:
-        corrupt(fault, static_cast<std::uint64_t>(sequence), here, message);
+        corrupt(i, static_cast<std::uint64_t>(sequence), message);
         here.arriving.push_back(std::move(message));
         return;
       default: return;  // lost
@@ -168,8 +175,11 @@ void FaultInjector::pass(FaultChannel channel, std::int64_t time, std::int64_t s
   here.arriving.push_back(std::move(message));
 }
 
-void FaultInjector::corrupt(const Fault& fault, std::uint64_t draw, Side& here, Message& message) const {
+// A message without the bytes or the torques that a corruption would change stays as it is.
+void FaultInjector::corrupt(std::size_t index, std::uint64_t draw, Message& message) {
+  const Fault& fault = faults_[index];
   std::vector<std::uint8_t>& bytes = message.bytes;
+  if (bytes.empty()) return;
   const auto place = [&](std::size_t places) {
     return static_cast<std::size_t>(uniform_number(fault.seed, draw * kDraws + kPlace) * static_cast<double>(places));
   };
@@ -190,20 +200,22 @@ void FaultInjector::corrupt(const Fault& fault, std::uint64_t draw, Side& here, 
   msgs::Torque torque;
   if (fault.channel != FaultChannel::torque || msgs::decode(bytes, torque) != msgs::DecodeStatus::ok) return;
   constexpr double kBeyondAnyLimit = 1e6;  // [Nm]
+  const auto set_first_torque = [&](double value) {
+    if (!torque.motor_torque.empty()) torque.motor_torque.front() = value;
+  };
   switch (fault.corruption) {
-    case Corruption::other_configuration: ++torque.configuration_hash; break;
-    case Corruption::wrong_sequence: torque.answered_sequence += 1000; break;
+    case Corruption::other_configuration: torque.configuration_hash = raised(torque.configuration_hash, 1); break;
+    case Corruption::wrong_sequence: torque.answered_sequence = raised(torque.answered_sequence, 1000); break;
     case Corruption::group_count:
       ++torque.group_count;
       torque.motor_torque.push_back(0.0);
       break;
-    case Corruption::not_a_number: torque.motor_torque.at(0) = std::numeric_limits<double>::quiet_NaN(); break;
-    case Corruption::infinite: torque.motor_torque.at(0) = std::numeric_limits<double>::infinity(); break;
-    case Corruption::torque_limit: torque.motor_torque.at(0) = kBeyondAnyLimit; break;
+    case Corruption::not_a_number: set_first_torque(std::numeric_limits<double>::quiet_NaN()); break;
+    case Corruption::infinite: set_first_torque(std::numeric_limits<double>::infinity()); break;
+    case Corruption::torque_limit: set_first_torque(kBeyondAnyLimit); break;
     case Corruption::alive_frozen:
-      if (!here.alive_frozen) here.frozen_alive_counter = torque.alive_counter;
-      here.alive_frozen = true;
-      torque.alive_counter = here.frozen_alive_counter;
+      if (!alive_counter_[index]) alive_counter_[index] = torque.alive_counter;
+      torque.alive_counter = *alive_counter_[index];
       break;
     default: break;
   }

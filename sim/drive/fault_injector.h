@@ -9,6 +9,7 @@
 // at the beginning of the period in which they are due, reordered ones at its end.
 
 #include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -63,13 +64,11 @@ class FaultInjector {
     std::vector<Held> held;
     std::vector<Message> arriving;
     std::int64_t time = 0;
-    std::int64_t frozen_alive_counter = 0;
-    bool alive_frozen = false;
   };
   Side& side(FaultChannel channel) { return sides_[static_cast<int>(channel)]; }
   const Side& side(FaultChannel channel) const { return sides_[static_cast<int>(channel)]; }
   void release(Side& side, bool behind);
-  void corrupt(const Fault& fault, std::uint64_t draw, Side& side, Message& message) const;
+  void corrupt(std::size_t fault, std::uint64_t draw, Message& message);
 
   std::vector<Fault> faults_;
   std::int64_t controller_period_;
@@ -80,7 +79,8 @@ class FaultInjector {
     bool held = false;
     std::vector<double> speed, position;
   };
-  std::vector<Frozen> frozen_;  // of each fault
+  std::vector<Frozen> frozen_;                             // of each fault
+  std::vector<std::optional<std::int64_t>> alive_counter_;  // of each fault: at which it holds the alive counter
 };
 
 }  // namespace slewlab::sim

@@ -42,6 +42,7 @@ class Lockstep {
   LockstepCounts run() {
     const std::int64_t steps_per_period = settings_.controller_period / settings_.plant_step;
     output_.send_series(counts_.simulated_time);
+    output_.check_plant(counts_.simulated_time);
     while (counts_.simulated_time < settings_.duration && !stop_asked()) {
       if (!talk()) break;
       for (std::int64_t i = 0; i < steps_per_period; ++i) {
@@ -49,6 +50,7 @@ class Lockstep {
         counts_.simulated_time += settings_.plant_step;
         output_.send_series(counts_.simulated_time);
       }
+      output_.check_plant(counts_.simulated_time);
       ++counts_.cycles;
       if (hooks_.after_cycle) hooks_.after_cycle(counts_);
     }

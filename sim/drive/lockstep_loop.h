@@ -78,7 +78,7 @@ struct LockstepHooks {
 // Takes what belongs into the log.
 using LogSink = std::function<void(const char* channel, std::int64_t timestamp_us, msgs::Bytes bytes)>;
 
-// Throws std::invalid_argument where periods do not fit each other, msgs::LogError, msgs::BusError.
+// Throws std::invalid_argument where periods do not fit each other, PlantDiverged, msgs::LogError, msgs::BusError.
 // Returns early, with simulated_time short of the duration, where `stop` said so. Does not finish the log.
 LockstepCounts run_lockstep(const LockstepSettings& settings, DrivenPlant& plant, msgs::Bus& bus,
                             const LogSink& log, const LockstepHooks& hooks = {});

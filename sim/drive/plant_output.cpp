@@ -1,5 +1,7 @@
 #include "sim/drive/plant_output.h"
 
+#include <cstdio>
+
 namespace slewlab::sim {
 
 void PlantOutput::send_operator_moves(std::int64_t simulated_time) {
@@ -35,6 +37,17 @@ void PlantOutput::send_series(std::int64_t simulated_time, const std::function<v
     if (complete) complete(status_);
     send(msgs::kPlantStatusChannel, simulated_time, status_);
   }
+}
+
+void PlantOutput::check_plant(std::int64_t simulated_time) const {
+  const std::optional<Divergence> found = plant_.divergence();
+  if (!found) return;
+  char text[256];
+  std::snprintf(text, sizeof text,
+                "the simulation left what a machine can do by %.3f s of simulated time: %s is %.3g %s; a value of the crane "
+                "does not fit the others or the plant step (slewlab check names what it can)",
+                static_cast<double>(simulated_time) * 1e-9, found->quantity, found->value, found->unit);
+  throw PlantDiverged(text);
 }
 
 template <class Message>

@@ -45,6 +45,9 @@ class PlantOutput {
   // not know of itself.
   void send_series(std::int64_t simulated_time, const std::function<void(msgs::PlantStatus&)>& complete = {});
 
+  // Throws PlantDiverged where the plant is no machine any more.
+  void check_plant(std::int64_t simulated_time) const;
+
  private:
   void send_operator(const OperatorMove& move, std::int64_t simulated_time);
   template <class Message>

@@ -59,7 +59,7 @@ void check_multiple(YamlReader& reader, std::string_view key, std::int64_t time,
 std::vector<OperatorMove> read_moves(YamlReader& scenario, std::int64_t plant_step) {
   std::vector<OperatorMove> moves;
   OperatorMove move;
-  for (YamlReader& reader : scenario.list("operator")) {
+  scenario.each("operator", [&](YamlReader& reader) {
     const std::int64_t last = move.time;
     move.time = nanoseconds(reader.number("time", Unit::second, between(0.0, kLongest)));
     check_multiple(reader, "time", move.time, plant_step);
@@ -74,13 +74,16 @@ std::vector<OperatorMove> read_moves(YamlReader& scenario, std::int64_t plant_st
     if (reader.has("acknowledge")) move.acknowledge = reader.flag("acknowledge");
     reader.finish();
     moves.push_back(move);
-  }
+  });
   return moves;
 }
 
 void read_scenario(YamlReader& reader, Scenario& scenario) {
   reader.heading("scenario");
-  scenario.crane_file = reader.file("crane");
+  const std::string_view key = name_of(scenario.crane.kind);
+  scenario.crane_file = reader.file(key);
+  const std::string_view other = name_of(scenario.crane.kind == MachineKind::crane ? MachineKind::axis : MachineKind::crane);
+  if (reader.has(other)) reader.report(other, "'" + std::string(other) + "' beside '" + std::string(key) + "'", "one machine");
   scenario.controller_file = reader.file("controller");
   scenario.duration = read_time(reader, "duration");
   scenario.plant_step = read_time(reader, "plant_step");
@@ -102,9 +105,9 @@ void read_scenario(YamlReader& reader, Scenario& scenario) {
 }
 
 // The scenario's own part of the configuration: the contents of crane and controller stand for their names.
-std::string own_text(YamlNode root) {
+std::string own_text(YamlNode&& root) {
   std::erase_if(root.entries, [](const common::YamlEntry& entry) {
-    return entry.key == "crane" || entry.key == "controller" || entry.key == "expect";
+    return entry.key == name_of(MachineKind::crane) || entry.key == name_of(MachineKind::axis) || entry.key == "controller" || entry.key == "expect";
   });
   return common::canonical_text(root);
 }
@@ -115,17 +118,28 @@ Scenario read_scenario_file(const std::filesystem::path& file, const std::vector
                             InputProblems& problems) {
   Scenario scenario;
   std::vector<Override> own = overrides;
-  scenario.crane_overrides = take("crane.", own);
+  std::vector<Override> of_crane = take("crane.", own), of_axis = take("axis.", own);
   scenario.controller_overrides = take("controller.", own);
 
-  const YamlNode root = common::load_yaml_file(file, own, problems);
+  YamlNode root = common::load_yaml_file(file, own, problems);
   if (root.kind != YamlNode::Kind::map) return scenario;
   YamlReader reader(root, "", problems);
+  const bool has_axis = root.find("axis") != nullptr && root.find("crane") == nullptr;
+  const MachineKind kind = scenario.crane.kind = has_axis ? MachineKind::axis : MachineKind::crane;
+  scenario.crane_overrides = has_axis ? of_axis : of_crane;
+  for (const Override& stray : has_axis ? of_crane : of_axis) {
+    reader.report(name_of(kind), "--set " + std::string(has_axis ? "crane." : "axis.") + stray.key,
+                  std::string(name_of(kind)) + "." + stray.key + ": the machine of this scenario is " + (has_axis ? "an axis" : "a crane"));
+  }
   read_scenario(reader, scenario);
 
   if (!scenario.crane_file.empty()) {
     try {
-      scenario.crane = load_crane_file(scenario.crane_file, scenario.crane_overrides);
+      scenario.crane = load_machine_file(scenario.crane_file, scenario.crane_overrides);
+      if (scenario.crane.kind != kind) {
+        reader.report(name_of(kind), "'" + scenario.crane_file.string() + "', whose kind is " + std::string(name_of(scenario.crane.kind)),
+                      std::string(name_of(scenario.crane.kind)) + ": with that file's name");
+      }
     } catch (const InputError& error) {
       problems.insert(problems.end(), error.problems().begin(), error.problems().end());
     }
@@ -144,8 +158,8 @@ Scenario read_scenario_file(const std::filesystem::path& file, const std::vector
                     "the name of a controller's file");
     }
   }
-  scenario.configuration_text = "crane " + scenario.crane.canonical_text + "\ncontroller " +
-                                common::canonical_text(controller) + "\nscenario " + own_text(root) + "\n";
+  scenario.configuration_text = std::string(name_of(kind)) + " " + scenario.crane.canonical_text + "\ncontroller " +
+                                common::canonical_text(controller) + "\nscenario " + own_text(std::move(root)) + "\n";
   return scenario;
 }
 

@@ -1,8 +1,9 @@
-// Reads a scenario from YAML (config/scenarios): which crane, which controller, what the operator does, and
+// Reads a scenario from YAML (config/scenarios): which machine, which controller, what the operator does, and
 // how finely time is cut. Both the plant process and `slewlab run` read it here.
 //
-// Overrides whose key begins with "crane." or "controller." change those files, all others the scenario:
-//   --set crane.load.mass=20   --set controller.ramp.curved_share=0.2   --set duration=10
+// The machine stands under `crane:` or, of kind axis, under `axis:`. Overrides whose key begins with that word and a dot, or
+// with "controller.", change those files, all others the scenario:
+//   --set crane.load.mass="20 t"   --set controller.ramp.curved_share=0.2   --set duration=10
 //   --set crane=other.yaml     names another file, relative to the working directory.
 //
 // Times are whole nanoseconds. The controller's period, the telemetry's periods and the operator's times are
@@ -15,7 +16,7 @@
 #include <vector>
 
 #include "common/yaml_file.h"
-#include "sim/machine/crane_file.h"
+#include "sim/machine/machine_file.h"
 #include "sim/drive/fault.h"
 #include "sim/drive/fault_expectation.h"
 #include "sim/drive/operator_move.h"
@@ -39,7 +40,7 @@ struct Scenario {
 
   std::vector<Fault> faults;
   FaultExpectation expectation;  // no part of the configuration: it changes no run
-  CraneFile crane;
+  MachineFile crane;
 
   // Crane, controller and scenario as one canonical text: what the configuration hash is taken of.
   std::string configuration_text;

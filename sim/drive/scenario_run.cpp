@@ -10,20 +10,21 @@ namespace {
 
 constexpr double kNanosecondsPerSecond = 1e9;
 
-std::vector<common::EffectInstance> effects_of(const CraneFile& crane) {
-  if (crane.effects.kind == common::YamlNode::Kind::null) return {};
-  common::InputProblems problems;
-  const auto effects = common::read_effects(crane.effects, effects_for(crane.parameters), problems);
-  if (!problems.empty()) throw common::InputError(problems);
-  return effects;
-}
-
 }  // namespace
 
-MachineSettings machine_settings(const Scenario& scenario) {
+MachineSettings machine_settings(const MachineFile& crane) {
   MachineSettings settings;
-  settings.crane = scenario.crane.parameters;
-  settings.effects = effects_of(scenario.crane);
+  settings.crane = crane.parameters;
+  settings.drive_protection = crane.drive_protection;
+  if (crane.effects.kind == common::YamlNode::Kind::null) return settings;
+  common::InputProblems problems;
+  settings.effects = common::read_effects(crane.effects, effects_for(settings), problems);
+  if (!problems.empty()) throw common::InputError(problems);
+  return settings;
+}
+
+MachineSettings machine_settings(const Scenario& scenario) {
+  MachineSettings settings = machine_settings(scenario.crane);
   settings.step = static_cast<double>(scenario.plant_step) / kNanosecondsPerSecond;
   settings.seed = static_cast<std::uint64_t>(scenario.seed);
   return settings;

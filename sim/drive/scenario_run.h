@@ -9,7 +9,9 @@
 
 namespace slewlab::sim {
 
-// Throws common::InputError where an effect in the crane's file is unknown or wrong.
+// The machine of a file: its effects and its drive's protection with it. Throws common::InputError where an effect in the
+// file is unknown or wrong.
+MachineSettings machine_settings(const MachineFile& crane);
 MachineSettings machine_settings(const Scenario& scenario);
 
 // Of the configuration's run number 0 (msgs/run_identity.h), as drive_run().

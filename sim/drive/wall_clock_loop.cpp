@@ -33,6 +33,7 @@ class WallClock {
 
   WallClockReport run() {
     send_series();
+    output_.check_plant(report_.simulated_time);
     if (!meet_controller()) return report_;
     const std::int64_t start = clock_.now();
     const auto due = [&](std::int64_t step) {
@@ -47,7 +48,10 @@ class WallClock {
       report_.wakeup_latency.add(awake - due(step));
 
       bus_.drain();
-      if (step > 0 && report_.simulated_time % settings_.controller_period == 0) begin_period();
+      if (step > 0 && report_.simulated_time % settings_.controller_period == 0) {
+        output_.check_plant(report_.simulated_time);
+        begin_period();
+      }
       plant_.step(faults_.conditions(report_.simulated_time));
       report_.simulated_time += settings_.plant_step;
       send_series();

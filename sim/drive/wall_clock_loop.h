@@ -56,7 +56,7 @@ struct WallClockHooks {
 };
 
 // Takes the settings of a lockstep run; resends do not occur. `speed` is simulated seconds per second. Throws
-// std::invalid_argument, msgs::BusError.
+// std::invalid_argument, PlantDiverged, msgs::BusError.
 WallClockReport run_wall_clock(const LockstepSettings& settings, double speed, DrivenPlant& plant, msgs::Bus& bus,
                                const LogSink& log, LoopClock& clock, const WallClockHooks& hooks = {});
 

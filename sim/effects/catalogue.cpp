@@ -36,7 +36,7 @@ common::EffectCatalogue effects_for(const CraneParameters& machine, const common
 common::EffectCatalogue effects_for(const CraneParameters& nominal) { return effects_for(nominal, effect_scales(nominal)); }
 
 common::EffectCatalogue effects_for(const MachineSettings& settings) {
-  return settings.scales ? effects_for(settings.crane, *settings.scales) : effects_for(settings.crane);
+  return effects_for(settings.crane, settings.scales ? *settings.scales : effect_scales(settings.crane, settings.drive_protection));
 }
 
 }  // namespace slewlab::sim

@@ -9,7 +9,8 @@
 
 #include <cmath>
 #include <numbers>
-#include <stdexcept>
+
+#include "sim/model/cannot_be_built.h"
 
 namespace slewlab::sim {
 
@@ -26,7 +27,7 @@ void change(const common::EffectValues& values, MachineParameters& parameters) {
   for (BoomStation& station : boom.profile) {
     const double square = station.half_width * station.half_width - lost_square;
     if (square <= 0.0) {
-      throw std::invalid_argument("effect compression_softening: the boom buckles under this compression");
+      throw CannotBeBuilt("effect compression_softening: the boom buckles under this compression");
     }
     station.half_width = std::sqrt(square);
     station.half_height = std::sqrt(station.half_height * station.half_height + lost_square);

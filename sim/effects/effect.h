@@ -99,7 +99,7 @@ struct EffectStart {
 struct EffectDescription {
   common::EffectAbout about;  // numbers as multiples of a machine's scales (common/effect.h)
   std::vector<EffectPort> ports;
-  // Throws std::invalid_argument where the values do not fit the crane.
+  // Throws CannotBeBuilt where the values do not fit the crane.
   void (*change)(const common::EffectValues&, MachineParameters&) = nullptr;
   std::unique_ptr<RunningEffect> (*start)(const EffectStart&) = nullptr;
 };

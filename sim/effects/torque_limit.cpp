@@ -43,7 +43,7 @@ const EffectDescription& torque_limit() {
                 .physics = "the drive delivers no more than a largest torque per motor",
                 .parameters = {{.name = "limit",
                                 .unit = common::Unit::newton_metre,
-                                .per = common::ScaleOf::motor_torque,
+                                .per = common::ScaleOf::drive_torque,  // below what the drive is known to limit, nothing else would be seen
                                 .meaning = "largest torque of one motor",
                                 .lower = 0.08,
                                 .upper = 8.0,
@@ -51,7 +51,7 @@ const EffectDescription& torque_limit() {
                                 .prior_scale = 0.7,
                                 .scale = common::ParameterScale::logarithmic,
                                 .absent = std::numeric_limits<double>::infinity(),
-                                // From 44 % to 92 % of T100 = 250 Nm (config/controllers/thesis.yaml): what a slew may meet.
+                                // From 44 % to 92 % of the rated torque: what a slew may meet.
                                 .tries = {0.44, 0.52, 0.7, 0.8, 0.92}},
                                {.name = "knee",
                                 .unit = common::Unit::none,

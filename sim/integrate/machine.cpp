@@ -106,7 +106,7 @@ MachineParameters machine_parameters(const MachineSettings& settings) {
   parameters.group_inertia.fill(group_inertia(crane.drive));
   parameters.gear.fill(gear_contact(crane));
   if (settings.effects.empty()) return parameters;
-  const common::EffectScales scales = settings.scales ? *settings.scales : effect_scales(crane);
+  const common::EffectScales scales = settings.scales ? *settings.scales : effect_scales(crane, settings.drive_protection);
   const common::MachineParts parts = parts_of(crane);
   for (const common::EffectInstance& instance : settings.effects) {
     const EffectDescription& description = described(instance.name);
@@ -134,7 +134,7 @@ Machine make_machine(const MachineSettings& settings) {
       make_plant_model(parameters.crane, settings.step, parameters.group_inertia, parameters.gear);
   machine.workspace = make_plant_workspace(machine.model);
   common::EffectScales scales;
-  if (!settings.effects.empty()) scales = settings.scales ? *settings.scales : effect_scales(settings.crane);
+  if (!settings.effects.empty()) scales = settings.scales ? *settings.scales : effect_scales(settings.crane, settings.drive_protection);
   machine.state = make_plant_state(machine.model);
   for (const common::EffectInstance& instance : settings.effects) {
     const EffectDescription& description = described(instance.name);

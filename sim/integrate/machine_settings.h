@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "common/effect.h"
+#include "sim/drive/drive_protection_settings.h"
 #include "sim/integrate/plant_ports.h"
 #include "sim/model/crane_parameters.h"
 
@@ -19,6 +20,8 @@ struct MachineSettings {
   // By which the effects' bounds are judged: those of the nominal machine, where `crane` is a changed one. Without them
   // the crane's own.
   std::optional<common::EffectScales> scales = std::nullopt;
+  // Of the drive between controller and machine (sim/drive/crane_plant.h). A Machine alone does what it is told.
+  DriveProtectionSettings drive_protection;
 };
 
 // What the drives are told, held until the next one. All values per motor of a group, on the fast axis.

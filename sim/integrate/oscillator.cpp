@@ -44,6 +44,39 @@ void by_series(double square, double damping_rate, double h, double& s0, double&
   s1 /= h;
 }
 
+// phi_n(x), n = 1 ... 4, x >= 0: exp(-r s) integrated n times from 0 to h is h^n phi_n(r h). By a series for small x, and
+// by phi_n = (1 / (n-1)! - phi_(n-1)) / x, phi_0 = exp(-x), beyond, where that keeps its digits.
+void exponential_integrals(double x, double* phi) {
+  constexpr double kSmall = 2.0;
+  constexpr double kReciprocalFactorial[] = {1.0, 1.0, 1.0 / 2.0, 1.0 / 6.0, 1.0 / 24.0};
+  if (x >= kSmall) {
+    double before = std::exp(-x);
+    for (std::size_t n = 1; n <= 4; ++n) before = phi[n - 1] = (kReciprocalFactorial[n - 1] - before) / x;
+    return;
+  }
+  for (std::size_t n = 1; n <= 4; ++n) {
+    double term = kReciprocalFactorial[n], sum = term;
+    for (std::size_t k = 1; k <= kSeriesTerms; ++k) {
+      term *= -x * kReciprocal[n + k];
+      sum += term;
+    }
+    phi[n - 1] = sum;
+  }
+}
+
+// S integrated once ... four times where the slow one of two decays has hardly begun, down to no spring at all (slow = 0):
+// S = (exp(-slow s) - exp(-fast s)) / (fast - slow), term by term.
+void integrals_of_two_decays(double slow, double fast, double h, double* integral) {
+  double of_slow[4], of_fast[4];
+  exponential_integrals(slow * h, of_slow);
+  exponential_integrals(fast * h, of_fast);
+  double power = h / (fast - slow);
+  for (std::size_t j = 0; j < 4; ++j) {
+    integral[j] = power * (of_slow[j] - of_fast[j]);
+    power *= h;
+  }
+}
+
 }  // namespace
 
 OscillatorResponse oscillator_response(double square, double damping_rate, double h) {
@@ -55,6 +88,7 @@ OscillatorResponse oscillator_response(double square, double damping_rate, doubl
   } else {
     const double a = 0.5 * damping_rate;
     const double below = square - a * a;  // > 0: underdamped
+    bool has_begun = true;  // the slower of the decays: the recursion over the integrals divides by it
     if (std::fabs(below) * h * h < 1e-2) {
       // Near critical damping sine and hyperbolic sine share this series; it avoids their 0/0.
       const double x = below * h * h;
@@ -77,12 +111,16 @@ OscillatorResponse oscillator_response(double square, double damping_rate, doubl
       const double fast_decay = std::exp(-fast * h);
       s0 = (slow_decay - fast_decay) / (2.0 * b);
       s1 = (fast * fast_decay - slow * slow_decay) / (2.0 * b);
+      has_begun = slow * h >= 1.0;
+      if (!has_begun) integrals_of_two_decays(slow, fast, h, integral);
     }
-    // S'' + d S' + w2 S = 0, integrated once, twice, ...
-    integral[0] = (1.0 - s1 - damping_rate * s0) / square;
-    integral[1] = (h - s0 - damping_rate * integral[0]) / square;
-    integral[2] = (0.5 * h * h - integral[0] - damping_rate * integral[1]) / square;
-    integral[3] = (h * h * h / 6.0 - integral[1] - damping_rate * integral[2]) / square;
+    if (has_begun) {
+      // S'' + d S' + w2 S = 0, integrated once, twice, ...
+      integral[0] = (1.0 - s1 - damping_rate * s0) / square;
+      integral[1] = (h - s0 - damping_rate * integral[0]) / square;
+      integral[2] = (0.5 * h * h - integral[0] - damping_rate * integral[1]) / square;
+      integral[3] = (h * h * h / 6.0 - integral[1] - damping_rate * integral[2]) / square;
+    }
   }
   return {.qq = s1 + damping_rate * s0,
           .qv = s0,

@@ -4,7 +4,9 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "sim/integrate/friction.h"
 #include "sim/integrate/oscillator.h"
+#include "sim/model/cannot_be_built.h"
 #include "sim/model/boom.h"
 #include "sim/model/drive_line.h"
 
@@ -14,8 +16,8 @@ namespace {
 
 // Times below which a split would not move the state [s].
 constexpr double kShortestSplit = 1e-12;
-// Sweeps over the frictions of a step; motors and house act on each other through soft gears, so each sweep
-// gains two to four digits.
+// Sweeps over the frictions of a step before they are solved by pivots; motors and house act on each other through
+// soft gears, so each sweep gains two to four digits.
 constexpr int kFrictionSweeps = 12;
 
 void size_step(ModalStep& step, int count) {
@@ -156,6 +158,7 @@ struct Trial {
   GroupArray angle, speed;  // motors at the end
   GroupArray friction;      // on motors
   double house_friction;
+  FrictionEnd friction_end;
   double torque_sum, rate_sum;
   House house;
 };
@@ -263,9 +266,10 @@ void solve_end(const PlantModel& model, const ModalStep& step, const PlantState&
   }
 }
 
-// Projected Gauss-Seidel: each friction takes what would stop its body within the step, up to its level.
-void solve_with_friction(const PlantModel& model, const ModalStep& step, const PlantState& state,
-                         const Push& push, const Start& start, const House& free_house, Trial& trial) {
+// Each friction takes what would stop its body within the step, up to its level; sweep by sweep that of the others gets
+// into it. True once nothing changes any more.
+bool sweep_frictions(const PlantModel& model, const ModalStep& step, const PlantState& state, const Push& push,
+                     const Start& start, const House& free_house, Trial& trial) {
   for (int sweep = 0; sweep < kFrictionSweeps; ++sweep) {
     solve_end(model, step, state, push, start, free_house, trial);
     double change = 0.0;
@@ -281,9 +285,54 @@ void solve_with_friction(const PlantModel& model, const ModalStep& step, const P
     const double level = push.friction.house_positive + push.friction.house_negative;
     change = std::max(change, std::fabs(taken - trial.house_friction) - 1e-12 * level);
     trial.house_friction = taken;
-    if (change <= 0.0) return;
+    if (change <= 0.0) return true;
   }
+  return false;
+}
+
+// Stiff gears couple motors and house too closely for sweeps: the end speeds are linear in the frictions, so a few solves
+// of the step's end give the whole problem.
+FrictionEnd pivot_frictions(const PlantModel& model, const ModalStep& step, const PlantState& state, const Push& push,
+                            const Start& start, const House& free_house, Trial& trial) {
+  const int groups = model.group_count;
+  FrictionProblem problem;
+  problem.count = groups + 1;
+  double friction[kMaximumFrictions];
+  for (int i = 0; i < groups; ++i) {
+    friction[i] = trial.friction[i];
+    problem.lowest[i] = -push.friction.motor[i];
+    problem.highest[i] = push.friction.motor[i];
+  }
+  friction[groups] = trial.house_friction;
+  problem.lowest[groups] = -push.friction.house_positive;
+  problem.highest[groups] = push.friction.house_negative;
+
+  const auto speed_of = [&](int body) { return body < groups ? trial.speed[body] : trial.house.speed; };
+  trial.friction.fill(0.0);
+  trial.house_friction = 0.0;
   solve_end(model, step, state, push, start, free_house, trial);
+  for (int i = 0; i <= groups; ++i) problem.free_speed[i] = speed_of(i);
+  for (int j = 0; j <= groups; ++j) {
+    // What gives the body alone 1 rad/s within the step.
+    const double torque = j < groups ? model.group_inertia[j] / step.length : 1.0 / step.house_speed_to_torque;
+    double& on_body = j < groups ? trial.friction[j] : trial.house_friction;
+    on_body = torque;
+    solve_end(model, step, state, push, start, free_house, trial);
+    on_body = 0.0;
+    for (int i = 0; i <= groups; ++i) problem.mobility[i][j] = (speed_of(i) - problem.free_speed[i]) / torque;
+  }
+
+  const FrictionEnd end = solve_frictions(problem, friction);
+  for (int i = 0; i < groups; ++i) trial.friction[i] = friction[i];
+  trial.house_friction = friction[groups];
+  solve_end(model, step, state, push, start, free_house, trial);
+  return end;
+}
+
+void solve_with_friction(const PlantModel& model, const ModalStep& step, const PlantState& state, const Push& push,
+                         const Start& start, const House& free_house, Trial& trial) {
+  if (sweep_frictions(model, step, state, push, start, free_house, trial)) return;
+  trial.friction_end = pivot_frictions(model, step, state, push, start, free_house, trial);
 }
 
 // First pass over the modes: where they are at the end without the end torques. Returns the house's part.
@@ -459,6 +508,7 @@ void accept(const PlantModel& model, const ModalStep& step, const LoadStep& load
     state.motor_friction[i] = trial.friction[i];
   }
   state.house_friction = trial.house_friction;
+  if (push.has_friction && trial.friction_end != FrictionEnd::solved) ++state.unsolved_frictions;
   state.other_house_torque = push.house + trial.house_friction;
   state.supplied_work += state.other_house_torque * (trial.house.angle - state.house_angle);
   state.house_angle = trial.house.angle;
@@ -499,6 +549,7 @@ void attempt(const PlantModel& model, const ModalStep& step, const PlantState& s
   const House free_house = advance_free(model, step, state, push, start, workspace);
   trial.friction.fill(0.0);
   trial.house_friction = 0.0;
+  trial.friction_end = FrictionEnd::solved;
   if (push.has_friction) {
     trial.friction = state.motor_friction;
     trial.house_friction = state.house_friction;
@@ -506,6 +557,54 @@ void attempt(const PlantModel& model, const ModalStep& step, const PlantState& s
   } else {
     solve_end(model, step, state, push, start, free_house, trial);
   }
+}
+
+// The whole step of a machine that is one inertia. Friction has its full level against the motion, and at rest takes
+// what holds it there, up to the level: at most two pieces, one until it stops and one from then on.
+void step_rigid(const PlantModel& model, const Push& push, PlantState& state) {
+  const double h = model.step;
+  double torque = push.house, against_positive = push.friction.house_positive, against_negative = push.friction.house_negative;
+  for (int i = 0; i < model.group_count; ++i) {
+    torque += push.motor[i];
+    against_positive += push.friction.motor[i];
+    against_negative += push.friction.motor[i];
+  }
+  const double start_speed = state.house_speed;
+  double speed = start_speed, turned = 0.0, friction_impulse = 0.0, friction_work = 0.0, remaining = h;
+  for (int piece = 0; piece < 2 && remaining > 0.0; ++piece) {
+    const double friction = speed > 0.0   ? -against_positive
+                            : speed < 0.0 ? against_negative
+                                          : std::clamp(-torque, -against_positive, against_negative);
+    const double acceleration = (torque + friction) / model.rigid_inertia;
+    const bool stops = friction != 0.0 && speed * acceleration < 0.0 && -speed / acceleration < remaining;
+    const double length = stops ? -speed / acceleration : remaining;
+    const double way = length * (speed + 0.5 * length * acceleration);
+    turned += way;
+    friction_impulse += friction * length;
+    friction_work += friction * way;
+    speed = stops ? 0.0 : speed + length * acceleration;
+    remaining -= length;
+    if (!stops) break;
+  }
+  const double acceleration = (speed - start_speed) / h;
+  const double friction = friction_impulse / h;
+  const double level = friction < 0.0 ? against_positive : against_negative;
+  const double share = level > 0.0 ? friction / level : 0.0;
+
+  state.supplied_work += torque * turned + friction_work;
+  state.house_friction = share * (friction < 0.0 ? push.friction.house_positive : push.friction.house_negative);
+  state.other_house_torque = push.house + state.house_friction;
+  state.house_angle += turned;
+  state.house_speed = speed;
+  for (int i = 0; i < model.group_count; ++i) {
+    state.motor_friction[i] = share * push.friction.motor[i];
+    state.gear_torque[i] = push.motor[i] + state.motor_friction[i] - model.group_inertia[i] * acceleration;
+    state.contact[i] = state.gear_torque[i] > 0.0 ? 1 : state.gear_torque[i] < 0.0 ? -1 : 0;
+    state.motor_angle[i] = state.house_angle;
+    state.motor_speed[i] = speed;
+  }
+  state.q[0] = state.house_angle / model.house[0];
+  state.v[0] = speed / model.house[0];
 }
 
 }  // namespace
@@ -526,10 +625,10 @@ PlantModel make_plant_model(const CraneParameters& crane, double step, const Gro
     throw std::invalid_argument("the number of motor groups must be 1 ... 8");
   }
   for (int i = 0; i < groups; ++i) {
-    if (!(group_inertia[i] > 0.0)) throw std::invalid_argument("a motor group needs an inertia above 0");
-    if (!(gear[i].stiffness > 0.0)) throw std::invalid_argument("gearboxes need a stiffness above 0");
+    if (!crane.drive.is_rigid && !(group_inertia[i] > 0.0)) throw CannotBeBuilt("a motor group needs an inertia above 0");
+    if (!crane.drive.is_rigid && !(gear[i].stiffness > 0.0)) throw CannotBeBuilt("gearboxes need a stiffness above 0");
   }
-  if (!(driven_inertia(crane) > 0.0)) throw std::invalid_argument("house and boom have no inertia");
+  if (!(driven_inertia(crane) > 0.0)) throw CannotBeBuilt("what the motors drive has no inertia");
 
   PlantModel model;
   model.parameters = crane;
@@ -566,9 +665,18 @@ PlantModel make_plant_model(const CraneParameters& crane, double step, const Gro
     model.house_per_uniform_force += model.house[k] * model.uniform[k];
   }
   model.has_load = crane.load.mass > 0.0;
+  model.has_axis_force = crane.axis_force.constant != 0.0 || crane.axis_force.gravity != 0.0;
+  model.is_rigid = crane.drive.is_rigid;
+  if (model.is_rigid) {
+    if (model.mode_count > 1 || model.has_load) {
+      throw std::invalid_argument("a rigid drive is stepped as one inertia: it goes with neither a boom that bends nor a load on a rope");
+    }
+    model.rigid_inertia = driven_inertia(crane);
+    for (int i = 0; i < groups; ++i) model.rigid_inertia += group_inertia[i];
+  }
   if (model.has_load) model.load = load_on_spring(crane.load);
   size_step(model.full, model.padded_count);
-  discretise(model, step, model.full);
+  if (!model.is_rigid) discretise(model, step, model.full);
   model.load_step = discretise_load(model, step);
   return model;
 }
@@ -597,6 +705,11 @@ void refresh(const PlantModel& model, PlantState& state) {
       dot(model.house_acceleration_q, state.q) + dot(model.house_acceleration_v, state.v);
   rope_forces(model, 0.0, state);
   for (int i = 0; i < model.group_count; ++i) {
+    if (model.is_rigid) {
+      state.motor_angle[i] = state.house_angle;
+      state.motor_speed[i] = state.house_speed;
+      continue;
+    }
     state.gear_torque[i] =
         contact_torque(model.gear[i], gear_deflection(state, i), state.motor_speed[i] - state.house_speed);
     state.contact[i] = state.gear_torque[i] > 0.0 ? 1 : state.gear_torque[i] < 0.0 ? -1 : 0;
@@ -614,10 +727,19 @@ void step(const PlantModel& model, PlantWorkspace& workspace, const PlantInput& 
   }
   push.friction = input.friction;
   push.house = input.ports.house_torque;
+  if (model.has_axis_force) {
+    push.house += axis_force_at(model.parameters.axis_force, state.house_angle + 0.5 * model.step * state.house_speed);
+  }
   push.tip = input.ports.tip_force;
   push.uniform = input.ports.uniform_force;
   push.load = input.ports.load_force;
   push.rod = input.ports.rod_moment;
+
+  if (model.is_rigid) {
+    step_rigid(model, push, state);
+    ++state.step_count;
+    return;
+  }
 
   Start start;
   Trial trial;

@@ -13,7 +13,13 @@
 //   advanced exactly for a tip that moves linearly between the step's ends.
 // - Torques of the motors are held over the step; port forces of effects too. Friction on motors and house
 //   (brake, dragging brake, slew bearing) is a torque that opposes motion up to a level and holds at rest: it
-//   is found with the step's end speed, so that sticking is exact and nothing chatters.
+//   is found with the step's end speed, so that sticking is exact and nothing chatters: by sweeps over motors and
+//   house, and by pivots (friction.h) where those do not settle.
+//
+// - A machine of one inertia (`drive.is_rigid`) is stepped as one inertia: constant acceleration between the moments
+//   at which friction stops it, exactly, for torques held over the step.
+// - What acts on the axis wherever it stands (AxisForceParameters) is held at its value in the middle of the step, angle
+//   x + h v / 2: second order, and of an undamped pendulum the energy stays bounded (Verlet's scheme).
 //
 // Order of accuracy: the contact phases are of fourth order in h, the splits keep at least second order across
 // impacts. step() allocates nothing, locks nothing, throws nothing. Same inputs, same bits.
@@ -84,6 +90,9 @@ struct PlantModel {
   double house_per_uniform_force = 0.0; // [1/kg] sum house uniform
   LoadOnSpring load;
   bool has_load = false;
+  bool has_axis_force = false;
+  bool is_rigid = false;
+  double rigid_inertia = 0.0;  // [kg m^2] of everything, where the drive is rigid
   ModalStep full;  // for the whole step
   LoadStep load_step;
 };
@@ -116,6 +125,7 @@ struct PlantState {
   std::array<int, kMaximumGroupCount> last_flank{};               // -1 or +1; 0 before the first contact
   std::int64_t contact_changes = 0;                               // contacts made or lost since the start
   std::int64_t unsplit_steps = 0;  // steps in which kMaximumSplits was reached
+  std::int64_t unsolved_frictions = 0;  // steps, or parts of one, whose frictions do not hold to their law (friction.h)
   double supplied_work = 0.0;      // [J] by motors, friction and ports since the start
 };
 
@@ -125,7 +135,8 @@ struct PlantWorkspace {
   std::vector<double> q, v;  // trial end state
 };
 
-// Throws std::invalid_argument when the crane cannot be built (no groups, no inertia, step <= 0).
+// Throws CannotBeBuilt for a machine without inertia or stiffness, or a rigid drive with a boom that bends or a load;
+// std::invalid_argument for no groups or a step <= 0.
 PlantModel make_plant_model(const CraneParameters& crane, double step);
 // As make_plant_model, with each group's inertia and gears given (uneven drives).
 PlantModel make_plant_model(const CraneParameters& crane, double step, const GroupArray& group_inertia,
@@ -135,7 +146,8 @@ PlantWorkspace make_plant_workspace(const PlantModel& model);
 // At rest, gears in the middle of their play, load hanging straight.
 PlantState make_plant_state(const PlantModel& model);
 
-// Recomputes what a state derives from its angles, speeds and modes: call it after setting those by hand.
+// Recomputes what a state derives from its angles, speeds and modes: call it after setting those by hand. Where the
+// drive is rigid, the motors' angles and speeds are derived, too.
 void refresh(const PlantModel& model, PlantState& state);
 
 // Advances the state by model.step.

@@ -52,16 +52,18 @@ struct Reference {
   ReferenceMachine machine;
   ReferenceExtra extra;
   ReferenceOptions options;
-  int group_count = 0;
+  int group_count = 0;  // that move for themselves: none where the drive is rigid
+  int rigid_groups = 0; // that turn with the house
   int mode_count = 0;
   int load_count = 0;  // 2 or 0
+  bool has_axis_force = false;
   int size = 0;
   double ratio = 1.0;
   std::vector<double> square;
   LoadOnSpring load;
   std::array<double, 2> load_square{}, load_damping{}, load_from_tip{}, load_from_tip_velocity{};
 
-  // The held torque: angle and speed it has given each motor up to `held_since`.
+  // The held torque: angle and speed it has given each motor up to `held_since`. A rigid drive's acts on the house.
   GroupArray held{};  // [Nm] whole group, slew axis
   GroupArray held_angle{}, held_speed{};
   double held_since = 0.0;
@@ -149,6 +151,10 @@ void observe(const Reference& r, double t, const double* y, Motion& motion) {
   seen.house_speed = house_speed;
   seen.tip_displacement = tip_displacement;
   seen.tip_velocity = tip_velocity;
+  for (int i = 0; i < r.rigid_groups; ++i) {
+    motion.motor_angle[i] = house_angle;
+    motion.motor_speed[i] = house_speed;
+  }
   seen.q = q;
   seen.v = v;
   if (r.load_count > 0) {
@@ -210,6 +216,7 @@ void derive(Reference& r, double t, const double* y, double* rates) {
   Motion motion;
   observe(r, t, y, motion);
   double house_torque = fill_gear_torques(r, motion);
+  if (r.has_axis_force) house_torque += axis_force_at(r.machine.crane.axis_force, motion.seen.house_angle);
   double tip_force = rope_force(r, motion.seen);
   ReferenceForces forces;
   const bool extra = static_cast<bool>(r.extra.forces);
@@ -220,6 +227,7 @@ void derive(Reference& r, double t, const double* y, double* rates) {
     house_torque += forces.house_torque;
     tip_force += forces.tip_force;
   }
+  for (int i = 0; i < r.rigid_groups; ++i) house_torque += r.held[i] + forces.motor_torque[i];
   for (int i = 0; i < r.group_count; ++i) {
     rates[i] = y[r.speeds() + i];
     rates[r.speeds() + i] = (forces.motor_torque[i] - motion.gear_torque[i]) / r.machine.group_inertia[i];
@@ -419,7 +427,7 @@ int give_weights(N_Vector state, N_Vector weights, void* user) {
 void fill_weights(Reference& r) {
   double* values = N_VGetArrayPointer(r.weights.get());
   const double unit = r.options.tolerance;
-  const double inertia = driven_inertia(r.machine.crane);
+  const double inertia = r.rigid_groups > 0 ? rigid_inertia(r.machine.crane) : driven_inertia(r.machine.crane);
   const double modal_speed = unit * kScaleSpeed * std::sqrt(inertia);
   for (int i = 0; i < r.group_count; ++i) {
     values[i] = unit * kScaleSpeed / kScaleFrequency;
@@ -472,7 +480,7 @@ void make_integrator(Reference& r) {
     require(r, ARKStepWFtolerances(r.integrator, give_weights), "ARKStepWFtolerances");
     require(r, ARKStepSetUserData(r.integrator, &r), "ARKStepSetUserData");
     require(r, ARKStepSetLinearSolver(r.integrator, r.solver.get(), nullptr), "ARKStepSetLinearSolver");
-    const bool linear = !r.extra.forces && !r.extra.gears;
+    const bool linear = !r.extra.forces && !r.extra.gears && r.machine.crane.axis_force.gravity == 0.0;
     if (linear) require(r, ARKStepSetLinear(r.integrator, 0), "ARKStepSetLinear");
     require(r, ARKStepRootInit(r.integrator, roots, contact_functions), "ARKStepRootInit");
     ARKStepSetMaxNonlinIters(r.integrator, 10);
@@ -557,7 +565,11 @@ ReferencePointer make_reference(ReferenceMachine machine, const ReferenceOptions
   if (groups < 1 || groups > kMaximumGroupCount) {
     throw std::invalid_argument("the number of motor groups must be 1 ... 8");
   }
-  for (int i = 0; i < groups; ++i) {
+  const bool is_rigid = machine.crane.drive.is_rigid;
+  if (is_rigid && (machine.modes.frequency.size() > 1 || machine.crane.load.mass > 0.0)) {
+    throw std::invalid_argument("a rigid drive is one inertia: it goes with neither a boom that bends nor a load on a rope");
+  }
+  for (int i = 0; i < groups && !is_rigid; ++i) {
     if (!(machine.group_inertia[i] > 0.0)) throw std::invalid_argument("a motor group needs an inertia above 0");
     if (!(machine.gear[i].stiffness > 0.0)) throw std::invalid_argument("gearboxes need a stiffness above 0");
   }
@@ -571,7 +583,19 @@ ReferencePointer make_reference(ReferenceMachine machine, const ReferenceOptions
   r.machine = std::move(machine);
   r.extra = std::move(extra);
   r.options = options;
-  r.group_count = groups;
+  r.group_count = is_rigid ? 0 : groups;
+  r.rigid_groups = is_rigid ? groups : 0;
+  if (is_rigid) {
+    double inertia = driven_inertia(r.machine.crane);
+    for (int i = 0; i < groups; ++i) inertia += r.machine.group_inertia[i];
+    // The modes are those of what the motors drive; with them, it turns by less for the same torque.
+    const double share = std::sqrt(driven_inertia(r.machine.crane) / inertia);
+    FreeHouseModes& modes = r.machine.modes;
+    for (auto* shape : {&modes.house, &modes.pivot, &modes.tip, &modes.middle, &modes.tip_twist, &modes.uniform_load}) {
+      shape->front() *= share;
+    }
+  }
+  r.has_axis_force = r.machine.crane.axis_force.constant != 0.0 || r.machine.crane.axis_force.gravity != 0.0;
   r.mode_count = static_cast<int>(r.machine.modes.frequency.size());
   r.ratio = total_ratio(r.machine.crane.drive);
   for (const double frequency : r.machine.modes.frequency) r.square.push_back(frequency * frequency);
@@ -606,14 +630,21 @@ void set_state(Reference& r, const PlantState& state, double time) {
   r.held = {};
   r.held_angle = {};
   r.held_speed = {};
+  // A state of the plant: angles of the house there are per root of what the motors drive.
+  if (r.rigid_groups > 0) {
+    y[r.q()] = state.house_angle / r.machine.modes.house[0];
+    y[r.v()] = state.house_speed / r.machine.modes.house[0];
+  }
   for (int i = 0; i < r.group_count; ++i) {
     y[i] = state.motor_angle[i];
     y[r.speeds() + i] = state.motor_speed[i];
     r.contact[i] = state.contact[i];
     r.last_flank[i] = state.last_flank[i];
   }
-  std::copy_n(state.q.begin(), r.mode_count, y + r.q());
-  std::copy_n(state.v.begin(), r.mode_count, y + r.v());
+  if (r.rigid_groups == 0) {
+    std::copy_n(state.q.begin(), r.mode_count, y + r.q());
+    std::copy_n(state.v.begin(), r.mode_count, y + r.v());
+  }
   for (int j = 0; j < r.load_count; ++j) {
     y[r.load_q() + j] = state.load_q[j];
     y[r.load_v() + j] = state.load_v[j];
@@ -673,9 +704,14 @@ void advance(Reference& r, const GroupArray& motor_torque, double until) {
     jumped = jumped || torque != r.held[i];
     r.held[i] = torque;
   }
+  for (int i = 0; i < r.rigid_groups; ++i) {
+    const double torque = motor_torque[i] * r.machine.crane.drive.motors_per_group * r.ratio;
+    jumped = jumped || torque != r.held[i];
+    r.held[i] = torque;
+  }
   r.held_since = r.now;
   if (until == r.now) return;
-  if (jumped && r.extra.forces) restart(r);
+  if (jumped && (r.extra.forces || r.rigid_groups > 0)) restart(r);
 
   const bool bdf = r.options.method == ReferenceMethod::kBdf;
   while (r.now < until) {
@@ -730,7 +766,7 @@ PlantReadings read(const Reference& reference) {
   derive(r, r.now, N_VGetArrayPointer(r.state.get()), rates.data());
   const Motion motion = motion_now(r);
   PlantReadings readings;
-  for (int i = 0; i < r.group_count; ++i) {
+  for (int i = 0; i < r.group_count + r.rigid_groups; ++i) {
     readings.shaft_speed[i] = motion.motor_speed[i] * r.ratio;
     readings.shaft_position[i] = motion.motor_angle[i] * r.ratio;
   }
@@ -749,7 +785,16 @@ PlantReadings read(const Reference& reference) {
   return readings;
 }
 
-GroupArray gear_torques(const Reference& r) { return motion_now(r).gear_torque; }
+GroupArray gear_torques(const Reference& reference) {
+  GroupArray torque = motion_now(reference).gear_torque;
+  if (reference.rigid_groups == 0) return torque;
+  // What the rigid drive passes on: the motors' torque less what their own inertia takes.
+  double acceleration = 0.0;
+  modal_accelerations(reference, &acceleration);
+  acceleration *= reference.machine.modes.house[0];
+  for (int i = 0; i < reference.rigid_groups; ++i) torque[i] = reference.held[i] - reference.machine.group_inertia[i] * acceleration;
+  return torque;
+}
 
 double gear_deflection(const Reference& r, int group) {
   const Motion motion = motion_now(r);

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "common/yaml_reader.h"
+#include "sim/machine/drive_protection_file.h"
 
 namespace slewlab::sim {
 namespace {
@@ -14,31 +14,54 @@ using common::positive;
 using common::Unit;
 using common::YamlReader;
 
+// What no machine has, whatever its scale: a slip of units or of the keyboard. In SI; 0 is left to the key's own range.
+struct Possible {
+  double least, most;
+};
+constexpr Possible kMass{1e-6, 1e9};          // [kg] a grain to a thousand thousand tonnes, more than any ship
+constexpr Possible kLength{1e-4, 1e4};        // [m] a tenth of a millimetre to ten kilometres
+constexpr Possible kInertia{1e-12, 1e15};     // [kg m^2] the smallest rotor to the greatest mass a kilometre out
+constexpr Possible kStiffness{1e-6, 1e18};    // [Nm/rad]
+constexpr Possible kRatio{1e-4, 1e6};         // [-]
+constexpr Possible kModulus{1e3, 1e13};       // [Pa] jelly to ten times diamond
+constexpr Possible kTorque{1e-9, 1e12};       // [Nm]
+constexpr Possible kSpeed{1e-9, 1e6};         // [rad/s]
+
+double sized(YamlReader& reader, std::string_view key, Unit unit, common::Range range, Possible possible) {
+  const double value = reader.number(key, unit, range);
+  if (value != 0.0 && (value < possible.least || value > possible.most)) {
+    const std::string name(common::name_of(unit));
+    reader.report(key, common::shortest(value) + ' ' + name + ", which no machine has",
+                  "from " + common::shortest(possible.least) + " to " + common::shortest(possible.most) + ' ' + name);
+  }
+  return value;
+}
+
 constexpr double kRightAngle = 0.5 * std::numbers::pi;  // [rad]
 
 DriveParameters read_drive(YamlReader reader) {
   DriveParameters drive;
   drive.group_count = reader.integer("groups", 1, kMaximumGroupCount);
   drive.motors_per_group = reader.integer("motors_per_group", 1, 100);
-  drive.motor_inertia = reader.number("motor_inertia", Unit::kilogram_square_metre, positive());
-  drive.brake_inertia = reader.number("brake_inertia", Unit::kilogram_square_metre, not_negative());
-  drive.gearbox_inertia = reader.number("gearbox_inertia", Unit::kilogram_square_metre, not_negative());
-  drive.gearbox_ratio = reader.number("gearbox_ratio", Unit::none, positive());
-  drive.pinion_ratio = reader.number("pinion_ratio", Unit::none, positive());
-  drive.gearbox_stiffness = reader.number("gearbox_stiffness", Unit::newton_metre_per_radian, positive());
+  drive.motor_inertia = sized(reader, "motor_inertia", Unit::kilogram_square_metre, positive(), kInertia);
+  drive.brake_inertia = sized(reader, "brake_inertia", Unit::kilogram_square_metre, not_negative(), kInertia);
+  drive.gearbox_inertia = sized(reader, "gearbox_inertia", Unit::kilogram_square_metre, not_negative(), kInertia);
+  drive.gearbox_ratio = sized(reader, "gearbox_ratio", Unit::none, positive(), kRatio);
+  drive.pinion_ratio = sized(reader, "pinion_ratio", Unit::none, positive(), kRatio);
+  drive.gearbox_stiffness = sized(reader, "gearbox_stiffness", Unit::newton_metre_per_radian, positive(), kStiffness);
   drive.gear_damping_ratio = reader.number("gear_damping_ratio", Unit::none, between(0.0, 1.0));
   drive.gearbox_play = reader.number("gearbox_play", Unit::radian, not_negative());
   drive.pinion_play = reader.number("pinion_play", Unit::radian, not_negative());
-  drive.rated_torque = reader.number("rated_torque", Unit::newton_metre, positive());
-  drive.top_speed = reader.number("top_speed", Unit::radian_per_second, positive());
+  drive.rated_torque = sized(reader, "rated_torque", Unit::newton_metre, positive(), kTorque);
+  drive.top_speed = sized(reader, "top_speed", Unit::radian_per_second, positive(), kSpeed);
   reader.finish();
   return drive;
 }
 
 HouseParameters read_house(YamlReader reader) {
   HouseParameters house;
-  house.inertia = reader.number("inertia", Unit::kilogram_square_metre, positive());
-  house.sensor_radius = reader.number("sensor_radius", Unit::metre, not_negative());
+  house.inertia = sized(reader, "inertia", Unit::kilogram_square_metre, positive(), kInertia);
+  house.sensor_radius = sized(reader, "sensor_radius", Unit::metre, not_negative(), kLength);
   reader.finish();
   return house;
 }
@@ -83,14 +106,14 @@ BoomParameters read_boom(YamlReader reader) {
   constexpr int kMostElements = 1024;
   BoomParameters boom;
   boom.element_count = reader.integer("elements", 0, kMostElements);
-  boom.length = reader.number("length", Unit::metre, positive());
-  boom.mass = reader.number("mass", Unit::kilogram, positive());
+  boom.length = sized(reader, "length", Unit::metre, positive(), kLength);
+  boom.mass = sized(reader, "mass", Unit::kilogram, positive(), kMass);
   boom.angle = reader.number("angle", Unit::radian, between(0.0, kRightAngle));
-  boom.pivot_radius = reader.number("pivot_radius", Unit::metre, not_negative());
-  boom.chord_outer_diameter = reader.number("chord_outer_diameter", Unit::metre, positive());
+  boom.pivot_radius = sized(reader, "pivot_radius", Unit::metre, not_negative(), kLength);
+  boom.chord_outer_diameter = sized(reader, "chord_outer_diameter", Unit::metre, positive(), kLength);
   boom.chord_inner_diameter = reader.number("chord_inner_diameter", Unit::metre, not_negative());
-  boom.youngs_modulus = reader.number("youngs_modulus", Unit::pascal, positive());
-  boom.shear_modulus = reader.number("shear_modulus", Unit::pascal, positive());
+  boom.youngs_modulus = sized(reader, "youngs_modulus", Unit::pascal, positive(), kModulus);
+  boom.shear_modulus = sized(reader, "shear_modulus", Unit::pascal, positive(), kModulus);
   boom.torsion_constant = reader.number("torsion_constant", Unit::metre_to_the_fourth, positive());
   boom.damping_ratio = reader.number("damping_ratio", Unit::none, between(0.0, 1.0));
   boom.profile = read_profile(reader.map("profile"));
@@ -104,57 +127,18 @@ BoomParameters read_boom(YamlReader reader) {
 
 LoadParameters read_load(YamlReader reader) {
   LoadParameters load;
-  load.mass = reader.number("mass", Unit::kilogram, not_negative());
-  load.rope_length = reader.number("rope_length", Unit::metre, positive());
-  load.rod_length = reader.number("rod_length", Unit::metre, not_negative());
+  load.mass = sized(reader, "mass", Unit::kilogram, not_negative(), kMass);
+  load.rope_length = sized(reader, "rope_length", Unit::metre, positive(), kLength);
+  load.rod_length = sized(reader, "rod_length", Unit::metre, not_negative(), kLength);
   load.damping_ratio = reader.number("damping_ratio", Unit::none, between(0.0, 1.0));
   reader.finish();
   return load;
 }
 
-// Times of the drive are whole nanoseconds, as all times of the wire.
-std::int64_t read_time(YamlReader& reader, std::string_view key) {
-  constexpr double kLongest = 3600.0;  // [s]
-  constexpr double kNanosecondsPerSecond = 1e9;
-  return std::llround(reader.number(key, Unit::second, between(0.0, kLongest)) * kNanosecondsPerSecond);
-}
-
-BrakeSettings read_brake(YamlReader reader) {
-  BrakeSettings brake;
-  brake.torque = reader.number("torque", Unit::newton_metre, not_negative());
-  brake.closing_delay = read_time(reader, "closing_delay");
-  brake.closing_time_constant = reader.number("closing_time_constant", Unit::second, not_negative());
-  brake.release_delay = read_time(reader, "release_delay");
-  brake.release_time_constant = reader.number("release_time_constant", Unit::second, not_negative());
-  reader.finish();
-  return brake;
-}
-
-DriveProtectionSettings read_drive_protection(YamlReader reader) {
-  constexpr int kOldestAnswer = 1000;  // [cycles]
-  DriveProtectionSettings protection;
-  protection.torque_limit = reader.number("torque_limit", Unit::newton_metre, positive());
-  protection.torque_rate_limit = reader.number("torque_rate_limit", Unit::newton_metre_per_second, positive());
-  protection.alive_timeout = read_time(reader, "alive_timeout");
-  protection.silence_timeout = read_time(reader, "silence_timeout");
-  protection.answer_age_limit = reader.integer("answer_age_limit", 0, kOldestAnswer);
-  protection.standstill_speed = reader.number("standstill_speed", Unit::radian_per_second, not_negative());
-  protection.trip_on_group_lost = reader.flag("trip_on_group_lost");
-  protection.brake = read_brake(reader.map("brake"));
-  reader.finish();
-  return protection;
-}
-
 }  // namespace
 
-CraneFile load_crane_file(const std::filesystem::path& file, const std::vector<common::Override>& overrides) {
-  common::InputProblems problems;
-  const common::YamlNode root = common::load_yaml_file(file, overrides, problems);
-  if (root.kind != common::YamlNode::Kind::map) throw common::InputError(problems);
-
-  CraneFile result;
-  CraneParameters& crane = result.parameters;
-  YamlReader reader(root, "", problems);
+void read_crane(YamlReader& reader, MachineFile& file) {
+  CraneParameters& crane = file.parameters;
   reader.heading("crane");
   crane.drive = read_drive(reader.map("drive"));
   crane.house = read_house(reader.map("house"));
@@ -164,12 +148,7 @@ CraneFile load_crane_file(const std::filesystem::path& file, const std::vector<c
     crane.boom.element_count = 0;
   }
   if (reader.has("load")) crane.load = read_load(reader.map("load"));
-  if (reader.has("drive_protection")) result.drive_protection = read_drive_protection(reader.map("drive_protection"));
-  if (const common::YamlNode* effects = reader.raw("effects")) result.effects = *effects;
-  reader.finish();
-  if (!problems.empty()) throw common::InputError(problems);
-  result.canonical_text = common::canonical_text(root);
-  return result;
+  if (reader.has("drive_protection")) file.drive_protection = read_drive_protection(reader.map("drive_protection"), {});
 }
 
 }  // namespace slewlab::sim

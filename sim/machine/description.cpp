@@ -14,6 +14,9 @@ using common::Unit;
 constexpr double kAccelerationNoise = 0.005;  // [m/s^2]
 constexpr double kSpeedNoise = 0.02;          // [rad/s]
 constexpr double kSlewAngleNoise = 2.4e-5;    // [rad] 18 bits on the slew ring
+constexpr double kScaleNoise = 1e-6;          // [m] of a glass scale
+// Of top speed, of a linear motor: the share that kSpeedNoise is of a motor's 137 rad/s.
+constexpr double kLinearSpeedNoise = 1.5e-4;
 
 std::string of_group(std::string_view what, int group, int count) {
   return count == 1 ? std::string(what) : std::string(what) + " of group " + std::to_string(group + 1);
@@ -61,6 +64,66 @@ std::vector<Sensor> sensors_of(const CraneParameters& machine) {
   return sensors;
 }
 
+// Units of an axis and of its motor's shaft.
+struct AxisUnits {
+  Unit inertia, torque, position, speed, stiffness;
+};
+constexpr AxisUnits kRotary{Unit::kilogram_square_metre, Unit::newton_metre, Unit::radian, Unit::radian_per_second, Unit::newton_metre_per_radian};
+constexpr AxisUnits kLinear{Unit::kilogram, Unit::newton, Unit::metre, Unit::metre_per_second, Unit::newton_per_metre};
+
+std::vector<Effort> efforts_of_axis(const AxisForm& form, const Scales& scales) {
+  const AxisUnits& shaft = form.is_shaft_linear ? kLinear : kRotary;
+  const AxisUnits& axis = form.is_linear ? kLinear : kRotary;
+  return {{form.is_shaft_linear ? "motor force" : "motor torque", shaft.torque, EffortPlace::motor_group, 0, scales.motor_torque},
+          {form.is_linear ? "force on the axis" : "torque on the axis", axis.torque, EffortPlace::axis, -1, scales.axis_torque}};
+}
+
+std::vector<Sensor> sensors_of_axis(const AxisForm& form, bool has_load_encoder, const Scales& scales) {
+  const AxisUnits& shaft = form.is_shaft_linear ? kLinear : kRotary;
+  const double speed_noise = form.is_shaft_linear ? kLinearSpeedNoise * scales.top_speed : kSpeedNoise;
+  std::vector<Sensor> sensors{
+      {"motor speed", shaft.speed, "ENCODER", "shaft_speed", SensorPlace::motor_group, 0, 0.0, speed_noise},
+      {"motor position", shaft.position, "ENCODER", "shaft_position", SensorPlace::motor_group, 0, 0.0, 0.0}};
+  if (has_load_encoder) {
+    sensors.push_back({"load position", form.is_linear ? Unit::metre : Unit::radian, "SENSORS", "slew_angle", SensorPlace::axis, -1, 0.0,
+                       form.is_linear ? kScaleNoise : kSlewAngleNoise});
+  }
+  return sensors;
+}
+
+// All that an axis may have.
+std::vector<Parameter> all_parameters_of_axis(const AxisForm& form) {
+  using C = CraneParameters;
+  const AxisUnits& shaft = form.is_shaft_linear ? kLinear : kRotary;
+  const AxisUnits& axis = form.is_linear ? kLinear : kRotary;
+  return {
+      {form.is_linear ? "mass" : "inertia", kUnitDeviation,
+       {{"", form.is_linear ? "mass" : "inertia", axis.inertia, [](C& c) -> double& { return c.house.inertia; }}}},
+      {form.is_shaft_linear ? "motor mass" : "motor inertia", kUnitDeviation,
+       {{"", form.is_shaft_linear ? "motor_mass" : "motor_inertia", shaft.inertia, [](C& c) -> double& { return c.drive.motor_inertia; }}}},
+      {"transmission stiffness", kUnitDeviation,
+       {{"transmission", "stiffness", axis.stiffness, [](C& c) -> double& { return c.drive.gearbox_stiffness; }}}},
+      {"transmission damping", kUnitDeviation,
+       {{"transmission", "damping_ratio", Unit::none, [](C& c) -> double& { return c.drive.gear_damping_ratio; }}}},
+      {"play", kUnitDeviation, {{"transmission", "play", axis.position, [](C& c) -> double& { return c.drive.gearbox_play; }}}},
+      {"constant load", kUnitDeviation, {{"load", "constant", axis.torque, [](C& c) -> double& { return c.axis_force.constant; }}}},
+      {"gravity load", kUnitDeviation, {{"load", "gravity", axis.torque, [](C& c) -> double& { return c.axis_force.gravity; }}}},
+  };
+}
+
+// The file's own spread, where it gives one: of several numbers that are wrong together, the largest.
+void take_spreads(const std::map<std::string, double>& spreads, std::vector<Parameter>& parameters) {
+  for (Parameter& parameter : parameters) {
+    double largest = 0.0;
+    for (const FileNumber& number : parameter.numbers) {
+      const std::string key = (number.section.empty() ? "" : std::string(number.section) + ".") + std::string(number.key);
+      const auto found = spreads.find(key);
+      if (found != spreads.end()) largest = std::max(largest, found->second);
+    }
+    if (largest > 0.0) parameter.spread = largest;
+  }
+}
+
 // All that a crane may have; a machine has those of which a number is not 0.
 std::vector<Parameter> all_parameters() {
   using C = CraneParameters;
@@ -95,27 +158,30 @@ std::vector<Parameter> all_parameters() {
   };
 }
 
-std::vector<Parameter> parameters_of(CraneParameters machine) {
-  std::vector<Parameter> parameters = all_parameters();
+std::vector<Parameter> parameters_of(const MachineFile& file) {
+  CraneParameters machine = file.parameters;
+  std::vector<Parameter> parameters = file.kind == MachineKind::axis ? all_parameters_of_axis(file.axis) : all_parameters();
   std::erase_if(parameters, [&](const Parameter& parameter) {
     const bool has_any = std::any_of(parameter.numbers.begin(), parameter.numbers.end(),
                                      [&](const FileNumber& number) { return number.of(machine) != 0.0; });
-    const bool is_of_load = parameter.numbers.front().section == "load";
+    const bool is_of_load = file.kind == MachineKind::crane && parameter.numbers.front().section == "load";
     return !has_any || (is_of_load && machine.load.mass == 0.0);
   });
+  take_spreads(file.spreads, parameters);
   return parameters;
 }
 
 }  // namespace
 
-MachineDescription describe(const CraneFile& file) {
+MachineDescription describe(const MachineFile& file) {
   MachineDescription description;
-  description.kind = "crane";
+  description.kind = name_of(file.kind);
   description.machine = file.parameters;
   description.scales = scales_of(file.parameters);
-  description.efforts = efforts_of(file.parameters, description.scales);
-  description.sensors = sensors_of(file.parameters);
-  description.parameters = parameters_of(file.parameters);
+  const bool is_axis = file.kind == MachineKind::axis;
+  description.efforts = is_axis ? efforts_of_axis(file.axis, description.scales) : efforts_of(file.parameters, description.scales);
+  description.sensors = is_axis ? sensors_of_axis(file.axis, file.parameters.house.has_encoder, description.scales) : sensors_of(file.parameters);
+  description.parameters = parameters_of(file);
   return description;
 }
 

@@ -14,7 +14,7 @@
 
 #include "common/unit.h"
 #include "common/yaml_file.h"
-#include "sim/machine/crane_file.h"
+#include "sim/machine/machine_file.h"
 #include "sim/machine/scales.h"
 #include "sim/model/crane_parameters.h"
 
@@ -45,7 +45,7 @@ struct Sensor {
 
 // One number of the file, and how it is set before assembly.
 struct FileNumber {
-  std::string_view section, key;
+  std::string_view section, key;  // no section: at the top of the file
   common::Unit unit = common::Unit::none;
   double& (*of)(CraneParameters&) = nullptr;
 };
@@ -67,7 +67,7 @@ struct MachineDescription {
 };
 
 // Throws std::invalid_argument where the machine has no scales.
-MachineDescription describe(const CraneFile& file);
+MachineDescription describe(const MachineFile& file);
 
 // 5 % either way with equal chance is a standard deviation of 5 % / sqrt(3): chosen, the spread between units of one
 // make; a file may give a number's own (`spread`).

@@ -1,5 +1,6 @@
 #include "sim/machine/effect_scales.h"
 
+#include <algorithm>
 #include <cmath>
 
 #include "sim/machine/scales.h"
@@ -7,12 +8,13 @@
 
 namespace slewlab::sim {
 
-common::EffectScales effect_scales(const CraneParameters& nominal) {
+common::EffectScales effect_scales(const CraneParameters& nominal, const DriveProtectionSettings& protection) {
   using common::ScaleOf;
   const Scales machine = scales_of(nominal);
   common::EffectScales scales;
   scales[ScaleOf::time] = machine.acceleration_time;
   scales[ScaleOf::motor_torque] = machine.motor_torque;
+  scales[ScaleOf::drive_torque] = std::min(machine.motor_torque, protection.torque_limit);
   scales[ScaleOf::motor_speed] = machine.top_speed * machine.ratio;
   scales[ScaleOf::axis_torque] = machine.axis_torque;
   scales[ScaleOf::axis_speed] = machine.top_speed;
@@ -38,7 +40,7 @@ common::EffectScales effect_scales(const CraneParameters& nominal) {
 }
 
 common::MachineParts parts_of(const CraneParameters& machine) {
-  return {.gears = machine.drive.gearbox_stiffness > 0.0 && std::isfinite(machine.drive.gearbox_stiffness),
+  return {.gears = !machine.drive.is_rigid && machine.drive.gearbox_stiffness > 0.0 && std::isfinite(machine.drive.gearbox_stiffness),
           .boom = machine.boom.length > 0.0,
           .flexible_boom = machine.boom.length > 0.0 && machine.boom.element_count > 0,
           .load = machine.load.mass > 0.0,

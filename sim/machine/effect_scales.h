@@ -2,12 +2,13 @@
 #pragma once
 
 #include "common/effect.h"
+#include "sim/drive/drive_protection_settings.h"
 #include "sim/model/crane_parameters.h"
 
 namespace slewlab::sim {
 
 // Throws std::invalid_argument where the machine has no scales (scales.h).
-common::EffectScales effect_scales(const CraneParameters& nominal);
+common::EffectScales effect_scales(const CraneParameters& nominal, const DriveProtectionSettings& protection = {});
 
 common::MachineParts parts_of(const CraneParameters& machine);
 

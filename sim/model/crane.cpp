@@ -58,13 +58,17 @@ double driven_inertia(const CraneParameters& crane) {
   return crane.house.inertia + rigid_boom_inertia(crane.boom);
 }
 
+double rigid_inertia(const CraneParameters& crane) {
+  return crane.drive.group_count * group_inertia(crane.drive) + driven_inertia(crane);
+}
+
 GearContact gear_contact(const CraneParameters& crane) {
   return gear_contact(crane.drive, driven_inertia(crane));
 }
 
 CraneMatrices assemble_crane(const CraneParameters& crane, GearState gears) {
   const HouseAndBoom boom = assemble_house_and_boom(crane);
-  const int groups = crane.drive.group_count;
+  const int groups = crane.drive.is_rigid ? 0 : crane.drive.group_count;
   const int boom_size = static_cast<int>(boom.mass.rows());
   const bool has_load = crane.load.mass > 0.0;
   const bool has_rod = has_load && crane.load.rod_length > 0.0;
@@ -94,7 +98,9 @@ CraneMatrices assemble_crane(const CraneParameters& crane, GearState gears) {
   const GearContact gear = gear_contact(crane);
   result.mass.topLeftCorner(groups + 1, groups + 1) +=
       drive_mass_matrix(groups, group_inertia(crane.drive), 0.0);
-  if (gears == GearState::kClosed) {
+  if (crane.drive.is_rigid) {
+    result.mass(at.house, at.house) += crane.drive.group_count * group_inertia(crane.drive);
+  } else if (gears == GearState::kClosed) {
     result.stiffness.topLeftCorner(groups + 1, groups + 1) += drive_stiffness_matrix(groups, gear.stiffness);
     result.damping.topLeftCorner(groups + 1, groups + 1) += drive_stiffness_matrix(groups, gear.damping);
   }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cmath>
 #include <vector>
 
 #include "sim/model/crane_parameters.h"
@@ -12,7 +13,8 @@
 namespace slewlab::sim {
 
 // Where each degree of freedom stands in the assembled matrices: motor groups (slew axis), house, boom nodes
-// from the second on, load. -1 where the machine has none. Where the house is not rigid, `house` is the slew
+// from the second on, load. -1 where the machine has none. A rigid drive has no motor groups of its own here: the
+// motors turn with the house. Where the house is not rigid, `house` is the slew
 // ring and the house's upper part comes right behind it.
 struct CraneIndices {
   int group_count = 0;
@@ -39,11 +41,19 @@ CraneMatrices assemble_crane(const CraneParameters& crane, GearState gears);
 // [kg m^2] house and rigid boom about the slew axis; what the motors drive, the load left out.
 double driven_inertia(const CraneParameters& crane);
 
+// [kg m^2] all that turns with the slew axis as one body where the drive is rigid: motors, house and boom.
+double rigid_inertia(const CraneParameters& crane);
+
+// [Nm] on the axis at `angle` [rad].
+inline double axis_force_at(const AxisForceParameters& force, double angle) {
+  return force.constant + force.gravity * std::cos(angle - force.gravity_angle);
+}
+
 // Contact of one group's gears on the slew axis, with the damping that driven_inertia() gives.
 GearContact gear_contact(const CraneParameters& crane);
 
 // The boom on its free house, without load and gears: mass-normalised modes, the first one the rigid rotation
-// (frequency 0). Mode k obeys q'' + damping_rate q' + frequency^2 q = sum over ports of shape * force.
+// (frequency 0); where the drive is rigid, without the motors too. Mode k obeys q'' + damping_rate q' + frequency^2 q = sum over ports of shape * force.
 // A rigid boom has the rigid mode alone; modes above boom.highest_frequency are left out, and with them what they bend
 // under a steady force. Signs: the tip (without a boom: the house) moves to the positive side.
 struct FreeHouseModes {

@@ -26,12 +26,21 @@ struct DriveParameters {
   double pinion_play = 0.0;         // [rad] whole play between pinion and ring, as rotation of the pinion
   double rated_torque = 0.0;        // [Nm] that one motor may deliver all the time, T100
   double top_speed = 0.0;           // [rad/s] on the slew axis, that the machine is built for
+  bool is_rigid = false;            // nothing gives between the motors and what they drive: all of it is one inertia
+};
+
+// What acts on the axis wherever it stands: a weight on a lift, an arm that gravity turns. A crane's slew axis has none.
+struct AxisForceParameters {
+  double constant = 0.0;       // [Nm] in the positive direction; [N] of a linear axis
+  double gravity = 0.0;        // [Nm] at gravity_angle, where it is greatest; gravity * cos(angle - gravity_angle) elsewhere
+  double gravity_angle = 0.0;  // [rad]
 };
 
 struct HouseParameters {
   double inertia = 0.0;        // [kg m^2] about the slew axis
   double sensor_radius = 0.0;  // [m] of the lateral accelerometer on the house, from the slew axis
   double stiffness = 0.0;      // [Nm/rad] torsion between the slew ring and the rest of the house; 0 is rigid
+  bool has_encoder = true;     // on the slew ring, behind the gears
   double ring_share = 0.0;     // share of the inertia that turns with the slew ring, where the house is not rigid
 };
 
@@ -66,11 +75,14 @@ struct LoadParameters {
   double damping_ratio = 0.0;  // share of critical damping of each swinging mode
 };
 
+// A plain axis (`kind: axis`) is a crane without boom and load: one motor group, and a house that is what the axis
+// moves. On a linear axis angles read [m], inertias [kg], torques [N]; the ratio is motor radians per metre.
 struct CraneParameters {
   DriveParameters drive;
   HouseParameters house;
   BoomParameters boom;
   LoadParameters load;
+  AxisForceParameters axis_force;
 };
 
 }  // namespace slewlab::sim

@@ -278,7 +278,7 @@ int run(const Options& options) {
   DriveRun drive = drive_run(scenario);
   settings.run_identity = drive.run_identity =
       options.run_identity.empty() ? msgs::fresh_run_identity() : msgs::hash_of_text(options.run_identity);
-  CranePlant plant(machine_settings(scenario), scenario.crane.drive_protection, drive);
+  CranePlant plant(machine_settings(scenario), drive);
   const auto bus = msgs::open_lcm_bus(options.bus);
   msgs::LogWriter log(options.log);
 
@@ -307,7 +307,7 @@ int main(int argc, char** argv) {
                              "HEX"));
   app.add_flag("--realtime", options.realtime, "against the wall clock instead of in lockstep");
   app.add_option("--speed", options.speed, "with --realtime: simulated seconds per second")->check(CLI::PositiveNumber);
-  app.add_option("--set", options.overrides, "key=value over the files, e.g. crane.load.mass=20");
+  app.add_option("--set", options.overrides, "key=value over the files, e.g. crane.load.mass=20t");
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {

@@ -32,7 +32,7 @@ struct Manoeuvre {
     const Drive drive = to_and_fro();
     for (std::int64_t n = 0; n < whole(drive.duration / kStep); ++n) {
       const double held = drive.period * std::floor(static_cast<double>(n) * kStep / drive.period + 1e-9);
-      torque.push_back(drive.torque(held, {}));
+      torque.push_back(to_and_fro_torque(held));
     }
   }
 

@@ -21,9 +21,9 @@
 
 #include "controller/controller_file.h"
 #include "controller/process/computed_answer.h"
+#include "diagnosis/loop/wire_loop.h"
 #include "msgs/lcm_bus.h"
 #include "msgs/log_queue.h"
-#include "msgs/memory_bus.h"
 #include "sim/drive/crane_plant.h"
 #include "sim/drive/scenario_run.h"
 #include "sim/drive/system_clock.h"
@@ -76,14 +76,9 @@ std::int64_t longest_own_step(const sim::Scenario& scenario) {
   settings.period = static_cast<double>(kPeriod) * 1e-9;
   std::vector<std::int64_t> least;
   for (int i = 0; i < kRuns; ++i) {
-    msgs::MemoryWire wire;
-    const auto plant_bus = wire.connect();
-    const auto controller_bus = wire.connect();
-    const controller::AnswerLoop loop(*controller_bus, controller::computed_answer(settings));
-    plant_bus->on_wait = [&] { controller_bus->drain(); };
-    TimedPlant plant(sim::machine_settings(scenario), scenario.crane.drive_protection, sim::drive_run(scenario));
+    TimedPlant plant(sim::machine_settings(scenario), sim::drive_run(scenario));
     msgs::LogWriter log(folder.path() / "run.lcmlog");
-    sim::run_lockstep(sim::lockstep_settings(scenario), plant, *plant_bus, log);
+    diagnosis::run_wire_loop(sim::lockstep_settings(scenario), settings, plant, log);
     if (least.empty()) least = plant.durations;
     for (std::size_t k = 0; k < least.size(); ++k) least[k] = std::min(least[k], plant.durations[k]);
   }
@@ -133,7 +128,7 @@ int run(double seconds) {
     }
   });
 
-  sim::CranePlant plant(sim::machine_settings(scenario), scenario.crane.drive_protection, sim::drive_run(scenario));
+  sim::CranePlant plant(sim::machine_settings(scenario), sim::drive_run(scenario));
   const sim::LockstepSettings settings = sim::lockstep_settings(scenario);
   sim::SystemClock clock;
   const sim::LogSink log = [&](const char* channel, std::int64_t timestamp_us, msgs::Bytes bytes) {

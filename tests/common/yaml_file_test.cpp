@@ -111,14 +111,98 @@ TEST_F(YamlFile, RefusesAFileThatIsNotThere) {
   EXPECT_NE(said().find("which cannot be read"), std::string::npos);
 }
 
-TEST_F(YamlFile, OverrideKeepsTheUnitAndNamesTheCommandLineAsSource) {
+TEST_F(YamlFile, OverrideWithItsUnitNamesTheCommandLineAsSource) {
   const auto file = write("a.yaml", "load:\n  mass: {value: 30, unit: t, source: thesis}\n");
-  const YamlNode root = load(file, {"load.mass=20"});
+  const YamlNode root = load(file, {"load.mass=20 t"});
   EXPECT_TRUE(problems_.empty()) << said();
   const YamlNode* mass = root.find("load")->find("mass");
   EXPECT_EQ(mass->find("value")->scalar, "20");
   EXPECT_EQ(mass->find("unit")->scalar, "t");
   EXPECT_EQ(mass->find("source")->scalar, "command line");
+}
+
+// A message that speaks of kilograms beside a file in tonnes has made 60 000 t of 60 t.
+TEST_F(YamlFile, ABareNumberForAValueThatTheFileGivesInAnotherUnitThanSiIsRefused) {
+  const auto file = write("a.yaml", "load:\n  mass: {value: 30, unit: t, source: thesis}\n"
+                                    "widths: {value: [1, 2], unit: mm, source: thesis}\n");
+  load(file, {"load.mass=60000"});
+  EXPECT_EQ(said(), "--set load.mass=60000: key 'load.mass': found 60000 without a unit, "
+                    "expected the number with its unit, \"60000 t\" or \"60000 kg\"");
+  problems_.clear();
+  load(file, {"widths=[3, 4]"});
+  EXPECT_EQ(said(), "--set widths=[3, 4]: key 'widths': found [3, 4] without a unit, "
+                    "expected {value: [3, 4], unit: mm}");
+}
+
+TEST_F(YamlFile, ANumberWithItsUnitReplacesBoth) {
+  const auto file = write("a.yaml", "load:\n  mass: {value: 30, unit: t, source: thesis}\n");
+  for (const char* text : {"load.mass=60000 kg", "load.mass=60000kg", "load.mass={value: 60000, unit: kg}"}) {
+    const YamlNode root = load(file, {text});
+    EXPECT_TRUE(problems_.empty()) << said();
+    const YamlNode* mass = root.find("load")->find("mass");
+    EXPECT_EQ(mass->find("value")->scalar, "60000") << text;
+    EXPECT_FALSE(mass->find("value")->quoted);
+    EXPECT_EQ(mass->find("unit")->scalar, "kg") << text;
+    EXPECT_EQ(mass->find("source")->scalar, "command line");
+  }
+}
+
+TEST_F(YamlFile, ABareNumberIsTakenWhereTheFileSpeaksSi) {
+  const auto file = write("a.yaml", "duration: {value: 30, unit: s, source: x}\nshare: {value: 0.1, unit: '-', source: x}\n"
+                                    "shape: {value: linear, source: x}\n");
+  const YamlNode root = load(file, {"duration=10", "share=0.2", "shape=s_curve"});
+  EXPECT_TRUE(problems_.empty()) << said();
+  EXPECT_EQ(root.find("duration")->find("value")->scalar, "10");
+  EXPECT_EQ(root.find("share")->find("value")->scalar, "0.2");
+  EXPECT_EQ(root.find("shape")->find("value")->scalar, "s_curve");
+}
+
+TEST_F(YamlFile, ASecondDocumentIsRefused) {
+  const auto file = write("a.yaml", "kind: crane\n---\nkind: controller\n");
+  load(file);
+  EXPECT_EQ(said(), file.string() + ":2:1: found a second YAML document (behind ---), expected one document in a file");
+}
+
+TEST_F(YamlFile, OneDocumentMayBeginAndEndWithItsMarks) {
+  load(write("a.yaml", "---\nkind: crane\n...\n"));
+  EXPECT_TRUE(problems_.empty()) << said();
+}
+
+TEST_F(YamlFile, AFileThatIsTooLargeIsRefusedBeforeItIsRead) {
+  const auto file = write("a.yaml", "kind: crane\n");
+  std::filesystem::resize_file(file, 50'000'000);
+  load(file);
+  EXPECT_EQ(said(), file.string() + ": found '" + file.string() + "', with which the input has 1 file(s) and 50 MB, "
+                    "expected at most 1000 files and 32 MB with all includes");
+}
+
+// Twenty files that each include the next one twice: a million files.
+TEST_F(YamlFile, IncludesThatMultiplyAreRefused) {
+  for (int i = 0; i < 20; ++i) {
+    const std::string next = std::to_string(i + 1) + ".yaml";
+    write(std::to_string(i) + ".yaml", "include: [" + next + ", " + next + "]\n");
+  }
+  write("20.yaml", "a: 1\n");
+  load(folder_ / "0.yaml");
+  ASSERT_EQ(problems_.size(), 1u) << said();
+  EXPECT_NE(said().find("with which the input has 1001 file(s)"), std::string::npos) << said();
+}
+
+// Looking every key up among those before it takes the square of their number: 200 000 keys a quarter of an hour, which
+// the limit of the test ends.
+TEST_F(YamlFile, TimeGrowsWithTheNumberOfKeysAndNotWithItsSquare) {
+  std::string base;
+  std::string top = "include: base.yaml\n";
+  constexpr int kKeys = 200'000;
+  for (int i = 0; i < kKeys; ++i) {
+    base += "key" + std::to_string(i) + ": 1\n";
+    top += "key" + std::to_string(i) + ": 2\n";
+  }
+  write("base.yaml", base);
+  const YamlNode root = load(write("a.yaml", top));
+  EXPECT_TRUE(problems_.empty()) << problems_.size();
+  ASSERT_EQ(root.entries.size(), static_cast<std::size_t>(kKeys));
+  EXPECT_EQ(root.entries.back().value.scalar, "2");
 }
 
 TEST_F(YamlFile, OverrideReachesListsAndNewKeys) {

@@ -32,6 +32,23 @@ TEST(ControllerFile, ThesisValues) {
   EXPECT_NEAR(ramp.top_speed / ramp.emergency_stop_time, 0.0336, 0.05 * 0.0336);
 }
 
+// What a file leaves out follows from top speed and emergency stop.
+TEST(ControllerFile, PlausibilityFollowsFromTheRampWhereItIsNotGiven) {
+  const double top_speed = 0.05 * 2735.58;  // [rad/s] of the motors
+  const PlausibilitySettings given = load_controller_file(kFolder + "thesis.yaml").settings.plausibility;
+  EXPECT_DOUBLE_EQ(given.speed_limit, 1.3 * top_speed);
+  EXPECT_EQ(given.acceleration_limit, 800.0);
+  EXPECT_DOUBLE_EQ(given.tolerance, 0.03 * top_speed);
+  EXPECT_DOUBLE_EQ(given.timeout, 0.05);
+  const PlausibilitySettings none =
+      load_controller_file(kFolder + "thesis.yaml", {{"plausibility", "null"}}).settings.plausibility;
+  EXPECT_DOUBLE_EQ(none.speed_limit, 1.5 * top_speed);
+  EXPECT_DOUBLE_EQ(none.acceleration_limit, 20.0 * top_speed / 1.5);
+  EXPECT_DOUBLE_EQ(none.tolerance, 0.05 * top_speed);
+  EXPECT_DOUBLE_EQ(none.timeout, 0.05);
+  EXPECT_NE(complaint({{"plausibility.speed_limit", "100 %"}}).find("expected a number above"), std::string::npos);
+}
+
 TEST(ControllerFile, VariantsChangeWhatTheySay) {
   const ControllerFile thesis = load_controller_file(kFolder + "thesis.yaml");
   const ControllerFile without = load_controller_file(kFolder + "thesis_without_play_compensation.yaml");
@@ -62,12 +79,12 @@ TEST(ControllerFile, BadValuesAreExplained) {
 }
 
 TEST(ControllerFile, PlayMapMustJoinItsMirrorImageAndRise) {
-  EXPECT_NE(complaint({{"play_compensation.half_2", "[-5, -10, -10, 3, 24, 100]"}})
+  EXPECT_NE(complaint({{"play_compensation.half_2", "{value: [-5, -10, -10, 3, 24, 100], unit: '%'}"}})
                 .find("expected -0.1 first, the opposite of 'half_1'"),
             std::string::npos);
-  EXPECT_NE(complaint({{"play_compensation.average", "[0, 18, 18, 48, 57, 100]"}}).find("expected numbers that rise"),
+  EXPECT_NE(complaint({{"play_compensation.average", "{value: [0, 18, 18, 48, 57, 100], unit: '%'}"}}).find("expected numbers that rise"),
             std::string::npos);
-  EXPECT_NE(complaint({{"play_compensation.half_1", "[10, 46]"}}).find("as many numbers as 'average' has: 6"),
+  EXPECT_NE(complaint({{"play_compensation.half_1", "{value: [10, 46], unit: '%'}"}}).find("as many numbers as 'average' has: 6"),
             std::string::npos);
 }
 

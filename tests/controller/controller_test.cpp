@@ -170,6 +170,30 @@ TEST(Controller, TorqueStaysWithinItsLimits) {
   }
 }
 
+// A shaft that is held: the PI must wind up to what the motors may give, not to their rated torque, be that less or more.
+TEST(Controller, WindsUpToTheTorqueLimit) {
+  for (const bool compensated : {false, true}) {
+    for (const double share : {0.6, 1.0, 1.5}) {
+      ControllerSettings settings = thesis();
+      settings.play_compensation.enabled = compensated;
+      settings.limits.torque = share * settings.rated_torque;
+      ControllerState state;
+      ControllerInput input;
+      input.group_count = 2;
+      input.speed_request = 1.0;
+      ControllerOutput output;
+      for (int i = 0; i < 2000; ++i) step(settings, state, input, output);
+      EXPECT_EQ(output.average_torque, settings.limits.torque);
+      for (int g = 0; g < 2; ++g) {
+        EXPECT_LE(output.integral_torque[g], settings.limits.torque) << "share " << share;
+        if (share >= 1.0) {
+          EXPECT_DOUBLE_EQ(output.motor_torque[g], settings.limits.torque) << "share " << share << ", " << compensated;
+        }
+      }
+    }
+  }
+}
+
 TEST(Controller, EmergencyStopIsALinearRampAndLatches) {
   Loop loop(without_play_compensation());
   loop.input.speed_request = 1.0;

@@ -77,6 +77,20 @@ TEST(PlayCompensation, HoldsTheGearsUnderTensionWhileThereIsTorqueLeft) {
   }
 }
 
+// Motors may be allowed more than their rated torque: then the map must not hold them back.
+TEST(PlayCompensation, BeyondTheMapTheGroupsGetTheAverage) {
+  const PlayCompensationSettings map = thesis_map();
+  for (const double average : {1.0, 1.2, 1.6}) {
+    EXPECT_DOUBLE_EQ(evaluate_play_map(map, average).half_1, average);
+    EXPECT_DOUBLE_EQ(evaluate_play_map(map, average).half_2, average);
+    EXPECT_DOUBLE_EQ(evaluate_play_map(map, -average).half_1, -average);
+  }
+  PlayCompensationSettings shorter = map;
+  shorter.point_count -= 1;  // ends at 57 %: 88 and 24
+  EXPECT_NEAR(evaluate_play_map(shorter, 0.67).half_1, 0.98, 1e-12);
+  EXPECT_NEAR(evaluate_play_map(shorter, 0.67).half_2, 0.34, 1e-12);
+}
+
 TEST(PlayCompensation, DividesTheGroupsInTwoHalves) {
   EXPECT_EQ(half_of_group(0, 1), 0);
   EXPECT_EQ(half_of_group(0, 2), 1);

@@ -9,7 +9,7 @@
 #include "diagnosis/nuisance.h"
 #include "diagnosis/record.h"
 #include "sim/effects/catalogue.h"
-#include "sim/machine/crane_file.h"
+#include "sim/machine/machine_file.h"
 #include "tests/diagnosis/simulated_log.h"
 
 namespace slewlab::diagnosis {
@@ -23,7 +23,7 @@ struct Bench {
 inline const Bench& bench() {
   static const Bench kBench = [] {
     Bench b;
-    b.crane = sim::load_crane_file(SLEWLAB_SOURCE_DIR "/config/cranes/thesis.yaml").parameters;
+    b.crane = sim::load_machine_file(SLEWLAB_SOURCE_DIR "/config/cranes/thesis.yaml").parameters;
     b.controller = controller::load_controller_file(SLEWLAB_SOURCE_DIR "/config/controllers/thesis.yaml").settings;
     b.admission = {.rated_torque = b.controller.rated_torque,
                    .total_ratio = b.controller.total_ratio,

@@ -219,6 +219,22 @@ TEST(Diagnose, SaysNothingIsMissingWhereOnlyParametersAreOff) {
   EXPECT_LT(found.mean_square_parameters, found.mean_square_nominal);
 }
 
+// What the file says of the drive is no effect that is missing.
+TEST(Diagnose, SaysNothingIsMissingWhereTheFilesOwnDriveLimitsTheTorque) {
+  sim::MachineSettings truth;
+  truth.crane = bench().crane;
+  truth.drive_protection.torque_limit = 45.0;  // [Nm] of the 60 that the manoeuvre asks for
+  const Record record = make_record(simulated_log(truth, bench().controller, kThereAndBack, kDuration, 31), "own", bench().admission);
+  const Diagnosis own = diagnose(truth, bench().controller, {record}, {});
+  EXPECT_FALSE(own.gap) << own.verdict;
+  EXPECT_GT(own.probability_nothing, 0.5);
+  sim::MachineSettings forgetful = truth;
+  forgetful.drive_protection = {};
+  const Diagnosis other = diagnose(forgetful, bench().controller, {record}, {});
+  ASSERT_FALSE(other.causes.empty());
+  EXPECT_EQ(other.causes[0].effects, std::vector<std::string>{"torque_limit"}) << "the record must show the limit for the test to say anything";
+}
+
 TEST(Diagnose, NamesBearingFrictionWithItsSize) {
   DiagnosisSettings settings;
   settings.hold_out = true;

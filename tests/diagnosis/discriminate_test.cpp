@@ -7,14 +7,14 @@
 #include <string>
 
 #include "controller/controller_file.h"
-#include "sim/machine/crane_file.h"
+#include "sim/machine/machine_file.h"
 
 namespace slewlab::diagnosis {
 namespace {
 
 sim::MachineSettings machine_with(const std::vector<common::EffectInstance>& effects) {
   sim::MachineSettings machine;
-  machine.crane = sim::load_crane_file(SLEWLAB_SOURCE_DIR "/config/cranes/thesis.yaml").parameters;
+  machine.crane = sim::load_machine_file(SLEWLAB_SOURCE_DIR "/config/cranes/thesis.yaml").parameters;
   machine.effects = effects;
   return machine;
 }

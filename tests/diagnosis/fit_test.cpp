@@ -10,7 +10,8 @@
 #include <vector>
 
 #include "sim/effects/catalogue.h"
-#include "sim/machine/crane_file.h"
+#include "sim/machine/machine_file.h"
+#include "tests/diagnosis/bench.h"
 
 namespace slewlab::diagnosis {
 namespace {
@@ -57,7 +58,7 @@ TEST(ShareOut, ThrowsAgainWhatAShareThrewAndBeginsNoOther) {
 // A factor is judged by how far it is from 1, where the effect is absent: an unchanged inertia costs nothing, and factors
 // of e^0.5 and e^-0.5 as much as each other. Where absent is infinite, by how far it is from its typical size.
 TEST(Coordinates, OfALogarithmicParameterAreZeroWhereTheEffectIsAbsent) {
-  const common::EffectCatalogue catalogue = sim::effects_for(sim::load_crane_file(SLEWLAB_SOURCE_DIR "/config/cranes/thesis.yaml").parameters);
+  const common::EffectCatalogue catalogue = sim::effects_for(sim::load_machine_file(SLEWLAB_SOURCE_DIR "/config/cranes/thesis.yaml").parameters);
   const common::EffectParameter& factor = catalogue.at("house_inertia").parameters[common::kSize];
   EXPECT_EQ(to_coordinate(factor, 1.0), 0.0);
   EXPECT_EQ(value_at(factor, 0.0), 1.0);
@@ -101,6 +102,23 @@ TEST(MachineAt, CutsAFlexibleBoomFinelyEnough) {
     nominal.crane.boom.element_count = given;
     EXPECT_EQ(machine_at(nominal, {}).crane.boom.element_count, cut);
   }
+}
+
+// A boom that buckles is a point to step back from. A point that names no effect, or an effect without its values, is an error of
+// the program, which a fit that took it for a bad point would hide.
+TEST(Differences, OnlyAMachineThatCannotBeBuiltCountsAsFarOff) {
+  sim::MachineSettings truth;
+  truth.crane = bench().crane;
+  BenchProblem problem;
+  problem.add(make_record(simulated_log(sim::make_machine(truth), bench().controller, kThereAndBack, 12.0, 3), "log", bench().admission));
+  problem.nominal.crane.boom.youngs_modulus *= 1e-3;  // whose Euler load is beyond 4 MN no more
+  Point point;
+  point.effects = {{"compression_softening", {4e6}}};
+  EXPECT_GT(differences(problem, point).minCoeff(), 100.0);
+  point.effects = {{"compression_softening", {}}};
+  EXPECT_THROW(differences(problem, point), std::invalid_argument);
+  point.effects = {{"no_such_effect", {1.0}}};
+  EXPECT_THROW(differences(problem, point), std::invalid_argument);
 }
 
 // One nuisance (the first) moves one difference; the fit stands at z = 3, far behind the wall at 2, where nothing is left.

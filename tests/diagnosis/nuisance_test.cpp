@@ -8,7 +8,7 @@
 #include <string>
 
 #include "sim/effects/catalogue.h"
-#include "sim/machine/crane_file.h"
+#include "sim/machine/machine_file.h"
 #include "tests/msgs/temporary_folder.h"
 
 namespace slewlab::diagnosis {
@@ -54,7 +54,7 @@ TEST(Nuisance, EffectsSayWhatParametersSay) {
 // What is written is read back as the crane that was meant, laid over the nominal one; what did not change is not written.
 TEST(Nuisance, ParametersAreWrittenAsSectionsOfACraneFile) {
   const std::string thesis = SLEWLAB_SOURCE_DIR "/config/cranes/thesis.yaml";
-  const sim::CraneParameters nominal = sim::load_crane_file(thesis).parameters;
+  const sim::CraneParameters nominal = sim::load_machine_file(thesis).parameters;
   std::vector<double> amount(nuisance_count(1), 0.0);
   for (std::size_t k = 1; k < nuisances().size(); ++k) amount[k] = 0.1 * static_cast<double>(k) - 0.85;
   const std::string text = parameters_text(nominal, amount, "test");
@@ -62,7 +62,7 @@ TEST(Nuisance, ParametersAreWrittenAsSectionsOfACraneFile) {
   const TemporaryFolder folder;
   const std::filesystem::path file = folder.path() / "crane.yaml";
   std::ofstream(file) << "include: " << thesis << "\n" << text;
-  sim::CraneParameters read = sim::load_crane_file(file).parameters, meant = with_nuisances(nominal, amount);
+  sim::CraneParameters read = sim::load_machine_file(file).parameters, meant = with_nuisances(nominal, amount);
   for (const Nuisance& nuisance : nuisances()) {
     for (const CraneNumber& number : nuisance.numbers) EXPECT_EQ(number.of(read), number.of(meant)) << number.key;
   }

@@ -19,7 +19,7 @@
 #include "diagnosis/diagnose.h"
 #include "diagnosis/nuisance.h"
 #include "msgs/run_log.h"
-#include "sim/machine/crane_file.h"
+#include "sim/machine/machine_file.h"
 #include "sim/integrate/machine.h"
 #include "sim/model/drive_line.h"
 #include "tests/msgs/temporary_folder.h"
@@ -127,7 +127,7 @@ TEST(ServoAxisDiagnosis, FindsTheFrictionThatTheForceBalanceShows) {
   const TemporaryFolder folder;
   const std::vector<Row> rows = read_rows();
   sim::MachineSettings nominal;
-  nominal.crane = sim::load_crane_file(kFiles / "crane.yaml", {}).parameters;
+  nominal.crane = sim::load_machine_file(kFiles / "crane.yaml", {}).parameters;
   nominal.step = kStep;
   AdmissionSettings admission;
   admission.total_ratio = sim::total_ratio(nominal.crane.drive);

@@ -68,6 +68,13 @@ TEST_P(ExampleControllersTest, AnswersAsOursDoes) {
   }
 }
 
+// Each scenario's own `expect:` (docs/faults.md); `slewlab run` ends with 1 where it does not come about.
+TEST_P(ExampleControllersTest, RefusesReadingsThatNoMotorCanHave) {
+  for (const std::string scenario : {"encoder_bits", "encoder_frozen", "encoder_noisy", "encoder_dropped", "torque_runaway"}) {
+    run("faults/" + scenario + ".yaml", scenario, its_command());
+  }
+}
+
 double peak_tip_acceleration(const msgs::RunLog& run) {
   double peak = 0.0;
   for (const msgs::Sensors& sensors : run.sensors) peak = std::max(peak, std::abs(sensors.tip_acceleration));

@@ -17,9 +17,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   constexpr int kSteps = 20;
   try {
     sim::Scenario scenario;
-    scenario.crane = sim::load_crane_file(path);
+    scenario.crane = sim::load_machine_file(path);
     scenario.plant_step = kMillisecond;
-    sim::CranePlant plant(sim::machine_settings(scenario), scenario.crane.drive_protection,
+    sim::CranePlant plant(sim::machine_settings(scenario),
                           {scenario.crane.parameters.drive.group_count, 0, 10 * kMillisecond});
     msgs::Torque torque{};
     torque.enable = 1;

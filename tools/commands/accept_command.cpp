@@ -19,6 +19,7 @@
 #include "tools/acceptance/checks.h"
 #include "tools/acceptance/limits.h"
 #include "tools/commands/child_process.h"
+#include "tools/commands/home.h"
 #include "tools/commands/run_command.h"
 #include "tools/commands/whole_file.h"
 
@@ -72,15 +73,15 @@ CheckResult expected_reaction(const sim::FaultExpectation& expectation, const ms
 }
 
 void draw(const fs::path& folder) {
-  const fs::path python = SLEWLAB_SOURCE_DIR "/.venv/bin/python";
+  const fs::path python = python_interpreter();
   if (!fs::exists(python)) {
     std::printf("no plot: there is no %s (tools/setup makes it)\n", python.c_str());
     return;
   }
   ChildOptions options;
   options.name = "plot";
-  options.command = {python.string(), SLEWLAB_SOURCE_DIR "/tools/python/acceptance_plot.py", folder.string()};
-  options.environment = {{"SLEWLAB_PYTHON_MESSAGES", SLEWLAB_BINARY_DIR "/python"}};
+  options.command = {python.string(), (home() / "tools" / "python" / "acceptance_plot.py").string(), folder.string()};
+  options.environment = {{"SLEWLAB_PYTHON_MESSAGES", python_messages().string()}};
   ChildProcess plot(options);
   const auto show = [](const std::string& line) { std::printf("%s\n", line.c_str()); };
   while (!plot.ended()) {

@@ -1,13 +1,20 @@
 #include "tools/commands/check_command.h"
 
 #include <algorithm>
+#include <optional>
 #include <ostream>
+#include <stdexcept>
 #include <string>
 
+#include "common/effect.h"
 #include "common/yaml_reader.h"
 #include "controller/controller_file.h"
-#include "sim/machine/crane_file.h"
+#include "sim/drive/run_cost.h"
 #include "sim/drive/scenario_file.h"
+#include "sim/effects/catalogue.h"
+#include "sim/integrate/machine.h"
+#include "sim/machine/machine_file.h"
+#include "sim/machine/plausibility.h"
 
 namespace slewlab::tools {
 namespace {
@@ -15,6 +22,8 @@ namespace {
 using common::InputError;
 using common::InputProblems;
 using common::YamlNode;
+
+constexpr const char* kKinds = "crane, axis, controller or scenario";
 
 // Where the scenario names its controller, for problems that lie between two files.
 common::SourceMark mark_of(const std::filesystem::path& file, const std::vector<common::Override>& overrides,
@@ -25,11 +34,88 @@ common::SourceMark mark_of(const std::filesystem::path& file, const std::vector<
   return node == nullptr ? root.mark : node->mark;
 }
 
-void check_scenario(const std::filesystem::path& file, const std::vector<common::Override>& overrides,
-                    InputProblems& problems) {
+// The node at a key path, or the nearest one above it that there is: a value may lie in an included file.
+common::SourceMark mark_at(const YamlNode& root, std::string_view path) {
+  const YamlNode* node = &root;
+  common::SourceMark mark = root.mark;
+  while (!path.empty()) {
+    const std::size_t dot = path.find('.');
+    node = node->find(path.substr(0, dot));
+    if (node == nullptr) break;
+    mark = node->mark;
+    path = dot == std::string_view::npos ? std::string_view{} : path.substr(dot + 1);
+  }
+  return mark;
+}
+
+std::string place_text(const common::SourceMark& mark) {
+  std::string text = mark.file.text();
+  if (mark.line > 0) text += ':' + std::to_string(mark.line) + ':' + std::to_string(mark.column);
+  return text + ": ";
+}
+
+// What is possible and yet unlikely of a machine that is read already; of an axis nothing is usual.
+void weigh_machine(const sim::MachineFile& machine, const std::filesystem::path& file,
+                 const std::vector<common::Override>& overrides, double plant_step, std::vector<std::string>& warnings) {
+  if (machine.kind != sim::MachineKind::crane) return;
+  const std::vector<sim::ImplausibleValue> values = sim::implausible_values(machine.parameters, plant_step);
+  if (values.empty()) return;
+  InputProblems ignored;
+  const YamlNode root = common::load_yaml_file(file, overrides, ignored);
+  for (const sim::ImplausibleValue& value : values) {
+    warnings.push_back(place_text(mark_at(root, value.key)) + "warning: key '" + value.key + "': " + value.found +
+                       "; usual: " + value.usual);
+  }
+}
+
+void weigh_cost(const sim::Scenario& scenario, const std::filesystem::path& file, std::vector<std::string>& warnings) {
+  constexpr double kWorthTelling = 60.0;  // [s]
+  const sim::RunCost cost = sim::run_cost(scenario);
+  if (cost.seconds < kWorthTelling) return;
+  warnings.push_back(file.string() + ": warning: " + text_of(cost) + " of computing in lockstep, with a plant_step of " +
+                     common::shortest(static_cast<double>(scenario.plant_step) * 1e-6) + " ms and " +
+                     std::to_string(scenario.crane.parameters.boom.element_count) + " boom elements");
+}
+
+// What a run would refuse of the crane's effects, said where the user wrote them.
+std::vector<common::EffectInstance> check_effects(const sim::MachineFile& crane, InputProblems& problems) {
+  return common::read_effects(crane.effects, sim::effects_for(crane.parameters), problems);
+}
+
+// Whether parameters that are good one by one make a machine; a boom of so many elements takes milliseconds to assemble.
+void check_machine(const sim::MachineFile& crane, double plant_step, const std::filesystem::path& file, InputProblems& problems) {
+  constexpr int kMostElements = 64;
+  const std::vector<common::EffectInstance> effects = check_effects(crane, problems);
+  if (!problems.empty() || crane.parameters.boom.element_count > kMostElements) return;
+  try {
+    sim::make_machine({.crane = crane.parameters, .effects = effects, .step = plant_step});
+  } catch (const std::invalid_argument& error) {
+    const bool by_effect = !effects.empty();
+    problems.push_back({by_effect ? crane.effects.mark : common::SourceMark{file.string(), 0, 0}, by_effect ? "effects" : "",
+                        std::string("a machine that cannot be built (") + error.what() + ")", "values that fit each other"});
+  }
+}
+
+void check_machine_file(const std::filesystem::path& file, const std::vector<common::Override>& overrides, Findings& found) {
+  const sim::MachineFile crane = sim::load_machine_file(file, overrides);
+  check_machine(crane, sim::MachineSettings{}.step, file, found.problems);
+  if (found.problems.empty()) weigh_machine(crane, file, overrides, 0.0, found.warnings);
+}
+
+void check_scenario(const std::filesystem::path& file, const std::vector<common::Override>& overrides, ControllerBy by,
+                    Findings& found) {
+  InputProblems& problems = found.problems;
   const sim::Scenario scenario = sim::read_scenario_file(file, overrides, problems);
   const bool whole = problems.empty();
-  if (scenario.controller_file.empty()) return;
+  if (whole) {
+    const double plant_step = static_cast<double>(scenario.plant_step) * 1e-9;  // [s]
+    check_machine(scenario.crane, plant_step, scenario.crane_file, problems);
+    weigh_machine(scenario.crane, scenario.crane_file, scenario.crane_overrides, plant_step, found.warnings);
+    weigh_cost(scenario, file, found.warnings);
+  } else {
+    check_effects(scenario.crane, problems);
+  }
+  if (by == ControllerBy::user || scenario.controller_file.empty()) return;
   try {
     const controller::ControllerSettings settings =
         controller::load_controller_file(scenario.controller_file, scenario.controller_overrides).settings;
@@ -37,53 +123,68 @@ void check_scenario(const std::filesystem::path& file, const std::vector<common:
     if (whole && settings.group_count != crane_groups) {
       problems.push_back({mark_of(file, overrides, "controller"), "controller",
                           "a controller for " + std::to_string(settings.group_count) + " motor group(s)",
-                          "one for the crane's " + std::to_string(crane_groups)});
+                          "one for the " + std::to_string(crane_groups) + " of the " + std::string(sim::name_of(scenario.crane.kind))});
     }
   } catch (const InputError& error) {
     problems.insert(problems.end(), error.problems().begin(), error.problems().end());
   }
 }
 
+// The node below `kind:`; nothing after a problem.
+std::optional<YamlNode> kind_of(const std::filesystem::path& file, InputProblems& problems) {
+  const YamlNode root = common::load_yaml_file(file, {}, problems);
+  if (const YamlNode* kind = root.find("kind")) return *kind;
+  if (problems.empty()) {
+    problems.push_back({root.mark, "kind", "nothing: the key is missing", "crane, controller or scenario"});
+  }
+  return std::nullopt;
+}
+
 }  // namespace
 
-InputProblems problems_in(const std::filesystem::path& file, const std::vector<common::Override>& overrides) {
-  InputProblems problems;
-  const YamlNode root = common::load_yaml_file(file, {}, problems);
-  const YamlNode* kind = root.find("kind");
-  if (kind == nullptr) {
-    if (problems.empty()) {
-      problems.push_back({root.mark, "kind", "nothing: the key is missing", "crane, controller or scenario"});
-    }
-    return problems;
-  }
-  problems.clear();
+Findings examine(const std::filesystem::path& file, const std::vector<common::Override>& overrides, ControllerBy by) {
+  Findings found;
+  const std::optional<YamlNode> kind = kind_of(file, found.problems);
+  if (!kind) return found;
+  found.problems.clear();
   try {
-    if (kind->scalar == "crane") {
-      sim::load_crane_file(file, overrides);
+    if (kind->scalar == "crane" || kind->scalar == "axis") {
+      check_machine_file(file, overrides, found);
     } else if (kind->scalar == "controller") {
       controller::load_controller_file(file, overrides);
     } else if (kind->scalar == "scenario") {
-      check_scenario(file, overrides, problems);
+      check_scenario(file, overrides, by, found);
     } else {
-      problems.push_back({kind->mark, "kind", common::excerpt(*kind), "crane, controller or scenario"});
+      found.problems.push_back({kind->mark, "kind", common::excerpt(*kind), kKinds});
     }
   } catch (const InputError& error) {
-    problems = error.problems();
+    found.problems = error.problems();
   }
-  return problems;
+  return found;
+}
+
+void complain(const InputProblems& problems, std::ostream& complaints) {
+  constexpr std::size_t kMost = 100;  // nobody reads on; the first ones are told
+  for (std::size_t i = 0; i < std::min(kMost, problems.size()); ++i) complaints << common::to_text(problems[i]) << '\n';
+  if (problems.size() > kMost) complaints << "and " << problems.size() - kMost << " more problems\n";
+}
+
+void warn(const std::vector<std::string>& warnings, std::ostream& complaints) {
+  for (const std::string& warning : warnings) complaints << warning << '\n';
 }
 
 int check_files(const std::vector<std::filesystem::path>& files,
                 const std::vector<common::Override>& overrides, std::ostream& out, std::ostream& complaints) {
   int exit_code = 0;
   for (const std::filesystem::path& file : files) {
-    const InputProblems problems = problems_in(file, overrides);
-    if (problems.empty()) {
+    const Findings found = examine(file, overrides);
+    if (found.problems.empty()) {
+      warn(found.warnings, complaints);
       out << file.string() << ": OK\n";
       continue;
     }
     exit_code = 1;
-    for (const common::InputProblem& problem : problems) complaints << common::to_text(problem) << '\n';
+    complain(found.problems, complaints);
   }
   return exit_code;
 }

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <iosfwd>
+#include <string>
 #include <vector>
 
 #include "common/input_error.h"
@@ -10,13 +11,27 @@
 
 namespace slewlab::tools {
 
-// Everything wrong with one file, whichever kind it says it is (`kind: crane | controller | scenario`). A
-// scenario is checked with the crane and the controller that it names, and how they fit together.
-common::InputProblems problems_in(const std::filesystem::path& file,
-                                  const std::vector<common::Override>& overrides = {});
+struct Findings {
+  common::InputProblems problems;     // what a run would refuse
+  std::vector<std::string> warnings;  // what is possible and yet unlikely, or takes long: a line each, with file and key
+};
 
-// Prints "FILE: OK" to `out` or the problems, one a line, to `complaints`, for each file. Answers with the
-// exit code: 0 when all is well, 1 when any file has a problem.
+// A controller by the user need not be one of ours: its file is left to it.
+enum class ControllerBy { slewlab, user };
+
+// All that is to be said of one file, whichever kind it says it is (`kind: crane | controller | scenario`). A scenario is
+// examined with the crane and the controller that it names, and how they fit together; effects against the catalogue, and
+// whether the crane with them can be built.
+Findings examine(const std::filesystem::path& file, const std::vector<common::Override>& overrides = {},
+                 ControllerBy by = ControllerBy::slewlab);
+
+// One problem a line, the first hundred of them.
+void complain(const common::InputProblems& problems, std::ostream& complaints);
+
+void warn(const std::vector<std::string>& warnings, std::ostream& complaints);
+
+// Prints "FILE: OK" to `out` or the problems, one a line, to `complaints`, for each file; warnings
+// go there as well and change no exit code. Answers with the exit code: 0 when all is well, 1 when any file has a problem.
 int check_files(const std::vector<std::filesystem::path>& files,
                 const std::vector<common::Override>& overrides, std::ostream& out, std::ostream& complaints);
 

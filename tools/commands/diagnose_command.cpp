@@ -18,12 +18,14 @@
 #include "common/stop_signal.h"
 #include "controller/controller_file.h"
 #include "controller/effects/catalogue.h"
+#include "diagnosis/decimation.h"
 #include "diagnosis/diagnose.h"
 #include "diagnosis/discriminate.h"
 #include "diagnosis/nuisance.h"
 #include "diagnosis/prediction.h"
 #include "sim/analysis/eigen.h"
-#include "sim/machine/crane_file.h"
+#include "sim/drive/scenario_run.h"
+#include "sim/machine/machine_file.h"
 #include "sim/effects/catalogue.h"
 #include "tools/commands/python_command.h"
 #include "tools/commands/status_line.h"
@@ -95,7 +97,8 @@ nlohmann::json to_json(const Diagnosis& diagnosis) {
                       {"simulation_seconds", diagnosis.simulation_seconds},
                       {"seconds", diagnosis.total_seconds},
                       {"remarks", diagnosis.remarks},
-                      {"not_excited", diagnosis.not_excited}};
+                      {"not_excited", diagnosis.not_excited},
+                      {"causes", nlohmann::json::array()}};
   for (const auto& [subsystem, probability] : diagnosis.subsystems) json["subsystems"][subsystem] = probability;
   for (const auto& [effect, probability] : diagnosis.effects) json["effects"][effect] = probability;
   for (const diagnosis::BandShare& band : diagnosis.bands) {
@@ -119,37 +122,68 @@ struct Predicted {
   diagnosis::Prediction before, after;  // by the nominal crane, and with the effect
 };
 
-// Measured and missing torque, and what was predicted where there is a controller: every `stride`th value of the record.
+// Measured and missing torque, and what was predicted where there is a controller: every `stride`th value of the record,
+// filtered so that nothing folds into the page's spectrogram.
 std::string series_text(const Record& record, const diagnosis::Followed& followed, const std::optional<Predicted>& predicted,
                         std::size_t stride) {
-  std::vector<std::size_t> accelerometers;
+  std::string head = "time_s";
+  std::vector<std::vector<double>> columns;
+  const auto add = [&](const std::string& name, const std::vector<double>& values) {
+    head += ',' + name;
+    columns.push_back(diagnosis::decimated(values, stride));
+  };
+  add("speed", record.shaft_speed[0]);
+  add("missing_torque", followed.nominal.missing_torque[0]);
+  add("missing_torque_after", followed.explained.missing_torque[0]);
+  add("torque", record.motor_torque[0]);
+  if (predicted) {
+    add("torque_before", predicted->before.series.motor_torque[0]);
+    add("torque_after", predicted->after.series.motor_torque[0]);
+  }
   for (std::size_t a = 0; a < diagnosis::kAccelerometerCount; ++a) {
-    if (!record.acceleration[a].empty()) accelerometers.push_back(a);
+    if (record.acceleration[a].empty()) continue;
+    const std::string name = diagnosis::accelerometer_name(static_cast<int>(a));
+    add(name, record.acceleration[a]);
+    if (!predicted) continue;
+    add(name + "_before", predicted->before.series.acceleration[a]);
+    add(name + "_after", predicted->after.series.acceleration[a]);
   }
-  std::string text = "time_s,speed,missing_torque,missing_torque_after,torque";
-  if (predicted) text += ",torque_before,torque_after";
-  for (const std::size_t a : accelerometers) {
-    const char* name = diagnosis::accelerometer_name(static_cast<int>(a));
-    text += fmt::format(",{}", name);
-    if (predicted) text += fmt::format(",{0}_before,{0}_after", name);
-  }
-  text += "\n";
-  for (std::size_t n = 0; n < record.size(); n += stride) {
-    text += fmt::format("{:.4f},{:.6g},{:.6g},{:.6g},{:.6g}", record.time(n), record.shaft_speed[0][n], followed.nominal.missing_torque[0][n],
-                        followed.explained.missing_torque[0][n], record.motor_torque[0][n]);
-    if (predicted) {
-      text += fmt::format(",{:.6g},{:.6g}", predicted->before.series.motor_torque[0][n], predicted->after.series.motor_torque[0][n]);
-    }
-    for (const std::size_t a : accelerometers) {
-      text += fmt::format(",{:.6g}", record.acceleration[a][n]);
-      if (predicted) {
-        text += fmt::format(",{:.6g},{:.6g}", predicted->before.series.acceleration[a][n], predicted->after.series.acceleration[a][n]);
-      }
-    }
+  std::string text = head + "\n";
+  for (std::size_t row = 0; row * stride < record.size(); ++row) {
+    text += fmt::format("{:.4f}", record.time(row * stride));
+    for (const std::vector<double>& column : columns) text += fmt::format(",{:.6g}", column[row]);
     text += "\n";
   }
   return text;
 }
+
+// What is written into the folder of the findings; where the disk is full, all of it goes again.
+class Findings {
+ public:
+  explicit Findings(std::filesystem::path folder) : folder_(std::move(folder)), is_new_(!std::filesystem::exists(folder_)) {
+    std::filesystem::create_directories(folder_);
+  }
+  ~Findings() {
+    if (is_whole_) return;
+    std::error_code ignored;
+    for (const std::filesystem::path& file : written_) std::filesystem::remove(file, ignored);
+    if (is_new_) std::filesystem::remove(folder_, ignored);
+  }
+  Findings(const Findings&) = delete;
+  Findings& operator=(const Findings&) = delete;
+
+  void write(const char* name, const std::string& text) {
+    write_whole_file(folder_ / name, text);
+    written_.push_back(folder_ / name);
+  }
+  void keep() { is_whole_ = true; }
+
+ private:
+  std::filesystem::path folder_;
+  bool is_new_;
+  bool is_whole_ = false;
+  std::vector<std::filesystem::path> written_;
+};
 
 std::string advice(const diagnosis::Separation& apart) {
   if (apart.noise_floors < diagnosis::kSeparated) {
@@ -182,10 +216,10 @@ std::string in_per_cent(std::span<const std::pair<std::string, double>> probabil
 // The page that the terminal, summary.txt and diagnosis.html show.
 std::string summary_text(const Diagnosis& diagnosis, const ToldApartBy& apart, const std::optional<Predicted>& predicted, const std::string& place) {
   std::ostringstream out;
-  out << fmt::format("Is there a gap?  {}. Residual variance ratio (1 = noise only): nominal {:.4g}, best parameters {:.4g}",
-                     diagnosis.gap ? "Yes" : "No", diagnosis.mean_square_nominal, diagnosis.mean_square_parameters);
+  out << fmt::format("Is there a gap?  {}. Parameters alone leave {:.2f} of the mean square that noise makes, the nominal crane {:.2f}",
+                     diagnosis.gap ? "Yes" : "No", diagnosis.mean_square_parameters, diagnosis.mean_square_nominal);
   if (diagnosis.gap && !diagnosis.causes.empty()) {
-    out << fmt::format(", with {} {:.3g}", name_of(diagnosis.causes.front()), diagnosis.causes.front().mean_square);
+    out << fmt::format(", the first cause {:.2f}", diagnosis.causes.front().mean_square);
   }
   out << ".\n";
   out << "Which side?      " << (diagnosis.controller_differs ? "The controller answers otherwise than its settings say.\n"
@@ -196,7 +230,7 @@ std::string summary_text(const Diagnosis& diagnosis, const ToldApartBy& apart, c
   }
   for (std::size_t i = 0; i < diagnosis.bands.size() && i < 2 && diagnosis.gap; ++i) {
     const diagnosis::BandShare& band = diagnosis.bands[i];
-    out << fmt::format("                 {:.0f} % of the gap in the {}, {:.2g} to {:.2g} Hz\n", 100 * band.share, band.channel, band.from, band.to);
+    out << fmt::format("                 {:.0f} % of it in the {}, {:.2g} to {:.2g} Hz\n", 100 * band.share, band.channel, band.from, band.to);
   }
   if (diagnosis.gap && !diagnosis.moments.empty()) {
     const diagnosis::Moment& moment = diagnosis.moments.front();
@@ -204,7 +238,7 @@ std::string summary_text(const Diagnosis& diagnosis, const ToldApartBy& apart, c
                        moment.phase, moment.missing_torque);
   }
   out << "\nCauses\n";
-  const std::string unknown = fmt::format("  {:5.1f} %  outside the catalogue (unknown)\n", 100 * diagnosis.probability_unknown);
+  const std::string unknown = fmt::format("  {:5.1f} %  not in the catalogue\n", 100 * diagnosis.probability_unknown);
   bool is_unknown_told = false;
   for (std::size_t i = 0; i < diagnosis.causes.size() && i < 5; ++i) {
     const Cause& cause = diagnosis.causes[i];
@@ -212,7 +246,7 @@ std::string summary_text(const Diagnosis& diagnosis, const ToldApartBy& apart, c
       out << unknown;
       is_unknown_told = true;
     }
-    out << fmt::format("  {:5.1f} %  {} (share of the gap explained on the fitted records: {:.1f} %)\n", 100 * cause.probability, name_of(cause), 100 * cause.explained);
+    out << fmt::format("  {:5.1f} %  {} (explains {:.1f} % of the gap)\n", 100 * cause.probability, name_of(cause), 100 * cause.explained);
     if (i > 1) continue;
     for (const diagnosis::Size& size : cause.sizes) {
       out << fmt::format("            {} = {:.4g} {} (90 %: {:.4g} to {:.4g})\n", size.parameter, size.value, size.unit, size.low, size.high);
@@ -228,14 +262,14 @@ std::string summary_text(const Diagnosis& diagnosis, const ToldApartBy& apart, c
                                      [](const auto& effect) { return effect.second < kWorthNaming; });
   const std::string acting = in_per_cent({diagnosis.effects.begin(), unlikely});
   if (!acting.empty()) out << "  each effect, alone or beside another: " << acting << "\n";
-  if (predicted) out << "\nValidation on " << place << ": RMS error, nominal -> with the cause, simulated from the operator's commands alone\n";
+  if (predicted) out << "\nGap in closed loop from the operator's moves, on " << place << "\n";
   for (std::size_t i = 0; predicted && i < predicted->before.gaps.size(); ++i) {
     const diagnosis::SignalGap &before = predicted->before.gaps[i], &after = predicted->after.gaps[i];
     out << fmt::format("  {:24} {:10.4g} -> {:10.4g} {}\n", before.signal, before.gap, after.gap, before.unit);
   }
   for (const std::string& remark : diagnosis.remarks) out << "  note: " << remark << "\n";
   if (!diagnosis.not_excited.empty()) {
-    out << fmt::format("\nNot identifiable from these records, because no size that was tried changes them enough: {}\n", fmt::join(diagnosis.not_excited, ", "));
+    out << fmt::format("\nCannot tell, because no size that was tried changes these records enough: {}\n", fmt::join(diagnosis.not_excited, ", "));
   }
   out << fmt::format("\n{}\n{} simulations with {:.1f} s in them, {:.1f} s in all\n", diagnosis.verdict, diagnosis.simulations,
                      diagnosis.simulation_seconds, diagnosis.total_seconds);
@@ -301,15 +335,9 @@ class ProgressDisplay {
 int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostream& complaints) {
   common::catch_stop_signals();
   try {
-    common::InputProblems problems = problems_of(options);
+    const common::InputProblems problems = problems_of(options);
     if (!problems.empty()) throw common::InputError(problems);
-    const sim::CraneFile crane = sim::load_crane_file(options.crane);
-    sim::MachineSettings nominal;
-    nominal.crane = crane.parameters;
-    if (crane.effects.kind != common::YamlNode::Kind::null) {
-      nominal.effects = common::read_effects(crane.effects, sim::effects_for(nominal), problems);
-    }
-    if (!problems.empty()) throw common::InputError(problems);
+    const sim::MachineSettings nominal = sim::machine_settings(sim::load_machine_file(options.crane));
     std::optional<controller::ControllerSettings> controller;
     if (!options.controller.empty()) controller = controller::load_controller_file(options.controller).settings;
 
@@ -345,7 +373,7 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
     const Cause& first = found.causes.empty() ? nothing : found.causes.front();
     // Where no known effect is the answer, nothing is added to the crane; the gap is shown with what comes nearest, and says so.
     const Cause& answer = found.is_unknown ? nothing : first;
-    std::filesystem::create_directories(options.out);
+    Findings findings(options.out);
     nlohmann::json json = to_json(found);
     const ToldApartBy apart = told_apart_by(nominal, controller, found);
     for (std::size_t k = 0; k < apart.size(); ++k) {
@@ -370,10 +398,10 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
       }
     }
     const auto stride = static_cast<std::size_t>(std::max(1L, std::lround(0.01 / last.step)));
-    write_whole_file(options.out / "series.csv", series_text(last, found.followed, predicted, stride));
+    findings.write("series.csv", series_text(last, found.followed, predicted, stride));
     json["crane"] = std::filesystem::absolute(options.crane).string();
     json["modes"] = modes_json(nominal);
-    write_whole_file(options.out / "diagnosis.json", json.dump(2) + "\n");
+    findings.write("diagnosis.json", json.dump(2) + "\n");
     const sim::MachineSettings explained = diagnosis::machine_at(nominal, answer.point);
     const std::vector<common::EffectInstance>& effects = explained.effects;
     std::string text = fmt::format("include: {}\ndescription: The nominal crane with what slewlab diagnose found.\n",
@@ -383,21 +411,21 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
                                                                           "slewlab diagnose, as the sizes were fitted"));
     }
     if (!effects.empty()) text += common::effects_text(effects, sim::effects_for(nominal), "slewlab diagnose, " + found.verdict);
-    write_whole_file(options.out / "crane_with_effect.yaml", text);
-    write_whole_file(options.out / "crane_as_fitted.yaml",
+    findings.write("crane_with_effect.yaml", text);
+    findings.write("crane_as_fitted.yaml",
                      "include: crane_with_effect.yaml\ndescription: The same, with the parameters as slewlab diagnose fitted them.\n" +
                          diagnosis::parameters_text(nominal.crane, answer.point.nuisance, "slewlab diagnose"));
-    const std::filesystem::path controller_file = options.out / "controller_with_effect.yaml";
-    std::filesystem::remove(controller_file);  // of a diagnosis before, which found something there
+    std::filesystem::remove(options.out / "controller_with_effect.yaml");  // of a diagnosis before, which found something there
     if (!answer.controller_effects.empty()) {
-      write_whole_file(controller_file,
+      findings.write("controller_with_effect.yaml",
                        fmt::format("include: {}\ndescription: The nominal controller with what slewlab diagnose found.\n",
                                    std::filesystem::absolute(options.controller).string()) +
                            controller::changes_text(*controller, controller::with_effects(*controller, answer.controller_effects),
                                                     "slewlab diagnose, " + found.verdict));
     }
     const std::string summary = summary_text(found, apart, predicted, place);
-    write_whole_file(options.out / "summary.txt", summary);
+    findings.write("summary.txt", summary);
+    findings.keep();
     out << "\n" << summary << "files: " << options.out.string() << std::endl;
     // Becomes the program that draws; without an interpreter it says so, and the findings stand all the same.
     run_python("diagnosis_report.py", {options.out.string()});

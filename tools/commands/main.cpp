@@ -13,10 +13,12 @@
 #include "tools/commands/accept_command.h"
 #include "tools/commands/check_command.h"
 #include "tools/commands/diagnose_command.h"
+#include "tools/commands/home.h"
 #include "tools/commands/modes_command.h"
 #include "tools/commands/python_command.h"
 #include "tools/commands/replay_command.h"
 #include "tools/commands/run_command.h"
+#include "tools/commands/simulate_command.h"
 #include "tools/commands/soak_command.h"
 #include "tools/commands/verify_command.h"
 #include "tools/commands/withhold_command.h"
@@ -28,6 +30,11 @@ std::vector<common::Override> parse_overrides(const std::vector<std::string>& te
   std::vector<common::Override> overrides;
   for (const std::string& text : texts) overrides.push_back(common::parse_override(text));
   return overrides;
+}
+
+// What an option means that was not given: a file of slewlab's own.
+void fill(std::filesystem::path& file, const char* own) {
+  if (file.empty()) file = home() / own;
 }
 
 // Each of these adds its subcommand; what it is to do goes into `action`, which answers with the exit code.
@@ -86,7 +93,7 @@ void add_replay(CLI::App& app, const std::vector<std::string>& command_line, Act
   CLI::App* command = app.add_subcommand("replay", "Feed a log to plant and controller again and compare to the bit");
   command->add_option("LOG", options->replay.log, "log, or the folder of a run")->required()->check(CLI::ExistingPath);
   command->add_option("--scenario", options->replay.scenario, "in place of scenario.yaml beside the log");
-  command->add_option("--crane", options->replay.crane, "in place of the scenario's crane");
+  command->add_option("--crane,--axis", options->replay.crane, "in place of the scenario's machine");
   command->add_option("--controller-config", options->replay.controller_config, "in place of the scenario's");
   command->add_option("--controller", options->replay.controller_command,
                       "shell command of your own controller: what it would have answered to the recorded motion");
@@ -103,13 +110,35 @@ void add_replay(CLI::App& app, const std::vector<std::string>& command_line, Act
   });
 }
 
+void add_simulate(CLI::App& app, Action& action) {
+  struct Options {
+    SimulateOptions simulate;
+    std::vector<std::string> overrides;
+    double longest_step_ms = 1.0;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("simulate", "Drive a machine by the torque of a log, open loop, for report against the log");
+  command->add_option("MACHINE", options->simulate.machine, "file of a crane or an axis")->required()->check(CLI::ExistingFile);
+  command->add_option("LOG", options->simulate.log, "log, or the folder of a run")->required()->check(CLI::ExistingPath);
+  command->add_option("--out", options->simulate.out, "folder for the simulated log")->required();
+  command->add_option("--plant-step", options->longest_step_ms, "[ms] longest step of the plant (1)")->check(CLI::PositiveNumber);
+  command->add_option("--set", options->overrides, "key=value over the machine's file");
+  command->callback([options, &action] {
+    action = [options] {
+      constexpr double kMillisecond = 1e-3;  // [s]
+      options->simulate.longest_step = options->longest_step_ms * kMillisecond;
+      options->simulate.overrides = parse_overrides(options->overrides);
+      return simulate(options->simulate, std::cout);
+    };
+  });
+}
+
 void add_accept(CLI::App& app, const std::vector<std::string>& command_line, Action& action) {
   struct Options {
     AcceptOptions accept;
     std::vector<std::string> overrides;
   };
   auto options = std::make_shared<Options>();
-  options->accept.limits = SLEWLAB_SOURCE_DIR "/config/acceptance/thesis.yaml";
   CLI::App* command = app.add_subcommand("accept", "Check a controller's run against limits: pass or fail, and why");
   command->add_option("SCENARIO|RUN_DIR", options->accept.subject, "scenario to run, or a run that was made already")
       ->required()
@@ -122,6 +151,7 @@ void add_accept(CLI::App& app, const std::vector<std::string>& command_line, Act
   command->add_option("--set", options->overrides, "key=value, as of slewlab run");
   command->callback([options, &command_line, &action] {
     action = [options, &command_line] {
+      fill(options->accept.limits, "config/acceptance/thesis.yaml");
       options->accept.overrides = parse_overrides(options->overrides);
       return accept(options->accept, command_line);
     };
@@ -131,7 +161,7 @@ void add_accept(CLI::App& app, const std::vector<std::string>& command_line, Act
 void add_diagnose(CLI::App& app, Action& action) {
   auto options = std::make_shared<DiagnoseOptions>();
   CLI::App* command = app.add_subcommand("diagnose", "Where a measured crane differs from its model, and which effect causes it");
-  command->add_option("--crane", options->crane, "nominal crane")->required();
+  command->add_option("--crane,--axis", options->crane, "nominal machine")->required();
   command->add_option("--controller", options->controller,
                       "nominal controller; without it the machine's side alone is judged");
   command->add_option("--log", options->logs, "measured logs; more than one manoeuvre tells more")->required();
@@ -150,19 +180,24 @@ void add_withhold(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("withhold", "Machines nobody has looked at, to judge the diagnosis by");
   command->require_subcommand(1);
   auto options = std::make_shared<WithholdMakeOptions>();
-  options->crane = SLEWLAB_SOURCE_DIR "/config/cranes/thesis.yaml";
-  options->controller = SLEWLAB_SOURCE_DIR "/config/controllers/thesis.yaml";
   CLI::App* make = command->add_subcommand("make", "Draw machines, run them and write their logs; answers sealed");
   make->add_option("--cases", options->cases, "how many")->required()->check(CLI::PositiveNumber);
   make->add_option("--seed", options->seed, "below 1000 for tuning, from 1000 on for scoring")->required();
   make->add_option("--out", options->directory, "folder for the set")->required();
   make->add_option("--purpose", options->purpose, "tune or score: refused where the seed is for the other");
-  make->add_option("--crane", options->crane, "nominal crane");
-  make->add_option("--controller", options->controller, "nominal controller");
-  make->add_option("--controller-period", options->controller_period_ms, "[ms] whole milliseconds");
+  make->add_option("--crane", options->crane, "nominal crane (config/cranes/thesis.yaml)");
+  make->add_option("--controller", options->controller, "nominal controller (config/controllers/thesis.yaml)");
+  make->add_option("--rate", options->rate, "[Hz] of the record: SENSORS, and the controller with ENCODER and TORQUE (1000); a whole number of milliseconds per sample");
+  make->add_option("--sensors", options->sensors, "all, tip or none: what is recorded beside encoders and torques")->check(CLI::IsMember({"all", "tip", "none"}));
+  make->add_option("--begin", options->begin, "rest, on, motion or any: when the recorder is switched on; with the drives on, under way, each of the three by chance")->check(CLI::IsMember({"rest", "on", "motion", "any"}));
+  make->add_option("--controller-period", options->controller_period_ms, "[ms] whole milliseconds (as --rate has it)");
   make->add_option("--threads", options->threads, "cases side by side");
   make->callback([options, &action] {
-    action = [options] { return withhold_make(*options, std::cout, std::cerr); };
+    action = [options] {
+      fill(options->crane, "config/cranes/thesis.yaml");
+      fill(options->controller, "config/controllers/thesis.yaml");
+      return withhold_make(*options, std::cout, std::cerr);
+    };
   });
   add_withhold_score(*command, action);
 }
@@ -188,9 +223,6 @@ void add_soak(CLI::App& app, Action& action) {
   };
   auto options = std::make_shared<Options>();
   SoakOptions& soak_options = options->soak;
-  soak_options.crane = SLEWLAB_SOURCE_DIR "/config/cranes/thesis.yaml";
-  soak_options.controller = SLEWLAB_SOURCE_DIR "/config/controllers/thesis.yaml";
-  soak_options.config = SLEWLAB_SOURCE_DIR "/config/soak/thesis.yaml";
   CLI::App* command = app.add_subcommand("soak", "Slew at random for hours, faster than real time, and check what must always hold");
   auto* hours = command->add_option("--hours", soak_options.hours, "simulated hours, rounded up to whole tasks")
                     ->check(CLI::PositiveNumber);
@@ -208,11 +240,14 @@ void add_soak(CLI::App& app, Action& action) {
   command->add_option("--config", soak_options.config, "what is drawn, and the limits (config/soak/thesis.yaml)")
       ->check(CLI::ExistingFile);
   command->add_option("--set", options->overrides,
-                      "key=value: of --config as they are, crane.KEY and controller.KEY, e.g. limits.sidelead=5");
+                      "key=value: of --config as they are, crane.KEY and controller.KEY, e.g. limits.sidelead=5deg");
   command->footer("Journal, failures and how to repeat one: docs/soak.md");
   command->callback([options, hours, task, &action] {
     if (hours->count() + task->count() == 0) throw CLI::RequiredError("--hours or --task");
     action = [options] {
+      fill(options->soak.crane, "config/cranes/thesis.yaml");
+      fill(options->soak.controller, "config/controllers/thesis.yaml");
+      fill(options->soak.config, "config/soak/thesis.yaml");
       options->soak.overrides = parse_overrides(options->overrides);
       return soak(options->soak);
     };
@@ -235,12 +270,12 @@ void add_modes(CLI::App& app, Action& action) {
     std::vector<std::string> overrides;
   };
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("modes", "Eigenfrequencies, convergence and frequency response of a crane");
-  command->add_option("CRANE", options->modes.crane, "crane file")->required();
+  CLI::App* command = app.add_subcommand("modes", "Eigenfrequencies, convergence and frequency response of a crane or an axis");
+  command->add_option("MACHINE", options->modes.crane, "file of a crane or an axis")->required();
   command->add_option("--elements", options->modes.elements, "boom elements, in place of the crane's own")
       ->check(CLI::Range(0, 256));
   command->add_option("--bode", options->modes.bode, "CSV of the response from motor torque to tip velocity");
-  command->add_option("--set", options->overrides, "key=value over the crane file");
+  command->add_option("--set", options->overrides, "key=value over the machine's file");
   command->callback([options, &action] {
     action = [options] {
       options->modes.overrides = parse_overrides(options->overrides);
@@ -251,12 +286,16 @@ void add_modes(CLI::App& app, Action& action) {
 
 void add_verify(CLI::App& app, Action& action) {
   auto options = std::make_shared<VerifyOptions>();
-  options->config_directory = std::filesystem::path(SLEWLAB_SOURCE_DIR) / "config";
   CLI::App* command = app.add_subcommand("verify", "Compute every number of the thesis anew and compare");
   command->add_option("--config", options->config_directory, "folder with cranes/ and controllers/")
       ->check(CLI::ExistingDirectory);
   command->add_flag("--json", options->json, "rows as JSON");
-  command->callback([options, &action] { action = [options] { return verify(*options, std::cout, std::cerr); }; });
+  command->callback([options, &action] {
+    action = [options] {
+      fill(options->config_directory, "config");
+      return verify(*options, std::cout, std::cerr);
+    };
+  });
 }
 
 int main(const std::vector<std::string>& command_line, int argc, char** argv) {
@@ -265,6 +304,7 @@ int main(const std::vector<std::string>& command_line, int argc, char** argv) {
   Action action;
   add_run(app, command_line, action);
   add_replay(app, command_line, action);
+  add_simulate(app, action);
   add_accept(app, command_line, action);
   add_soak(app, action);
   add_check(app, action);

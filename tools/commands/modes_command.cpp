@@ -12,7 +12,7 @@
 
 #include "sim/analysis/bode.h"
 #include "sim/analysis/eigen.h"
-#include "sim/machine/crane_file.h"
+#include "sim/machine/machine_file.h"
 #include "tools/commands/whole_file.h"
 
 namespace slewlab::tools {
@@ -24,7 +24,17 @@ constexpr double kBodeFirst = 0.01, kBodeLast = 100.0;  // [Hz]
 constexpr int kBodePoints = 2000;
 constexpr std::array<int, 11> kMeshes{1, 2, 3, 4, 5, 6, 8, 16, 32, 64, 128};
 
-void print_modes(const std::vector<sim::Mode>& modes, std::ostream& out) {
+// An axis has a frequency and a damping, and no load and boom to share its energy with.
+void print_modes(const std::vector<sim::Mode>& modes, bool is_axis, std::ostream& out) {
+  if (is_axis) {
+    out << fmt::format("  {:>10}  {:<14} {:>9}\n  {:>10}  {:<14} {:>9}\n", "frequency", "kind", "damping", "[Hz]", "", "[%]");
+    for (const sim::Mode& mode : modes) {
+      const bool rigid = mode.kind == sim::ModeKind::kRigid;
+      out << fmt::format("  {:>10.3f}  {:<14} {:>9.2f}\n", rigid ? 0.0 : mode.frequency, rigid ? "rigid" : "transmission",
+                         100.0 * mode.damping_ratio);
+    }
+    return;
+  }
   out << fmt::format("  {:>10}  {:<11} {:>9}   {:>6} {:>6} {:>6}   {:>7} {:>8}\n", "frequency", "kind", "damping",
                      "gears", "load", "boom", "bending", "torsion");
   out << fmt::format("  {:>10}  {:<11} {:>9}   {:^20}   {:^16}\n", "[Hz]", "", "[%]", "elastic energy [%]",
@@ -83,18 +93,27 @@ std::string bode_csv(const sim::CraneParameters& crane) {
 }  // namespace
 
 int show_modes(const ModesOptions& options, std::ostream& out) {
-  sim::CraneParameters crane = sim::load_crane_file(options.crane, options.overrides).parameters;
+  const sim::MachineFile file = sim::load_machine_file(options.crane, options.overrides);
+  sim::CraneParameters crane = file.parameters;
+  const bool is_axis = file.kind == sim::MachineKind::axis;
+  if (is_axis && !options.bode.empty()) {
+    throw std::runtime_error(options.crane.string() + ": an axis has no tip; --bode is the response from motor torque to a boom's tip");
+  }
   if (options.elements > 0 && crane.boom.length == 0.0) {
     throw std::runtime_error(options.crane.string() + ": has no boom that elements could be given to");
   }
   if (options.elements >= 0) crane.boom.element_count = options.elements;
 
-  out << fmt::format("{}: whole crane, gears closed, {} boom element(s)\n", options.crane.string(),
-                     crane.boom.element_count);
-  print_modes(sim::crane_modes(crane), out);
+  if (is_axis) {
+    out << fmt::format("{}: axis, {}\n", options.crane.string(),
+                       crane.drive.is_rigid ? "rigid transmission: one inertia" : "transmission in contact");
+  } else {
+    out << fmt::format("{}: whole crane, gears closed, {} boom element(s)\n", options.crane.string(), crane.boom.element_count);
+  }
+  print_modes(sim::crane_modes(crane), is_axis, out);
   if (crane.boom.element_count > 0) {
     out << "\nBoom clamped at its pivot\n";
-    print_modes(sim::clamped_boom_modes(crane.boom), out);
+    print_modes(sim::clamped_boom_modes(crane.boom), false, out);
     out << fmt::format("\nConvergence [Hz], deviation from {} elements, whole crane\n", kMeshes.back());
     print_convergence(crane, out);
   }

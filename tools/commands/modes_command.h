@@ -1,4 +1,4 @@
-// `slewlab modes CRANE.yaml`: eigenfrequencies of the crane and of its clamped boom, how they converge with the
+// `slewlab modes MACHINE.yaml`: eigenfrequencies of a crane and of its clamped boom, or of an axis, how they converge with the
 // elements, and on request the frequency response from motor torque to tip velocity as CSV.
 #pragma once
 

@@ -10,6 +10,7 @@
 #include <stdexcept>
 
 #include "msgs/lcm_bus.h"
+#include "tools/commands/home.h"
 
 namespace slewlab::tools {
 namespace {
@@ -18,7 +19,7 @@ constexpr const char* kInPrivateNetwork = "SLEWLAB_IN_PRIVATE_NETWORK";
 
 // Returns only where that failed.
 void enter_private_network(const std::vector<std::string>& command_line) {
-  const std::string wrapper = SLEWLAB_SOURCE_DIR "/tools/in-private-network";
+  const std::string wrapper = (home() / "tools" / "in-private-network").string();
   std::vector<std::string> command{wrapper, std::filesystem::read_symlink("/proc/self/exe").string()};
   command.insert(command.end(), command_line.begin() + 1, command_line.end());
   std::vector<char*> arguments;

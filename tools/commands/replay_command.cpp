@@ -54,7 +54,7 @@ fs::path log_in(const fs::path& given) {
 struct Configuration {
   std::optional<sim::Scenario> scenario;         // without one the periods are the log's
   std::optional<std::int64_t> hash;              // of the files as they are, without what the call changes
-  std::optional<sim::CraneFile> crane;
+  std::optional<sim::MachineFile> crane;
   std::optional<controller::ControllerSettings> controller;
 };
 
@@ -67,7 +67,10 @@ Configuration configuration(const ReplayOptions& options, const fs::path& log) {
   std::vector<common::Override> controller_changes;
   if (!scenario.empty()) {
     result.hash = msgs::configuration_hash(sim::load_scenario_file(scenario).configuration_text);
-    if (!options.crane.empty()) changes.push_back({"crane", fs::absolute(options.crane).string()});
+    if (!options.crane.empty()) {
+      const sim::MachineKind kind = sim::load_machine_file(options.crane).kind;
+      changes.push_back({std::string(sim::name_of(kind)), fs::absolute(options.crane).string()});
+    }
     if (!options.controller_config.empty()) {
       changes.push_back({"controller", fs::absolute(options.controller_config).string()});
     }
@@ -76,7 +79,7 @@ Configuration configuration(const ReplayOptions& options, const fs::path& log) {
     controller_file = result.scenario->controller_file;
     controller_changes = result.scenario->controller_overrides;
   } else if (!options.crane.empty()) {
-    result.crane = sim::load_crane_file(options.crane, changes);
+    result.crane = sim::load_machine_file(options.crane, changes);
   }
   if (!controller_file.empty() && options.controller_command.empty()) {
     result.controller = controller::load_controller_file(controller_file, controller_changes).settings;
@@ -98,7 +101,7 @@ std::int64_t period_of(const std::vector<Message>& messages) {
 }
 
 // A scenario made from what the log tells, for a log that came without one.
-sim::Scenario scenario_of(const msgs::RunLog& record, const sim::CraneFile& crane) {
+sim::Scenario scenario_of(const msgs::RunLog& record, const sim::MachineFile& crane) {
   sim::Scenario scenario;
   scenario.crane = crane;
   scenario.controller_period = period_of(record.encoder);

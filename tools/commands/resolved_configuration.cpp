@@ -133,14 +133,15 @@ std::filesystem::path write_resolved_configuration(const std::filesystem::path& 
   const sim::Scenario scenario = sim::load_scenario_file(scenario_path, overrides);
   std::vector<Override> own;
   std::copy_if(overrides.begin(), overrides.end(), std::back_inserter(own), [](const Override& change) {
-    return !change.key.starts_with("crane.") && !change.key.starts_with("controller.");
+    return !change.key.starts_with("crane.") && !change.key.starts_with("axis.") && !change.key.starts_with("controller.");
   });
   YamlNode root = load(scenario_path, own);
   const YamlNode crane = load(scenario.crane_file, scenario.crane_overrides);
   const YamlNode controller = load(scenario.controller_file, scenario.controller_overrides);
-  set_reference(root, "crane", "crane.yaml");
+  const std::string machine = std::string(sim::name_of(scenario.crane.kind));
+  set_reference(root, machine, (machine + ".yaml").c_str());
   set_reference(root, "controller", "controller.yaml");
-  write_whole_file(folder / "crane.yaml", to_yaml(crane));
+  write_whole_file(folder / (machine + ".yaml"), to_yaml(crane));
   write_whole_file(folder / "controller.yaml", to_yaml(controller));
   write_whole_file(folder / "scenario.yaml", to_yaml(root));
   return folder / "scenario.yaml";

@@ -284,10 +284,6 @@ void print_timing(const Json& summary) {
               summary["drive"].value("stale_commands", 0LL));
 }
 
-void complain(const common::InputProblems& problems) {
-  for (const common::InputProblem& problem : problems) std::fprintf(stderr, "%s\n", common::to_text(problem).c_str());
-}
-
 // What did not come about of what the scenario says under `expect:`; nothing where it says nothing.
 std::optional<std::vector<std::string>> judge(const sim::Scenario& scenario, const fs::path& log) {
   if (scenario.expectation == sim::FaultExpectation{}) return std::nullopt;
@@ -419,18 +415,18 @@ int run_scenario(const RunOptions& options, const std::vector<std::string>& comm
   const std::string name = options.scenario.stem().string();
   const fs::path folder = options.out.empty() ? fs::path("runs") / name : options.out;
   try {
-    // A controller of the user's own need not be one that ours would accept.
-    if (options.controller_command.empty()) {
-      if (const auto problems = problems_in(options.scenario, options.overrides); !problems.empty()) {
-        complain(problems);
-        return 2;
-      }
+    const ControllerBy by = options.controller_command.empty() ? ControllerBy::slewlab : ControllerBy::user;
+    const Findings found = examine(options.scenario, options.overrides, by);
+    if (!found.problems.empty()) {
+      complain(found.problems, std::cerr);
+      return 2;
     }
     need_multicast(command_line);
+    warn(found.warnings, std::cerr);
     fs::create_directories(folder);
     return run_in(folder, options, name);
   } catch (const common::InputError& error) {
-    complain(error.problems());
+    complain(error.problems(), std::cerr);
     return 2;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "slewlab: %s\n", error.what());

@@ -1,6 +1,6 @@
 // What a report must know of a run beyond its log: run.json, beside run.lcmlog. Written by whoever ran it.
 //
-// Keys, in SI units: crane, controller (files), configuration_hash (16 hex digits), rated_torque and torque_limit
+// Keys, in SI units: crane or axis, controller (files), machine (description: kind, efforts, sensors),  configuration_hash (16 hex digits), rated_torque and torque_limit
 // [Nm per motor], total_ratio, top_speed [rad/s, slew axis], play_compensation, half_play [rad, slew axis],
 // tip_radius [m], plant_step, controller_period, duration [s], modes [{name, frequency [Hz], damping_ratio}] of the
 // whole crane with closed gears, simulated_time, wall_time [s], cycles, resends, controller_command, end.
@@ -10,6 +10,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <string>
 
@@ -29,6 +30,9 @@ struct RunOutcome {
 };
 
 inline constexpr const char* kRunFactsName = "run.json";
+
+// What a report must know of the machine: kind, names and units of what pushes and what is measured.
+nlohmann::ordered_json machine_facts(const sim::MachineFile& machine);
 
 // The facts as JSON text.
 std::string run_facts(const sim::Scenario& scenario,

@@ -167,7 +167,9 @@ TaskRange task_range(const std::string& text) {
     error = second.ec;
   }
   if (error != std::errc{} || rest != end || range.first < 0 || range.last < range.first) {
-    throw common::InputError({{{"--task " + text, 0, 0}, "", "'" + text + "'", "a task's number, or FIRST-LAST"}});
+    common::InputProblems problems;
+    problems.push_back({{"--task " + text, 0, 0}, "", "'" + text + "'", "a task's number, or FIRST-LAST"});
+    throw common::InputError(problems);
   }
   return range;
 }

@@ -67,7 +67,20 @@ int withhold_make(const WithholdMakeOptions& options, std::ostream& out, std::os
   settings.directory = options.directory;
   settings.crane = options.crane;
   settings.controller = options.controller;
-  settings.controller_period = options.controller_period_ms * 1e-3;
+  constexpr double kLowestRate = 1.0;  // [Hz]: less than that records nothing of a slew
+  if (!(options.rate >= kLowestRate)) {
+    complaints << "--rate is " << options.rate << " Hz; it must be at least " << kLowestRate << " Hz\n";
+    return 1;
+  }
+  settings.record_period = 1.0 / options.rate;
+  settings.controller_period = options.controller_period_ms > 0.0 ? options.controller_period_ms * 1e-3 : settings.record_period;
+  try {
+    settings.sensors = sensors_named(options.sensors);
+    settings.begin = begin_named(options.begin);
+  } catch (const std::invalid_argument& error) {
+    complaints << "slewlab withhold make: " << error.what() << '\n';
+    return 1;
+  }
   settings.threads = options.threads;
   return run_interruptibly("withhold make", out, complaints, [&](const MakeProgress& progress) {
     if (!make_cases(settings, progress, common::stop_requested)) return false;

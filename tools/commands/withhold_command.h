@@ -16,7 +16,10 @@ struct WithholdMakeOptions {
   std::string purpose;  // tune or score; empty: what the seed serves
   std::filesystem::path directory;
   std::filesystem::path crane, controller;
-  double controller_period_ms = 1.0;
+  double rate = 1000.0;               // [Hz] of the record
+  double controller_period_ms = 0.0;  // 0: as the record
+  std::string sensors = "all";        // all, tip or none
+  std::string begin = "rest";         // rest, on, motion or any
   int threads = 2;
 };
 

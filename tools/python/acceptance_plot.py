@@ -12,8 +12,8 @@ import numpy as np
 from plotly.offline import get_plotlyjs
 from plotly.subplots import make_subplots
 
-from report import DARK, GREEN, GREY, GROUP_COLOURS, PURPLE, draw_motor_torques, write_whole
-from report import _line as line
+from panel import DARK, GREEN, GREY, GROUP_COLOURS, PURPLE, line
+from report import draw_motor_torques, write_whole
 from run_log import LogProblem, seconds
 from run_numbers import read_run, shown_path
 

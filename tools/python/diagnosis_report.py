@@ -14,6 +14,8 @@ import pandas
 import plotly.graph_objects as graph
 from plotly.subplots import make_subplots
 
+from whole_file import growing
+
 MEASURED = "#222222"
 BEFORE = "#c44e52"
 AFTER = "#2a7f9e"
@@ -52,6 +54,8 @@ def series_figure(series, after):
 
 def after_name(found):
     """What the crane has that is drawn as the one after."""
+    if not found["causes"]:
+        return "with nothing added"
     first = found["causes"][0]
     if found["probability_not_in_the_catalogue"] > first["probability"]:
         return f"with {cause_name(first)}, which is not the answer"
@@ -129,9 +133,11 @@ def main():
         text = page(directory)
     except (OSError, ValueError, KeyError) as problem:
         sys.exit(f"diagnosis_report: {directory}: {problem}")
-    with open(target + ".partial", "w", encoding="utf-8") as file:
-        file.write(text)
-    os.replace(target + ".partial", target)
+    try:
+        with growing(target) as partial:
+            partial.write_text(text, encoding="utf-8")
+    except OSError as problem:
+        sys.exit(f"diagnosis_report: {problem}; the findings without the page are in {directory}")
     print(target)
 
 

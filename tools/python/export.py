@@ -3,7 +3,8 @@
     slewlab export RUN.lcmlog --format parquet|csv|mcap [--out PATH]
 
 Parquet and CSV: the first column is `time` [s], simulated; arrays become columns name_1, name_2, ...; SI units as
-in msgs/*.lcm. MCAP: JSON messages with their schema, stamped with the simulated time; opens in Foxglove and
+in msgs/*.lcm. Columns of a plain axis (run.json beside the log says so) carry the axis's names and units, motor_speed [rad/s],
+and those of sensors that it has not are left out. MCAP: JSON messages with their schema, stamped with the simulated time; opens in Foxglove and
 PlotJuggler.
 """
 
@@ -22,7 +23,24 @@ from whole_file import growing
 FORMATS = ("parquet", "csv", "mcap")
 
 
-def channel_table(messages):
+def axis_columns(path, log):
+    """{channel: {column: name of the axis's signal, None to leave it out}}; nothing for a crane."""
+    facts = path.parent / "run.json"
+    machine = json.loads(facts.read_text()).get("machine", {}) if path.stem == "run" and facts.is_file() else {}
+    if machine.get("kind") != "axis":
+        return {}
+    torque = machine["efforts"][0]
+    names = {"TORQUE": {"motor_torque_1": f"{torque['name'].replace(' ', '_')} [{torque['unit']}]"}, "SENSORS": {}}
+    for sensor in machine["sensors"]:
+        column = sensor["field"] if sensor["channel"] == "SENSORS" else f"{sensor['field']}_1"
+        names.setdefault(sensor["channel"], {})[column] = f"{sensor['name'].replace(' ', '_')} [{sensor['unit']}]"
+    if log.has("SENSORS"):
+        for column in ("house_acceleration", "pivot_acceleration", "middle_acceleration", "tip_acceleration", "slew_angle"):
+            names["SENSORS"].setdefault(column, None)
+    return names
+
+
+def channel_table(messages, axis=None):
     """One channel as a table: time [s], then every field; array entries count from 1 as motor groups do."""
     columns = {"time": seconds(messages)}
     for name in messages.dtype.names:
@@ -34,15 +52,18 @@ def channel_table(messages):
         else:
             for entry in range(values.shape[1]):
                 columns[f"{name}_{entry + 1}"] = values[:, entry]
-    return pd.DataFrame(columns)
+    renamed = {(axis or {}).get(name, name): values for name, values in columns.items()}
+    renamed.pop(None, None)
+    return pd.DataFrame(renamed)
 
 
 def write_tables(log, out, file_format):
     """A folder with one file per channel; it appears when all of them are complete."""
     with growing(out) as partial:
         partial.mkdir()
+        axis = axis_columns(log.path, log)
         for name, messages in log.channels.items():
-            table = channel_table(messages)
+            table = channel_table(messages, axis.get(name))
             if file_format == "parquet":
                 table.to_parquet(partial / f"{name}.parquet", index=False)
             else:

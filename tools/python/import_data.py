@@ -8,11 +8,15 @@ the operator's wish changes. Signals in the messages' units and axes:
     shaft angle or speed = sign * scale * (column - offset) * ratio, or / metres_per_radian of a linear axis
     motor torque         = sign * scale * (column - offset) / (ratio * motors), or * metres_per_radian
 
+Of a plain axis (`machine: axis.yaml` in the map, docs/axis.md) ratio and travel are its file's, and a column says whether
+it stands on the axis or on the shaft.
+
 Sensors that are not mapped are NaN in SENSORS. The log appears when it is complete, or not at all.
 """
 
 import argparse
 import csv
+import io
 import json
 import signal
 import sys
@@ -26,6 +30,7 @@ import pyarrow.parquet
 
 import input_map
 from input_map import InputProblems, nearest
+from machine import read_axis
 from run_log import EventWriter, LogProblem, message_types
 from unit import SPELLINGS, factor_to_si, quantity_of, spellings_of
 from whole_file import growing
@@ -39,6 +44,9 @@ LONGEST_GAP = 5.5         # [usual intervals] that interpolation may bridge
 MOST_DENSE = 100          # [new rows per row] that resampling may make
 SHORTEST_PERIOD = 1e-6    # [s] between two rows of a log, whose times are whole nanoseconds
 NANOSECONDS = 1_000_000_000
+MOST_COLUMNS = 10_000     # a recorder has hundreds of channels; rows and columns are taken for each other
+LONGEST_HEADER = 2_000_000  # [characters] of a CSV's line of names
+WORTH_TELLING = 50        # [MB] of data that take so long that a person wants to know
 ONE_OF_DERIVATIVES = f"a column with its unit, or {{derive: one of {', '.join(DERIVATIVES)}}}"
 
 
@@ -51,6 +59,7 @@ class Signal:
     offset: float = 0.0   # in the column's unit
     derive: str | None = None
     inverted: bool = False
+    unit: str = ""        # of the message's field
 
 
 @dataclass
@@ -70,9 +79,38 @@ class ImportMap:
     period: float | None        # [s]; None: as the rows are
     resample: str | None
     signals: dict         # message field: list of Signal, one per group
+    machine: object = None  # an axis; None: ratios stand in the map
 
 
-def read_signal(reader, name, kind):
+ANGULAR_AND_LINEAR = {"position": ("angle", "length"), "speed": ("angular speed", "speed"), "torque": ("torque", "force")}
+SI_UNITS = {"position": "rad", "speed": "rad/s", "torque": "N m", "angle": "rad", "acceleration": "m/s^2", "number": "-"}
+
+
+def axis_factor(reader, kind, unit, factor, machine):
+    """The factor to the motor shaft of a column on the axis or on the shaft of a plain axis."""
+    for key in ("ratio", "metres_per_radian"):
+        if reader.has(key):
+            reader.report(key, f"'{key}' beside a machine", "what the machine's file says; 'on: axis' for a column on the axis")
+    angular, linear = ANGULAR_AND_LINEAR[kind]
+    on_axis, on_shaft = (linear if machine.is_linear else angular), (linear if machine.is_shaft_linear else angular)
+    place = reader.choice("on", ("axis", "shaft"))
+    if factor is None:
+        return None
+    is_of_axis, is_of_shaft = (factor_to_si(quantity, unit) is not None for quantity in (on_axis, on_shaft))
+    if place is None:
+        if is_of_axis and is_of_shaft and machine.gear != 1.0:
+            reader.report("on", "nothing", f"axis or shaft: {unit} may be either of the two, {machine.gear:.6g} apart")
+            return None
+        place = "axis" if is_of_axis else "shaft"
+    if not (is_of_axis if place == "axis" else is_of_shaft):
+        quantity = on_axis if place == "axis" else on_shaft
+        reader.report("unit", f"{unit} on the {place}", f"a unit of {quantity}: {spellings_of(quantity)}")
+        return None
+    gear = machine.gear if place == "axis" else 1.0
+    return factor / gear if kind == "torque" else factor * gear
+
+
+def read_signal(reader, name, kind, machine=None):
     """One signal of the map: column, unit and what leads from the column to the message."""
     column = reader.text("column", "the name of a column of the data")
     found = Signal(name, column, reader)
@@ -84,14 +122,19 @@ def read_signal(reader, name, kind):
     unit = reader.text("unit", "the column's unit")
     scale = reader.number("scale", "number", 1.0)
     found.offset = 0.0
-    angular, linear = {"position": ("angle", "length"), "speed": ("angular speed", "speed"),
-                       "torque": ("torque", "force")}.get(kind, (kind, None))
+    angular, linear = ANGULAR_AND_LINEAR.get(kind, (kind, None))
+    if machine and name == "load_position" and machine.is_linear:
+        angular = "length"
     factor = reader.factor(unit, angular, linear) if linear else reader.factor(unit, angular)
     if reader.has("offset"):
         offset = reader.number("offset", quantity_of(unit or "-") or "number", 0.0, positive=False)
         found.offset = offset / (factor or 1.0)
     is_linear = linear is not None and factor is not None and factor_to_si(linear, unit) is not None
-    if linear:
+    if machine and linear:
+        factor = axis_factor(reader, kind, unit, factor, machine)
+        motors = reader.integer("motors", 1, 1) if kind == "torque" else 1
+        factor = None if factor is None else factor / motors
+    elif linear:
         travel = reader.number("metres_per_radian", "length", None)
         ratio = reader.number("ratio", "number", None)
         if is_linear and travel is None and not reader.has("metres_per_radian"):
@@ -105,9 +148,12 @@ def read_signal(reader, name, kind):
         gear = 1.0 / (travel or 1.0) if is_linear else (ratio or 1.0)
         motors = reader.integer("motors", 1, 1) if kind == "torque" else 1
         factor = None if factor is None else (factor / (gear * motors) if kind == "torque" else factor * gear)
-    elif kind == "angle":
+    elif kind == "angle" and not machine:
         factor = None if factor is None else factor * reader.number("ratio", "number", 1.0)
     found.factor = (factor or 1.0) * scale * (-1.0 if sign == "-1" else 1.0)
+    found.unit = machine.units().get(name, SI_UNITS[kind]) if machine else SI_UNITS[kind]
+    if machine and name == "load_position":
+        found.unit = machine.units()["slew_angle"]
     reader.finish()
     return found
 
@@ -120,6 +166,7 @@ def read_map(path):
     if kind not in (None, "import_map"):
         root.report("kind", kind, "import_map")
     root.has("description")
+    machine = read_axis(path.parent / root.text("machine", "the axis's file")) if root.has("machine") else None
 
     table = root.map("csv", "") if root.has("csv") else None
     separator = table.choice("separator", (",", ";", "tab"), ",") if table else ","
@@ -160,13 +207,18 @@ def read_map(path):
                 if reader.has("column"):
                     reader.report("column", "a column beside derive", "one of the two")
                 reader.finish()
-                signals[name].append(Signal(name, None, reader, derive=derive))
+                unit = machine.units()[name] if machine else SI_UNITS[signal_kind]
+                signals[name].append(Signal(name, None, reader, derive=derive, unit=unit))
             else:
-                signals[name].append(read_signal(reader, name, signal_kind))
-    for name in ACCELERATIONS:
+                signals[name].append(read_signal(reader, name, signal_kind, machine))
+    for name in () if machine else ACCELERATIONS:
         if root.has(name):
             signals[name] = [read_signal(root.map(name, ""), name, "acceleration")]
-    if root.has("slew_angle"):
+    if machine and root.has("load_position"):
+        if not machine.has_load_encoder:
+            root.report("load_position", "a load-side encoder", "load_encoder: {value: true, source: ...} in the machine's file")
+        signals["slew_angle"] = [read_signal(root.map("load_position", ""), "load_position", "angle", machine)]
+    elif not machine and root.has("slew_angle"):
         signals["slew_angle"] = [read_signal(root.map("slew_angle", ""), "slew_angle", "angle")]
     if root.has("speed_request"):
         signals["speed_request"] = [read_signal(root.map("speed_request", ""), "speed_request", "number")]
@@ -176,6 +228,8 @@ def read_map(path):
     root.finish()
 
     groups = len(signals["shaft_position"])
+    if machine and groups > 1:
+        root.report("shaft_position", f"{groups} groups", "one: the motor of the axis")
     if groups > MOST_GROUPS:
         root.report("shaft_position", f"{groups} groups", f"at most {MOST_GROUPS}")
     for name in ("shaft_speed", "motor_torque"):
@@ -192,7 +246,7 @@ def read_map(path):
                                 "a column of its own for each signal")
         used[entry.column] = entry.name
     return ImportMap(path, root, lines, separator, decimal, skip_lines, first_row, last_row, time, time_column,
-                     time_factor, origin, None if rate is None else 1.0 / rate, resample, signals)
+                     time_factor, origin, None if rate is None else 1.0 / rate, resample, signals, machine)
 
 
 def fail_if_wrong(mapping):
@@ -206,7 +260,17 @@ def column_names(mapping, path):
     with open(path, newline="", encoding="utf-8-sig") as stream:
         for _ in range(mapping.skip_lines):
             stream.readline()
-        header = next(csv.reader(stream, delimiter="\t" if mapping.separator == "tab" else mapping.separator), [])
+        header = stream.readline(LONGEST_HEADER)
+        while header.count('"') % 2 and len(header) < LONGEST_HEADER:  # a name with a line break in it
+            more = stream.readline(LONGEST_HEADER)
+            if not more:
+                break
+            header += more
+        if len(header) >= LONGEST_HEADER:
+            raise LogProblem(f"{path}: the line of column names has more than {LONGEST_HEADER} characters; expected one "
+                             f"row per moment and at most {MOST_COLUMNS} columns")
+    separator = "\t" if mapping.separator == "tab" else mapping.separator
+    header = next(csv.reader(io.StringIO(header, newline=""), delimiter=separator), [])
     return [name.strip() for name in header]
 
 
@@ -218,6 +282,12 @@ def read_table(mapping, path):
         raise LogProblem(f"{path}: there is no such file")
     try:
         names = column_names(mapping, path)
+        if len(names) > MOST_COLUMNS:
+            raise LogProblem(f"{path}: found {len(names)} columns, expected one row per moment and at most {MOST_COLUMNS} "
+                             f"columns; turn the table, or cut it to the columns that the map names")
+        megabytes = path.stat().st_size / 1e6
+        if megabytes > WORTH_TELLING:
+            print(f"reading {path}: {megabytes:.0f} MB with {len(names)} columns", file=sys.stderr, flush=True)
         wanted = [(mapping.time, mapping.time_column)]
         wanted += [(e.reader, e.column) for entries in mapping.signals.values() for e in entries if e.column is not None]
         for reader, column in wanted:
@@ -452,9 +522,12 @@ def convert(mapping, table, row):
                 how = "linear" if name in FLAGS else mapping.resample
                 series = resampled(series, seconds, grid_seconds, how, holds)
             if name == "shaft_position":
-                if series[0] != 0.0:
-                    remarks.append(f"{entry.name} begins at {series[0]:.6g} rad in the data and at 0 in the log")
-                series = series - series[0]
+                # A crane's angle counts from the start; what stands between its groups is kept, and so is an axis's own zero.
+                if group == 0:
+                    start = 0.0 if mapping.machine else series[0]
+                    if start != 0.0:
+                        remarks.append(f"{entry.name} begins at {start:.6g} rad in the data and at 0 in the log")
+                series = series - start
             values[name].append(series)
     if "speed_request" in values:
         request = np.abs(values["speed_request"][0])
@@ -543,7 +616,7 @@ def main(arguments=None):
             raise LogProblem(f"--out: found {out}, expected a name that ends in .lcmlog")
         table = read_table(mapping, options.file)
         grid, values, remarks = convert(mapping, table, Rows(mapping, options.file))
-        text = json.dumps(canonical(mapping.reader.node), sort_keys=True) + options.file.name
+        text = json.dumps(canonical(mapping.reader.node), sort_keys=True) + options.file.name + (str(mapping.machine) if mapping.machine else "")
         counts = write_log(out, grid, values, configuration_hash(text))
     except InputProblems as problems:
         print(problems, file=sys.stderr)
@@ -555,7 +628,8 @@ def main(arguments=None):
         print(remark)
     for name, entries in values.items():
         for entry, series in zip(mapping.signals[name], entries):
-            print(f"{entry.name}: {float(np.min(series)):.6g} ... {float(np.max(series)):.6g}")
+            unit = f" {entry.unit}" if entry.unit not in ("", "-") else ""
+            print(f"{entry.name}: {float(np.min(series)):.6g} ... {float(np.max(series)):.6g}{unit}")
     said = ", ".join(f"{name} {count}" for name, count in counts.items())
     print(f"{out}: {(grid[-1] - grid[0]) / NANOSECONDS:.6g} s, {said}")
     return 0

@@ -15,38 +15,14 @@ import numpy as np
 import plotly.graph_objects as go
 from plotly.offline import get_plotlyjs
 
+import axis_report
+from panel import DARK, GREEN, GREY, GROUP_COLOURS, PURPLE, Panel, dash_of, line, slim
 from run_log import LogProblem, seconds
 from run_numbers import crossings, measured, phase_spectrum, phases, read_run, shown_path, stop_time, table, table_text
 from whole_file import growing
 
-# Colours that stay apart for colour-blind readers (Okabe and Ito's set).
-GROUP_COLOURS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#8C564B", "#7F7F7F"]
-DARK, GREY, GREEN, PURPLE = "#222222", "#999999", "#009E73", "#8E4B9E"
 ROW_HEIGHT = 205  # [px]
 GAP = 34          # [px] between rows
-
-
-def _slim(values):
-    """Single precision: more than a screen can show, at half the size."""
-    return np.asarray(values, np.float32)
-
-
-class Panel:
-    """One row of the picture: a title for its axis, and what it draws for a run."""
-
-    def __init__(self, title, axis, draw, is_spectrum=False, phase=None):
-        self.title, self.axis, self.draw = title, axis, draw
-        self.is_spectrum, self.phase = is_spectrum, phase
-
-
-def _line(x, y, name, colour, dash=None, width=1.3, **more):
-    return go.Scatter(x=_slim(x), y=_slim(y), name=name, mode="lines",
-                      line=dict(color=colour, dash=dash, width=width), **more)
-
-
-def _dash(group):
-    """Later groups are dashed, so that equal torques do not hide each other."""
-    return None if group == 0 else "5px,2px"
 
 
 def draw_speeds(run):
@@ -57,19 +33,19 @@ def draw_speeds(run):
         moves = log.channel("OPERATOR")
         end = phases(run)[-1][2]
         request = np.where(moves["emergency_stop"], 0.0, moves["speed_request"]) * run.facts["top_speed"]
-        traces.append(_line(np.append(seconds(moves), end), np.append(request, request[-1]), "request", GREY, "dot",
+        traces.append(line(np.append(seconds(moves), end), np.append(request, request[-1]), "request", GREY, "dot",
                             line_shape="hv"))
     if log.has("ENCODER"):
         encoder = log.channel("ENCODER")
         for group in range(encoder["shaft_speed"].shape[1]):
-            traces.append(_line(seconds(encoder), encoder["shaft_speed"][:, group] / (ratio or 1.0), f"motors {group + 1}",
+            traces.append(line(seconds(encoder), encoder["shaft_speed"][:, group] / (ratio or 1.0), f"motors {group + 1}",
                                 GROUP_COLOURS[group]))
     if log.has("TRUTH") and ratio:
         truth = log.channel("TRUTH")
-        traces.append(_line(seconds(truth), truth["house_speed"], "house", GREEN))
+        traces.append(line(seconds(truth), truth["house_speed"], "house", GREEN))
     if log.has("CONTROLLER_STATE") and ratio:
         state = log.channel("CONTROLLER_STATE")
-        traces.append(_line(seconds(state), state["ramped_speed"], "ramp", DARK, "dash"))
+        traces.append(line(seconds(state), state["ramped_speed"], "ramp", DARK, "dash"))
     return traces
 
 
@@ -79,8 +55,8 @@ def draw_motor_torques(run):
     torque = run.log.channel("TORQUE")
     rated = run.facts.get("rated_torque")
     return [
-        _line(seconds(torque), torque["motor_torque"][:, group] * (100 / rated if rated else 1), f"group {group + 1}",
-              GROUP_COLOURS[group], _dash(group), line_shape="hv")
+        line(seconds(torque), torque["motor_torque"][:, group] * (100 / rated if rated else 1), f"group {group + 1}",
+              GROUP_COLOURS[group], dash_of(group), line_shape="hv")
         for group in range(torque["motor_torque"].shape[1])
     ]
 
@@ -90,15 +66,15 @@ def draw_gearbox_torques(run):
         return []
     truth = run.log.channel("TRUTH")
     traces = [
-        _line(seconds(truth), truth["gearbox_torque"][:, group] * 1e-6, f"gearbox {group + 1}", GROUP_COLOURS[group],
-              _dash(group))
+        line(seconds(truth), truth["gearbox_torque"][:, group] * 1e-6, f"gearbox {group + 1}", GROUP_COLOURS[group],
+              dash_of(group))
         for group in range(truth["gearbox_torque"].shape[1])
     ]
     for group, times in enumerate(crossings(run)):
         if len(times) == 0:
             times = np.array([np.nan])  # keeps the legend the same for every run
         traces.append(
-            go.Scatter(x=_slim(times), y=np.zeros(len(times), np.float32), mode="markers",
+            go.Scatter(x=slim(times), y=np.zeros(len(times), np.float32), mode="markers",
                        name=f"{group + 1} crosses its play",
                        marker=dict(symbol="circle-open" if group % 2 else "x-thin", size=9, color=GROUP_COLOURS[group],
                                    line=dict(width=1.6, color=GROUP_COLOURS[group]))))
@@ -110,7 +86,7 @@ def draw_acceleration(signal, name, colour):
         if not measured(run, signal):
             return []
         sensors = run.log.channel("SENSORS")
-        return [_line(seconds(sensors), sensors[signal], name, colour, width=1.0)]
+        return [line(seconds(sensors), sensors[signal], name, colour, width=1.0)]
 
     return draw
 
@@ -120,8 +96,8 @@ def draw_load_angles(run):
         return []
     truth = run.log.channel("TRUTH")
     return [
-        _line(seconds(truth), np.degrees(truth["rope_angle"]), "rope: sidelead", PURPLE, width=1.8),
-        _line(seconds(truth), np.degrees(truth["rod_angle"]), "load (rod)", DARK, width=0.7),
+        line(seconds(truth), np.degrees(truth["rope_angle"]), "rope: sidelead", PURPLE, width=1.8),
+        line(seconds(truth), np.degrees(truth["rod_angle"]), "load (rod)", DARK, width=0.7),
     ]
 
 
@@ -137,13 +113,15 @@ def draw_spectra(phase):
                     continue
                 frequency, amplitude = phase_spectrum(run, signal, first, end)
                 shown = (frequency >= 0.4) & (frequency <= 60)
-                traces.append(_line(frequency[shown], amplitude[shown], label, colour))
+                traces.append(line(frequency[shown], amplitude[shown], label, colour))
         return traces
 
     return draw
 
 
 def panels(runs):
+    if all(axis_report.is_axis(run) for run in runs):
+        return axis_report.panels(runs)
     rated = all(run.facts.get("rated_torque") for run in runs)
     rows = [
         Panel("slewing speed", "rad/s", draw_speeds) if all(run.facts.get("total_ratio") for run in runs)
@@ -162,6 +140,8 @@ def panels(runs):
 
 def headings(runs):
     """What to call each run: by its play compensation where that tells them apart, else by its folder."""
+    if any(axis_report.is_axis(run) for run in runs):
+        return [run.name for run in runs]
     texts = [f"play compensation {'on' if run.facts.get('play_compensation') else 'off'}" for run in runs]
     ours = all("play_compensation" in run.facts
                and run.facts.get("controller_command", "slewlab-controller") == "slewlab-controller" for run in runs)
@@ -334,9 +314,11 @@ def main(arguments=None):
     options = parser.parse_args(arguments)
     try:
         runs = [read_run(folder) for folder in options.run]
+        axis_report.share_machine(runs)
         first = Path(options.run[0])
         out = options.out or (first.with_suffix(".html") if first.is_file() else first / "report.html")
-        rows = table(runs)
+        of_axes = all(axis_report.is_axis(run) for run in runs)
+        rows = axis_report.table(runs) if of_axes else table(runs)
         write_whole(out, page(runs, rows))
     except (LogProblem, OSError) as problem:
         print(f"report: {problem}", file=sys.stderr)

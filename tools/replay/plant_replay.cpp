@@ -54,7 +54,7 @@ class Replay {
       : scenario_(scenario),
         record_(record),
         arrivals_(arrivals),
-        plant_(sim::machine_settings(scenario), scenario.crane.drive_protection, drive),
+        plant_(sim::machine_settings(scenario), drive),
         faults_(scenario.faults, scenario.controller_period) {}
 
   msgs::RunLog run(std::int64_t cycles) {

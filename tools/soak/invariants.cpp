@@ -184,7 +184,10 @@ void check_contact(const SoakFacts& facts, const StepRecord& before, const StepR
   }
 }
 
-void check_friction(const SoakFacts& facts, const StepRecord& record, Findings& findings) {
+void check_friction(const SoakFacts& facts, const StepRecord& before, const StepRecord& record, Findings& findings) {
+  if (record.unsolved_frictions != before.unsolved_frictions) {
+    findings.add(Invariant::friction_law, record.time, "frictions of motors and house that do not keep to their law were taken");
+  }
   if (!facts.bare_brakes) return;
   const double capacity = facts.protection.brake.torque * facts.motors_per_group * facts.ratio;
   for (int i = 0; i < facts.group_count; ++i) {

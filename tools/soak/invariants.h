@@ -101,6 +101,7 @@ struct StepRecord {
   std::array<std::int64_t, sim::kMaximumGroupCount> play_crossings{};
   std::int64_t contact_changes = 0;
   std::int64_t unsplit_steps = 0;
+  std::int64_t unsolved_frictions = 0;
   double house_angle = 0.0, house_speed = 0.0;
   double rope_angle = 0.0, rod_angle = 0.0;
   double mechanical_energy = 0.0, supplied_work = 0.0;  // [J]
@@ -121,7 +122,7 @@ void check_torque_rate(const SoakFacts& facts, const StepRecord& before, const S
 void check_speed(const SoakFacts& facts, const SoakLimits& limits, const StepRecord& record, Findings& findings);
 void check_angles(const SoakFacts& facts, const SoakLimits& limits, const StepRecord& record, Findings& findings);
 void check_contact(const SoakFacts& facts, const StepRecord& before, const StepRecord& record, Findings& findings);
-void check_friction(const SoakFacts& facts, const StepRecord& record, Findings& findings);
+void check_friction(const SoakFacts& facts, const StepRecord& before, const StepRecord& record, Findings& findings);
 // Between two looks at the drive: one message (`by_message`) or one step apart.
 void check_drive(const SoakFacts& facts, const StepRecord& before, const StepRecord& record, bool by_message,
                  Findings& findings);

@@ -6,10 +6,9 @@
 
 #include "common/input_error.h"
 #include "controller/controller_file.h"
-#include "controller/process/computed_answer.h"
+#include "diagnosis/loop/wire_loop.h"
 #include "msgs/log_writer.h"
-#include "msgs/memory_bus.h"
-#include "sim/machine/crane_file.h"
+#include "sim/machine/machine_file.h"
 #include "sim/drive/crane_plant.h"
 #include "sim/drive/lockstep_loop.h"
 #include "sim/drive/scenario_run.h"
@@ -22,7 +21,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int kPatience = 1000;          // unanswered questions until the controller counts as dead
 constexpr std::int64_t kMemoryLooks = 10;  // at memory, during a task
 
 // FNV-1a, 64 bits (Fowler, Noll, Vo).
@@ -87,6 +85,7 @@ void take_record(const sim::CranePlant& plant, const SoakFacts& facts, const sim
   record.play_crossings = state.play_crossings;
   record.contact_changes = state.contact_changes;
   record.unsplit_steps = state.unsplit_steps;
+  record.unsolved_frictions = state.unsolved_frictions;
   record.house_angle = state.house_angle;
   record.house_speed = state.house_speed;
   record.rope_angle = sim::rope_angle(model, state);
@@ -132,7 +131,7 @@ class WatchedPlant : public sim::DrivenPlant {
     check_speed(facts_, limits_, now_, findings_);
     check_angles(facts_, limits_, now_, findings_);
     check_contact(facts_, before_, now_, findings_);
-    check_friction(facts_, now_, findings_);
+    check_friction(facts_, before_, now_, findings_);
     check_drive(facts_, behind_message, now_, false, findings_);
     energy_.check(now_, findings_);
     house_speed_ = std::max(house_speed_, std::fabs(now_.house_speed));
@@ -186,14 +185,6 @@ SoakFacts facts_of(const sim::CranePlant& plant, const sim::Scenario& scenario, 
   return facts;
 }
 
-// The controller as a process would be: killed, nothing of it is left.
-struct Controller {
-  Controller(msgs::MemoryWire& wire, const controller::ControllerSettings& settings)
-      : bus(wire.connect()), loop(*bus, controller::computed_answer(settings)) {}
-  std::unique_ptr<msgs::MemoryBus> bus;
-  controller::AnswerLoop loop;
-};
-
 // Memory within the run: from the first of the looks on it may not grow, but for the messages that faults hold back
 // (their places are kept for the next ones).
 class MemoryWatch {
@@ -230,34 +221,15 @@ void run(const sim::Scenario& scenario, const SoakLimits& limits, const fs::path
       controller::load_controller_file(scenario.controller_file, scenario.controller_overrides).settings;
   settings.period = static_cast<double>(scenario.controller_period) * 1e-9;
   const sim::LockstepSettings loop = sim::lockstep_settings(scenario);
-  sim::CranePlant crane(sim::machine_settings(scenario), scenario.crane.drive_protection, sim::drive_run(scenario));
+  sim::CranePlant crane(sim::machine_settings(scenario), sim::drive_run(scenario));
   const SoakFacts facts = facts_of(crane, scenario, loop);
   WatchedPlant plant(crane, facts, limits, findings);
   MessageInvariants messages(facts);
   MemoryWatch memory(limits, loop, findings);
 
-  msgs::MemoryWire wire;
-  const auto plant_bus = wire.connect();
-  auto controller = std::make_unique<Controller>(wire, settings);
-  plant_bus->on_wait = [&] {
-    if (controller) controller->bus->drain();
-  };
   sim::LockstepHooks hooks;
-  hooks.controller_action = [&](sim::ControllerAction action) {
-    controller.reset();
-    if (action == sim::ControllerAction::start) controller = std::make_unique<Controller>(wire, settings);
-  };
-  int waits = 0;
-  hooks.while_waiting = [&](const sim::LockstepCounts& counts) {
-    if (++waits == kPatience) {
-      findings.add(Invariant::answered, counts.simulated_time, "the controller answers no more");
-    }
-  };
-  hooks.after_cycle = [&](const sim::LockstepCounts& counts) {
-    waits = 0;
-    memory.look(counts.simulated_time);
-  };
-  hooks.stop = [&] { return waits >= kPatience || stop(); };
+  hooks.after_cycle = [&](const sim::LockstepCounts& counts) { memory.look(counts.simulated_time); };
+  hooks.stop = stop;
 
   msgs::LogWriter log(log_file);
   Digest digest;
@@ -268,8 +240,9 @@ void run(const sim::Scenario& scenario, const SoakLimits& limits, const fs::path
     digest.add(bytes);
     messages.look(channel, timestamp_us, bytes, findings);
   };
-  const sim::LockstepCounts counts = sim::run_lockstep(loop, plant, *plant_bus, sink, hooks);
+  const auto [counts, controller_is_dead] = diagnosis::run_wire_loop(loop, settings, plant, sink, hooks);
   log.finish();
+  if (controller_is_dead) findings.add(Invariant::answered, counts.simulated_time, "the controller answers no more");
   if (!facts.faults && (counts.resends != 0 || counts.stale_answers != 0 || counts.wrong_answers != 0)) {
     findings.add(Invariant::untroubled, counts.simulated_time,
                  "without a fault on purpose " + std::to_string(counts.resends) + " questions were repeated, " +
@@ -277,7 +250,7 @@ void run(const sim::Scenario& scenario, const SoakLimits& limits, const fs::path
                      std::to_string(counts.wrong_answers) + " were wrong");
   }
   result.simulated_time = counts.simulated_time;
-  result.complete = counts.simulated_time >= loop.duration || waits >= kPatience;
+  result.complete = counts.simulated_time >= loop.duration || controller_is_dead;
   result.log_digest = digest.value();
   result.log_events = log.event_count();
   result.trips = crane.drive().trips;
@@ -301,8 +274,8 @@ std::vector<common::Override> overrides_of(const SoakPlan& plan, std::string_vie
   return overrides;
 }
 
-sim::CraneFile plain_crane(const SoakPlan& plan) {
-  return sim::load_crane_file(plan.crane, overrides_of(plan, "crane."));
+sim::MachineFile plain_crane(const SoakPlan& plan) {
+  return sim::load_machine_file(plan.crane, overrides_of(plan, "crane."));
 }
 controller::ControllerFile plain_controller(const SoakPlan& plan) {
   return controller::load_controller_file(plan.controller, overrides_of(plan, "controller."));

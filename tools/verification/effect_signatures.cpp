@@ -15,10 +15,11 @@
 
 #include "controller/controller_file.h"
 #include "controller/effects/catalogue.h"
+#include "diagnosis/loop/loop.h"
 #include "sim/analysis/spectrum.h"
-#include "sim/machine/crane_file.h"
+#include "sim/drive/scenario_run.h"
+#include "sim/machine/machine_file.h"
 #include "sim/effects/catalogue.h"
-#include "sim/integrate/machine.h"
 
 namespace {
 
@@ -35,45 +36,39 @@ constexpr std::array<const char*, 8> kSignals{"torque sum",         "torque diff
                                               "shaft difference",   "slew angle"};
 using Series = std::array<std::vector<double>, kSignals.size()>;
 
-double speed_request(double time) {
-  if (time < 1.0) return 0.0;
-  if (time < 16.0) return 0.8;
-  if (time < 28.0) return 0.0;
-  return time < 43.0 ? -0.8 : 0.0;
+std::vector<sim::OperatorMove> slew_there_and_back() {
+  constexpr std::int64_t kSecond = 1'000'000'000;  // [ns]
+  return {{.time = 1 * kSecond, .speed_request = 0.8},
+          {.time = 16 * kSecond, .speed_request = 0.0},
+          {.time = 28 * kSecond, .speed_request = -0.8},
+          {.time = 43 * kSecond, .speed_request = 0.0}};
 }
 
-Series simulate(const sim::CraneParameters& crane, const controller::ControllerSettings& settings,
+Series simulate(const sim::MachineSettings& nominal, const controller::ControllerSettings& controller,
                 const std::vector<common::EffectInstance>& effects) {
-  sim::Machine machine = sim::make_machine({.crane = crane, .effects = effects, .step = kStep, .seed = 1});
-  controller::ControllerState state;
-  controller::ControllerOutput output;
-  sim::DriveCommand command;
+  diagnosis::LoopSettings settings;
+  settings.machine = nominal;
+  settings.machine.effects.insert(settings.machine.effects.end(), effects.begin(), effects.end());
+  settings.controller = controller;
+  settings.operator_moves = slew_there_and_back();
+  settings.duration = kDuration - kStep;  // kDuration / kStep instants
+  diagnosis::MachineLoop loop(settings);
   Series series;
-  const int steps = static_cast<int>(kDuration / kStep);
-  for (int k = 0; k < steps; ++k) {
-    const sim::MachineReadings readings = sim::read(machine);
-    if (k % kStepsPerCycle == 0) {
-      controller::ControllerInput input;
-      input.simulated_time = static_cast<std::int64_t>(k) * 1'000'000;
-      input.group_count = settings.group_count;
-      input.shaft_speed = readings.shaft_speed;
-      input.speed_request = speed_request(k * kStep);
-      controller::step(settings, state, input, output);
-      command.sequence = k / kStepsPerCycle;
-      command.motor_torque = output.motor_torque;
-      command.enable = output.enable;
-    }
-    const int last = settings.group_count - 1;
-    series[0].push_back(command.motor_torque[0] + command.motor_torque[last]);
-    series[1].push_back(command.motor_torque[0] - command.motor_torque[last]);
+  diagnosis::LoopHooks hooks;
+  hooks.instant = [&](const diagnosis::LoopMoment&) {
+    const sim::MachineReadings readings = sim::read(loop.plant.machine());
+    const std::vector<double>& torque = loop.controller.torque().motor_torque;
+    const auto last = torque.size() - 1;
+    series[0].push_back(torque[0] + torque[last]);
+    series[1].push_back(torque[0] - torque[last]);
     series[2].push_back(readings.shaft_speed[0]);
     series[3].push_back(readings.house_acceleration);
     series[4].push_back(readings.middle_acceleration);
     series[5].push_back(readings.tip_acceleration);
     series[6].push_back(readings.shaft_position[0] - readings.shaft_position[last]);
     series[7].push_back(readings.slew_angle);
-    sim::step(machine, command);
-  }
+  };
+  loop.run(hooks);
   return series;
 }
 
@@ -129,23 +124,25 @@ int main(int count, char** arguments) {
   app.add_option("controller", controller_file, "controller file")->required();
   CLI11_PARSE(app, count, arguments);
   try {
-    const sim::CraneParameters crane = sim::load_crane_file(crane_file).parameters;
+    sim::MachineSettings machine = sim::machine_settings(sim::load_machine_file(crane_file));
+    machine.step = kStep;
+    machine.seed = 1;
     controller::ControllerSettings settings = controller::load_controller_file(controller_file).settings;
     settings.period = kStep * kStepsPerCycle;
-    const Series nominal = simulate(crane, settings, {});
-    const common::EffectCatalogue of_machine = sim::effects_for(crane);
+    const Series nominal = simulate(machine, settings, {});
+    const common::EffectCatalogue of_machine = sim::effects_for(machine);
     for (const sim::EffectDescription* effect : sim::effect_catalogue()) {
       nlohmann::json line = describe(effect->about);
       const common::EffectAbout* about = of_machine.find(effect->about.name);
       if (about == nullptr) continue;  // does not suit the machine
-      line["signals"] = compare(simulate(crane, settings, {common::typical_instance(*about)}), nominal);
+      line["signals"] = compare(simulate(machine, settings, {common::typical_instance(*about)}), nominal);
       std::printf("%s\n", line.dump().c_str());
     }
     const common::EffectCatalogue of_controller = controller::effects_for(settings);
     for (const controller::ControllerEffect* effect : controller::effect_catalogue()) {
       nlohmann::json line = describe(effect->about);
       const auto changed = controller::with_effects(settings, {common::typical_instance(of_controller.at(effect->about.name))});
-      line["signals"] = compare(simulate(crane, changed, {}), nominal);
+      line["signals"] = compare(simulate(machine, changed, {}), nominal);
       std::printf("%s\n", line.dump().c_str());
     }
   } catch (const std::exception& error) {

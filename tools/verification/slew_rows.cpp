@@ -94,10 +94,9 @@ struct ShearStudy {
 ShearStudy study_shear(SlewRuns& runs, int elements) {
   sim::CraneParameters crane = runs.inputs().crane;
   crane.boom.element_count = elements;
-  diagnosis::ClosedLoopRun run = slew_run(crane, runs.inputs().uncompensated);
-  run.record_shear = true;
+  const diagnosis::LoopSettings run = slew_run(runs.inputs(), crane, runs.inputs().uncompensated);
   const auto before = std::chrono::steady_clock::now();
-  const ClosedLoopSeries series = diagnosis::run_closed_loop(run);
+  const ClosedLoopSeries series = diagnosis::run_closed_loop(run, true);
   ShearStudy study;
   study.wall_time = std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
   study.mode_steps = series.mode_steps;
@@ -288,7 +287,7 @@ VerificationRows slewing_moment_rows(SlewRuns& runs) {
     low.boom.angle = 0.5 * (from + to);
     (sim::boom_inertia(low.boom, 1.47) > kInertia ? from : to) = low.boom.angle;
   }
-  const ClosedLoopSeries series = diagnosis::run_closed_loop(slew_run(low, runs.inputs().uncompensated));
+  const ClosedLoopSeries series = diagnosis::run_closed_loop(slew_run(runs.inputs(), low, runs.inputs().uncompensated));
   const std::string angle = fmt::format("boom at {:.1f} deg", low.boom.angle / kDegree);
   compare(series, kInertia, sim::tip_radius(low.boom), angle + ", arm of the tip radius (E7)");
   compare(series, kInertia, kRope, angle + ", as printed with the rope length for arm");

@@ -1,7 +1,7 @@
 #include "tools/verification/verification.h"
 
 #include "controller/controller_file.h"
-#include "sim/machine/crane_file.h"
+#include "sim/machine/machine_file.h"
 
 namespace slewlab::tools {
 
@@ -10,38 +10,43 @@ namespace {
 constexpr double kControllerPeriod = 0.01;  // [s] config/scenarios/thesis_slew.yaml
 constexpr double kPlantStep = 1e-3;         // [s] the same
 
-std::unique_ptr<const diagnosis::ClosedLoopSeries> run(const sim::CraneParameters& crane,
+std::unique_ptr<const diagnosis::ClosedLoopSeries> run(const VerificationInputs& inputs, const sim::CraneParameters& crane,
                                                        const controller::ControllerSettings& settings) {
   return std::make_unique<const diagnosis::ClosedLoopSeries>(
-      diagnosis::run_closed_loop(slew_run(crane, settings)));
+      diagnosis::run_closed_loop(slew_run(inputs, crane, settings)));
 }
+
+constexpr std::int64_t nanoseconds(double seconds) { return static_cast<std::int64_t>(seconds * 1e9); }
 
 }  // namespace
 
 VerificationInputs load_verification_inputs(const std::filesystem::path& config_directory) {
   const auto controllers = config_directory / "controllers";
-  return {.crane = sim::load_crane_file(config_directory / "cranes" / "thesis.yaml").parameters,
+  const sim::MachineFile crane = sim::load_machine_file(config_directory / "cranes" / "thesis.yaml");
+  return {.crane = crane.parameters,
+          .drive_protection = crane.drive_protection,
           .compensated = controller::load_controller_file(controllers / "thesis.yaml").settings,
           .uncompensated =
               controller::load_controller_file(controllers / "thesis_without_play_compensation.yaml").settings,
           .linear_ramp = controller::load_controller_file(controllers / "thesis_linear_ramp.yaml").settings};
 }
 
-diagnosis::ClosedLoopRun slew_run(const sim::CraneParameters& crane,
-                                  const controller::ControllerSettings& settings) {
-  diagnosis::ClosedLoopRun run;
-  run.crane = crane;
+diagnosis::LoopSettings slew_run(const VerificationInputs& inputs, const sim::CraneParameters& crane,
+                                 const controller::ControllerSettings& settings) {
+  diagnosis::LoopSettings run;
+  run.machine.crane = crane;
+  run.machine.drive_protection = inputs.drive_protection;
+  run.machine.step = kPlantStep;
   run.controller = settings;
   run.controller.period = kControllerPeriod;
-  run.plant_step = kPlantStep;
   run.duration = SlewRuns::kDuration;
-  run.schedule = {{.time = SlewRuns::kStart, .speed_request = 1.0},
-                  {.time = SlewRuns::kStop, .emergency_stop = true}};
+  run.operator_moves = {{.time = nanoseconds(SlewRuns::kStart), .speed_request = 1.0},
+                        {.time = nanoseconds(SlewRuns::kStop), .emergency_stop = true}};
   return run;
 }
 
 const diagnosis::ClosedLoopSeries& SlewRuns::with_backlash() {
-  if (!with_backlash_) with_backlash_ = run(inputs_.crane, inputs_.uncompensated);
+  if (!with_backlash_) with_backlash_ = run(inputs_, inputs_.crane, inputs_.uncompensated);
   return *with_backlash_;
 }
 
@@ -49,18 +54,18 @@ const diagnosis::ClosedLoopSeries& SlewRuns::without_backlash() {
   if (!without_backlash_) {
     sim::CraneParameters crane = inputs_.crane;
     crane.drive.gearbox_play = crane.drive.pinion_play = 0.0;
-    without_backlash_ = run(crane, inputs_.uncompensated);
+    without_backlash_ = run(inputs_, crane, inputs_.uncompensated);
   }
   return *without_backlash_;
 }
 
 const diagnosis::ClosedLoopSeries& SlewRuns::with_compensation() {
-  if (!with_compensation_) with_compensation_ = run(inputs_.crane, inputs_.compensated);
+  if (!with_compensation_) with_compensation_ = run(inputs_, inputs_.crane, inputs_.compensated);
   return *with_compensation_;
 }
 
 const diagnosis::ClosedLoopSeries& SlewRuns::with_linear_ramp() {
-  if (!with_linear_ramp_) with_linear_ramp_ = run(inputs_.crane, inputs_.linear_ramp);
+  if (!with_linear_ramp_) with_linear_ramp_ = run(inputs_, inputs_.crane, inputs_.linear_ramp);
   return *with_linear_ramp_;
 }
 
@@ -68,7 +73,7 @@ const diagnosis::ClosedLoopSeries& SlewRuns::with_soft_speed_loop() {
   if (!with_soft_speed_loop_) {
     controller::ControllerSettings settings = inputs_.uncompensated;
     settings.speed_control.proportional_gain = kSoftGain;
-    with_soft_speed_loop_ = run(inputs_.crane, settings);
+    with_soft_speed_loop_ = run(inputs_, inputs_.crane, settings);
   }
   return *with_soft_speed_loop_;
 }

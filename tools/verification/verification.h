@@ -19,6 +19,7 @@ namespace slewlab::tools {
 
 struct VerificationInputs {
   sim::CraneParameters crane;                       // config/cranes/thesis.yaml
+  sim::DriveProtectionSettings drive_protection;    // ... its drives'
   controller::ControllerSettings compensated;       // config/controllers/thesis.yaml
   controller::ControllerSettings uncompensated;     // ... thesis_without_play_compensation.yaml
   controller::ControllerSettings linear_ramp;       // ... thesis_linear_ramp.yaml
@@ -52,7 +53,8 @@ class SlewRuns {
 };
 
 // The manoeuvre of the runs above.
-diagnosis::ClosedLoopRun slew_run(const sim::CraneParameters& crane, const controller::ControllerSettings& settings);
+diagnosis::LoopSettings slew_run(const VerificationInputs& inputs, const sim::CraneParameters& crane,
+                                 const controller::ControllerSettings& settings);
 
 struct VerificationSection {
   std::string id;              // letters, digits and underscores: also the name of its test

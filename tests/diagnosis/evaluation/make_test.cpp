@@ -3,14 +3,18 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <stdexcept>
 
+#include "controller/controller_file.h"
 #include "diagnosis/evaluation/score.h"
 #include "diagnosis/evaluation/seal.h"
 #include "msgs/log_reader.h"
 #include "msgs/run_log.h"
+#include "sim/machine/machine_file.h"
 #include "tests/msgs/temporary_folder.h"
 
 namespace slewlab::diagnosis::withheld {
@@ -190,6 +194,74 @@ TEST_F(MakeTest, TheFirstCasesCanBeScoredAloneAndAnImpossibleNumberIsRefused) {
   EXPECT_EQ(nlohmann::json::parse(read_whole(set_ / "first" / "score.json")).at("cases"), 2);
   score.first = 3;
   EXPECT_THROW(score_cases(score, diagnose, {}), std::invalid_argument);
+}
+
+// One short run, written with each of the options.
+class RecordOptions : public testing::Test {
+ protected:
+  static TruthRun run() {
+    const std::string config = std::string(SLEWLAB_SOURCE_DIR) + "/config/";
+    controller::ControllerSettings settings = controller::load_controller_file(config + "controllers/thesis.yaml").settings;
+    settings.period = 0.01;
+    return run_truth(make_truth_machine(sim::load_machine_file(config + "cranes/thesis.yaml").parameters, settings),
+                     {{{0.3, 0.5}, {0.9, -0.25}}, 1.5}, {.noise_seed = 1});
+  }
+  static msgs::RunLog written(const LogSettings& settings) {
+    const TemporaryFolder folder;
+    write_log(run(), settings, folder.path() / "run.lcmlog");
+    const msgs::RunLogs logs = msgs::read_run_logs(folder.path() / "run.lcmlog");
+    EXPECT_TRUE(logs.remarks.empty());
+    return logs.runs.at(0);
+  }
+};
+
+TEST_F(RecordOptions, SensorsComeAtTheRateOfTheRecord) {
+  const msgs::RunLog every = written({}), tenth = written({.sensor_steps = 10});
+  ASSERT_EQ(every.sensors.size(), 1501u);  // 1.5 s at 1 kHz, both ends
+  ASSERT_EQ(tenth.sensors.size(), 151u);
+  EXPECT_EQ(every.encoder.size(), 151u);  // once per controller cycle, either way
+  EXPECT_EQ(tenth.encoder.size(), 151u);
+  for (std::size_t k = 0; k < tenth.sensors.size(); ++k) {
+    EXPECT_EQ(tenth.sensors[k].simulated_time, every.sensors[10 * k].simulated_time);
+    EXPECT_EQ(tenth.sensors[k].tip_acceleration, every.sensors[10 * k].tip_acceleration);
+    EXPECT_EQ(tenth.sensors[k].sequence, static_cast<std::int64_t>(k));
+  }
+}
+
+TEST_F(RecordOptions, SensorsThatAreNotThereAreNotRecorded) {
+  const msgs::RunLog all = written({}), tip = written({.sensors = Sensors::kTip}), none = written({.sensors = Sensors::kNone});
+  EXPECT_TRUE(none.sensors.empty());
+  ASSERT_EQ(tip.sensors.size(), all.sensors.size());
+  for (std::size_t k = 0; k < all.sensors.size(); ++k) {
+    EXPECT_EQ(tip.sensors[k].tip_acceleration, all.sensors[k].tip_acceleration);
+    EXPECT_FALSE(std::isnan(all.sensors[k].house_acceleration));
+    for (const double value : {tip.sensors[k].house_acceleration, tip.sensors[k].pivot_acceleration,
+                               tip.sensors[k].middle_acceleration, tip.sensors[k].slew_angle}) {
+      EXPECT_TRUE(std::isnan(value));
+    }
+  }
+}
+
+TEST_F(RecordOptions, ARecordUnderWayIsTheEndOfTheWholeOne) {
+  const msgs::RunLog whole = written({}), late = written({.from = 0.5});
+  ASSERT_EQ(late.encoder.size(), 101u);
+  for (std::size_t k = 0; k < late.encoder.size(); ++k) {
+    EXPECT_EQ(late.encoder[k].simulated_time, whole.encoder[50 + k].simulated_time);
+    EXPECT_EQ(late.encoder[k].shaft_position, whole.encoder[50 + k].shaft_position);
+    EXPECT_EQ(late.torque[k].motor_torque, whole.torque[50 + k].motor_torque);
+  }
+  ASSERT_EQ(late.operator_moves.size(), 2u);  // the request that stands, and the one to come
+  EXPECT_EQ(late.operator_moves[0].speed_request, 0.5);
+  EXPECT_EQ(late.operator_moves[0].simulated_time, 500'000'000);  // [ns]
+  EXPECT_EQ(late.operator_moves[1].speed_request, -0.25);
+}
+
+TEST_F(MakeTest, RefusesARateThatTheRunCannotBeSampledAt) {
+  MakeSettings odd = settings(folder_->path() / "odd");
+  odd.record_period = 1.0 / 300.0;  // [s] 3.3 ms
+  EXPECT_THROW(make_cases(odd), std::invalid_argument);
+  odd.record_period = 1.0 / 5000.0;  // shorter than the base step
+  EXPECT_THROW(make_cases(odd), std::invalid_argument);
 }
 
 }  // namespace

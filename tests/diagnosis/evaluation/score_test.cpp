@@ -126,6 +126,21 @@ TEST(Score, CalibrationErrorIsTheDistanceBetweenStatedAndRight) {
   EXPECT_NEAR(score_named(tabulate(cases), "calibration error").value, 0.15, 1e-12);
 }
 
+// Three of four: Laplace's share is (3 + 1) / (4 + 2), its deviation sqrt(2/3 1/3 / 4) = 0.236, 1.96 of that 0.462; the
+// interval about 0.15 ends at 0 below. With a hundred times the cases it is ten times as narrow: 1.96 sqrt(0.75 0.25 / 400).
+TEST(Score, CalibrationErrorCarriesAnIntervalThatNarrowsWithTheCases) {
+  std::vector<Judged> cases(4, judged(Kind::kOneEffect, {"lag"}, 9, {cause({"lag"}, 0.9)}, 0.1, true));
+  cases[3].answer.effects[0].effect = "wind";
+  const Score few = score_named(tabulate(cases), "calibration error");
+  EXPECT_DOUBLE_EQ(few.low, 0.0);
+  EXPECT_NEAR(few.high, 0.15 + 0.462, 1e-3);
+  std::vector<Judged> many;
+  for (int i = 0; i < 100; ++i) many.insert(many.end(), cases.begin(), cases.end());
+  const Score sure = score_named(tabulate(many), "calibration error");
+  EXPECT_NEAR(sure.low, 0.15 - 0.0424, 1e-3);
+  EXPECT_NEAR(sure.high, 0.15 + 0.0424, 1e-3);
+}
+
 TEST(Score, CoverageCountsComparableSizesOfRightAnswers) {
   std::vector<Judged> cases(2, judged(Kind::kOneEffect, {"lag"}, 9, {cause({"lag"}, 0.9)}, 0.1, true));
   cases[1].answer.effects[0].sizes[0].value = 3.0;  // outside 1.9 ... 2.3

@@ -9,7 +9,7 @@
 #include "controller/controller_file.h"
 #include "diagnosis/evaluation/draw.h"
 #include "diagnosis/evaluation/law.h"
-#include "sim/machine/crane_file.h"
+#include "sim/machine/machine_file.h"
 #include "sim/integrate/machine.h"
 
 namespace slewlab::diagnosis::withheld {
@@ -17,7 +17,7 @@ namespace {
 
 const std::string kConfig = std::string(SLEWLAB_SOURCE_DIR) + "/config/";
 
-sim::CraneParameters nominal_crane() { return sim::load_crane_file(kConfig + "cranes/thesis.yaml").parameters; }
+sim::CraneParameters nominal_crane() { return sim::load_machine_file(kConfig + "cranes/thesis.yaml").parameters; }
 controller::ControllerSettings nominal_controller() {
   controller::ControllerSettings settings = controller::load_controller_file(kConfig + "controllers/thesis.yaml").settings;
   settings.period = kBaseStep;

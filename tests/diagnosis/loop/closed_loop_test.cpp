@@ -17,17 +17,18 @@
 namespace slewlab::diagnosis {
 namespace {
 
-constexpr double kStop = 30.0;  // [s] thesis 4.4
+constexpr double kStop = 30.0;                   // [s] thesis 4.4
+constexpr std::int64_t kSecond = 1'000'000'000;  // [ns]
 
 // The manoeuvre of thesis Figure 4.4 with one of the controllers of config/.
-ClosedLoopRun thesis_run(const std::string& controller) {
-  ClosedLoopRun run;
-  run.crane = sim::thesis_crane();
+LoopSettings thesis_run(const std::string& controller) {
+  LoopSettings run;
+  run.machine.crane = sim::thesis_crane();
   run.controller = controller::load_controller_file(std::filesystem::path(SLEWLAB_SOURCE_DIR) / "config" /
                                                     "controllers" / (controller + ".yaml"))
                        .settings;
   run.duration = 45.0;
-  run.schedule = {{.time = 5.0, .speed_request = 1.0}, {.time = kStop, .emergency_stop = true}};
+  run.operator_moves = {{.time = kSecond * 5, .speed_request = 1.0}, {.time = static_cast<std::int64_t>(kStop) * kSecond, .emergency_stop = true}};
   return run;
 }
 
@@ -44,7 +45,7 @@ double peak_frequency(const ClosedLoopSeries& series, const std::vector<double>&
 }
 
 TEST(ClosedLoop, SameInputsSameBits) {
-  ClosedLoopRun run = thesis_run("thesis");
+  LoopSettings run = thesis_run("thesis");
   run.duration = 10.0;
   const ClosedLoopSeries first = run_closed_loop(run), second = run_closed_loop(run);
   EXPECT_EQ(first.tip_acceleration, second.tip_acceleration);
@@ -52,7 +53,7 @@ TEST(ClosedLoop, SameInputsSameBits) {
 }
 
 TEST(ClosedLoop, RefusesWhatDoesNotFit) {
-  ClosedLoopRun run = thesis_run("thesis");
+  LoopSettings run = thesis_run("thesis");
   run.controller.period = 0.0015;
   EXPECT_THROW(run_closed_loop(run), std::invalid_argument);
   run = thesis_run("thesis");
@@ -65,7 +66,7 @@ TEST(ClosedLoop, RefusesWhatDoesNotFit) {
 
 TEST(ClosedLoop, EveryPeriodOfThePlcHoldsTheSpeed) {
   for (const double period : {0.001, 0.002, 0.005, 0.010, 0.020}) {
-    ClosedLoopRun run = thesis_run("thesis");
+    LoopSettings run = thesis_run("thesis");
     run.controller.period = period;
     run.duration = 25.0;
     const ClosedLoopSeries series = run_closed_loop(run);
@@ -76,7 +77,7 @@ TEST(ClosedLoop, EveryPeriodOfThePlcHoldsTheSpeed) {
 
 // Torque held between the controller's answers, and only there.
 TEST(ClosedLoop, TorqueChangesOncePerPeriod) {
-  ClosedLoopRun run = thesis_run("thesis");
+  LoopSettings run = thesis_run("thesis");
   run.duration = 8.0;
   run.controller.period = 0.02;
   const ClosedLoopSeries series = run_closed_loop(run);
@@ -111,8 +112,8 @@ TEST(BacklashFinding, CrossingThePlayRingsTheFirstTwoModes) {
 
 // Thesis 4.3: without backlash only the first mode, and only where the jerk is large: in braking.
 TEST(BacklashFinding, WithoutPlayOnlyBrakingRings) {
-  ClosedLoopRun run = thesis_run("thesis_without_play_compensation");
-  run.crane.drive.gearbox_play = run.crane.drive.pinion_play = 0.0;
+  LoopSettings run = thesis_run("thesis_without_play_compensation");
+  run.machine.crane.drive.gearbox_play = run.machine.crane.drive.pinion_play = 0.0;
   const ClosedLoopSeries series = run_closed_loop(run);
   const auto peaks = sim::find_peaks(
       sim::amplitude_spectrum(between(series, series.tip_acceleration, 31.5, 45.0), series.step), 0.5, 45.0, 0.05);
@@ -126,7 +127,7 @@ TEST(BacklashFinding, WithoutPlayOnlyBrakingRings) {
 // Thesis 4.3, Figure 4.13: the house shows many frequencies at first and 5.2 Hz when they are gone; its vibration,
 // as angular acceleration, is larger than the tip's.
 TEST(BacklashFinding, TheHouseRingsHarderAndInTheSecondMode) {
-  const ClosedLoopRun run = thesis_run("thesis_without_play_compensation");
+  const LoopSettings run = thesis_run("thesis_without_play_compensation");
   const ClosedLoopSeries series = run_closed_loop(run);
   const double crossing = sign_changes(series, 0, 0.0, kStop).at(0);
   const auto share = [&](double from, double to, double lowest, double highest) {
@@ -140,7 +141,7 @@ TEST(BacklashFinding, TheHouseRingsHarderAndInTheSecondMode) {
     for (const double value : values) size = std::max(size, std::fabs(value));
     return size;
   };
-  const double radius = sim::tip_radius(run.crane.boom);
+  const double radius = sim::tip_radius(run.machine.crane.boom);
   EXPECT_GT(largest(between(series, series.house_acceleration, crossing, crossing + 5.0)),
             2.0 * largest(between(series, series.tip_acceleration, crossing, crossing + 5.0)) / radius);
 }
@@ -164,7 +165,7 @@ TEST(PlayCompensationFinding, KeepsEveryGearOnItsFlankUntilTheStop) {
 
 // The share that the PI gives and the share that the map adds are those of Table 3.4 at any instant.
 TEST(PlayCompensationFinding, TorquesFollowTheMapOfTable34) {
-  const ClosedLoopRun run = thesis_run("thesis");
+  const LoopSettings run = thesis_run("thesis");
   const ClosedLoopSeries series = run_closed_loop(run);
   const double rated = run.controller.rated_torque;
   for (const double time : {3.0, 7.0, 12.0, 20.0, 29.0}) {
@@ -179,7 +180,7 @@ TEST(PlayCompensationFinding, TorquesFollowTheMapOfTable34) {
 
 // Thesis 4.5, Figure 4.18.
 TEST(RampFinding, ALinearRampRingsTheFirstModeAndTheSCurveDoesNot) {
-  const ClosedLoopRun curved_run = thesis_run("thesis"), linear_run = thesis_run("thesis_linear_ramp");
+  const LoopSettings curved_run = thesis_run("thesis"), linear_run = thesis_run("thesis_linear_ramp");
   const ClosedLoopSeries curved = run_closed_loop(curved_run), linear = run_closed_loop(linear_run);
   const auto ring = [](const ClosedLoopSeries& series, double from) {
     return sim::band_rms(between(series, series.tip_acceleration, from, from + 5.0), series.step, 0.8, 2.0);
@@ -192,9 +193,9 @@ TEST(RampFinding, ALinearRampRingsTheFirstModeAndTheSCurveDoesNot) {
 
 // Half of the speed takes half of the time (thesis 4.5).
 TEST(RampFinding, TheTimeScalesWithTheSpeed) {
-  ClosedLoopRun run = thesis_run("thesis");
+  LoopSettings run = thesis_run("thesis");
   run.duration = 12.0;
-  run.schedule = {{.time = 5.0, .speed_request = 0.5}};
+  run.operator_moves = {{.time = kSecond * 5, .speed_request = 0.5}};
   const ClosedLoopSeries series = run_closed_loop(run);
   const double half = 0.5 * run.controller.ramp.top_speed;
   EXPECT_NEAR(series.ramped_speed[index_at(series, 5.0 + 0.5 * run.controller.ramp.acceleration_time + 0.02)], half,
@@ -206,8 +207,8 @@ TEST(RampFinding, TheTimeScalesWithTheSpeed) {
 // Thesis 4.2: the work grows linearly with the modes.
 TEST(Cost, ModesAdvancedGrowLinearlyWithTheElements) {
   const auto work = [](int elements) {
-    ClosedLoopRun run = thesis_run("thesis");
-    run.crane.boom.element_count = elements;
+    LoopSettings run = thesis_run("thesis");
+    run.machine.crane.boom.element_count = elements;
     run.duration = 1.0;
     return run_closed_loop(run).mode_steps;
   };

@@ -3,8 +3,10 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <string>
 
+#include "msgs/codec.h"
 #include "sim/drive/scenario_file.h"
 
 namespace slewlab::sim {
@@ -109,6 +111,59 @@ TEST(FaultInjector, TheControllerIsKilledAndStartedOnce) {
     }
   }
   EXPECT_EQ(story, "..xKx.S..KS.");
+}
+
+// TORQUE number k, whose alive counter is 100 + k, as it comes out.
+msgs::Torque passed(FaultInjector& injector, std::int64_t k) {
+  msgs::Torque torque{};
+  torque.answered_sequence = k;
+  torque.alive_counter = 100 + k;
+  torque.group_count = 1;
+  torque.motor_torque = {1.0};
+  std::vector<std::uint8_t> bytes;
+  msgs::encode(torque, bytes);
+  injector.begin_period(FaultChannel::torque, k * kPeriod);
+  injector.pass(FaultChannel::torque, k * kPeriod, k, bytes);
+  injector.end_period(FaultChannel::torque);
+  EXPECT_EQ(msgs::decode(injector.arrivals(FaultChannel::torque).at(0).bytes, torque), msgs::DecodeStatus::ok);
+  return torque;
+}
+
+Fault corrupted(Corruption corruption, std::int64_t from, std::int64_t until) {
+  Fault result = fault(FaultKind::message_corrupted, from, until);
+  result.corruption = corruption;
+  return result;
+}
+
+// Each holds the counter that it found, whatever the other one in the schedule does.
+TEST(FaultInjector, TwoFrozenAliveCountersDoNotDisturbEachOther) {
+  for (const bool later_first : {false, true}) {
+    std::vector<Fault> faults{corrupted(Corruption::alive_frozen, 1, 4), corrupted(Corruption::alive_frozen, 6, 9)};
+    if (later_first) std::swap(faults[0], faults[1]);
+    FaultInjector injector(faults, kPeriod);
+    std::vector<std::int64_t> counters;
+    for (std::int64_t k = 0; k < 10; ++k) counters.push_back(passed(injector, k).alive_counter);
+    EXPECT_EQ(counters, (std::vector<std::int64_t>{100, 101, 101, 101, 104, 105, 106, 106, 106, 109})) << later_first;
+  }
+}
+
+// A controller may send no bytes at all, or a TORQUE without torques.
+TEST(FaultInjector, WhatHasNothingToCorruptPassesAsItIs) {
+  for (std::size_t i = 0; i < kCorruptionNames.size(); ++i) {
+    const auto corruption = static_cast<Corruption>(i);
+    FaultInjector injector({corrupted(corruption, 0, 10)}, kPeriod);
+    injector.begin_period(FaultChannel::torque, 0);
+    injector.pass(FaultChannel::torque, 0, 0, {});
+    msgs::Torque torque{};
+    torque.answered_sequence = std::numeric_limits<std::int64_t>::max();
+    torque.configuration_hash = std::numeric_limits<std::int64_t>::max();
+    std::vector<std::uint8_t> bytes;
+    msgs::encode(torque, bytes);
+    injector.pass(FaultChannel::torque, 0, 1, bytes);
+    injector.end_period(FaultChannel::torque);
+    ASSERT_EQ(injector.arrivals(FaultChannel::torque).size(), 2U) << kCorruptionNames[i];
+    EXPECT_TRUE(injector.arrivals(FaultChannel::torque)[0].bytes.empty()) << kCorruptionNames[i];
+  }
 }
 
 TEST(FaultInjector, EncodersLieAsAsked) {

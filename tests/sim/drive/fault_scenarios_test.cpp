@@ -5,12 +5,10 @@
 
 #include <algorithm>
 #include <filesystem>
-#include <memory>
 
 #include "controller/controller_file.h"
-#include "controller/process/computed_answer.h"
+#include "diagnosis/loop/wire_loop.h"
 #include "msgs/log_writer.h"
-#include "msgs/memory_bus.h"
 #include "msgs/run_log.h"
 #include "sim/drive/crane_plant.h"
 #include "sim/drive/fault_expectation.h"
@@ -32,38 +30,15 @@ std::vector<std::string> scenario_names() {
   return names;
 }
 
-// The controller as a process would be: killed, nothing of it is left.
-struct Controller {
-  Controller(msgs::MemoryWire& wire, const controller::ControllerSettings& settings)
-      : bus(wire.connect()), loop(*bus, controller::computed_answer(settings)) {}
-  std::unique_ptr<msgs::MemoryBus> bus;
-  controller::AnswerLoop loop;
-};
-
 void run(const Scenario& scenario, const fs::path& log_file) {
   controller::ControllerSettings settings =
       controller::load_controller_file(scenario.controller_file, scenario.controller_overrides).settings;
   settings.period = static_cast<double>(scenario.controller_period) * 1e-9;
-  msgs::MemoryWire wire;
-  const auto plant_bus = wire.connect();
-  auto controller = std::make_unique<Controller>(wire, settings);
-  plant_bus->on_wait = [&] {
-    if (controller) controller->bus->drain();
-  };
-  int waits = 0;
-  LockstepHooks hooks;
-  hooks.controller_action = [&](ControllerAction action) {
-    controller.reset();
-    if (action == ControllerAction::start) controller = std::make_unique<Controller>(wire, settings);
-  };
-  hooks.while_waiting = [&](const LockstepCounts& counts) {
-    ASSERT_LT(++waits, 1000) << "nobody answers any more at " << counts.simulated_time << " ns";
-  };
-  hooks.stop = [&] { return waits >= 1000; };
-  CranePlant plant(machine_settings(scenario), scenario.crane.drive_protection, drive_run(scenario));
+  CranePlant plant(machine_settings(scenario), drive_run(scenario));
   msgs::LogWriter log(log_file);
-  run_lockstep(lockstep_settings(scenario), plant, *plant_bus, log, hooks);
+  const diagnosis::WireLoopResult result = diagnosis::run_wire_loop(lockstep_settings(scenario), settings, plant, log);
   log.finish();
+  EXPECT_FALSE(result.controller_is_dead) << "nobody answers any more at " << result.counts.simulated_time << " ns";
 }
 
 class FaultScenarioTest : public testing::TestWithParam<std::string> {};

@@ -36,7 +36,7 @@ TEST(ScenarioFile, ThesisManoeuvre) {
 
 TEST(ScenarioFile, OverridesReachTheFilesItNames) {
   const Scenario scenario = load_scenario_file(
-      kThesis, {{"crane.load.mass", "20"}, {"controller.ramp.curved_share", "0.2"}, {"duration", "10"}});
+      kThesis, {{"crane.load.mass", "20 t"}, {"controller.ramp.curved_share", "0.2"}, {"duration", "10"}});
   EXPECT_EQ(scenario.crane.parameters.load.mass, 20e3);
   EXPECT_EQ(scenario.duration, 10'000'000'000);
   ASSERT_EQ(scenario.controller_overrides.size(), 1u);
@@ -53,17 +53,17 @@ TEST(ScenarioFile, ConfigurationTextTellsEveryPartApart) {
   const std::string thesis = load_scenario_file(kThesis).configuration_text;
   EXPECT_EQ(load_scenario_file(kThesis).configuration_text, thesis);
   for (const common::Override& change :
-       {common::Override{"crane.load.mass", "29"}, common::Override{"controller.speed_control.droop", "1"},
+       {common::Override{"crane.load.mass", "29 t"}, common::Override{"controller.speed_control.droop", "1"},
         common::Override{"duration", "61"}, common::Override{"operator.0.speed_request", "0.5"}}) {
     EXPECT_NE(load_scenario_file(kThesis, {change}).configuration_text, thesis) << change.key;
   }
 }
 
 TEST(ScenarioFile, TimesFallOnPlantSteps) {
-  EXPECT_EQ(complaint({{"controller_period", "1.5"}}),
-            "--set controller_period=1.5: key 'controller_period': found 1.5 ms, "
+  EXPECT_EQ(complaint({{"controller_period", "1.5 ms"}}),
+            "--set controller_period=1.5 ms: key 'controller_period': found 1.5 ms, "
             "expected a whole multiple of the plant step, 1 ms");
-  for (const char* period : {"1", "2", "5", "10", "20"}) EXPECT_EQ(complaint({{"controller_period", period}}), "");
+  for (const char* period : {"1 ms", "2 ms", "3 ms", "5 ms", "0.01 s", "20 ms"}) EXPECT_EQ(complaint({{"controller_period", period}}), "");
   EXPECT_NE(complaint({{"operator.0.time", "5.0005"}}).find("key 'operator.0.time': found 5000.5 ms"),
             std::string::npos);
 }

@@ -1,29 +1,28 @@
-// Plant and reference driven by one and the same source of torque, and their difference. For the accuracy tests
-// and the benchmarks.
+// Plant and reference driven in the loop by one and the same source of torque, and their difference. For the accuracy
+// tests and the benchmarks.
 #pragma once
 
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <functional>
-#include <memory>
 #include <string>
 #include <vector>
 
-#include "controller/controller.h"
 #include "controller/controller_file.h"
-#include "sim/integrate/plant.h"
-#include "sim/integrate/reference.h"
+#include "diagnosis/loop/loop.h"
 #include "sim/drive/scenario_file.h"
+#include "sim/integrate/reference.h"
 
 namespace slewlab::sim {
 
-// What drives a machine: torque per motor of each group from time and shaft speeds, once per `period`.
+// What drives a machine.
 struct Drive {
   double period = 0.0;    // [s]
   double duration = 0.0;  // [s]
   double sample = 2e-3;   // [s] between readings; what steps of 2, 1, 0.5 and 0.25 ms have in common
-  std::function<GroupArray(double time, const GroupArray& shaft_speed)> torque;
+  std::vector<OperatorMove> operator_moves;
+  std::function<diagnosis::Answer()> answer;  // starts what answers anew
 };
 
 struct Record {
@@ -35,40 +34,77 @@ struct Record {
 
 inline std::int64_t whole(double number) { return static_cast<std::int64_t>(std::llround(number)); }
 
+inline diagnosis::LoopCourse course_of(const Drive& drive, double step) {
+  diagnosis::LoopCourse course;
+  course.plant_step = step;
+  course.steps_per_period = whole(drive.period / step);
+  course.steps = whole(drive.duration / step);
+  course.operator_moves = drive.operator_moves;
+  return course;
+}
+
 inline Record run_plant(const CraneParameters& crane, const Drive& drive, double step_length) {
-  const PlantModel model = make_plant_model(crane, step_length);
-  PlantWorkspace workspace = make_plant_workspace(model);
-  PlantState state = make_plant_state(model);
-  PlantInput input;
+  const diagnosis::LoopCourse course = course_of(drive, step_length);
+  MachineSettings settings;
+  settings.crane = crane;
+  settings.step = step_length;
+  CranePlant plant(settings, diagnosis::drive_run(course, crane.drive.group_count));
+  const Machine& machine = plant.machine();
   Record result;
   result.sample = drive.sample;
-  for (std::int64_t n = 0; n < whole(drive.duration / step_length); ++n) {
-    if (n % whole(drive.period / step_length) == 0) {
-      input.motor_torque = drive.torque(static_cast<double>(n) * step_length, read(model, state).shaft_speed);
-    }
-    step(model, workspace, input, state);
-    if ((n + 1) % whole(drive.sample / step_length) != 0) continue;
-    result.tip_acceleration.push_back(read(model, state).tip_acceleration);
-    result.gear_torque.push_back(state.gear_torque[0]);
-  }
-  for (int i = 0; i < model.group_count; ++i) result.crossings += state.play_crossings[i];
+  diagnosis::LoopHooks hooks;
+  hooks.stepped = [&](const diagnosis::LoopMoment& moment) {
+    if (moment.step % whole(drive.sample / step_length) != 0) return;
+    result.tip_acceleration.push_back(read(machine).tip_acceleration);
+    result.gear_torque.push_back(machine.state.gear_torque[0]);
+  };
+  diagnosis::run_loop(course, plant, drive.answer(), hooks);
+  for (int i = 0; i < machine.model.group_count; ++i) result.crossings += machine.state.play_crossings[i];
   return result;
 }
 
+// The reference behind a drive that does what it is told.
+class ReferencePlant : public DrivenPlant {
+ public:
+  ReferencePlant(const CraneParameters& crane, const ReferenceOptions& options, double step)
+      : reference(make_reference(crane, options)), groups_(crane.drive.group_count), step_(step) {}
+
+  void read_encoder(msgs::Encoder& message) override {
+    const PlantReadings readings = read(*reference);
+    message.group_count = groups_;
+    message.shaft_speed.assign(readings.shaft_speed.begin(), readings.shaft_speed.begin() + groups_);
+    message.shaft_position.assign(readings.shaft_position.begin(), readings.shaft_position.begin() + groups_);
+  }
+  void begin_cycle(std::int64_t) override {}
+  void receive(msgs::DecodeStatus, const msgs::Torque& message) override {
+    torque_ = {};
+    if (message.enable) std::copy(message.motor_torque.begin(), message.motor_torque.end(), torque_.begin());
+  }
+  void step(const PlantConditions&) override { advance(*reference, torque_, static_cast<double>(++steps_) * step_); }
+  void read_sensors(msgs::Sensors&) override {}
+  void read_truth(msgs::Truth&) override {}
+  void read_status(msgs::PlantStatus&) override {}
+
+  ReferencePointer reference;
+
+ private:
+  int groups_;
+  double step_;  // [s]
+  std::int64_t steps_ = 0;
+  GroupArray torque_{};
+};
+
 inline Record run_reference(const CraneParameters& crane, const Drive& drive, const ReferenceOptions& options) {
-  const ReferencePointer reference = make_reference(crane, options);
-  GroupArray torque{};
+  ReferencePlant plant(crane, options, drive.sample);
   Record result;
   result.sample = drive.sample;
-  for (std::int64_t n = 0; n < whole(drive.duration / drive.sample); ++n) {
-    if (n % whole(drive.period / drive.sample) == 0) {
-      torque = drive.torque(static_cast<double>(n) * drive.sample, read(*reference).shaft_speed);
-    }
-    advance(*reference, torque, static_cast<double>(n + 1) * drive.sample);
-    result.tip_acceleration.push_back(read(*reference).tip_acceleration);
-    result.gear_torque.push_back(gear_torques(*reference)[0]);
-  }
-  for (const std::int64_t crossings : play_crossings(*reference)) result.crossings += crossings;
+  diagnosis::LoopHooks hooks;
+  hooks.stepped = [&](const diagnosis::LoopMoment&) {
+    result.tip_acceleration.push_back(read(*plant.reference).tip_acceleration);
+    result.gear_torque.push_back(gear_torques(*plant.reference)[0]);
+  };
+  diagnosis::run_loop(course_of(drive, drive.sample), plant, drive.answer(), hooks);
+  for (const std::int64_t crossings : play_crossings(*plant.reference)) result.crossings += crossings;
   return result;
 }
 
@@ -106,39 +142,37 @@ inline Demo load_demo(const std::string& file) {
   return demo;
 }
 
-// A controller that starts anew with every run.
+// The controller of the scenario.
 inline Drive drive_of(const Demo& demo) {
   Drive drive;
   drive.period = demo.settings.period;
   drive.duration = 1e-9 * static_cast<double>(demo.scenario.duration);
+  const double samples = drive.period / drive.sample;  // a torque begins with a sample
+  if (std::fabs(samples - std::round(samples)) > 1e-9) drive.sample = 1e-3;
   auto state = std::make_shared<controller::ControllerState>();
-  drive.torque = [&demo, state](double time, const GroupArray& shaft_speed) {
-    if (time == 0.0) *state = {};
-    controller::ControllerInput input;
-    input.simulated_time = whole(time * 1e9);
-    input.group_count = demo.settings.group_count;
-    input.shaft_speed = shaft_speed;
-    for (const OperatorMove& move : demo.scenario.moves) {
-      if (move.time > input.simulated_time) break;
-      input.speed_request = move.speed_request;
-      input.emergency_stop = move.emergency_stop;
-      input.acknowledge = move.acknowledge;
-    }
-    controller::ControllerOutput output;
-    controller::step(demo.settings, *state, input, output);
-    GroupArray torque{};
-    for (int i = 0; i < demo.settings.group_count; ++i) torque[i] = output.enable ? output.motor_torque[i] : 0.0;
-    return torque;
-  };
+  drive.operator_moves = demo.scenario.moves;
+  drive.answer = [settings = demo.settings] { return diagnosis::ControllerAnswer(settings); };
   return drive;
 }
 
 // Three slews to and fro in 12 s, the groups 40 Nm apart: every reversal crosses the play, some with bounces.
+inline GroupArray to_and_fro_torque(double time) {
+  const double common = 150.0 * std::sin(1.5 * time);  // [Nm] per motor
+  return {common + 20.0, common - 20.0};
+}
+
 inline Drive to_and_fro() {
-  return {.period = 0.01, .duration = 12.0, .torque = [](double time, const GroupArray&) {
-            const double common = 150.0 * std::sin(1.5 * time);  // [Nm] per motor
-            return GroupArray{common + 20.0, common - 20.0};
-          }};
+  const auto start = [] {
+    return [message = msgs::Torque{}](const msgs::Encoder& encoder, const msgs::Operator&, DrivenPlant& plant) mutable {
+      const GroupArray torque = to_and_fro_torque(1e-9 * static_cast<double>(encoder.simulated_time));
+      message.answered_sequence = message.sequence = message.alive_counter = encoder.sequence;
+      message.enable = true;
+      message.group_count = encoder.group_count;
+      message.motor_torque.assign(torque.begin(), torque.begin() + encoder.group_count);
+      plant.receive(msgs::DecodeStatus::ok, message);
+    };
+  };
+  return {.period = 0.01, .duration = 12.0, .operator_moves = {}, .answer = start};
 }
 
 }  // namespace slewlab::sim

@@ -160,5 +160,20 @@ TEST(Machine, ClosedBrakesHoldTheMotors) {
   EXPECT_EQ(read(machine).shaft_position[0], 0.0) << "disabled drives deliver no torque";
 }
 
+// One inertia behind a rigid drive, 12 kg m^2 and 0.002 kg m^2 * 50^2 of the motor: 150 Nm less the friction's 50.
+TEST(Machine, EffectsReachAMachineOfOneInertia) {
+  MachineSettings settings;
+  settings.crane.boom.element_count = 0;
+  settings.crane.drive = {.group_count = 1, .motors_per_group = 1, .motor_inertia = 0.002, .gearbox_ratio = 50.0,
+                          .rated_torque = 8.0, .top_speed = 2.0, .is_rigid = true};
+  settings.crane.house.inertia = 12.0;
+  settings.effects = {{"bearing_coulomb", {50.0, 0.0, 0.0}}};
+  Machine machine = make_machine(settings);
+  DriveCommand command;
+  command.motor_torque[0] = 150.0 / 50.0;
+  for (int k = 0; k < 1000; ++k) step(machine, command);
+  EXPECT_NEAR(machine.state.house_speed, 100.0 / 17.0, 1e-9);
+}
+
 }  // namespace
 }  // namespace slewlab::sim

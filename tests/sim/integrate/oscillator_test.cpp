@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Core>
+#include <algorithm>
 #include <cmath>
 #include <tuple>
 #include <unsupported/Eigen/MatrixFunctions>
@@ -42,6 +43,99 @@ INSTANTIATE_TEST_SUITE_P(Ranges, Oscillator,
                          testing::Combine(testing::Values(1e-6, 1e-3, 2e-3, 0.02),
                                           testing::Values(0.0, 0.4, 33.0, 900.0, 1100.0, 5e3),
                                           testing::Values(0.0, 0.01, 0.999999999, 1.0, 2.5)));
+
+// Expected numbers: the response over a short piece by its Taylor series, doubled until it spans h, in long double. A force
+// f = s^j / j! that goes on for another piece is sum_i (piece^(j-i) / (j-i)!) s^i / i! there.
+struct Doubled {
+  long double qq, qv, vq, vv, q[4], v[4];
+};
+
+Doubled by_doubling(long double square, long double damping_rate, long double h) {
+  int doublings = 0;
+  long double piece = h;
+  while (std::max(std::sqrt(square), damping_rate) * piece > 0.5L) {
+    piece *= 0.5L;
+    ++doublings;
+  }
+  constexpr int kTerms = 40;
+  Doubled r{};
+  long double coefficient[kTerms + 6] = {0.0L, 1.0L};  // of S: s^n
+  long double power = 1.0L;
+  for (int n = 2; n < kTerms; ++n) {
+    coefficient[n] = -(damping_rate * (n - 1) * coefficient[n - 1] + square * coefficient[n - 2]) / (n * (n - 1));
+  }
+  for (int n = 1; n < kTerms; ++n) {
+    r.vv += n * coefficient[n] * power;
+    power *= piece;
+    r.qv += coefficient[n] * power;
+    long double term = coefficient[n] * power;
+    for (int j = 0; j < 4; ++j) r.q[j] += term *= piece / (n + j + 1);
+  }
+  r.qq = r.vv + damping_rate * r.qv;
+  r.vq = -square * r.qv;
+  r.v[0] = r.qv;
+  for (int j = 1; j < 4; ++j) r.v[j] = r.q[j - 1];
+  for (; doublings > 0; --doublings, piece *= 2.0L) {
+    Doubled twice{r.qq * r.qq + r.qv * r.vq, r.qq * r.qv + r.qv * r.vv, r.vq * r.qq + r.vv * r.vq,
+                  r.vq * r.qv + r.vv * r.vv, {}, {}};
+    for (int j = 0; j < 4; ++j) {
+      twice.q[j] = r.qq * r.q[j] + r.qv * r.v[j];
+      twice.v[j] = r.vq * r.q[j] + r.vv * r.v[j];
+      long double share = 1.0L;
+      for (int i = j; i >= 0; --i) {
+        twice.q[j] += share * r.q[i];
+        twice.v[j] += share * r.v[i];
+        share *= piece / (j - i + 1);
+      }
+    }
+    r = twice;
+  }
+  return r;
+}
+
+// All that the header allows, from no spring and no damper to ones that settle within a hundred-millionth of the step.
+TEST(OscillatorResponse, HoldsOverAllOrdersOfMagnitude) {
+  constexpr double kTolerance = 1e-9;  // [-] doubling 28 times leaves 1e-11
+  constexpr double kDecayed = 1e-14;   // [-] of the largest value within the step: what has decayed below is gone
+  for (const double h : {1e-6, 1e-3, 10.0}) {
+    for (const double stiff : {0.0, 1e-12, 1e-6, 1e-3, 0.3, 0.9, 1.0, 3.0, 30.0, 1e3, 1e6}) {  // w h
+      for (const double damped : {0.0, 1e-9, 1e-3, 0.6, 0.999, 1.0, 1.9, 2.0, 2.1, 6.0, 60.0, 1e3, 1e6, 1e8}) {  // d h
+        const double square = stiff * stiff / (h * h), damping_rate = damped / h;
+        const Doubled expected = by_doubling(square, damping_rate, h);
+        const OscillatorResponse r = oscillator_response(square, damping_rate, h);
+        // What rounding of w h leaves of a phase: relative to the envelope, not to a sine that happens to be small.
+        const long double envelope = std::exp(-0.5L * static_cast<long double>(damped)) * (stiff > 0.5 * damped ? 1.0L : 0.0L);
+        const auto expect = [&](const char* what, double value, long double wanted, long double scale, long double largest) {
+          EXPECT_TRUE(std::isfinite(value)) << what << ": w h = " << stiff << ", d h = " << damped << ", h = " << h;
+          EXPECT_LE(std::fabs(value - wanted),
+                    kTolerance * (std::fabs(wanted) + envelope * scale) + kDecayed * largest)
+              << what << ": " << value << " for " << wanted << ", w h = " << stiff << ", d h = " << damped << ", h = " << h;
+        };
+        const long double period = stiff > 0.0 ? static_cast<long double>(h) / stiff : h;
+        const long double largest = h / std::max({1.0, stiff, damped});  // of S within the step
+        expect("qq", r.qq, expected.qq, 1.0L, 1.0L);
+        expect("qv", r.qv, expected.qv, period, largest);
+        expect("vq", r.vq, expected.vq, 1.0L / period, square * largest);
+        expect("vv", r.vv, expected.vv, 1.0L, 1.0L);
+        for (int j = 0; j < 4; ++j) {
+          expect("q", r.q[j], expected.q[j], period * period, 0.0L);
+          expect("v", r.v[j], expected.v[j], period, j == 0 ? largest : 0.0L);
+        }
+      }
+    }
+  }
+}
+
+// Without a spring: S = (1 - exp(-d h)) / d.
+TEST(OscillatorResponse, WithoutASpringTheSpeedDecays) {
+  const OscillatorResponse r = oscillator_response(0.0, 2000.0, 1e-3);
+  EXPECT_DOUBLE_EQ(r.vv, std::exp(-2.0));
+  EXPECT_DOUBLE_EQ(r.qv, -std::expm1(-2.0) / 2000.0);
+  EXPECT_EQ(r.qq, 1.0);
+  EXPECT_EQ(r.vq, 0.0);
+  EXPECT_NEAR(r.q[0], (1e-3 - r.qv) / 2000.0, 1e-15 * 1e-6);
+  EXPECT_NEAR(r.q[1], (0.5e-6 - r.q[0]) / 2000.0, 1e-15 * 1e-9);
+}
 
 // A cubic force has itself as its Hermite polynomial, so the response must equal the monomials' one.
 TEST(HermiteResponse, IsExactForACubicForce) {

@@ -124,6 +124,51 @@ TEST(Plant, BrakeStopsAndHoldsTheMotors) {
   EXPECT_NEAR(state.motor_speed[0], 0.0, 1e-15);
 }
 
+// Gears as stiff as one piece, brakes on the motors and friction in the bearing, a house as heavy as a few motors and as
+// thousands: at every step each body stands still, or its friction is at its level and opposes it.
+TEST(Plant, FrictionsOfStifflyCoupledBodiesKeepToTheirLaw) {
+  for (const auto& [stiffer, heavier] : {std::pair{1.0, 1.0}, {10.0, 1e2}, {1e2, 1e3}, {1e3, 1e4}, {1e4, 1e2}, {1e5, 1e4}}) {
+    CraneParameters crane = rigid_crane_without_load();
+    crane.house.inertia *= heavier;
+    crane.drive.group_count = 3;
+    crane.drive.gearbox_stiffness *= stiffer;
+    const PlantModel model = make_plant_model(crane, kStep);
+    PlantWorkspace workspace = make_plant_workspace(model);
+    PlantState state = make_plant_state(model);
+    for (int i = 0; i < 3; ++i) {
+      state.motor_speed[i] = 0.05;
+      state.motor_angle[i] = (i == 1 ? -1.0 : 1.0) * model.gear[i].half_play;
+    }
+    state.v[0] = 0.05 / model.house[0];
+    refresh(model, state);
+    PlantInput input;
+    const double bearing = 2e6 * heavier;  // [Nm]
+    input.friction.house_positive = input.friction.house_negative = bearing;
+    for (int i = 0; i < 3; ++i) input.friction.motor[i] = 3.3e6 * heavier * (1.0 + 0.3 * i);  // of a group's brakes: 3.3e6
+    double slowest = 1.0;
+    for (int n = 0; n < 1000; ++n) {
+      step(model, workspace, input, state);
+      ASSERT_TRUE(std::isfinite(state.house_speed)) << "stiffer by " << stiffer << ", step " << n;
+      constexpr double kStanding = 1e-11;  // [rad/s] of 0.05
+      constexpr double kAtLevel = 1e-9;   // [-]
+      const auto keeps = [&](double speed, double friction, double level) {
+        if (std::fabs(speed) <= kStanding) return std::fabs(friction) <= level * (1.0 + kAtLevel);
+        return friction * speed < 0.0 && std::fabs(std::fabs(friction) / level - 1.0) <= kAtLevel;
+      };
+      for (int i = 0; i < 3; ++i) {
+        ASSERT_TRUE(keeps(state.motor_speed[i], state.motor_friction[i], input.friction.motor[i]))
+            << "stiffer by " << stiffer << ", step " << n << ", group " << i << ": " << state.motor_speed[i] << " rad/s, "
+            << state.motor_friction[i] << " Nm";
+      }
+      ASSERT_TRUE(keeps(state.house_speed, state.house_friction, bearing))
+          << "stiffer by " << stiffer << ", step " << n << ": " << state.house_speed << " rad/s, " << state.house_friction << " Nm";
+      slowest = std::min(slowest, std::fabs(state.house_speed));
+    }
+    EXPECT_LE(slowest, 1e-9) << "stiffer by " << stiffer << ": the house came to rest";
+    EXPECT_EQ(state.unsolved_frictions, 0) << "stiffer by " << stiffer;
+  }
+}
+
 // A thrown-in check of the load: with the tip held by a heavy house it swings as (2.17) says for a point load.
 TEST(Plant, PointLoadSwingsWithThePendulumPeriod) {
   CraneParameters crane = thesis_crane(0);

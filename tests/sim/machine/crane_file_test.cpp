@@ -1,4 +1,4 @@
-#include "sim/machine/crane_file.h"
+#include "sim/machine/machine_file.h"
 
 #include <gtest/gtest.h>
 
@@ -13,7 +13,7 @@ const std::string kFolder = SLEWLAB_SOURCE_DIR "/config/cranes/";
 
 std::string complaint(const std::vector<common::Override>& overrides, const std::string& name = "thesis.yaml") {
   try {
-    load_crane_file(kFolder + name, overrides);
+    load_machine_file(kFolder + name, overrides);
   } catch (const common::InputError& error) {
     return error.what();
   }
@@ -21,7 +21,7 @@ std::string complaint(const std::vector<common::Override>& overrides, const std:
 }
 
 TEST(CraneFile, ThesisCraneIsTheOneOfTheUnitTests) {
-  const CraneParameters file = load_crane_file(kFolder + "thesis.yaml").parameters;
+  const CraneParameters file = load_machine_file(kFolder + "thesis.yaml").parameters;
   const CraneParameters crane = thesis_crane();
   EXPECT_EQ(file.drive.group_count, crane.drive.group_count);
   EXPECT_EQ(file.drive.motors_per_group, crane.drive.motors_per_group);
@@ -62,32 +62,32 @@ TEST(CraneFile, ThesisCraneIsTheOneOfTheUnitTests) {
 }
 
 TEST(CraneFile, SmallMachinesAreValid) {
-  EXPECT_EQ(load_crane_file(kFolder + "rigid_boom.yaml").parameters.boom.element_count, 0);
-  EXPECT_EQ(load_crane_file(kFolder + "no_load.yaml").parameters.load.mass, 0.0);
-  const DriveParameters one = load_crane_file(kFolder + "one_group.yaml").parameters.drive;
+  EXPECT_EQ(load_machine_file(kFolder + "rigid_boom.yaml").parameters.boom.element_count, 0);
+  EXPECT_EQ(load_machine_file(kFolder + "no_load.yaml").parameters.load.mass, 0.0);
+  const DriveParameters one = load_machine_file(kFolder + "one_group.yaml").parameters.drive;
   EXPECT_EQ(one.group_count, 1);
   EXPECT_EQ(one.group_count * one.motors_per_group, 6);
-  EXPECT_EQ(load_crane_file(kFolder + "no_play.yaml").parameters.drive.pinion_play, 0.0);
-  const CraneParameters bare = load_crane_file(kFolder + "no_load.yaml", {{"boom", "null"}}).parameters;
+  EXPECT_EQ(load_machine_file(kFolder + "no_play.yaml").parameters.drive.pinion_play, 0.0);
+  const CraneParameters bare = load_machine_file(kFolder + "no_load.yaml", {{"boom", "null"}}).parameters;
   EXPECT_EQ(bare.boom.element_count, 0);
   EXPECT_EQ(bare.boom.mass, 0.0);
 }
 
 TEST(CraneFile, KeepsTheEffectsAsTheyAre) {
-  const CraneFile file = load_crane_file(kFolder + "thesis.yaml", {{"effects", "{wind: {speed: 3}}"}});
+  const MachineFile file = load_machine_file(kFolder + "thesis.yaml", {{"effects", "{wind: {speed: 3}}"}});
   ASSERT_NE(file.effects.find("wind"), nullptr);
-  EXPECT_EQ(load_crane_file(kFolder + "thesis.yaml").effects.kind, common::YamlNode::Kind::null);
-  EXPECT_NE(file.canonical_text, load_crane_file(kFolder + "thesis.yaml").canonical_text);
+  EXPECT_EQ(load_machine_file(kFolder + "thesis.yaml").effects.kind, common::YamlNode::Kind::null);
+  EXPECT_NE(file.canonical_text, load_machine_file(kFolder + "thesis.yaml").canonical_text);
 }
 
 TEST(CraneFile, ReadsTheDriveProtectionInItsUnits) {
   const DriveProtectionSettings protection =
-      load_crane_file(kFolder + "thesis.yaml", {{"drive_protection.silence_timeout", "120"}}).drive_protection;
+      load_machine_file(kFolder + "thesis.yaml", {{"drive_protection.silence_timeout", "120 ms"}}).drive_protection;
   EXPECT_EQ(protection.silence_timeout, 120'000'000);  // [ns]
   EXPECT_EQ(protection.brake.closing_delay, 80'000'000);
   EXPECT_DOUBLE_EQ(protection.brake.closing_time_constant, 0.06);
   EXPECT_EQ(protection.answer_age_limit, 1);
-  const DriveProtectionSettings none = load_crane_file(kFolder + "thesis.yaml", {{"drive_protection", "null"}}).drive_protection;
+  const DriveProtectionSettings none = load_machine_file(kFolder + "thesis.yaml", {{"drive_protection", "null"}}).drive_protection;
   EXPECT_EQ(none.silence_timeout, kNever);
   EXPECT_EQ(none.brake.torque, 0.0);
   EXPECT_NE(complaint({{"drive_protection.torque_limit", "0"}}).find("above 0 N m"), std::string::npos)
@@ -95,15 +95,15 @@ TEST(CraneFile, ReadsTheDriveProtectionInItsUnits) {
 }
 
 TEST(CraneFile, BadValuesAreExplained) {
-  EXPECT_EQ(complaint({{"load.mass", "-30"}}),
-            "--set load.mass=-30: key 'load.mass': found -30 t, that is -30000 kg, expected a number of at least 0 kg");
-  EXPECT_EQ(complaint({{"boom.angle", "120"}}).find("--set boom.angle=120: key 'boom.angle': found 120 deg, that is 2.0943"),
+  EXPECT_EQ(complaint({{"load.mass", "-30 t"}}),
+            "--set load.mass=-30 t: key 'load.mass': found -30 t, that is -30000 kg, expected a number of at least 0 kg");
+  EXPECT_EQ(complaint({{"boom.angle", "120 deg"}}).find("--set boom.angle=120 deg: key 'boom.angle': found 120 deg, that is 2.0943"),
             0u);
   EXPECT_NE(complaint({{"boom.angel", "50"}}).find("key 'boom.angel': found a key that is not known here, "
                                                    "expected 'angle' (or one of"),
             std::string::npos);
-  EXPECT_EQ(complaint({{"boom.chord_inner_diameter", "300"}}),
-            "--set boom.chord_inner_diameter=300: key 'boom.chord_inner_diameter': found 0.3 m, "
+  EXPECT_EQ(complaint({{"boom.chord_inner_diameter", "300 mm"}}),
+            "--set boom.chord_inner_diameter=300 mm: key 'boom.chord_inner_diameter': found 0.3 m, "
             "expected less than chord_outer_diameter, 0.267 m");
   EXPECT_EQ(complaint({{"boom.profile.half_width", "[1, 2]"}}),
             "--set boom.profile.half_width=[1, 2]: key 'boom.profile.half_width': found a list of 2, "

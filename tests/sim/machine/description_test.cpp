@@ -10,7 +10,7 @@ namespace slewlab::sim {
 namespace {
 
 MachineDescription thesis() {
-  return describe(load_crane_file(std::string(SLEWLAB_SOURCE_DIR) + "/config/cranes/thesis.yaml"));
+  return describe(load_machine_file(std::string(SLEWLAB_SOURCE_DIR) + "/config/cranes/thesis.yaml"));
 }
 
 bool has_sensor(const MachineDescription& description, std::string_view name) {
@@ -39,7 +39,7 @@ TEST(Description, ParametersStandWhereTheFileHasThem) {
 }
 
 TEST(Description, AMachineHasOnlyWhatItHas) {
-  CraneFile file = load_crane_file(std::string(SLEWLAB_SOURCE_DIR) + "/config/cranes/no_load.yaml");
+  MachineFile file = load_machine_file(std::string(SLEWLAB_SOURCE_DIR) + "/config/cranes/no_load.yaml");
   file.parameters.drive.gearbox_play = file.parameters.drive.pinion_play = 0.0;
   const MachineDescription description = describe(file);
   for (const Parameter& parameter : description.parameters) {

@@ -137,7 +137,7 @@ TEST_F(CheckCommand, UnknownKind) {
 TEST_F(CheckCommand, ControllerThatDoesNotFitTheCrane) {
   const fs::path file = folder_ / "config/scenarios/thesis_slew.yaml";
   const auto problems =
-      problems_in(file, {{"controller", (folder_ / "config/controllers/one_group.yaml").string()}});
+      examine(file, {{"controller", (folder_ / "config/controllers/one_group.yaml").string()}}).problems;
   ASSERT_EQ(problems.size(), 1u);
   EXPECT_NE(common::to_text(problems[0])
                 .find("key 'controller': found a controller for 1 motor group(s), expected one for the crane's 2"),
@@ -146,14 +146,87 @@ TEST_F(CheckCommand, ControllerThatDoesNotFitTheCrane) {
 }
 
 TEST_F(CheckCommand, ScenarioIsCheckedWithItsCraneAndItsController) {
-  const auto problems = problems_in(folder_ / "config/scenarios/thesis_slew.yaml",
-                                    {{"crane.load.mass", "-1"}, {"controller.ramp.top_speed", "-1"}, {"seed", "-1"}});
+  const auto problems = examine(folder_ / "config/scenarios/thesis_slew.yaml",
+                                    {{"crane.load.mass", "-1 t"}, {"controller.ramp.top_speed", "-1"}, {"seed", "-1"}}).problems;
   std::string said;
   for (const auto& problem : problems) said += common::to_text(problem) + '\n';
   EXPECT_EQ(problems.size(), 3u) << said;
   for (const char* key : {"key 'load.mass'", "key 'ramp.top_speed'", "key 'seed'"}) {
     EXPECT_NE(said.find(key), std::string::npos) << said;
   }
+}
+
+// What the plant refuses of the effects is told of the file and line where the user wrote it, not of the run's own copy.
+TEST_F(CheckCommand, UnknownEffect) {
+  expect_line(said_after("kind: crane\n", "effects: [{effect: dead_tim}]\nkind: crane\n"), "effects.0.effect", "dead_tim",
+              "the name of an effect; 'dead_time' is near");
+}
+
+TEST_F(CheckCommand, EffectWithAWrongUnit) {
+  expect_line(said_after("kind: crane\n", "effects: [{effect: dead_time, delay: {value: 3, unit: mm, source: s}}]\nkind: crane\n"),
+              "effects.0.delay", "the unit 'mm', which measures something else", "one of s, ms, us, min, h");
+}
+
+TEST_F(CheckCommand, EffectWithoutItsParameter) {
+  expect_line(said_after("kind: crane\n", "effects: [{effect: dead_time}]\nkind: crane\n"), "effects.0.delay",
+              "nothing: the key is missing", "a number from");
+}
+
+TEST_F(CheckCommand, EffectsOfAnIncludedFileOfAScenariosCrane) {
+  std::ofstream(folder_ / "config/cranes/base.yaml") << "include: thesis.yaml\n\neffects:\n  - effect: no_such_effect\n";
+  std::ofstream(folder_ / "config/cranes/top.yaml") << "include: base.yaml\n";
+  for (const ControllerBy by : {ControllerBy::slewlab, ControllerBy::user}) {
+    const auto problems = examine(folder_ / "config/scenarios/thesis_slew.yaml",
+                                      {{"crane", (folder_ / "config/cranes/top.yaml").string()}}, by).problems;
+    ASSERT_EQ(problems.size(), 1u);
+    EXPECT_EQ(common::to_text(problems[0]).rfind((folder_ / "config/cranes/base.yaml:4:13: key 'effects.0.effect'").string(), 0), 0u)
+        << common::to_text(problems[0]);
+  }
+}
+
+// Each value is within its bounds; together they are more than Euler's load of the boom.
+TEST_F(CheckCommand, EffectThatTheCraneCannotHave) {
+  const auto problems =
+      examine(folder_ / "config/cranes/thesis.yaml",
+                  {{"effects", "[{effect: compression_softening, compression: {value: 4, unit: MN, source: s}}]"},
+                   {"boom.youngs_modulus", "1 GPa"}}).problems;
+  ASSERT_EQ(problems.size(), 1u);
+  EXPECT_NE(common::to_text(problems[0]).find("key 'effects': found a machine that cannot be built (effect "
+                                              "compression_softening: the boom buckles under this compression)"),
+            std::string::npos)
+      << common::to_text(problems[0]);
+}
+
+TEST_F(CheckCommand, WhatNoMachineHasIsRefused) {
+  const struct {
+    const char* key;
+    const char* value;
+    const char* found;
+  } kSlips[] = {{"load.mass", "30000000 t", "3e+10 kg, which no machine has, expected from 1e-06 to 1e+09 kg"},
+                {"boom.mass", "1e308 kg", "1e+308 kg, which no machine has, expected from 1e-06 to 1e+09 kg"},
+                {"load.rope_length", "1e-12 m", "1e-12 m, which no machine has, expected from 0.0001 to 10000 m"}};
+  for (const auto& slip : kSlips) {
+    const auto problems = examine(folder_ / "config/cranes/thesis.yaml", {{slip.key, slip.value}}).problems;
+    ASSERT_EQ(problems.size(), 1u) << slip.key;
+    EXPECT_EQ(common::to_text(problems[0]),
+              std::string("--set ") + slip.key + "=" + slip.value + ": key '" + slip.key + "': found " + slip.found);
+  }
+}
+
+TEST_F(CheckCommand, WhatIsUnlikelyOrTakesLongIsAWarning) {
+  const fs::path scenario = folder_ / "config/scenarios/thesis_slew.yaml";
+  std::ostringstream out;
+  std::ostringstream complaints;
+  EXPECT_EQ(check_files({scenario}, {{"crane.load.mass", "60000 t"}, {"plant_step", "1 us"}}, out, complaints), 0);
+  EXPECT_EQ(out.str(), scenario.string() + ": OK\n");
+  EXPECT_EQ(complaints.str().rfind("--set load.mass=60000 t: warning: key 'load.mass': a load of 740 times the boom's mass; usual: a "
+                                   "hundredth to five times\n", 0), 0u) << complaints.str();
+  EXPECT_EQ(examine(scenario, {{"plant_step", "1e-6 ms"}}).warnings,
+            std::vector<std::string>{scenario.string() + ": warning: about 60 000 000 000 plant steps, some 4 hours of computing in "
+                                     "lockstep, with a plant_step of 1e-06 ms and 6 boom elements"});
+  EXPECT_EQ(examine(scenario, {{"crane.boom.elements", "1000"}}).warnings,
+            std::vector<std::string>{scenario.string() + ": warning: about 60 000 plant steps, some 100 seconds of computing in "
+                                     "lockstep, with a plant_step of 1 ms and 1000 boom elements"});
 }
 
 TEST_F(CheckCommand, OneBadFileDoesNotHideTheOthers) {

@@ -74,7 +74,7 @@ TEST_F(RunCommandTest, ACompleteRunLeavesItsFilesAndNoProcess) {
 }
 
 TEST_F(RunCommandTest, TheResolvedConfigurationRunsAgainToTheSameBytes) {
-  RunningProgram first(command({"--set", "duration=2", "--set", "crane.load.mass=20000"}));
+  RunningProgram first(command({"--set", "duration=2", "--set", "crane.load.mass=20 t"}));
   ASSERT_EQ(first.wait_for_end(), 0) << first.complaints();
   const fs::path again = folder_.path() / "again";
   RunningProgram second({kSlewlab, "run", (out_ / "scenario.yaml").string(), "--out", again.string()});
@@ -139,6 +139,31 @@ TEST_F(RunCommandTest, SignalsArePassedOnAndNothingStays) {
     // The plant heard the signal and put its log in order.
     EXPECT_EQ(summary()["plant_end"], "exit code " + std::to_string(128 + number));
     expect_partial_log();
+  }
+}
+
+// A thousand elements take the plant minutes to assemble, and took the launcher minutes more for its list of modes, in which
+// it heard nothing: beyond this test's time limit.
+TEST_F(RunCommandTest, ASignalEndsARunWhoseCraneIsStillBeingAssembled) {
+  RunningProgram run(command({"--set", "crane.boom.elements=1000"}));
+  ASSERT_NE(run.wait_for_line("plant is process"), "");
+  ::kill(run.pid(), SIGTERM);
+  EXPECT_EQ(run.wait_for_end(), 128 + SIGTERM);
+  wait_until_nothing_is_left();
+  EXPECT_EQ(summary()["outcome"], "interrupted");
+  EXPECT_NE(run.complaints().find("warning: about 60 000 plant steps, some 100 seconds"), std::string::npos) << run.complaints();
+}
+
+// What the plant refuses is told of the user's own file, also where the controller is the user's.
+TEST_F(RunCommandTest, AnEffectThatIsUnknownIsToldWhereTheUserWroteIt) {
+  const fs::path crane = folder_.path() / "mine.yaml";
+  std::ofstream(crane) << "include: " SLEWLAB_SOURCE_DIR "/config/cranes/thesis.yaml\neffects:\n  - effect: dead_tim\n";
+  for (const std::vector<std::string>& controller : {std::vector<std::string>{}, {"--controller", kController}}) {
+    std::vector<std::string> more{"--set", "crane=" + crane.string()};
+    more.insert(more.end(), controller.begin(), controller.end());
+    RunningProgram run(command(more));
+    EXPECT_EQ(run.wait_for_end(), 2);
+    EXPECT_EQ(run.complaints().rfind(crane.string() + ":3:13: key 'effects.0.effect': found dead_tim", 0), 0u) << run.complaints();
   }
 }
 

@@ -107,6 +107,12 @@ class ImportTest(unittest.TestCase):
         self.assertEqual(self.call(table()), (0, ""))
         self.check_log()
 
+    def test_more_columns_than_any_recorder_has_are_refused(self):
+        """A table turned on its side, rows for columns: refused by its line of names, before its values are read."""
+        wide = lambda count: lambda file: file.write_text(",".join(f"c{k}" for k in range(count)) + "\nno number\n")
+        self.refused(None, "data.csv: found 20000 columns, expected one row per moment and at most 10000 columns", write=wide(20_000))
+        self.refused(None, "data.csv: the line of column names has more than 2000000 characters", write=wide(1_000_000))
+
     def test_parquet_becomes_the_same_log(self):
         self.assertEqual(self.call(table(), suffix="parquet"), (0, ""))
         self.check_log()
@@ -155,6 +161,74 @@ motor_torque: [{column: f, unit: kN, metres_per_radian: {value: 5, unit: mm, sou
             np.testing.assert_allclose(log.channel("ENCODER")["shaft_speed"][2:-1, 0], 40 * (t[2:-1] - delay), atol=1e-8)
             np.testing.assert_allclose(log.channel("TORQUE")["motor_torque"][:, 0], 0.1, rtol=1e-12)
             self.assertIn(derive, self.said)
+
+    def test_the_angle_between_groups_is_kept(self):
+        data = table()
+        data["angle_1"] += 40.0
+        data["angle_2"] -= 40.01  # its sign is -1: 0.01 deg of the crane ahead
+        self.assertEqual(self.call(data), (0, ""))
+        self.assertIn("shaft_position[1] begins at", self.said)
+        self.assertNotIn("shaft_position[2] begins at", self.said)
+        position = read_run_log(self.out).channel("ENCODER")["shaft_position"]
+        self.assertEqual(position[0, 0], 0.0)
+        np.testing.assert_allclose(position[:, 1] - position[:, 0], np.radians(0.01) * RATIO, atol=1e-8)
+
+    AXIS = """kind: axis
+coordinate: {value: COORDINATE, source: test}
+load_encoder: {value: true, source: test}
+"""
+
+    def test_an_axis_in_its_own_units(self):
+        # 4 mm per turn: x = 1 mm t^2 of the carriage is pi/2 t^2 [rad] of the motor; 100 N are 0.2 / pi N m.
+        (self.folder / "axis.yaml").write_text(self.AXIS.replace("COORDINATE", "linear") +
+                                               "travel_per_turn: {value: 4, unit: mm, source: test}\n")
+        text = """kind: import_map
+machine: axis.yaml
+time: {column: t, unit: s}
+shaft_position: {column: x, unit: mm}
+shaft_speed: {derive: central_difference}
+motor_torque: {column: f, unit: N}
+load_position: {column: scale, unit: um}
+""".replace("unit: um", "unit: mm")
+        t = 0.01 * np.arange(101)
+        data = pd.DataFrame({"t": t, "x": 5.0 + t**2, "f": 100.0 + 0 * t, "scale": 7.0 + t**2})
+        self.assertEqual(self.call(data, text), (0, ""))
+        log = read_run_log(self.out)
+        turns = 2 * np.pi / 0.004
+        np.testing.assert_allclose(log.channel("ENCODER")["shaft_position"][:, 0], turns * (5e-3 + 1e-3 * t**2), rtol=1e-12)
+        np.testing.assert_allclose(log.channel("TORQUE")["motor_torque"][:, 0], 100.0 / turns, rtol=1e-12)
+        np.testing.assert_allclose(log.channel("SENSORS")["slew_angle"], 7e-3 + 1e-3 * t**2, rtol=1e-12)
+        self.assertIn("load_position: 0.007 ... 0.008 m", self.said)
+        self.assertIn("N m", self.said)
+        self.refused_axis(data, text.replace("unit: mm}\nshaft_speed", "unit: mm, on: shaft}\nshaft_speed"), "mm on the shaft", "rad")
+        self.refused_axis(data, text.replace("unit: N}", "unit: N, metres_per_radian: {value: 1, unit: mm, source: x}}"), "on: axis")
+
+    def refused_axis(self, data, text, *parts):
+        self.out.unlink(missing_ok=True)
+        self.refused(data, *parts, text=text)
+
+    def test_an_angle_of_axis_or_shaft_must_be_said(self):
+        axis = self.AXIS.replace("COORDINATE", "rotary") + "ratio: {value: 50, unit: \"-\", source: test}\n"
+        (self.folder / "axis.yaml").write_text(axis)
+        text = """kind: import_map
+machine: axis.yaml
+time: {column: t, unit: s}
+shaft_position: {column: x, unit: deg, on: axis}
+shaft_speed: {column: v, unit: rad/s, on: shaft}
+motor_torque: {column: f, unit: N m, on: axis}
+"""
+        t = 0.01 * np.arange(101)
+        data = pd.DataFrame({"t": t, "x": 90.0 * t, "v": 78.5 + 0 * t, "f": 100.0 + 0 * t})
+        self.assertEqual(self.call(data, text), (0, ""))
+        log = read_run_log(self.out)
+        np.testing.assert_allclose(log.channel("ENCODER")["shaft_position"][:, 0], 50 * np.pi / 2 * t, rtol=1e-12)
+        np.testing.assert_allclose(log.channel("ENCODER")["shaft_speed"][:, 0], 78.5)
+        np.testing.assert_allclose(log.channel("TORQUE")["motor_torque"][:, 0], 2.0)
+        self.refused_axis(data, text.replace("deg, on: axis", "deg"), "map.yaml:4:", "axis or shaft: deg may be either")
+        (self.folder / "axis.yaml").write_text(axis.replace("value: true", "value: false"))
+        self.refused_axis(data, text + "load_position: {column: x2, unit: deg}\n", "load_encoder")
+        (self.folder / "axis.yaml").write_text(axis.replace("kind: axis", "kind: crane"))
+        self.refused_axis(data, text, "axis.yaml:1:", "kind")
 
     def test_uneven_times_are_refused_and_with_resample_made_even(self):
         data = table().drop(index=[200, 201]).reset_index(drop=True)

@@ -10,6 +10,7 @@
 
 #include "controller/controller_file.h"
 #include "controller/process/computed_answer.h"
+#include "diagnosis/loop/wire_loop.h"
 #include "msgs/codec.h"
 #include "msgs/configuration_hash.h"
 #include "msgs/memory_bus.h"
@@ -46,11 +47,6 @@ class ReplayTest : public testing::Test {
 
   // Records the run into `log`.
   void record(const fs::path& log, std::int64_t configuration) {
-    msgs::MemoryWire wire;
-    const auto plant_bus = wire.connect();
-    const auto controller_bus = wire.connect();
-    const controller::AnswerLoop loop(*controller_bus, controller::computed_answer(controller_));
-    plant_bus->on_wait = [&] { controller_bus->drain(); };
     sim::LockstepSettings settings;
     settings.duration = scenario_.duration;
     settings.sensors_period = scenario_.sensors_period;
@@ -59,10 +55,9 @@ class ReplayTest : public testing::Test {
     settings.configuration_hash = configuration;
     sim::DriveRun drive = sim::drive_run(scenario_);
     drive.configuration_hash = configuration;
-    settings.run_identity = drive.run_identity;
-    sim::CranePlant plant(sim::machine_settings(scenario_), scenario_.crane.drive_protection, drive);
+    sim::CranePlant plant(sim::machine_settings(scenario_), drive);
     msgs::LogWriter writer(log);
-    sim::run_lockstep(settings, plant, *plant_bus, writer);
+    diagnosis::run_wire_loop(settings, controller_, plant, writer);
     writer.finish();
   }
   msgs::RunLog recorded() {

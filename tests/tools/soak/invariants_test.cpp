@@ -71,7 +71,7 @@ std::vector<Violation> found(const SoakFacts& facts, const StepRecord& before, c
   check_speed(facts, limits(), record, findings);
   check_angles(facts, limits(), record, findings);
   check_contact(facts, before, record, findings);
-  check_friction(facts, record, findings);
+  check_friction(facts, before, record, findings);
   check_drive(facts, before, record, false, findings);
   return findings.violations();
 }
@@ -184,6 +184,12 @@ TEST(Invariants, NoticeCountsOfCrossingsThatFallAndStepsThatCouldNotBeSplit) {
   StepRecord record = good();
   record.unsplit_steps = 1;
   expect_only(Invariant::contact_law, found(record));
+}
+
+TEST(Invariants, NoticeFrictionsThatWereNotFound) {
+  StepRecord record = good();
+  record.unsolved_frictions = 1;
+  expect_only(Invariant::friction_law, found(record));
 }
 
 TEST(Invariants, NoticeBrakesThatDriveOrAreTooStrong) {

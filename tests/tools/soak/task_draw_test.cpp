@@ -7,7 +7,7 @@
 #include <set>
 
 #include "controller/controller_file.h"
-#include "sim/machine/crane_file.h"
+#include "sim/machine/machine_file.h"
 #include "sim/drive/scenario_file.h"
 #include "tests/msgs/temporary_folder.h"
 
@@ -21,7 +21,7 @@ const fs::path kConfig = fs::path(SLEWLAB_SOURCE_DIR) / "config";
 class TaskDrawTest : public testing::Test {
  protected:
   TaskRanges ranges = load_soak_settings(kConfig / "soak/thesis.yaml").ranges;
-  sim::CraneParameters crane = sim::load_crane_file(kConfig / "cranes/thesis.yaml").parameters;
+  sim::CraneParameters crane = sim::load_machine_file(kConfig / "cranes/thesis.yaml").parameters;
   controller::RampSettings ramp = controller::load_controller_file(kConfig / "controllers/thesis.yaml").settings.ramp;
 };
 

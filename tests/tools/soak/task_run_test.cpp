@@ -102,7 +102,7 @@ TEST(TaskRun, WhatStopsARunIsAViolationOfItsOwn) {
   const TemporaryFolder folder;
   SoakPlan plan = plan_with({{"task.duration", "20"}});
   plan.overrides = {{"crane.effects", "[{effect: compression_softening, compression: {value: 4e6, unit: N, source: test}}]"},
-                    {"crane.boom.youngs_modulus", "1"}};
+                    {"crane.boom.youngs_modulus", "1 GPa"}};
   const TaskResult result = run_task(plan, 0, folder.path() / "run", kGoOn);
   ASSERT_EQ(result.violations.size(), 1u);
   EXPECT_EQ(result.violations[0].invariant, Invariant::finished);

@@ -1,0 +1,99 @@
+#include "diagnosis/recorded_drive.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace slewlab::diagnosis {
+namespace {
+
+constexpr double kNanosecondsPerSecond = 1e9;
+constexpr double kAtRest = 1e-3;  // of the largest speed: less than drives reach in their first cycle
+
+bool says_tripped(const msgs::PlantStatus& status) {
+  const auto state = static_cast<sim::DriveState>(status.drive_state);
+  const bool braked_by_trip =
+      state == sim::DriveState::braked && status.trip_cause != static_cast<std::int8_t>(sim::DriveFault::none);
+  return state == sim::DriveState::tripped || braked_by_trip;
+}
+
+}  // namespace
+
+RecordedDrive::RecordedDrive(const Record& record, const sim::DriveProtectionSettings& protection)
+    : record_(record),
+      protection_(protection),
+      run_{record.group_count, 0, std::llround(record.encoder_period * kNanosecondsPerSecond)},
+      step_(std::llround(record.step * kNanosecondsPerSecond)) {
+  protection_.alive_timeout = protection_.silence_timeout = sim::kNever;
+  message_.group_count = record.group_count;
+  message_.motor_torque.resize(static_cast<std::size_t>(record.group_count));
+  if (begins_at_rest() || record.size() == 0) return;
+  state_.state = sim::DriveState::running;
+  for (int g = 0; g < record.group_count; ++g) {
+    const double first = record.motor_torque[static_cast<std::size_t>(g)].front();
+    state_.motor_torque[g] = std::clamp(first, -protection_.torque_limit, protection_.torque_limit);
+  }
+}
+
+bool RecordedDrive::begins_at_rest() const {
+  if (record_.torque.empty() || record_.torque.front().answered_sequence > 0) return false;
+  for (int g = 0; g < record_.group_count; ++g) {
+    const std::vector<double>& speed = record_.position_rate[static_cast<std::size_t>(g)];
+    double largest = 0.0;
+    for (const double one : speed) largest = std::max(largest, std::fabs(one));
+    if (!speed.empty() && std::fabs(speed.front()) > std::max(protection_.standstill_speed, kAtRest * largest)) return false;
+  }
+  return true;
+}
+
+// Whether a message came since the last point.
+bool RecordedDrive::look_at_messages(std::int64_t time) {
+  bool is_new = false;
+  for (; messages_ < record_.torque.size() && record_.torque[messages_].simulated_time <= time; ++messages_) {
+    is_new = true;
+    // After a trip the drive takes torque again once it is acknowledged.
+    if (record_.torque[messages_].acknowledge) tripped_ = false;
+  }
+  for (; statuses_ < record_.plant_status.size() && record_.plant_status[statuses_].simulated_time <= time; ++statuses_) {
+    const bool before = tripped_;
+    tripped_ = says_tripped(record_.plant_status[statuses_]);
+    is_new = is_new || tripped_ != before;
+  }
+  return is_new;
+}
+
+void RecordedDrive::command(std::int64_t time) {
+  const std::int64_t periods = std::llround(static_cast<double>(time - last_command_) / static_cast<double>(run_.controller_period));
+  message_.answered_sequence += point_ == 0 ? 1 : std::max<std::int64_t>(1, periods);
+  last_command_ = time;
+  for (int g = 0; g < record_.group_count; ++g) {
+    message_.motor_torque[static_cast<std::size_t>(g)] = record_.motor_torque[static_cast<std::size_t>(g)][point_];
+  }
+  ++message_.alive_counter;
+  message_.enable = true;
+  message_.brake = false;
+  if (messages_ > 0) {
+    message_.enable = record_.torque[messages_ - 1].enable;
+    message_.brake = record_.torque[messages_ - 1].brake;
+  }
+  if (tripped_) message_.brake = true;
+  sim::begin_cycle(state_, message_.answered_sequence);
+  sim::DriveMoment moment;
+  moment.time = time;
+  sim::receive(protection_, run_, state_, moment, msgs::DecodeStatus::ok, message_);
+}
+
+sim::DriveCommand RecordedDrive::next() {
+  const auto time = static_cast<std::int64_t>(std::llround(record_.time(point_) * kNanosecondsPerSecond));
+  bool is_new = look_at_messages(time) || point_ == 0;
+  for (int g = 0; g < record_.group_count && !is_new; ++g) {
+    const std::vector<double>& torque = record_.motor_torque[static_cast<std::size_t>(g)];
+    is_new = torque[point_] != torque[point_ - 1];
+  }
+  if (is_new) command(time);
+  ++point_;
+  sim::DriveMoment moment;
+  moment.time = time;
+  return sim::drive_command(protection_, run_, state_, moment, step_);
+}
+
+}  // namespace slewlab::diagnosis

@@ -1,0 +1,45 @@
+// What a drive like the nominal machine's makes of the commands in a record: limits of torque and rate, enable, brakes
+// (sim/drive/drive_protection.h), as in the loop. The observer's motors get that, not the commands.
+//
+// A record does not tell whether a message that is missing in it was missing on the wire, so what the drive makes of
+// silence and of a frozen alive counter is not simulated: a trip is what PLANT_STATUS says, from there until it says
+// otherwise or a TORQUE acknowledges it, and takes the torque away and lets the brakes fall in. A record that begins with the run, its motors at rest,
+// begins with a drive that delivers nothing; any other with one that delivers the first command.
+#pragma once
+
+#include <cstddef>
+
+#include "diagnosis/record.h"
+#include "sim/drive/drive_protection.h"
+#include "sim/integrate/machine_settings.h"
+
+namespace slewlab::diagnosis {
+
+class RecordedDrive {
+ public:
+  // The record must outlive this.
+  RecordedDrive(const Record& record, const sim::DriveProtectionSettings& protection);
+
+  // What motors and brakes do from the next grid point, beginning with the first, to the one after. Not beyond the
+  // record's end.
+  sim::DriveCommand next();
+
+ private:
+  bool begins_at_rest() const;
+  bool look_at_messages(std::int64_t time);
+  void command(std::int64_t time);
+
+  const Record& record_;
+  sim::DriveProtectionSettings protection_;
+  sim::DriveRun run_;
+  std::int64_t step_;                // [ns]
+  sim::DriveProtectionState state_;
+  msgs::Torque message_{};
+  std::size_t point_ = 0;            // of the grid, the next
+  std::size_t messages_ = 0;         // TORQUE up to this point
+  std::size_t statuses_ = 0;         // PLANT_STATUS up to this point
+  bool tripped_ = false;             // as the newest PLANT_STATUS says
+  std::int64_t last_command_ = 0;    // [ns]
+};
+
+}  // namespace slewlab::diagnosis

@@ -1,0 +1,93 @@
+// Friction of the axis that falls as it warms by moving: dry and viscous friction of the cold machine,
+//   |T| <= (T_c + d |omega|) (1 - f (1 - exp(-s / s_w))),   s = integral of |omega| over the time,
+// holding at rest. s is the way that the axis has gone since the start, to either side: what a friction of about one size
+// turns into heat goes with it. f is the share that is lost when warm, s_w the way in which 63 % of that are.
+// The way is summed by the speed in each step's middle, of second order in the step.
+// Assumption: the machine is cold at the start, and does not cool in the run.
+// Source: textbook (viscosity falls with temperature), the exponential as the simplest law. Not in the thesis.
+#include "sim/effects/effect.h"
+
+#include <cmath>
+
+namespace slewlab::sim {
+
+namespace {
+
+class BearingWarming : public Running<BearingWarming> {
+ public:
+  explicit BearingWarming(const EffectStart& start)
+      : torque_(start.value("torque")), coefficient_(start.value("coefficient")), fall_(start.value("fall")), way_(start.value("way")) {}
+
+  void friction(const EffectMoment& moment, FrictionLevels& levels) override {
+    const double speed = std::fabs(moment.house_speed), moved = speed * moment.step;
+    const double level = (torque_ + coefficient_ * speed) * (1.0 + fall_ * std::expm1(-(gone_ + 0.5 * moved) / way_));
+    gone_ += moved;
+    levels.house_positive += level;
+    levels.house_negative += level;
+  }
+
+ private:
+  double torque_;       // [Nm]
+  double coefficient_;  // [Nm s/rad]
+  double fall_;         // [-]
+  double way_;          // [rad]
+  double gone_ = 0.0;   // [rad] at the step's start
+};
+
+}  // namespace
+
+const EffectDescription& bearing_warming() {
+  static const EffectDescription description{
+      .about = {.name = "bearing_warming",
+                .subsystem = common::Subsystem::house,
+                .physics = "friction that falls as the machine warms",
+                .parameters = {{.name = "torque",
+                                .unit = common::Unit::newton_metre,
+                                .per = common::ScaleOf::axis_torque,
+                                .meaning = "dry friction of the cold machine",
+                                .lower = 0.0,
+                                .upper = 0.7312,
+                                .typical = 0.05,
+                                .prior_scale = 0.025,
+                                .scale = common::ParameterScale::linear,
+                                .absent = 0.0},
+                               {.name = "coefficient",
+                                .unit = common::Unit::newton_metre_second_per_radian,
+                                .per = common::ScaleOf::axis_damping,
+                                .meaning = "friction per speed of the cold machine",
+                                .lower = 0.0,
+                                .upper = 0.61,
+                                .typical = 0.03,
+                                .prior_scale = 0.025,
+                                .scale = common::ParameterScale::linear,
+                                .absent = 0.0},
+                               {.name = "fall",
+                                .unit = common::Unit::none,
+                                .meaning = "share of the friction that is lost when warm",
+                                .lower = 0.0,
+                                .upper = 0.95,
+                                .typical = 0.5,
+                                .prior_scale = 0.3,
+                                .scale = common::ParameterScale::linear,
+                                .absent = std::nullopt},
+                               {.name = "way",
+                                .unit = common::Unit::radian,
+                                .per = common::ScaleOf::axis_angle,
+                                .meaning = "of the axis, to either side, in which 63 % of the fall have come",
+                                .lower = 0.5,
+                                .upper = 2000.0,
+                                .typical = 10.0,
+                                .prior_scale = 1.0,
+                                .scale = common::ParameterScale::logarithmic,
+                                .absent = std::nullopt,
+                                .tries = {2.0, 50.0}}},
+                .family = common::Family::friction,
+                .is_looked_for = false},
+      .ports = {EffectPort::friction},
+      .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
+        return std::make_unique<BearingWarming>(start);
+      }};
+  return description;
+}
+
+}  // namespace slewlab::sim

@@ -1,0 +1,112 @@
+#include "controller/process/computed_answer.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+
+#include "controller/controller_file.h"
+
+namespace slewlab::controller {
+namespace {
+
+constexpr std::int64_t kPeriod = 10'000'000;  // [ns]
+
+// The thesis's controller, asked by shafts that stand still.
+class ComputedAnswer : public testing::Test {
+ protected:
+  static ControllerSettings settings() {
+    ControllerSettings settings = load_controller_file(SLEWLAB_SOURCE_DIR "/config/controllers/thesis.yaml").settings;
+    settings.period = 1e-9 * kPeriod;
+    return settings;
+  }
+
+  msgs::Encoder encoder() const {
+    msgs::Encoder message{};
+    message.sequence = cycle_;
+    message.simulated_time = cycle_ * kPeriod;
+    message.group_count = 2;
+    message.shaft_speed = message.shaft_position = {0.0, 0.0};
+    return message;
+  }
+  void ask(const msgs::Encoder& message) {
+    ++cycle_;
+    compute(message, operator_, torque, state);
+  }
+
+  bool all_finite() const {
+    for (const auto* list : {&torque.motor_torque, &state.proportional_torque, &state.integral_torque}) {
+      for (const double value : *list) {
+        if (!std::isfinite(value)) return false;
+      }
+    }
+    return std::isfinite(state.average_torque) && std::isfinite(state.offset_torque);
+  }
+
+  Compute compute = computed_answer(settings());
+  msgs::Torque torque{};
+  msgs::ControllerState state{};
+
+ private:
+  msgs::Operator operator_{};
+  std::int64_t cycle_ = 0;
+};
+
+double with_bit_turned(double value, int bit) {
+  std::uint64_t bits;
+  std::memcpy(&bits, &value, sizeof bits);
+  bits ^= std::uint64_t{1} << bit;
+  std::memcpy(&value, &bits, sizeof bits);
+  return value;
+}
+
+// Whatever bit of a speed is turned over on its way: the answer is finite and the drives stay on; where the shaft cannot
+// have that speed, the answer is the one to the reading before.
+TEST_F(ComputedAnswer, OneTurnedBitDoesNoHarm) {
+  for (int i = 0; i < 100; ++i) ask(encoder());
+  const Compute before = compute;
+  ask(encoder());
+  const double undisturbed = torque.motor_torque[0];
+  const PlausibilitySettings& limits = settings().plausibility;
+  const double possible = limits.acceleration_limit * settings().period + limits.tolerance;
+  int refused = 0;
+  for (const double speed : {0.0, 0.75, -1.5, 6.0}) {
+    for (int bit = 0; bit < 64; ++bit) {
+      const double turned = with_bit_turned(speed, bit);
+      if (!std::isfinite(turned)) continue;  // no signal: the drives are let go
+      compute = before;
+      msgs::Encoder message = encoder();
+      message.sequence = 100;
+      message.simulated_time = 100 * kPeriod;
+      message.shaft_speed[0] = turned;
+      ask(message);
+      EXPECT_TRUE(all_finite()) << speed << ", bit " << bit;
+      EXPECT_TRUE(torque.enable) << speed << ", bit " << bit;
+      if (std::fabs(turned) <= possible) continue;
+      ++refused;
+      EXPECT_EQ(torque.motor_torque[0], undisturbed) << speed << ", bit " << bit;
+    }
+  }
+  EXPECT_GT(refused, 4) << "the upper bits of the exponent";
+}
+
+TEST_F(ComputedAnswer, ASpeedThatNoMotorHasLetsTheDriveGo) {
+  for (int i = 0; i < 10; ++i) ask(encoder());
+  for (int i = 0; i < 5; ++i) {  // 50 ms, the time-out of config/controllers/thesis.yaml
+    msgs::Encoder message = encoder();
+    message.shaft_speed = {1e308, 1e308};
+    ask(message);
+    EXPECT_TRUE(torque.enable) << i;
+    EXPECT_TRUE(all_finite()) << i;
+  }
+  msgs::Encoder message = encoder();
+  message.shaft_speed = {1e308, 1e308};
+  ask(message);
+  EXPECT_FALSE(torque.enable);
+  EXPECT_TRUE(torque.brake);
+  EXPECT_EQ(torque.motor_torque[0], 0.0);
+  EXPECT_EQ(state.mode, static_cast<std::int8_t>(Mode::waiting_for_acknowledgement));
+}
+
+}  // namespace
+}  // namespace slewlab::controller

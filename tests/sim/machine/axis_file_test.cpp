@@ -1,0 +1,142 @@
+#include "sim/machine/axis_file.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <fstream>
+#include <numbers>
+
+#include "sim/analysis/eigen.h"
+#include "sim/machine/description.h"
+#include "tests/msgs/temporary_folder.h"
+
+namespace slewlab::sim {
+namespace {
+
+const std::string kRotary = R"(kind: axis
+coordinate: {value: rotary, source: test}
+inertia: {value: 12, unit: kg m^2, spread: 10 %, source: test}
+motor_inertia: {value: 0.002, unit: kg m^2, source: test}
+ratio: {value: 50, unit: "-", source: test}
+transmission:
+  stiffness: {value: 200, unit: kN m/rad, source: test}
+  damping_ratio: {value: 5, unit: "%", source: test}
+  play: {value: 1, unit: mrad, source: test}
+load:
+  constant: {value: -20, unit: N m, source: test}
+  gravity: {value: 100, unit: N m, source: test}
+  gravity_angle: {value: 90, unit: deg, source: test}
+load_encoder: {value: true, source: test}
+rated_torque: {value: 8, unit: N m, source: test}
+top_speed: {value: 2, unit: rad/s, source: test}
+)";
+
+const std::string kLinear = R"(kind: axis
+coordinate: {value: linear, source: test}
+mass: {value: 95, unit: kg, source: test}
+rated_force: {value: 500, unit: N, source: test}
+top_speed: {value: 0.3, unit: m/s, source: test}
+)";
+
+MachineFile load(const std::string& text) {
+  const TemporaryFolder folder;
+  const std::filesystem::path path = folder.path() / "axis.yaml";
+  std::ofstream(path) << text;
+  return load_machine_file(path);
+}
+
+std::string complaint(const std::string& text) {
+  try {
+    load(text);
+  } catch (const common::InputError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+const Parameter* find(const MachineDescription& description, std::string_view name) {
+  const auto found = std::find_if(description.parameters.begin(), description.parameters.end(), [&](const Parameter& p) { return p.name == name; });
+  return found == description.parameters.end() ? nullptr : &*found;
+}
+
+TEST(AxisFile, ARotaryAxisIsReadInItsUnits) {
+  const MachineFile file = load(kRotary);
+  EXPECT_EQ(file.kind, MachineKind::axis);
+  EXPECT_FALSE(file.axis.is_linear);
+  EXPECT_TRUE(file.parameters.house.has_encoder);
+  EXPECT_EQ(file.parameters.house.inertia, 12.0);
+  EXPECT_EQ(file.parameters.drive.group_count, 1);
+  EXPECT_FALSE(file.parameters.drive.is_rigid);
+  EXPECT_DOUBLE_EQ(file.parameters.drive.gearbox_stiffness, 2e5);
+  EXPECT_DOUBLE_EQ(file.parameters.axis_force.gravity_angle, 0.5 * std::numbers::pi);
+  EXPECT_EQ(file.parameters.axis_force.constant, -20.0);
+}
+
+TEST(AxisFile, DescriptionSpeaksOfTheAxisAndOfNothingElse) {
+  const MachineDescription description = describe(load(kRotary));
+  EXPECT_EQ(description.kind, "axis");
+  for (const Sensor& sensor : description.sensors) {
+    for (const char* word : {"house", "slew", "boom", "tip"}) EXPECT_EQ(sensor.name.find(word), std::string::npos) << sensor.name;
+  }
+  ASSERT_EQ(description.sensors.size(), 3u);
+  EXPECT_EQ(description.sensors[2].name, "load position");
+  // 8 Nm * 50, and 12 kg m^2 + 0.002 kg m^2 * 50^2.
+  EXPECT_DOUBLE_EQ(description.scales.axis_torque, 400.0);
+  EXPECT_DOUBLE_EQ(description.scales.axis_inertia, 17.0);
+  ASSERT_NE(find(description, "inertia"), nullptr);
+  EXPECT_DOUBLE_EQ(find(description, "inertia")->spread, 0.1);
+  EXPECT_DOUBLE_EQ(find(description, "play")->spread, kUnitDeviation);
+  EXPECT_NE(find(description, "gravity load"), nullptr);
+}
+
+TEST(AxisFile, ALinearAxisWithoutAMotorThatTurnsIsInMetresAndNewtons) {
+  const MachineFile file = load(kLinear);
+  EXPECT_TRUE(file.parameters.drive.is_rigid);
+  const MachineDescription description = describe(file);
+  ASSERT_EQ(description.sensors.size(), 2u);
+  EXPECT_EQ(description.sensors[0].unit, common::Unit::metre_per_second);
+  EXPECT_EQ(description.efforts[0].name, "motor force");
+  EXPECT_EQ(description.efforts[0].unit, common::Unit::newton);
+  EXPECT_EQ(description.scales.axis_torque, 500.0);
+  EXPECT_EQ(find(description, "transmission stiffness"), nullptr);
+  EXPECT_EQ(find(description, "mass")->numbers.front().unit, common::Unit::kilogram);
+}
+
+TEST(AxisFile, TravelPerTurnIsTheRatioOfALinearAxis) {
+  std::string text = kLinear;
+  text.replace(text.find("rated_force: {value: 500, unit: N"), 33, "travel_per_turn: {value: 10, unit: mm, source: test}\nrated_torque: {value: 2, unit: N m");
+  const MachineDescription description = describe(load(text));
+  EXPECT_NEAR(description.scales.ratio, 2.0 * std::numbers::pi / 0.01, 1e-9);  // [rad/m]
+  EXPECT_EQ(description.efforts[0].unit, common::Unit::newton_metre);
+}
+
+TEST(AxisFile, OneInertiaHasNoModeThatSwings) {
+  const MachineFile file = load(kLinear);
+  EXPECT_TRUE(structural_modes(file.parameters, 5).empty());
+  const std::vector<Mode> modes = crane_modes(file.parameters);
+  ASSERT_EQ(modes.size(), 1u);
+  EXPECT_EQ(modes[0].kind, ModeKind::kRigid);
+}
+
+// Two inertias on a spring: sqrt(k (1/J1 + 1/J2)) / 2 pi.
+TEST(AxisFile, AnElasticAxisHasTheModeOfTwoInertias) {
+  const std::vector<double> modes = structural_modes(load(kRotary).parameters, 5);
+  ASSERT_EQ(modes.size(), 1u);
+  EXPECT_NEAR(modes[0], std::sqrt(2e5 * (1.0 / 5.0 + 1.0 / 12.0)) / (2.0 * std::numbers::pi), 1e-6 * modes[0]);
+}
+
+TEST(AxisFile, WhatDoesNotFitIsExplained) {
+  std::string text = kLinear;
+  EXPECT_NE(complaint(text + "inertia: {value: 1, unit: kg m^2, source: test}\n").find("'mass' in kg: the axis is linear"), std::string::npos);
+  EXPECT_NE(complaint(text + "house: {}\n").find("house"), std::string::npos);
+  EXPECT_NE(complaint(text + "load: {gravity: {value: 1, unit: N m, source: test}}\n").find("load.constant in N"), std::string::npos);
+  EXPECT_NE(complaint(text + "transmission:\n  stiffness: {value: 1, unit: kN/m, source: test}\n  damping_ratio: {value: 1, unit: \"%\", source: test}\n").find("'motor_mass'"), std::string::npos);
+  EXPECT_NE(complaint("kind: lift\n").find("crane or axis"), std::string::npos);
+  std::string spread = kLinear;
+  spread.replace(spread.find("unit: kg,"), 9, "unit: kg, spread: wide,");
+  EXPECT_NE(complaint(spread).find("such as 10 %"), std::string::npos);
+  EXPECT_EQ(complaint(kLinear), "");
+}
+
+}  // namespace
+}  // namespace slewlab::sim

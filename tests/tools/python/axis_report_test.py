@@ -1,0 +1,118 @@
+"""The report of an axis on made-up records: what differs is known in closed form."""
+
+import contextlib
+import io
+import json
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+import axis_report
+import export
+import made_run
+import report
+from run_numbers import read_run
+
+RATIO = 50.0
+RECORD, SIMULATED = 0x77, 0x99
+COUNT, PERIOD = 1000, 2_000_000  # [-], [ns]
+
+
+def facts(record=None):
+    made = {"rated_torque": 8.0, "total_ratio": RATIO, "machine": {
+        "kind": "axis", "is_rigid": True, "ratio": RATIO, "position_unit": "rad", "speed_unit": "rad/s",
+        "efforts": [{"name": "motor torque", "unit": "N m"}, {"name": "torque on the axis", "unit": "N m"}],
+        "sensors": [{"name": "motor speed", "unit": "rad/s", "channel": "ENCODER", "field": "shaft_speed"},
+                    {"name": "motor position", "unit": "rad", "channel": "ENCODER", "field": "shaft_position"},
+                    {"name": "load position", "unit": "rad", "channel": "SENSORS", "field": "slew_angle"}]}}
+    if record is not None:
+        made["open_loop"] = {"record": "a", "record_hash": f"{record:016x}"}
+    return made
+
+
+def events(configuration_hash, off):
+    """An axis that turns at 0.5 rad/s, and is `off` t^2 [rad] from there."""
+    made = []
+    for k in range(COUNT):
+        time, t = k * PERIOD, k * PERIOD * 1e-9
+        encoder = made_run.types.encoder_t()
+        encoder.sequence, encoder.group_count = k, 1
+        encoder.shaft_position, encoder.shaft_speed = [RATIO * (0.5 * t + off * t**2)], [RATIO * (0.5 + 2 * off * t)]
+        torque = made_run.types.torque_t()
+        torque.sequence = torque.answered_sequence = k
+        torque.group_count, torque.motor_torque = 1, [-4.0]
+        sensors = made_run.types.sensors_t()
+        sensors.sequence = k
+        for name in ("house", "pivot", "middle", "tip"):
+            setattr(sensors, f"{name}_acceleration", float("nan"))
+        sensors.slew_angle = 0.1 + 0.5 * t + off * t**2
+        for channel, message in (("ENCODER", encoder), ("TORQUE", torque), ("SENSORS", sensors)):
+            message.simulated_time, message.configuration_hash = time, configuration_hash
+            made.append((channel, time, message))
+    return made
+
+
+class AxisReportTest(unittest.TestCase):
+    def setUp(self):
+        temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(temporary.cleanup)
+        self.folder = Path(temporary.name)
+        self.record, self.simulated = self.folder / "record.lcmlog", self.folder / "simulated"
+        made_run.write_log(self.record, events(RECORD, 0.0))
+        self.simulated.mkdir()
+        made_run.write_log(self.simulated / "run.lcmlog", events(SIMULATED, 0.01))
+        (self.simulated / "run.json").write_text(json.dumps(facts(RECORD)))
+
+    def report(self, *runs):
+        out = io.StringIO()
+        with contextlib.redirect_stdout(out):
+            self.assertEqual(report.main([*map(str, runs), "--out", str(self.folder / "page.html")]), 0)
+        return out.getvalue()
+
+    def test_differences_are_those_the_logs_were_made_of(self):
+        runs = [read_run(self.simulated), read_run(self.record)]
+        axis_report.share_machine(runs)
+        found = axis_report.difference(*runs)
+        t = np.arange(COUNT) * PERIOD * 1e-9
+        np.testing.assert_allclose(found["position"][1], 0.01 * t**2, atol=1e-12)
+        np.testing.assert_allclose(found["speed"][1], 0.02 * t, atol=1e-12)
+        np.testing.assert_allclose(found["load position"][1], 0.01 * t**2, atol=1e-12)
+        # RMS of 0.02 t over 2 s is 0.04 / sqrt(3); of the last tenth about 0.038.
+        self.assertAlmostEqual(axis_report.rms(found["speed"][1]), 0.04 / np.sqrt(3), delta=1e-4)
+        self.assertAlmostEqual(axis_report.windows(found["speed"][1])[-1], 0.038, delta=1e-4)
+
+    def test_table_and_picture_speak_of_the_axis(self):
+        said = self.report(self.simulated, self.record)
+        self.assertIn("speed against the record, RMS", said)
+        self.assertIn("0.0231 rad/s", said)
+        self.assertIn("4 N m (50 % of rated)", said)
+        self.assertIn("taken for a record of the axis of simulated", said)
+        page = (self.folder / "page.html").read_text()
+        for text in ("position difference", "simulated minus recorded", "load encoder"):
+            self.assertIn(text, page)
+        for word in ("house", "slewing", "T100", "tip"):
+            self.assertNotIn(word, said)
+        # Without the record there is nothing to differ from.
+        self.assertNotIn("against the record", self.report(self.simulated))
+
+    def test_export_names_the_axis_signals(self):
+        with contextlib.redirect_stdout(io.StringIO()):
+            self.assertEqual(export.main([str(self.simulated), "--format", "parquet"]), 0)
+        folder = self.simulated / "run_parquet"
+        self.assertIn("motor_speed [rad/s]", pd.read_parquet(folder / "ENCODER.parquet").columns)
+        self.assertIn("motor_torque [N m]", pd.read_parquet(folder / "TORQUE.parquet").columns)
+        sensors = pd.read_parquet(folder / "SENSORS.parquet")
+        self.assertEqual(list(sensors.columns[-1:]), ["load_position [rad]"])
+        self.assertNotIn("tip_acceleration", sensors.columns)
+
+    def test_a_crane_stays_a_crane(self):
+        crane = made_run.write_run(self.folder / "crane")
+        self.assertIn("T100", self.report(crane))
+        self.assertNotIn("taken for", self.report(crane))
+
+
+if __name__ == "__main__":
+    unittest.main()

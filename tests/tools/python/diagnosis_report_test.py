@@ -1,0 +1,54 @@
+"""The page of a diagnosis, made of findings of a few lines."""
+
+import json
+import resource
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import diagnosis_report
+from run_log import REPOSITORY
+
+COLUMNS = ("time_s", "speed", "missing_torque", "missing_torque_after", "torque", "torque_before", "torque_after", "tip",
+           "tip_before", "tip_after")
+
+
+class DiagnosisReportTest(unittest.TestCase):
+    def setUp(self):
+        temporary = tempfile.TemporaryDirectory()
+        self.addCleanup(temporary.cleanup)
+        self.folder = Path(temporary.name)
+        self.found = {"verdict": "The controller differs.", "causes": [], "modes": [],
+                      "probability_not_in_the_catalogue": 1.0}
+        (self.folder / "summary.txt").write_text("Is there a gap? Yes.\n")
+        rows = [",".join(COLUMNS)] + [",".join([f"{0.01 * n:.2f}"] + ["0.5"] * (len(COLUMNS) - 1)) for n in range(500)]
+        (self.folder / "series.csv").write_text("\n".join(rows) + "\n")
+
+    def page(self):
+        (self.folder / "diagnosis.json").write_text(json.dumps(self.found))
+        return diagnosis_report.page(str(self.folder))
+
+    def test_a_controller_that_differs_with_its_effects_left_out_has_no_cause_to_draw(self):
+        page = self.page()
+        self.assertIn("The controller differs.", page)
+        self.assertIn("with nothing added", page)
+
+    def test_a_cause_is_named(self):
+        self.found |= {"causes": [{"effects": ["dragging_brake"], "probability": 0.97}], "probability_not_in_the_catalogue": 0.03}
+        self.assertIn("dragging_brake", self.page())
+
+    def test_a_page_for_which_there_is_no_room_is_refused_in_words(self):
+        self.page()
+        limit = lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (10_000, 10_000))  # the page alone is larger
+        ended = subprocess.run([sys.executable, REPOSITORY / "tools" / "python" / "diagnosis_report.py", self.folder],
+                               preexec_fn=limit, capture_output=True, text=True, check=False)
+        self.assertEqual(ended.returncode, 1)
+        self.assertIn(f"cannot write {self.folder / 'diagnosis.html'}", ended.stderr)
+        self.assertNotIn("Traceback", ended.stderr)
+        self.assertEqual(sorted(f.name for f in self.folder.iterdir()), ["diagnosis.json", "series.csv", "summary.txt"])
+
+
+if __name__ == "__main__":
+    unittest.main()
