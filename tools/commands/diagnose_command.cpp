@@ -216,10 +216,10 @@ std::string in_per_cent(std::span<const std::pair<std::string, double>> probabil
 // The page that the terminal, summary.txt and diagnosis.html show.
 std::string summary_text(const Diagnosis& diagnosis, const ToldApartBy& apart, const std::optional<Predicted>& predicted, const std::string& place) {
   std::ostringstream out;
-  out << fmt::format("Is there a gap?  {}. Parameters alone leave {:.2f} of the mean square that noise makes, the nominal crane {:.2f}",
-                     diagnosis.gap ? "Yes" : "No", diagnosis.mean_square_parameters, diagnosis.mean_square_nominal);
+  out << fmt::format("Is there a gap?  {}. Residual variance ratio (1 = noise only): nominal {:.4g}, best parameters {:.4g}",
+                     diagnosis.gap ? "Yes" : "No", diagnosis.mean_square_nominal, diagnosis.mean_square_parameters);
   if (diagnosis.gap && !diagnosis.causes.empty()) {
-    out << fmt::format(", the first cause {:.2f}", diagnosis.causes.front().mean_square);
+    out << fmt::format(", with {} {:.3g}", name_of(diagnosis.causes.front()), diagnosis.causes.front().mean_square);
   }
   out << ".\n";
   out << "Which side?      " << (diagnosis.controller_differs ? "The controller answers otherwise than its settings say.\n"
@@ -230,7 +230,7 @@ std::string summary_text(const Diagnosis& diagnosis, const ToldApartBy& apart, c
   }
   for (std::size_t i = 0; i < diagnosis.bands.size() && i < 2 && diagnosis.gap; ++i) {
     const diagnosis::BandShare& band = diagnosis.bands[i];
-    out << fmt::format("                 {:.0f} % of it in the {}, {:.2g} to {:.2g} Hz\n", 100 * band.share, band.channel, band.from, band.to);
+    out << fmt::format("                 {:.0f} % of the gap in the {}, {:.2g} to {:.2g} Hz\n", 100 * band.share, band.channel, band.from, band.to);
   }
   if (diagnosis.gap && !diagnosis.moments.empty()) {
     const diagnosis::Moment& moment = diagnosis.moments.front();
@@ -238,7 +238,7 @@ std::string summary_text(const Diagnosis& diagnosis, const ToldApartBy& apart, c
                        moment.phase, moment.missing_torque);
   }
   out << "\nCauses\n";
-  const std::string unknown = fmt::format("  {:5.1f} %  not in the catalogue\n", 100 * diagnosis.probability_unknown);
+  const std::string unknown = fmt::format("  {:5.1f} %  outside the catalogue (unknown)\n", 100 * diagnosis.probability_unknown);
   bool is_unknown_told = false;
   for (std::size_t i = 0; i < diagnosis.causes.size() && i < 5; ++i) {
     const Cause& cause = diagnosis.causes[i];
@@ -246,7 +246,7 @@ std::string summary_text(const Diagnosis& diagnosis, const ToldApartBy& apart, c
       out << unknown;
       is_unknown_told = true;
     }
-    out << fmt::format("  {:5.1f} %  {} (explains {:.1f} % of the gap)\n", 100 * cause.probability, name_of(cause), 100 * cause.explained);
+    out << fmt::format("  {:5.1f} %  {} (share of the gap explained on the fitted records: {:.1f} %)\n", 100 * cause.probability, name_of(cause), 100 * cause.explained);
     if (i > 1) continue;
     for (const diagnosis::Size& size : cause.sizes) {
       out << fmt::format("            {} = {:.4g} {} (90 %: {:.4g} to {:.4g})\n", size.parameter, size.value, size.unit, size.low, size.high);
@@ -262,14 +262,14 @@ std::string summary_text(const Diagnosis& diagnosis, const ToldApartBy& apart, c
                                      [](const auto& effect) { return effect.second < kWorthNaming; });
   const std::string acting = in_per_cent({diagnosis.effects.begin(), unlikely});
   if (!acting.empty()) out << "  each effect, alone or beside another: " << acting << "\n";
-  if (predicted) out << "\nGap in closed loop from the operator's moves, on " << place << "\n";
+  if (predicted) out << "\nValidation on " << place << ": RMS error, nominal -> with the cause, simulated from the operator's commands alone\n";
   for (std::size_t i = 0; predicted && i < predicted->before.gaps.size(); ++i) {
     const diagnosis::SignalGap &before = predicted->before.gaps[i], &after = predicted->after.gaps[i];
     out << fmt::format("  {:24} {:10.4g} -> {:10.4g} {}\n", before.signal, before.gap, after.gap, before.unit);
   }
   for (const std::string& remark : diagnosis.remarks) out << "  note: " << remark << "\n";
   if (!diagnosis.not_excited.empty()) {
-    out << fmt::format("\nCannot tell, because no size that was tried changes these records enough: {}\n", fmt::join(diagnosis.not_excited, ", "));
+    out << fmt::format("\nNot identifiable from these records, because no size that was tried changes them enough: {}\n", fmt::join(diagnosis.not_excited, ", "));
   }
   out << fmt::format("\n{}\n{} simulations with {:.1f} s in them, {:.1f} s in all\n", diagnosis.verdict, diagnosis.simulations,
                      diagnosis.simulation_seconds, diagnosis.total_seconds);

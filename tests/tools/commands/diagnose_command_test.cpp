@@ -126,8 +126,8 @@ TEST_F(DiagnoseCommand, FindsTheEffectAndWritesACraneThatRunTakes) {
   EXPECT_NEAR(frequency("bending 1"), 1.3, 0.05);
   EXPECT_NEAR(frequency("bending 2"), 5.2, 0.05);
   // The page on the terminal says what the file says, and stays.
-  for (const char* word : {"Is there a gap?  Yes", "Which side?", "Where?", "When?", "dragging_brake.torque", "not in the catalogue",
-                           "Gap in closed loop", "simulations with"}) {
+  for (const char* word : {"Is there a gap?  Yes", "Which side?", "Where?", "When?", "dragging_brake.torque", "outside the catalogue",
+                           "Validation on", "simulations with"}) {
     EXPECT_NE(diagnose.output().find(word), std::string::npos) << word << "\n" << diagnose.output();
   }
   EXPECT_NE(diagnose.output().find(contents(out() / "summary.txt")), std::string::npos);
