@@ -3,8 +3,6 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "msgs/run_identity.h"
-
 #include "controller/process/computed_answer.h"
 
 namespace slewlab::diagnosis {
@@ -47,7 +45,7 @@ class Loop {
     encoder_.sequence = step_ / course_.steps_per_period;
     encoder_.simulated_time = time;
     encoder_.configuration_hash = course_.configuration_hash;
-    encoder_.run_identity = msgs::run_identity(course_.configuration_hash);
+    encoder_.run_identity = course_.run_identity;
     encoder_.operator_sequence = operator_.sequence;
     plant_.read_encoder(encoder_);
     plant_.begin_cycle(encoder_.sequence);
@@ -66,7 +64,7 @@ class Loop {
     ++operator_.sequence;
     operator_.simulated_time = time;
     operator_.configuration_hash = course_.configuration_hash;
-    operator_.run_identity = msgs::run_identity(course_.configuration_hash);
+    operator_.run_identity = course_.run_identity;
     operator_.speed_request = move.speed_request;
     operator_.emergency_stop = move.emergency_stop;
     operator_.acknowledge = move.acknowledge;
@@ -96,7 +94,7 @@ std::int64_t time_at(const LoopCourse& course, std::int64_t step) {
 }
 
 sim::DriveRun drive_run(const LoopCourse& course, int group_count) {
-  return {group_count, course.configuration_hash, time_at(course, course.steps_per_period), msgs::run_identity(course.configuration_hash)};
+  return {group_count, course.configuration_hash, time_at(course, course.steps_per_period), course.run_identity};
 }
 
 std::int64_t run_loop(const LoopCourse& course, sim::DrivenPlant& plant, const Answer& answer, const LoopHooks& hooks) {

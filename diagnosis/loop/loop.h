@@ -33,6 +33,7 @@ struct LoopCourse {
   // By rising time. A move takes effect at the first controller period that begins at its time or later.
   std::vector<sim::OperatorMove> operator_moves;
   std::int64_t configuration_hash = 0;
+  std::int64_t run_identity = 0;  // every message carries it (msgs/run_identity.h)
 };
 
 // [ns] Simulated time after so many plant steps.

@@ -1,18 +1,16 @@
 #include "diagnosis/loop/loop_log.h"
 
-#include "msgs/run_identity.h"
-
 namespace slewlab::diagnosis {
 namespace {
 
 // A new message of the channel, with its head.
 template <class Message>
-Message& next(std::vector<Message>& channel, std::int64_t time, std::int64_t configuration_hash) {
+Message& next(std::vector<Message>& channel, std::int64_t time, const LoopCourse& course) {
   Message message{};
   message.sequence = static_cast<std::int64_t>(channel.size());
   message.simulated_time = time;
-  message.configuration_hash = configuration_hash;
-  message.run_identity = msgs::run_identity(configuration_hash);
+  message.configuration_hash = course.configuration_hash;
+  message.run_identity = course.run_identity;
   return channel.emplace_back(message);
 }
 
@@ -21,6 +19,7 @@ Message& next(std::vector<Message>& channel, std::int64_t time, std::int64_t con
 LoopLog::LoopLog(const LoopCourse& course, sim::DrivenPlant& plant, const LogPeriods& periods, const ControllerAnswer* controller)
     : course_(course), plant_(plant), periods_(periods), controller_(controller) {
   log.configuration_hash = course.configuration_hash;
+  log.run_identity = course.run_identity;
 }
 
 LoopHooks LoopLog::hooks() {
@@ -38,9 +37,9 @@ LoopHooks LoopLog::hooks() {
 }
 
 void LoopLog::add_series(std::int64_t time) {
-  if (time % periods_.sensors == 0) plant_.read_sensors(next(log.sensors, time, course_.configuration_hash));
-  if (time % periods_.truth == 0) plant_.read_truth(next(log.truth, time, course_.configuration_hash));
-  if (time % periods_.status == 0) plant_.read_status(next(log.plant_status, time, course_.configuration_hash));
+  if (time % periods_.sensors == 0) plant_.read_sensors(next(log.sensors, time, course_));
+  if (time % periods_.truth == 0) plant_.read_truth(next(log.truth, time, course_));
+  if (time % periods_.status == 0) plant_.read_status(next(log.plant_status, time, course_));
 }
 
 msgs::RunLog logged_run(const LoopSettings& settings, const LogPeriods& periods) {

@@ -113,7 +113,11 @@ void check_scenario(const std::filesystem::path& file, const std::vector<common:
     weigh_machine(scenario.crane, scenario.crane_file, scenario.crane_overrides, plant_step, found.warnings);
     weigh_cost(scenario, file, found.warnings);
   } else {
-    check_effects(scenario.crane, problems);
+    try {
+      check_effects(scenario.crane, problems);
+    } catch (const std::invalid_argument&) {
+      // The machine's own values, told already, give no scales to bound an effect by.
+    }
   }
   if (by == ControllerBy::user || scenario.controller_file.empty()) return;
   try {
@@ -123,7 +127,7 @@ void check_scenario(const std::filesystem::path& file, const std::vector<common:
     if (whole && settings.group_count != crane_groups) {
       problems.push_back({mark_of(file, overrides, "controller"), "controller",
                           "a controller for " + std::to_string(settings.group_count) + " motor group(s)",
-                          "one for the " + std::to_string(crane_groups) + " of the " + std::string(sim::name_of(scenario.crane.kind))});
+                          "one for the " + std::string(sim::name_of(scenario.crane.kind)) + "'s " + std::to_string(crane_groups)});
     }
   } catch (const InputError& error) {
     problems.insert(problems.end(), error.problems().begin(), error.problems().end());
@@ -135,7 +139,7 @@ std::optional<YamlNode> kind_of(const std::filesystem::path& file, InputProblems
   const YamlNode root = common::load_yaml_file(file, {}, problems);
   if (const YamlNode* kind = root.find("kind")) return *kind;
   if (problems.empty()) {
-    problems.push_back({root.mark, "kind", "nothing: the key is missing", "crane, controller or scenario"});
+    problems.push_back({root.mark, "kind", "nothing: the key is missing", kKinds});
   }
   return std::nullopt;
 }

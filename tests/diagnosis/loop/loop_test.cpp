@@ -68,6 +68,7 @@ msgs::RunLog over_the_wire(const Case& one) {
 msgs::RunLog in_the_loop(const Case& one) {
   LoopCourse course = course_of(loop_settings(one.scenario));
   course.configuration_hash = sim::drive_run(one.scenario).configuration_hash;
+  course.run_identity = sim::drive_run(one.scenario).run_identity;
   sim::CranePlant plant(one.machine, drive_run(course, one.scenario.crane.parameters.drive.group_count));
   ControllerAnswer answer(one.controller());
   LoopLog recorder(course, plant, {one.scenario.sensors_period, one.scenario.truth_period, one.scenario.status_period}, &answer);

@@ -131,7 +131,7 @@ TEST_F(CheckCommand, MissingKind) {
 }
 
 TEST_F(CheckCommand, UnknownKind) {
-  expect_line(said_after("kind: crane", "kind: ship"), "kind", "ship", "crane, controller or scenario");
+  expect_line(said_after("kind: crane", "kind: ship"), "kind", "ship", "crane, axis, controller or scenario");
 }
 
 TEST_F(CheckCommand, ControllerThatDoesNotFitTheCrane) {
@@ -204,7 +204,7 @@ TEST_F(CheckCommand, WhatNoMachineHasIsRefused) {
     const char* found;
   } kSlips[] = {{"load.mass", "30000000 t", "3e+10 kg, which no machine has, expected from 1e-06 to 1e+09 kg"},
                 {"boom.mass", "1e308 kg", "1e+308 kg, which no machine has, expected from 1e-06 to 1e+09 kg"},
-                {"load.rope_length", "1e-12 m", "1e-12 m, which no machine has, expected from 0.0001 to 10000 m"}};
+                {"load.rope_length", "1e-12 m", "1e-12 m, which no machine has, expected from 1e-04 to 10000 m"}};
   for (const auto& slip : kSlips) {
     const auto problems = examine(folder_ / "config/cranes/thesis.yaml", {{slip.key, slip.value}}).problems;
     ASSERT_EQ(problems.size(), 1u) << slip.key;

@@ -14,6 +14,7 @@
 #include "msgs/codec.h"
 #include "msgs/configuration_hash.h"
 #include "msgs/memory_bus.h"
+#include "msgs/run_identity.h"
 #include "sim/drive/crane_plant.h"
 #include "sim/drive/lockstep_loop.h"
 #include "sim/drive/scenario_run.h"
@@ -53,8 +54,10 @@ class ReplayTest : public testing::Test {
     settings.operator_moves = scenario_.moves;
     settings.status_period = scenario_.status_period;
     settings.configuration_hash = configuration;
+    settings.run_identity = msgs::run_identity(configuration);
     sim::DriveRun drive = sim::drive_run(scenario_);
     drive.configuration_hash = configuration;
+    drive.run_identity = settings.run_identity;
     sim::CranePlant plant(sim::machine_settings(scenario_), drive);
     msgs::LogWriter writer(log);
     diagnosis::run_wire_loop(settings, controller_, plant, writer);
