@@ -7,7 +7,7 @@ namespace slewlab::diagnosis {
 namespace {
 
 constexpr double kNanosecondsPerSecond = 1e9;
-constexpr double kAtRest = 1e-3;  // of the largest speed: less than drives reach in their first cycle
+constexpr double kStanding = 0.05;  // [-] of the record's largest speed; chosen: what a swinging load makes of a crane at rest
 
 bool says_tripped(const msgs::PlantStatus& status) {
   const auto state = static_cast<sim::DriveState>(status.drive_state);
@@ -39,8 +39,8 @@ bool RecordedDrive::begins_at_rest() const {
   for (int g = 0; g < record_.group_count; ++g) {
     const std::vector<double>& speed = record_.position_rate[static_cast<std::size_t>(g)];
     double largest = 0.0;
-    for (const double one : speed) largest = std::max(largest, std::fabs(one));
-    if (!speed.empty() && std::fabs(speed.front()) > std::max(protection_.standstill_speed, kAtRest * largest)) return false;
+    for (const double value : speed) largest = std::max(largest, std::fabs(value));
+    if (!speed.empty() && std::fabs(speed.front()) > std::max(protection_.standstill_speed, kStanding * largest)) return false;
   }
   return true;
 }

@@ -1,5 +1,7 @@
 #include "controller/process/answer_loop.h"
 
+#include <cmath>
+
 #include "msgs/codec.h"
 
 namespace slewlab::controller {
@@ -59,10 +61,29 @@ void AnswerLoop::begin_run() {
   compute_ = fresh_compute_;
   answers_ = 0;
   answered_ = -1;
+  cycle_ = 0.0;
+  leaps_ = 0;
   have_operator_ = have_other_operator_ && other_operator_.run_identity == run_;
   if (have_operator_) operator_ = other_operator_;
   have_other_operator_ = false;
   ++counts_.runs;
+}
+
+bool AnswerLoop::comes_in_its_time() {
+  constexpr int kBelieved = 2;
+  if (answered_ < 0) return true;
+  // Differences of doubles: what arrives may be any integer, and their difference none.
+  const double cycles = static_cast<double>(encoder_.sequence) - static_cast<double>(answered_);
+  const double elapsed = static_cast<double>(encoder_.simulated_time) - static_cast<double>(answered_time_);
+  const bool follows = cycles == 1.0;
+  const bool fits = follows || cycle_ <= 0.0 || std::fabs(elapsed - cycles * cycle_) <= 0.5 * cycle_;
+  if (!fits && ++leaps_ < kBelieved) {
+    ++counts_.leaps;
+    return false;
+  }
+  leaps_ = 0;
+  if (follows) cycle_ = elapsed;
+  return true;
 }
 
 void AnswerLoop::receive_encoder(msgs::Bytes bytes) {
@@ -85,11 +106,14 @@ void AnswerLoop::receive_encoder(msgs::Bytes bytes) {
     return;
   }
 
+  if (!comes_in_its_time()) return;
+
   begin_answer(encoder_, answers_, torque_, state_);
   compute_(encoder_, operator_, torque_, state_);
   ++counts_.answers;
   ++answers_;
   answered_ = encoder_.sequence;
+  answered_time_ = encoder_.simulated_time;
   msgs::encode(torque_, torque_bytes_);
   if (torque_.state_follows) msgs::encode(state_, state_bytes_);
   send_answer();

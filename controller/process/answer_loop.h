@@ -11,6 +11,8 @@
 // - An ENCODER of another run (run_identity) begins that run: state anew, counting anew. One message alone may be a bit
 //   that turned over on its way; the second of the same identity counts, and a plant asks again until it is answered. A
 //   controller that has answered nothing yet takes the first.
+// - So with a sequence number that leaps while the time does not: one alone is not answered, or whoever believed it would
+//   take all that come after it for old. The second in a row counts.
 
 #include <cstdint>
 #include <functional>
@@ -36,6 +38,7 @@ struct AnswerCounts {
   std::int64_t stale_questions = 0;
   std::int64_t waits_for_operator = 0;
   std::int64_t first_of_another_run = 0;  // not answered: ENCODER with an identity not heard before
+  std::int64_t leaps = 0;                 // not answered: sequence and time that do not fit each other
   std::int64_t undecodable = 0;
 };
 
@@ -53,6 +56,7 @@ class AnswerLoop {
   void receive_operator(msgs::Bytes bytes);
   bool is_of_this_run();  // ENCODER; begins its run where that is due
   void begin_run();
+  bool comes_in_its_time();  // ENCODER, newer than the newest answered
   void receive_encoder(msgs::Bytes bytes);
   void send_answer();
 
@@ -66,6 +70,9 @@ class AnswerLoop {
   bool have_candidate_ = false;
   std::int64_t answers_ = 0;    // computed in this run
   std::int64_t answered_ = -1;  // the newest ENCODER answered
+  std::int64_t answered_time_ = 0;  // [ns] of that one
+  double cycle_ = 0.0;              // [ns] between the last two that followed each other; 0 before there were any
+  int leaps_ = 0;                   // in a row
 
   msgs::Operator incoming_operator_{};
   msgs::Operator operator_{};        // the newest of this run

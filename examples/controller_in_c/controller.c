@@ -35,7 +35,7 @@ static const double kPlayMap[][3] = {           /* average, half 1, half 2 in sh
     {0.0, 0.10, -0.10},  {0.18, 0.46, -0.10}, {0.415, 0.93, -0.10},
     {0.48, 0.93, 0.03},  {0.57, 0.88, 0.24},  {1.0, 1.0, 1.0}};
 /* Readings that are refused, of the motor shafts. */
-static const double kSpeedLimit = 1.2 * 0.05 * 2735.58; /* [rad/s] 120 % of top speed; chosen */
+static const double kSpeedLimit = 1.3 * 0.05 * 2735.58; /* [rad/s] 130 % of top speed; chosen */
 static const double kAccelerationLimit = 800.0;  /* [rad/s^2] what motor, brake and gears can do to a motor; chosen */
 static const double kTolerance = 0.03 * 0.05 * 2735.58; /* [rad/s] noise and counting of an encoder; chosen */
 static const double kHoldTime = 0.05;            /* [s] for which a refused reading is held over; chosen */
@@ -275,7 +275,8 @@ struct controller {
   int64_t operator_sequence;
   double speed_request;
   bool emergency_stop, acknowledge;
-  int64_t answered; /* the newest ENCODER answered */
+  int64_t answered, answered_time; /* the newest ENCODER answered; [ns] */
+  int leaps;                       /* in a row: ENCODER whose sequence and time do not fit each other */
   int64_t count;
   slewlab_msgs_torque_t torque;
   slewlab_msgs_controller_state_t state;
@@ -389,7 +390,9 @@ static void begin_run(struct controller* self, int64_t run) {
   memset(&self->ramp, 0, sizeof self->ramp);
   memset(self->control, 0, sizeof self->control);
   memset(self->commanded, 0, sizeof self->commanded);
+  memset(&self->monitor, 0, sizeof self->monitor);
   self->answered = -1;
+  self->leaps = 0;
   self->count = 0;
   self->have_operator = false;
   if (self->have_other_operator && self->other_operator.run_identity == run) {
@@ -413,6 +416,18 @@ static bool is_of_this_run(struct controller* self, const slewlab_msgs_encoder_t
   return true;
 }
 
+/* A sequence that leaps while the time does not may be a bit that turned over, and whoever believed it would take all that
+ * come after it for old. The second in a row counts. */
+static bool comes_in_its_time(struct controller* self, const slewlab_msgs_encoder_t* encoder) {
+  const double cycles = (double)encoder->sequence - (double)self->answered;
+  const double elapsed = ((double)encoder->simulated_time - (double)self->answered_time) * 1e-9;
+  const bool fits =
+      self->answered < 0 || cycles == 1.0 || fabs(elapsed - cycles * self->period) <= 0.5 * self->period;
+  if (!fits && ++self->leaps < 2) return false;
+  self->leaps = 0;
+  return true;
+}
+
 /* Every ENCODER gets one answer, a repeated one the same answer again. */
 static void on_encoder(const lcm_recv_buf_t* buffer, const char* channel, const slewlab_msgs_encoder_t* encoder,
                        void* user) {
@@ -423,6 +438,7 @@ static void on_encoder(const lcm_recv_buf_t* buffer, const char* channel, const 
   if (encoder->sequence > self->answered) {
     /* That OPERATOR was lost; both will be sent again. */
     if (!self->have_operator || self->operator_sequence < encoder->operator_sequence) return;
+    if (!comes_in_its_time(self, encoder)) return;
     step(self, encoder);
     self->torque.sequence = self->state.sequence = self->torque.alive_counter = self->count++;
     self->torque.simulated_time = self->state.simulated_time = encoder->simulated_time;
@@ -437,6 +453,7 @@ static void on_encoder(const lcm_recv_buf_t* buffer, const char* channel, const 
     self->state.proportional_torque = self->proportional_torque;
     self->state.integral_torque = self->integral_torque;
     self->answered = encoder->sequence;
+    self->answered_time = encoder->simulated_time;
   }
   slewlab_msgs_controller_state_t_publish(self->bus, "CONTROLLER_STATE", &self->state);
   slewlab_msgs_torque_t_publish(self->bus, "TORQUE", &self->torque);

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "diagnosis/loop/loop_log.h"
 #include "msgs/codec.h"
 #include "msgs/log_reader.h"
 #include "sim/drive/crane_plant.h"
@@ -48,71 +49,62 @@ std::int64_t operator_sequence(const msgs::RunLog& record, std::int64_t time) {
   return newest;
 }
 
-class Replay {
+// The crane of the record: under what failed on it, its ENCODER as the scenario's faults alter it and with the OPERATOR
+// message that the record has before it.
+class RecordedPlant : public sim::DrivenPlant {
  public:
-  Replay(const sim::Scenario& scenario, const msgs::RunLog& record, const Arrivals& arrivals, const sim::DriveRun& drive)
-      : scenario_(scenario),
-        record_(record),
-        arrivals_(arrivals),
-        plant_(sim::machine_settings(scenario), drive),
-        faults_(scenario.faults, scenario.controller_period) {}
+  RecordedPlant(const sim::Scenario& scenario, const msgs::RunLog& record, const sim::DriveRun& drive)
+      : plant_(sim::machine_settings(scenario), drive),
+        faults_(scenario.faults, scenario.controller_period),
+        step_(scenario.plant_step),
+        record_(record) {}
 
-  msgs::RunLog run(std::int64_t cycles) {
-    result_.configuration_hash = record_.configuration_hash;
-    result_.run_identity = record_.run_identity;
-    output();
-    for (std::int64_t cycle = 0; cycle < cycles; ++cycle) {
-      talk(cycle);
-      for (std::int64_t t = 0; t < scenario_.controller_period; t += scenario_.plant_step) {
-        plant_.step(faults_.conditions(time_));
-        time_ += scenario_.plant_step;
-        output();
-      }
-    }
-    return std::move(result_);
+  void read_encoder(msgs::Encoder& message) override {
+    message.operator_sequence = operator_sequence(record_, time_);
+    plant_.read_encoder(message);
+    faults_.alter(time_, message);
   }
+  void begin_cycle(std::int64_t encoder_sequence) override { plant_.begin_cycle(encoder_sequence); }
+  void receive(msgs::DecodeStatus status, const msgs::Torque& message) override { plant_.receive(status, message); }
+  void step(const sim::PlantConditions&) override {
+    plant_.step(faults_.conditions(time_));
+    time_ += step_;
+  }
+  void read_sensors(msgs::Sensors& message) override { plant_.read_sensors(message); }
+  void read_truth(msgs::Truth& message) override { plant_.read_truth(message); }
+  void read_status(msgs::PlantStatus& message) override { plant_.read_status(message); }
 
  private:
-  // A new message of the channel, with its head.
-  template <class Message>
-  Message& next(std::vector<Message>& channel) const {
-    Message message{};
-    message.sequence = static_cast<std::int64_t>(channel.size());
-    message.simulated_time = time_;
-    message.configuration_hash = record_.configuration_hash;
-    message.run_identity = record_.run_identity;
-    return channel.emplace_back(message);
-  }
-
-  void talk(std::int64_t cycle) {
-    msgs::Encoder& encoder = next(result_.encoder);
-    encoder.operator_sequence = operator_sequence(record_, time_);
-    plant_.read_encoder(encoder);
-    faults_.alter(time_, encoder);
-    plant_.begin_cycle(cycle);
-    const auto arrived = arrivals_.messages.find(cycle);
-    if (arrived == arrivals_.messages.end()) return;
-    for (const auto& bytes : arrived->second) {
-      const msgs::DecodeStatus status = msgs::decode(bytes, torque_);
-      plant_.receive(status, torque_);
-    }
-  }
-
-  void output() {
-    if (time_ % scenario_.sensors_period == 0) plant_.read_sensors(next(result_.sensors));
-    if (time_ % scenario_.truth_period == 0) plant_.read_truth(next(result_.truth));
-    if (time_ % scenario_.status_period == 0) plant_.read_status(next(result_.plant_status));
-  }
-
-  const sim::Scenario& scenario_;
-  const msgs::RunLog& record_;
-  const Arrivals& arrivals_;
   sim::CranePlant plant_;
   sim::FaultInjector faults_;
+  std::int64_t step_;      // [ns]
   std::int64_t time_ = 0;  // [ns]
-  msgs::Torque torque_{};
-  msgs::RunLog result_;
+  const msgs::RunLog& record_;
 };
+
+msgs::RunLog replayed(const sim::Scenario& scenario, const msgs::RunLog& record, const Arrivals& arrivals,
+                      const sim::DriveRun& drive, std::int64_t cycles) {
+  diagnosis::LoopCourse course;
+  course.plant_step = static_cast<double>(scenario.plant_step) / kNanosecondsPerSecond;
+  course.steps_per_period = scenario.controller_period / scenario.plant_step;
+  course.steps = cycles * course.steps_per_period;
+  course.configuration_hash = record.configuration_hash;
+  course.run_identity = record.run_identity;
+  RecordedPlant plant(scenario, record, drive);
+  const diagnosis::Answer answer = [&, torque = msgs::Torque{}](const msgs::Encoder& encoder, const msgs::Operator&,
+                                                                sim::DrivenPlant& driven) mutable {
+    const auto arrived = arrivals.messages.find(encoder.sequence);
+    if (arrived == arrivals.messages.end()) return;
+    for (const auto& bytes : arrived->second) {
+      const msgs::DecodeStatus status = msgs::decode(bytes, torque);
+      driven.receive(status, torque);
+    }
+  };
+  diagnosis::LoopLog log(course, plant, {scenario.sensors_period, scenario.truth_period, scenario.status_period});
+  diagnosis::run_loop(course, plant, answer, log.hooks());
+  log.log.operator_moves.clear();  // the record's, not this run's
+  return std::move(log.log);
+}
 
 }  // namespace
 
@@ -224,7 +216,7 @@ PlantReplay replay_plant(const sim::Scenario& scenario, const msgs::RunLog& reco
         "{} ENCODER have no TORQUE in the record, the first at {:.3f} s: there the drive hears nothing", silent,
         static_cast<double>(first_silent * scenario.controller_period) / kNanosecondsPerSecond));
   }
-  result.run = Replay(scenario, record, arrivals, drive).run(last + 1);
+  result.run = replayed(scenario, record, arrivals, drive, last + 1);
   return result;
 }
 

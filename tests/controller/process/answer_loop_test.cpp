@@ -28,9 +28,12 @@ class AnswerLoopTest : public testing::Test {
     send("OPERATOR", message);
   }
   void send_encoder(std::int64_t sequence, std::int64_t operator_sequence) {
+    send_encoder_at(1000 * sequence, sequence, operator_sequence);
+  }
+  void send_encoder_at(std::int64_t time, std::int64_t sequence, std::int64_t operator_sequence) {
     msgs::Encoder message{};
     message.sequence = sequence;
-    message.simulated_time = 1000 * sequence;
+    message.simulated_time = time;
     message.configuration_hash = 5;
     message.run_identity = run_;
     message.operator_sequence = operator_sequence;
@@ -67,6 +70,38 @@ class AnswerLoopTest : public testing::Test {
   std::string order_;
   std::vector<std::vector<std::uint8_t>> torques_;
 };
+
+// Any bit of a sequence number that turns over on its way: that ENCODER gets no answer, the next one does.
+TEST_F(AnswerLoopTest, ASequenceNumberThatLeapsAloneIsNotBelieved) {
+  send_operator(0, 0.5);
+  std::int64_t next = 0;
+  while (next < 2) send_encoder(next++, 0);
+  for (int bit = 0; bit < 63; ++bit) {
+    const std::int64_t turned = next ^ (std::int64_t{1} << bit);
+    send_encoder_at(1000 * next, turned, 0);
+    ++next;
+    const int computed = computed_;
+    send_encoder(next++, 0);
+    EXPECT_EQ(computed_, computed + 1) << "bit " << bit;
+  }
+}
+
+TEST_F(AnswerLoopTest, LostQuestionsAreNoLeap) {
+  send_operator(0, 0.5);
+  for (const std::int64_t sequence : {0, 1, 2, 7, 8, 600}) send_encoder(sequence, 0);
+  EXPECT_EQ(computed_, 6);
+  EXPECT_EQ(loop_.counts().leaps, 0);
+}
+
+TEST_F(AnswerLoopTest, TheSecondLeapInARowCounts) {
+  send_operator(0, 0.5);
+  for (const std::int64_t sequence : {0, 1, 2}) send_encoder(sequence, 0);
+  send_encoder_at(3000, 100, 0);
+  EXPECT_EQ(computed_, 3);
+  send_encoder_at(3000, 100, 0);
+  EXPECT_EQ(computed_, 4);
+  EXPECT_EQ(loop_.counts().leaps, 1);
+}
 
 TEST_F(AnswerLoopTest, AnswersBySequenceWithTheStateFirst) {
   send_operator(0, 0.5);

@@ -127,7 +127,7 @@ TEST_F(CheckCommand, CyclicInclude) {
 }
 
 TEST_F(CheckCommand, MissingKind) {
-  expect_line(said_after("kind: crane\n", ""), "kind", "nothing: the key is missing", "crane, controller or scenario");
+  expect_line(said_after("kind: crane\n", ""), "kind", "nothing: the key is missing", "crane, axis, controller or scenario");
 }
 
 TEST_F(CheckCommand, UnknownKind) {
