@@ -223,7 +223,7 @@ TEST(Diagnose, SaysNothingIsMissingWhereOnlyParametersAreOff) {
 TEST(Diagnose, SaysNothingIsMissingWhereTheFilesOwnDriveLimitsTheTorque) {
   sim::MachineSettings truth;
   truth.crane = bench().crane;
-  truth.drive_protection.torque_limit = 45.0;  // [Nm] of the 60 that the manoeuvre asks for
+  truth.drive_protection.torque_limit = 200.0;  // [Nm] of the 232 that play compensation asks of one half
   const Record record = make_record(simulated_log(truth, bench().controller, kThereAndBack, kDuration, 31), "own", bench().admission);
   const Diagnosis own = diagnose(truth, bench().controller, {record}, {});
   EXPECT_FALSE(own.gap) << own.verdict;
