@@ -4,6 +4,8 @@
 
 namespace slewlab::common {
 
+FileName::~FileName() = default;
+
 std::string to_text(const InputProblem& problem) {
   std::string text = problem.where.file.text();
   if (problem.where.line > 0) {

@@ -16,6 +16,11 @@ class FileName {
   FileName() = default;
   FileName(std::string name) : name_(std::make_shared<const std::string>(std::move(name))) {}
   FileName(const char* name) : FileName(std::string(name)) {}
+  FileName(const FileName&) = default;
+  FileName(FileName&&) = default;
+  FileName& operator=(const FileName&) = default;
+  FileName& operator=(FileName&&) = default;
+  ~FileName();  // not inline: GCC 12 warns wrongly of its pointer wherever a list of problems is written in braces
 
   operator const std::string&() const { return text(); }
   const std::string& text() const {

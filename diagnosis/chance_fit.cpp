@@ -226,7 +226,7 @@ std::vector<Second> seconds(Problem& problem, const Screening& catalogue, const 
     here.point = alone.fit.point;
     here.difference = divided(chance, alone.fit.difference);
     here.columns = divided_columns(chance, one.fit.columns);
-    const Projector project(problem.catalogue, here.columns, here.point, data_weight(here.difference, problem.settings));
+    const Projector project(here.columns, prior_rows(problem, here.point), data_weight(here.difference, problem.settings));
     std::vector<common::EffectInstance> starts = best_starts(problem, catalogue);
     std::erase_if(starts, [&](const common::EffectInstance& start) {
       return comes_by_chance(problem.catalogue.at(start.name)) || (delays_by_chance(problem.catalogue.at(one.effect.name)) && is_mean_of_chance(problem.catalogue.at(start.name)));

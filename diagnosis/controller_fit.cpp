@@ -4,13 +4,16 @@
 #include <Eigen/Core>
 #include <Eigen/LU>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <set>
 #include <utility>
 
 #include "controller/effects/catalogue.h"
 #include "diagnosis/fit.h"
+#include "diagnosis/least_squares.h"
 
 namespace slewlab::diagnosis {
 
@@ -18,7 +21,9 @@ namespace {
 
 constexpr int kIterations = 12;
 constexpr double kStep = 0.02;  // [standard deviations of the prior] difference quotient
-constexpr double kChangeTime = 0.25;  // [s] short against ramps and integral times, long enough to see a ramp that is late
+constexpr std::array<double, 7> kDampings{0.0, 1e-3, 0.02, 0.4, 8.0, 160.0, 3200.0};
+constexpr double kEnoughShare = 1e-3;      // fall of the sum of squares that is too small to go on
+constexpr double kLeastCurvature = 1e-12;  // of the largest one: of parameters that change nothing
 // Strides of the starts, and how far they go, in standard deviations: of an effect's size from where it is absent, and of its other
 // parameters from their typical values. A ramp that turns more than a twentieth too early is not found by any descent.
 struct Grid {
@@ -51,15 +56,25 @@ Eigen::VectorXd torque_differences(std::span<const Record> records, const contro
   return Eigen::Map<Eigen::VectorXd>(all.data(), static_cast<Eigen::Index>(all.size()));
 }
 
+// A quarter of the shortest of the controller's own times.
+double change_time_of(const controller::ControllerSettings& controller) {
+  double shortest = std::numeric_limits<double>::infinity();
+  for (const double time : {controller.speed_control.integral_time, controller.ramp.acceleration_time, controller.ramp.deceleration_time}) {
+    if (time > 0.0) shortest = std::min(shortest, time);
+  }
+  return std::isfinite(shortest) ? 0.25 * shortest : 0.0;
+}
+
 // What the fits of one controller share.
 struct Replays {
   std::span<const Record> records;
   const controller::ControllerSettings& nominal;
   const common::EffectCatalogue& catalogue;  // of the nominal controller
   const std::function<bool()>& is_stopped;
-  Eigen::VectorXd operator()(const Effects& effects, double change_time) const {
+  double change_time;  // [s] short against ramps and integral times, long enough to see a ramp that is late
+  Eigen::VectorXd operator()(const Effects& effects, double time) const {
     if (is_stopped && is_stopped()) throw Interrupted{};
-    return torque_differences(records, controller::with_effects(nominal, effects), change_time);
+    return torque_differences(records, controller::with_effects(nominal, effects), time);
   }
 };
 
@@ -85,35 +100,39 @@ std::vector<common::EffectInstance> starts_of(const common::EffectAbout& about, 
   return starts;
 }
 
-// Levenberg-Marquardt from `effects`, by the torques' changes over `change_time`. Gives the differences there and the curvature.
+// From `effects`, by the torques' changes over `change_time`. Gives the differences there and the curvature.
 Eigen::VectorXd descend(const Replays& replays, double change_time, Effects& effects, Eigen::MatrixXd& gram) {
-  Eigen::VectorXd x = effect_coordinates(replays.catalogue, effects);
-  double damping = 1e-3;
-  Eigen::VectorXd difference = replays(effects, change_time);
-  for (int iteration = 0; iteration < kIterations; ++iteration) {
-    Eigen::MatrixXd columns(difference.size(), x.size());
-    for (Eigen::Index p = 0; p < x.size(); ++p) {
-      Eigen::VectorXd moved = x;
-      moved(p) += kStep;
-      columns.col(p) = (replays(effects_at(replays.catalogue, effects, moved), change_time) - difference) / kStep;
+  Eigen::VectorXd x = effect_coordinates(replays.catalogue, effects), trial;
+  Eigen::VectorXd difference = replays(effects, change_time), trial_difference;
+  Eigen::MatrixXd columns;  // where the descent stands; none: not yet made
+  Descending problem;
+  problem.model = [&]() -> LocalModel {
+    if (columns.size() == 0) {
+      columns.resize(difference.size(), x.size());
+      for (Eigen::Index p = 0; p < x.size(); ++p) {
+        Eigen::VectorXd moved = x;
+        moved(p) += kStep;
+        columns.col(p) = (replays(effects_at(replays.catalogue, effects, moved), change_time) - difference) / kStep;
+      }
+      gram = columns.transpose() * columns;
     }
-    gram = columns.transpose() * columns;
-    const double scale = std::max(1e-12, gram.diagonal().maxCoeff());
-    Eigen::MatrixXd system = gram;
-    system.diagonal() += damping * (gram.diagonal().array() + 1e-9 * scale).matrix();
-    const Eigen::VectorXd trial = effect_coordinates(replays.catalogue, effects_at(replays.catalogue, effects, x - system.ldlt().solve(columns.transpose() * difference)));
-    const Eigen::VectorXd trial_difference = replays(effects_at(replays.catalogue, effects, trial), change_time);
-    if (trial_difference.squaredNorm() < difference.squaredNorm()) {
-      const bool settled = trial_difference.squaredNorm() > 0.999 * difference.squaredNorm();
-      x = trial;
-      difference = trial_difference;
-      damping *= 0.2;
-      if (settled) break;
-    } else {
-      damping *= 20.0;
-      if (damping > 1e6) break;
-    }
-  }
+    LocalModel model{gram, columns.transpose() * difference};
+    const double largest = gram.diagonal().maxCoeff();
+    model.curvature.diagonal().array() += kLeastCurvature * (largest > 0.0 ? largest : 1.0);
+    return model;
+  };
+  problem.attempt = [&](const Eigen::VectorXd& step) -> std::optional<double> {
+    trial = effect_coordinates(replays.catalogue, effects_at(replays.catalogue, effects, x + step));
+    if (trial == x) return std::nullopt;
+    trial_difference = replays(effects_at(replays.catalogue, effects, trial), change_time);
+    return trial_difference.squaredNorm();
+  };
+  problem.accept = [&] {
+    x = trial;
+    difference = trial_difference;
+    columns.resize(0, 0);
+  };
+  slewlab::diagnosis::descend(problem, difference.squaredNorm(), {kIterations, kDampings, 0.0, kEnoughShare});
   effects = effects_at(replays.catalogue, effects, x);
   return difference;
 }
@@ -146,7 +165,7 @@ void feel_around(const Replays& replays, double change_time, Effects& effects) {
 // The starts that leave least of the changes.
 std::vector<Effects> best_of(const Replays& replays, const std::vector<Effects>& starts) {
   std::vector<std::pair<double, std::size_t>> ranked;
-  for (std::size_t i = 0; i < starts.size(); ++i) ranked.emplace_back(replays(starts[i], kChangeTime).squaredNorm(), i);
+  for (std::size_t i = 0; i < starts.size(); ++i) ranked.emplace_back(replays(starts[i], replays.change_time).squaredNorm(), i);
   std::sort(ranked.begin(), ranked.end());
   std::vector<Effects> best;
   for (std::size_t i = 0; i < std::min<std::size_t>(kStartsToGoOn, ranked.size()); ++i) best.push_back(starts[ranked[i].second]);
@@ -169,14 +188,14 @@ ControllerCause fit_effects(const Replays& replays, double gap, const std::vecto
       best.effects = effects;
       best_gram = gram;
     };
-    descend(replays, kChangeTime, effects, gram);
-    if (without_slopes) feel_around(replays, kChangeTime, effects);
+    descend(replays, replays.change_time, effects, gram);
+    if (without_slopes) feel_around(replays, replays.change_time, effects);
     consider(descend(replays, 0.0, effects, gram));
   }
   // What is left is not noise but law; it is worth kIndependent differences.
   const double variance = std::max(best.share_left, kUsualShareLeft) * gap / kIndependent;
   Eigen::MatrixXd regular = best_gram;
-  regular.diagonal().array() += 1e-12 * std::max(1e-300, best_gram.diagonal().maxCoeff());
+  regular.diagonal().array() += kLeastCurvature * std::max(1e-300, best_gram.diagonal().maxCoeff());
   const Eigen::MatrixXd inverse = regular.inverse();
   Eigen::Index i = 0;
   for (const common::EffectInstance& effect : best.effects) {
@@ -196,7 +215,7 @@ std::vector<ControllerCause> fit_controller(std::span<const Record> records,
                                             std::span<const std::string> without,
                                             const std::function<bool()>& is_stopped) {
   const common::EffectCatalogue all = controller::effects_for(nominal);
-  const Replays replays{records, nominal, all, is_stopped};
+  const Replays replays{records, nominal, all, is_stopped, change_time_of(nominal)};
   const double gap = replays({}, 0.0).squaredNorm();
   std::vector<const common::EffectAbout*> catalogue;
   for (const common::EffectAbout& about : all.effects) {

@@ -11,14 +11,14 @@ namespace {
 
 // Speeds that a swinging load may make of a crane at rest: shares of the largest speed of the record, and of the controller's top speed.
 constexpr double kStanding = 0.05, kCreeping = 2e-3;
-constexpr double kFirstStretch = 0.1;  // [s]
+constexpr double kFirstStretch = 0.023;  // of the time from rest to top speed
 
 }  // namespace
 
 void check_replayable(const Record& record, const controller::ControllerSettings& settings) {
   constexpr const char* kRemedy = "or leave --controller out: the crane is then diagnosed alone";
   double largest = 0.0, first = 0.0;
-  const auto stretch = std::min(record.size(), static_cast<std::size_t>(kFirstStretch / record.step) + 1);
+  const auto stretch = std::min(record.size(), static_cast<std::size_t>(kFirstStretch * settings.ramp.acceleration_time / record.step) + 1);
   for (std::size_t n = 0; n < record.size(); ++n) largest = std::max(largest, std::fabs(record.position_rate[0][n]));
   // Of all groups: play compensation turns them against each other first.
   for (int g = 0; g < record.group_count; ++g) {

@@ -13,7 +13,6 @@
 #include <thread>
 
 #include "diagnosis/chance.h"
-#include "diagnosis/nuisance.h"
 #include "sim/effects/catalogue.h"
 #include "sim/machine/effect_scales.h"
 #include "sim/model/cannot_be_built.h"
@@ -26,6 +25,7 @@ constexpr double kNuisanceStep = 0.3;  // [standard deviations] difference quoti
 constexpr double kFarthest = 6.0;      // [standard deviations] that a nuisance is let go
 constexpr std::array<double, 4> kDampings{0.0, 0.1, 1.0, 10.0};  // of a step: the next where the one before did not make the cost fall
 constexpr int kRelaxations = 8;
+constexpr std::array<double, 4> kShortenings{0.0, 1.0, 3.0, 7.0};  // dampings that halve a step along an axis of the curvature, and again
 constexpr double kVeryFarOff = 1e3;    // whitened difference of a machine that cannot follow at all
 constexpr double kAtTheWall = 1.9;     // [standard deviations]
 constexpr double kEffectStep = 0.05;   // [standard deviations] the same for effects, around a fitted size
@@ -65,22 +65,22 @@ Eigen::VectorXd step_between(const common::EffectCatalogue& catalogue, const Poi
   return step;
 }
 
-double prior_cost(const common::EffectCatalogue& catalogue, const Point& point) {
+double prior_cost(const Problem& problem, const Point& point) {
   double cost = 0.0;
-  for (std::size_t k = 0; k < point.nuisance.size(); ++k) cost += nuisance_prior(k, point.nuisance[k]).cost;
-  for (const double x : effect_coordinates(catalogue, point.effects)) cost += effect_prior(x).cost;
+  for (std::size_t k = 0; k < point.nuisance.size(); ++k) cost += nuisance_prior(problem.nuisances, k, point.nuisance[k]).cost;
+  for (const double x : effect_coordinates(problem.catalogue, point.effects)) cost += effect_prior(x).cost;
   return cost;
 }
 
 double cost_of(const Problem& problem, const Point& point, const Eigen::VectorXd& difference) {
-  return discounted(excess(difference, problem.settings), problem.settings.law_freedom) + prior_cost(problem.catalogue, point);
+  return discounted(excess(difference, problem.settings), problem.settings.law_freedom) + prior_cost(problem, point);
 }
 
 // The cost's, for Gauss-Newton steps.
 Eigen::MatrixXd curvature(const Problem& problem, const Point& point, const Eigen::VectorXd& difference,
                           const Eigen::MatrixXd& columns) {
   Eigen::MatrixXd system = data_weight(difference, problem.settings) * columns.transpose() * columns;
-  system.diagonal().array() += prior_rows(problem.catalogue, point).slope.array().square();
+  system.diagonal().array() += prior_rows(problem, point).slope.array().square();
   return system;
 }
 
@@ -91,9 +91,9 @@ Eigen::VectorXd information_of(const Eigen::MatrixXd& columns) {
 }
 
 // Whether an effect at the point stands for nuisance `k`.
-bool is_held(const common::EffectCatalogue& catalogue, const Point& point, std::size_t k) {
+bool is_held(const Problem& problem, const Point& point, std::size_t k) {
   return std::any_of(point.effects.begin(), point.effects.end(),
-                     [&](const common::EffectInstance& effect) { return is_said_by(catalogue.at(effect.name), k); });
+                     [&](const common::EffectInstance& effect) { return is_said_by(problem.nuisances, problem.catalogue.at(effect.name), k); });
 }
 
 Eigen::VectorXd first_steps(const common::EffectCatalogue& catalogue, const Point& point) {
@@ -141,15 +141,15 @@ std::vector<Eigen::Index> first_rows(const Problem& problem) {
 
 // Of nuisances that an effect holds: zero.
 Eigen::MatrixXd nuisance_columns(Problem& problem, const Point& point, const Eigen::VectorXd& difference, const Eigen::VectorXd& steps) {
-  const std::size_t common = common_nuisance_count(), all = nuisance_count(problem);
+  const std::size_t common = problem.nuisances.common_count(), swing = problem.nuisances.swing_amounts(), all = nuisance_count(problem);
   // Nuisances that are moved together: a record's own change no other record, so each of them goes with its likes.
   std::vector<std::vector<std::size_t>> moves;
   for (std::size_t k = 0; k < common; ++k) {
-    if (!is_held(problem.catalogue, point, k)) moves.push_back({k});
+    if (!is_held(problem, point, k)) moves.push_back({k});
   }
-  for (std::size_t part = 0; part < kSwingAmounts && problem.nominal.crane.load.mass > 0.0; ++part) {
+  for (std::size_t part = 0; part < swing; ++part) {
     std::vector<std::size_t>& move = moves.emplace_back();
-    for (std::size_t k = common + part; k < all; k += kSwingAmounts) move.push_back(k);
+    for (std::size_t k = common + part; k < all; k += swing) move.push_back(k);
   }
   std::vector<Point> points(moves.size(), point);
   for (std::size_t i = 0; i < moves.size(); ++i) {
@@ -161,7 +161,7 @@ Eigen::MatrixXd nuisance_columns(Problem& problem, const Point& point, const Eig
   for (std::size_t i = 0; i < moves.size(); ++i) {
     for (const std::size_t k : moves[i]) {
       const bool is_of_all = k < common;
-      const std::size_t record = is_of_all ? 0 : (k - common) / kSwingAmounts;
+      const std::size_t record = is_of_all ? 0 : (k - common) / swing;
       const Eigen::Index from = first_row[record], to = is_of_all ? first_row.back() : first_row[record + 1];
       const auto column = static_cast<Eigen::Index>(k);
       columns.col(column).segment(from, to - from) = (moved_differences[i] - difference).segment(from, to - from) / steps(column);
@@ -171,16 +171,17 @@ Eigen::MatrixXd nuisance_columns(Problem& problem, const Point& point, const Eig
 }
 
 // Nuisances that an effect holds go back to the nominal machine, and what they were becomes the effect's.
-void hand_over(const common::EffectCatalogue& catalogue, Point& point) {
+void hand_over(const Problem& problem, Point& point) {
+  const std::vector<sim::Parameter>& parameters = problem.nuisances.parameters;
   for (common::EffectInstance& effect : point.effects) {
-    const common::EffectAbout& about = catalogue.at(effect.name);
+    const common::EffectAbout& about = problem.catalogue.at(effect.name);
     bool is_first = true;
-    for (std::size_t k = 0; k < nuisances().size(); ++k) {
-      if (!is_said_by(about, k)) continue;
+    for (std::size_t k = 0; k < parameters.size(); ++k) {
+      if (!is_said_by(problem.nuisances, about, k)) continue;
       const common::EffectParameter& factor = about.parameters[common::kSize];
       if (is_first) {
         double& size = effect.values[common::kSize];
-        size = std::clamp(size * (1.0 + nuisances()[k].spread * point.nuisance[k]), factor.lower,
+        size = std::clamp(size * (1.0 + parameters[k].spread * point.nuisance[k]), factor.lower,
                                       factor.upper);
       }
       is_first = false;
@@ -215,46 +216,39 @@ Eigen::MatrixXd effect_columns(Problem& problem, const Point& point, const Eigen
   return columns;
 }
 
-// The normal equations' step from `point`, each coordinate held back by a share of its own curvature.
-Eigen::VectorXd newton_step(const Problem& problem, const Point& point, const Eigen::VectorXd& difference,
-                            const Eigen::MatrixXd& columns, double damping) {
-  const double weight = data_weight(difference, problem.settings);
-  Eigen::MatrixXd system = curvature(problem, point, difference, columns);
-  system.diagonal() *= 1.0 + damping;
-  const PriorRows prior = prior_rows(problem.catalogue, point);
-  const Eigen::VectorXd right = -weight * columns.transpose() * difference - prior.value.cwiseProduct(prior.slope);
-  Eigen::VectorXd step = system.ldlt().solve(right);
-  // Columns of a machine that was shaken to pieces give no direction; standing still ends the descent.
-  if (!step.allFinite()) step.setZero();
-  return step;
-}
-
-// Steps from `point` with the columns given, corrected after each step by what it showed (Broyden), also after one that was too
-// bold: the next one is held back (Levenberg and Marquardt) and turns, which a shorter one of the same direction would not. Returns by
-// how much the cost fell.
-double descend(Problem& problem, int iterations, Eigen::MatrixXd& columns, Point& point, Eigen::VectorXd& difference,
-               double& cost) {
-  const double first_cost = cost;
-  for (int iteration = 0; iteration < iterations; ++iteration) {
-    bool fell = false;
-    for (const double damping : kDampings) {
-      const Point trial = moved(problem.catalogue, point, newton_step(problem, point, difference, columns, damping));
-      const Eigen::VectorXd step = step_between(problem.catalogue, point, trial);
-      const double length = step.squaredNorm();
-      if (length == 0.0) break;
-      const Eigen::VectorXd trial_difference = differences(problem, trial);
-      const double trial_cost = cost_of(problem, trial, trial_difference);
-      columns += ((trial_difference - difference - columns * step) / length) * step.transpose();
-      if (trial_cost >= cost) continue;
-      fell = trial_cost < cost - problem.settings.enough - problem.settings.enough_share * std::fabs(cost);
-      point = trial;
-      difference = trial_difference;
-      cost = trial_cost;
-      break;
-    }
-    if (!fell) break;
-  }
-  return first_cost - cost;
+// Steps from where `result` stands with its columns, corrected after each step by what it showed (Broyden 1965), also after one that was
+// too bold. Returns by how much the cost fell.
+double descend(Problem& problem, FitResult& result) {
+  Point trial;
+  Eigen::VectorXd trial_difference;
+  double trial_cost = 0.0;
+  Descending problem_here;
+  problem_here.model = [&]() -> LocalModel {
+    const PriorRows prior = prior_rows(problem, result.point);
+    const double weight = data_weight(result.difference, problem.settings);
+    return {curvature(problem, result.point, result.difference, result.columns),
+            weight * result.columns.transpose() * result.difference + prior.value.cwiseProduct(prior.slope)};
+  };
+  problem_here.attempt = [&](const Eigen::VectorXd& asked) -> std::optional<double> {
+    trial = moved(problem.catalogue, result.point, asked);
+    const Eigen::VectorXd step = step_between(problem.catalogue, result.point, trial);
+    const double length = step.squaredNorm();
+    if (length == 0.0) return std::nullopt;
+    trial_difference = differences(problem, trial);
+    trial_cost = cost_of(problem, trial, trial_difference);
+    result.columns += ((trial_difference - result.difference - result.columns * step) / length) * step.transpose();
+    return trial_cost;
+  };
+  problem_here.accept = [&] {
+    result.point = trial;
+    result.difference = trial_difference;
+    result.cost = trial_cost;
+  };
+  const FitSettings& settings = problem.settings;
+  const double first_cost = result.cost;
+  const Descent descent = descend(problem_here, first_cost, {settings.iterations, kDampings, settings.enough, settings.enough_share});
+  result.ending = descent.ending;
+  return first_cost - result.cost;
 }
 
 }  // namespace
@@ -275,10 +269,10 @@ double discounted_weight(double excess, double law_freedom) {
   return excess > 0.0 ? 1.0 / (1.0 + excess / law_freedom) : 1.0;
 }
 
-PriorRows prior_rows(const common::EffectCatalogue& catalogue, const Point& point) {
+PriorRows prior_rows(const Problem& problem, const Point& point) {
   std::vector<PriorTerm> terms;
-  for (std::size_t k = 0; k < point.nuisance.size(); ++k) terms.push_back(nuisance_prior(k, point.nuisance[k]));
-  for (const double x : effect_coordinates(catalogue, point.effects)) terms.push_back(effect_prior(x));
+  for (std::size_t k = 0; k < point.nuisance.size(); ++k) terms.push_back(nuisance_prior(problem.nuisances, k, point.nuisance[k]));
+  for (const double x : effect_coordinates(problem.catalogue, point.effects)) terms.push_back(effect_prior(x));
   const auto count = static_cast<Eigen::Index>(terms.size());
   PriorRows rows{Eigen::VectorXd(count), Eigen::VectorXd(count)};
   for (Eigen::Index i = 0; i < count; ++i) {
@@ -293,12 +287,11 @@ double data_weight(const Eigen::VectorXd& difference, const FitSettings& setting
   return settings.independent_share * discounted_weight(excess(difference, settings), settings.law_freedom);
 }
 
-sim::MachineSettings machine_at(const sim::MachineSettings& nominal, const Point& point) {
+sim::MachineSettings machine_at(const sim::MachineSettings& nominal, const Nuisances& nuisances, const Point& point) {
   sim::MachineSettings settings = nominal;
-  settings.crane = with_nuisances(settings.crane, point.nuisance);
+  settings.crane = with_nuisances(nuisances, settings.crane, point.nuisance);
   sim::BoomParameters& boom = settings.crane.boom;
   if (boom.element_count > 0) boom.element_count = std::max(boom.element_count, kBoomElements);
-  boom.highest_frequency = kHighestMode;
   if (point.seed != 0) settings.seed = point.seed;
   settings.effects.insert(settings.effects.end(), point.effects.begin(), point.effects.end());
   if (!settings.effects.empty() && !settings.scales) settings.scales = sim::effect_scales(nominal.crane, nominal.drive_protection);
@@ -361,7 +354,7 @@ Eigen::Index difference_count(const Problem& problem) {
   return first_rows(problem).back();
 }
 
-std::size_t nuisance_count(const Problem& problem) { return nuisance_count(problem.records.size()); }
+std::size_t nuisance_count(const Problem& problem) { return problem.nuisances.count(problem.records.size()); }
 
 double longest_record(const Problem& problem) {
   double longest = 0.0;
@@ -370,9 +363,8 @@ double longest_record(const Problem& problem) {
 }
 
 Shadow shadow_at(const Problem& problem, const Point& point, std::size_t record) {
-  return shadow(machine_at(problem.nominal, point), problem.records[record], problem.gains,
-                encoder_latency(point.nuisance, problem.latency_deviation),
-                swing_at_start(point.nuisance, record, problem.nominal.crane.load.rope_length));
+  return shadow(machine_at(problem.nominal, problem.nuisances, point), problem.records[record], problem.gains,
+                encoder_latency(problem.nuisances, point.nuisance), swing_at_start(problem.nuisances, point.nuisance, record));
 }
 
 void share_out(Problem& problem, std::size_t count, const std::function<void(std::size_t)>& work) {
@@ -420,7 +412,7 @@ Eigen::VectorXd differences(Problem& problem, const Point& point) {
         std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now() - begun).count();
     ++problem.simulations;
   });
-  // A machine that an odd point shakes to pieces counts as very far off as well, not as a number that spreads.
+  // A machine that is not stable at an odd point counts as very far off as well, not as a number that spreads.
   if (!result.allFinite()) result.setConstant(kVeryFarOff);
   return problem.chance == nullptr ? result : divided(*problem.chance, result);
 }
@@ -457,7 +449,7 @@ FitResult fit_nuisances(Problem& problem, const FitResult& nominal) {
   // Parameters that ended at the walls may have gone there on the way and not come back.
   FitResult again;
   again.point = best.point;
-  for (std::size_t k = 0; k < nuisances().size(); ++k) {
+  for (std::size_t k = 0; k < problem.nuisances.parameters.size(); ++k) {
     if (std::fabs(again.point.nuisance[k]) > kAtTheWall) again.point.nuisance[k] = 0.0;
   }
   if (again.point.nuisance != best.point.nuisance) {
@@ -472,7 +464,7 @@ FitResult fit_nuisances(Problem& problem, const FitResult& nominal) {
 FitResult fit(Problem& problem, const Eigen::MatrixXd& nuisance_columns, const Point& start) {
   FitResult result;
   result.point = start;
-  hand_over(problem.catalogue, result.point);
+  hand_over(problem, result.point);
   result.difference = differences(problem, result.point);
   result.cost = cost_of(problem, result.point, result.difference);
   const auto effect_count = effect_coordinates(problem.catalogue, start.effects).size();
@@ -480,7 +472,7 @@ FitResult fit(Problem& problem, const Eigen::MatrixXd& nuisance_columns, const P
   result.columns.leftCols(nuisance_columns.cols()) = nuisance_columns;
   result.columns.rightCols(effect_count).setZero();  // nothing is known of them: the first steps
   for (std::size_t k = 0; k < result.point.nuisance.size(); ++k) {
-    if (is_held(problem.catalogue, result.point, k)) result.columns.col(static_cast<Eigen::Index>(k)).setZero();
+    if (is_held(problem, result.point, k)) result.columns.col(static_cast<Eigen::Index>(k)).setZero();
   }
   improve(problem, result, false);
   return result;
@@ -489,7 +481,7 @@ FitResult fit(Problem& problem, const Eigen::MatrixXd& nuisance_columns, const P
 void take_nuisance_columns(const Problem& problem, const Eigen::MatrixXd& columns, FitResult& result) {
   for (std::size_t k = 0; k < result.point.nuisance.size(); ++k) {
     const auto column = static_cast<Eigen::Index>(k);
-    if (!is_held(problem.catalogue, result.point, k) && !columns.col(column).isZero(0.0)) result.columns.col(column) = columns.col(column);
+    if (!is_held(problem, result.point, k) && !columns.col(column).isZero(0.0)) result.columns.col(column) = columns.col(column);
   }
 }
 
@@ -501,8 +493,7 @@ bool improve(Problem& problem, FitResult& result, bool fresh_nuisances) {
   }
   result.columns.rightCols(result.columns.cols() - nuisance_count) =
       effect_columns(problem, result.point, result.difference, steps);
-  const double fall =
-      descend(problem, problem.settings.iterations, result.columns, result.point, result.difference, result.cost);
+  const double fall = descend(problem, result);
   return fall > problem.settings.settled + problem.settings.settled_share * std::fabs(result.cost);
 }
 
@@ -524,36 +515,37 @@ Relaxed relax(const Problem& problem, const FitResult& result, const MisfitCost&
     return misfit_cost(std::max(0.0, relaxed.excess - floor)) + relaxed.prior;
   };
   Relaxed best{result.excess, result.prior};
-  const double besides = result.prior - prior_cost(problem.catalogue, result.point);  // what does not go with where the parameters stand
-  Point point = result.point;
-  Eigen::VectorXd step = Eigen::VectorXd::Zero(gram.cols());
-  for (int iteration = 0; iteration < kRelaxations; ++iteration) {
+  const double besides = result.prior - prior_cost(problem, result.point);  // what does not go with where the parameters stand
+  Point point = result.point, trial;
+  Eigen::VectorXd step = Eigen::VectorXd::Zero(gram.cols()), trial_step;
+  Relaxed relaxed;
+  Descending problem_here;
+  problem_here.model = [&]() -> LocalModel {
     const double weight = share * misfit_cost.slope(std::max(0.0, best.excess - floor));
-    const PriorRows prior = prior_rows(problem.catalogue, point);
-    Eigen::MatrixXd system = weight * gram;
-    system.diagonal() += prior.slope.cwiseProduct(prior.slope);
-    Eigen::VectorXd change = system.ldlt().solve(-weight * (slope + gram * step) - prior.value.cwiseProduct(prior.slope));
-    if (!change.allFinite()) break;
-    bool fell = false;
-    for (int halving = 0; halving < 4 && !fell; ++halving, change *= 0.5) {
-      const Point trial = moved(problem.catalogue, point, change);
-      const Eigen::VectorXd trial_step = step_between(problem.catalogue, result.point, trial);
-      const Relaxed relaxed{excess_at(trial_step), prior_cost(problem.catalogue, trial) + besides};
-      if (cost_at(relaxed) >= cost_at(best)) continue;
-      fell = true;
-      best = relaxed;
-      point = trial;
-      step = trial_step;
-    }
-    if (!fell) break;
-  }
+    const PriorRows prior = prior_rows(problem, point);
+    LocalModel model{weight * gram, weight * (slope + gram * step) + prior.value.cwiseProduct(prior.slope)};
+    model.curvature.diagonal() += prior.slope.cwiseProduct(prior.slope);
+    return model;
+  };
+  problem_here.attempt = [&](const Eigen::VectorXd& change) -> std::optional<double> {
+    trial = moved(problem.catalogue, point, change);
+    trial_step = step_between(problem.catalogue, result.point, trial);
+    relaxed = {excess_at(trial_step), prior_cost(problem, trial) + besides};
+    return cost_at(relaxed);
+  };
+  problem_here.accept = [&] {
+    best = relaxed;
+    point = trial;
+    step = trial_step;
+  };
+  descend(problem_here, cost_at(best), {kRelaxations, kShortenings, 0.0, 0.0});
   return best;
 }
 
 void conclude(const Problem& problem, FitResult& result) {
   result.mean_square = mean_square(result.difference);
   result.excess = excess(result.difference, problem.settings);
-  result.prior = prior_cost(problem.catalogue, result.point);
+  result.prior = prior_cost(problem, result.point);
   result.information = information_of(result.columns);
   const Eigen::VectorXd variance = covariance(problem, result.point, result.difference, result.columns).diagonal();
   auto e = static_cast<Eigen::Index>(result.point.nuisance.size());

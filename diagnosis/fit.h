@@ -20,8 +20,11 @@
 
 #include "common/effect.h"
 #include "diagnosis/evidence.h"
+#include "diagnosis/least_squares.h"
+#include "diagnosis/nuisance.h"
 #include "diagnosis/record.h"
 #include "diagnosis/shadow.h"
+#include "diagnosis/thresholds.h"
 #include "diagnosis/whitening.h"
 #include "sim/integrate/machine_settings.h"
 
@@ -44,29 +47,27 @@ struct Point {
   std::uint64_t seed = 0;                       // of the effects that draw numbers
 };
 
-// Of a flexible boom, at least, whatever the crane file has. With the thesis's 6 the higher modes stand so far off that a large
-// effect's fit took it for a second effect: of a gearbox mesh 2267 to 4522 were left that are not left with 10, 12 or 16 (cases 244
-// and 289 of seed 1013).
+// Of a flexible boom, at least, whatever the machine's file has. With half as many the higher modes stand so far off that the error of
+// a large effect is fitted by a second one; 10, 12 and 16 leave the same.
 inline constexpr int kBoomElements = 12;
 
-// Modes above it are left out of every fitted machine: they would take a fifth of a simulation's time and change the differences, of
-// which none is above 40 Hz (whitening.h), by less than a hundredth of the noise (test).
-inline constexpr double kHighestMode = 200.0;  // [Hz]
-
-// The nominal machine moved to a point, its boom cut finely enough, with the modes that matter.
-sim::MachineSettings machine_at(const sim::MachineSettings& nominal, const Point& point);
+// The nominal machine moved to a point, its boom cut finely enough.
+sim::MachineSettings machine_at(const sim::MachineSettings& nominal, const Nuisances& nuisances, const Point& point);
 
 struct Chance;  // chance.h
 
 // Everything that stays the same over one diagnosis. Counts simulations; may be asked to stop.
 struct Problem {
+  // Without the modes above `highest_mode` of the thresholds: they would take a fifth of a simulation's time and change the differences,
+  // of which none is above a fifth of it, by less than a hundredth of the noise (test).
   sim::MachineSettings nominal;
   common::EffectCatalogue catalogue;  // the effects that suit the nominal machine, in its units
+  Thresholds thresholds;
+  Nuisances nuisances;
   ShadowGains gains;                 // of the nominal crane
   std::vector<Record> records;
   std::vector<Whitening> whitening;  // per record
   FitSettings settings;
-  double latency_deviation = 0.0;    // [s] of the encoders, nuisance.h
   int threads = 1;
   std::atomic<int> helpers{0};  // threads besides the caller's that are at work now
   std::atomic<std::int64_t> simulations{0};
@@ -110,7 +111,7 @@ double discounted_weight(double excess, double law_freedom);
 struct PriorRows {
   Eigen::VectorXd value, slope;
 };
-PriorRows prior_rows(const common::EffectCatalogue& catalogue, const Point& point);
+PriorRows prior_rows(const Problem& problem, const Point& point);
 
 // What a squared difference counts in the cost: s dL/dc.
 double data_weight(const Eigen::VectorXd& difference, const FitSettings& settings);
@@ -122,6 +123,7 @@ struct FitResult {
   double cost = 0.0;
   double prior = 0.0;                // sum(p(z)) + sum(q(x))
   Eigen::VectorXd information;       // eigenvalues of columns^T columns
+  Ending ending = Ending::settled;   // of the last descent
   double mean_square = 0.0;          // of the differences
   double excess = 0.0;
   std::vector<double> deviation;     // of each effect parameter in order, in its own unit; from the curvature

@@ -1,6 +1,11 @@
-// The nominal crane's numbers that are never quite right on a real machine, each with its spread from unit to
-// unit. A wrong one imitates a missing effect and the other way round, so every hypothesis is fitted with all
-// of them free under their priors.
+// The nominal machine's numbers that are never quite right on a real one: the parameters of its description, each with its spread
+// from unit to unit, and what nobody knows of a record. A wrong one imitates a missing effect and the other way round, so every
+// hypothesis is fitted with all of them free under their priors.
+//
+// A point's amounts, in standard deviations: the parameters; the encoders' latency; of each record angle and rate of the load's
+// swing at its beginning, where the machine has a load. The encoders' noise goes through the controller into the torque, so a fit can
+// take some of it away by moving one against the other in time; free here, that favours no cause. A swing that is not free is taken for
+// a cause that pushes the load.
 #pragma once
 
 #include <string>
@@ -8,54 +13,36 @@
 #include <vector>
 
 #include "common/effect.h"
-#include "common/unit.h"
 #include "diagnosis/shadow.h"
+#include "sim/machine/description.h"
 #include "sim/model/crane_parameters.h"
 
 namespace slewlab::diagnosis {
 
-// One number of a crane, and where it stands in a crane file.
-struct CraneNumber {
-  std::string_view section, key;
-  common::Unit unit;
-  double& (*of)(sim::CraneParameters&);
+struct Nuisances {
+  std::vector<sim::Parameter> parameters;
+  double latency_deviation = 0.0;  // [s] of the encoders: late, or early
+  double rope_length = 0.0;        // [m] of the nominal machine; 0: no load that swings
+
+  std::size_t common_count() const { return parameters.size() + 1; }  // of all records together
+  std::size_t swing_amounts() const { return rope_length > 0.0 ? 2 : 0; }  // per record
+  std::size_t count(std::size_t records) const { return common_count() + swing_amounts() * records; }
 };
+Nuisances nuisances_of(const sim::MachineDescription& machine, double latency_deviation);
 
-struct Nuisance {
-  std::string_view name;
-  double spread;                     // [-] one standard deviation of the factor on the nominal values
-  std::vector<CraneNumber> numbers;  // that it multiplies
-};
+double encoder_latency(const Nuisances& nuisances, const std::vector<double>& amount);  // [s]
 
-// 5 % either way with equal chance is a standard deviation of 5 % / sqrt(3).
-inline constexpr double kUnitSpread = 0.05;                     // [-] half range from unit to unit (issue 4)
-inline constexpr double kUnitDeviation = kUnitSpread / 1.7320508075688772;  // [-]
-
-const std::vector<Nuisance>& nuisances();
-
-// Behind these, one amount more: by how much the encoders read late, or early, which nobody knows to better than a third
-// of a millisecond. Their noise goes through the controller into the torque, so a fit can take some of it away by moving
-// one against the other in time (by 0.25 ms and more, docs/diagnosis/method.md); left free here, that favours no cause.
-inline constexpr double kLatencyDeviation = 3e-4;        // [s]
-inline constexpr double kCoarseLatencyDeviation = 3e-3;  // [s] where counts are coarse, and their noise goes far into the torque
-double encoder_latency(const std::vector<double>& amount, double deviation);  // [s]
-
-// Behind that, two amounts of each record: angle and rate of the swing that the load has when the record begins. A crane that
-// is measured at work has some, and a swing that is not free is taken for a cause that pushes the load.
-inline constexpr double kSwingDeviation = 5e-3;  // [rad], chosen: 0.3 m below 60 m of rope; of the rate as a pendulum's
-inline constexpr std::size_t kSwingAmounts = 2;  // per record
-Swing swing_at_start(const std::vector<double>& amount, std::size_t record, double rope_length);
+inline constexpr double kSwingDeviation = 5e-3;  // [rad], chosen: a two-hundredth of the rope's length; of the rate as a pendulum's
+Swing swing_at_start(const Nuisances& nuisances, const std::vector<double>& amount, std::size_t record);
 // [rad] how far it swings from where the load would hang still.
-double swing_reach(const std::vector<double>& amount, std::size_t record);
+double swing_reach(const Nuisances& nuisances, const std::vector<double>& amount, std::size_t record);
 
-std::size_t common_nuisance_count();  // of all records together
-std::size_t nuisance_count(std::size_t records);
+// The nominal machine with every parameter moved by `amount[k]` standard deviations.
+sim::CraneParameters with_nuisances(const Nuisances& nuisances, sim::CraneParameters machine, const std::vector<double>& amount);
 
-// The nominal crane with every nuisance moved by `amount[k]` standard deviations.
-sim::CraneParameters with_nuisances(sim::CraneParameters crane, const std::vector<double>& amount);
-
-// The numbers that differ from the nominal crane's, as sections of a crane file that is laid over it.
-std::string parameters_text(const sim::CraneParameters& nominal, const std::vector<double>& amount, std::string_view source);
+// The numbers that differ from the nominal machine's, as sections of a file that is laid over its own.
+std::string parameters_text(const Nuisances& nuisances, const sim::CraneParameters& nominal, const std::vector<double>& amount,
+                            std::string_view source);
 
 // -2 ln of a prior, without its constant, and its part in Gauss-Newton steps: half its slope, and a curvature that
 // never overshoots.
@@ -63,12 +50,12 @@ struct PriorTerm {
   double cost, slope, curvature;
 };
 
-// Of amount `z` of nuisance `k`: normal within the spread from unit to unit, with steep walls where that ends.
-PriorTerm nuisance_prior(std::size_t k, double z);
+// Of amount `z` of nuisance `k`: normal; of a parameter within its spread from unit to unit, with steep walls where that ends.
+PriorTerm nuisance_prior(const Nuisances& nuisances, std::size_t k, double z);
 
 // Whether nuisance `k` is what the effect itself says of the machine: beside "the rope is longer", the rope's length is not
 // free as well.
-bool is_said_by(const common::EffectAbout& effect, std::size_t k);
+bool is_said_by(const Nuisances& nuisances, const common::EffectAbout& effect, std::size_t k);
 
 // Of an effect's parameter, `x` standard deviations from its centre: Student's with 2 degrees of freedom. How large an effect is
 // on a machine is known by orders of magnitude at best.

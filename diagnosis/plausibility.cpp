@@ -17,11 +17,11 @@ namespace slewlab::diagnosis {
 
 namespace {
 
-constexpr double kSlow = 0.4;         // [s] half width of what is slower than the boom
 constexpr double kGross = 3.0;        // factors within it may be a crane's own
 constexpr double kClose = 0.9;        // correlation from which a factor between torques means anything
-constexpr double kStandsStill = 1.0;  // [s] of one and the same torque
-constexpr double kJump = 0.5;         // [rad] by which a cycle's turn may differ from the one before: an emergency stop makes a hundredth of it
+// By which a cycle's turn may differ from the one before, of the turn at top speed in the characteristic time, and so many times what the
+// machine's acceleration makes of it in a cycle: a motor that crosses the play alone makes a tenth of that.
+constexpr double kJump = 0.0036, kJumpOfAcceleration = 36.0;
 constexpr double kOneTurnsBy = 0.5;   // the same of one group alone
 constexpr double kTurnsBy = 0.15;     // share of the torques' range by which what is needed may change meanwhile
 
@@ -105,8 +105,9 @@ const std::vector<Known> kAccelerationFactors{{1.0 / 9.81, "it looks like multip
 // A command that stands still while what is needed, slowly, changes by a share of its range. What is needed is looked at inside the stand, where
 // nothing of the time before and after is smoothed into it.
 void check_not_frozen(const Record& record, const std::string& name, const std::vector<double>& recorded, const std::vector<double>& needed,
-                      double share) {
-  const auto slow = static_cast<std::size_t>(std::lround(kSlow / record.step)), limit = static_cast<std::size_t>(kStandsStill / record.step);
+                      double share, const AdmissionSettings& settings) {
+  const auto slow = static_cast<std::size_t>(std::lround(settings.slow / record.step));
+  const auto limit = static_cast<std::size_t>(settings.frozen_time / record.step);
   if (recorded.size() <= 2 * slow) return;
   const std::vector<double> smoothed = smooth(needed, slow);
   const auto at = [&](std::size_t n) { return smoothed.begin() + static_cast<std::ptrdiff_t>(n); };
@@ -126,12 +127,14 @@ void check_not_frozen(const Record& record, const std::string& name, const std::
 }
 
 // A counter that is set anew: the position's rate changes from one message to the next by more than any motor does.
-void check_jumps(const Record& record, std::size_t group) {
+void check_jumps(const Record& record, std::size_t group, const AdmissionSettings& settings) {
+  const double cycle = record.encoder_period / settings.time;
+  const double most = settings.turn * std::max(kJump, kJumpOfAcceleration * cycle * cycle) + 2.0 * record.encoder_quantum;
   double before = 0.0;
   for (std::size_t n = 1; n < record.encoder.size(); ++n) {
     const auto cycles = static_cast<double>(record.encoder[n].simulated_time - record.encoder[n - 1].simulated_time) * 1e-9 / record.encoder_period;
     const double turned = (record.encoder[n].shaft_position[group] - record.encoder[n - 1].shaft_position[group]) / cycles;
-    if (n > 1 && std::fabs(turned - before) > kJump) {
+    if (n > 1 && std::fabs(turned - before) > most) {
       throw NotAdmitted(fmt::format("{}: shaft position of group {} jumps by {:.4g} at {:.3f} s, after {:.2g} in the cycle before; a counter that was set "
                                     "anew? Cut the log there, or add what it lost",
                                     record.name, group + 1, turned, static_cast<double>(record.encoder[n].simulated_time) * 1e-9, before));
@@ -143,10 +146,10 @@ void check_jumps(const Record& record, std::size_t group) {
 }  // namespace
 
 void check_units(const Record& record, const AdmissionSettings& settings) {
-  const auto width = static_cast<std::size_t>(std::lround(0.05 / record.step));
+  const auto width = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(settings.speed_window / record.step)));
   for (int g = 0; g < record.group_count; ++g) {
     const auto i = static_cast<std::size_t>(g);
-    check_jumps(record, i);
+    check_jumps(record, i, settings);
     const std::vector<double> derived = smooth_slope(record.shaft_position[i], width, record.step);
     const std::vector<double> speed = smooth(record.shaft_speed[i], width);
     const Fit fit = fit_line(derived, speed);
@@ -158,7 +161,7 @@ void check_units(const Record& record, const AdmissionSettings& settings) {
     }
   }
   // Level accelerations of the house follow the motors' at low frequency: a = r_sensor * theta'' / ratio.
-  const auto slow = static_cast<std::size_t>(std::lround(kSlow / record.step));
+  const auto slow = static_cast<std::size_t>(std::lround(settings.slow / record.step));
   std::vector<double> mean_speed(record.size(), 0.0);
   for (int g = 0; g < record.group_count; ++g) {
     for (std::size_t n = 0; n < record.size(); ++n) {
@@ -187,7 +190,7 @@ void check_units(const Record& record, const AdmissionSettings& settings) {
   for (int g = 0; g < record.group_count; ++g) {
     for (const double torque : record.motor_torque[static_cast<std::size_t>(g)]) largest = std::max(largest, std::fabs(torque));
   }
-  if (settings.rated_torque > 0.0 && largest > 5.0 * settings.rated_torque) {
+  if (largest > 5.0 * settings.rated_torque) {
     throw NotAdmitted(fmt::format("{}: torque commands reach {:.4g} where one motor's rated torque is {:.4g} Nm; Nm per "
                                   "motor on the fast axis are wanted, not {}",
                                   record.name, largest, settings.rated_torque,
@@ -195,7 +198,7 @@ void check_units(const Record& record, const AdmissionSettings& settings) {
   }
 }
 
-void check_torques(const Record& record, const Shadow& follower, const sim::MachineSettings& nominal) {
+void check_torques(const Record& record, const Shadow& follower, const sim::MachineSettings& nominal, const AdmissionSettings& settings) {
   // Of one motor, the mean of all groups: the gears carry torque from one to the other.
   std::vector<double> recorded(record.size(), 0.0), needed(record.size(), 0.0);
   std::array<std::vector<double>, sim::kMaximumGroupCount> needed_of;  // each group
@@ -210,7 +213,7 @@ void check_torques(const Record& record, const Shadow& follower, const sim::Mach
       needed[n] += needed_of[i][n] / record.group_count;
     }
   }
-  const auto slow = static_cast<std::size_t>(std::lround(kSlow / record.step));
+  const auto slow = static_cast<std::size_t>(std::lround(settings.slow / record.step));
   const std::vector<double> slow_recorded = smooth(recorded, slow), slow_needed = smooth(needed, slow);
   const Fit fit = fit_line(slow_needed, slow_recorded);
   if (std::fabs(fit.correlation) > kClose && (fit.slope < 1.0 / kGross || fit.slope > kGross)) {
@@ -227,10 +230,10 @@ void check_torques(const Record& record, const Shadow& follower, const sim::Mach
                                   record.name, fit.slope, fit.correlation, words.empty() ? "" : ": ", words));
   }
   // All groups together, and each alone, where two cranes may share the torque otherwise.
-  check_not_frozen(record, "the torque command, mean of the groups,", recorded, needed, kTurnsBy);
+  check_not_frozen(record, "the torque command, mean of the groups,", recorded, needed, kTurnsBy, settings);
   for (int g = 0; g < record.group_count && record.group_count > 1; ++g) {
     const auto i = static_cast<std::size_t>(g);
-    check_not_frozen(record, fmt::format("the torque command of group {}", g + 1), record.motor_torque[i], needed_of[i], kOneTurnsBy);
+    check_not_frozen(record, fmt::format("the torque command of group {}", g + 1), record.motor_torque[i], needed_of[i], kOneTurnsBy, settings);
   }
 }
 

@@ -8,14 +8,14 @@
 
 namespace slewlab::diagnosis {
 
-// Positions that jump; speeds against the rates of their positions; accelerations, slowly, against the motors' at the sensor's radius; torques against the
-// rated one, where it is known. Throws NotAdmitted.
+// Positions that jump; speeds against the rates of their positions; accelerations, slowly, against the motors' at the sensor's radius; torques
+// against the rated one. Throws NotAdmitted.
 void check_units(const Record& record, const AdmissionSettings& settings);
 
-// Torques against what the nominal crane, following the record, needs for the same motion: what its drive makes of the recorded ones + missing (shadow.h), mean of the
-// groups, slower than the boom. Refuses a factor above 3 or below 1/3 between two that go together, a turned sign, and a command
-// that stands still for a second while the need changes by a seventh of its range (half of it where one group alone stands). Throws
-// NotAdmitted.
-void check_torques(const Record& record, const Shadow& follower, const sim::MachineSettings& nominal);
+// Torques against what the nominal crane, following the record, needs for the same motion: what its drive makes of the recorded ones
+// + missing (shadow.h), mean of the groups, slower than the structure. Refuses a factor above 3 or below 1/3 between two that go
+// together, a turned sign, and a command that stands still for `frozen_time` while the need changes by a seventh of its range (half of
+// it where one group alone stands). Throws NotAdmitted.
+void check_torques(const Record& record, const Shadow& follower, const sim::MachineSettings& nominal, const AdmissionSettings& settings);
 
 }  // namespace slewlab::diagnosis

@@ -16,10 +16,8 @@ namespace {
 constexpr double kNanosecond = 1e-9;  // [s]
 constexpr int kTripped = 2, kBraked = 3;  // drive_state of PLANT_STATUS
 constexpr int kLongestBridge = 3;     // missing messages in a row that are bridged
-constexpr double kFrozenTime = 1.0;   // [s] of exactly equal values on a moving crane
-constexpr double kRateHalfWidth = 6e-3;  // [s] chosen: cubic over 12 ms, 0.3 % low at 40 Hz, where the fifth mode lies
 constexpr double kOnGrid = 0.01;         // [steps] by which a sensor's instant may miss the grid and still be on it
-constexpr double kShortestRecord = 5.0;  // [s] below which no mode of the crane shows twice
+constexpr double kMoving = 0.2;          // of the record's largest speed, above which a motor turns
 
 // The commonest distance between successive times [ns].
 std::int64_t common_period(const std::vector<std::int64_t>& times) {
@@ -103,12 +101,6 @@ std::vector<double> resample_position(const std::vector<std::int64_t>& times, co
   return result;
 }
 
-double root_mean_square(const std::vector<double>& values) {
-  double sum = 0.0;
-  for (const double value : values) sum += value * value;
-  return std::sqrt(sum / static_cast<double>(std::max<std::size_t>(1, values.size())));
-}
-
 void check_finite(const Record& record, const std::string& signal, const std::vector<std::int64_t>& times,
                   const std::vector<double>& values) {
   for (std::size_t n = 0; n < values.size(); ++n) {
@@ -122,8 +114,8 @@ void check_finite(const Record& record, const std::string& signal, const std::ve
 // A signal that stands exactly still while the motors turn is frozen; one that touches its extreme again and
 // again is clipped.
 void check_alive(const Record& record, const std::string& signal, const std::vector<double>& values,
-                 const std::vector<double>& motion, double motion_threshold) {
-  const auto limit = static_cast<std::size_t>(kFrozenTime / record.step);
+                 const std::vector<double>& motion, double motion_threshold, double longest) {
+  const auto limit = static_cast<std::size_t>(longest / record.step);
   std::size_t still = 0;
   for (std::size_t n = 1; n < values.size(); ++n) {
     still = values[n] == values[n - 1] && std::fabs(motion[n]) > motion_threshold ? still + 1 : 0;
@@ -200,11 +192,15 @@ double find_quantum(const std::vector<msgs::Encoder>& encoder) {
 
 }  // namespace
 
-AdmissionSettings admission_for(const sim::CraneParameters& nominal, double rated_torque) {
-  const double level = nominal.boom.length * std::cos(nominal.boom.angle);
-  return {rated_torque,
-          sim::total_ratio(nominal.drive),
-          {nominal.house.sensor_radius, nominal.boom.pivot_radius, nominal.boom.pivot_radius + 0.5 * level, nominal.boom.pivot_radius + level}};
+int accelerometer_at(const sim::Sensor& sensor) {
+  if (sensor.unit != common::Unit::metre_per_second_squared) return -1;
+  switch (sensor.place) {
+    case sim::SensorPlace::house: return kHouse;
+    case sim::SensorPlace::pivot: return kPivot;
+    case sim::SensorPlace::middle: return kMiddle;
+    case sim::SensorPlace::tip: return kTip;
+    default: return -1;
+  }
 }
 
 std::vector<double> cubic_slope(const std::vector<double>& values, std::size_t half_width, double step) {
@@ -251,9 +247,10 @@ const char* accelerometer_name(int accelerometer) {
   return kNames.at(static_cast<std::size_t>(accelerometer));
 }
 
-Record make_record(const msgs::RunLog& run, const std::string& name, const AdmissionSettings& settings) {
-  Record record;
-  record.name = name;
+namespace {
+
+void take_group_count(const msgs::RunLog& run, Record& record) {
+  const std::string& name = record.name;
   if (run.encoder.size() < 3) {
     throw NotAdmitted(fmt::format("{}: no ENCODER messages; without the motors' speeds nothing can be compared", name));
   }
@@ -274,37 +271,45 @@ Record make_record(const msgs::RunLog& run, const std::string& name, const Admis
     throw NotAdmitted(fmt::format("{}: TORQUE at {:.3f} s is for {} motor groups, the crane has {}; the drive did not take it: cut the log there",
                                   name, static_cast<double>(message.simulated_time) * kNanosecond, message.group_count, record.group_count));
   }
-  const std::vector<std::int64_t> encoder_times = times_of(run.encoder);
-  const std::int64_t period = common_period(encoder_times);
-  if (period <= 0) throw NotAdmitted(fmt::format("{}: ENCODER has no even clock", name));
-  record.encoder_period = static_cast<double>(period) * kNanosecond;
-  check_clock("ENCODER", encoder_times, period, record);
-  const std::vector<std::int64_t> torque_times = times_of(run.torque);
-  const std::int64_t torque_period = common_period(torque_times);
-  if (torque_period <= 0) throw NotAdmitted(fmt::format("{}: TORQUE has no even clock", name));
-  check_clock("TORQUE", torque_times, torque_period, record);
-  check_span("TORQUE", torque_times, torque_period, encoder_times, record);
+}
 
-  const std::vector<std::int64_t> sensor_times = times_of(run.sensors);
-  const bool has_sensors = run.sensors.size() > 2;
+// When each channel speaks [ns].
+struct ChannelTimes {
+  std::vector<std::int64_t> encoder, torque, sensors;
+  bool has_sensors() const { return sensors.size() > 2; }
+};
+
+// The common period of a channel whose clock is even.
+std::int64_t checked_period(const char* channel, const std::vector<std::int64_t>& times, Record& record) {
+  const std::int64_t period = common_period(times);
+  if (period <= 0) throw NotAdmitted(fmt::format("{}: {} has no even clock", record.name, channel));
+  check_clock(channel, times, period, record);
+  return period;
+}
+
+// The even grid of time that all series lie on. Gives the number of its points.
+std::size_t lay_grid(const ChannelTimes& times, const AdmissionSettings& settings, Record& record) {
+  record.encoder_period = static_cast<double>(checked_period("ENCODER", times.encoder, record)) * kNanosecond;
+  check_span("TORQUE", times.torque, checked_period("TORQUE", times.torque, record), times.encoder, record);
   record.step = record.encoder_period;
-  if (has_sensors) {
-    const std::int64_t sensor_period = common_period(sensor_times);
-    if (sensor_period <= 0) throw NotAdmitted(fmt::format("{}: SENSORS has no even clock", name));
-    check_clock("SENSORS", sensor_times, sensor_period, record);
-    check_span("SENSORS", sensor_times, sensor_period, encoder_times, record);
+  if (times.has_sensors()) {
+    const std::int64_t sensor_period = checked_period("SENSORS", times.sensors, record);
+    check_span("SENSORS", times.sensors, sensor_period, times.encoder, record);
     record.sensor_period = static_cast<double>(sensor_period) * kNanosecond;
     // The controller's cycle is a whole number of steps, no sensor is slower than a step.
     record.step /= std::max(1.0, std::ceil(record.step / record.sensor_period - 1e-6));
   }
-  record.start_time = static_cast<double>(encoder_times.front()) * kNanosecond;
-  const double end_time = static_cast<double>(encoder_times.back()) * kNanosecond;
-  const auto count = static_cast<std::size_t>(std::floor((end_time - record.start_time) / record.step + 1e-6)) + 1;
-  if (end_time - record.start_time < kShortestRecord) {
-    throw NotAdmitted(fmt::format("{}: only {:.2f} s long; at least {} s are needed", name, end_time - record.start_time,
-                                  kShortestRecord));
+  record.start_time = static_cast<double>(times.encoder.front()) * kNanosecond;
+  const double duration = static_cast<double>(times.encoder.back()) * kNanosecond - record.start_time;
+  if (duration < settings.shortest_record) {
+    throw NotAdmitted(fmt::format("{}: only {:.2f} s long; at least {:.3g} s are needed", record.name, duration, settings.shortest_record));
   }
+  return static_cast<std::size_t>(std::floor(duration / record.step + 1e-6)) + 1;
+}
 
+void take_motors(const msgs::RunLog& run, const std::vector<std::int64_t>& encoder_times, const AdmissionSettings& settings, std::size_t count,
+                 Record& record) {
+  const double half_width = std::max(settings.rate_half_width, record.encoder_period) / record.step;
   for (int g = 0; g < record.group_count; ++g) {
     const auto i = static_cast<std::size_t>(g);
     std::vector<double> speed, position;
@@ -322,8 +327,8 @@ Record make_record(const msgs::RunLog& run, const std::string& name, const Admis
     }
     record.shaft_speed[i] = resample(encoder_times, speed, record, count);
     record.shaft_position[i] = resample_position(encoder_times, position, speed, record, count);
-    const auto half_width = static_cast<std::size_t>(std::lround(std::max(kRateHalfWidth, record.encoder_period) / record.step));
-    record.position_rate[i] = cubic_slope(record.shaft_position[i], std::max<std::size_t>(2, half_width), record.step);
+    record.position_rate[i] =
+        cubic_slope(record.shaft_position[i], std::max<std::size_t>(2, static_cast<std::size_t>(std::lround(half_width))), record.step);
     // A command holds until the next one.
     record.motor_torque[i].assign(count, 0.0);
     std::size_t k = 0;
@@ -333,36 +338,39 @@ Record make_record(const msgs::RunLog& run, const std::string& name, const Admis
       if (run.torque[k].simulated_time <= t) record.motor_torque[i][n] = run.torque[k].motor_torque[i];
     }
   }
-  if (has_sensors) {
-    // [steps] by which an instant lies beside the grid.
-    const auto beside_grid = [&](std::int64_t time) {
-      const double steps = (static_cast<double>(time) * kNanosecond - record.start_time) / record.step;
-      return std::fabs(steps - std::round(steps));
-    };
-    const bool on_grid = record.sensor_period < 1.5 * record.step &&
-                         std::all_of(sensor_times.begin(), sensor_times.end(), [&](std::int64_t time) { return beside_grid(time) < kOnGrid; });
-    if (!on_grid) record.sampled_at = sensor_times;
-    const auto take = [&](auto member, std::vector<double>& into, const std::string& signal, std::vector<double>* raw) {
-      std::vector<double> values;
-      for (const msgs::Sensors& message : run.sensors) values.push_back(message.*member);
-      // NaN all along is how an imported log says that the machine has no such sensor.
-      const bool measured = std::any_of(values.begin(), values.end(), [](double v) { return v != 0.0 && !std::isnan(v); });
-      if (!measured) {
-        record.remarks.push_back(fmt::format("{}: {} is not in the log", name, signal));
-        return;
-      }
-      check_finite(record, signal, sensor_times, values);
-      into = resample(sensor_times, values, record, count);
-      if (raw != nullptr && !on_grid) *raw = std::move(values);
-    };
-    take(&msgs::Sensors::house_acceleration, record.acceleration[kHouse], "house acceleration", &record.sampled_acceleration[kHouse]);
-    take(&msgs::Sensors::pivot_acceleration, record.acceleration[kPivot], "pivot acceleration", &record.sampled_acceleration[kPivot]);
-    take(&msgs::Sensors::middle_acceleration, record.acceleration[kMiddle], "middle acceleration", &record.sampled_acceleration[kMiddle]);
-    take(&msgs::Sensors::tip_acceleration, record.acceleration[kTip], "tip acceleration", &record.sampled_acceleration[kTip]);
-    take(&msgs::Sensors::slew_angle, record.slew_angle, "slew angle", nullptr);
-  } else {
-    record.remarks.push_back(fmt::format("{}: no SENSORS messages; with encoders and torques alone what is said of house, boom and load is a hint", name));
-  }
+}
+
+void take_sensors(const msgs::RunLog& run, const std::vector<std::int64_t>& times, std::size_t count, Record& record) {
+  // [steps] by which an instant lies beside the grid.
+  const auto beside_grid = [&](std::int64_t time) {
+    const double steps = (static_cast<double>(time) * kNanosecond - record.start_time) / record.step;
+    return std::fabs(steps - std::round(steps));
+  };
+  const bool on_grid = record.sensor_period < 1.5 * record.step &&
+                       std::all_of(times.begin(), times.end(), [&](std::int64_t time) { return beside_grid(time) < kOnGrid; });
+  if (!on_grid) record.sampled_at = times;
+  const auto take = [&](auto member, std::vector<double>& into, const std::string& signal, std::vector<double>* raw) {
+    std::vector<double> values;
+    for (const msgs::Sensors& message : run.sensors) values.push_back(message.*member);
+    // NaN all along is how an imported log says that the machine has no such sensor.
+    const bool measured = std::any_of(values.begin(), values.end(), [](double v) { return v != 0.0 && !std::isnan(v); });
+    if (!measured) {
+      record.remarks.push_back(fmt::format("{}: {} is not in the log", record.name, signal));
+      return;
+    }
+    check_finite(record, signal, times, values);
+    into = resample(times, values, record, count);
+    if (raw != nullptr && !on_grid) *raw = std::move(values);
+  };
+  take(&msgs::Sensors::house_acceleration, record.acceleration[kHouse], "house acceleration", &record.sampled_acceleration[kHouse]);
+  take(&msgs::Sensors::pivot_acceleration, record.acceleration[kPivot], "pivot acceleration", &record.sampled_acceleration[kPivot]);
+  take(&msgs::Sensors::middle_acceleration, record.acceleration[kMiddle], "middle acceleration", &record.sampled_acceleration[kMiddle]);
+  take(&msgs::Sensors::tip_acceleration, record.acceleration[kTip], "tip acceleration", &record.sampled_acceleration[kTip]);
+  take(&msgs::Sensors::slew_angle, record.slew_angle, "slew angle", nullptr);
+}
+
+// What the controller's replay needs, as it went over the wire.
+void take_wire(const msgs::RunLog& run, Record& record) {
   for (const msgs::Operator& message : run.operator_moves) {
     record.operator_moves.push_back({message.simulated_time, message.speed_request, message.emergency_stop != 0,
                                      message.acknowledge != 0});
@@ -371,11 +379,9 @@ Record make_record(const msgs::RunLog& run, const std::string& name, const Admis
   record.torque = run.torque;
   record.plant_status = run.plant_status;
   record.encoder_quantum = find_quantum(run.encoder);
+}
 
-  double largest_speed = 0.0;
-  for (const double speed : record.shaft_speed[0]) largest_speed = std::max(largest_speed, std::fabs(speed));
-  const double moving = 0.2 * largest_speed;
-  if (root_mean_square(record.shaft_speed[0]) == 0.0) throw NotAdmitted(fmt::format("{}: the motors never turn", name));
+void check_motors_alive(const std::vector<std::int64_t>& encoder_times, const AdmissionSettings& settings, double moving, const Record& record) {
   for (int g = 0; g < record.group_count; ++g) {
     const auto i = static_cast<std::size_t>(g);
     // What a frozen speed differs from: its own position's rate and the other groups' speeds, for one encoder may freeze as a whole. A
@@ -387,20 +393,46 @@ Record make_record(const msgs::RunLog& run, const std::string& name, const Admis
       disagreement[n] = std::max(std::fabs(record.position_rate[i][n] - speed), std::fabs(other[n] - speed));
     }
     // No check for clipping: a speed counted from a coarse encoder stands at its steps, its largest among them.
-    check_alive(record, fmt::format("shaft speed of group {}", g + 1), record.shaft_speed[i], disagreement, moving);
+    check_alive(record, fmt::format("shaft speed of group {}", g + 1), record.shaft_speed[i], disagreement, moving, settings.frozen_time);
     std::vector<double> counted;  // as the messages have it: between them a position follows its speed
-    for (const msgs::Encoder& message : run.encoder) counted.push_back(message.shaft_position[i]);
-    check_alive(record, fmt::format("shaft position of group {}", g + 1), resample(encoder_times, counted, record, count), record.shaft_speed[i], moving);
+    for (const msgs::Encoder& message : record.encoder) counted.push_back(message.shaft_position[i]);
+    check_alive(record, fmt::format("shaft position of group {}", g + 1), resample(encoder_times, counted, record, record.size()),
+                record.shaft_speed[i], moving, settings.frozen_time);
   }
+}
+
+void check_accelerometers_alive(const AdmissionSettings& settings, double moving, const Record& record) {
   for (int a = 0; a < kAccelerometerCount; ++a) {
     const auto i = static_cast<std::size_t>(a);
     if (record.acceleration[i].empty()) continue;
+    const std::string signal = fmt::format("acceleration at the {}", accelerometer_name(a));
     // As it was sampled: lines between equal samples would hold their extreme for long.
-    check_clipped(record, fmt::format("acceleration at the {}", accelerometer_name(a)),
-                  record.sampled_at.empty() ? record.acceleration[i] : record.sampled_acceleration[i]);
-    check_alive(record, fmt::format("acceleration at the {}", accelerometer_name(a)), record.acceleration[i],
-                record.shaft_speed[0], moving);
+    check_clipped(record, signal, record.sampled_at.empty() ? record.acceleration[i] : record.sampled_acceleration[i]);
+    check_alive(record, signal, record.acceleration[i], record.shaft_speed[0], moving, settings.frozen_time);
   }
+}
+
+}  // namespace
+
+Record make_record(const msgs::RunLog& run, const std::string& name, const AdmissionSettings& settings) {
+  Record record;
+  record.name = name;
+  take_group_count(run, record);
+  const ChannelTimes times{times_of(run.encoder), times_of(run.torque), times_of(run.sensors)};
+  const std::size_t count = lay_grid(times, settings, record);
+  take_motors(run, times.encoder, settings, count, record);
+  if (times.has_sensors()) {
+    take_sensors(run, times.sensors, count, record);
+  } else {
+    record.remarks.push_back(fmt::format("{}: no SENSORS messages; with encoders and torques alone what is said of house, boom and load is a hint", name));
+  }
+  take_wire(run, record);
+  double largest_speed = 0.0;
+  for (const double speed : record.shaft_speed[0]) largest_speed = std::max(largest_speed, std::fabs(speed));
+  if (largest_speed == 0.0) throw NotAdmitted(fmt::format("{}: the motors never turn", name));
+  const double moving = kMoving * largest_speed;
+  check_motors_alive(times.encoder, settings, moving, record);
+  check_accelerometers_alive(settings, moving, record);
   check_driven(run, record, moving);
   check_units(record, settings);
   return record;

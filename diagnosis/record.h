@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "msgs/run_log.h"
-#include "sim/model/crane_parameters.h"
+#include "sim/machine/description.h"
 
 namespace slewlab::diagnosis {
 
@@ -35,7 +35,7 @@ struct Record {
   std::array<std::vector<double>, sim::kMaximumGroupCount> motor_torque;
   std::array<std::vector<double>, sim::kMaximumGroupCount> shaft_speed;     // [rad/s]
   std::array<std::vector<double>, sim::kMaximumGroupCount> shaft_position;  // [rad]
-  // [rad/s] Rate of the positions, late by nothing: what a drive reports as its speed comes out of a filter that lags.
+  // [rad/s] Rate of the positions, without delay: what a drive reports as its speed comes out of a filter that lags.
   std::array<std::vector<double>, sim::kMaximumGroupCount> position_rate;
   std::array<std::vector<double>, kAccelerometerCount> acceleration;        // [m/s^2]; empty: not measured
   // Where the sensors are not sampled on the grid: when [ns] and what they said. The series above are lines between these.
@@ -63,14 +63,22 @@ class NotAdmitted : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-struct AdmissionSettings {
-  double rated_torque = 0.0;           // [Nm] per motor, to recognise clipped commands and wrong units
-  double total_ratio = 1.0;            // motor turns per turn of the crane, to recognise wrong axes
-  std::array<double, kAccelerometerCount> radius{};  // [m] of each accelerometer from the slew axis
-};
+// The accelerometer that a sensor of the description is; -1: none of them.
+int accelerometer_at(const sim::Sensor& sensor);
 
-// Of a nominal crane; `rated_torque` 0 where no controller is known.
-AdmissionSettings admission_for(const sim::CraneParameters& nominal, double rated_torque);
+// Of a nominal machine, by thresholds_of() (thresholds.h).
+struct AdmissionSettings {
+  double rated_torque = 0.0;     // [Nm] per motor, to recognise wrong units
+  double total_ratio = 1.0;      // motor turns per turn of the axis, to recognise wrong axes
+  std::array<double, kAccelerometerCount> radius{};  // [m] of each accelerometer from the axis; 0: none
+  double time = 0.0;             // [s] characteristic time of the machine
+  double turn = 0.0;             // [rad] of a motor at top speed in that time
+  double shortest_record = 0.0;  // [s] below which no mode of the machine shows twice
+  double frozen_time = 0.0;      // [s] of exactly equal values on a moving machine
+  double rate_half_width = 0.0;  // [s] of the cubic through positions whose slope is their rate: 0.3 % low at the highest frequency judged
+  double speed_window = 0.0;     // [s] half width over which speeds and rates of positions are compared
+  double slow = 0.0;             // [s] half width of what is slower than the structure
+};
 
 // Slope of the cubic that fits 2 `half_width` + 1 values best, at its middle (Savitzky, Golay 1964, Analytical Chemistry
 // 36, p. 1627); near the ends with fewer values, two at least. `half_width` >= 2.

@@ -15,7 +15,6 @@ namespace {
 
 constexpr double kSmallShare = 0.25;            // of an effect's typical size, with which it is tried too
 constexpr int kMostBeginnings = 120;            // of a record longer than a minute, or they would take the time of all other effects
-constexpr double kSpellEvery = 0.5;             // [s] beginnings from which an effect that lasts for a spell is tried: it shakes the boom
 constexpr int kCloserLooks = 3;                 // at most, at a size that the last one forecast
 constexpr double kCloserAmount = 2.0;           // at most, of a size that was forecast: forecasts of forecasts run away
 constexpr double kNearlyTried = 0.1;            // of the size: nearer than that to a start is not worth another look
@@ -131,7 +130,7 @@ Screened between_beginnings(const common::EffectCatalogue& catalogue, const std:
   return best;
 }
 
-std::vector<common::EffectInstance> starts_of(const common::EffectAbout& about, double duration) {
+std::vector<common::EffectInstance> starts_of(const common::EffectAbout& about, double duration, double spell_every) {
   const common::EffectInstance typical = common::typical_instance(about);
   std::vector<common::EffectInstance> shapes{typical};
   common::EffectInstance small = typical;
@@ -166,7 +165,7 @@ std::vector<common::EffectInstance> starts_of(const common::EffectAbout& about, 
   }
   if (about.spell) {
     const SpellPlaces spell = places_of(about);
-    const double every = std::max(kSpellEvery, duration / kMostBeginnings), latest = about.parameters[spell.begin].upper;
+    const double every = std::max(spell_every, duration / kMostBeginnings), latest = about.parameters[spell.begin].upper;
     for (int k = 0; every * k < duration && every * k <= latest; ++k) {
       common::EffectInstance endless = typical;
       endless.values[spell.begin] = every * k;
@@ -225,14 +224,14 @@ double forecast(const Problem& problem, const FitResult& from, const Screening& 
 }
 
 std::vector<common::EffectInstance> catalogue_starts(const common::EffectCatalogue& catalogue, const sim::MachineSettings& nominal,
-                                                     std::span<const std::string> without, double duration) {
+                                                     std::span<const std::string> without, double duration, double spell_every) {
   std::vector<common::EffectInstance> starts;
   for (const common::EffectAbout& about : catalogue.effects) {
     const std::string name(about.name);
     if (std::find(without.begin(), without.end(), name) != without.end() || about.read_off != common::ReadOff::none || !about.is_looked_for) continue;
     // What the nominal crane has already is not missing, and a machine takes an effect once.
     if (has_effect(nominal.effects, name)) continue;
-    const std::vector<common::EffectInstance> own = starts_of(about, duration);
+    const std::vector<common::EffectInstance> own = starts_of(about, duration, spell_every);
     starts.insert(starts.end(), own.begin(), own.end());
   }
   return starts;
@@ -258,7 +257,7 @@ std::vector<common::EffectInstance> best_starts(const Problem& problem, const Sc
     const std::vector<common::EffectInstance> turned = all_turned(screened->start, turning_angles(about), 1);
     starts.insert(starts.end(), turned.begin(), turned.end());
     if (about.spell) {  // when, cannot be told before the place is known
-      const std::vector<common::EffectInstance> all = starts_of(about, longest_record(problem));
+      const std::vector<common::EffectInstance> all = starts_of(about, longest_record(problem), problem.thresholds.spell_every);
       starts.insert(starts.end(), all.begin(), all.end());
     }
   }

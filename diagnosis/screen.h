@@ -25,8 +25,8 @@ inline constexpr double kLeastGain = 6.0;              // fall of the cost, fore
 // other sizes where the size enters not proportionally; other shapes. An angle that enters as a sine needs two
 // quarters of each: the others follow from them (between_quarters), of two that multiply as well. Where there are two angles, only the
 // typical size and the values worth a try are turned, all round and in every combination where the two do not multiply. An effect
-// that lasts for a spell begins at many moments of the `duration` [s] and never ends (between_beginnings).
-std::vector<common::EffectInstance> starts_of(const common::EffectAbout& about, double duration);
+// that lasts for a spell begins at many moments of the `duration` [s], `spell_every` [s] apart at least, and never ends (between_beginnings).
+std::vector<common::EffectInstance> starts_of(const common::EffectAbout& about, double duration, double spell_every);
 
 struct Screened {
   common::EffectInstance start;
@@ -43,8 +43,9 @@ Point with_amount(const common::EffectCatalogue& catalogue, Point point, const S
 // that relieves parameters of an unlikely value counts for that too.
 class Projector {
  public:
-  Projector(const common::EffectCatalogue& catalogue, const Eigen::MatrixXd& columns, const Point& point, double weight)
-      : prior_(prior_rows(catalogue, point)), scale_(1.0 / std::sqrt(weight)), columns_(columns.rows() + columns.cols(), columns.cols()) {
+  // `prior` of the point where the columns were taken.
+  Projector(const Eigen::MatrixXd& columns, PriorRows prior, double weight)
+      : prior_(std::move(prior)), scale_(1.0 / std::sqrt(weight)), columns_(columns.rows() + columns.cols(), columns.cols()) {
     columns_.topRows(columns.rows()) = columns;
     columns_.bottomRows(columns.cols()) = (scale_ * prior_.slope).asDiagonal();
     factor_.compute(columns_.transpose() * columns_);
@@ -100,7 +101,7 @@ struct Screening {
 // All starts of the machine's catalogue but of `without`, of what the nominal machine has, and of what is read off a record.
 // `duration` [s] of the longest record, in which an effect may begin at any time.
 std::vector<common::EffectInstance> catalogue_starts(const common::EffectCatalogue& catalogue, const sim::MachineSettings& nominal,
-                                                     std::span<const std::string> without, double duration);
+                                                     std::span<const std::string> without, double duration, double spell_every);
 
 // Of each effect the one that leaves least, by what they leave; of all that was tried, or of some.
 std::vector<const Screened*> best_of_each(const Screening& screening);

@@ -161,7 +161,7 @@ std::vector<PairStart> pair_starts(Problem& problem, const FitResult& base, cons
   };
   for (std::size_t leader = 0; leader < std::min<std::size_t>(kPairLeaders, singles.size()); ++leader) {
     const FitResult& single = singles[leader];
-    const Projector project(problem.catalogue, single.columns, single.point, data_weight(single.difference, problem.settings));
+    const Projector project(single.columns, prior_rows(problem, single.point), data_weight(single.difference, problem.settings));
     const Eigen::VectorXd left = project.gap(single.difference);
     std::vector<Screened> beside;
     const bool is_best = leader == 0;

@@ -6,15 +6,13 @@
 #include "diagnosis/recorded_drive.h"
 #include "sim/effects/catalogue.h"
 #include "sim/integrate/machine.h"
-#include "sim/model/drive_line.h"
 
 namespace slewlab::diagnosis {
 
 namespace {
 
 constexpr double kNanosecond = 1e-9;  // [s]
-constexpr double kFirst = 0.25;       // [s] over which the tip sensor's offset is first taken; until then it leads nothing
-constexpr double kOffsetTime = 20.0;  // [s] in which it may drift: slower than any pendulum of a load
+constexpr double kFastest = 1.0;      // speed rate times period: half of what a feedback once per period holds stable
 
 // The series between its points; at its ends it stands still.
 double between(const std::vector<double>& series, double n) {
@@ -72,10 +70,16 @@ void start_swinging(sim::Machine& machine, const Swing& swing) {
 
 }  // namespace
 
-ShadowGains shadow_gains(const sim::CraneParameters& nominal, const ShadowSettings& settings) {
-  const double inertia = sim::drive_inertia(nominal.drive);
-  return {settings.speed_rate * inertia, settings.position_rate * inertia, settings.tip_damping_rate * nominal.boom.mass,
-          settings.leak_time};
+ShadowGains shadow_gains(const sim::Scales& nominal, const ShadowSettings& settings) {
+  return {settings.speed_rate * nominal.motor_inertia, settings.position_rate * nominal.motor_inertia,
+          settings.tip_damping_rate * nominal.boom_mass, settings.leak_time, settings.first_offset, settings.offset_time};
+}
+
+ShadowSettings not_faster_than(ShadowSettings settings, double period) {
+  const double slower = std::max(1.0, settings.speed_rate * period / kFastest);
+  settings.speed_rate /= slower;
+  settings.position_rate /= slower * slower;
+  return settings;
 }
 
 Shadow shadow(const sim::MachineSettings& settings, const Record& record, const ShadowGains& gains, double encoder_latency,
@@ -110,8 +114,8 @@ Shadow shadow(const sim::MachineSettings& settings, const Record& record, const 
   const double to_slew_axis = settings.crane.drive.motors_per_group * machine.model.ratio;
   double tip_error = 0.0;  // [m/s]
   // The tip's sensor may have an offset, which must not lead the shadow: at first what differs at rest, or turning evenly.
-  const auto first = static_cast<std::size_t>(kFirst / record.step);
-  const double forget = std::exp(-record.step / kOffsetTime);
+  const auto first = static_cast<std::size_t>(gains.first_offset / record.step);
+  const double forget = std::exp(-record.step / gains.offset_time);
   double tip_offset = 0.0;  // [m/s^2]
   result.contact_lost.assign(count, false);
   RecordedDrive drive(record, settings.drive_protection);

@@ -2,12 +2,12 @@
 // motor the torque that keeps its encoder on the recorded one, at the tip a force that damps what the tip's
 // accelerometer still differs by. The torque is what the model misses at the motors, in Nm; the accelerometers'
 // differences are what it misses behind them. Feedback that hides a gap in the speed shows it here as an
-// effort; no controller needs to be known; and what an impact got wrong is forgotten within a second.
+// effort; no controller needs to be known; and what an impact got wrong is forgotten within the machine's characteristic time.
 //
 //   u = K_p (speed_measured - speed_shadow) + K_i (position_measured - position_shadow)     per motor
 //   F = D e,  e' = a_measured - a_shadow - o - e / tau                                       at the tip
 //
-// o is the tip sensor's offset: the difference's mean over the first quarter of a second, later forgotten within 20 s.
+// o is the tip sensor's offset: the difference's mean over `first_offset`, later forgotten within `offset_time`.
 #pragma once
 
 #include <array>
@@ -15,18 +15,21 @@
 
 #include "diagnosis/record.h"
 #include "sim/integrate/machine_settings.h"
+#include "sim/machine/scales.h"
 
 namespace slewlab::diagnosis {
 
-// As rates, so that machines of every size are shadowed alike.
+// As rates, by thresholds_of() (thresholds.h); T is the machine's characteristic time.
 struct ShadowSettings {
-  // Chosen: a motor follows its encoder with 26 rad/s and critical damping, faster than any mode that matters,
-  // slow enough for the encoder's noise to stay small as a torque.
-  double speed_rate = 52.0;       // [1/s] K_p per motor inertia
-  double position_rate = 680.0;   // [1/s^2] K_i per motor inertia
-  // Chosen: about a fifth of critical damping for errors of the first bending mode at 1 Hz.
-  double tip_damping_rate = 0.6;  // [1/s] D per boom mass
-  double leak_time = 1.0;         // [s] tau: an accelerometer's offset must not become a speed
+  // Chosen: a motor follows its encoder with 26 / T and critical damping, faster than the lowest modes, slow enough for the encoder's
+  // noise to stay small as a torque.
+  double speed_rate = 0.0;        // [1/s] K_p per motor inertia
+  double position_rate = 0.0;     // [1/s^2] K_i per motor inertia
+  // Chosen: about a fifth of critical damping for errors of a first bending mode at 1 / T.
+  double tip_damping_rate = 0.0;  // [1/s] D per boom mass
+  double leak_time = 0.0;         // [s] tau: an accelerometer's offset must not become a speed
+  double first_offset = 0.0;      // [s] over which the tip sensor's offset is first taken; until then it leads nothing
+  double offset_time = 0.0;       // [s] in which it may drift: slower than any pendulum of a load
 };
 
 // Of one diagnosis: taken from the nominal crane and the same for every hypothesis, so that none makes its differences
@@ -36,8 +39,12 @@ struct ShadowGains {
   double position = 0.0;     // [Nm/rad] K_i
   double tip_damping = 0.0;  // [Ns/m] D
   double leak_time = 0.0;    // [s] tau
+  double first_offset = 0.0, offset_time = 0.0;  // [s] as in the settings
 };
-ShadowGains shadow_gains(const sim::CraneParameters& nominal, const ShadowSettings& settings = {});
+ShadowGains shadow_gains(const sim::Scales& nominal, const ShadowSettings& settings);
+
+// The settings for records whose encoders are read every `period` [s]: an observer cannot be faster than its readings.
+ShadowSettings not_faster_than(ShadowSettings settings, double period);
 
 // Series on the record's grid.
 struct Shadow {

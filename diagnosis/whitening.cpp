@@ -1,5 +1,7 @@
 #include "diagnosis/whitening.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -11,15 +13,8 @@ namespace slewlab::diagnosis {
 
 namespace {
 
-constexpr double kBeforeImpact = 0.3;  // [s] a real crane may let go a little before its model
-constexpr double kAfterImpact = 2.5;   // [s] in which the shadow forgets an impact, three of its slowest time constants
-constexpr double kSoftEdge = 0.4;      // [s] over which the window falls beside a stretch that is taken out
-constexpr double kNoiseAlone = 20.0;   // [Hz] from which torque channels hold the encoders' noise alone
 constexpr double kLeastNoise = 0.02;   // of the noise that counts may make
-constexpr double kSmallestPower = 1e-12;  // [signal's unit^2] variance in a channel that stands at zero, far below any sensor's
-constexpr double kCountSmoothing = 0.1;  // [s] either side, over which coarse counts are taken for a smooth motion
 constexpr std::size_t kCountBins = 8;    // either side, over which the power of the counting error is smoothed
-constexpr double kShakenFrom = 8.0;      // [Hz] from which coarse counts, through the shadow's torque, shake its accelerometers more than their noise
 constexpr int kCountPlaces = 4;          // between two counts, at which a motion may have begun
 constexpr double kTaper = 0.02;  // share of the record over which the window rises and falls
 
@@ -67,7 +62,7 @@ double window_energy(const std::vector<double>& window) {
   return energy;
 }
 
-// Variance of a white sensor noise, from the median size of second differences: motion is smooth over 1 ms, noise
+// Variance of a white sensor noise, from the median size of second differences: motion is smooth over a sample, noise
 // is not. For white noise the second difference has 6 times its variance.
 double noise_variance(const std::vector<double>& values) {
   std::vector<double> differences;
@@ -96,9 +91,9 @@ double encoder_variance(const Record& record, std::size_t group) {
 
 // Power of the counting error itself, where counts are so coarse that it is not white: slow motion stays between two counts for
 // long. The true motion is taken as the positions' running mean, its place between two counts as any.
-std::vector<double> counting_power(const Record& record, std::size_t group, const Whitening& whitening) {
+std::vector<double> counting_power(const Record& record, std::size_t group, const Whitening& whitening, double smoothing) {
   const std::vector<double>& counted = record.shaft_position[group];
-  const auto half = static_cast<std::ptrdiff_t>(kCountSmoothing / record.step);
+  const auto half = static_cast<std::ptrdiff_t>(smoothing / record.step);
   const auto count = static_cast<std::ptrdiff_t>(counted.size());
   std::vector<double> running(counted.size() + 1, 0.0);
   for (std::size_t n = 0; n < counted.size(); ++n) running[n + 1] = running[n] + counted[n];
@@ -138,11 +133,11 @@ std::vector<double> running_power(const std::vector<const std::vector<double>*>&
 
 }  // namespace
 
-std::vector<bool> trusted_stretches(const Record& record, const Shadow& shadow) {
+std::vector<bool> trusted_stretches(const Record& record, const Shadow& shadow, const WhiteningSettings& settings) {
   const std::size_t count = record.size();
   std::vector<bool> trusted(count, true);
-  const auto before = static_cast<std::size_t>(kBeforeImpact / record.step);
-  const auto after = static_cast<std::size_t>(kAfterImpact / record.step);
+  const auto before = static_cast<std::size_t>(settings.before_impact / record.step);
+  const auto after = static_cast<std::size_t>(settings.after_impact / record.step);
   for (std::size_t n = 0; n < count; ++n) {
     if (!shadow.contact_lost[n]) continue;
     const std::size_t from = n > before ? n - before : 0;
@@ -161,7 +156,13 @@ Whitening make_whitening(const Record& record, const std::vector<bool>& trusted,
   whitening.first_bin =
       std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(settings.lowest_frequency / whitening.bin_width)));
   const double highest = std::min(settings.highest_frequency, 0.4 / record.encoder_period);
-  whitening.bin_count = static_cast<std::size_t>(highest / whitening.bin_width) - whitening.first_bin;
+  const auto last_bin = static_cast<std::size_t>(highest / whitening.bin_width);
+  if (last_bin <= whitening.first_bin) {
+    throw NotAdmitted(fmt::format("{}: {:.3g} s of encoders read every {:.3g} ms hold none of the machine's frequencies from {:.3g} to {:.3g} Hz; record longer, "
+                                  "or read them faster", record.name, record.step * static_cast<double>(count), 1e3 * record.encoder_period,
+                                  settings.lowest_frequency, settings.highest_frequency));
+  }
+  whitening.bin_count = last_bin - whitening.first_bin;
   whitening.window.assign(count, 1.0);
   const auto edge = static_cast<std::size_t>(kTaper * static_cast<double>(count));
   for (std::size_t n = 0; n < edge; ++n) {
@@ -173,7 +174,7 @@ Whitening make_whitening(const Record& record, const std::vector<bool>& trusted,
     if (!trusted[n]) whitening.window[n] = 0.0;
   }
   // Edges of what was taken out, softened by a running mean, so that they leak little into other frequencies.
-  const auto soft = static_cast<std::size_t>(kSoftEdge / record.step);
+  const auto soft = std::max<std::size_t>(1, static_cast<std::size_t>(settings.soft_edge / record.step));
   std::vector<double> mean(count, 0.0);
   double running = 0.0;
   for (std::size_t n = 0; n < count; ++n) {
@@ -200,10 +201,11 @@ Whitening make_whitening(const Record& record, const std::vector<bool>& trusted,
     const auto i = static_cast<std::size_t>(channel.index);
     const std::vector<double> sum = channel.is_torque ? torque_power : running_power({&record.acceleration[i]}, whitening);
     const std::size_t spectrum_size = sum.size() - 1;
-    const double rounding = 1e-9 * sum.back() / static_cast<double>(spectrum_size) + kSmallestPower * energy;
+    const double least = channel.is_torque ? settings.least_torque : settings.least_acceleration;
+    const double rounding = 1e-9 * sum.back() / static_cast<double>(spectrum_size) + least * least * energy;
     const double variance = channel.is_torque ? encoder_variance(record, i) : accelerometer_variance(record, i);
     const bool is_coarse = channel.is_torque && record.encoder_quantum >= kCoarseCount;
-    const std::vector<double> counting = is_coarse ? counting_power(record, i, whitening) : std::vector<double>{};
+    const std::vector<double> counting = is_coarse ? counting_power(record, i, whitening, settings.count_smoothing) : std::vector<double>{};
     const bool is_shaken = !channel.is_torque && record.encoder_quantum >= kCoarseCount;
     const std::vector<double> shaken = is_shaken ? running_power({&nominal.acceleration_difference[i]}, whitening) : std::vector<double>{};
     // A torque channel's noise is its encoder's, seen through the shadow's gains.
@@ -220,7 +222,7 @@ Whitening make_whitening(const Record& record, const std::vector<bool>& trusted,
                                     static_cast<double>(high - low));
       }
       double noise = gain * gain * power + rounding;
-      if (is_shaken && frequency >= kShakenFrom) {
+      if (is_shaken && frequency >= settings.shaken_from) {
         const std::size_t low = k - std::min(k, kCountBins), high = std::min(k + kCountBins + 1, spectrum_size);
         noise = std::max(noise, (shaken[high] - shaken[low]) / static_cast<double>(high - low));
       }
@@ -231,7 +233,7 @@ Whitening make_whitening(const Record& record, const std::vector<bool>& trusted,
       const auto& missing = transform(nominal.missing_torque[i]);
       std::vector<double> shares;
       for (std::size_t k = whitening.first_bin; k < whitening.first_bin + whitening.bin_count; ++k) {
-        if (static_cast<double>(k) * whitening.bin_width >= kNoiseAlone) shares.push_back(std::norm(missing[k]) / noise_at(k));
+        if (static_cast<double>(k) * whitening.bin_width >= settings.encoder_noise_from) shares.push_back(std::norm(missing[k]) / noise_at(k));
       }
       if (!shares.empty()) {
         const auto middle = shares.begin() + static_cast<std::ptrdiff_t>(shares.size() / 2);

@@ -18,12 +18,21 @@
 
 namespace slewlab::diagnosis {
 
+// Those with a dimension by thresholds_of() (thresholds.h).
 struct WhiteningSettings {
-  double highest_frequency = 40.0;   // [Hz] fifth bending mode at 37 Hz (thesis 4.2); none matters above
-  double lowest_frequency = 0.02;    // [Hz] below which a record of a minute knows nothing
-  double discrepancy_share = 0.004;  // [-] e: learned on tuning seeds, docs/diagnosis/method.md
-  double noise_corner = 50.0;        // [Hz] below which an accelerometer's noise rises as 1/f (its data sheet)
+  double discrepancy_share = 0.004;  // [-] e: learned on machines whose answers are known, docs/diagnosis/method.md
   double smoothing = 0.4;            // [-] width of the smoothing of P as a share of the frequency
+  double highest_frequency = 0.0;    // [Hz] of the modes that matter
+  double lowest_frequency = 0.0;     // [Hz] below which a record knows nothing
+  double noise_corner = 0.0;         // [Hz] below which an accelerometer's noise rises as 1/f (its data sheet)
+  double encoder_noise_from = 0.0;   // [Hz] from which torque channels hold the encoders' noise alone
+  double shaken_from = 0.0;          // [Hz] from which coarse counts, through the observer's torque, shake its accelerometers more than their noise
+  double before_impact = 0.0;        // [s] a real machine may let go a little before its model
+  double after_impact = 0.0;         // [s] in which the observer forgets an impact, three of its slowest time constants
+  double soft_edge = 0.0;            // [s] over which the window falls beside a stretch that is taken out
+  double count_smoothing = 0.0;      // [s] either side, over which coarse counts are taken for a smooth motion
+  double least_torque = 0.0;         // [Nm] deviation in a torque channel that stands at zero, far below any sensor's
+  double least_acceleration = 0.0;   // [m/s^2] the same of an accelerometer
 };
 
 struct Channel {
@@ -45,13 +54,13 @@ struct Whitening {
 
 // `trusted` holds for each grid point whether it may be judged; the window falls to 0 where it may not. `gains` turn the
 // encoders' noise into the torque channels'. An encoder that stands makes no noise, so how much of it there is shows
-// in what the `nominal` shadow misses above 20 Hz, where motors hardly move; at most what its counts may make.
+// in what the `nominal` shadow misses above `encoder_noise_from`, where motors hardly move; at most what its counts may make.
 Whitening make_whitening(const Record& record, const std::vector<bool>& trusted, const ShadowGains& gains,
                          const Shadow& nominal, const WhiteningSettings& settings);
 
 // Where a record may be judged: away from impacts, at which every small difference grows to full size. Takes out
 // each stretch in which the shadow's gears are not all in contact, and what follows it until it is forgotten.
-std::vector<bool> trusted_stretches(const Record& record, const Shadow& shadow);
+std::vector<bool> trusted_stretches(const Record& record, const Shadow& shadow, const WhiteningSettings& settings);
 
 // Real and imaginary part of every bin of every channel, weighted.
 Eigen::VectorXd whiten(const Whitening& whitening, const Shadow& shadow);

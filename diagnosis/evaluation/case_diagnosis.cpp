@@ -27,7 +27,7 @@ CaseData load_case(const withheld::CaseInput& input, bool accelerometers) {
   CaseData data;
   data.nominal = sim::machine_settings(sim::load_machine_file(input.crane));
   data.controller = controller::load_controller_file(input.controller).settings;
-  const AdmissionSettings admission = admission_for(data.nominal.crane, data.controller.rated_torque);
+  const AdmissionSettings admission = thresholds_of(sim::describe(data.nominal.crane)).admission;
   for (const std::filesystem::path& log : input.logs) {
     data.records.push_back(load_record(log, admission, accelerometers));
   }
@@ -64,7 +64,7 @@ withheld::CaseResult diagnose_case(const withheld::CaseInput& input, const CaseS
     if (!diagnosis.causes.empty()) {
       const Cause& first = diagnosis.causes.front();
       result.unseen_after =
-          predict(machine_at(data.nominal, first.point),
+          predict(machine_at(data.nominal, diagnosis.nuisances, first.point),
                   controller::with_effects(data.controller, first.controller_effects), data.unseen)
               .relative_gap;
     }
@@ -95,7 +95,7 @@ double informed_gap(const withheld::CaseInput& input, const std::vector<std::str
     }
   }
   if (chosen != nullptr) {
-    best = predict(machine_at(data.nominal, chosen->point),
+    best = predict(machine_at(data.nominal, diagnosis.nuisances, chosen->point),
                    controller::with_effects(data.controller, chosen->controller_effects), data.unseen)
                .relative_gap;
   }

@@ -14,8 +14,8 @@ namespace slewlab::sim {
 
 namespace {
 
-// Times below which a split would not move the state [s].
-constexpr double kShortestSplit = 1e-12;
+// Share of the step below which a split would not move the state.
+constexpr double kShortestSplit = 1e-9;
 // Sweeps over the frictions of a step before they are solved by pivots; motors and house act on each other through
 // soft gears, so each sweep gains two to four digits.
 constexpr int kFrictionSweeps = 12;
@@ -752,21 +752,22 @@ void step(const PlantModel& model, PlantWorkspace& workspace, const PlantInput& 
   }
 
   double remaining = model.step;
+  const double shortest = kShortestSplit * model.step;
   for (int split = 0; change.group >= 0 && split < kMaximumSplits; ++split) {
     const double until = std::min(change.at, 1.0) * remaining;
-    if (until > kShortestSplit) {
+    if (until > shortest) {
       discretise(model, until, workspace.partial);
       attempt(model, workspace.partial, state, push, start, workspace, trial);
       accept(model, workspace.partial, discretise_load(model, until), push, trial, workspace, state);
       remaining -= until;
     }
     change_contact(state, change.group, change.contact);
-    if (remaining <= kShortestSplit) break;
+    if (remaining <= shortest) break;
     discretise(model, remaining, workspace.partial);
     attempt(model, workspace.partial, state, push, start, workspace, trial);
     change = earliest_change(model, state, trial, remaining);
   }
-  if (remaining > kShortestSplit) {
+  if (remaining > shortest) {
     accept(model, workspace.partial, discretise_load(model, remaining), push, trial, workspace, state);
     if (change.group >= 0) ++state.unsplit_steps;
   }

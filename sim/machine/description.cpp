@@ -12,6 +12,7 @@ using common::Unit;
 // Noise of ordinary sensors, chosen: industrial accelerometers of 0.5 mg over their band; the speed a drive reports from
 // 14 bits a turn. A count is known by the record itself.
 constexpr double kAccelerationNoise = 0.005;  // [m/s^2]
+constexpr double kAccelerationCorner = 50.0;  // [Hz] of 1/f noise, as data sheets of such accelerometers give it
 constexpr double kSpeedNoise = 0.02;          // [rad/s]
 constexpr double kSlewAngleNoise = 2.4e-5;    // [rad] 18 bits on the slew ring
 constexpr double kScaleNoise = 1e-6;          // [m] of a glass scale
@@ -49,7 +50,7 @@ std::vector<Sensor> sensors_of(const CraneParameters& machine) {
   }
   const BoomParameters& boom = machine.boom;
   const auto accelerometer = [&](std::string name, std::string_view field, SensorPlace place, double radius) {
-    sensors.push_back({std::move(name), Unit::metre_per_second_squared, "SENSORS", field, place, -1, radius, kAccelerationNoise});
+    sensors.push_back({std::move(name), Unit::metre_per_second_squared, "SENSORS", field, place, -1, radius, kAccelerationNoise, kAccelerationCorner});
   };
   if (machine.house.sensor_radius > 0.0) {
     accelerometer("house acceleration", "house_acceleration", SensorPlace::house, machine.house.sensor_radius);
@@ -183,6 +184,12 @@ MachineDescription describe(const MachineFile& file) {
   description.sensors = is_axis ? sensors_of_axis(file.axis, file.parameters.house.has_encoder, description.scales) : sensors_of(file.parameters);
   description.parameters = parameters_of(file);
   return description;
+}
+
+MachineDescription describe(const CraneParameters& machine) {
+  MachineFile file;
+  file.parameters = machine;
+  return describe(file);
 }
 
 }  // namespace slewlab::sim

@@ -41,6 +41,7 @@ struct Sensor {
   int group = -1;            // index in the field where it is an array, from 0
   double radius = 0.0;       // [m] from the axis, of an accelerometer
   double noise_floor = 0.0;  // [unit] standard deviation of an ordinary sensor of its kind; 0 where the record tells it
+  double noise_corner = 0.0; // [Hz] below which the noise rises as 1/f; 0: white
 };
 
 // One number of the file, and how it is set before assembly.
@@ -68,6 +69,8 @@ struct MachineDescription {
 
 // Throws std::invalid_argument where the machine has no scales.
 MachineDescription describe(const MachineFile& file);
+// Of a crane that comes from no file.
+MachineDescription describe(const CraneParameters& machine);
 
 // 5 % either way with equal chance is a standard deviation of 5 % / sqrt(3): chosen, the spread between units of one
 // make; a file may give a number's own (`spread`).

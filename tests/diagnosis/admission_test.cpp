@@ -28,7 +28,7 @@ class Admission : public testing::Test {
       const Record record = make_record(log_, "log", bench().admission);
       sim::MachineSettings nominal;
       nominal.crane = bench().crane;
-      check_torques(record, shadow(nominal, record, shadow_gains(nominal.crane)), nominal);
+      check_torques(record, shadow(nominal, record, bench_gains()), nominal, bench().admission);
       check_replayable(record, bench().controller);
     } catch (const NotAdmitted& problem) {
       return problem.what();

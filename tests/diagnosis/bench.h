@@ -8,6 +8,7 @@
 #include "diagnosis/diagnose.h"
 #include "diagnosis/nuisance.h"
 #include "diagnosis/record.h"
+#include "diagnosis/thresholds.h"
 #include "sim/effects/catalogue.h"
 #include "sim/machine/machine_file.h"
 #include "tests/diagnosis/simulated_log.h"
@@ -17,6 +18,8 @@ namespace slewlab::diagnosis {
 struct Bench {
   sim::CraneParameters crane;
   controller::ControllerSettings controller;
+  sim::MachineDescription machine;
+  Thresholds thresholds;
   AdmissionSettings admission;
 };
 
@@ -25,9 +28,9 @@ inline const Bench& bench() {
     Bench b;
     b.crane = sim::load_machine_file(SLEWLAB_SOURCE_DIR "/config/cranes/thesis.yaml").parameters;
     b.controller = controller::load_controller_file(SLEWLAB_SOURCE_DIR "/config/controllers/thesis.yaml").settings;
-    b.admission = {.rated_torque = b.controller.rated_torque,
-                   .total_ratio = b.controller.total_ratio,
-                   .radius = {b.crane.house.sensor_radius, b.crane.boom.pivot_radius, 17.5, 31.3}};
+    b.machine = sim::describe(b.crane);
+    b.thresholds = thresholds_of(b.machine);
+    b.admission = b.thresholds.admission;
     return b;
   }();
   return kBench;
@@ -38,17 +41,22 @@ inline const std::vector<Move> kThereAndBack{{2.0, 0.5}, {10.0, 0.0}, {14.0, -0.
 inline const std::vector<Move> kInching{{2.0, 0.25}, {6.0, 0.0}, {10.0, -0.25}, {14.0, 0.0}, {18.0, 0.25}, {21.0, 0.0}};
 inline constexpr double kDuration = 24.0;  // [s]
 
+inline ShadowGains bench_gains() { return shadow_gains(bench().machine.scales, bench().thresholds.shadow); }
+
 // What the bench's nominal crane is fitted to.
 struct BenchProblem : Problem {
   BenchProblem() {
     nominal.crane = bench().crane;
     catalogue = sim::effects_for(nominal);
-    gains = shadow_gains(bench().crane);
-    latency_deviation = kLatencyDeviation;
+    nominal.crane.boom.highest_frequency = bench().thresholds.highest_mode;
+    thresholds = bench().thresholds;
+    nuisances = nuisances_of(bench().machine, thresholds.latency);
+    gains = bench_gains();
   }
   void add(const Record& record) {
     const Shadow follower = shadow(nominal, record, gains);
-    whitening.push_back(make_whitening(record, trusted_stretches(record, follower), gains, follower, {}));
+    const WhiteningSettings& settings = thresholds.whitening;
+    whitening.push_back(make_whitening(record, trusted_stretches(record, follower, settings), gains, follower, settings));
     records.push_back(record);
   }
 };

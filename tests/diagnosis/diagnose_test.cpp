@@ -27,10 +27,11 @@ namespace {
 
 sim::CraneParameters spread_crane(unsigned seed) {
   std::mt19937 generator(seed);
-  std::uniform_real_distribution<double> uniform(-kUnitSpread, kUnitSpread);
+  std::uniform_real_distribution<double> uniform(-sim::kUnitSpread, sim::kUnitSpread);
   std::vector<double> amount;
-  for (const Nuisance& nuisance : nuisances()) amount.push_back(uniform(generator) / nuisance.spread);
-  sim::CraneParameters crane = with_nuisances(bench().crane, amount);
+  const Nuisances nuisances = nuisances_of(bench().machine, 0.0);
+  for (const sim::Parameter& parameter : nuisances.parameters) amount.push_back(uniform(generator) / parameter.spread);
+  sim::CraneParameters crane = with_nuisances(nuisances, bench().crane, amount);
   crane.boom.element_count = 20;
   return crane;
 }
@@ -107,7 +108,7 @@ TEST(Shadow, FollowsEncodersThatReadLate) {
   const auto missing = [&](const sim::MachineSettings& machine, const Record& record) {
     double square = 0.0;
     // The last 40 ms are not known any more.
-    const Shadow follower = shadow(machine, record, shadow_gains(machine.crane));
+    const Shadow follower = shadow(machine, record, bench_gains());
     for (std::size_t n = 0; n + steps < record.size(); ++n) square += follower.missing_torque[0][n] * follower.missing_torque[0][n];
     return std::sqrt(square / static_cast<double>(record.size()));
   };
@@ -130,7 +131,7 @@ TEST(Fit, ArrivesWhereAFullStepIsTooBold) {
   const FitResult base = fit_nuisances(problem, nominal_fit(problem));
   Point start;
   start.nuisance.assign(base.point.nuisance.size(), 0.0);
-  start.effects = {{"torque_ripple", {17.21, 2.99992, 2.2504, -0.1124, 0.2783}}};  // where the fit of case 43 of seed 1015 stood still
+  start.effects = {{"torque_ripple", {17.21, 2.99992, 2.2504, -0.1124, 0.2783}}};  // where undamped steps stand still
   FitResult result = fit(problem, base.columns, start);
   settle(problem, result, 5);
   EXPECT_LT(excess(result.difference, problem.settings), 0.0);
@@ -141,13 +142,15 @@ TEST(Fit, ModesThatAreLeftOutWouldChangeLessThanTheNoise) {
   sim::MachineSettings truth;
   truth.crane = bench().crane;
   const Record record = make_record(simulated_log(truth, bench().controller, kInching, kDuration, 8), "a", bench().admission);
-  const ShadowGains gains = shadow_gains(bench().crane);
+  const ShadowGains gains = bench_gains();
+  const WhiteningSettings& settings = bench().thresholds.whitening;
   const Shadow follower = shadow(truth, record, gains);
-  const Whitening whitening = make_whitening(record, trusted_stretches(record, follower), gains, follower, {});
+  const Whitening whitening = make_whitening(record, trusted_stretches(record, follower, settings), gains, follower, settings);
   for (const std::vector<common::EffectInstance>& effects : {std::vector<common::EffectInstance>{}, {{"flyjib_torsion", {5000.0, 3.0}}}}) {
     Point point;
     point.effects = effects;
-    const sim::MachineSettings fitted = machine_at(truth, point);
+    const BenchProblem problem;
+    const sim::MachineSettings fitted = machine_at(problem.nominal, problem.nuisances, point);
     sim::MachineSettings whole = fitted;
     whole.crane.boom.highest_frequency = 0.0;
     EXPECT_LT(sim::make_machine(fitted).model.mode_count, sim::make_machine(whole).model.mode_count * 2 / 3);
@@ -182,7 +185,7 @@ TEST(Fit, FindsTheSwingThatALoadHasWhenTheRecordBegins) {
   // Taken for a load that hangs still it is a gap many times an effect's price.
   EXPECT_GT(excess(nominal.difference, problem.settings), fitted.excess + 1000.0);
   for (std::size_t r = 0; r < swings.size(); ++r) {
-    const Swing found = swing_at_start(fitted.point.nuisance, r, load.rope_length);
+    const Swing found = swing_at_start(problem.nuisances, fitted.point.nuisance, r);
     EXPECT_NEAR(found.angle, swings[r].angle, 5e-4);
     EXPECT_NEAR(found.rate, swings[r].rate, 2e-4);
   }
@@ -198,7 +201,7 @@ TEST(ChanceFits, NameTheSecondEffectWhereNoDelayWasFitted) {
   BenchProblem problem;
   problem.add(make_record(simulated_log(truth, bench().controller, kThereAndBack, kDuration, 18), "a", bench().admission));
   const FitResult nothing = fit_nuisances(problem, nominal_fit(problem));
-  const Projector project(problem.catalogue, nothing.columns, nothing.point, data_weight(nothing.difference, problem.settings));
+  const Projector project(nothing.columns, prior_rows(problem, nothing.point), data_weight(nothing.difference, problem.settings));
   const Progress quiet = [](double, const std::string&) {};
   const Screening screening = screen(problem, nothing, project, both, quiet);
   std::set<std::vector<std::string>> named;
@@ -408,8 +411,8 @@ TEST(Diagnose, FindsJitterWithoutItsDraw) {
   EXPECT_TRUE(named.contains("command_jitter")) << found.verdict;
 }
 
-// The jib is by far the larger one, and late messages have a mean that other delays have as well. Sizes of case 67 of seed 1015, which
-// was "not in the catalogue".
+// The jib is by far the larger one, and late messages have a mean that other delays have as well. Taken for
+// one effect this pair is outside the catalogue.
 TEST(Diagnose, FindsALargeSecondEffectBesideJitter) {
   sim::MachineSettings truth;
   truth.crane = spread_crane(67);

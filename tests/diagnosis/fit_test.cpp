@@ -100,7 +100,7 @@ TEST(MachineAt, CutsAFlexibleBoomFinelyEnough) {
   sim::MachineSettings nominal;
   for (const auto& [given, cut] : {std::pair(6, kBoomElements), std::pair(24, 24), std::pair(0, 0)}) {
     nominal.crane.boom.element_count = given;
-    EXPECT_EQ(machine_at(nominal, {}).crane.boom.element_count, cut);
+    EXPECT_EQ(machine_at(nominal, {}, {}).crane.boom.element_count, cut);
   }
 }
 
@@ -133,6 +133,7 @@ class Relaxation : public testing::Test {
     return {settings, usual - 100.0};
   }
   Relaxation() {
+    problem_.nuisances.parameters.resize(16);  // with walls, and the latency behind them
     result_.point.nuisance.assign(17, 0.0);
     result_.point.nuisance[0] = 3.0;
     result_.difference = Eigen::VectorXd::Zero(40);

@@ -8,17 +8,25 @@
 #include <string>
 
 #include "sim/effects/catalogue.h"
+#include "sim/machine/description.h"
 #include "sim/machine/machine_file.h"
 #include "tests/msgs/temporary_folder.h"
 
 namespace slewlab::diagnosis {
 namespace {
 
+// The thesis's crane has all 16 parameters.
+Nuisances thesis_nuisances() {
+  return nuisances_of(sim::describe(sim::load_machine_file(SLEWLAB_SOURCE_DIR "/config/cranes/thesis.yaml")), 3e-4);
+}
+
 // Both priors: the slope is half the derivative of the cost, by central differences.
 TEST(Prior, SlopeIsHalfTheDerivative) {
   const double h = 1e-6;
+  const Nuisances nuisances = thesis_nuisances();
   for (const double x : {-7.0, -2.5, -1.0, 0.0, 0.4, 1.99, 2.2, 5.0}) {
-    EXPECT_NEAR(nuisance_prior(0, x).slope, (nuisance_prior(0, x + h).cost - nuisance_prior(0, x - h).cost) / (4.0 * h), 1e-5) << x;
+    EXPECT_NEAR(nuisance_prior(nuisances, 0, x).slope,
+                (nuisance_prior(nuisances, 0, x + h).cost - nuisance_prior(nuisances, 0, x - h).cost) / (4.0 * h), 1e-5) << x;
     EXPECT_NEAR(effect_prior(x).slope, (effect_prior(x + h).cost - effect_prior(x - h).cost) / (4.0 * h), 1e-6) << x;
   }
 }
@@ -26,13 +34,14 @@ TEST(Prior, SlopeIsHalfTheDerivative) {
 // Within the spread from unit to unit a nuisance's prior is the normal one; outside it is prohibitive: 10 % are 3.5
 // standard deviations, and e^-40 is never worth a better name.
 TEST(Prior, NuisancesEndWhereUnitsDo) {
-  EXPECT_EQ(nuisance_prior(3, 1.5).cost, 2.25);
-  EXPECT_GT(nuisance_prior(3, 0.10 / kUnitDeviation).cost, 75.0);
+  EXPECT_EQ(nuisance_prior(thesis_nuisances(), 3, 1.5).cost, 2.25);
+  EXPECT_GT(nuisance_prior(thesis_nuisances(), 3, 0.10 / sim::kUnitDeviation).cost, 75.0);
 }
 
 // The encoders' latency has no such walls.
 TEST(Prior, LatencyIsNormal) {
-  EXPECT_EQ(nuisance_prior(common_nuisance_count() - 1, 4.0).cost, 16.0);
+  const Nuisances nuisances = thesis_nuisances();
+  EXPECT_EQ(nuisance_prior(nuisances, nuisances.common_count() - 1, 4.0).cost, 16.0);
 }
 
 // Student's t with 2 degrees of freedom: -2 ln of (1 + x^2 / 2)^(-3/2), with the scale that gives unit curvature at 0.
@@ -44,9 +53,10 @@ TEST(Prior, LargeSizesStayPossible) {
 
 TEST(Nuisance, EffectsSayWhatParametersSay) {
   int said = 0;
-  for (std::size_t k = 0; k < nuisance_count(2); ++k) {
-    said += is_said_by(sim::find_effect("boom_stiffness")->about, k) ? 1 : 0;
-    EXPECT_FALSE(is_said_by(sim::find_effect("bearing_coulomb")->about, k));
+  const Nuisances nuisances = thesis_nuisances();
+  for (std::size_t k = 0; k < nuisances.count(2); ++k) {
+    said += is_said_by(nuisances, sim::find_effect("boom_stiffness")->about, k) ? 1 : 0;
+    EXPECT_FALSE(is_said_by(nuisances, sim::find_effect("bearing_coulomb")->about, k));
   }
   EXPECT_EQ(said, 2);  // bending and torsion
 }
@@ -55,38 +65,50 @@ TEST(Nuisance, EffectsSayWhatParametersSay) {
 TEST(Nuisance, ParametersAreWrittenAsSectionsOfACraneFile) {
   const std::string thesis = SLEWLAB_SOURCE_DIR "/config/cranes/thesis.yaml";
   const sim::CraneParameters nominal = sim::load_machine_file(thesis).parameters;
-  std::vector<double> amount(nuisance_count(1), 0.0);
-  for (std::size_t k = 1; k < nuisances().size(); ++k) amount[k] = 0.1 * static_cast<double>(k) - 0.85;
-  const std::string text = parameters_text(nominal, amount, "test");
+  const Nuisances nuisances = thesis_nuisances();
+  std::vector<double> amount(nuisances.count(1), 0.0);
+  for (std::size_t k = 1; k < nuisances.parameters.size(); ++k) amount[k] = 0.1 * static_cast<double>(k) - 0.85;
+  const std::string text = parameters_text(nuisances, nominal, amount, "test");
   EXPECT_EQ(text.find("motor_inertia"), std::string::npos);
   const TemporaryFolder folder;
   const std::filesystem::path file = folder.path() / "crane.yaml";
   std::ofstream(file) << "include: " << thesis << "\n" << text;
-  sim::CraneParameters read = sim::load_machine_file(file).parameters, meant = with_nuisances(nominal, amount);
-  for (const Nuisance& nuisance : nuisances()) {
-    for (const CraneNumber& number : nuisance.numbers) EXPECT_EQ(number.of(read), number.of(meant)) << number.key;
+  sim::CraneParameters read = sim::load_machine_file(file).parameters, meant = with_nuisances(nuisances, nominal, amount);
+  for (const sim::Parameter& parameter : nuisances.parameters) {
+    for (const sim::FileNumber& number : parameter.numbers) EXPECT_EQ(number.of(read), number.of(meant)) << number.key;
   }
 }
 
 TEST(Nuisance, LatencyComesBehindTheParameters) {
-  std::vector<double> amount(nuisance_count(1), 0.0);
-  amount[common_nuisance_count() - 1] = 2.0;
-  EXPECT_DOUBLE_EQ(encoder_latency(amount, 3e-4), 6e-4);
-  EXPECT_EQ(encoder_latency({}, 3e-4), 0.0);
+  const Nuisances nuisances = thesis_nuisances();
+  std::vector<double> amount(nuisances.count(1), 0.0);
+  amount[nuisances.common_count() - 1] = 2.0;
+  EXPECT_DOUBLE_EQ(encoder_latency(nuisances, amount), 6e-4);
+  EXPECT_EQ(encoder_latency(nuisances, {}), 0.0);
 }
 
 // Two amounts per record behind the others; the rate's goes with the pendulum's frequency sqrt(g / L).
 TEST(Nuisance, EachRecordHasItsSwing) {
-  std::vector<double> amount(nuisance_count(2), 0.0);
-  amount[nuisance_count(1)] = 2.0;
-  amount[nuisance_count(1) + 1] = -1.0;
-  EXPECT_EQ(swing_at_start(amount, 0, 40.0).angle, 0.0);
-  EXPECT_DOUBLE_EQ(swing_at_start(amount, 1, 40.0).angle, 2.0 * kSwingDeviation);
-  EXPECT_DOUBLE_EQ(swing_at_start(amount, 1, 40.0).rate, -kSwingDeviation * std::sqrt(9.81 / 40.0));
-  EXPECT_EQ(swing_at_start(amount, 2, 40.0).angle, 0.0);
-  EXPECT_EQ(swing_reach(amount, 0), 0.0);
-  EXPECT_DOUBLE_EQ(swing_reach(amount, 1), std::sqrt(5.0) * kSwingDeviation);
-  EXPECT_EQ(swing_reach(amount, 2), 0.0);
+  Nuisances nuisances = thesis_nuisances();
+  nuisances.rope_length = 40.0;
+  std::vector<double> amount(nuisances.count(2), 0.0);
+  amount[nuisances.count(1)] = 2.0;
+  amount[nuisances.count(1) + 1] = -1.0;
+  EXPECT_EQ(swing_at_start(nuisances, amount, 0).angle, 0.0);
+  EXPECT_DOUBLE_EQ(swing_at_start(nuisances, amount, 1).angle, 2.0 * kSwingDeviation);
+  EXPECT_DOUBLE_EQ(swing_at_start(nuisances, amount, 1).rate, -kSwingDeviation * std::sqrt(9.81 / 40.0));
+  EXPECT_EQ(swing_at_start(nuisances, amount, 2).angle, 0.0);
+  EXPECT_EQ(swing_reach(nuisances, amount, 0), 0.0);
+  EXPECT_DOUBLE_EQ(swing_reach(nuisances, amount, 1), std::sqrt(5.0) * kSwingDeviation);
+  EXPECT_EQ(swing_reach(nuisances, amount, 2), 0.0);
+}
+
+// A machine has only the parameters that it has: no load, no swing.
+TEST(Nuisance, AMachineWithoutALoadHasNoSwing) {
+  const Nuisances nuisances = nuisances_of(sim::describe(sim::load_machine_file(SLEWLAB_SOURCE_DIR "/config/cranes/no_load.yaml")), 3e-4);
+  EXPECT_EQ(nuisances.count(2), nuisances.common_count());
+  EXPECT_EQ(thesis_nuisances().parameters.size() - nuisances.parameters.size(), 4U);  // its mass, its rope, its rod, its damping
+  EXPECT_EQ(swing_at_start(nuisances, std::vector<double>(nuisances.count(2), 1.0), 1).angle, 0.0);
 }
 
 }  // namespace

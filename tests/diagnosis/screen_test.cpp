@@ -15,6 +15,8 @@
 namespace slewlab::diagnosis {
 namespace {
 
+constexpr double kSpellEvery = 0.5;  // [s]
+
 const common::EffectCatalogue& catalogue() {
   static const common::EffectCatalogue of_the_thesis = sim::effects_for(sim::thesis_crane());
   return of_the_thesis;
@@ -71,7 +73,7 @@ TEST(Screen, StartsFromEveryCombinationOfValuesWorthATry) {
   }
   EXPECT_GT(combinations.size(), 3u);
   std::set<std::vector<double>> different;
-  for (const common::EffectInstance& start : starts_of(about, 30.0)) {
+  for (const common::EffectInstance& start : starts_of(about, 30.0, kSpellEvery)) {
     EXPECT_TRUE(different.insert(start.values).second);
   }
   for (const std::vector<double>& values : combinations) EXPECT_TRUE(different.contains(values));
@@ -87,7 +89,7 @@ TEST(Screen, StartsFromEveryCombinationOfValuesWorthATry) {
 TEST(Screen, FindsABeginningAndAnEndFromBeginningsAlone) {
   const common::EffectAbout& about = catalogue().at("hoisting");
   std::vector<Screened> endless;
-  for (const common::EffectInstance& start : starts_of(about, 30.0)) {
+  for (const common::EffectInstance& start : starts_of(about, 30.0, kSpellEvery)) {
     if (start.values[index_of(about, about.spell->duration)] < about.parameters[index_of(about, about.spell->duration)].upper) continue;
     Eigen::VectorXd ramp(600);  // 30 s
     for (Eigen::Index k = 0; k < ramp.size(); ++k) ramp(k) = std::max(0.0, 0.05 * static_cast<double>(k) - start.values[index_of(about, about.spell->begin)]);

@@ -129,8 +129,7 @@ TEST(ServoAxisDiagnosis, FindsTheFrictionThatTheForceBalanceShows) {
   sim::MachineSettings nominal;
   nominal.crane = sim::load_machine_file(kFiles / "crane.yaml", {}).parameters;
   nominal.step = kStep;
-  AdmissionSettings admission;
-  admission.total_ratio = sim::total_ratio(nominal.crane.drive);
+  const AdmissionSettings admission = thresholds_of(sim::describe(nominal.crane)).admission;
   DiagnosisSettings settings;
   settings.threads = 2;
   const Diagnosis found = diagnose(nominal, std::nullopt,
@@ -169,7 +168,7 @@ TEST(ServoAxisDiagnosis, FindsTheFrictionThatTheForceBalanceShows) {
   }
 
   sim::MachineSettings improved = nominal;
-  improved.crane = with_nuisances(improved.crane, cause.point.nuisance);
+  improved.crane = with_nuisances(found.nuisances, improved.crane, cause.point.nuisance);
   improved.effects = cause.point.effects;
   const Gap before = closed_loop_gap(nominal, rows);
   const Gap after = closed_loop_gap(improved, rows);

@@ -10,6 +10,10 @@ namespace {
 
 constexpr std::size_t kCount = 30000;  // 30 s at 1 kHz
 
+// Of noise that is white: no corner.
+const WhiteningSettings kSettings{.highest_frequency = 40.0, .lowest_frequency = 0.02, .noise_corner = 0.0, .encoder_noise_from = 20.0, .soft_edge = 0.4,
+                                  .least_torque = 1e-6, .least_acceleration = 1e-6};
+
 std::vector<double> white(double deviation, unsigned seed) {
   std::mt19937 generator(seed);
   std::normal_distribution<double> normal(0.0, deviation);
@@ -48,8 +52,7 @@ double mean_square(const Whitening& whitening, const Shadow& shadow, std::size_t
 // The definition of the weights: noise alone leaves numbers of variance 1. About 2400 of them, so within 5 sigma of it.
 TEST(Whitening, NoiseAloneHasVarianceOne) {
   const Record record = noisy_record();
-  WhiteningSettings settings;
-  settings.noise_corner = 0.0;  // this noise is white
+  const WhiteningSettings settings = kSettings;
   const Whitening whitening =
       make_whitening(record, std::vector<bool>(kCount, true), {1.0, 1.0, 0.0, 1.0}, shadow_of(record.acceleration[kTip]), settings);
   ASSERT_EQ(whitening.channels.size(), 2U);
@@ -63,7 +66,7 @@ TEST(Whitening, ForgetsWhatIsNotTrusted) {
   std::vector<bool> trusted(kCount, true);
   std::fill(trusted.begin() + 10000, trusted.begin() + 15000, false);
   const Whitening whitening =
-      make_whitening(record, trusted, {1.0, 1.0, 0.0, 1.0}, shadow_of(record.acceleration[kTip]), {});
+      make_whitening(record, trusted, {1.0, 1.0, 0.0, 1.0}, shadow_of(record.acceleration[kTip]), kSettings);
   std::vector<double> difference = white(0.01, 4);
   const Eigen::VectorXd before = whiten(whitening, shadow_of(difference));
   std::fill(difference.begin() + 10000, difference.begin() + 15000, 100.0);

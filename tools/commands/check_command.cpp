@@ -88,7 +88,12 @@ void check_machine(const sim::MachineFile& crane, double plant_step, const std::
   const std::vector<common::EffectInstance> effects = check_effects(crane, problems);
   if (!problems.empty() || crane.parameters.boom.element_count > kMostElements) return;
   try {
-    sim::make_machine({.crane = crane.parameters, .effects = effects, .step = plant_step});
+    sim::MachineSettings settings;
+    settings.crane = crane.parameters;
+    settings.drive_protection = crane.drive_protection;
+    settings.effects = effects;
+    settings.step = plant_step;
+    sim::make_machine(settings);
   } catch (const std::invalid_argument& error) {
     const bool by_effect = !effects.empty();
     problems.push_back({by_effect ? crane.effects.mark : common::SourceMark{file.string(), 0, 0}, by_effect ? "effects" : "",

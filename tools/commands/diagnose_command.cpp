@@ -37,7 +37,8 @@ namespace {
 
 constexpr double kWorthNaming = 0.05;  // probability that an effect acts, from which the page says so
 constexpr double kLineInterval = 2.0;  // [s] between progress lines where there is no terminal
-constexpr double kHighestMarked = 20.0;  // [Hz] the upper edge of the page's spectrogram
+// The page's spectrogram: up to half the highest frequency that is judged, over windows of two characteristic times.
+constexpr double kShownShare = 0.5, kShownWindow = 2.0;
 
 using diagnosis::Cause;
 using diagnosis::Diagnosis;
@@ -57,19 +58,21 @@ ToldApartBy told_apart_by(const sim::MachineSettings& nominal, const std::option
         std::find_if(found.causes.begin(), found.causes.end(), [&](const Cause& cause) { return name_of(cause) == alike.name; });
     if (other == found.causes.end()) return {};
     best.push_back(
-        diagnosis::separations(diagnosis::machine_at(nominal, first.point), diagnosis::machine_at(nominal, other->point), *controller)
+        diagnosis::separations(diagnosis::machine_at(nominal, found.nuisances, first.point),
+                               diagnosis::machine_at(nominal, found.nuisances, other->point), *controller)
             .front());
   }
   return best;
 }
 
-nlohmann::json to_json(const Cause& cause) {
+nlohmann::json to_json(const Cause& cause, const std::vector<sim::Parameter>& parameters) {
   nlohmann::json json{{"effects", cause.effects},
                       {"probability", cause.probability},
                       {"explained_share", cause.explained},
                       {"excess", cause.excess},
                       {"prior", cause.prior},
                       {"mean_square_left", cause.mean_square},
+                      {"fit_ended", diagnosis::name_of(cause.ending)},
                       {"cannot_be_told_from", nlohmann::json::array()}};
   for (const diagnosis::Alike& other : cause.group) {
     json["cannot_be_told_from"].push_back({{"cause", other.name}, {"signature_apart", other.apart}});
@@ -78,9 +81,8 @@ nlohmann::json to_json(const Cause& cause) {
     json["sizes"].push_back({{"parameter", size.parameter}, {"value", size.value}, {"unit", size.unit},
                              {"low_90", size.low}, {"high_90", size.high}});
   }
-  const auto& nuisances = diagnosis::nuisances();
-  for (std::size_t k = 0; k < std::min(nuisances.size(), cause.point.nuisance.size()); ++k) {
-    json["parameters"][std::string(nuisances[k].name)] = 1.0 + nuisances[k].spread * cause.point.nuisance[k];
+  for (std::size_t k = 0; k < std::min(parameters.size(), cause.point.nuisance.size()); ++k) {
+    json["parameters"][std::string(parameters[k].name)] = 1.0 + parameters[k].spread * cause.point.nuisance[k];
   }
   return json;
 }
@@ -113,7 +115,7 @@ nlohmann::json to_json(const Diagnosis& diagnosis) {
     json["controller_replay"].push_back({{"torque_rms_nm", replay.torque_rms}, {"difference_rms_nm", replay.difference_rms},
                                          {"largest_difference_nm", replay.largest_difference}, {"at_s", replay.largest_time}});
   }
-  for (const Cause& cause : diagnosis.causes) json["causes"].push_back(to_json(cause));
+  for (const Cause& cause : diagnosis.causes) json["causes"].push_back(to_json(cause, diagnosis.nuisances.parameters));
   return json;
 }
 
@@ -277,11 +279,11 @@ std::string summary_text(const Diagnosis& diagnosis, const ToldApartBy& apart, c
 }
 
 // Of the nominal crane's boom and gears, with the boom cut as fits cut it; none of a crane that has neither.
-nlohmann::json modes_json(const sim::MachineSettings& nominal) {
+nlohmann::json modes_json(const sim::MachineSettings& nominal, double highest) {
   nlohmann::json modes = nlohmann::json::array();
-  for (const sim::Mode& mode : sim::crane_modes(diagnosis::machine_at(nominal, {}).crane)) {
+  for (const sim::Mode& mode : sim::crane_modes(diagnosis::machine_at(nominal, {}, {}).crane)) {
     if (mode.kind == sim::ModeKind::kRigid || mode.kind == sim::ModeKind::kLoad) continue;
-    if (mode.frequency > kHighestMarked) break;
+    if (mode.frequency > highest) break;
     modes.push_back({{"name", fmt::format("{} {}", sim::name_of(mode.kind), mode.count)}, {"frequency_hz", mode.frequency}});
   }
   return modes;
@@ -337,18 +339,19 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
   try {
     const common::InputProblems problems = problems_of(options);
     if (!problems.empty()) throw common::InputError(problems);
-    const sim::MachineSettings nominal = sim::machine_settings(sim::load_machine_file(options.crane));
+    const sim::MachineFile crane = sim::load_machine_file(options.crane);
+    const sim::MachineSettings nominal = sim::machine_settings(crane);
     std::optional<controller::ControllerSettings> controller;
     if (!options.controller.empty()) controller = controller::load_controller_file(options.controller).settings;
 
-    const diagnosis::AdmissionSettings admission = diagnosis::admission_for(nominal.crane, controller ? controller->rated_torque : 0.0);
+    const diagnosis::Thresholds thresholds = diagnosis::thresholds_of(sim::describe(crane));
     std::vector<Record> records;
     bool is_damaged = false;  // one of the logs
     for (const std::filesystem::path& log : options.logs) {
       const msgs::RunLogs logs = msgs::read_run_logs(log);
       for (std::size_t r = 0; r < logs.runs.size(); ++r) {
         const std::string name = logs.runs.size() == 1 ? log.string() : fmt::format("{} run {}", log.string(), r + 1);
-        records.push_back(diagnosis::make_record(logs.runs[r], name, admission));
+        records.push_back(diagnosis::make_record(logs.runs[r], name, thresholds.admission));
       }
       is_damaged = is_damaged || logs.lost_bytes > 0 || logs.lost_messages > 0;
       for (const std::string& remark : logs.remarks) records.back().remarks.push_back(log.string() + ": " + remark);
@@ -389,7 +392,7 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
       const Point& unbiased = found.held_out ? found.held_out->point : first.point;
       const double from_time = found.held_out ? found.held_out->from_time : last.start_time;
       predicted = {diagnosis::predict(nominal, *controller, last, from_time),
-                   diagnosis::predict(diagnosis::machine_at(nominal, unbiased), explained_controller, last, from_time)};
+                   diagnosis::predict(diagnosis::machine_at(nominal, found.nuisances, unbiased), explained_controller, last, from_time)};
       json["gaps_on"] = place;
       for (std::size_t i = 0; i < predicted->before.gaps.size(); ++i) {
         const diagnosis::SignalGap& before = predicted->before.gaps[i];
@@ -400,9 +403,11 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
     const auto stride = static_cast<std::size_t>(std::max(1L, std::lround(0.01 / last.step)));
     findings.write("series.csv", series_text(last, found.followed, predicted, stride));
     json["crane"] = std::filesystem::absolute(options.crane).string();
-    json["modes"] = modes_json(nominal);
+    const double highest_shown = kShownShare * thresholds.whitening.highest_frequency;
+    json["spectrogram"] = {{"highest_hz", highest_shown}, {"window_s", kShownWindow * thresholds.time}};
+    json["modes"] = modes_json(nominal, highest_shown);
     findings.write("diagnosis.json", json.dump(2) + "\n");
-    const sim::MachineSettings explained = diagnosis::machine_at(nominal, answer.point);
+    const sim::MachineSettings explained = diagnosis::machine_at(nominal, found.nuisances, answer.point);
     const std::vector<common::EffectInstance>& effects = explained.effects;
     std::string text = fmt::format("include: {}\ndescription: The nominal crane with what slewlab diagnose found.\n",
                                    std::filesystem::absolute(options.crane).string());
@@ -414,7 +419,7 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
     findings.write("crane_with_effect.yaml", text);
     findings.write("crane_as_fitted.yaml",
                      "include: crane_with_effect.yaml\ndescription: The same, with the parameters as slewlab diagnose fitted them.\n" +
-                         diagnosis::parameters_text(nominal.crane, answer.point.nuisance, "slewlab diagnose"));
+                         diagnosis::parameters_text(found.nuisances, nominal.crane, answer.point.nuisance, "slewlab diagnose"));
     std::filesystem::remove(options.out / "controller_with_effect.yaml");  // of a diagnosis before, which found something there
     if (!answer.controller_effects.empty()) {
       findings.write("controller_with_effect.yaml",

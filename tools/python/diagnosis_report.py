@@ -78,13 +78,13 @@ def missing_figure(series, after):
     return figure
 
 
-def spectrogram_figure(series, modes):
+def spectrogram_figure(series, modes, shown):
     if "tip_before" in series:
         signal, unit, title = series["tip"] - series["tip_before"], "m/s²", "Where and when the tip differs from the nominal crane"
     else:
         signal, unit, title = series["missing_torque"], "Nm", "Where and when the motors of group 1 miss torque"
     step = float(series["time_s"].iloc[1] - series["time_s"].iloc[0])
-    window = int(round(2.0 / step))
+    window = max(2, min(len(signal) // 2, int(round(shown["window_s"] / step))))
     hop = max(1, window // 8)
     shape = numpy.hanning(window)
     columns, times = [], []
@@ -92,7 +92,7 @@ def spectrogram_figure(series, modes):
         columns.append(numpy.abs(numpy.fft.rfft(signal.to_numpy()[start:start + window] * shape)) * 2 / shape.sum())
         times.append(float(series["time_s"].iloc[start + window // 2]))
     frequency = numpy.fft.rfftfreq(window, step)
-    keep = frequency <= 20
+    keep = frequency <= shown["highest_hz"]
     levels = 20 * numpy.log10(numpy.maximum(1e-6, numpy.array(columns).T[keep]))
     figure = graph.Figure(graph.Heatmap(x=times, y=frequency[keep], z=levels, colorscale="Viridis",
                                         colorbar={"title": f"dB of 1 {unit}"}))
@@ -116,7 +116,7 @@ def page(directory):
     figures = [probability_figure(found)]
     if "torque_before" in series:  # a controller was given, so that there is a closed loop to predict
         figures.append(series_figure(series, after))
-    figures += [spectrogram_figure(series, found["modes"]), missing_figure(series, after)]
+    figures += [spectrogram_figure(series, found["modes"], found["spectrogram"]), missing_figure(series, after)]
     body = "".join(figure.to_html(full_html=False, include_plotlyjs=index == 0)
                    for index, figure in enumerate(figures))
     return (f"<!doctype html><meta charset='utf-8'><title>slewlab diagnosis</title>"

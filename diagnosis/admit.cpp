@@ -1,0 +1,99 @@
+#include "diagnosis/admit.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "diagnosis/plausibility.h"
+#include "sim/effects/catalogue.h"
+#include "sim/machine/effect_scales.h"
+
+namespace slewlab::diagnosis {
+
+namespace {
+
+constexpr double kLeastTrusted = 0.3;      // share of a record that must lie away from impacts
+constexpr double kAllTrusted = 0.999;      // share from which nothing is said of impacts
+constexpr double kSlowFollower = 4.0;      // by which the observer is slower behind coarse counts, or they would shake its boom
+constexpr double kCoarseDiscrepancy = 5.0;  // by which mesh and step miss more there
+// Of the encoders' period: what was read is as old as anything between two readings, a standard deviation of 1 / sqrt(12).
+constexpr double kLatencyOfPeriod = 0.3;
+
+void check_same_groups(const Record& record, const sim::CraneParameters& nominal) {
+  if (record.group_count == nominal.drive.group_count) return;
+  throw NotAdmitted(fmt::format("{}: the log has {} motor groups, the nominal crane {}: another crane?", record.name, record.group_count,
+                                nominal.drive.group_count));
+}
+
+void check_followed(const Record& record, const Shadow& follower) {
+  for (int g = 0; g < record.group_count; ++g) {
+    const std::vector<double>& missing = follower.missing_torque[static_cast<std::size_t>(g)];
+    if (std::all_of(missing.begin(), missing.end(), [](double torque) { return std::isfinite(torque); })) continue;
+    throw NotAdmitted(fmt::format("{}: the nominal crane cannot follow this record at all; check its inertias, its gear ratios and the record's units",
+                                  record.name));
+  }
+}
+
+}  // namespace
+
+bool has_coarse_counts(const std::vector<Record>& records) {
+  return std::any_of(records.begin(), records.end(), [](const Record& record) { return record.encoder_quantum >= kCoarseCount; });
+}
+
+WhiteningSettings whitening_for(const Thresholds& thresholds, bool is_coarse) {
+  WhiteningSettings whitening = thresholds.whitening;
+  if (is_coarse) whitening.discrepancy_share *= kCoarseDiscrepancy;
+  return whitening;
+}
+
+void set_machine(const sim::MachineSettings& nominal, const std::vector<Record>& records, Problem& problem) {
+  const sim::MachineDescription machine = sim::describe(nominal.crane);
+  problem.thresholds = thresholds_of(machine);
+  problem.nominal = nominal;
+  if (!problem.nominal.scales) problem.nominal.scales = sim::effect_scales(nominal.crane, nominal.drive_protection);
+  problem.catalogue = sim::effects_for(problem.nominal);
+  problem.nominal.crane.boom.highest_frequency = problem.thresholds.highest_mode;
+  double period = 0.0;
+  for (const Record& record : records) period = std::max(period, record.encoder_period);
+  const bool is_coarse = has_coarse_counts(records);
+  const double latency = is_coarse ? problem.thresholds.coarse_latency : problem.thresholds.latency;
+  problem.nuisances = nuisances_of(machine, std::max(latency, kLatencyOfPeriod * period));
+  ShadowSettings observer = not_faster_than(problem.thresholds.shadow, period);
+  if (is_coarse) {
+    observer.speed_rate /= kSlowFollower;
+    observer.position_rate /= kSlowFollower * kSlowFollower;
+  }
+  problem.gains = shadow_gains(machine.scales, observer);
+}
+
+Followed admit(std::vector<Record> records, const WhiteningSettings& whitening, Problem& problem, std::vector<std::string>& remarks) {
+  Followed followed;
+  std::string not_judged;  // the records that are left out, with the reason
+  for (Record& record : records) {
+    check_same_groups(record, problem.nominal.crane);
+    remarks.insert(remarks.end(), record.remarks.begin(), record.remarks.end());
+    Shadow follower = shadow(problem.nominal, record, problem.gains);
+    check_followed(record, follower);
+    check_torques(record, follower, problem.nominal, problem.thresholds.admission);
+    const std::vector<bool> trusted = trusted_stretches(record, follower, whitening);
+    const double share = static_cast<double>(std::count(trusted.begin(), trusted.end(), true)) / static_cast<double>(record.size());
+    if (share < kLeastTrusted) {
+      not_judged += fmt::format("{}{}: only {:.0f} % of the record lies away from impacts of the gears, at least {:.0f} % are needed",
+                                not_judged.empty() ? "" : "; ", record.name, 100.0 * share, 100.0 * kLeastTrusted);
+      continue;
+    }
+    if (share < kAllTrusted) {
+      remarks.push_back(fmt::format("{}: {:.0f} % of the record lie near impacts of the gears and are not judged", record.name,
+                                    100.0 * (1.0 - share)));
+    }
+    problem.whitening.push_back(make_whitening(record, trusted, problem.gains, follower, whitening));
+    followed = {record.name, std::move(follower), {}};  // the last one stays
+    problem.records.push_back(std::move(record));
+  }
+  if (problem.records.empty()) throw NotAdmitted(not_judged + "; switch play compensation on, or accelerate more gently");
+  if (!not_judged.empty()) remarks.push_back(not_judged + "; left out, the answer stands on the other records");
+  return followed;
+}
+
+}  // namespace slewlab::diagnosis

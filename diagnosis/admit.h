@@ -1,0 +1,27 @@
+// From records to the problem that every fit works on: what cannot be judged is refused, the rest gets the observer's gains and the
+// whitening of its differences.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "diagnosis/fit.h"
+#include "diagnosis/validate.h"
+
+namespace slewlab::diagnosis {
+
+// Whether some record's encoders count so coarsely that their noise rules the torques.
+bool has_coarse_counts(const std::vector<Record>& records);
+
+// How differences are whitened behind the thresholds: where counts are coarse mesh and step miss more, because the controller's steps
+// shake the high modes.
+WhiteningSettings whitening_for(const Thresholds& thresholds, bool is_coarse);
+
+// Sets nominal machine, thresholds, nuisances and gains. Throws std::invalid_argument where the machine cannot be described.
+void set_machine(const sim::MachineSettings& nominal, const std::vector<Record>& records, Problem& problem);
+
+// Takes the records into the problem, each with its whitening. Those of which too little lies away from impacts are left out, and
+// remarked. Gives the last one that is judged, as the nominal machine follows it. Throws NotAdmitted.
+Followed admit(std::vector<Record> records, const WhiteningSettings& whitening, Problem& problem, std::vector<std::string>& remarks);
+
+}  // namespace slewlab::diagnosis

@@ -1,0 +1,95 @@
+#include "diagnosis/least_squares.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <functional>
+#include <limits>
+
+namespace slewlab::diagnosis {
+namespace {
+
+constexpr std::array<double, 4> kDampings{0.0, 0.1, 1.0, 10.0};
+
+// The sum of squares of residuals with a Jacobian, within bounds.
+struct Residuals {
+  std::function<Eigen::VectorXd(const Eigen::VectorXd&)> residual;
+  std::function<Eigen::MatrixXd(const Eigen::VectorXd&)> jacobian;
+  double lower = -1e300, upper = 1e300;
+};
+
+struct Result {
+  Eigen::VectorXd x;
+  Descent descent;
+};
+
+Result solve(const Residuals& problem, Eigen::VectorXd x, const DescentSettings& settings) {
+  Eigen::VectorXd trial;
+  Descending here;
+  here.model = [&]() -> LocalModel {
+    const Eigen::MatrixXd jacobian = problem.jacobian(x);
+    return {jacobian.transpose() * jacobian, jacobian.transpose() * problem.residual(x)};
+  };
+  here.attempt = [&](const Eigen::VectorXd& step) -> std::optional<double> {
+    trial = (x + step).cwiseMax(problem.lower).cwiseMin(problem.upper);
+    if (trial == x) return std::nullopt;
+    return problem.residual(trial).squaredNorm();
+  };
+  here.accept = [&] { x = trial; };
+  const Descent descent = descend(here, problem.residual(x).squaredNorm(), settings);
+  return {x, descent};
+}
+
+// A straight line through (0, 1), (1, 2), (2, 4): normal equations give 5/6 + 3/2 t, and leave 1/6.
+const Residuals kLine{[](const Eigen::VectorXd& x) -> Eigen::VectorXd {
+                        return Eigen::Vector3d(x(0) - 1.0, x(0) + x(1) - 2.0, x(0) + 2.0 * x(1) - 4.0);
+                      },
+                      [](const Eigen::VectorXd&) -> Eigen::MatrixXd { return (Eigen::MatrixXd(3, 2) << 1, 0, 1, 1, 1, 2).finished(); }};
+
+TEST(LeastSquares, OneStepSolvesALinearProblem) {
+  const Result result = solve(kLine, Eigen::Vector2d(10.0, -7.0), {10, kDampings, 0.0, 1e-12});
+  EXPECT_NEAR(result.x(0), 5.0 / 6.0, 1e-12);
+  EXPECT_NEAR(result.x(1), 1.5, 1e-12);
+  EXPECT_NEAR(result.descent.cost, 1.0 / 6.0, 1e-12);
+  EXPECT_LE(result.descent.iterations, 2);
+}
+
+// Rosenbrock's valley as residuals 10 (y - x^2) and 1 - x: the least is 0 at (1, 1).
+TEST(LeastSquares, FollowsACurvedValley) {
+  constexpr std::array<double, 6> kFine{0.0, 0.1, 1.0, 10.0, 100.0, 1000.0};
+  const Residuals valley{[](const Eigen::VectorXd& x) -> Eigen::VectorXd { return Eigen::Vector2d(10.0 * (x(1) - x(0) * x(0)), 1.0 - x(0)); },
+                         [](const Eigen::VectorXd& x) -> Eigen::MatrixXd { return (Eigen::Matrix2d() << -20.0 * x(0), 10.0, -1.0, 0.0).finished(); }};
+  const Result result = solve(valley, Eigen::Vector2d(-1.2, 1.0), {2000, kFine, 0.0, 0.0});
+  EXPECT_NEAR(result.x(0), 1.0, 1e-9);
+  EXPECT_NEAR(result.x(1), 1.0, 1e-9);
+}
+
+// atan(x) from 2: full Gauss-Newton steps run away beyond 1.39, damped ones do not.
+TEST(LeastSquares, IsHeldBackWhereAFullStepIsTooBold) {
+  const Residuals bend{[](const Eigen::VectorXd& x) -> Eigen::VectorXd { return Eigen::VectorXd::Constant(1, std::atan(x(0))); },
+                       [](const Eigen::VectorXd& x) -> Eigen::MatrixXd { return Eigen::MatrixXd::Constant(1, 1, 1.0 / (1.0 + x(0) * x(0))); }};
+  EXPECT_NEAR(solve(bend, Eigen::VectorXd::Constant(1, 2.0), {50, kDampings, 0.0, 0.0}).x(0), 0.0, 1e-9);
+  constexpr std::array<double, 1> kFull{0.0};
+  const Result full = solve(bend, Eigen::VectorXd::Constant(1, 2.0), {50, kFull, 0.0, 0.0});
+  EXPECT_EQ(full.x(0), 2.0);
+  EXPECT_EQ(full.descent.ending, Ending::no_descent);
+}
+
+TEST(LeastSquares, SaysWhyItEnded) {
+  const Eigen::VectorXd start = Eigen::Vector2d(10.0, -7.0);
+  EXPECT_EQ(solve(kLine, start, {1, kDampings, 0.0, 0.0}).descent.ending, Ending::most_iterations);
+  EXPECT_EQ(solve(kLine, start, {10, kDampings, 1e9, 0.0}).descent.ending, Ending::settled);
+  Residuals bounded = kLine;
+  bounded.lower = bounded.upper = 0.0;
+  EXPECT_EQ(solve(bounded, Eigen::Vector2d(0.0, 0.0), {10, kDampings, 0.0, 0.0}).descent.ending, Ending::at_the_bounds);
+  Residuals broken = kLine;
+  broken.jacobian = [](const Eigen::VectorXd&) -> Eigen::MatrixXd { return Eigen::MatrixXd::Constant(3, 2, std::numeric_limits<double>::quiet_NaN()); };
+  const Result lost = solve(broken, start, {10, kDampings, 0.0, 0.0});
+  EXPECT_EQ(lost.descent.ending, Ending::no_direction);
+  EXPECT_EQ(lost.x, start);
+  EXPECT_EQ(name_of(Ending::most_iterations), "most iterations");
+}
+
+}  // namespace
+}  // namespace slewlab::diagnosis
