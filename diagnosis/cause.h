@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -9,6 +10,7 @@
 #include "diagnosis/controller_fit.h"
 #include "diagnosis/fit.h"
 #include "diagnosis/screen.h"
+#include "diagnosis/validate.h"
 
 namespace slewlab::diagnosis {
 
@@ -38,6 +40,7 @@ struct Cause {
   Point point;                                              // the machine's part
   std::vector<common::EffectInstance> controller_effects;  // the controller's part
   std::vector<Alike> group;
+  std::optional<Validation> validation;  // nothing where it was not asked for, or its sizes do not come from a fit
 };
 
 // "a", "a with b" or "only parameters are off".

@@ -23,6 +23,7 @@ constexpr double kCoarseNoise = 0.1;   // share by which the noise of coarse cou
 constexpr double kFarOff = 2.6;        // [standard deviations] of a parameter, beyond which it may be another crane
 constexpr double kWorthASwing = 2e-3;  // [rad] of the load at a record's beginning: a five-hundredth of the rope's length
 constexpr std::size_t kMoments = 8;    // that are named
+constexpr int kMostValidated = 4;      // causes that are asked to predict before none is believed
 // On a log of the wire both sides are exact; a thousandth leaves room for logs that were rounded.
 constexpr double kSameTorque = 1e-3;
 // Sum of squares V of the most visible size below which the effect could not be named: s V pays neither price and Occam's share (some 13) nor the
@@ -130,6 +131,92 @@ void name_answer(const Cause& first, Diagnosis& diagnosis) {
   }
 }
 
+// What of a cause's machine can be fitted again on other records; nothing where none of it can, or a part of it is stochastic.
+std::optional<Point> fitted_part(const common::EffectCatalogue& catalogue, const Cause& cause) {
+  Point part = cause.point;
+  if (std::any_of(part.effects.begin(), part.effects.end(), [&](const auto& effect) { return comes_by_chance(catalogue.at(effect.name)); })) return {};
+  std::erase_if(part.effects, [&](const common::EffectInstance& effect) { return !has_fit(catalogue.at(effect.name)); });
+  if (part.effects.empty()) return {};
+  return part;
+}
+
+// Takes a cause's probability and gives it to what is not known, or where the machine without it leaves noise alone, to nothing missing.
+void take_away(double share, bool is_nothing_left, Cause& cause, Diagnosis& diagnosis) {
+  const double taken = share * cause.probability;
+  cause.probability -= taken;
+  const auto nothing = std::find_if(diagnosis.causes.begin(), diagnosis.causes.end(), [](const Cause& one) { return one.effects.empty(); });
+  (is_nothing_left && nothing != diagnosis.causes.end() ? nothing->probability : diagnosis.probability_unknown) += taken;
+}
+
+// Where nothing is missing for sure, nothing unknown is either.
+void take_from_unknown(Diagnosis& diagnosis) {
+  const auto nothing = std::find_if(diagnosis.causes.begin(), diagnosis.causes.end(), [](const Cause& one) { return one.effects.empty(); });
+  if (nothing == diagnosis.causes.end()) return;
+  nothing->probability += diagnosis.probability_unknown;
+  diagnosis.probability_unknown = 0.0;
+}
+
+// No cause leads that does not predict data that were not fitted better than the nominal machine and than parameters alone.
+void validate_lead(const common::EffectCatalogue& catalogue, const std::optional<controller::ControllerSettings>& controller, HeldOutData& held_out,
+                   Diagnosis& diagnosis) {
+  std::optional<ValidationError> nominal, parameters;
+  for (int tried = 0;; ++tried) {
+    sort_causes(diagnosis.causes);
+    Cause& lead = diagnosis.causes.front();
+    if (lead.effects.empty() || lead.validation || diagnosis.probability_unknown > lead.probability) return;
+    const std::optional<Point> part = fitted_part(catalogue, lead);
+    if (!part) return;
+    if (!nominal) {
+      Point none;
+      nominal = held_out.error(none, controller);
+      parameters = held_out.error(held_out.fit(none).point, controller);
+    }
+    const bool is_nothing_left = std::min(nominal->residual_ratio, parameters->residual_ratio) <= 1.0;
+    if (tried == kMostValidated) {
+      for (Cause& cause : diagnosis.causes) {
+        if (!cause.effects.empty()) take_away(1.0, is_nothing_left, cause, diagnosis);
+      }
+      diagnosis.remarks.push_back("no cause that was tried predicts data that were not fitted better than the nominal machine");
+      continue;
+    }
+    HeldOut fitted = held_out.fit(*part);
+    Validation validation{*nominal, *parameters, {}, false};
+    std::optional<controller::ControllerSettings> with = controller;
+    if (with) with = controller::with_effects(*controller, lead.controller_effects);
+    validation.cause = held_out.error(fitted.point, with);
+    validation.holds = held_out.is_better(validation.cause, *nominal) && held_out.is_better(validation.cause, *parameters);
+    lead.validation = validation;
+    if (validation.holds) {
+      diagnosis.held_out = std::move(fitted);
+      return;
+    }
+    take_away(1.0, is_nothing_left, lead, diagnosis);
+  }
+}
+
+// An effect that was fitted to the end of its range is at best half an answer: a larger one would fit better.
+void doubt_ends_of_ranges(const common::EffectCatalogue& catalogue, Diagnosis& diagnosis) {
+  constexpr double kAtTheEnd = 1e-6;  // of the range
+  for (Cause& cause : diagnosis.causes) {
+    for (const common::EffectInstance& effect : cause.point.effects) {
+      const common::EffectAbout& about = catalogue.at(effect.name);
+      for (std::size_t p = 0; p < effect.values.size(); ++p) {
+        const common::EffectParameter& parameter = about.parameters[p];
+        const double range = parameter.upper - parameter.lower, value = effect.values[p];
+        if (!std::isfinite(range) || is_all_round(parameter)) continue;
+        const bool is_at_upper = value > parameter.upper - kAtTheEnd * range;
+        const bool is_at_lower = value < parameter.lower + kAtTheEnd * range && !(parameter.absent && *parameter.absent <= parameter.lower);
+        if (!is_at_upper && !is_at_lower) continue;
+        if (&cause == &diagnosis.causes.front()) {
+          diagnosis.remarks.push_back(fmt::format("{}.{} was fitted to the {} end of its range, {:.3g} {}", effect.name, parameter.name,
+                                                  is_at_upper ? "upper" : "lower", value, common::name_of(parameter.unit)));
+        }
+        take_away(0.5, false, cause, diagnosis);
+      }
+    }
+  }
+}
+
 // What the answer's parameters say: swings of the load, and parameters that had to go farther than machines of one make differ.
 void remark_parameters(const Problem& problem, const Point& answer, Diagnosis& diagnosis) {
   std::string far;
@@ -208,6 +295,20 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   diagnosis.counts = add_counts(problem, settings.without, ranking);
   diagnosis.causes = std::move(ranking.causes);
   diagnosis.probability_unknown = ranking.unknown;
+  if (diagnosis.mean_square_nominal <= 1.0 && !diagnosis.controller_differs) {
+    // The nominal machine leaves no more than noise: what fits this better fits noise.
+    for (Cause& cause : diagnosis.causes) {
+      if (!cause.effects.empty() && diagnosis.counts == 0.0) take_away(1.0, true, cause, diagnosis);
+    }
+    take_from_unknown(diagnosis);
+  }
+  doubt_ends_of_ranges(problem.catalogue, diagnosis);
+  if (settings.hold_out && !diagnosis.causes.empty()) {
+    tell(kHoldOut.from, "fitting without the last record");
+    HeldOutData held_out(problem, whitening, diagnosis.followed.nominal);
+    validate_lead(problem.catalogue, controller, held_out, diagnosis);
+    problem.simulations += held_out.simulations();
+  }
   sort_causes(diagnosis.causes);
   const common::EffectCatalogue known = controller ? joined(problem.catalogue, controller::effects_for(*controller)) : problem.catalogue;
   add_up(known, diagnosis);
@@ -221,11 +322,6 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   const auto is_fitted = [&](const common::EffectInstance& effect) { return has_fit(known.at(effect.name)); };
   std::erase_if(followed.effects, [&](const common::EffectInstance& effect) { return !is_fitted(effect); });
   diagnosis.followed.explained = shadow_at(problem, followed, problem.records.size() - 1);
-  const bool has_a_fit = std::all_of(first.point.effects.begin(), first.point.effects.end(), is_fitted);
-  if (settings.hold_out && has_a_fit && !first.point.nuisance.empty()) {
-    tell(kHoldOut.from, "fitting the answer without the last record");
-    diagnosis.held_out = fit_without_last(problem, whitening, diagnosis.followed.nominal, first.point);
-  }
   diagnosis.simulations = problem.simulations;
   diagnosis.simulation_seconds = 1e-9 * static_cast<double>(problem.simulation_time);
   diagnosis.total_seconds = seconds_since(start_time);

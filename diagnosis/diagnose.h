@@ -25,7 +25,7 @@ struct DiagnosisSettings {
   std::vector<std::string> without;  // effects that are left out of the catalogue
   SearchSettings search;
   std::optional<double> noise_corner;  // [Hz] of the accelerometers, where their data sheet names another than the description's
-  bool hold_out = false;             // fit the answer's sizes once more, without the last record
+  bool hold_out = true;              // a cause leads only if it predicts the last record, fitted without it
   int threads = 1;
 };
 

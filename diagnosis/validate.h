@@ -1,9 +1,18 @@
-// What there is to judge an answer by besides its fit: the last record as the machines follow it, and the answer fitted again without a part
-// of what was measured, so that there is something to predict.
+// Prediction of data that were not fitted. The last record, or of a single one its second half, is held out; a hypothesis is fitted to
+// the rest from the nominal machine, and judged by what it leaves of the part held out:
+//
+//   residual variance ratio      of the observer's missing torques and accelerations there, 1 = noise only
+//   relative closed-loop error   of the simulation from the operator's commands alone, where the controller is known
+//
+// against the nominal machine and against parameters alone. The swing of the load when the held-out record begins is no property of the
+// machine: it is fitted there, for every hypothesis alike.
 #pragma once
 
+#include <memory>
+#include <optional>
 #include <string>
 
+#include "controller/controller.h"
 #include "diagnosis/fit.h"
 
 namespace slewlab::diagnosis {
@@ -21,11 +30,38 @@ struct Followed {
   Shadow nominal, explained;
 };
 
+// What a hypothesis leaves of the data held out.
+struct ValidationError {
+  double residual_ratio = 0.0;
+  std::optional<double> closed_loop;
+};
+
+struct Validation {
+  ValidationError nominal, parameters, cause;
+  bool holds = false;  // the cause predicts better than either
+};
+
 // Whether the effect's sizes come from a fit that can be repeated on other records: not read off a record, not stochastic.
 bool has_fit(const common::EffectAbout& effect);
 
-// The cause fitted once more, from the nominal machine, without the last record, or of a single one without its second half: that is
-// taken out of the problem for good. `follower` is the nominal machine's shadow of it.
-HeldOut fit_without_last(Problem& problem, const WhiteningSettings& settings, const Shadow& follower, const Point& answer);
+// The records of a problem in two parts.
+class HeldOutData {
+ public:
+  // `follower` is the nominal machine's shadow of the last record.
+  HeldOutData(const Problem& problem, const WhiteningSettings& settings, const Shadow& follower);
+
+  // The hypothesis of `answer` fitted from the nominal machine to what is not held out.
+  HeldOut fit(const Point& answer);
+  ValidationError error(const Point& point, const std::optional<controller::ControllerSettings>& controller);
+  // Whether the cause's residual falls by more than chance lets it, and its closed loop does not get worse.
+  bool is_better(const ValidationError& cause, const ValidationError& than) const;
+
+  std::int64_t simulations() const { return fitted_->simulations + predicted_->simulations; }
+
+ private:
+  std::unique_ptr<Problem> fitted_, predicted_;
+  double from_time_ = 0.0;  // [s]
+  bool is_half_ = false;
+};
 
 }  // namespace slewlab::diagnosis

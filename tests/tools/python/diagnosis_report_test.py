@@ -21,6 +21,7 @@ class DiagnosisReportTest(unittest.TestCase):
         self.addCleanup(temporary.cleanup)
         self.folder = Path(temporary.name)
         self.found = {"verdict": "The controller differs.", "causes": [], "modes": [],
+                      "spectrogram": {"highest_hz": 10.0, "window_s": 1.0},
                       "probability_not_in_the_catalogue": 1.0}
         (self.folder / "summary.txt").write_text("Is there a gap? Yes.\n")
         rows = [",".join(COLUMNS)] + [",".join([f"{0.01 * n:.2f}"] + ["0.5"] * (len(COLUMNS) - 1)) for n in range(500)]
