@@ -15,8 +15,8 @@ namespace {
 
 constexpr int kBlocksPerRecord = 6;        // contiguous, left out in turn; chosen: each still holds several moves
 constexpr double kSignificance = 2.0;      // [standard errors] by which an addition must help the left-out blocks
-constexpr double kLeastShare = 1e-4;       // of the gap, below which an addition is not worth a word
 constexpr double kDiscrepancy = 0.02;      // amplitude, as a share of the gap's: laws of real machines are known no better
+constexpr double kLeastShare = kDiscrepancy * kDiscrepancy;  // of the gap, below which an addition is what a known law leaves
 constexpr double kTermPrior = 0.25;        // odds of one law more
 constexpr double kUnknownPrior = 0.05;     // of a law outside the catalogue
 constexpr std::size_t kMostTerms = 6;      // beside the inertia

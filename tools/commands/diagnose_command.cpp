@@ -18,6 +18,7 @@
 #include "common/stop_signal.h"
 #include "controller/controller_file.h"
 #include "controller/effects/catalogue.h"
+#include "diagnosis/balance/axis_diagnosis.h"
 #include "diagnosis/decimation.h"
 #include "diagnosis/diagnose.h"
 #include "diagnosis/discriminate.h"
@@ -27,9 +28,10 @@
 #include "sim/drive/scenario_run.h"
 #include "sim/machine/machine_file.h"
 #include "sim/effects/catalogue.h"
+#include "tools/commands/diagnose_axis.h"
+#include "tools/commands/findings.h"
 #include "tools/commands/python_command.h"
 #include "tools/commands/status_line.h"
-#include "tools/commands/whole_file.h"
 
 namespace slewlab::tools {
 
@@ -158,34 +160,6 @@ std::string series_text(const Record& record, const diagnosis::Followed& followe
   }
   return text;
 }
-
-// What is written into the folder of the findings; where the disk is full, all of it goes again.
-class Findings {
- public:
-  explicit Findings(std::filesystem::path folder) : folder_(std::move(folder)), is_new_(!std::filesystem::exists(folder_)) {
-    std::filesystem::create_directories(folder_);
-  }
-  ~Findings() {
-    if (is_whole_) return;
-    std::error_code ignored;
-    for (const std::filesystem::path& file : written_) std::filesystem::remove(file, ignored);
-    if (is_new_) std::filesystem::remove(folder_, ignored);
-  }
-  Findings(const Findings&) = delete;
-  Findings& operator=(const Findings&) = delete;
-
-  void write(const char* name, const std::string& text) {
-    write_whole_file(folder_ / name, text);
-    written_.push_back(folder_ / name);
-  }
-  void keep() { is_whole_ = true; }
-
- private:
-  std::filesystem::path folder_;
-  bool is_new_;
-  bool is_whole_ = false;
-  std::vector<std::filesystem::path> written_;
-};
 
 std::string advice(const diagnosis::Separation& apart) {
   if (apart.noise_floors < diagnosis::kSeparated) {
@@ -340,6 +314,7 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
     const common::InputProblems problems = problems_of(options);
     if (!problems.empty()) throw common::InputError(problems);
     const sim::MachineFile crane = sim::load_machine_file(options.crane);
+    if (crane.kind == sim::MachineKind::axis) return diagnose_axis_logs(crane, options, out);
     const sim::MachineSettings nominal = sim::machine_settings(crane);
     std::optional<controller::ControllerSettings> controller;
     if (!options.controller.empty()) controller = controller::load_controller_file(options.controller).settings;
@@ -436,6 +411,9 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
     run_python("diagnosis_report.py", {options.out.string()});
     return 0;
   } catch (const diagnosis::NotAdmitted& problem) {
+    complaints << "cannot tell, because " << problem.what() << "\n";
+    return 3;
+  } catch (const diagnosis::NoBalance& problem) {
     complaints << "cannot tell, because " << problem.what() << "\n";
     return 3;
   } catch (const diagnosis::Interrupted&) {

@@ -1,0 +1,377 @@
+#include "diagnosis/balance/axis_diagnosis.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <stdexcept>
+
+#include "common/unit.h"
+#include "sim/drive/scenario_run.h"
+#include "sim/effects/catalogue.h"
+#include "sim/integrate/machine.h"
+#include "sim/machine/description.h"
+#include "sim/model/crane.h"
+#include "sim/model/drive_line.h"
+
+namespace slewlab::diagnosis {
+
+namespace {
+
+constexpr double kNanosecond = 1e-9;         // [s]
+constexpr double kOffGrid = 0.25;            // [periods] by which a time stamp may miss the even grid, jitter aside
+constexpr double kLongestWindow = 0.2;       // [s] of the balance: the shortest move that an axis makes on purpose; chosen
+constexpr double kResolved = 2e-3;           // of top speed, below which no friction is judged; chosen
+constexpr double kNoises = 3.0;              // standard deviations of the speed's noise, likewise
+constexpr double kInertiaDeviations = 2.0;   // of the spread from unit to unit, beyond which the inertia is another one
+constexpr double kBetter = 0.99;             // of an error that counts as smaller
+constexpr double kWorthSaying = 0.1;         // share of the gap that is left unexplained and named
+constexpr int kFiner = 4;                    // steps of the forward simulation per sample
+constexpr int kHalvings = 50;                // of the bracket of a speed
+
+double root_mean_square(const std::vector<double>& values) {
+  double square = 0.0;
+  for (const double value : values) square += value * value;
+  return values.empty() ? 0.0 : std::sqrt(square / static_cast<double>(values.size()));
+}
+
+// What a speed is at each sample, from the positions two samples apart to either side; rough, good for its sign.
+std::vector<double> rough_speed(const std::vector<double>& position, double step) {
+  std::vector<double> speed(position.size(), 0.0);
+  constexpr std::size_t kReach = 2;
+  for (std::size_t n = 0; n < position.size(); ++n) {
+    const std::size_t from = n > kReach ? n - kReach : 0, to = std::min(position.size() - 1, n + kReach);
+    if (to > from) speed[n] = (position[to] - position[from]) / (step * static_cast<double>(to - from));
+  }
+  return speed;
+}
+
+// Torques that the effects of the axis's own file give along the measured motion.
+void add_own_effects(const sim::MachineFile& axis, AxisRecord& record) {
+  sim::MachineSettings settings = sim::machine_settings(axis);
+  if (settings.effects.empty()) return;
+  settings.step = record.step;
+  sim::Machine machine = sim::make_machine(settings);
+  const std::vector<double> speed = rough_speed(record.position, record.step);
+  for (std::size_t n = 0; n < record.position.size(); ++n) {
+    sim::EffectMoment moment;
+    moment.time = record.step * static_cast<double>(n);
+    moment.step = record.step;
+    moment.house_angle = record.position[n];
+    moment.house_speed = speed[n];
+    moment.motor_angle.fill(record.position[n]);
+    moment.motor_speed.fill(speed[n]);
+    sim::PortForces forces{};
+    sim::FrictionLevels levels{};
+    for (const std::size_t e : machine.force) machine.effects[e]->force(moment, forces);
+    for (const std::size_t e : machine.friction) machine.effects[e]->friction(moment, levels);
+    double friction = speed[n] > 0.0 ? -levels.house_positive : speed[n] < 0.0 ? levels.house_negative : 0.0;
+    for (int group = 0; group < machine.model.group_count; ++group) friction -= std::copysign(levels.motor[group], speed[n]);
+    record.effort[n] += forces.house_torque + friction;
+  }
+}
+
+AxisRecord part_of(const AxisRecord& record, bool second) {
+  const auto middle = static_cast<std::ptrdiff_t>(record.position.size() / 2);
+  const auto part = [&](const std::vector<double>& values) {
+    return second ? std::vector<double>(values.begin() + middle, values.end()) : std::vector<double>(values.begin(), values.begin() + middle);
+  };
+  return {record.name, record.step, part(record.position), part(record.effort)};
+}
+
+double resistance(const std::vector<std::pair<const LawShape*, const BalanceTerm*>>& laws, const LawMoment& moment) {
+  double sum = 0.0;
+  for (const auto& [shape, term] : laws) {
+    for (std::size_t c = 0; c < shape->columns.size(); ++c) sum += term->size[c] * shape->columns[c](moment);
+  }
+  return sum;
+}
+
+// What the records of one diagnosis share.
+struct Balance {
+  std::size_t half_window = 0;
+  double resolved_speed = 0.0;
+  std::vector<BalanceLaw> laws;
+};
+
+Balance balance_of(const std::vector<AxisRecord>& records, double inertia, double top_speed, bool is_rotary) {
+  Balance balance;
+  for (const AxisRecord& record : records) balance.half_window = std::max(balance.half_window, balance_half_window(record, inertia, kLongestWindow));
+  balance.resolved_speed = kResolved * top_speed;
+  BalanceScales scales;
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const AxisRecord& record : records) {
+    const BalanceRecord one = make_balance_record(record, balance.half_window);
+    balance.resolved_speed = std::max(balance.resolved_speed, kNoises * one.speed_noise);
+    scales.duration = std::max(scales.duration, one.time.back());
+    low = std::min(low, *std::min_element(one.position.begin(), one.position.end()));
+    high = std::max(high, *std::max_element(one.position.begin(), one.position.end()));
+  }
+  scales.top_speed = top_speed;
+  scales.resolved_speed = balance.resolved_speed;
+  scales.middle_position = 0.5 * (low + high);
+  scales.half_range = 0.5 * (high - low);
+  scales.is_rotary = is_rotary;
+  balance.laws = balance_laws(scales);
+  return balance;
+}
+
+std::vector<BalanceRecord> smoothed(const std::vector<AxisRecord>& records, const Balance& balance) {
+  std::vector<BalanceRecord> all;
+  for (const AxisRecord& record : records) all.push_back(make_balance_record(record, balance.half_window));
+  return all;
+}
+
+BalanceModel bare(double inertia) {
+  BalanceModel model;
+  model.inertia = inertia;
+  return model;
+}
+
+AxisError error_of(const AxisRecord& record, const BalanceRecord& smooth, const Balance& balance, const BalanceModel& model) {
+  const std::vector<double> forward = forward_speed(record, smooth.motion, balance.laws, model);
+  const std::size_t first = (record.position.size() - smooth.motion.speed.size()) / 2;
+  std::vector<double> difference(smooth.motion.speed.size());
+  for (std::size_t n = 0; n < difference.size(); ++n) difference[n] = smooth.motion.speed[n] - forward[first + n];
+  return {root_mean_square(balance_residual(smooth, balance.laws, model, balance.resolved_speed)), root_mean_square(difference)};
+}
+
+void validate(const std::vector<AxisRecord>& records, const Balance& balance, double nominal_inertia, AxisDiagnosis& diagnosis) {
+  std::vector<AxisRecord> fitted = records;
+  AxisRecord last = records.back();
+  if (records.size() > 1) {
+    fitted.pop_back();
+    diagnosis.validation.place = last.name;
+  } else {
+    fitted = {part_of(last, false)};
+    last = part_of(last, true);
+    diagnosis.validation.place = last.name + ", second half";
+  }
+  const std::vector<BalanceRecord> seen = smoothed(fitted, balance);
+  const BalanceRecord unseen = make_balance_record(last, balance.half_window);
+  diagnosis.validated = fit_balance(seen, balance.laws, nominal_inertia, balance.resolved_speed).best;
+  const BalanceModel inertia_alone = fit_balance(seen, {}, nominal_inertia, balance.resolved_speed).best;
+  AxisValidation& validation = diagnosis.validation;
+  validation.nominal = error_of(last, unseen, balance, bare(nominal_inertia));
+  validation.inertia = error_of(last, unseen, balance, inertia_alone);
+  validation.cause = error_of(last, unseen, balance, diagnosis.validated);
+  validation.effort = root_mean_square(unseen.effort);
+  validation.speed = root_mean_square(unseen.speed);
+  const auto is_better = [&](const AxisError& than) {
+    return validation.cause.balance < kBetter * than.balance && validation.cause.forward < kBetter * than.forward;
+  };
+  validation.holds = is_better(validation.nominal) && (diagnosis.validated.terms.empty() || is_better(validation.inertia));
+}
+
+const BalanceTerm* term_of(const BalanceModel& model, std::string_view law) {
+  const auto found = std::find_if(model.terms.begin(), model.terms.end(), [&](const BalanceTerm& term) { return term.law == law; });
+  return found == model.terms.end() ? nullptr : &*found;
+}
+
+// The effects of the catalogue that are the model's laws, with their sizes; what has none, or lies out of an effect's bounds, is remarked.
+void take_effects(const sim::MachineFile& axis, double first_position, AxisDiagnosis& diagnosis) {
+  const BalanceModel& model = diagnosis.answer.best;
+  const common::EffectCatalogue catalogue = sim::effects_for(sim::machine_settings(axis));
+  const auto add = [&](const char* name, const std::map<std::string, double>& values) {
+    const common::EffectAbout* about = catalogue.find(name);
+    if (about == nullptr) return;
+    common::EffectInstance instance{name, {}};
+    for (const common::EffectParameter& parameter : about->parameters) {
+      const auto found = values.find(std::string(parameter.name));
+      const double value = found == values.end() ? 0.0 : found->second;
+      if (value < parameter.lower || value > parameter.upper) {
+        diagnosis.remarks.push_back(fmt::format("{}.{} = {:.4g} {} lies out of the catalogue's bounds, {:.4g} to {:.4g}: not in the file", name,
+                                                parameter.name, value, common::name_of(parameter.unit), parameter.lower, parameter.upper));
+        return;
+      }
+      instance.values.push_back(value);
+    }
+    diagnosis.effects.push_back(std::move(instance));
+  };
+  const BalanceTerm *dry = term_of(model, "dry"), *stribeck = term_of(model, "stribeck"), *rising = term_of(model, "rising");
+  const double level = dry == nullptr ? 0.0 : dry->size[0];
+  if (stribeck != nullptr) {
+    add("bearing_stribeck", {{"coulomb_torque", level}, {"breakaway_excess", stribeck->size[0]}, {"stribeck_speed", stribeck->shape}});
+  } else if (rising != nullptr) {
+    const double total = level + rising->size[0];
+    add("bearing_rising", {{"torque", total}, {"speed", rising->shape}, {"at_rest", total > 0.0 ? level / total : 0.0}});
+  } else if (dry != nullptr) {
+    add("bearing_coulomb", {{"torque", level}});
+  }
+  if (const BalanceTerm* viscous = term_of(model, "viscous")) {
+    const BalanceTerm* uneven = term_of(model, "viscous_direction");
+    const double asymmetry = uneven == nullptr || !(viscous->size[0] > 0.0) ? 0.0 : uneven->size[0] / viscous->size[0];
+    add("bearing_viscous", {{"coefficient", viscous->size[0]}, {"asymmetry", asymmetry}});
+  }
+  if (const BalanceTerm* offset = term_of(model, "offset")) add("torque_offset", {{"torque", -offset->size[0]}});
+  if (const BalanceTerm* gravity = term_of(model, "gravity")) {
+    // s sin q + c cos q against the motion is torque sin(direction - q) with it; directions count from where the axis begins.
+    const double s = gravity->size[0], c = gravity->size[1];
+    add("tilted_axis", {{"torque", std::hypot(s, c)}, {"direction", std::remainder(std::atan2(-c, s) - first_position, 2.0 * M_PI)}});
+  }
+  for (const BalanceTerm& term : model.terms) {
+    constexpr std::string_view kWritten[] = {"dry", "viscous", "viscous_direction", "offset", "stribeck", "rising", "gravity"};
+    if (std::find(std::begin(kWritten), std::end(kWritten), term.law) != std::end(kWritten)) continue;
+    diagnosis.remarks.push_back(term.words + ": no effect of the catalogue has this law with these sizes; it is not in the file");
+  }
+}
+
+std::string inertia_words(const sim::MachineFile& axis, double nominal, double found) {
+  return fmt::format("{} {:.0f} % {} the file's", axis.axis.is_linear ? "a mass" : "an inertia", 100.0 * std::fabs(found / nominal - 1.0),
+                     found > nominal ? "above" : "below");
+}
+
+void name_answer(const sim::MachineFile& axis, double inertia_spread, AxisDiagnosis& diagnosis) {
+  const BalanceModel& best = diagnosis.answer.best;
+  const AxisValidation& validation = diagnosis.validation;
+  const double nominal = diagnosis.nominal_inertia;
+  const bool is_inertia_off =
+      std::fabs(best.inertia - nominal) > kInertiaDeviations * std::hypot(inertia_spread * nominal, best.inertia_deviation);
+  diagnosis.gap = !best.terms.empty() || is_inertia_off;
+  if (!diagnosis.gap) {
+    diagnosis.is_stated = true;
+    diagnosis.verdict = "no effect is missing; the inertia is within its spread";
+    return;
+  }
+  const std::string rest = diagnosis.answer.remainder.variable;
+  if (diagnosis.answer.probability_unknown > best.probability) {
+    diagnosis.verdict = "outside the catalogue (unknown)" + (rest.empty() ? std::string() : ": what known laws leave follows the " + rest);
+    return;
+  }
+  if (!validation.holds) {
+    diagnosis.verdict = "cannot tell: no law predicts " + validation.place + " better than the nominal axis, in torque balance and forward simulation";
+    return;
+  }
+  diagnosis.is_stated = true;
+  std::string words = best.terms.empty() ? "only " : best.words();
+  if (is_inertia_off) words += (best.terms.empty() ? "" : ", beside ") + inertia_words(axis, nominal, best.inertia);
+  const double before = validation.nominal.balance * validation.nominal.balance, after = validation.cause.balance * validation.cause.balance;
+  const double share = before > 0.0 ? 1.0 - after / before : 0.0;
+  diagnosis.verdict = fmt::format("{}: {:.1f} % of the gap on data that were not fitted", words, 100.0 * share);
+  if (1.0 - share > kWorthSaying && rest.empty()) diagnosis.verdict += "; the rest follows neither speed, position, time nor torque";
+  if (!rest.empty()) diagnosis.verdict += "; the rest follows the " + rest;
+}
+
+AxisSeries series_of(const BalanceRecord& smooth, const Balance& balance, double nominal_inertia, const BalanceModel& model) {
+  AxisSeries series{smooth.time, smooth.position, smooth.speed, smooth.effort, {}, {}};
+  // The residual where the axis stands is not determined; drawn as if it moved.
+  series.nominal_residual = balance_residual(smooth, balance.laws, bare(nominal_inertia), -1.0);
+  series.residual = balance_residual(smooth, balance.laws, model, -1.0);
+  return series;
+}
+
+}  // namespace
+
+AxisRecord axis_record(const NamedRun& named, const sim::MachineFile& axis) {
+  const msgs::RunLog& run = named.run;
+  if (axis.parameters.drive.group_count != 1) throw NoBalance(named.name + ": a torque balance is drawn of an axis with one motor group");
+  if (run.encoder.size() < 2) throw NoBalance(named.name + ": no ENCODER messages; without positions there is no motion to balance");
+  if (run.torque.empty()) throw NoBalance(named.name + ": no TORQUE messages; without torques there is nothing to balance the motion with");
+  const double ratio = sim::total_ratio(axis.parameters.drive), motors = axis.parameters.drive.motors_per_group;
+  const double limit = axis.drive_protection.torque_limit;
+  std::map<std::int64_t, const msgs::Torque*> answers;
+  for (const msgs::Torque& torque : run.torque) answers[torque.answered_sequence] = &torque;
+  AxisRecord record;
+  record.name = named.name;
+  const auto count = static_cast<double>(run.encoder.size() - 1);
+  record.step = static_cast<double>(run.encoder.back().simulated_time - run.encoder.front().simulated_time) * kNanosecond / count;
+  if (!(record.step > 0.0)) throw NoBalance(named.name + ": the time of ENCODER does not rise");
+  const msgs::Torque* held = &run.torque.front();
+  for (std::size_t n = 0; n < run.encoder.size(); ++n) {
+    const msgs::Encoder& encoder = run.encoder[n];
+    const double time = static_cast<double>(encoder.simulated_time - run.encoder.front().simulated_time) * kNanosecond;
+    if (std::fabs(time - record.step * static_cast<double>(n)) > kOffGrid * record.step) {
+      throw NoBalance(fmt::format("{}: ENCODER at {:.4f} s misses the even grid of {:.4g} ms by {:.2g} ms; cut the log at its gap, or import it with "
+                                  "`resample: linear`",
+                                  named.name, static_cast<double>(encoder.simulated_time) * kNanosecond, 1e3 * record.step,
+                                  1e3 * std::fabs(time - record.step * static_cast<double>(n))));
+    }
+    if (const auto answer = answers.find(encoder.sequence); answer != answers.end()) held = answer->second;
+    if (encoder.shaft_position.empty() || held->motor_torque.empty()) throw NoBalance(named.name + ": a message of no motor group");
+    const double position = encoder.shaft_position[0] / ratio, torque = held->motor_torque[0];
+    if (!std::isfinite(position) || !std::isfinite(torque)) {
+      throw NoBalance(fmt::format("{}: a position or torque at {:.4f} s is no number", named.name, static_cast<double>(encoder.simulated_time) * kNanosecond));
+    }
+    record.position.push_back(position);
+    record.effort.push_back(ratio * motors * std::clamp(torque, -limit, limit) + sim::axis_force_at(axis.parameters.axis_force, position));
+  }
+  add_own_effects(axis, record);
+  return record;
+}
+
+std::vector<double> forward_speed(const AxisRecord& record, const BalanceMotion& motion, const std::vector<BalanceLaw>& laws,
+                                  const BalanceModel& model) {
+  std::vector<std::pair<const LawShape*, const BalanceTerm*>> acting;
+  for (const BalanceTerm& term : model.terms) {
+    for (const BalanceLaw& law : laws) {
+      if (law.name != term.law) continue;
+      for (const LawShape& shape : law.shapes) {
+        if (shape.shape == term.shape) acting.emplace_back(&shape, &term);
+      }
+    }
+  }
+  const std::size_t first = (record.position.size() - motion.speed.size()) / 2;
+  const auto along = [&](const std::vector<double>& series, std::size_t n) {
+    return series[std::clamp<std::size_t>(n, first, first + series.size() - 1) - first];
+  };
+  const double step = record.step / kFiner;
+  std::vector<double> speeds(record.position.size());
+  LawMoment moment{0.0, along(motion.position, 0), along(motion.speed, 0), 0.0};
+  for (std::size_t n = 0; n < speeds.size(); ++n) {
+    speeds[n] = moment.speed;
+    moment.effort_rate = along(motion.effort_rate, n);
+    for (int i = 0; i < kFiner; ++i) {
+      // J (v - v0) / h + R(v) = F for the speed at the step's end: its left side rises with v, dry friction's jump included.
+      const double before = moment.speed;
+      const auto rest = [&](double speed) {
+        LawMoment end = moment;
+        end.speed = speed;
+        return model.inertia * (speed - before) / step + resistance(acting, end) - record.effort[n];
+      };
+      double reach = std::max(1e-12, std::fabs(step / model.inertia * rest(before)));
+      while (rest(before - reach) > 0.0 && std::isfinite(reach)) reach *= 2.0;
+      double low = before - reach, high = before + reach;
+      while (rest(high) < 0.0 && std::isfinite(high)) high += reach *= 2.0;
+      for (int halving = 0; halving < kHalvings; ++halving) {
+        const double middle = 0.5 * (low + high);
+        (rest(middle) > 0.0 ? high : low) = middle;
+      }
+      moment.speed = 0.5 * (low + high);
+      moment.position += 0.5 * step * (before + moment.speed);
+      moment.time += step;
+    }
+  }
+  return speeds;
+}
+
+AxisDiagnosis diagnose_axis(const sim::MachineFile& axis, const std::vector<NamedRun>& runs) {
+  AxisDiagnosis diagnosis;
+  diagnosis.nominal_inertia = sim::rigid_inertia(axis.parameters);
+  std::vector<AxisRecord> records;
+  for (const NamedRun& run : runs) records.push_back(axis_record(run, axis));
+  try {
+    const Balance balance = balance_of(records, diagnosis.nominal_inertia, axis.parameters.drive.top_speed, !axis.axis.is_linear);
+    const std::vector<BalanceRecord> smooth = smoothed(records, balance);
+    diagnosis.answer = fit_balance(smooth, balance.laws, diagnosis.nominal_inertia, balance.resolved_speed);
+    validate(records, balance, diagnosis.nominal_inertia, diagnosis);
+    for (const BalanceRecord& record : smooth) {
+      diagnosis.series.push_back(series_of(record, balance, diagnosis.nominal_inertia, diagnosis.answer.best));
+    }
+  } catch (const std::invalid_argument& problem) {
+    throw NoBalance(problem.what());
+  }
+  double spread = sim::kUnitDeviation;
+  for (const sim::Parameter& parameter : sim::describe(axis).parameters) {
+    if (parameter.name == "inertia" || parameter.name == "mass") spread = parameter.spread;
+  }
+  name_answer(axis, spread, diagnosis);
+  if (diagnosis.is_stated && diagnosis.gap) take_effects(axis, records.front().position.front(), diagnosis);
+  if (!axis.parameters.drive.is_rigid) {
+    diagnosis.remarks.push_back("the balance takes motor and load for one inertia: what swings behind the transmission is part of what is left");
+  }
+  return diagnosis;
+}
+
+}  // namespace slewlab::diagnosis

@@ -1,0 +1,76 @@
+// The diagnosis of a plain axis: which laws close the torque balance of its records (balance_fit.h), and whether they predict data
+// that were not fitted. An axis's controller is somebody else's, so two things judge a cause, on the last record, or of a single one on
+// its second half:
+//
+//   torque balance        F - J q'' - laws(q', q, t), RMS
+//   forward simulation    J q'' = F - laws from the first instant, by the recorded effort alone; RMS of measured minus simulated speed
+//
+// each against the nominal axis and against the inertia alone, fitted again. A cause that is not better in both is not stated.
+//
+// What the axis's file has - loads, effects that are forces or frictions, the drive's limit of torque - is part of the nominal axis.
+// Assumption: one inertia; what swings behind an elastic transmission is part of what is left.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "common/effect.h"
+#include "diagnosis/balance/balance_fit.h"
+#include "msgs/run_log.h"
+#include "sim/machine/machine_file.h"
+
+namespace slewlab::diagnosis {
+
+// A log of an axis that no balance can be drawn from; what() says why and what would help.
+class NoBalance : public std::runtime_error {
+ public:
+  using std::runtime_error::runtime_error;
+};
+
+struct NamedRun {
+  std::string name;
+  msgs::RunLog run;
+};
+
+// Position and effort on the axis. The effort is what the drive makes of the commands, with the loads of the axis's file.
+// Throws NoBalance.
+AxisRecord axis_record(const NamedRun& run, const sim::MachineFile& axis);
+
+// RMS of the torque balance's residual, and of the forward simulation's speed error.
+struct AxisError {
+  double balance = 0.0, forward = 0.0;
+};
+
+struct AxisValidation {
+  std::string place;                 // the data that were not fitted, in words
+  AxisError nominal, inertia, cause;
+  double effort = 0.0, speed = 0.0;  // RMS of what was measured there
+  bool holds = false;
+};
+
+// What the page draws, of the last record: the balance's residual before and after.
+struct AxisSeries {
+  std::vector<double> time, position, speed, effort, nominal_residual, residual;
+};
+
+struct AxisDiagnosis {
+  double nominal_inertia = 0.0;
+  BalanceAnswer answer;          // of all records
+  BalanceModel validated;        // of those that were fitted for the validation
+  AxisValidation validation;
+  bool gap = false;              // the nominal axis is not as good as noise and the spread of its inertia allow
+  bool is_stated = false;        // the best model is an answer; otherwise the verdict says why not
+  std::string verdict;
+  std::vector<common::EffectInstance> effects;  // of the best model, where the catalogue has its laws
+  std::vector<std::string> remarks;
+  std::vector<AxisSeries> series;               // per record
+};
+
+// Throws NoBalance.
+AxisDiagnosis diagnose_axis(const sim::MachineFile& axis, const std::vector<NamedRun>& runs);
+
+// The speed of the axis from the first instant by the recorded effort alone, on the record's grid.
+std::vector<double> forward_speed(const AxisRecord& record, const BalanceMotion& motion, const std::vector<BalanceLaw>& laws,
+                                  const BalanceModel& model);
+
+}  // namespace slewlab::diagnosis

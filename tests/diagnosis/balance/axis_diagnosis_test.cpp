@@ -1,0 +1,185 @@
+// Axes integrated by simulated_axis.h, which shares nothing with the plant, logged as a drive's recorder would: what is found must be
+// what they were given.
+#include "diagnosis/balance/axis_diagnosis.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <fstream>
+#include <numbers>
+#include <string>
+
+#include "tests/diagnosis/balance/simulated_axis.h"
+#include "tests/msgs/temporary_folder.h"
+
+namespace slewlab::diagnosis {
+namespace {
+
+constexpr double kRatio = 10.0;
+constexpr double kInertia = 2.0;  // [kg m^2] on the axis
+
+// Nominal: a rigid rotary axis; `more` is laid below it.
+sim::MachineFile axis_file(const std::string& more = "", double factor = 1.0) {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "axis.yaml";
+  std::ofstream(file) << "kind: axis\n"
+                      << "coordinate: {value: rotary, source: test}\n"
+                      << "inertia: {value: " << kInertia * factor << ", unit: kg m^2, source: test}\n"
+                      << "ratio: {value: " << kRatio << ", unit: \"-\", source: test}\n"
+                      << "rated_torque: {value: " << 2.0 * factor << ", unit: N m, source: test}\n"
+                      << "top_speed: {value: 3, unit: rad/s, source: test}\n"
+                      << more;
+  return sim::load_machine_file(file);
+}
+
+// Back and forth at several speeds: torque switched between levels, as open-loop tests are made.
+double switched(double time) {
+  constexpr double kLevels[] = {8.0, -8.0, 5.0, -5.0, 9.0, -6.0, 4.0, -7.0};
+  return kLevels[static_cast<int>(time / 1.3) % 8];
+}
+
+double friction(double, double, double speed) { return 1.5 * std::tanh(speed / 1e-3) + 0.8 * speed; }
+
+NamedRun logged(const SimulatedAxis& axis, const std::string& name, double factor = 1.0) {
+  const AxisRecord record = record_of(axis);
+  NamedRun named{name, {}};
+  for (std::size_t n = 0; n < record.position.size(); ++n) {
+    msgs::Encoder encoder{};
+    encoder.sequence = static_cast<std::int64_t>(n);
+    encoder.simulated_time = std::llround(record.step * static_cast<double>(n) * 1e9);
+    encoder.group_count = 1;
+    encoder.shaft_position = {record.position[n] * kRatio};
+    encoder.shaft_speed = {0.0};
+    named.run.encoder.push_back(encoder);
+    msgs::Torque torque{};
+    torque.sequence = torque.answered_sequence = encoder.sequence;
+    torque.simulated_time = encoder.simulated_time;
+    torque.group_count = 1;
+    torque.motor_torque = {record.effort[n] / kRatio * factor};
+    named.run.torque.push_back(torque);
+  }
+  return named;
+}
+
+std::vector<NamedRun> two_runs(const SimulatedAxis& axis, double factor = 1.0) {
+  SimulatedAxis other = axis;
+  other.seed = axis.seed + 1;
+  const auto effort = axis.effort;
+  other.effort = [effort](double time) { return -0.9 * effort(time + 2.1); };
+  return {logged(axis, "a", factor), logged(other, "b", factor)};
+}
+
+SimulatedAxis noisy(std::function<double(double, double, double)> resistance) {
+  return {.inertia = kInertia, .resistance = std::move(resistance), .effort = switched, .noise = 2e-5};
+}
+
+double size_of(const BalanceModel& model, const std::string& law) {
+  for (const BalanceTerm& term : model.terms) {
+    if (term.law == law) return term.size[0];
+  }
+  return 0.0;
+}
+
+TEST(AxisDiagnosis, SaysNothingIsMissingOfTheAxisOfTheFile) {
+  const AxisDiagnosis found = diagnose_axis(axis_file(), two_runs(noisy([](double, double, double) { return 0.0; })));
+  EXPECT_FALSE(found.gap) << found.verdict;
+  EXPECT_TRUE(found.effects.empty());
+}
+
+TEST(AxisDiagnosis, NamesFrictionWithItsSizesAndPredictsTheRecordThatItDidNotSee) {
+  const AxisDiagnosis found = diagnose_axis(axis_file(), two_runs(noisy(friction)));
+  ASSERT_TRUE(found.gap);
+  ASSERT_TRUE(found.is_stated) << found.verdict;
+  EXPECT_EQ(found.validation.place, "b");
+  EXPECT_NEAR(size_of(found.answer.best, "dry"), 1.5, 0.1 * 1.5);
+  EXPECT_NEAR(size_of(found.answer.best, "viscous"), 0.8, 0.1 * 0.8);
+  EXPECT_NEAR(found.answer.best.inertia, kInertia, 0.03 * kInertia);
+  EXPECT_LT(found.validation.cause.forward, 0.1 * found.validation.nominal.forward);
+  EXPECT_EQ(found.verdict.rfind("dry friction and viscous friction: 9", 0), 0u) << found.verdict;
+  ASSERT_EQ(found.effects.size(), 2u);
+  EXPECT_EQ(found.effects[0].name, "bearing_coulomb");
+  EXPECT_EQ(found.effects[1].name, "bearing_viscous");
+}
+
+// One machine is ordinary where several things differ at once: the inertia is told beside the friction.
+TEST(AxisDiagnosis, TellsAnInertiaThatIsOffBesideTheFriction) {
+  SimulatedAxis axis = noisy(friction);
+  axis.inertia = 1.4 * kInertia;
+  const AxisDiagnosis found = diagnose_axis(axis_file(), two_runs(axis));
+  ASSERT_TRUE(found.is_stated) << found.verdict;
+  EXPECT_NE(found.verdict.find("beside an inertia 4"), std::string::npos) << found.verdict;
+  EXPECT_NE(found.verdict.find("% above the file's"), std::string::npos) << found.verdict;
+}
+
+// What was found and laid over the file leaves nothing to find.
+TEST(AxisDiagnosis, TheFileWithTheFrictionHasNoGap) {
+  const std::string effects =
+      "effects:\n"
+      "  - effect: bearing_coulomb\n    torque: {value: 1.5, unit: N m, source: test}\n"
+      "    asymmetry: {value: 0, unit: \"-\", source: test}\n    give: {value: 0, unit: rad, source: test}\n"
+      "  - effect: bearing_viscous\n    coefficient: {value: 0.8, unit: N m s/rad, source: test}\n"
+      "    asymmetry: {value: 0, unit: \"-\", source: test}\n";
+  const AxisDiagnosis found = diagnose_axis(axis_file(effects), two_runs(noisy(friction)));
+  EXPECT_FALSE(found.gap && found.is_stated) << found.verdict;
+  EXPECT_NEAR(size_of(found.answer.best, "dry"), 0.0, 0.1);
+  EXPECT_NEAR(size_of(found.answer.best, "viscous"), 0.0, 0.1);
+}
+
+TEST(AxisDiagnosis, AThousandTimesHeavierIsTheSameAnswer) {
+  const AxisDiagnosis one = diagnose_axis(axis_file(), two_runs(noisy(friction)));
+  const AxisDiagnosis heavy = diagnose_axis(axis_file("", 1000.0), two_runs(noisy(friction), 1000.0));
+  EXPECT_EQ(heavy.verdict, one.verdict);
+  EXPECT_NEAR(heavy.answer.best.probability, one.answer.best.probability, 1e-6);
+  EXPECT_NEAR(size_of(heavy.answer.best, "dry") / size_of(one.answer.best, "dry"), 1000.0, 1e-3);
+}
+
+// A torque that has nothing to do with the motion, another one in each record: nothing may be stated of it.
+TEST(AxisDiagnosis, StatesNothingThatDoesNotPredict) {
+  SimulatedAxis axis = noisy([](double time, double, double) { return 3.0 * std::sin(7.0 * time) * std::sin(1.7 * time); });
+  std::vector<NamedRun> runs = two_runs(axis);
+  SimulatedAxis other = axis;
+  other.resistance = [](double time, double, double) { return 3.0 * std::cos(3.1 * time) * std::sin(0.9 * time); };
+  runs[1] = logged(other, "b");
+  const AxisDiagnosis found = diagnose_axis(axis_file(), runs);
+  EXPECT_FALSE(found.gap && found.is_stated) << found.verdict;
+  EXPECT_TRUE(found.effects.empty());
+}
+
+TEST(AxisDiagnosis, RefusesWhatCannotBeBalanced) {
+  const std::vector<NamedRun> runs = two_runs(noisy(friction));
+  const auto refusal = [&](const auto& spoil) -> std::string {
+    std::vector<NamedRun> spoilt = runs;
+    spoil(spoilt[0].run);
+    try {
+      diagnose_axis(axis_file(), spoilt);
+    } catch (const NoBalance& problem) {
+      return problem.what();
+    }
+    return "";
+  };
+  EXPECT_NE(refusal([](msgs::RunLog& run) { run.torque.clear(); }).find("no TORQUE"), std::string::npos);
+  EXPECT_NE(refusal([](msgs::RunLog& run) { run.encoder.erase(run.encoder.begin() + 100, run.encoder.begin() + 300); }).find("even grid"),
+            std::string::npos);
+  EXPECT_NE(refusal([](msgs::RunLog& run) { run.encoder[50].shaft_position[0] = std::nan(""); }).find("no number"), std::string::npos);
+  EXPECT_NE(refusal([](msgs::RunLog& run) { run.encoder.resize(20); }).find("too short"), std::string::npos);
+}
+
+// Forward simulation against the finer integration that made the record.
+TEST(AxisDiagnosis, ForwardSpeedIsTheIntegratedOne) {
+  SimulatedAxis axis = noisy(friction);
+  axis.noise = 0.0;
+  const AxisRecord record = record_of(axis);
+  const BalanceRecord smooth = make_balance_record(record, 3);
+  const std::vector<BalanceLaw> laws = balance_laws({3.0, 1e-3, 20.0, 0.0, 1.0, true});
+  BalanceModel model;
+  model.inertia = kInertia;
+  model.terms = {{"dry", "", LawFamily::friction, 0.0, {1.5}, {}, 0.0}, {"viscous", "", LawFamily::friction, 0.0, {0.8}, {}, 0.0}};
+  const std::vector<double> forward = forward_speed(record, smooth.motion, laws, model);
+  const std::size_t first = (record.position.size() - smooth.motion.speed.size()) / 2;
+  double largest = 0.0;
+  for (std::size_t n = 10; n < smooth.motion.speed.size(); ++n) largest = std::max(largest, std::fabs(forward[first + n] - smooth.motion.speed[n]));
+  EXPECT_LT(largest, 0.08);  // [rad/s] of 3: a sample's smoothing at the switches of the torque
+}
+
+}  // namespace
+}  // namespace slewlab::diagnosis

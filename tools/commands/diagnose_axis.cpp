@@ -1,0 +1,196 @@
+#include "tools/commands/diagnose_axis.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+#include <ostream>
+#include <string>
+#include <vector>
+
+#include "common/unit.h"
+#include "diagnosis/balance/axis_diagnosis.h"
+#include "diagnosis/decimation.h"
+#include "msgs/run_log.h"
+#include "sim/drive/scenario_run.h"
+#include "sim/effects/catalogue.h"
+#include "tools/commands/findings.h"
+#include "tools/commands/python_command.h"
+
+namespace slewlab::tools {
+
+namespace {
+
+constexpr std::size_t kMostDrawn = 4000;  // points of a series on the page
+constexpr double kWorthNaming = 0.005;    // probability
+constexpr double kNinetyPercent = 1.645;  // standard deviations of a normal 90 % interval
+
+using diagnosis::AxisDiagnosis;
+using diagnosis::AxisError;
+using diagnosis::AxisSeries;
+using diagnosis::BalanceModel;
+using diagnosis::BalanceTerm;
+
+// Units of what is told.
+struct Words {
+  const char *effort, *speed, *position, *inertia, *inertia_name;
+};
+
+Words words_of(const sim::MachineFile& axis) {
+  return axis.axis.is_linear ? Words{"N", "m/s", "m", "kg", "mass"} : Words{"Nm", "rad/s", "rad", "kg m^2", "inertia"};
+}
+
+// Of a law's first size; shapes are in the unit of what they are about.
+std::string unit_of(const BalanceTerm& term, const Words& words) {
+  if (term.law == "viscous" || term.law == "viscous_direction") return std::string(words.effort) + " per " + words.speed;
+  if (term.law == "lag") return "s";
+  return words.effort;
+}
+
+nlohmann::json to_json(const AxisError& error) { return {{"balance_rms", error.balance}, {"forward_speed_rms", error.forward}}; }
+
+nlohmann::json to_json(const BalanceModel& model, const Words& words) {
+  nlohmann::json json{{"laws", nlohmann::json::array()}, {"words", model.words()}, {"probability", model.probability},
+                      {"sizes", nlohmann::json::array()}};
+  const auto add_size = [&](const std::string& name, double value, double deviation, const std::string& unit) {
+    json["sizes"].push_back({{"parameter", name}, {"value", value}, {"unit", unit}, {"low_90", value - kNinetyPercent * deviation},
+                             {"high_90", value + kNinetyPercent * deviation}});
+  };
+  add_size(words.inertia_name, model.inertia, model.inertia_deviation, words.inertia);
+  for (const BalanceTerm& term : model.terms) {
+    json["laws"].push_back(term.law);
+    for (std::size_t k = 0; k < term.size.size(); ++k) {
+      add_size(term.size.size() == 1 ? term.law : fmt::format("{}.{}", term.law, k + 1), term.size[k], term.deviation[k], unit_of(term, words));
+    }
+    if (term.shape != 0.0) add_size(term.law + ".shape", term.shape, 0.0, term.law == "warming" ? "s" : words.speed);
+  }
+  return json;
+}
+
+nlohmann::json to_json(const AxisDiagnosis& found, const sim::MachineFile& axis, const Words& words) {
+  const auto& validation = found.validation;
+  nlohmann::json json{{"kind", "axis"},
+                      {"gap", found.gap},
+                      {"is_stated", found.is_stated},
+                      {"verdict", found.verdict},
+                      {"unit", words.effort},
+                      {"coordinate", axis.axis.is_linear ? "linear" : "rotary"},
+                      {"position_unit", words.position},
+                      {"speed_unit", words.speed},
+                      {"nominal_inertia", found.nominal_inertia},
+                      {"probability_unknown", found.answer.probability_unknown},
+                      {"explained_share", found.answer.explained},
+                      {"judged_share", found.answer.judged_share},
+                      {"remainder", {{"follows", found.answer.remainder.variable}, {"share", found.answer.remainder.share}}},
+                      {"validation",
+                       {{"on", validation.place}, {"holds", validation.holds}, {"effort_rms", validation.effort}, {"speed_rms", validation.speed},
+                        {"nominal", to_json(validation.nominal)}, {"inertia_alone", to_json(validation.inertia)},
+                        {"cause", to_json(validation.cause)}}},
+                      {"remarks", found.remarks},
+                      {"causes", nlohmann::json::array()}};
+  for (const BalanceModel& model : found.answer.models) json["causes"].push_back(to_json(model, words));
+  return json;
+}
+
+std::string summary_text(const AxisDiagnosis& found, const Words& words) {
+  const auto& validation = found.validation;
+  std::string text = fmt::format("{}\n\nIs there a gap?  {}. Torque balance on {} (not fitted), RMS of the residual: nominal axis {:.4g} {}, {} alone {:.4g} {}",
+                                 found.verdict, found.gap ? "Yes" : "No", validation.place, validation.nominal.balance, words.effort,
+                                 words.inertia_name, validation.inertia.balance, words.effort);
+  if (found.gap) text += fmt::format(", with {} {:.4g} {}", found.validated.words(), validation.cause.balance, words.effort);
+  text += fmt::format(" (measured {:.4g} {}).\n", validation.effort, words.effort);
+  text += "\nCauses\n";
+  bool is_unknown_told = false;
+  const std::string unknown = fmt::format("  {:5.1f} %  outside the catalogue (unknown)\n", 100 * found.answer.probability_unknown);
+  for (const BalanceModel& model : found.answer.models) {
+    if (!is_unknown_told && found.answer.probability_unknown > model.probability) {
+      text += unknown;
+      is_unknown_told = true;
+    }
+    const bool is_best = &model == &found.answer.models.front();
+    if (!is_best && model.probability < kWorthNaming) continue;
+    text += fmt::format("  {:5.1f} %  {}\n", 100 * model.probability, model.words());
+    if (!is_best) continue;
+    text += fmt::format("            {} = {:.4g} {} (90 %: {:.4g} to {:.4g}; the file has {:.4g})\n", words.inertia_name, model.inertia, words.inertia,
+                        model.inertia - kNinetyPercent * model.inertia_deviation, model.inertia + kNinetyPercent * model.inertia_deviation,
+                        found.nominal_inertia);
+    for (const BalanceTerm& term : found.answer.best.terms) {
+      for (std::size_t k = 0; k < term.size.size(); ++k) {
+        const double reach = kNinetyPercent * term.deviation[k];
+        text += fmt::format("            {} = {:.4g} {} (90 %: {:.4g} to {:.4g}; without it {:.1f} % more of the gap are left)\n", term.words, term.size[k],
+                            unit_of(term, words), term.size[k] - reach, term.size[k] + reach, 100 * term.share);
+      }
+    }
+  }
+  if (!is_unknown_told) text += unknown;
+  text += fmt::format("\nValidation on {} (sizes fitted without it): RMS error, nominal -> {} alone -> with the cause\n", validation.place,
+                      words.inertia_name);
+  text += fmt::format("  {:24} {:10.4g} -> {:10.4g} -> {:10.4g} {}\n", "torque balance", validation.nominal.balance, validation.inertia.balance,
+                      validation.cause.balance, words.effort);
+  text += fmt::format("  {:24} {:10.4g} -> {:10.4g} -> {:10.4g} {}\n", "speed, simulated forward", validation.nominal.forward,
+                      validation.inertia.forward, validation.cause.forward, words.speed);
+  for (const std::string& remark : found.remarks) text += "  note: " + remark + "\n";
+  return text;
+}
+
+std::string series_text(const AxisSeries& series) {
+  const std::size_t stride = std::max<std::size_t>(1, series.time.size() / kMostDrawn);
+  std::string text = "time,position,speed,effort,residual_nominal,residual\n";
+  const std::vector<double> effort = diagnosis::decimated(series.effort, stride), before = diagnosis::decimated(series.nominal_residual, stride),
+                            after = diagnosis::decimated(series.residual, stride);
+  for (std::size_t row = 0; row * stride < series.time.size(); ++row) {
+    const std::size_t n = row * stride;
+    text += fmt::format("{:.6g},{:.6g},{:.6g},{:.6g},{:.6g},{:.6g}\n", series.time[n], series.position[n], series.speed[n], effort[row], before[row], after[row]);
+  }
+  return text;
+}
+
+// The axis's file with what was found laid over it.
+std::string with_effect_text(const AxisDiagnosis& found, const sim::MachineFile& axis, const std::filesystem::path& file) {
+  std::string text = fmt::format("include: {}\ndescription: The nominal axis with what slewlab diagnose found.\n", std::filesystem::absolute(file).string());
+  if (!found.is_stated || !found.gap) return text;
+  // The motor's own inertia stays; what it moves takes the difference.
+  const double own = found.nominal_inertia - axis.parameters.house.inertia;
+  if (const double moved = found.answer.best.inertia - own; moved > 0.0) {
+    text += fmt::format("{}: {}\n", axis.axis.is_linear ? "mass" : "inertia",
+                        common::quantity_text(common::shortest(moved), axis.axis.is_linear ? common::Unit::kilogram : common::Unit::kilogram_square_metre,
+                                              "slewlab diagnose"));
+  }
+  if (!found.effects.empty()) text += common::effects_text(found.effects, sim::effects_for(sim::machine_settings(axis)), "slewlab diagnose");
+  return text;
+}
+
+}  // namespace
+
+int diagnose_axis_logs(const sim::MachineFile& axis, const DiagnoseOptions& options, std::ostream& out) {
+  std::vector<diagnosis::NamedRun> runs;
+  std::vector<std::string> remarks;
+  for (const std::filesystem::path& log : options.logs) {
+    msgs::RunLogs logs = msgs::read_run_logs(log);
+    for (std::size_t r = 0; r < logs.runs.size(); ++r) {
+      runs.push_back({logs.runs.size() == 1 ? log.string() : fmt::format("{} run {}", log.string(), r + 1), std::move(logs.runs[r])});
+    }
+    for (const std::string& remark : logs.remarks) remarks.push_back(log.string() + ": " + remark);
+  }
+  AxisDiagnosis found = diagnosis::diagnose_axis(axis, runs);
+  found.remarks.insert(found.remarks.begin(), remarks.begin(), remarks.end());
+  if (!options.controller.empty()) {
+    found.remarks.push_back("the controller is not asked: an axis is judged by its torque balance and by forward simulation from the recorded torque");
+  }
+  const Words words = words_of(axis);
+  Findings findings(options.out);
+  nlohmann::json json = to_json(found, axis, words);
+  json["axis"] = std::filesystem::absolute(options.crane).string();
+  for (std::size_t r = 0; r < runs.size(); ++r) json["series"].push_back({{"log", runs[r].name}, {"file", fmt::format("series_{}.csv", r + 1)}});
+  for (std::size_t r = 0; r < runs.size(); ++r) findings.write(fmt::format("series_{}.csv", r + 1), series_text(found.series[r]));
+  findings.write("diagnosis.json", json.dump(2) + "\n");
+  findings.write("axis_with_effect.yaml", with_effect_text(found, axis, options.crane));
+  const std::string summary = summary_text(found, words);
+  findings.write("summary.txt", summary);
+  findings.keep();
+  out << summary << "files: " << options.out.string() << std::endl;
+  run_python("axis_diagnosis_report.py", {options.out.string()});
+  return 0;
+}
+
+}  // namespace slewlab::tools

@@ -1,0 +1,26 @@
+#include "tools/commands/findings.h"
+
+#include <system_error>
+#include <utility>
+
+#include "tools/commands/whole_file.h"
+
+namespace slewlab::tools {
+
+Findings::Findings(std::filesystem::path folder) : folder_(std::move(folder)), is_new_(!std::filesystem::exists(folder_)) {
+  std::filesystem::create_directories(folder_);
+}
+
+Findings::~Findings() {
+  if (is_whole_) return;
+  std::error_code ignored;
+  for (const std::filesystem::path& file : written_) std::filesystem::remove(file, ignored);
+  if (is_new_) std::filesystem::remove(folder_, ignored);
+}
+
+void Findings::write(const std::string& name, const std::string& text) {
+  write_whole_file(folder_ / name, text);
+  written_.push_back(folder_ / name);
+}
+
+}  // namespace slewlab::tools

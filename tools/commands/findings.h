@@ -1,0 +1,28 @@
+// A folder of findings: all files of one answer, or none.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace slewlab::tools {
+
+// Where the disk is full, or the work ends before keep(), everything that was written goes again.
+class Findings {
+ public:
+  explicit Findings(std::filesystem::path folder);
+  ~Findings();
+  Findings(const Findings&) = delete;
+  Findings& operator=(const Findings&) = delete;
+
+  void write(const std::string& name, const std::string& text);
+  void keep() { is_whole_ = true; }
+
+ private:
+  std::filesystem::path folder_;
+  bool is_new_;
+  bool is_whole_ = false;
+  std::vector<std::filesystem::path> written_;
+};
+
+}  // namespace slewlab::tools
