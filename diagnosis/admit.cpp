@@ -8,6 +8,8 @@
 #include "diagnosis/plausibility.h"
 #include "sim/effects/catalogue.h"
 #include "sim/machine/effect_scales.h"
+#include "sim/model/crane.h"
+#include "sim/model/drive_line.h"
 
 namespace slewlab::diagnosis {
 
@@ -17,6 +19,9 @@ constexpr double kLeastTrusted = 0.3;      // share of a record that must lie aw
 constexpr double kAllTrusted = 0.999;      // share from which nothing is said of impacts
 constexpr double kSlowFollower = 4.0;      // by which the observer is slower behind coarse counts, or they would shake its boom
 constexpr double kCoarseDiscrepancy = 5.0;  // by which mesh and step miss more there
+// Of half the play with the gears wound up by the rated torque: where a motor stands when the drives are off, or still swings just after
+// they were switched on; chosen.
+constexpr double kOffsetShare = 0.2;
 // Of the encoders' period: what was read is as old as anything between two readings, a standard deviation of 1 / sqrt(12).
 constexpr double kLatencyOfPeriod = 0.3;
 
@@ -33,6 +38,29 @@ void check_followed(const Record& record, const Shadow& follower) {
     throw NotAdmitted(fmt::format("{}: the nominal crane cannot follow this record at all; check its inertias, its gear ratios and the record's units",
                                   record.name));
   }
+}
+
+// Of the missing torques in the first `time` [s].
+double missing_power(const Record& record, const Shadow& follower, double time) {
+  const auto count = std::min(record.size(), static_cast<std::size_t>(std::lround(time / record.step)));
+  double square = 0.0;
+  for (int g = 0; g < record.group_count; ++g) {
+    const std::vector<double>& missing = follower.missing_torque[static_cast<std::size_t>(g)];
+    for (std::size_t n = 0; n < count; ++n) square += missing[n] * missing[n];
+  }
+  return square;
+}
+
+// The nominal machine along the record, from whichever state of the gears takes less of the observer.
+Shadow follow_from_its_beginning(const Problem& problem, Record& record) {
+  Shadow follower = shadow(problem.nominal, record, problem.gains);
+  Record pressed = record;
+  pressed.begins_pressed = true;
+  Shadow other = shadow(problem.nominal, pressed, problem.gains);
+  const double time = problem.thresholds.time;
+  if (!(missing_power(record, other, time) < missing_power(record, follower, time))) return follower;
+  record.begins_pressed = true;
+  return other;
 }
 
 }  // namespace
@@ -59,6 +87,13 @@ void set_machine(const sim::MachineSettings& nominal, const std::vector<Record>&
   const bool is_coarse = has_coarse_counts(records);
   const double latency = is_coarse ? problem.thresholds.coarse_latency : problem.thresholds.latency;
   problem.nuisances = nuisances_of(machine, std::max(latency, kLatencyOfPeriod * period));
+  const sim::GearContact gear = sim::gear_contact(nominal.crane);
+  if (gear.half_play > 0.0) {
+    const sim::DriveParameters& drive = nominal.crane.drive;
+    problem.nuisances.offset_groups = static_cast<std::size_t>(drive.group_count);
+    problem.nuisances.offset_deviation =
+        kOffsetShare * (gear.half_play + drive.rated_torque * drive.motors_per_group * sim::total_ratio(drive) / gear.stiffness);
+  }
   ShadowSettings observer = not_faster_than(problem.thresholds.shadow, period);
   if (is_coarse) {
     observer.speed_rate /= kSlowFollower;
@@ -73,7 +108,7 @@ Followed admit(std::vector<Record> records, const WhiteningSettings& whitening, 
   for (Record& record : records) {
     check_same_groups(record, problem.nominal.crane);
     remarks.insert(remarks.end(), record.remarks.begin(), record.remarks.end());
-    Shadow follower = shadow(problem.nominal, record, problem.gains);
+    Shadow follower = follow_from_its_beginning(problem, record);
     check_followed(record, follower);
     check_torques(record, follower, problem.nominal, problem.thresholds.admission);
     const std::vector<bool> trusted = trusted_stretches(record, follower, whitening);

@@ -194,25 +194,52 @@ void validate_lead(const common::EffectCatalogue& catalogue, const std::optional
   }
 }
 
-// An effect that was fitted to the end of its range is at best half an answer: a larger one would fit better.
+// Half of a cause's probability goes to the others that have its effects but for `doubted`, by their own probabilities; where there are
+// none, to what is not known.
+void doubt(const std::string& doubted, Cause& cause, Diagnosis& diagnosis) {
+  const auto has_the_rest = [&](const Cause& other) {
+    return &other != &cause && !other.effects.empty() && std::all_of(cause.effects.begin(), cause.effects.end(), [&](const std::string& effect) {
+             return effect == doubted || std::find(other.effects.begin(), other.effects.end(), effect) != other.effects.end();
+           });
+  };
+  double sum = 0.0;
+  for (const Cause& other : diagnosis.causes) sum += has_the_rest(other) ? other.probability : 0.0;
+  if (cause.effects.size() < 2 || !(sum > 0.0)) return take_away(0.5, false, cause, diagnosis);
+  const double taken = 0.5 * cause.probability;
+  cause.probability -= taken;
+  for (Cause& other : diagnosis.causes) {
+    if (has_the_rest(other)) other.probability += taken * other.probability / sum;
+  }
+}
+
+// An effect that was fitted to the end of its range is at best half an answer: a larger one would fit better. Nor is one whose interval
+// goes beyond its range: the records do not say that it is there.
 void doubt_ends_of_ranges(const common::EffectCatalogue& catalogue, Diagnosis& diagnosis) {
   constexpr double kAtTheEnd = 1e-6;  // of the range
   for (Cause& cause : diagnosis.causes) {
     for (const common::EffectInstance& effect : cause.point.effects) {
       const common::EffectAbout& about = catalogue.at(effect.name);
-      for (std::size_t p = 0; p < effect.values.size(); ++p) {
-        const common::EffectParameter& parameter = about.parameters[p];
-        const double range = parameter.upper - parameter.lower, value = effect.values[p];
-        if (!std::isfinite(range) || is_all_round(parameter)) continue;
-        const bool is_at_upper = value > parameter.upper - kAtTheEnd * range;
-        const bool is_at_lower = value < parameter.lower + kAtTheEnd * range && !(parameter.absent && *parameter.absent <= parameter.lower);
-        if (!is_at_upper && !is_at_lower) continue;
-        if (&cause == &diagnosis.causes.front()) {
-          diagnosis.remarks.push_back(fmt::format("{}.{} was fitted to the {} end of its range, {:.3g} {}", effect.name, parameter.name,
-                                                  is_at_upper ? "upper" : "lower", value, common::name_of(parameter.unit)));
-        }
-        take_away(0.5, false, cause, diagnosis);
+      // Of its size: shares and shapes may well lie at an end of theirs.
+      const common::EffectParameter& parameter = about.parameters[common::kSize];
+      const double range = parameter.upper - parameter.lower, value = effect.values[common::kSize];
+      if (!std::isfinite(range) || is_all_round(parameter)) continue;
+      const bool is_at_upper = value > parameter.upper - kAtTheEnd * range;
+      const bool is_at_lower = value < parameter.lower + kAtTheEnd * range && !(parameter.absent && *parameter.absent <= parameter.lower);
+      const std::string name = fmt::format("{}.{}", effect.name, parameter.name);
+      const auto size = std::find_if(cause.sizes.begin(), cause.sizes.end(), [&](const Size& one) { return one.parameter == name; });
+      const bool is_undetermined = size != cause.sizes.end() && (size->low < parameter.lower || size->high > parameter.upper);
+      if (is_undetermined) {
+        size->low = std::max(size->low, parameter.lower);
+        size->high = std::min(size->high, parameter.upper);
       }
+      if (!is_at_upper && !is_at_lower && !is_undetermined) continue;
+      if (&cause == &diagnosis.causes.front()) {
+        diagnosis.remarks.push_back(is_at_upper || is_at_lower
+                                        ? fmt::format("{} was fitted to the {} end of its range, {:.3g} {}", name, is_at_upper ? "upper" : "lower",
+                                                      value, common::name_of(parameter.unit))
+                                        : fmt::format("{}: the 90 % interval goes beyond what it can be; these records do not determine it", name));
+      }
+      doubt(effect.name, cause, diagnosis);
     }
   }
 }
@@ -255,10 +282,10 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   problem.threads = settings.threads;
   if (is_stopped) problem.is_stopped = is_stopped;
   set_machine(nominal, records, problem);
-  diagnosis.nuisances = problem.nuisances;
   if (settings.noise_corner) problem.thresholds.whitening.noise_corner = *settings.noise_corner;
   const WhiteningSettings whitening = whitening_for(problem.thresholds, has_coarse_counts(records));
   diagnosis.followed = admit(std::move(records), whitening, problem, diagnosis.remarks);
+  diagnosis.nuisances = problem.nuisances;
 
   tell(0.0, "replaying the controller");
   if (controller) replay(problem, *controller, diagnosis);

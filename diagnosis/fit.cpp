@@ -141,15 +141,15 @@ std::vector<Eigen::Index> first_rows(const Problem& problem) {
 
 // Of nuisances that an effect holds: zero.
 Eigen::MatrixXd nuisance_columns(Problem& problem, const Point& point, const Eigen::VectorXd& difference, const Eigen::VectorXd& steps) {
-  const std::size_t common = problem.nuisances.common_count(), swing = problem.nuisances.swing_amounts(), all = nuisance_count(problem);
+  const std::size_t common = problem.nuisances.common_count(), own = problem.nuisances.per_record(), all = nuisance_count(problem);
   // Nuisances that are moved together: a record's own change no other record, so each of them goes with its likes.
   std::vector<std::vector<std::size_t>> moves;
   for (std::size_t k = 0; k < common; ++k) {
     if (!is_held(problem, point, k)) moves.push_back({k});
   }
-  for (std::size_t part = 0; part < swing; ++part) {
+  for (std::size_t part = 0; part < own; ++part) {
     std::vector<std::size_t>& move = moves.emplace_back();
-    for (std::size_t k = common + part; k < all; k += swing) move.push_back(k);
+    for (std::size_t k = common + part; k < all; k += own) move.push_back(k);
   }
   std::vector<Point> points(moves.size(), point);
   for (std::size_t i = 0; i < moves.size(); ++i) {
@@ -161,7 +161,7 @@ Eigen::MatrixXd nuisance_columns(Problem& problem, const Point& point, const Eig
   for (std::size_t i = 0; i < moves.size(); ++i) {
     for (const std::size_t k : moves[i]) {
       const bool is_of_all = k < common;
-      const std::size_t record = is_of_all ? 0 : (k - common) / swing;
+      const std::size_t record = is_of_all ? 0 : (k - common) / own;
       const Eigen::Index from = first_row[record], to = is_of_all ? first_row.back() : first_row[record + 1];
       const auto column = static_cast<Eigen::Index>(k);
       columns.col(column).segment(from, to - from) = (moved_differences[i] - difference).segment(from, to - from) / steps(column);
@@ -364,7 +364,8 @@ double longest_record(const Problem& problem) {
 
 Shadow shadow_at(const Problem& problem, const Point& point, std::size_t record) {
   return shadow(machine_at(problem.nominal, problem.nuisances, point), problem.records[record], problem.gains,
-                encoder_latency(problem.nuisances, point.nuisance), swing_at_start(problem.nuisances, point.nuisance, record));
+                encoder_latency(problem.nuisances, point.nuisance), swing_at_start(problem.nuisances, point.nuisance, record),
+                motor_offset_at_start(problem.nuisances, point.nuisance, record));
 }
 
 void share_out(Problem& problem, std::size_t count, const std::function<void(std::size_t)>& work) {

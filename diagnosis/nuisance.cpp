@@ -21,7 +21,11 @@ constexpr double kStudent = 3.0;  // one more than the degrees of freedom
 }  // namespace
 
 Nuisances nuisances_of(const sim::MachineDescription& machine, double latency_deviation) {
-  return {machine.parameters, latency_deviation, machine.machine.load.mass > 0.0 ? machine.machine.load.rope_length : 0.0};
+  Nuisances nuisances;
+  nuisances.parameters = machine.parameters;
+  nuisances.latency_deviation = latency_deviation;
+  if (machine.machine.load.mass > 0.0) nuisances.rope_length = machine.machine.load.rope_length;
+  return nuisances;
 }
 
 double encoder_latency(const Nuisances& nuisances, const std::vector<double>& amount) {
@@ -39,6 +43,14 @@ double swing_reach(const Nuisances& nuisances, const std::vector<double>& amount
   const std::size_t first = nuisances.count(record);
   if (nuisances.swing_amounts() == 0 || amount.size() < first + nuisances.swing_amounts()) return 0.0;
   return kSwingDeviation * std::hypot(amount[first], amount[first + 1]);
+}
+
+GroupAngles motor_offset_at_start(const Nuisances& nuisances, const std::vector<double>& amount, std::size_t record) {
+  GroupAngles offset{};
+  const std::size_t first = nuisances.count(record) + nuisances.swing_amounts();
+  if (amount.size() < first + nuisances.offset_groups) return offset;
+  for (std::size_t g = 0; g < nuisances.offset_groups; ++g) offset[g] = nuisances.offset_deviation * amount[first + g];
+  return offset;
 }
 
 PriorTerm nuisance_prior(const Nuisances& nuisances, std::size_t k, double z) {

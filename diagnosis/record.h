@@ -47,6 +47,9 @@ struct Record {
   std::vector<msgs::Encoder> encoder;  // the messages themselves, for the controller's replay
   std::vector<msgs::Torque> torque;
   std::vector<msgs::PlantStatus> plant_status;
+  // Whether the gears stand on the flanks to which the first torques push, as in a log that begins with the drives on; otherwise in the
+  // middle of their play. The nominal machine tells (admit.h).
+  bool begins_pressed = false;
   double encoder_quantum = 0.0;        // [rad] smallest step that the encoder positions keep to; 0: none found
   std::vector<std::string> remarks;    // what was mended or left out, one line each
 

@@ -6,6 +6,7 @@
 #include "diagnosis/recorded_drive.h"
 #include "sim/effects/catalogue.h"
 #include "sim/integrate/machine.h"
+#include "sim/model/crane.h"
 
 namespace slewlab::diagnosis {
 
@@ -54,6 +55,25 @@ void start_moving(sim::Machine& machine, const Record& record) {
   sim::forget_past(machine);
 }
 
+// Each gear on the flank to which the first torque of its group pushes, wound up by what goes through it while all turn as one body.
+void start_pressed(sim::Machine& machine, const Record& record) {
+  const sim::PlantModel& model = machine.model;
+  const double driven = sim::driven_inertia(model.parameters), to_slew_axis = model.parameters.drive.motors_per_group * model.ratio;
+  double torque = 0.0, inertia = driven;
+  for (int g = 0; g < record.group_count; ++g) {
+    torque += to_slew_axis * record.motor_torque[static_cast<std::size_t>(g)][0];
+    inertia += model.group_inertia[static_cast<std::size_t>(g)];
+  }
+  for (int g = 0; g < record.group_count; ++g) {
+    const auto i = static_cast<std::size_t>(g);
+    const double through = to_slew_axis * record.motor_torque[i][0] - model.group_inertia[i] * torque / inertia;
+    if (through == 0.0) continue;
+    machine.state.motor_angle[i] = std::copysign(model.gear[i].half_play, through) + through / model.gear[i].stiffness;
+  }
+  sim::refresh(model, machine.state);
+  sim::forget_past(machine);
+}
+
 void start_swinging(sim::Machine& machine, const Swing& swing) {
   if (!machine.model.has_load || (swing.angle == 0.0 && swing.rate == 0.0)) return;
   const sim::LoadOnSpring& load = machine.model.load;
@@ -83,7 +103,7 @@ ShadowSettings not_faster_than(ShadowSettings settings, double period) {
 }
 
 Shadow shadow(const sim::MachineSettings& settings, const Record& record, const ShadowGains& gains, double encoder_latency,
-              const Swing& swing) {
+              const Swing& swing, const GroupAngles& motor_offset) {
   sim::MachineSettings with_step = settings;
   with_step.step = record.step;
   double encoder_lead = encoder_latency / record.step;  // [steps]
@@ -95,6 +115,7 @@ Shadow shadow(const sim::MachineSettings& settings, const Record& record, const 
   });
   sim::Machine machine = sim::make_machine(with_step);
   start_moving(machine, record);
+  if (record.begins_pressed) start_pressed(machine, record);
   start_swinging(machine, swing);
 
   Shadow result;
@@ -106,7 +127,7 @@ Shadow shadow(const sim::MachineSettings& settings, const Record& record, const 
   std::array<double, sim::kMaximumGroupCount> origin{};
   for (int g = 0; g < record.group_count; ++g) {
     const auto i = static_cast<std::size_t>(g);
-    origin[i] = record.shaft_position[i][0];
+    origin[i] = record.shaft_position[i][0] - (machine.state.motor_angle[i] + motor_offset[i]) * machine.model.ratio;
   }
   const auto cycle = static_cast<std::size_t>(std::lround(record.encoder_period / record.step));
   const bool has_tip = !record.acceleration[kTip].empty();

@@ -59,10 +59,12 @@ struct Swing {
   double rate = 0.0;   // [rad/s]
 };
 
-// `encoder_latency` [s] is how late (early, where negative) the encoders read. It, and a pure delay of the machine's encoders, are taken
+using GroupAngles = std::array<double, sim::kMaximumGroupCount>;  // [rad]
+
+// `motor_offset`, on the slew axis, is how far each motor stands from where the machine has it when the record begins. `encoder_latency` [s] is how late (early, where negative) the encoders read. It, and a pure delay of the machine's encoders, are taken
 // out of the record instead of put into the shadow, whose feedback they would shake.
 // Throws std::invalid_argument where the machine cannot be built.
 Shadow shadow(const sim::MachineSettings& machine, const Record& record, const ShadowGains& gains,
-              double encoder_latency = 0.0, const Swing& swing = {});
+              double encoder_latency = 0.0, const Swing& swing = {}, const GroupAngles& motor_offset = {});
 
 }  // namespace slewlab::diagnosis

@@ -11,8 +11,8 @@ namespace slewlab::diagnosis {
 namespace {
 
 constexpr int kHeldOutRounds = 3;   // at most, with fresh columns
-constexpr int kSwingSteps = 2;      // Gauss-Newton steps; the swing is small, and linear nearly
-constexpr double kSwingStep = 0.1;  // [standard deviations] of a difference quotient
+constexpr int kBeginningSteps = 2;      // Gauss-Newton steps; it is small, and linear nearly
+constexpr double kBeginningStep = 0.1;  // [standard deviations] of a difference quotient
 constexpr double kBetter = 4.6;     // -2 ln of odds of one to ten: what chance takes off a residual that was not fitted
 // Relative closed-loop error beyond which two runs are no longer the same motion (two independent ones differ by 1.4), and the share
 // by which one may be worse by chance.
@@ -44,18 +44,19 @@ Whitening whitening_of_half(const Problem& problem, const WhiteningSettings& set
   return make_whitening(last, trusted, problem.gains, follower, settings);
 }
 
-// The point of one record with the load's swing there fitted, everything else as it is.
-Point with_its_swing(Problem& problem, Point point) {
-  const std::size_t first = problem.nuisances.common_count(), count = problem.nuisances.swing_amounts();
+// The point of one record with what only its beginning is like (the load's swing, where the motors stand) fitted there, everything else
+// as it is.
+Point with_its_beginning(Problem& problem, Point point) {
+  const std::size_t first = problem.nuisances.common_count(), count = problem.nuisances.per_record();
   if (count == 0) return point;
   Eigen::VectorXd difference = differences(problem, point);
-  for (int step = 0; step < kSwingSteps; ++step) {
+  for (int step = 0; step < kBeginningSteps; ++step) {
     Eigen::MatrixXd columns(difference.size(), static_cast<Eigen::Index>(count));
     Eigen::VectorXd amount(static_cast<Eigen::Index>(count));
     for (std::size_t k = 0; k < count; ++k) {
       Point moved = point;
-      moved.nuisance[first + k] += kSwingStep;
-      columns.col(static_cast<Eigen::Index>(k)) = (differences(problem, moved) - difference) / kSwingStep;
+      moved.nuisance[first + k] += kBeginningStep;
+      columns.col(static_cast<Eigen::Index>(k)) = (differences(problem, moved) - difference) / kBeginningStep;
       amount(static_cast<Eigen::Index>(k)) = point.nuisance[first + k];
     }
     const double weight = data_weight(difference, problem.settings);
@@ -109,7 +110,7 @@ ValidationError HeldOutData::error(const Point& point, const std::optional<contr
   there.nuisance.resize(predicted_->nuisances.common_count());  // without the swings of the fitted records
   there.nuisance.resize(nuisance_count(*predicted_), 0.0);
   ValidationError error;
-  error.residual_ratio = mean_square(differences(*predicted_, with_its_swing(*predicted_, there)));
+  error.residual_ratio = mean_square(differences(*predicted_, with_its_beginning(*predicted_, there)));
   if (controller) {
     error.closed_loop = predict(machine_at(predicted_->nominal, predicted_->nuisances, there), *controller, predicted_->records.back(), from_time_)
                             .relative_gap;

@@ -4,8 +4,8 @@
 //   residual variance ratio      of the observer's missing torques and accelerations there, 1 = noise only
 //   relative closed-loop error   of the simulation from the operator's commands alone, where the controller is known
 //
-// against the nominal machine and against parameters alone. The swing of the load when the held-out record begins is no property of the
-// machine: it is fitted there, for every hypothesis alike.
+// against the nominal machine and against parameters alone. What is peculiar to the beginning of the held-out record (the load's swing, where
+// the motors stand) is no property of the machine: it is fitted there, for every hypothesis alike.
 #pragma once
 
 #include <memory>

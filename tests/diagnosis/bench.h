@@ -55,8 +55,8 @@ struct BenchProblem : Problem {
   }
   void add(const Record& record) {
     const Shadow follower = shadow(nominal, record, gains);
-    const WhiteningSettings& settings = thresholds.whitening;
-    whitening.push_back(make_whitening(record, trusted_stretches(record, follower, settings), gains, follower, settings));
+    const WhiteningSettings& of_whitening = thresholds.whitening;
+    whitening.push_back(make_whitening(record, trusted_stretches(record, follower, of_whitening), gains, follower, of_whitening));
     records.push_back(record);
   }
 };

@@ -17,6 +17,7 @@
 #include "controller/effects/catalogue.h"
 #include "diagnosis/chance_fit.h"
 #include "diagnosis/nuisance.h"
+#include "diagnosis/loop/loop_log.h"
 #include "diagnosis/prediction.h"
 #include "sim/effects/catalogue.h"
 #include "tests/diagnosis/bench.h"
@@ -236,6 +237,71 @@ TEST(Diagnose, SaysNothingIsMissingWhereTheFilesOwnDriveLimitsTheTorque) {
   const Diagnosis other = diagnose(forgetful, bench().controller, {record}, {});
   ASSERT_FALSE(other.causes.empty());
   EXPECT_EQ(other.causes[0].effects, std::vector<std::string>{"torque_limit"}) << "the record must show the limit for the test to say anything";
+}
+
+// A PLC's recorder that was started after the drives: the teeth stand on their flanks, wound up, and every encoder has a zero of its own.
+TEST(Diagnose, SaysNothingIsMissingOfALogThatBeginsWithTheDrivesOn) {
+  sim::MachineSettings nominal, truth;
+  nominal.crane = bench().crane;
+  truth.crane = spread_crane(33);
+  std::vector<Record> records;
+  for (const auto* moves : {&kThereAndBack, &kInching}) {
+    msgs::RunLog log = simulated_log(truth, bench().controller, *moves, kDuration, 33);
+    const auto cut = [](auto& messages) { messages.erase(messages.begin(), messages.begin() + 1500); };
+    cut(log.encoder);
+    cut(log.torque);
+    cut(log.sensors);
+    for (msgs::Encoder& encoder : log.encoder) encoder.shaft_position[1] += 0.4;  // [rad]
+    records.push_back(make_record(log, moves == &kInching ? "b" : "a", bench().admission));
+  }
+  const Diagnosis found = diagnose(nominal, {}, records, {});
+  EXPECT_FALSE(found.gap) << found.verdict;
+  EXPECT_LT(found.mean_square_parameters, 1.2);
+}
+
+// The nominal crane itself, with nothing but what a PLC of 10 ms sees of it: no noise to hide behind, and a model that steps as coarsely.
+TEST(Diagnose, SaysNothingIsMissingOfTheNominalCraneAtThePlcsOwnRate) {
+  sim::MachineSettings nominal;
+  nominal.crane = bench().crane;
+  LoopSettings settings;
+  settings.machine = nominal;
+  settings.machine.step = kStep;
+  settings.controller = bench().controller;
+  settings.controller.period = 0.01;
+  settings.duration = kDuration;
+  for (const Move& move : kThereAndBack) settings.operator_moves.push_back({.time = std::llround(move.time * 1e9), .speed_request = move.speed_request});
+  const msgs::RunLog log = logged_run(settings, {.sensors = 10'000'000, .truth = 1'000'000'000, .status = 1'000'000'000});
+  controller::ControllerSettings controller = bench().controller;
+  controller.period = 0.01;
+  const Diagnosis found = diagnose(nominal, controller, {make_record(log, "own", bench().admission)}, {});
+  EXPECT_FALSE(found.gap) << found.verdict;
+  EXPECT_GT(found.probability_nothing, 0.9);
+}
+
+// A cause is asked to predict the record that it did not see: the true one does, one that merely bends what it was fitted to does not.
+TEST(HeldOutData, TellsWhatPredictsFromWhatDoesNot) {
+  sim::MachineSettings truth;
+  truth.crane = spread_crane(34);
+  truth.effects = {{"bearing_coulomb", {1e5, 0.0, 3e-5}}};
+  BenchProblem problem;
+  problem.add(make_record(simulated_log(truth, bench().controller, kThereAndBack, kDuration, 34), "a", bench().admission));
+  problem.add(make_record(simulated_log(truth, bench().controller, kInching, kDuration, 35), "b", bench().admission));
+  HeldOutData data(problem, problem.thresholds.whitening, shadow(problem.nominal, problem.records.back(), problem.gains));
+  const std::optional<controller::ControllerSettings> controller = bench().controller;
+  const HeldOut none = data.fit({});
+  EXPECT_EQ(none.record, "b");
+  const ValidationError parameters = data.error(none.point, controller);
+  Point right, wrong;
+  right.effects = truth.effects;
+  wrong.effects = {{"torque_lag", {0.02, 0.0}}};
+  const ValidationError with_right = data.error(data.fit(right).point, controller), with_wrong = data.error(data.fit(wrong).point, controller);
+  EXPECT_TRUE(data.is_better(with_right, parameters)) << with_right.residual_ratio << " " << parameters.residual_ratio;
+  EXPECT_FALSE(data.is_better(parameters, with_right));
+  EXPECT_FALSE(data.is_better(parameters, parameters));
+  EXPECT_FALSE(data.is_better(with_wrong, with_right));
+  ValidationError worse_loop = with_right;
+  worse_loop.closed_loop = 2.0 * *parameters.closed_loop;
+  EXPECT_FALSE(data.is_better(worse_loop, parameters)) << "a closed loop that gets worse";
 }
 
 TEST(Diagnose, NamesBearingFrictionWithItsSize) {

@@ -182,7 +182,7 @@ const std::vector<std::string> kSizeNames{"MassesOfAMillionth", "MassesOfAThousa
 
 INSTANTIATE_TEST_SUITE_P(Sizes, InAnotherSize,
                          testing::Values(Scaling{1e-6, 1.0}, Scaling{1e-3, 1.0}, Scaling{1e3, 1.0}, Scaling{1.0, 0.316228}, Scaling{1.0, 2.0}),
-                         [](const testing::TestParamInfo<Scaling>& info) { return kSizeNames.at(info.index); });
+                         [](const testing::TestParamInfo<Scaling>& size) { return kSizeNames.at(size.index); });
 
 }  // namespace
 }  // namespace slewlab::diagnosis

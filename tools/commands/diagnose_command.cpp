@@ -83,6 +83,15 @@ nlohmann::json to_json(const Cause& cause, const std::vector<sim::Parameter>& pa
     json["sizes"].push_back({{"parameter", size.parameter}, {"value", size.value}, {"unit", size.unit},
                              {"low_90", size.low}, {"high_90", size.high}});
   }
+  if (cause.validation) {
+    const auto error = [](const diagnosis::ValidationError& one) {
+      nlohmann::json errors{{"residual_variance_ratio", one.residual_ratio}};
+      if (one.closed_loop) errors["relative_closed_loop_error"] = *one.closed_loop;
+      return errors;
+    };
+    json["validation"] = {{"nominal", error(cause.validation->nominal)}, {"parameters", error(cause.validation->parameters)},
+                          {"cause", error(cause.validation->cause)}, {"holds", cause.validation->holds}};
+  }
   for (std::size_t k = 0; k < std::min(parameters.size(), cause.point.nuisance.size()); ++k) {
     json["parameters"][std::string(parameters[k].name)] = 1.0 + parameters[k].spread * cause.point.nuisance[k];
   }
@@ -223,6 +232,12 @@ std::string summary_text(const Diagnosis& diagnosis, const ToldApartBy& apart, c
       is_unknown_told = true;
     }
     out << fmt::format("  {:5.1f} %  {} (share of the gap explained on the fitted records: {:.1f} %)\n", 100 * cause.probability, name_of(cause), 100 * cause.explained);
+    if (cause.validation) {
+      const diagnosis::Validation& validation = *cause.validation;
+      out << fmt::format("            residual variance ratio on data that were not fitted: nominal {:.4g}, parameters alone {:.4g}, with it {:.3g}{}\n",
+                         validation.nominal.residual_ratio, validation.parameters.residual_ratio, validation.cause.residual_ratio,
+                         validation.holds ? "" : ": it does not predict them better, and cannot lead");
+    }
     if (i > 1) continue;
     for (const diagnosis::Size& size : cause.sizes) {
       out << fmt::format("            {} = {:.4g} {} (90 %: {:.4g} to {:.4g})\n", size.parameter, size.value, size.unit, size.low, size.high);

@@ -217,7 +217,7 @@ TEST_F(DiagnoseCommand, AnInterruptEndsItAndNothingIsWritten) {
 }
 
 TEST_F(DiagnoseCommand, RefusesACraneWithAnotherNumberOfMotorGroups) {
-  expect_refused({"--crane", SLEWLAB_SOURCE_DIR "/tests/diagnosis/servo_axis/crane.yaml", "--log", log()}, 3,
+  expect_refused({"--crane", SLEWLAB_SOURCE_DIR "/config/cranes/one_group.yaml", "--log", log()}, 3,
                  {"cannot tell, because", "the log has 2 motor groups, the nominal crane 1"});
 }
 
