@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "diagnosis/plausibility.h"
 #include "sim/effects/catalogue.h"
@@ -51,9 +52,28 @@ double missing_power(const Record& record, const Shadow& follower, double time) 
   return square;
 }
 
-// The nominal machine along the record, from whichever state of the gears takes less of the observer.
+// Whether the groups keep their places to each other in the first `time` [s] within half of the play, as they do on their flanks; gears
+// that a torque brings there from the middle of their play move by twice that.
+bool keep_their_flanks(const Problem& problem, const Record& record, double time) {
+  const auto count = std::min(record.size(), static_cast<std::size_t>(std::lround(time / record.step)));
+  const double half_play = sim::gear_contact(problem.nominal.crane).half_play * sim::total_ratio(problem.nominal.crane.drive);
+  for (int g = 1; g < record.group_count; ++g) {
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (std::size_t n = 0; n < count; ++n) {
+      const double apart = record.shaft_position[static_cast<std::size_t>(g)][n] - record.shaft_position[0][n];
+      low = std::min(low, apart);
+      high = std::max(high, apart);
+    }
+    if (high - low > half_play) return false;
+  }
+  return true;
+}
+
+// The nominal machine along the record: from the middle of the play, or where the gears keep their flanks and it takes less of the
+// observer, from there.
 Shadow follow_from_its_beginning(const Problem& problem, Record& record) {
   Shadow follower = shadow(problem.nominal, record, problem.gains);
+  if (!keep_their_flanks(problem, record, problem.thresholds.time)) return follower;
   Record pressed = record;
   pressed.begins_pressed = true;
   Shadow other = shadow(problem.nominal, pressed, problem.gains);

@@ -123,7 +123,7 @@ void name_answer(const Cause& first, Diagnosis& diagnosis) {
   diagnosis.gap = diagnosis.controller_differs || diagnosis.counts > 0.0 || diagnosis.probability_nothing < 0.5;
   diagnosis.is_unknown = diagnosis.probability_unknown > first.probability;
   if (diagnosis.is_unknown) {
-    diagnosis.verdict = "not in the catalogue: no known effect explains what is missing";
+    diagnosis.verdict = "outside the catalogue (unknown): no known effect explains what is missing";
   } else if (first.effects.empty()) {
     diagnosis.verdict = "no effect is missing; parameters within their spread explain the records";
   } else {
@@ -213,10 +213,16 @@ void doubt(const std::string& doubted, Cause& cause, Diagnosis& diagnosis) {
 }
 
 // An effect that was fitted to the end of its range is at best half an answer: a larger one would fit better. Nor is one whose interval
-// goes beyond its range: the records do not say that it is there.
-void doubt_ends_of_ranges(const common::EffectCatalogue& catalogue, Diagnosis& diagnosis) {
+// goes beyond its range: the records do not say that it is there; nor one beside which
+// a parameter is farther off than machines of one make differ.
+void doubt_ends_of_ranges(const Problem& problem, Diagnosis& diagnosis) {
+  const common::EffectCatalogue& catalogue = problem.catalogue;
   constexpr double kAtTheEnd = 1e-6;  // of the range
   for (Cause& cause : diagnosis.causes) {
+    const auto parameters = cause.point.nuisance.begin();
+    const auto count = static_cast<std::ptrdiff_t>(std::min(cause.point.nuisance.size(), problem.nuisances.parameters.size()));
+    const bool is_far_off = std::any_of(parameters, parameters + count, [](double amount) { return std::fabs(amount) > kFarOff; });
+    if (is_far_off && !cause.point.effects.empty()) take_away(0.5, false, cause, diagnosis);
     for (const common::EffectInstance& effect : cause.point.effects) {
       const common::EffectAbout& about = catalogue.at(effect.name);
       // Of its size: shares and shapes may well lie at an end of theirs.
@@ -329,7 +335,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
     }
     take_from_unknown(diagnosis);
   }
-  doubt_ends_of_ranges(problem.catalogue, diagnosis);
+  doubt_ends_of_ranges(problem, diagnosis);
   if (settings.hold_out && !diagnosis.causes.empty()) {
     tell(kHoldOut.from, "fitting without the last record");
     HeldOutData held_out(problem, whitening, diagnosis.followed.nominal);

@@ -40,7 +40,7 @@ struct Diagnosis {
   std::vector<Cause> causes;            // falling probability; the one without effects is among them
   double probability_nothing = 0.0;
   double probability_unknown = 0.0;
-  bool is_unknown = false;              // nothing else is as probable: the answer is "not in the catalogue"
+  bool is_unknown = false;              // nothing else is as probable: the answer is "outside the catalogue"
   std::string verdict;                  // one line
   std::vector<std::pair<std::string, double>> subsystems;  // probability by subsystem, falling
   std::vector<std::pair<std::string, double>> effects;     // probability that each acts, alone or beside another, falling

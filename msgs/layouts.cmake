@@ -1,7 +1,12 @@
-# cmake -DFILES="a.lcm;b.lcm" -DOUTPUT=layouts.hpp -P layouts.cmake
+# cmake -DFILES="a.lcm;b.lcm" -DOUTPUT=layouts.hpp -DFIELDS=fields.hpp -DTABLE=signals.json -P layouts.cmake
 #
-# Writes down the byte layout of every message as C++ (struct Layout, see msgs/codec.cpp), read from the .lcm files:
-# what lcm-gen's decoder takes on trust is checked by it before anything is decoded. Knows what these files use: one
+# The .lcm files are the table of the wire's signals: channel, field, type and, in brackets in the field's comment, its unit.
+# From them come
+# - layouts.hpp: the byte layout of every message (struct Layout, see msgs/codec.cpp): what lcm-gen's decoder takes on
+#   trust is checked by it before anything is decoded;
+# - fields.hpp: every field with its name and unit, for whoever walks over messages (visit_fields());
+# - signals.json: the same for Python (tools/python/signals.py).
+# Knows what these files use: one
 # struct per file, LCM's primitive types but string, and arrays of one dimension whose count is an int32_t above them.
 # Anything else ends the build with the file and the line that it does not know.
 
@@ -18,6 +23,8 @@ set(size_of_double 8)
 
 set(layouts "")
 set(includes "")
+set(visits "")
+set(table "")
 foreach(file IN LISTS FILES)
   file(STRINGS ${file} lines)
   set(package "")
@@ -27,6 +34,8 @@ foreach(file IN LISTS FILES)
   set(arrays "")
   set(counts "")
   set(fixed 0)
+  set(fields "")
+  set(rows "")
   macro(end_of_fixed_bytes)
     if(fixed GREATER 0)
       list(APPEND pieces "{Piece::fixed, ${fixed}, 0}")
@@ -34,6 +43,10 @@ foreach(file IN LISTS FILES)
     endif()
   endmacro()
   foreach(line IN LISTS lines)
+    set(unit "-")
+    if(line MATCHES "//[^[]*\\[([^]]+)\\]")
+      set(unit "${CMAKE_MATCH_1}")
+    endif()
     string(REGEX REPLACE "//.*" "" line "${line}")
     string(REGEX REPLACE "; *$" "" line "${line}")
     string(STRIP "${line}" line)
@@ -59,6 +72,11 @@ foreach(file IN LISTS FILES)
         endif()
       endif()
       list(APPEND names ${name})
+      string(APPEND fields "  visit(\"${name}\", \"${unit}\", m.${name});\n")
+      if(rows)
+        string(APPEND rows ",\n")
+      endif()
+      string(APPEND rows "    \"${name}\": \"${unit}\"")
       if(count)
         list(FIND counts ${count} index)
         if(index LESS 0)
@@ -89,6 +107,17 @@ foreach(file IN LISTS FILES)
   else()
     set(parameters "M&, Visit")
   endif()
+  string(APPEND visits "
+template <class Visit>
+void visit_fields(const ${package}::${struct}& m, Visit visit) {
+${fields}}
+")
+  string(REGEX REPLACE "_t$" "" channel "${struct}")
+  string(TOUPPER "${channel}" channel)
+  if(table)
+    string(APPEND table ",\n")
+  endif()
+  string(APPEND table "  \"${channel}\": {\n${rows}\n  }")
   string(APPEND layouts "
 template <>
 struct Layout<${package}::${struct}> {
@@ -124,3 +153,15 @@ ${layouts}
 }  // namespace slewlab::msgs
 ")
 file(WRITE ${OUTPUT} "${text}")
+
+file(WRITE ${FIELDS} "// Made by msgs/layouts.cmake from the .lcm files; do not edit.
+#pragma once
+
+${includes}
+namespace slewlab::msgs {
+
+// visit(name, unit, value) of every field in the order of the .lcm file; a field without a unit there has \"-\".
+${visits}
+}  // namespace slewlab::msgs
+")
+file(WRITE ${TABLE} "{\n${table}\n}\n")

@@ -10,6 +10,7 @@
 
 #include "common/unit.h"
 #include "sim/drive/scenario_run.h"
+#include "sim/effects/balance_effects.h"
 #include "sim/effects/catalogue.h"
 #include "sim/integrate/machine.h"
 #include "sim/machine/description.h"
@@ -173,44 +174,21 @@ const BalanceTerm* term_of(const BalanceModel& model, std::string_view law) {
 // The effects of the catalogue that are the model's laws, with their sizes; what has none, or lies out of an effect's bounds, is remarked.
 void take_effects(const sim::MachineFile& axis, double first_position, AxisDiagnosis& diagnosis) {
   const BalanceModel& model = diagnosis.answer.best;
-  const common::EffectCatalogue catalogue = sim::effects_for(sim::machine_settings(axis));
-  const auto add = [&](const char* name, const std::map<std::string, double>& values) {
-    const common::EffectAbout* about = catalogue.find(name);
-    if (about == nullptr) return;
-    common::EffectInstance instance{name, {}};
-    for (const common::EffectParameter& parameter : about->parameters) {
-      const auto found = values.find(std::string(parameter.name));
-      const double value = found == values.end() ? 0.0 : found->second;
-      if (value < parameter.lower || value > parameter.upper) {
-        diagnosis.remarks.push_back(fmt::format("{}.{} = {:.4g} {} lies out of the catalogue's bounds, {:.4g} to {:.4g}: not in the file", name,
-                                                parameter.name, value, common::name_of(parameter.unit), parameter.lower, parameter.upper));
-        return;
-      }
-      instance.values.push_back(value);
-    }
-    diagnosis.effects.push_back(std::move(instance));
+  const auto size = [&](std::string_view law, std::size_t k = 0) {
+    const BalanceTerm* term = term_of(model, law);
+    return term == nullptr ? 0.0 : term->size[k];
   };
-  const BalanceTerm *dry = term_of(model, "dry"), *stribeck = term_of(model, "stribeck"), *rising = term_of(model, "rising");
-  const double level = dry == nullptr ? 0.0 : dry->size[0];
-  if (stribeck != nullptr) {
-    add("bearing_stribeck", {{"coulomb_torque", level}, {"breakaway_excess", stribeck->size[0]}, {"stribeck_speed", stribeck->shape}});
-  } else if (rising != nullptr) {
-    const double total = level + rising->size[0];
-    add("bearing_rising", {{"torque", total}, {"speed", rising->shape}, {"at_rest", total > 0.0 ? level / total : 0.0}});
-  } else if (dry != nullptr) {
-    add("bearing_coulomb", {{"torque", level}});
-  }
-  if (const BalanceTerm* viscous = term_of(model, "viscous")) {
-    const BalanceTerm* uneven = term_of(model, "viscous_direction");
-    const double asymmetry = uneven == nullptr || !(viscous->size[0] > 0.0) ? 0.0 : uneven->size[0] / viscous->size[0];
-    add("bearing_viscous", {{"coefficient", viscous->size[0]}, {"asymmetry", asymmetry}});
-  }
-  if (const BalanceTerm* offset = term_of(model, "offset")) add("torque_offset", {{"torque", -offset->size[0]}});
-  if (const BalanceTerm* gravity = term_of(model, "gravity")) {
-    // s sin q + c cos q against the motion is torque sin(direction - q) with it; directions count from where the axis begins.
-    const double s = gravity->size[0], c = gravity->size[1];
-    add("tilted_axis", {{"torque", std::hypot(s, c)}, {"direction", std::remainder(std::atan2(-c, s) - first_position, 2.0 * M_PI)}});
-  }
+  const auto shape = [&](std::string_view law) {
+    const BalanceTerm* term = term_of(model, law);
+    return term == nullptr ? 0.0 : term->shape;
+  };
+  sim::BalanceEffects found = sim::effects_of_balance(
+      {.dry = size("dry"), .viscous = size("viscous"), .viscous_difference = size("viscous_direction"), .offset = size("offset"),
+       .breakaway_excess = size("stribeck"), .stribeck_speed = shape("stribeck"), .rising = size("rising"), .rising_speed = shape("rising"),
+       .gravity_sine = size("gravity", 0), .gravity_cosine = size("gravity", 1), .first_position = first_position},
+      sim::effects_for(sim::machine_settings(axis)));
+  diagnosis.effects = std::move(found.effects);
+  diagnosis.remarks.insert(diagnosis.remarks.end(), found.left_out.begin(), found.left_out.end());
   for (const BalanceTerm& term : model.terms) {
     constexpr std::string_view kWritten[] = {"dry", "viscous", "viscous_direction", "offset", "stribeck", "rising", "gravity"};
     if (std::find(std::begin(kWritten), std::end(kWritten), term.law) != std::end(kWritten)) continue;

@@ -32,7 +32,7 @@ struct CaseResult {
   std::string name;                      // case_0001
   std::string refusal;                   // why it would not judge; empty where it did
   bool gap = false;                      // says that something is missing
-  double probability_unknown = 0.0;      // of "not in the catalogue"
+  double probability_unknown = 0.0;      // of "outside the catalogue"
   std::vector<NamedCause> causes;        // falling probability
   std::vector<std::pair<std::string, double>> subsystems;  // falling probability
   // Size of the gap in the unseen manoeuvre, one number in any unit: the nominal crane, then with what was found.

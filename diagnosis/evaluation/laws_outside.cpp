@@ -1,4 +1,4 @@
-// Laws that no catalogue has: what the diagnosis must answer with "not in the catalogue".
+// Laws that no catalogue has: what the diagnosis must answer with "outside the catalogue".
 #include <algorithm>
 #include <cmath>
 #include <numbers>

@@ -21,7 +21,7 @@ using nlohmann::json;
 namespace {
 
 constexpr double kQuantile = 1.959963984540054;  // of the normal distribution, 95 % both sides
-constexpr const char* kUnknown = "not in the catalogue";
+constexpr const char* kUnknown = "outside the catalogue";
 constexpr const char* kNothingMissing = "nothing missing";
 
 // One answer of a result, in the order of probability.
@@ -273,7 +273,7 @@ ScoreTable tabulate(const std::vector<Judged>& cases) {
                   mean_score("true cause in the first three", three, 0.99, 1.0),
                   mean_score("mean probability on the true cause", probability, 0.85, 1.0),
                   mean_score("both of two effects named", both, 0.75, 1.0),
-                  mean_score("\"not in the catalogue\" where due", unknown, 0.85, 1.0),
+                  mean_score("\"outside the catalogue\" where due", unknown, 0.85, 1.0),
                   calibration,
                   mean_score("90 % intervals that cover", covered, 0.85, 0.95),
                   mean_score("share of the gap closed", closed, 0.95, 10.0)};
@@ -284,9 +284,9 @@ ScoreTable tabulate(const std::vector<Judged>& cases) {
                 mean_score("mean probability on the true cause, all effects", all_probability, 0.0, 1.0),
                 mean_score("both of two effects named, all", all_both, 0.0, 1.0),
                 mean_score("both of two effects named, each visible", each_visible, 0.0, 1.0),
-                mean_score("\"not in the catalogue\" where due, all", all_unknown, 0.0, 1.0),
-                mean_score("\"not in the catalogue\", left out", left_out, 0.0, 1.0),
-                mean_score("\"not in the catalogue\", no catalogue", no_catalogue, 0.0, 1.0),
+                mean_score("\"outside the catalogue\" where due, all", all_unknown, 0.0, 1.0),
+                mean_score("\"outside the catalogue\", left out", left_out, 0.0, 1.0),
+                mean_score("\"outside the catalogue\", no catalogue", no_catalogue, 0.0, 1.0),
                 mean_score("mean probability that the true effect acts", acting, 0.0, 1.0),
                 calibration_score("calibration error, most probable effect", calibration_bins(stated_acting)),
                 mean_score("refused", refused, 0.0, 1.0),

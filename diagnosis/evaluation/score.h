@@ -1,8 +1,8 @@
-// Judges a diagnosis on withheld cases (issue 4, "Withheld cases").
+// Judges a diagnosis on withheld cases.
 //
 // An effect counts as visible where it changes any signal by more than 3 noise floors (make.h). What is scored of
 // visible effects is also given for all of them. The first answer of a result is the most probable of its causes
-// and "not in the catalogue".
+// and "outside the catalogue".
 //
 // - false alarms: gap said on "nothing" and "parameters".
 // - detection: gap said on cases with an effect, of whatever kind.
@@ -11,11 +11,11 @@
 //   that size with the truth in it. First three: the same over the first three answers, the best of them.
 // - probability on the true cause: one effect; that of the cause with the true effect alone.
 // - two effects: the first answer names both; also given where each of them alone is visible beside the other.
-// - unknown: left-out and no-catalogue cases whose first answer is "not in the catalogue".
+// - unknown: left-out and no-catalogue cases whose first answer is "outside the catalogue".
 // - calibration: the first answer's probability against how often it is right, 10 bins, mean absolute difference
 //   weighted by cases; over cases whose truth can be known (nothing, parameters, visible effects).
 // - that an effect acts: the probabilities of all answers that name it, alone or with another, together. Given besides: that of the true
-//   effect (one effect), and the calibration of the most probable one of all effects, nothing missing and "not in the catalogue".
+//   effect (one effect), and the calibration of the most probable one of all effects, nothing missing and "outside the catalogue".
 // - coverage: of the first answers that are right, the share of comparable sizes within the 90 % interval.
 // - gap closed: (before - after) / (before - informed) on the unseen manoeuvre, informed being a fit that was told
 //   the effects; mean over visible one- and two-effect cases where the informed fit closes 10 % or more.

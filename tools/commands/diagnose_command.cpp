@@ -105,7 +105,7 @@ nlohmann::json to_json(const Diagnosis& diagnosis) {
                       {"mean_square_nominal", diagnosis.mean_square_nominal},
                       {"mean_square_parameters", diagnosis.mean_square_parameters},
                       {"probability_nothing_missing", diagnosis.probability_nothing},
-                      {"probability_not_in_the_catalogue", diagnosis.probability_unknown},
+                      {"probability_unknown", diagnosis.probability_unknown},
                       {"simulations", diagnosis.simulations},
                       {"simulation_seconds", diagnosis.simulation_seconds},
                       {"seconds", diagnosis.total_seconds},

@@ -28,8 +28,8 @@ def cause_name(cause):
 
 def probability_figure(found):
     causes = [c for c in found["causes"] if c["probability"] > 0.002][:8]
-    names = [cause_name(c) for c in causes] + ["not in the catalogue"]
-    shares = [c["probability"] for c in causes] + [found["probability_not_in_the_catalogue"]]
+    names = [cause_name(c) for c in causes] + ["outside the catalogue"]
+    shares = [c["probability"] for c in causes] + [found["probability_unknown"]]
     figure = graph.Figure(graph.Bar(x=shares[::-1], y=names[::-1], orientation="h", marker_color=AFTER))
     figure.update_layout(title="Probability of each cause", xaxis={"range": [0, 1], "tickformat": ".0%"},
                          height=120 + 34 * len(names), margin={"l": 260, "t": 50, "b": 40})
@@ -57,7 +57,7 @@ def after_name(found):
     if not found["causes"]:
         return "with nothing added"
     first = found["causes"][0]
-    if found["probability_not_in_the_catalogue"] > first["probability"]:
+    if found["probability_unknown"] > first["probability"]:
         return f"with {cause_name(first)}, which is not the answer"
     return "with the effect" if first["effects"] else "with other parameters"
 

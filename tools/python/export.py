@@ -3,8 +3,8 @@
     slewlab export RUN.lcmlog --format parquet|csv|mcap [--out PATH]
 
 Parquet and CSV: the first column is `time` [s], simulated; arrays become columns name_1, name_2, ...; SI units as
-in msgs/*.lcm. Columns of a plain axis (run.json beside the log says so) carry the axis's names and units, motor_speed [rad/s],
-and those of sensors that it has not are left out. MCAP: JSON messages with their schema, stamped with the simulated time; opens in Foxglove and
+in msgs/*.lcm; a Parquet column has its unit as the field's metadata `unit`. Columns of a plain axis (run.json beside the log says so) carry the axis's names and units, motor_speed [rad/s],
+and those of sensors that it has not are left out. MCAP: JSON messages with their schema, in which each field's `description` is its unit, stamped with the simulated time; opens in Foxglove and
 PlotJuggler.
 """
 
@@ -15,9 +15,12 @@ import sys
 from pathlib import Path
 
 import pandas as pd
+import pyarrow
+import pyarrow.parquet
 from mcap.writer import Writer
 
 from run_log import LogProblem, read_run_log, seconds
+from signals import table, unit_of
 from whole_file import growing
 
 FORMATS = ("parquet", "csv", "mcap")
@@ -57,17 +60,28 @@ def channel_table(messages, axis=None):
     return pd.DataFrame(renamed)
 
 
+def with_units(frame, channel, axis):
+    """The table with each column's unit in its metadata; an axis's names say theirs."""
+    original = {new: old for old, new in (axis or {}).items() if new}
+    arrow = pyarrow.Table.from_pandas(frame, preserve_index=False)
+    for place, column in enumerate(arrow.schema.names):
+        name = original.get(column, column)
+        unit = "s" if name == "time" else column.rpartition("[")[2].rstrip("]") if column in original else unit_of(channel, name)
+        arrow = arrow.set_column(place, arrow.schema.field(place).with_metadata({"unit": unit}), arrow.column(place))
+    return arrow
+
+
 def write_tables(log, out, file_format):
     """A folder with one file per channel; it appears when all of them are complete."""
     with growing(out) as partial:
         partial.mkdir()
         axis = axis_columns(log.path, log)
         for name, messages in log.channels.items():
-            table = channel_table(messages, axis.get(name))
+            frame = channel_table(messages, axis.get(name))
             if file_format == "parquet":
-                table.to_parquet(partial / f"{name}.parquet", index=False)
+                pyarrow.parquet.write_table(with_units(frame, name, axis.get(name)), partial / f"{name}.parquet")
             else:
-                table.to_csv(partial / f"{name}.csv", index=False)
+                frame.to_csv(partial / f"{name}.csv", index=False)
 
 
 def _json_type(field_type):
@@ -85,7 +99,7 @@ def write_mcap(log, out):
         for name, messages in log.channels.items():
             fields = [f for f in messages.dtype.names if f != "fingerprint"]
             schema = {"title": name, "type": "object",
-                      "properties": {f: _json_type(messages.dtype[f]) for f in fields}}
+                      "properties": {f: _json_type(messages.dtype[f]) | {"description": table()[name][f]} for f in fields}}
             schema_id = writer.register_schema(name=f"slewlab.{name}", encoding="jsonschema",
                                                data=json.dumps(schema).encode())
             channel_id = writer.register_channel(topic=name, message_encoding="json", schema_id=schema_id)

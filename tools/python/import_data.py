@@ -32,6 +32,7 @@ import input_map
 from input_map import InputProblems, nearest
 from machine import read_axis
 from run_log import EventWriter, LogProblem, message_types
+from signals import unit_of
 from unit import SPELLINGS, factor_to_si, quantity_of, spellings_of
 from whole_file import growing
 
@@ -83,7 +84,14 @@ class ImportMap:
 
 
 ANGULAR_AND_LINEAR = {"position": ("angle", "length"), "speed": ("angular speed", "speed"), "torque": ("torque", "force")}
-SI_UNITS = {"position": "rad", "speed": "rad/s", "torque": "N m", "angle": "rad", "acceleration": "m/s^2", "number": "-"}
+# Of what kind a signal is, and the message's field that says so.
+FIELD_OF_KIND = {"position": ("ENCODER", "shaft_position"), "speed": ("ENCODER", "shaft_speed"), "torque": ("TORQUE", "motor_torque"),
+                 "angle": ("SENSORS", "slew_angle"), "acceleration": ("SENSORS", "tip_acceleration"), "number": ("OPERATOR", "speed_request")}
+
+
+def wire_unit(kind):
+    return unit_of(*FIELD_OF_KIND[kind])
+
 
 
 def axis_factor(reader, kind, unit, factor, machine):
@@ -151,7 +159,7 @@ def read_signal(reader, name, kind, machine=None):
     elif kind == "angle" and not machine:
         factor = None if factor is None else factor * reader.number("ratio", "number", 1.0)
     found.factor = (factor or 1.0) * scale * (-1.0 if sign == "-1" else 1.0)
-    found.unit = machine.units().get(name, SI_UNITS[kind]) if machine else SI_UNITS[kind]
+    found.unit = machine.units().get(name, wire_unit(kind)) if machine else wire_unit(kind)
     if machine and name == "load_position":
         found.unit = machine.units()["slew_angle"]
     reader.finish()
@@ -207,7 +215,7 @@ def read_map(path):
                 if reader.has("column"):
                     reader.report("column", "a column beside derive", "one of the two")
                 reader.finish()
-                unit = machine.units()[name] if machine else SI_UNITS[signal_kind]
+                unit = machine.units()[name] if machine else wire_unit(signal_kind)
                 signals[name].append(Signal(name, None, reader, derive=derive, unit=unit))
             else:
                 signals[name].append(read_signal(reader, name, signal_kind, machine))

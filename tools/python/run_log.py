@@ -81,9 +81,14 @@ def seconds(messages):
     return messages["simulated_time"] / 1e9
 
 
+def messages_folder():
+    """What the build made for Python of msgs/*.lcm. SLEWLAB_PYTHON_MESSAGES names another folder than build/release/python."""
+    return Path(os.environ.get("SLEWLAB_PYTHON_MESSAGES", REPOSITORY / "build" / "release" / "python"))
+
+
 def message_types():
-    """The module that lcm-gen made. SLEWLAB_PYTHON_MESSAGES names another folder than build/release/python."""
-    folder = Path(os.environ.get("SLEWLAB_PYTHON_MESSAGES", REPOSITORY / "build" / "release" / "python"))
+    """The module that lcm-gen made."""
+    folder = messages_folder()
     if not (folder / "slewlab_msgs").is_dir():
         raise LogProblem(f"{folder}: the messages are not built for Python; run tools/build")
     if str(folder) not in sys.path:

@@ -159,7 +159,7 @@ def confusion_table(confusion):
 
 def right(truth, answer):
     outside = truth.endswith("(left out)") or truth.endswith("(no catalogue)")
-    return answer == "not in the catalogue" if outside else answer == truth
+    return answer == "outside the catalogue" if outside else answer == truth
 
 
 def markdown(data):

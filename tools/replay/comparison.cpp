@@ -28,9 +28,9 @@ double size_of_difference(double recorded, double replayed) {
 template <class Message>
 bool compare_messages(const Message& recorded, const Message& replayed, ChannelComparison& result) {
   std::vector<FieldValue> before;
-  visit_fields(recorded, [&](const FieldValue& field) { before.push_back(field); });
+  visit_compared(recorded, [&](const FieldValue& field) { before.push_back(field); });
   bool same = true;
-  visit_fields(replayed, [&](const FieldValue& after) {
+  visit_compared(replayed, [&](const FieldValue& after) {
     const auto like = std::find_if(before.begin(), before.end(), [&](const FieldValue& field) {
       return field.index == after.index && field.name == std::string_view(after.name);
     });

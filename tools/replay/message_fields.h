@@ -1,11 +1,17 @@
 #pragma once
 
-// The fields of the wire's messages one by one, for comparing messages of two runs to the bit. Left out are the
-// configuration (a replay takes over the recorded one), what a message is found by (key_of), and whether a
-// CONTROLLER_STATE follows a TORQUE (that one is compared itself).
+// The fields of the wire's messages one by one, for comparing messages of two runs to the bit, with the names and units of
+// the .lcm files (msgs/layouts.cmake). Left out are the configuration and the run's identity (a replay takes over the
+// recorded ones), what a message is found by (key_of), the counts that lengths of arrays show, whether a CONTROLLER_STATE
+// follows a TORQUE (that one is compared itself), and of PLANT_STATUS what a wall clock or the recorder counts.
 
+#include <array>
 #include <bit>
 #include <cstdint>
+#include <slewlab_msgs/fields.hpp>
+#include <string_view>
+#include <type_traits>
+#include <vector>
 
 #include "msgs/messages.h"
 
@@ -19,104 +25,6 @@ struct FieldValue {
   std::int64_t bits;  // equal if and only if the fields are the same to the bit
 };
 
-template <class Visit>
-class FieldVisitor {
- public:
-  explicit FieldVisitor(Visit& visit) : visit_(visit) {}
-
-  void number(const char* name, const char* unit, double value, int index = -1) {
-    visit_(FieldValue{name, index, unit, value, std::bit_cast<std::int64_t>(value)});
-  }
-  void integer(const char* name, const char* unit, std::int64_t value, int index = -1) {
-    visit_(FieldValue{name, index, unit, static_cast<double>(value), value});
-  }
-  void numbers(const char* name, const char* unit, const std::vector<double>& values) {
-    for (std::size_t i = 0; i < values.size(); ++i) number(name, unit, values[i], static_cast<int>(i));
-  }
-  void integers(const char* name, const char* unit, const std::vector<std::int64_t>& values) {
-    for (std::size_t i = 0; i < values.size(); ++i) integer(name, unit, values[i], static_cast<int>(i));
-  }
-
- private:
-  Visit& visit_;
-};
-
-template <class Visit>
-void visit_fields(const msgs::Encoder& message, Visit visit) {
-  FieldVisitor fields(visit);
-  fields.integer("simulated_time", "ns", message.simulated_time);
-  fields.integer("operator_sequence", "-", message.operator_sequence);
-  fields.integer("group_count", "-", message.group_count);
-  fields.numbers("shaft_speed", "rad/s", message.shaft_speed);
-  fields.numbers("shaft_position", "rad", message.shaft_position);
-}
-
-template <class Visit>
-void visit_fields(const msgs::Sensors& message, Visit visit) {
-  FieldVisitor fields(visit);
-  fields.integer("simulated_time", "ns", message.simulated_time);
-  fields.number("house_acceleration", "m/s^2", message.house_acceleration);
-  fields.number("pivot_acceleration", "m/s^2", message.pivot_acceleration);
-  fields.number("middle_acceleration", "m/s^2", message.middle_acceleration);
-  fields.number("tip_acceleration", "m/s^2", message.tip_acceleration);
-  fields.number("slew_angle", "rad", message.slew_angle);
-}
-
-template <class Visit>
-void visit_fields(const msgs::Truth& message, Visit visit) {
-  FieldVisitor fields(visit);
-  fields.integer("simulated_time", "ns", message.simulated_time);
-  fields.integer("group_count", "-", message.group_count);
-  fields.numbers("gearbox_torque", "Nm", message.gearbox_torque);
-  fields.numbers("gear_deflection", "rad", message.gear_deflection);
-  fields.integers("play_crossings", "-", message.play_crossings);
-  fields.number("house_speed", "rad/s", message.house_speed);
-  fields.number("tip_displacement", "m", message.tip_displacement);
-  fields.number("tip_velocity", "m/s", message.tip_velocity);
-  fields.number("rope_angle", "rad", message.rope_angle);
-  fields.number("rod_angle", "rad", message.rod_angle);
-  fields.number("mechanical_energy", "J", message.mechanical_energy);
-  fields.number("supplied_work", "J", message.supplied_work);
-  fields.numbers("shear_force", "N", message.shear_force);
-  fields.numbers("modal_energy", "J", message.modal_energy);
-}
-
-// What the drive did; the counts of a wall clock are no part of it.
-template <class Visit>
-void visit_fields(const msgs::PlantStatus& message, Visit visit) {
-  FieldVisitor fields(visit);
-  fields.integer("simulated_time", "ns", message.simulated_time);
-  fields.integer("drive_state", "-", message.drive_state);
-  fields.integer("trip_cause", "-", message.trip_cause);
-}
-
-template <class Visit>
-void visit_fields(const msgs::Torque& message, Visit visit) {
-  FieldVisitor fields(visit);
-  fields.integer("sequence", "-", message.sequence);
-  fields.integer("simulated_time", "ns", message.simulated_time);
-  fields.integer("alive_counter", "-", message.alive_counter);
-  fields.integer("enable", "-", message.enable);
-  fields.integer("brake", "-", message.brake);
-  fields.integer("acknowledge", "-", message.acknowledge);
-  fields.integer("group_count", "-", message.group_count);
-  fields.numbers("motor_torque", "Nm", message.motor_torque);
-}
-
-template <class Visit>
-void visit_fields(const msgs::ControllerState& message, Visit visit) {
-  FieldVisitor fields(visit);
-  fields.integer("sequence", "-", message.sequence);
-  fields.integer("simulated_time", "ns", message.simulated_time);
-  fields.integer("mode", "-", message.mode);
-  fields.number("ramped_speed", "rad/s", message.ramped_speed);
-  fields.number("average_torque", "Nm", message.average_torque);
-  fields.number("offset_torque", "Nm", message.offset_torque);
-  fields.integer("group_count", "-", message.group_count);
-  fields.numbers("proportional_torque", "Nm", message.proportional_torque);
-  fields.numbers("integral_torque", "Nm", message.integral_torque);
-}
-
 // By what a message finds its like in the other run.
 inline std::int64_t key_of(const msgs::Encoder& message) { return message.sequence; }
 inline std::int64_t key_of(const msgs::Sensors& message) { return message.sequence; }
@@ -124,5 +32,38 @@ inline std::int64_t key_of(const msgs::Truth& message) { return message.sequence
 inline std::int64_t key_of(const msgs::PlantStatus& message) { return message.sequence; }
 inline std::int64_t key_of(const msgs::Torque& message) { return message.answered_sequence; }
 inline std::int64_t key_of(const msgs::ControllerState& message) { return message.answered_sequence; }
+
+template <class Message>
+bool is_compared(std::string_view field) {
+  if (field == "configuration_hash" || field == "run_identity") return false;
+  if constexpr (std::is_same_v<Message, msgs::PlantStatus>) {
+    return field == "simulated_time" || field == "drive_state" || field == "trip_cause";
+  } else if constexpr (std::is_same_v<Message, msgs::Torque> || std::is_same_v<Message, msgs::ControllerState>) {
+    return field != "answered_sequence" && field != "state_follows";
+  } else {
+    return field != "sequence" && field != "element_count" && field != "mode_count";
+  }
+}
+
+// Calls visit(FieldValue) for every number that is compared.
+template <class Message, class Visit>
+void visit_compared(const Message& message, Visit visit) {
+  const auto number = [&](const char* name, const char* unit, auto value, int index) {
+    if constexpr (std::is_floating_point_v<decltype(value)>) {
+      visit(FieldValue{name, index, unit, value, std::bit_cast<std::int64_t>(static_cast<double>(value))});
+    } else {
+      visit(FieldValue{name, index, unit, static_cast<double>(value), static_cast<std::int64_t>(value)});
+    }
+  };
+  const auto field = [&](const char* name, const char* unit, const auto& value) {
+    if (!is_compared<Message>(name)) return;
+    if constexpr (std::is_arithmetic_v<std::decay_t<decltype(value)>>) {
+      number(name, unit, value, -1);
+    } else {
+      for (std::size_t i = 0; i < value.size(); ++i) number(name, unit, value[i], static_cast<int>(i));
+    }
+  };
+  msgs::visit_fields(message, field);
+}
 
 }  // namespace slewlab::tools

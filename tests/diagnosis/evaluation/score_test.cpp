@@ -85,10 +85,10 @@ TEST(Score, UnknownIsDueOutsideTheCatalogueAndWrongWithin) {
   const ScoreTable table = tabulate({judged(Kind::kLeftOut, {"lag"}, 9, {cause({"wind"}, 0.3)}, 0.7, true),
                                      judged(Kind::kNoCatalogue, {""}, 9, {cause({"wind"}, 0.8)}, 0.2, true),
                                      judged(Kind::kOneEffect, {"lag"}, 9, {cause({"lag"}, 0.4)}, 0.6, true)});
-  EXPECT_DOUBLE_EQ(score_named(table, "\"not in the catalogue\" where due").value, 0.5);
+  EXPECT_DOUBLE_EQ(score_named(table, "\"outside the catalogue\" where due").value, 0.5);
   EXPECT_DOUBLE_EQ(score_named(table, "first cause right").value, 0.0);
-  EXPECT_EQ(table.confusion.at("lag (left out)").at("not in the catalogue"), 1);
-  EXPECT_EQ(table.confusion.at("lag").at("not in the catalogue"), 1);
+  EXPECT_EQ(table.confusion.at("lag (left out)").at("outside the catalogue"), 1);
+  EXPECT_EQ(table.confusion.at("lag").at("outside the catalogue"), 1);
   EXPECT_EQ(table.failures.size(), 2u);
 }
 
@@ -97,7 +97,7 @@ TEST(Score, ARefusalIsRightNowhere) {
   Judged refused = judged(Kind::kLeftOut, {"lag"}, 9, {}, 0.0, false);
   refused.result.refusal = "gears that knock all the time";
   const ScoreTable table = tabulate({refused});
-  EXPECT_DOUBLE_EQ(score_named(table, "\"not in the catalogue\" where due").value, 0.0);
+  EXPECT_DOUBLE_EQ(score_named(table, "\"outside the catalogue\" where due").value, 0.0);
   EXPECT_EQ(table.failures.size(), 1u);
 }
 

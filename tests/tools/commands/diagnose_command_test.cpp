@@ -177,7 +177,7 @@ TEST_F(DiagnoseCommand, AddsNothingToTheCraneWhereNothingKnownIsTheAnswer) {
   RunningProgram diagnose(command(all));
   ASSERT_EQ(diagnose.wait_for_end(), 0) << diagnose.complaints();
   const auto found = nlohmann::json::parse(contents(out() / "diagnosis.json"));
-  EXPECT_GT(found["probability_not_in_the_catalogue"].get<double>(), 0.5);
+  EXPECT_GT(found["probability_unknown"].get<double>(), 0.5);
   for (const char* crane : {"crane_with_effect.yaml", "crane_as_fitted.yaml"}) {
     EXPECT_EQ(contents(out() / crane).find("effect:"), std::string::npos) << contents(out() / crane);
   }

@@ -22,7 +22,7 @@ class DiagnosisReportTest(unittest.TestCase):
         self.folder = Path(temporary.name)
         self.found = {"verdict": "The controller differs.", "causes": [], "modes": [],
                       "spectrogram": {"highest_hz": 10.0, "window_s": 1.0},
-                      "probability_not_in_the_catalogue": 1.0}
+                      "probability_unknown": 1.0}
         (self.folder / "summary.txt").write_text("Is there a gap? Yes.\n")
         rows = [",".join(COLUMNS)] + [",".join([f"{0.01 * n:.2f}"] + ["0.5"] * (len(COLUMNS) - 1)) for n in range(500)]
         (self.folder / "series.csv").write_text("\n".join(rows) + "\n")
@@ -37,7 +37,7 @@ class DiagnosisReportTest(unittest.TestCase):
         self.assertIn("with nothing added", page)
 
     def test_a_cause_is_named(self):
-        self.found |= {"causes": [{"effects": ["dragging_brake"], "probability": 0.97}], "probability_not_in_the_catalogue": 0.03}
+        self.found |= {"causes": [{"effects": ["dragging_brake"], "probability": 0.97}], "probability_unknown": 0.03}
         self.assertIn("dragging_brake", self.page())
 
     def test_a_page_for_which_there_is_no_room_is_refused_in_words(self):

@@ -7,6 +7,7 @@ from pathlib import Path
 
 import numpy as np
 import pandas as pd
+import pyarrow.parquet
 from mcap.reader import make_reader
 
 import export
@@ -44,6 +45,15 @@ class ExportTest(unittest.TestCase):
     def test_parquet_holds_every_value_to_the_bit(self):
         self.check_tables(pd.read_parquet, "parquet")
 
+    def test_every_column_of_parquet_has_its_unit(self):
+        self.assertEqual(self.call(self.folder, "--format", "parquet"), (0, ""))
+        units = {}
+        for channel in ("ENCODER", "TORQUE", "SENSORS", "TRUTH"):
+            schema = pyarrow.parquet.read_schema(self.folder / "run_parquet" / f"{channel}.parquet")
+            units |= {name: schema.field(name).metadata[b"unit"].decode() for name in schema.names}
+        self.assertEqual((units["time"], units["shaft_speed_1"], units["motor_torque_2"], units["tip_acceleration"], units["supplied_work"]),
+                         ("s", "rad/s", "Nm", "m/s^2", "J"))
+
     def test_csv_holds_every_value_to_the_bit(self):
         self.check_tables(lambda path: pd.read_csv(path, float_precision="round_trip"), "csv")
 
@@ -56,6 +66,8 @@ class ExportTest(unittest.TestCase):
                 times.append(message.log_time)
                 counts[channel.topic] = counts.get(channel.topic, 0) + 1
                 self.assertEqual((schema.encoding, channel.message_encoding), ("jsonschema", "json"))
+                if channel.topic == "SENSORS":
+                    self.assertEqual(json.loads(schema.data)["properties"]["slew_angle"]["description"], "rad")
                 if channel.topic == "TORQUE":
                     torques.append(json.loads(message.data)["motor_torque"])
         self.assertEqual(times, sorted(times))

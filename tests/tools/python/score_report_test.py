@@ -17,7 +17,7 @@ DATA = {
     "scores": [score("first cause right", 0.625, ">= 0.95"), score("false alarms", 0.0, "<= 0.02", True)],
     "also": [score("refused", None)],
     "confusion": {"droop": {"droop": 3, "other_gains": 1}, "droop + wind": {"wind": 1},
-                  "tight_spot (no catalogue)": {"not in the catalogue": 2}},
+                  "tight_spot (no catalogue)": {"outside the catalogue": 2}},
     "sizes": [{"law": "droop", "effect": "droop", "size": 2.0, "visibility": 12.0, "detected": True, "credit": 1.0}],
     "calibration": [{"stated": 0.9, "right": 0.75, "cases": 8}],
     "failures": ["case_0003 (one effect): <droop> answered wrongly"],
@@ -48,8 +48,8 @@ class ScoreReportTest(unittest.TestCase):
             self.assertIn(words, page)
 
     def test_an_answer_in_no_catalogue_is_right_where_the_truth_is_in_none(self):
-        self.assertTrue(score_report.right("tight_spot (no catalogue)", "not in the catalogue"))
-        self.assertFalse(score_report.right("droop", "not in the catalogue"))
+        self.assertTrue(score_report.right("tight_spot (no catalogue)", "outside the catalogue"))
+        self.assertFalse(score_report.right("droop", "outside the catalogue"))
 
     def test_markdown_has_every_score_and_the_confusion_of_single_effects(self):
         code, out, _ = self.call(self.file, "--markdown")
