@@ -21,7 +21,7 @@ struct MachineSettings {
   // the crane's own.
   std::optional<common::EffectScales> scales = std::nullopt;
   // Of the drive between controller and machine (sim/drive/crane_plant.h). A Machine alone does what it is told.
-  DriveProtectionSettings drive_protection;
+  DriveProtectionSettings drive_protection{};
 };
 
 // What the drives are told, held until the next one. All values per motor of a group, on the fast axis.

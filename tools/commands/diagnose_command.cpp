@@ -37,6 +37,7 @@ namespace slewlab::tools {
 
 namespace {
 
+constexpr double kSure = 0.9;          // probability from which an answer is stated without a doubt
 constexpr double kWorthNaming = 0.05;  // probability that an effect acts, from which the page says so
 constexpr double kLineInterval = 2.0;  // [s] between progress lines where there is no terminal
 // The page's spectrogram: up to half the highest frequency that is judged, over windows of two characteristic times.
@@ -75,7 +76,8 @@ nlohmann::json to_json(const Cause& cause, const std::vector<sim::Parameter>& pa
                       {"prior", cause.prior},
                       {"mean_square_left", cause.mean_square},
                       {"fit_ended", diagnosis::name_of(cause.ending)},
-                      {"cannot_be_told_from", nlohmann::json::array()}};
+                      {"cannot_be_told_from", nlohmann::json::array()},
+                      {"sizes", nlohmann::json::array()}};
   for (const diagnosis::Alike& other : cause.group) {
     json["cannot_be_told_from"].push_back({{"cause", other.name}, {"signature_apart", other.apart}});
   }
@@ -98,8 +100,32 @@ nlohmann::json to_json(const Cause& cause, const std::vector<sim::Parameter>& pa
   return json;
 }
 
+// What a person acts on, in one sentence.
+std::string answer_sentence(const Diagnosis& diagnosis) {
+  if (!diagnosis.gap) {
+    return diagnosis.mean_square_nominal <= 1.0 ? "No effect is missing: the nominal machine leaves no more than noise."
+                                                : "No effect is missing: parameters within their spread explain the records.";
+  }
+  if (diagnosis.is_unknown || diagnosis.causes.empty()) {
+    return fmt::format("Outside the catalogue (unknown), {:.0f} %: no known effect explains the gap on data that were not fitted; look at the missing "
+                       "torque over speed, angle and time.",
+                       100 * diagnosis.probability_unknown);
+  }
+  const Cause& first = diagnosis.causes.front();
+  std::string text = fmt::format("{}{}, {:.0f} %", first.probability < kSure ? "Not sure: " : "", name_of(first), 100 * first.probability);
+  if (first.validation && first.validation->nominal.residual_ratio > 1.0) {
+    const diagnosis::Validation& validation = *first.validation;
+    // Down to the noise, which nothing explains.
+    const double left = std::max(0.0, validation.cause.residual_ratio - 1.0) / (validation.nominal.residual_ratio - 1.0);
+    text += fmt::format("; it explains {:.1f} % of the gap on data that were not fitted", 100 * std::clamp(1.0 - left, 0.0, 1.0));
+  }
+  if (!first.group.empty()) text += "; these records cannot tell it from " + first.group.front().name + (first.group.size() > 1 ? " and others" : "");
+  return text + ".";
+}
+
 nlohmann::json to_json(const Diagnosis& diagnosis) {
-  nlohmann::json json{{"gap", diagnosis.gap},
+  nlohmann::json json{{"answer", answer_sentence(diagnosis)},
+                      {"gap", diagnosis.gap},
                       {"verdict", diagnosis.verdict},
                       {"controller_differs", diagnosis.controller_differs},
                       {"mean_square_nominal", diagnosis.mean_square_nominal},
@@ -201,6 +227,7 @@ std::string in_per_cent(std::span<const std::pair<std::string, double>> probabil
 // The page that the terminal, summary.txt and diagnosis.html show.
 std::string summary_text(const Diagnosis& diagnosis, const ToldApartBy& apart, const std::optional<Predicted>& predicted, const std::string& place) {
   std::ostringstream out;
+  out << answer_sentence(diagnosis) << "\n\n";
   out << fmt::format("Is there a gap?  {}. Residual variance ratio (1 = noise only): nominal {:.4g}, best parameters {:.4g}",
                      diagnosis.gap ? "Yes" : "No", diagnosis.mean_square_nominal, diagnosis.mean_square_parameters);
   if (diagnosis.gap && !diagnosis.causes.empty()) {
@@ -262,7 +289,7 @@ std::string summary_text(const Diagnosis& diagnosis, const ToldApartBy& apart, c
   if (!diagnosis.not_excited.empty()) {
     out << fmt::format("\nNot identifiable from these records, because no size that was tried changes them enough: {}\n", fmt::join(diagnosis.not_excited, ", "));
   }
-  out << fmt::format("\n{}\n{} simulations with {:.1f} s in them, {:.1f} s in all\n", diagnosis.verdict, diagnosis.simulations,
+  out << fmt::format("\n{} simulations with {:.1f} s in them, {:.1f} s in all\n", diagnosis.simulations,
                      diagnosis.simulation_seconds, diagnosis.total_seconds);
   return out.str();
 }
