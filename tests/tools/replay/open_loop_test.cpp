@@ -78,7 +78,7 @@ TEST(OpenLoop, GoesOnFromTheRecordsMotionUnderItsTorque) {
 TEST(OpenLoop, StepsBelowTheRecordsPeriod) {
   msgs::RunLog slow = record(151, 4.0, 0.0, 0.0);
   for (std::size_t k = 0; k < slow.encoder.size(); ++k) {  // 150 Hz, stamped in whole nanoseconds
-    slow.encoder[k].simulated_time = slow.torque[k].simulated_time = slow.sensors[k].simulated_time = std::llround(k * 1e9 / 150.0);
+    slow.encoder[k].simulated_time = slow.torque[k].simulated_time = slow.sensors[k].simulated_time = std::llround(static_cast<double>(k) * 1e9 / 150.0);
   }
   const OpenLoopRun found = simulate_open_loop(rigid_axis(), {}, slow, 1e-3, 9);
   EXPECT_NEAR(found.step, 1.0 / 150.0 / 7.0, 1e-12);
