@@ -28,6 +28,9 @@ constexpr double kResolved = 2e-3;           // of top speed, below which no fri
 constexpr double kNoises = 3.0;              // standard deviations of the speed's noise, likewise
 constexpr double kInertiaDeviations = 2.0;   // of the spread from unit to unit, beyond which the inertia is another one
 constexpr double kBetter = 0.99;             // of an error that counts as smaller
+constexpr double kLawShare = 0.02;           // of the effort's RMS, that is known no better of a real machine; chosen as balance_fit's
+constexpr double kAboveNoise = 3.0;          // times what noise leaves, from which something is missing
+constexpr double kMost = 0.5;                // share of the gap on data that were not fitted, that an answer explains at least
 constexpr double kWorthSaying = 0.1;         // share of the gap that is left unexplained and named
 constexpr int kFiner = 4;                    // steps of the forward simulation per sample
 constexpr int kHalvings = 50;                // of the bracket of a speed
@@ -159,6 +162,7 @@ void validate(const std::vector<AxisRecord>& records, const Balance& balance, do
   validation.inertia = error_of(last, unseen, balance, inertia_alone);
   validation.cause = error_of(last, unseen, balance, diagnosis.validated);
   validation.effort = root_mean_square(unseen.effort);
+  validation.noise = std::hypot(nominal_inertia * acceleration_noise(last, balance.half_window), kLawShare * validation.effort);
   validation.speed = root_mean_square(unseen.speed);
   const auto is_better = [&](const AxisError& than) {
     return validation.cause.balance < kBetter * than.balance && validation.cause.forward < kBetter * than.forward;
@@ -201,32 +205,48 @@ std::string inertia_words(const sim::MachineFile& axis, double nominal, double f
                      found > nominal ? "above" : "below");
 }
 
+// What the laws lose goes to the unknown.
+void keep_only(double factor, BalanceAnswer& answer) {
+  for (BalanceModel& model : answer.models) model.probability *= factor;
+  answer.best.probability *= factor;
+  answer.probability_unknown = 1.0 - factor * (1.0 - answer.probability_unknown);
+}
+
 void name_answer(const sim::MachineFile& axis, double inertia_spread, AxisDiagnosis& diagnosis) {
   const BalanceModel& best = diagnosis.answer.best;
   const AxisValidation& validation = diagnosis.validation;
   const double nominal = diagnosis.nominal_inertia;
   const bool is_inertia_off =
       std::fabs(best.inertia - nominal) > kInertiaDeviations * std::hypot(inertia_spread * nominal, best.inertia_deviation);
-  diagnosis.gap = !best.terms.empty() || is_inertia_off;
+  const bool is_more_than_noise = validation.nominal.balance > kAboveNoise * validation.noise;
+  diagnosis.gap = !best.terms.empty() || is_inertia_off || is_more_than_noise;
   if (!diagnosis.gap) {
     diagnosis.is_stated = true;
     diagnosis.verdict = "no effect is missing; the inertia is within its spread";
     return;
   }
+  const double before = validation.nominal.balance * validation.nominal.balance, after = validation.cause.balance * validation.cause.balance;
+  const double share = before > 0.0 ? 1.0 - after / before : 0.0;
   const std::string rest = diagnosis.answer.remainder.variable;
-  if (diagnosis.answer.probability_unknown > best.probability) {
-    diagnosis.verdict = "outside the catalogue (unknown)" + (rest.empty() ? std::string() : ": what known laws leave follows the " + rest);
+  const bool is_answer = !best.terms.empty() || is_inertia_off;
+  const bool explains_most = is_answer && !(is_more_than_noise && validation.holds && share < kMost);
+  if (diagnosis.answer.probability_unknown > best.probability || !explains_most) {
+    diagnosis.verdict = fmt::format("outside the catalogue (unknown): {:.3g} {} of {:.3g} are missing on {}, and {}", validation.nominal.balance,
+                                    axis.axis.is_linear ? "N" : "Nm", validation.effort, validation.place,
+                                    explains_most ? "a smooth function of speed, position and time predicts them better than the known laws"
+                                                  : "no known law explains most of it");
+    if (!explains_most) keep_only(is_answer ? std::clamp(share, 0.0, 1.0) : 0.0, diagnosis.answer);
+    if (!rest.empty()) diagnosis.verdict += "; what known laws leave follows the " + rest;
     return;
   }
   if (!validation.holds) {
+    keep_only(0.0, diagnosis.answer);
     diagnosis.verdict = "cannot tell: no law predicts " + validation.place + " better than the nominal axis, in torque balance and forward simulation";
     return;
   }
   diagnosis.is_stated = true;
   std::string words = best.terms.empty() ? "only " : best.words();
   if (is_inertia_off) words += (best.terms.empty() ? "" : ", beside ") + inertia_words(axis, nominal, best.inertia);
-  const double before = validation.nominal.balance * validation.nominal.balance, after = validation.cause.balance * validation.cause.balance;
-  const double share = before > 0.0 ? 1.0 - after / before : 0.0;
   diagnosis.verdict = fmt::format("{}: {:.1f} % of the gap on data that were not fitted", words, 100.0 * share);
   if (1.0 - share > kWorthSaying && rest.empty()) diagnosis.verdict += "; the rest follows neither speed, position, time nor torque";
   if (!rest.empty()) diagnosis.verdict += "; the rest follows the " + rest;

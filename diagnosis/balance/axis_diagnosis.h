@@ -45,6 +45,7 @@ struct AxisValidation {
   std::string place;                 // the data that were not fitted, in words
   AxisError nominal, inertia, cause;
   double effort = 0.0, speed = 0.0;  // RMS of what was measured there
+  double noise = 0.0;                // RMS of what noise of the positions and laws known no better leave of the balance
   bool holds = false;
 };
 

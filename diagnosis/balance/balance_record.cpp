@@ -65,16 +65,21 @@ double position_noise(const std::vector<double>& position) {
   return std::max(of_differences, least_change / std::sqrt(12.0));
 }
 
+double acceleration_noise(const AxisRecord& record, std::size_t half_window) {
+  const double n = 2.0 * static_cast<double>(half_window) + 1.0;
+  return position_noise(record.position) / (record.step * record.step) * std::sqrt(720.0 / (n * (n * n - 1.0) * (n * n - 4.0)));
+}
+
 std::size_t balance_half_window(const AxisRecord& record, double inertia, double longest) {
   double square = 0.0;
   for (const double effort : record.effort) square += effort * effort;
   const double rms = std::sqrt(square / static_cast<double>(std::max<std::size_t>(1, record.effort.size())));
-  const double noise = position_noise(record.position);
   const auto most = std::max(kFewestHalf, static_cast<std::size_t>(0.5 * longest / record.step));
   std::size_t half = kFewestHalf;
+  const double least = acceleration_noise(record, kFewestHalf);
   const auto is_noisy = [&](std::size_t h) {
-    const double n = 2.0 * static_cast<double>(h) + 1.0;
-    const double deviation = noise / (record.step * record.step) * std::sqrt(720.0 / (n * (n * n - 1.0) * (n * n - 4.0)));
+    const auto weight = [](double n) { return std::sqrt(720.0 / (n * (n * n - 1.0) * (n * n - 4.0))); };
+    const double deviation = least * weight(2.0 * static_cast<double>(h) + 1.0) / weight(2.0 * static_cast<double>(kFewestHalf) + 1.0);
     return inertia * deviation > kNoiseShare * rms;
   };
   while (half < most && is_noisy(half)) ++half;

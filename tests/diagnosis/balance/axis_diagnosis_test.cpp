@@ -145,6 +145,18 @@ TEST(AxisDiagnosis, StatesNothingThatDoesNotPredict) {
   EXPECT_TRUE(found.effects.empty());
 }
 
+// A ripple over the position, and a load of time alone: no law of the balance. That something is missing is said all the same.
+TEST(AxisDiagnosis, SaysUnknownWhereNoKnownLawExplainsMostOfTheGap) {
+  for (const auto& law : {std::function<double(double, double, double)>([](double, double q, double) { return 2.0 * std::sin(7.0 * q); }),
+                          std::function<double(double, double, double)>([](double t, double, double) { return 2.0 * std::sin(0.8 * t); })}) {
+    const AxisDiagnosis found = diagnose_axis(axis_file(), two_runs(noisy(law)));
+    EXPECT_TRUE(found.gap) << found.verdict;
+    EXPECT_FALSE(found.is_stated) << found.verdict;
+    EXPECT_GT(found.validation.nominal.balance, 3.0 * found.validation.noise);
+    EXPECT_GT(found.answer.probability_unknown, 0.5);
+  }
+}
+
 TEST(AxisDiagnosis, RefusesWhatCannotBeBalanced) {
   const std::vector<NamedRun> runs = two_runs(noisy(friction));
   const auto refusal = [&](const auto& spoil) -> std::string {

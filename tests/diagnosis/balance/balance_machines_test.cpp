@@ -191,7 +191,7 @@ TEST_P(RealMachine, AThousandTimesHeavierGivesTheSameAnswer) {
 }
 
 INSTANTIATE_TEST_SUITE_P(All, RealMachine, testing::Values("motor_bench", "robot_axis", "belt_cart", "servo_axis"),
-                         [](const auto& info) { return info.param; });
+                         [](const auto& machine) { return machine.param; });
 
 }  // namespace
 }  // namespace slewlab::diagnosis
