@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <functional>
 
 #include "diagnosis/plausibility.h"
 #include "sim/effects/catalogue.h"
@@ -41,46 +41,24 @@ void check_followed(const Record& record, const Shadow& follower) {
   }
 }
 
-// Of the missing torques in the first `time` [s].
-double missing_power(const Record& record, const Shadow& follower, double time) {
-  const auto count = std::min(record.size(), static_cast<std::size_t>(std::lround(time / record.step)));
-  double square = 0.0;
+// Whether the record begins with the teeth on the flanks to which its first torques push: these would carry a free motor across its play
+// within `time` [s], and the groups keep their places to each other within half of it. (From the middle of their play they would move
+// apart, or together, by twice that.)
+bool begins_on_flanks(const sim::CraneParameters& nominal, const Record& record, double time) {
+  const sim::DriveParameters& drive = nominal.drive;
+  const double ratio = sim::total_ratio(drive), half_play = sim::gear_contact(nominal).half_play;
+  const double way_per_torque = 0.5 * time * time * drive.motors_per_group * ratio / sim::group_inertia(drive);
+  const auto count = static_cast<std::ptrdiff_t>(std::min(record.size(), static_cast<std::size_t>(std::lround(time / record.step))));
   for (int g = 0; g < record.group_count; ++g) {
-    const std::vector<double>& missing = follower.missing_torque[static_cast<std::size_t>(g)];
-    for (std::size_t n = 0; n < count; ++n) square += missing[n] * missing[n];
+    const auto i = static_cast<std::size_t>(g);
+    if (std::fabs(record.motor_torque[i][0]) * way_per_torque < 2.0 * half_play) return false;
+    std::vector<double> apart(static_cast<std::size_t>(count));
+    std::transform(record.shaft_position[i].begin(), record.shaft_position[i].begin() + count, record.shaft_position[0].begin(), apart.begin(),
+                   std::minus<>());
+    const auto [low, high] = std::minmax_element(apart.begin(), apart.end());
+    if (*high - *low > half_play * ratio) return false;
   }
-  return square;
-}
-
-// Whether the groups keep their places to each other in the first `time` [s] within half of the play, as they do on their flanks; gears
-// that a torque brings there from the middle of their play move by twice that.
-bool keep_their_flanks(const Problem& problem, const Record& record, double time) {
-  const auto count = std::min(record.size(), static_cast<std::size_t>(std::lround(time / record.step)));
-  const double half_play = sim::gear_contact(problem.nominal.crane).half_play * sim::total_ratio(problem.nominal.crane.drive);
-  for (int g = 1; g < record.group_count; ++g) {
-    double low = std::numeric_limits<double>::infinity(), high = -low;
-    for (std::size_t n = 0; n < count; ++n) {
-      const double apart = record.shaft_position[static_cast<std::size_t>(g)][n] - record.shaft_position[0][n];
-      low = std::min(low, apart);
-      high = std::max(high, apart);
-    }
-    if (high - low > half_play) return false;
-  }
-  return true;
-}
-
-// The nominal machine along the record: from the middle of the play, or where the gears keep their flanks and it takes less of the
-// observer, from there.
-Shadow follow_from_its_beginning(const Problem& problem, Record& record) {
-  Shadow follower = shadow(problem.nominal, record, problem.gains);
-  if (!keep_their_flanks(problem, record, problem.thresholds.time)) return follower;
-  Record pressed = record;
-  pressed.begins_pressed = true;
-  Shadow other = shadow(problem.nominal, pressed, problem.gains);
-  const double time = problem.thresholds.time;
-  if (!(missing_power(record, other, time) < missing_power(record, follower, time))) return follower;
-  record.begins_pressed = true;
-  return other;
+  return half_play > 0.0;
 }
 
 }  // namespace
@@ -128,7 +106,8 @@ Followed admit(std::vector<Record> records, const WhiteningSettings& whitening, 
   for (Record& record : records) {
     check_same_groups(record, problem.nominal.crane);
     remarks.insert(remarks.end(), record.remarks.begin(), record.remarks.end());
-    Shadow follower = follow_from_its_beginning(problem, record);
+    record.begins_pressed = begins_on_flanks(problem.nominal.crane, record, problem.thresholds.time);
+    Shadow follower = shadow(problem.nominal, record, problem.gains);
     check_followed(record, follower);
     check_torques(record, follower, problem.nominal, problem.thresholds.admission);
     const std::vector<bool> trusted = trusted_stretches(record, follower, whitening);
