@@ -148,30 +148,29 @@ void take_away(double share, bool is_nothing_left, Cause& cause, Diagnosis& diag
   (is_nothing_left && nothing != diagnosis.causes.end() ? nothing->probability : diagnosis.probability_unknown) += taken;
 }
 
-// Where nothing is missing for sure, nothing unknown is either.
-void take_from_unknown(Diagnosis& diagnosis) {
-  const auto nothing = std::find_if(diagnosis.causes.begin(), diagnosis.causes.end(), [](const Cause& one) { return one.effects.empty(); });
-  if (nothing == diagnosis.causes.end()) return;
-  nothing->probability += diagnosis.probability_unknown;
+// The nominal machine leaves no more than noise: what fits this better fits noise.
+void settle_on_nothing(Diagnosis& diagnosis) {
+  for (Cause& cause : diagnosis.causes) cause.probability = cause.effects.empty() ? 1.0 : 0.0;
   diagnosis.probability_unknown = 0.0;
 }
 
 // No cause leads that does not predict data that were not fitted better than the nominal machine and than parameters alone.
-void validate_lead(const common::EffectCatalogue& catalogue, const std::optional<controller::ControllerSettings>& controller, HeldOutData& held_out,
+void validate_lead(Problem& problem, const WhiteningSettings& whitening, const std::optional<controller::ControllerSettings>& controller,
                    Diagnosis& diagnosis) {
-  std::optional<ValidationError> nominal, parameters;
+  std::optional<HeldOutData> held_out;  // once there is a lead to ask
+  ValidationError nominal, parameters;
   for (int tried = 0;; ++tried) {
     sort_causes(diagnosis.causes);
     Cause& lead = diagnosis.causes.front();
-    if (lead.effects.empty() || lead.validation || diagnosis.probability_unknown > lead.probability) return;
-    const std::optional<Point> part = fitted_part(catalogue, lead);
-    if (!part) return;
-    if (!nominal) {
-      Point none;
-      nominal = held_out.error(none, controller);
-      parameters = held_out.error(held_out.fit(none).point, controller);
+    if (lead.effects.empty() || lead.validation || diagnosis.probability_unknown > lead.probability) break;
+    const std::optional<Point> part = fitted_part(problem.catalogue, lead);
+    if (!part) break;
+    if (!held_out) {
+      held_out.emplace(problem, whitening, diagnosis.followed.nominal);
+      nominal = held_out->error({}, controller);
+      parameters = held_out->error(held_out->fit({}).point, controller);
     }
-    const bool is_nothing_left = std::min(nominal->residual_ratio, parameters->residual_ratio) <= 1.0;
+    const bool is_nothing_left = std::min(nominal.residual_ratio, parameters.residual_ratio) <= 1.0;
     if (tried == kMostValidated) {
       for (Cause& cause : diagnosis.causes) {
         if (!cause.effects.empty()) take_away(1.0, is_nothing_left, cause, diagnosis);
@@ -179,19 +178,22 @@ void validate_lead(const common::EffectCatalogue& catalogue, const std::optional
       diagnosis.remarks.push_back("no cause that was tried predicts data that were not fitted better than the nominal machine");
       continue;
     }
-    HeldOut fitted = held_out.fit(*part);
-    Validation validation{*nominal, *parameters, {}, false};
+    HeldOut fitted = held_out->fit(*part);
+    Validation validation{nominal, parameters, {}, false};
     std::optional<controller::ControllerSettings> with = controller;
     if (with) with = controller::with_effects(*controller, lead.controller_effects);
-    validation.cause = held_out.error(fitted.point, with);
-    validation.holds = held_out.is_better(validation.cause, *nominal) && held_out.is_better(validation.cause, *parameters);
+    validation.cause = held_out->error(fitted.point, with);
+    validation.holds = held_out->is_better(validation.cause, nominal) && held_out->is_better(validation.cause, parameters);
     lead.validation = validation;
     if (validation.holds) {
       diagnosis.held_out = std::move(fitted);
-      return;
+      break;
     }
     take_away(1.0, is_nothing_left, lead, diagnosis);
   }
+  if (!held_out) return;
+  problem.simulations += held_out->simulations();
+  problem.simulation_time += held_out->simulation_time();
 }
 
 // Half of a cause's probability goes to the others that have its effects but for `doubted`, by their own probabilities; where there are
@@ -213,9 +215,9 @@ void doubt(const std::string& doubted, Cause& cause, Diagnosis& diagnosis) {
 }
 
 // An effect that was fitted to the end of its range is at best half an answer: a larger one would fit better. Nor is one whose interval
-// goes beyond its range: the records do not say that it is there; nor one beside which
-// a parameter is farther off than machines of one make differ.
-void doubt_ends_of_ranges(const Problem& problem, Diagnosis& diagnosis) {
+// goes beyond its range: the records do not say that it is there; nor one beside which a parameter is farther off than machines of one
+// make differ.
+void doubt_what_no_machine_has(const Problem& problem, Diagnosis& diagnosis) {
   const common::EffectCatalogue& catalogue = problem.catalogue;
   constexpr double kAtTheEnd = 1e-6;  // of the range
   for (Cause& cause : diagnosis.causes) {
@@ -328,19 +330,11 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   diagnosis.counts = add_counts(problem, settings.without, ranking);
   diagnosis.causes = std::move(ranking.causes);
   diagnosis.probability_unknown = ranking.unknown;
-  if (diagnosis.mean_square_nominal <= 1.0 && !diagnosis.controller_differs) {
-    // The nominal machine leaves no more than noise: what fits this better fits noise.
-    for (Cause& cause : diagnosis.causes) {
-      if (!cause.effects.empty() && diagnosis.counts == 0.0) take_away(1.0, true, cause, diagnosis);
-    }
-    take_from_unknown(diagnosis);
-  }
-  doubt_ends_of_ranges(problem, diagnosis);
+  if (diagnosis.mean_square_nominal <= 1.0 && !diagnosis.controller_differs && diagnosis.counts == 0.0) settle_on_nothing(diagnosis);
+  doubt_what_no_machine_has(problem, diagnosis);
   if (settings.hold_out && !diagnosis.causes.empty()) {
     tell(kHoldOut.from, "fitting without the last record");
-    HeldOutData held_out(problem, whitening, diagnosis.followed.nominal);
-    validate_lead(problem.catalogue, controller, held_out, diagnosis);
-    problem.simulations += held_out.simulations();
+    validate_lead(problem, whitening, controller, diagnosis);
   }
   sort_causes(diagnosis.causes);
   const common::EffectCatalogue known = controller ? joined(problem.catalogue, controller::effects_for(*controller)) : problem.catalogue;

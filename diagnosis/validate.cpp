@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <utility>
 
 #include "diagnosis/chance.h"
 #include "diagnosis/prediction.h"
@@ -10,10 +11,10 @@ namespace slewlab::diagnosis {
 
 namespace {
 
-constexpr int kHeldOutRounds = 3;   // at most, with fresh columns
-constexpr int kBeginningSteps = 2;      // Gauss-Newton steps; it is small, and linear nearly
+constexpr int kHeldOutRounds = 3;       // at most, with fresh columns
+constexpr int kBeginningSteps = 2;      // Gauss-Newton steps; what begins differently is small, and linear nearly
 constexpr double kBeginningStep = 0.1;  // [standard deviations] of a difference quotient
-constexpr double kBetter = 4.6;     // -2 ln of odds of one to ten: what chance takes off a residual that was not fitted
+constexpr double kBetter = 4.6;         // -2 ln of odds of one to ten: what chance takes off a residual that was not fitted
 // Relative closed-loop error beyond which two runs are no longer the same motion (two independent ones differ by 1.4), and the share
 // by which one may be worse by chance.
 constexpr double kDecorrelated = 0.7, kWorse = 1.05;
@@ -44,13 +45,12 @@ Whitening whitening_of_half(const Problem& problem, const WhiteningSettings& set
   return make_whitening(last, trusted, problem.gains, follower, settings);
 }
 
-// The point of one record with what only its beginning is like (the load's swing, where the motors stand) fitted there, everything else
-// as it is.
-Point with_its_beginning(Problem& problem, Point point) {
+// The differences of one record with what only its beginning is like (the load's swing, where the motors stand) fitted there, everything
+// else as it is.
+Eigen::VectorXd differences_from_its_beginning(Problem& problem, Point point) {
   const std::size_t first = problem.nuisances.common_count(), count = problem.nuisances.per_record();
-  if (count == 0) return point;
   Eigen::VectorXd difference = differences(problem, point);
-  for (int step = 0; step < kBeginningSteps; ++step) {
+  for (int step = 0; step < kBeginningSteps && count > 0; ++step) {
     Eigen::MatrixXd columns(difference.size(), static_cast<Eigen::Index>(count));
     Eigen::VectorXd amount(static_cast<Eigen::Index>(count));
     for (std::size_t k = 0; k < count; ++k) {
@@ -65,12 +65,12 @@ Point with_its_beginning(Problem& problem, Point point) {
     const Eigen::VectorXd change = -curvature.ldlt().solve(weight * columns.transpose() * difference + amount);
     Point moved = point;
     for (std::size_t k = 0; k < count; ++k) moved.nuisance[first + k] += change(static_cast<Eigen::Index>(k));
-    const Eigen::VectorXd after = differences(problem, moved);
+    Eigen::VectorXd after = differences(problem, moved);
     if (!(after.squaredNorm() < difference.squaredNorm())) break;
-    point = moved;
-    difference = after;
+    point = std::move(moved);
+    difference = std::move(after);
   }
-  return point;
+  return difference;
 }
 
 }  // namespace
@@ -110,7 +110,7 @@ ValidationError HeldOutData::error(const Point& point, const std::optional<contr
   there.nuisance.resize(predicted_->nuisances.common_count());  // without the swings of the fitted records
   there.nuisance.resize(nuisance_count(*predicted_), 0.0);
   ValidationError error;
-  error.residual_ratio = mean_square(differences(*predicted_, with_its_beginning(*predicted_, there)));
+  error.residual_ratio = mean_square(differences_from_its_beginning(*predicted_, there));
   if (controller) {
     error.closed_loop = predict(machine_at(predicted_->nominal, predicted_->nuisances, there), *controller, predicted_->records.back(), from_time_)
                             .relative_gap;

@@ -57,6 +57,7 @@ class HeldOutData {
   bool is_better(const ValidationError& cause, const ValidationError& than) const;
 
   std::int64_t simulations() const { return fitted_->simulations + predicted_->simulations; }
+  std::int64_t simulation_time() const { return fitted_->simulation_time + predicted_->simulation_time; }  // [ns]
 
  private:
   std::unique_ptr<Problem> fitted_, predicted_;
