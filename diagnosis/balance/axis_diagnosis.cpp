@@ -23,17 +23,25 @@ namespace {
 
 constexpr double kNanosecond = 1e-9;         // [s]
 constexpr double kOffGrid = 0.25;            // [periods] by which a time stamp may miss the even grid, jitter aside
-constexpr double kLongestWindow = 0.2;       // [s] of the balance: the shortest move that an axis makes on purpose; chosen
-constexpr double kResolved = 2e-3;           // of top speed, below which no friction is judged; chosen
-constexpr double kNoises = 3.0;              // standard deviations of the speed's noise, likewise
+constexpr double kGross = 3.0;               // factors of the inertia within it may be a machine's own
+constexpr double kNoises = 3.0;              // standard deviations by which it lies beyond
 constexpr double kInertiaDeviations = 2.0;   // of the spread from unit to unit, beyond which the inertia is another one
 constexpr double kBetter = 0.99;             // of an error that counts as smaller
-constexpr double kLawShare = 0.02;           // of the effort's RMS, that is known no better of a real machine; chosen as balance_fit's
 constexpr double kAboveNoise = 3.0;          // times what noise leaves, from which something is missing
 constexpr double kMost = 0.5;                // share of the gap on data that were not fitted, that an answer explains at least
 constexpr double kWorthSaying = 0.1;         // share of the gap that is left unexplained and named
 constexpr int kFiner = 4;                    // steps of the forward simulation per sample
 constexpr int kHalvings = 50;                // of the bracket of a speed
+
+// Torques or positions in a wrong unit, axis or sign show in the inertia that the balance wants, where the records determine it.
+void check_units(double nominal, const BalanceModel& model) {
+  const double factor = model.inertia / nominal, reach = kNoises * model.inertia_deviation / nominal;
+  if (factor + reach > 1.0 / kGross && factor - reach < kGross) return;
+  if (factor < 0.0) throw NoBalance("the efforts accelerate the axis against their own direction: check the signs of position and torque");
+  throw NoBalance(fmt::format("the motion takes {:.3g} times the inertia of the file, or the efforts are {:.3g} times too {}: check the units of position and "
+                              "torque, on which side of the gears they are, the ratio, and whether this is another axis than the nominal one",
+                              factor, factor > 1.0 ? factor : 1.0 / factor, factor > 1.0 ? "large" : "small"));
+}
 
 double root_mean_square(const std::vector<double>& values) {
   double square = 0.0;
@@ -82,7 +90,7 @@ AxisRecord part_of(const AxisRecord& record, bool second) {
   const auto part = [&](const std::vector<double>& values) {
     return second ? std::vector<double>(values.begin() + middle, values.end()) : std::vector<double>(values.begin(), values.begin() + middle);
   };
-  return {record.name, record.step, part(record.position), part(record.effort)};
+  return {record.name, record.step, part(record.position), part(record.effort), record.start_time + (second ? record.step * static_cast<double>(middle) : 0.0)};
 }
 
 double resistance(const std::vector<std::pair<const LawShape*, const BalanceTerm*>>& laws, const LawMoment& moment) {
@@ -91,41 +99,6 @@ double resistance(const std::vector<std::pair<const LawShape*, const BalanceTerm
     for (std::size_t c = 0; c < shape->columns.size(); ++c) sum += term->size[c] * shape->columns[c](moment);
   }
   return sum;
-}
-
-// What the records of one diagnosis share.
-struct Balance {
-  std::size_t half_window = 0;
-  double resolved_speed = 0.0;
-  std::vector<BalanceLaw> laws;
-};
-
-Balance balance_of(const std::vector<AxisRecord>& records, double inertia, double top_speed, bool is_rotary) {
-  Balance balance;
-  for (const AxisRecord& record : records) balance.half_window = std::max(balance.half_window, balance_half_window(record, inertia, kLongestWindow));
-  balance.resolved_speed = kResolved * top_speed;
-  BalanceScales scales;
-  double low = std::numeric_limits<double>::infinity(), high = -low;
-  for (const AxisRecord& record : records) {
-    const BalanceRecord one = make_balance_record(record, balance.half_window);
-    balance.resolved_speed = std::max(balance.resolved_speed, kNoises * one.speed_noise);
-    scales.duration = std::max(scales.duration, one.time.back());
-    low = std::min(low, *std::min_element(one.position.begin(), one.position.end()));
-    high = std::max(high, *std::max_element(one.position.begin(), one.position.end()));
-  }
-  scales.top_speed = top_speed;
-  scales.resolved_speed = balance.resolved_speed;
-  scales.middle_position = 0.5 * (low + high);
-  scales.half_range = 0.5 * (high - low);
-  scales.is_rotary = is_rotary;
-  balance.laws = balance_laws(scales);
-  return balance;
-}
-
-std::vector<BalanceRecord> smoothed(const std::vector<AxisRecord>& records, const Balance& balance) {
-  std::vector<BalanceRecord> all;
-  for (const AxisRecord& record : records) all.push_back(make_balance_record(record, balance.half_window));
-  return all;
 }
 
 BalanceModel bare(double inertia) {
@@ -142,7 +115,8 @@ AxisError error_of(const AxisRecord& record, const BalanceRecord& smooth, const 
   return {root_mean_square(balance_residual(smooth, balance.laws, model, balance.resolved_speed)), root_mean_square(difference)};
 }
 
-void validate(const std::vector<AxisRecord>& records, const Balance& balance, double nominal_inertia, AxisDiagnosis& diagnosis) {
+// Chooses the laws without the last record, and asks them to predict it.
+void choose_and_validate(const std::vector<AxisRecord>& records, const Balance& balance, double nominal_inertia, AxisDiagnosis& diagnosis) {
   std::vector<AxisRecord> fitted = records;
   AxisRecord last = records.back();
   if (records.size() > 1) {
@@ -155,14 +129,15 @@ void validate(const std::vector<AxisRecord>& records, const Balance& balance, do
   }
   const std::vector<BalanceRecord> seen = smoothed(fitted, balance);
   const BalanceRecord unseen = make_balance_record(last, balance.half_window);
-  diagnosis.validated = fit_balance(seen, balance.laws, nominal_inertia, balance.resolved_speed).best;
+  diagnosis.answer = fit_balance(seen, balance.laws, nominal_inertia, balance.resolved_speed);
+  diagnosis.validated = diagnosis.answer.best;
   const BalanceModel inertia_alone = fit_balance(seen, {}, nominal_inertia, balance.resolved_speed).best;
   AxisValidation& validation = diagnosis.validation;
   validation.nominal = error_of(last, unseen, balance, bare(nominal_inertia));
   validation.inertia = error_of(last, unseen, balance, inertia_alone);
   validation.cause = error_of(last, unseen, balance, diagnosis.validated);
   validation.effort = root_mean_square(unseen.effort);
-  validation.noise = std::hypot(nominal_inertia * acceleration_noise(last, balance.half_window), kLawShare * validation.effort);
+  validation.noise = std::hypot(nominal_inertia * acceleration_noise(last, balance.half_window), kLawDiscrepancy * validation.effort);
   validation.speed = root_mean_square(unseen.speed);
   const auto is_better = [&](const AxisError& than) {
     return validation.cause.balance < kBetter * than.balance && validation.cause.forward < kBetter * than.forward;
@@ -295,6 +270,7 @@ AxisRecord axis_record(const NamedRun& named, const sim::MachineFile& axis) {
     record.position.push_back(position);
     record.effort.push_back(ratio * motors * std::clamp(torque, -limit, limit) + sim::axis_force_at(axis.parameters.axis_force, position));
   }
+  if (root_mean_square(record.effort) == 0.0) throw NoBalance(named.name + ": the torque is zero throughout; there is nothing to balance the motion with");
   add_own_effects(axis, record);
   return record;
 }
@@ -302,21 +278,14 @@ AxisRecord axis_record(const NamedRun& named, const sim::MachineFile& axis) {
 std::vector<double> forward_speed(const AxisRecord& record, const BalanceMotion& motion, const std::vector<BalanceLaw>& laws,
                                   const BalanceModel& model) {
   std::vector<std::pair<const LawShape*, const BalanceTerm*>> acting;
-  for (const BalanceTerm& term : model.terms) {
-    for (const BalanceLaw& law : laws) {
-      if (law.name != term.law) continue;
-      for (const LawShape& shape : law.shapes) {
-        if (shape.shape == term.shape) acting.emplace_back(&shape, &term);
-      }
-    }
-  }
+  for (const BalanceTerm& term : model.terms) acting.emplace_back(&shape_of(laws, term), &term);
   const std::size_t first = (record.position.size() - motion.speed.size()) / 2;
   const auto along = [&](const std::vector<double>& series, std::size_t n) {
     return series[std::clamp<std::size_t>(n, first, first + series.size() - 1) - first];
   };
   const double step = record.step / kFiner;
   std::vector<double> speeds(record.position.size());
-  LawMoment moment{0.0, along(motion.position, 0), along(motion.speed, 0), 0.0};
+  LawMoment moment{record.start_time, along(motion.position, 0), along(motion.speed, 0), 0.0};
   for (std::size_t n = 0; n < speeds.size(); ++n) {
     speeds[n] = moment.speed;
     moment.effort_rate = along(motion.effort_rate, n);
@@ -352,8 +321,10 @@ AxisDiagnosis diagnose_axis(const sim::MachineFile& axis, const std::vector<Name
   try {
     const Balance balance = balance_of(records, diagnosis.nominal_inertia, axis.parameters.drive.top_speed, !axis.axis.is_linear);
     const std::vector<BalanceRecord> smooth = smoothed(records, balance);
-    diagnosis.answer = fit_balance(smooth, balance.laws, diagnosis.nominal_inertia, balance.resolved_speed);
-    validate(records, balance, diagnosis.nominal_inertia, diagnosis);
+    choose_and_validate(records, balance, diagnosis.nominal_inertia, diagnosis);
+    BalanceModel& best = diagnosis.answer.best;
+    best = diagnosis.answer.models.front() = refitted(smooth, balance.laws, diagnosis.validated, balance.resolved_speed);
+    check_units(diagnosis.nominal_inertia, best);
     for (const BalanceRecord& record : smooth) {
       diagnosis.series.push_back(series_of(record, balance, diagnosis.nominal_inertia, diagnosis.answer.best));
     }

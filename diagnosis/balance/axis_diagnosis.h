@@ -5,7 +5,8 @@
 //   torque balance        F - J q'' - laws(q', q, t), RMS
 //   forward simulation    J q'' = F - laws from the first instant, by the recorded effort alone; RMS of measured minus simulated speed
 //
-// each against the nominal axis and against the inertia alone, fitted again. A cause that is not better in both is not stated.
+// each against the nominal axis and against the inertia alone, fitted again. The laws are chosen without that part; a cause that is not
+// better in both is not stated; the sizes of one that is are fitted to all records.
 //
 // What the axis's file has - loads, effects that are forces or frictions, the drive's limit of torque - is part of the nominal axis.
 // Assumption: one inertia; what swings behind an elastic transmission is part of what is left.
@@ -56,8 +57,8 @@ struct AxisSeries {
 
 struct AxisDiagnosis {
   double nominal_inertia = 0.0;
-  BalanceAnswer answer;          // of all records
-  BalanceModel validated;        // of those that were fitted for the validation
+  BalanceAnswer answer;          // without the part held out; the sizes of `best` from all records
+  BalanceModel validated;        // `best` with the sizes that were validated
   AxisValidation validation;
   bool gap = false;              // the nominal axis is not as good as noise and the spread of its inertia allow
   bool is_stated = false;        // the best model is an answer; otherwise the verdict says why not

@@ -15,8 +15,10 @@ namespace {
 
 constexpr int kBlocksPerRecord = 6;        // contiguous, left out in turn; chosen: each still holds several moves
 constexpr double kSignificance = 2.0;      // [standard errors] by which an addition must help the left-out blocks
-constexpr double kDiscrepancy = 0.02;      // amplitude, as a share of the gap's: laws of real machines are known no better
-constexpr double kLeastShare = kDiscrepancy * kDiscrepancy;  // of the gap, below which an addition is what a known law leaves
+constexpr double kLeastShare = kLawDiscrepancy * kLawDiscrepancy;  // of the gap, below which an addition is what a known law leaves
+constexpr double kLongestWindow = 0.2;       // [s]: the shortest move that an axis makes on purpose; chosen
+constexpr double kResolved = 2e-3;           // of top speed, below which no friction is judged; chosen
+constexpr double kNoises = 3.0;              // standard deviations of the speed's noise, likewise
 constexpr double kTermPrior = 0.25;        // odds of one law more
 constexpr double kUnknownPrior = 0.05;     // of a law outside the catalogue
 constexpr std::size_t kMostTerms = 6;      // beside the inertia
@@ -493,7 +495,7 @@ BalanceAnswer fit_balance(const std::vector<BalanceRecord>& records, const std::
 
   // ln P relative to the best, of what validates worse with as many laws or fewer, and of a smooth unknown.
   const auto log_odds = [&](double mean_square, double best_square, double more_laws) {
-    const double floor = kDiscrepancy * kDiscrepancy * gap;
+    const double floor = kLawDiscrepancy * kLawDiscrepancy * gap;
     return more_laws * std::log(kTermPrior) - 0.5 * answer.independent_count * std::log((mean_square + floor) / (best_square + floor));
   };
   const auto count = static_cast<double>(best.choice.laws.size());
@@ -527,18 +529,67 @@ BalanceAnswer fit_balance(const std::vector<BalanceRecord>& records, const std::
   return answer;
 }
 
+Balance balance_of(const std::vector<AxisRecord>& records, double inertia, double top_speed, bool is_rotary) {
+  Balance balance;
+  for (const AxisRecord& record : records) balance.half_window = std::max(balance.half_window, balance_half_window(record, inertia, kLongestWindow));
+  balance.resolved_speed = kResolved * top_speed;
+  BalanceScales scales;
+  double low = std::numeric_limits<double>::infinity(), high = -low;
+  for (const AxisRecord& record : records) {
+    const BalanceRecord one = make_balance_record(record, balance.half_window);
+    balance.resolved_speed = std::max(balance.resolved_speed, kNoises * one.speed_noise);
+    scales.duration = std::max(scales.duration, one.time.back());
+    low = std::min(low, *std::min_element(one.position.begin(), one.position.end()));
+    high = std::max(high, *std::max_element(one.position.begin(), one.position.end()));
+  }
+  scales.top_speed = top_speed;
+  scales.resolved_speed = balance.resolved_speed;
+  scales.middle_position = 0.5 * (low + high);
+  scales.half_range = 0.5 * (high - low);
+  scales.is_rotary = is_rotary;
+  balance.laws = balance_laws(scales);
+  return balance;
+}
+
+std::vector<BalanceRecord> smoothed(const std::vector<AxisRecord>& records, const Balance& balance) {
+  std::vector<BalanceRecord> all;
+  for (const AxisRecord& record : records) all.push_back(make_balance_record(record, balance.half_window));
+  return all;
+}
+
+BalanceModel refitted(const std::vector<BalanceRecord>& records, const std::vector<BalanceLaw>& laws, const BalanceModel& model,
+                      double resolved_speed) {
+  const Regression regression = make_regression(records, laws, resolved_speed);
+  Choice choice;
+  for (std::size_t l = 0; l < laws.size(); ++l) {
+    for (const BalanceTerm& term : model.terms) {
+      if (term.law == laws[l].name) choice.laws.emplace_back(static_cast<int>(l), static_cast<std::size_t>(&shape_of(laws, term) - laws[l].shapes.data()));
+    }
+  }
+  const Validated validated = validate(regression, laws, choice, records.size());
+  BalanceModel other = to_model(regression, laws, validated, regression.count / correlation_length(regression, validated));
+  other.probability = model.probability;
+  for (std::size_t k = 0; k < other.terms.size(); ++k) other.terms[k].share = model.terms[k].share;
+  return other;
+}
+
+const LawShape& shape_of(const std::vector<BalanceLaw>& laws, const BalanceTerm& term) {
+  const auto law = std::find_if(laws.begin(), laws.end(), [&](const BalanceLaw& one) { return one.name == term.law; });
+  if (law == laws.end()) throw std::invalid_argument("the balance has no law called " + term.law);
+  const auto shape = std::find_if(law->shapes.begin(), law->shapes.end(), [&](const LawShape& one) { return one.shape == term.shape; });
+  if (shape == law->shapes.end()) throw std::invalid_argument("the law " + term.law + " has no such shape");
+  return *shape;
+}
+
 std::vector<double> balance_residual(const BalanceRecord& record, const std::vector<BalanceLaw>& laws, const BalanceModel& model,
                                      double resolved_speed) {
   const std::vector<std::size_t> judged = moving_samples(record, resolved_speed);
   std::vector<double> residual(judged.size());
   for (std::size_t i = 0; i < judged.size(); ++i) residual[i] = record.effort[judged[i]] - model.inertia * record.acceleration[judged[i]];
   for (const BalanceTerm& term : model.terms) {
-    const auto law = std::find_if(laws.begin(), laws.end(), [&](const BalanceLaw& one) { return one.name == term.law; });
-    if (law == laws.end()) throw std::invalid_argument("the balance has no law called " + term.law);
-    const auto shape = std::find_if(law->shapes.begin(), law->shapes.end(), [&](const LawShape& one) { return one.shape == term.shape; });
-    if (shape == law->shapes.end()) throw std::invalid_argument("the law " + term.law + " has no such shape");
-    for (std::size_t c = 0; c < shape->columns.size(); ++c) {
-      const std::vector<double> column = law_column(record, shape->columns[c]);
+    const LawShape& shape = shape_of(laws, term);
+    for (std::size_t c = 0; c < shape.columns.size(); ++c) {
+      const std::vector<double> column = law_column(record, shape.columns[c]);
       for (std::size_t i = 0; i < judged.size(); ++i) residual[i] -= term.size[c] * column[judged[i]];
     }
   }

@@ -10,7 +10,7 @@
 //
 // Samples slower than the speed that the positions resolve are left out: what dry friction holds at rest is not determined.
 //
-// Probabilities: ln P = ln prior - N/2 ln(E + kDiscrepancy^2 E_0), E the validation mean square and E_0 that of
+// Probabilities: ln P = ln prior - N/2 ln(E + kLawDiscrepancy^2 E_0), E the validation mean square and E_0 that of
 // the inertia alone, N the number of independent residuals: the records' length over the correlation time of
 // what the best model leaves. "Unknown" is a smooth function of speed, position and time under the same validation.
 //
@@ -59,6 +59,19 @@ struct BalanceScales {
 };
 std::vector<BalanceLaw> balance_laws(const BalanceScales& scales);
 
+// Amplitude by which laws of real machines are known no better, as a share of what they are about; chosen.
+inline constexpr double kLawDiscrepancy = 0.02;
+
+// What the records of one diagnosis share: one window, the speed from which friction is judged, the laws in its units.
+struct Balance {
+  std::size_t half_window = 0;
+  double resolved_speed = 0.0;
+  std::vector<BalanceLaw> laws;
+};
+// `inertia` and `top_speed` are the nominal axis's. Throws std::invalid_argument where a record is too short.
+Balance balance_of(const std::vector<AxisRecord>& records, double inertia, double top_speed, bool is_rotary);
+std::vector<BalanceRecord> smoothed(const std::vector<AxisRecord>& records, const Balance& balance);
+
 struct BalanceTerm {
   std::string law, words;
   LawFamily family = LawFamily::friction;
@@ -96,6 +109,13 @@ struct BalanceAnswer {
 // Throws std::invalid_argument where the records do not move enough for a balance.
 BalanceAnswer fit_balance(const std::vector<BalanceRecord>& records, const std::vector<BalanceLaw>& laws, double nominal_inertia,
                           double resolved_speed);
+
+// The same laws in the same shapes, their sizes fitted to other records.
+BalanceModel refitted(const std::vector<BalanceRecord>& records, const std::vector<BalanceLaw>& laws, const BalanceModel& model,
+                      double resolved_speed);
+
+// The shape that a term has among the laws. Throws std::invalid_argument where they have none.
+const LawShape& shape_of(const std::vector<BalanceLaw>& laws, const BalanceTerm& term);
 
 // Residual of a model on a record that was not fitted: effort minus the model's, where the axis moves fast enough.
 std::vector<double> balance_residual(const BalanceRecord& record, const std::vector<BalanceLaw>& laws, const BalanceModel& model,

@@ -42,6 +42,12 @@ std::vector<double> convolved(const std::vector<double>& values, std::size_t hal
   return result;
 }
 
+// What white noise of 1 becomes in the second derivative, samples being a unit apart.
+double acceleration_weight(std::size_t half) {
+  const double n = 2.0 * static_cast<double>(half) + 1.0;
+  return std::sqrt(720.0 / (n * (n * n - 1.0) * (n * n - 4.0)));
+}
+
 double median(std::vector<double> values) {
   if (values.empty()) return 0.0;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -66,8 +72,7 @@ double position_noise(const std::vector<double>& position) {
 }
 
 double acceleration_noise(const AxisRecord& record, std::size_t half_window) {
-  const double n = 2.0 * static_cast<double>(half_window) + 1.0;
-  return position_noise(record.position) / (record.step * record.step) * std::sqrt(720.0 / (n * (n * n - 1.0) * (n * n - 4.0)));
+  return position_noise(record.position) / (record.step * record.step) * acceleration_weight(half_window);
 }
 
 std::size_t balance_half_window(const AxisRecord& record, double inertia, double longest) {
@@ -76,12 +81,8 @@ std::size_t balance_half_window(const AxisRecord& record, double inertia, double
   const double rms = std::sqrt(square / static_cast<double>(std::max<std::size_t>(1, record.effort.size())));
   const auto most = std::max(kFewestHalf, static_cast<std::size_t>(0.5 * longest / record.step));
   std::size_t half = kFewestHalf;
-  const double least = acceleration_noise(record, kFewestHalf);
-  const auto is_noisy = [&](std::size_t h) {
-    const auto weight = [](double n) { return std::sqrt(720.0 / (n * (n * n - 1.0) * (n * n - 4.0))); };
-    const double deviation = least * weight(2.0 * static_cast<double>(h) + 1.0) / weight(2.0 * static_cast<double>(kFewestHalf) + 1.0);
-    return inertia * deviation > kNoiseShare * rms;
-  };
+  const double noise = position_noise(record.position) / (record.step * record.step);
+  const auto is_noisy = [&](std::size_t h) { return inertia * noise * acceleration_weight(h) > kNoiseShare * rms; };
   while (half < most && is_noisy(half)) ++half;
   return half;
 }
@@ -113,7 +114,7 @@ BalanceRecord make_balance_record(const AxisRecord& record, std::size_t half_win
   balance.effort = inner(convolved(effort, half_window, 0, record.step));
   const auto times = [&](std::size_t count, std::size_t first) {
     std::vector<double> time(count);
-    for (std::size_t n = 0; n < count; ++n) time[n] = record.step * static_cast<double>(n + first);
+    for (std::size_t n = 0; n < count; ++n) time[n] = record.start_time + record.step * static_cast<double>(n + first);
     return time;
   };
   balance.motion.time = times(balance.motion.position.size(), motion_half);

@@ -22,6 +22,7 @@ struct AxisRecord {
   double step = 0.0;              // [s]
   std::vector<double> position;   // on the axis
   std::vector<double> effort;     // torque or force of the motors on the axis, held from this sample to the next
+  double start_time = 0.0;        // [s] of the first sample since the machine was cold
 };
 
 // What laws are evaluated on: the motion under a window half as long as the balance's, so that a reversal stays sharp.

@@ -174,6 +174,31 @@ TEST(AxisDiagnosis, RefusesWhatCannotBeBalanced) {
             std::string::npos);
   EXPECT_NE(refusal([](msgs::RunLog& run) { run.encoder[50].shaft_position[0] = std::nan(""); }).find("no number"), std::string::npos);
   EXPECT_NE(refusal([](msgs::RunLog& run) { run.encoder.resize(20); }).find("too short"), std::string::npos);
+  EXPECT_NE(refusal([](msgs::RunLog& run) {
+              for (msgs::Torque& torque : run.torque) torque.motor_torque[0] = 0.0;
+            }).find("zero throughout"),
+            std::string::npos);
+}
+
+// Torques in mN m or on the wrong side of the gears, positions in degrees or turns, a turned sign: all of it fits some inertia, and
+// none of it may be answered with one.
+TEST(AxisDiagnosis, RefusesASlipOfUnit) {
+  const auto refusal = [](double torque_factor, double position_factor) -> std::string {
+    std::vector<NamedRun> runs = two_runs(noisy(friction));
+    for (NamedRun& one : runs) {
+      for (msgs::Torque& torque : one.run.torque) torque.motor_torque[0] *= torque_factor;
+      for (msgs::Encoder& encoder : one.run.encoder) encoder.shaft_position[0] *= position_factor;
+    }
+    try {
+      return "answered: " + diagnose_axis(axis_file(), runs).verdict;
+    } catch (const NoBalance& problem) {
+      return problem.what();
+    }
+  };
+  constexpr double kTurn = 2.0 * std::numbers::pi;
+  for (const double factor : {1e3, 1e-3, kRatio, 1.0 / kRatio}) EXPECT_NE(refusal(factor, 1.0).find("check the units"), std::string::npos) << factor << " " << refusal(factor, 1.0);
+  for (const double factor : {360.0 / kTurn, 1.0 / kTurn, 1e3}) EXPECT_NE(refusal(1.0, factor).find("check the units"), std::string::npos) << factor << " " << refusal(1.0, factor);
+  EXPECT_NE(refusal(-1.0, 1.0).find("check the signs"), std::string::npos) << refusal(-1.0, 1.0);
 }
 
 // Forward simulation against the finer integration that made the record.

@@ -111,22 +111,10 @@ Judged judge(const Machine& machine, double factor = 1.0) {
     }
   }
   const double inertia = machine.inertia * factor;
-  std::size_t half = 3;
-  for (const AxisRecord& record : fitted) half = std::max(half, balance_half_window(record, inertia, 0.2));
-  std::vector<BalanceRecord> records, others;
-  double resolved = 2e-3 * machine.top_speed, duration = 0.0, low = 1e300, high = -1e300;
-  for (const AxisRecord& record : fitted) {
-    records.push_back(make_balance_record(record, half));
-    resolved = std::max(resolved, 3.0 * records.back().speed_noise);
-    duration = std::max(duration, records.back().time.back());
-    for (const double position : records.back().position) {
-      low = std::min(low, position);
-      high = std::max(high, position);
-    }
-  }
-  for (const AxisRecord& record : unseen) others.push_back(make_balance_record(record, half));
-  const std::vector<BalanceLaw> laws =
-      balance_laws({machine.top_speed, resolved, duration, 0.5 * (low + high), 0.5 * (high - low), machine.is_rotary});
+  const Balance balance = balance_of(fitted, inertia, machine.top_speed, machine.is_rotary);
+  const double resolved = balance.resolved_speed;
+  const std::vector<BalanceRecord> records = smoothed(fitted, balance), others = smoothed(unseen, balance);
+  const std::vector<BalanceLaw>& laws = balance.laws;
   Judged judged;
   judged.answer = fit_balance(records, laws, inertia, resolved);
   std::vector<std::vector<double>> residuals;
