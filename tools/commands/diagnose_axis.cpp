@@ -11,10 +11,10 @@
 #include "common/unit.h"
 #include "diagnosis/balance/axis_diagnosis.h"
 #include "diagnosis/decimation.h"
-#include "msgs/run_log.h"
 #include "sim/drive/scenario_run.h"
 #include "sim/effects/catalogue.h"
 #include "tools/commands/findings.h"
+#include "tools/commands/measured_runs.h"
 #include "tools/commands/python_command.h"
 
 namespace slewlab::tools {
@@ -163,17 +163,12 @@ std::string with_effect_text(const AxisDiagnosis& found, const sim::MachineFile&
 }  // namespace
 
 int diagnose_axis_logs(const sim::MachineFile& axis, const DiagnoseOptions& options, std::ostream& out) {
+  MeasuredRuns measured = measured_runs(options.logs);
   std::vector<diagnosis::NamedRun> runs;
-  std::vector<std::string> remarks;
-  for (const std::filesystem::path& log : options.logs) {
-    msgs::RunLogs logs = msgs::read_run_logs(log);
-    for (std::size_t r = 0; r < logs.runs.size(); ++r) {
-      runs.push_back({logs.runs.size() == 1 ? log.string() : fmt::format("{} run {}", log.string(), r + 1), std::move(logs.runs[r])});
-    }
-    for (const std::string& remark : logs.remarks) remarks.push_back(log.string() + ": " + remark);
-  }
+  for (MeasuredRun& one : measured.runs) runs.push_back({one.name, std::move(one.run)});
   AxisDiagnosis found = diagnosis::diagnose_axis(axis, runs);
-  found.remarks.insert(found.remarks.begin(), remarks.begin(), remarks.end());
+  for (const MeasuredRun& one : measured.runs) found.remarks.insert(found.remarks.end(), one.remarks.begin(), one.remarks.end());
+  if (measured.is_damaged) found.verdict += kOfADamagedLog;
   if (!options.controller.empty()) {
     found.remarks.push_back("the controller is not asked: an axis is judged by its torque balance and by forward simulation from the recorded torque");
   }
@@ -189,7 +184,7 @@ int diagnose_axis_logs(const sim::MachineFile& axis, const DiagnoseOptions& opti
   findings.write("summary.txt", summary);
   findings.keep();
   out << summary << "files: " << options.out.string() << std::endl;
-  run_python("axis_diagnosis_report.py", {options.out.string()});
+  run_python("diagnosis_report.py", {options.out.string()});
   return 0;
 }
 

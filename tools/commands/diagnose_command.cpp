@@ -30,6 +30,7 @@
 #include "sim/effects/catalogue.h"
 #include "tools/commands/diagnose_axis.h"
 #include "tools/commands/findings.h"
+#include "tools/commands/measured_runs.h"
 #include "tools/commands/python_command.h"
 #include "tools/commands/status_line.h"
 
@@ -113,6 +114,9 @@ std::string answer_sentence(const Diagnosis& diagnosis) {
   }
   const Cause& first = diagnosis.causes.front();
   std::string text = fmt::format("{}{}, {:.0f} %", first.probability < kSure ? "Not sure: " : "", name_of(first), 100 * first.probability);
+  if (!first.validation && !first.point.effects.empty()) {
+    text += "; not tested on data that were not fitted, because a part of it has no sizes that could be fitted again";
+  }
   if (first.validation && first.validation->nominal.residual_ratio > 1.0) {
     const diagnosis::Validation& validation = *first.validation;
     // Down to the noise, which nothing explains.
@@ -362,20 +366,11 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
     if (!options.controller.empty()) controller = controller::load_controller_file(options.controller).settings;
 
     const diagnosis::Thresholds thresholds = diagnosis::thresholds_of(sim::describe(crane));
+    const MeasuredRuns measured = measured_runs(options.logs);
     std::vector<Record> records;
-    bool is_damaged = false;  // one of the logs
-    for (const std::filesystem::path& log : options.logs) {
-      const msgs::RunLogs logs = msgs::read_run_logs(log);
-      for (std::size_t r = 0; r < logs.runs.size(); ++r) {
-        const std::string name = logs.runs.size() == 1 ? log.string() : fmt::format("{} run {}", log.string(), r + 1);
-        records.push_back(diagnosis::make_record(logs.runs[r], name, thresholds.admission));
-      }
-      is_damaged = is_damaged || logs.lost_bytes > 0 || logs.lost_messages > 0;
-      for (const std::string& remark : logs.remarks) records.back().remarks.push_back(log.string() + ": " + remark);
-      if (logs.runs.size() > 1) {
-        records.back().remarks.push_back(
-            fmt::format("{}: holds {} runs, or one whose clock was set back; each is judged on its own", log.string(), logs.runs.size()));
-      }
+    for (const MeasuredRun& one : measured.runs) {
+      records.push_back(diagnosis::make_record(one.run, one.name, thresholds.admission));
+      records.back().remarks.insert(records.back().remarks.end(), one.remarks.begin(), one.remarks.end());
     }
 
     diagnosis::DiagnosisSettings settings;
@@ -385,8 +380,7 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
     ProgressDisplay progress(options.terminal, out);
     Diagnosis found = diagnosis::diagnose(nominal, controller, records, settings, std::ref(progress), common::stop_requested);
     progress.keep();
-    // Said with the answer and not only in a note: what is lost may be where the gap was.
-    if (is_damaged) found.verdict += " (from what is left of a damaged log)";
+    if (measured.is_damaged) found.verdict += kOfADamagedLog;
 
     if (common::stop_requested()) throw diagnosis::Interrupted{};  // what follows takes seconds, and then it is written
     const Cause nothing;

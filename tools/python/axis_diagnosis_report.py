@@ -1,23 +1,13 @@
-"""Draws what `slewlab diagnose` found of an axis: DIR/diagnosis.json, summary.txt and series_N.csv become DIR/diagnosis.html.
+"""The figures of the page of an axis (diagnosis_report.py): diagnosis.json and series_N.csv."""
 
-usage: axis_diagnosis_report.py DIR
-"""
-
-import argparse
-import html
-import json
 import os
-import sys
 
 import pandas
 import plotly.graph_objects as graph
 from plotly.subplots import make_subplots
 
-from whole_file import growing
+from diagnosis_colours import AFTER, BEFORE, MEASURED
 
-MEASURED = "#222222"
-BEFORE = "#c44e52"
-AFTER = "#2a7f9e"
 LEGEND = {"orientation": "h", "y": 1.08, "yanchor": "bottom", "x": 0.0, "xanchor": "left"}
 
 
@@ -56,40 +46,9 @@ def effort_figure(found, series, log):
     return figure
 
 
-def page(directory):
-    with open(os.path.join(directory, "diagnosis.json"), encoding="utf-8") as file:
-        found = json.load(file)
-    with open(os.path.join(directory, "summary.txt"), encoding="utf-8") as file:
-        summary = file.read()
+def figures_of(found, directory):
     figures = [probability_figure(found)]
     for record in found["series"]:
         series = pandas.read_csv(os.path.join(directory, record["file"]))
         figures += [residual_figure(found, series, record["log"]), effort_figure(found, series, record["log"])]
-    body = "".join(figure.to_html(full_html=False, include_plotlyjs=index == 0, config={"responsive": True})
-                   for index, figure in enumerate(figures))
-    return (f"<!doctype html><meta charset='utf-8'><meta name='viewport' content='width=device-width'>"
-            f"<title>slewlab diagnosis of an axis</title>"
-            f"<style>body{{font-family:sans-serif;max-width:1200px;margin:2em auto;padding:0 1em}}"
-            f"pre{{white-space:pre-wrap}}</style>"
-            f"<h1>{html.escape(found['verdict'])}</h1><pre>{html.escape(summary)}</pre>{body}")
-
-
-def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("directory", metavar="DIR")
-    directory = parser.parse_args().directory
-    target = os.path.join(directory, "diagnosis.html")
-    try:
-        text = page(directory)
-    except (OSError, ValueError, KeyError) as problem:
-        sys.exit(f"axis_diagnosis_report: {directory}: {problem}")
-    try:
-        with growing(target) as partial:
-            partial.write_text(text, encoding="utf-8")
-    except OSError as problem:
-        sys.exit(f"axis_diagnosis_report: {problem}; the findings without the page are in {directory}")
-    print(target)
-
-
-if __name__ == "__main__":
-    main()
+    return figures

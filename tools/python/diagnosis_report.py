@@ -1,4 +1,5 @@
-"""Draws what `slewlab diagnose` found: DIR/diagnosis.json, summary.txt and series.csv become DIR/diagnosis.html.
+"""Draws what `slewlab diagnose` found: DIR/diagnosis.json, summary.txt and series.csv (of an axis series_N.csv) become
+DIR/diagnosis.html.
 
 usage: diagnosis_report.py DIR
 """
@@ -14,11 +15,10 @@ import pandas
 import plotly.graph_objects as graph
 from plotly.subplots import make_subplots
 
+import axis_diagnosis_report
+from diagnosis_colours import AFTER, BEFORE, MEASURED
 from whole_file import growing
 
-MEASURED = "#222222"
-BEFORE = "#c44e52"
-AFTER = "#2a7f9e"
 LEGEND = {"orientation": "h", "y": 1.03, "yanchor": "bottom", "x": 1.0, "xanchor": "right"}
 
 
@@ -106,20 +106,24 @@ def spectrogram_figure(series, modes, shown):
     return figure
 
 
-def page(directory):
-    with open(os.path.join(directory, "diagnosis.json"), encoding="utf-8") as file:
-        found = json.load(file)
-    with open(os.path.join(directory, "summary.txt"), encoding="utf-8") as file:
-        summary = file.read()
+def figures_of(found, directory):
     series = pandas.read_csv(os.path.join(directory, "series.csv"))
     after = after_name(found)
     figures = [probability_figure(found)]
     if "torque_before" in series:  # a controller was given, so that there is a closed loop to predict
         figures.append(series_figure(series, after))
-    figures += [spectrogram_figure(series, found["modes"], found["spectrogram"]), missing_figure(series, after)]
-    body = "".join(figure.to_html(full_html=False, include_plotlyjs=index == 0)
-                   for index, figure in enumerate(figures))
-    return (f"<!doctype html><meta charset='utf-8'><title>slewlab diagnosis</title>"
+    return figures + [spectrogram_figure(series, found["modes"], found["spectrogram"]), missing_figure(series, after)]
+
+
+def page(directory):
+    with open(os.path.join(directory, "diagnosis.json"), encoding="utf-8") as file:
+        found = json.load(file)
+    with open(os.path.join(directory, "summary.txt"), encoding="utf-8") as file:
+        summary = file.read()
+    draw = axis_diagnosis_report.figures_of if found.get("kind") == "axis" else figures_of
+    body = "".join(figure.to_html(full_html=False, include_plotlyjs=index == 0, config={"responsive": True})
+                   for index, figure in enumerate(draw(found, directory)))
+    return (f"<!doctype html><meta charset='utf-8'><meta name='viewport' content='width=device-width'><title>slewlab diagnosis</title>"
             f"<style>body{{font-family:sans-serif;max-width:1200px;margin:2em auto;padding:0 1em}}pre{{white-space:pre-wrap}}</style>"
             f"<h1>{html.escape(found['verdict'])}</h1><pre>{html.escape(summary)}</pre>{body}")
 

@@ -1,0 +1,5 @@
+"""What is drawn in which colour on the pages of a diagnosis."""
+
+MEASURED = "#222222"
+BEFORE = "#c44e52"  # the nominal machine
+AFTER = "#2a7f9e"   # with what was found
