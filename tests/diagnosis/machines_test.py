@@ -1,32 +1,21 @@
 """Real machines as their makers describe them (machines/*/machine.yaml): imported, simulated open loop from their recorded
-torque, and shown against their records. What is expected comes from the CSV files and m x'' = F, integrated here.
+torque, and shown against their records. What is expected comes from the CSV files and m x'' = F, integrated here."""
 
-The records are not part of the project: SLEWLAB_SHARED_DATA names their folder, ../shared/data beside the sources where
-it is not set; without them the tests are skipped."""
-
-import contextlib
 import html
-import io
-import json
-import os
 import re
 import subprocess
-import tempfile
 import unittest
-from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
 import axis_report
-import import_data
 import report
 from run_log import REPOSITORY
 from run_numbers import read_run
+from shared_data import DATA, SLEWLAB, SharedDataTest
 
-DATA = Path(os.environ.get("SLEWLAB_SHARED_DATA", REPOSITORY.parent / "shared" / "data"))
 MACHINES = REPOSITORY / "tests" / "diagnosis" / "machines"
-SLEWLAB = Path(os.environ["SLEWLAB_PYTHON_MESSAGES"]).parent / "bin" / "slewlab"
 MOST_LINES = 15  # of a machine's file
 
 # Of each machine: its records, inertia on the axis, and from a table to position, speed and torque (force) on the axis.
@@ -67,17 +56,7 @@ def one_inertia(t, x, v, torque, inertia):
     return position, speed
 
 
-class MachinesTest(unittest.TestCase):
-    def setUp(self):
-        temporary = tempfile.TemporaryDirectory()
-        self.addCleanup(temporary.cleanup)
-        self.folder = Path(temporary.name)
-
-    def quietly(self, main, *arguments):
-        with contextlib.redirect_stdout(io.StringIO()) as said:
-            self.assertEqual(main([str(a) for a in arguments]), 0, said.getvalue())
-        return said.getvalue()
-
+class MachinesTest(SharedDataTest):
     def test_a_machine_takes_few_lines(self):
         for file in sorted(MACHINES.glob("*/machine.yaml")):
             self.assertLessEqual(len(file.read_text().splitlines()), MOST_LINES, file)
@@ -85,8 +64,7 @@ class MachinesTest(unittest.TestCase):
             self.assertEqual(said.returncode, 0, said.stderr)
 
     def test_open_loop_against_the_record_is_one_inertia(self):
-        if not DATA.is_dir():
-            self.skipTest(f"the measured machines are not here: {DATA}")
+        self.need_data()
         for read, (records, inertia) in CASES.items():
             name = read.__name__
             for record in records:
@@ -95,8 +73,7 @@ class MachinesTest(unittest.TestCase):
 
     def check(self, name, record, read, inertia):
         csv = DATA / name / f"{record}.csv"
-        log, out = self.folder / f"{name}_{record}.lcmlog", self.folder / f"{name}_{record}"
-        self.quietly(import_data.main, "--map", MACHINES / name / "map.yaml", csv, "--out", log)
+        log, out = self.imported(MACHINES / name / "map.yaml", name, record), self.folder / f"{name}_{record}"
         simulated = subprocess.run([SLEWLAB, "simulate", MACHINES / name / "machine.yaml", log, "--out", out],
                                    capture_output=True, text=True)
         self.assertEqual(simulated.returncode, 0, simulated.stderr)
@@ -123,20 +100,12 @@ class MachinesTest(unittest.TestCase):
     # The makers' models have no friction, and every machine has: it is named, it predicts the record that was not fitted, and what is
     # written runs. Least squares by hand are the measure of tests/diagnosis/balance/balance_machines_test.cpp.
     def test_friction_is_named_of_every_machine(self):
-        if not DATA.is_dir():
-            self.skipTest(f"the measured machines are not here: {DATA}")
+        self.need_data()
         for name, records in (("servo_axis", ["run_a"]), ("motor_bench", ["fit_a", "fit_b"]), ("robot_axis", ["fit_a", "fit_b"]),
                               ("belt_cart", ["fit_a", "fit_b"])):
             with self.subTest(machine=name):
-                logs = []
-                for record in records:
-                    logs.append(self.folder / f"{name}_{record}.lcmlog")
-                    self.quietly(import_data.main, "--map", MACHINES / name / "map.yaml", DATA / name / f"{record}.csv", "--out", logs[-1])
-                out = self.folder / name
-                said = subprocess.run([SLEWLAB, "diagnose", "--axis", MACHINES / name / "machine.yaml", "--log", *logs, "--out", out],
-                                      capture_output=True, text=True)
-                self.assertEqual(said.returncode, 0, said.stderr)
-                found = json.loads((out / "diagnosis.json").read_text())
+                logs, out = [self.imported(MACHINES / name / "map.yaml", name, record) for record in records], self.folder / name
+                found = self.diagnosed("--axis", MACHINES / name / "machine.yaml", logs, out)
                 self.assertTrue(found["is_stated"], found["verdict"])
                 self.assertTrue({"dry", "viscous"} <= set(found["causes"][0]["laws"]), found["verdict"])
                 self.assertLess(found["probability_unknown"], 0.02)
