@@ -47,6 +47,11 @@ std::vector<Size> sizes_of(const common::EffectCatalogue& catalogue, const std::
         size.low = value - kNinetyPercent * deviation;
         size.high = value + kNinetyPercent * deviation;
       }
+      // A size that goes beyond its range is doubted (diagnose.cpp); a shape is what it can be.
+      if (p != common::kSize && !is_all_round(parameter)) {
+        size.low = std::max(size.low, parameter.lower);
+        size.high = std::min(size.high, parameter.upper);
+      }
       sizes.push_back(size);
     }
   }

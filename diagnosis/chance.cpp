@@ -4,6 +4,9 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <limits>
+#include <map>
+#include <tuple>
 #include <vector>
 
 namespace slewlab::diagnosis {
@@ -17,6 +20,9 @@ constexpr std::size_t kLeastBins = 6;
 constexpr Eigen::Index kNearestBins = 2;  // either side, that an axis is taken from: a draw's force has not all frequencies
 constexpr double kLowestScale = -9.0, kHighestScale = 9.0;  // ln a: a factor of 90 in size either way
 constexpr int kScales = 37;
+constexpr std::uint64_t kDraws = 6;    // whose mean and power stand for all
+constexpr double kFarthestScale = 4.0;  // [deviations] of a scale that is known from elsewhere
+constexpr int kPredictedScales = 20;   // either side
 
 constexpr int kMostChannels = sim::kMaximumGroupCount + kAccelerometerCount;
 using BinValues = Eigen::Matrix<std::complex<double>, Eigen::Dynamic, 1, Eigen::ColMajor, kMostChannels, 1>;
@@ -162,6 +168,67 @@ ChanceFit fit_chance(const Eigen::VectorXd& difference, const Power& power) {
   return best;
 }
 
+ChanceFit chance_at(const Eigen::VectorXd& difference, const Power& power, double scale) {
+  return {scale, cost_at(along_axes(power.records, difference), power.profile, scale)};
+}
+
+Drawn draw(Problem& problem, const Point& point) {
+  std::vector<Point> points(kDraws, point);
+  for (std::size_t i = 0; i < points.size(); ++i) points[i].seed = i + 1;
+  std::vector<Eigen::VectorXd> all = differences(problem, points);
+  Drawn drawn{Eigen::VectorXd::Zero(all.front().size()), {}};
+  for (const Eigen::VectorXd& one : all) drawn.mean += one / static_cast<double>(kDraws);
+  // About a mean of their own, draws stand off too little; the mean itself by the share of one draw.
+  const double count = static_cast<double>(kDraws);
+  for (Eigen::VectorXd& one : all) one = (one - drawn.mean) * std::sqrt((count + 1.0) / (count - 1.0));
+  drawn.power = power_of(problem, all);
+  return drawn;
+}
+
+double predictive_cost(const Eigen::VectorXd& difference, const Power& power, double deviation) {
+  const Eigen::VectorXd along = along_axes(power.records, difference);
+  double best = std::numeric_limits<double>::infinity();
+  for (int i = -kPredictedScales; i <= kPredictedScales; ++i) {
+    const double off = kFarthestScale * static_cast<double>(i) / kPredictedScales;  // [deviations]
+    best = std::min(best, cost_at(along, power.profile, std::exp(off * deviation)) + off * off);
+  }
+  return best;
+}
+
+Power unknown_power(const Problem& seen, const std::vector<ChannelAxes>& seen_axes, const Eigen::VectorXd& difference, const Problem& unseen,
+                    std::vector<ChannelAxes> unseen_axes) {
+  using Key = std::tuple<bool, int, int>;  // channel, or place of the axis, and band
+  const bool has_axes = !seen_axes.empty();
+  const auto each_bin = [&](const Problem& problem, const auto& visit) {
+    Eigen::Index row = 0;
+    for (const Whitening& whitening : problem.whitening) {
+      for (std::size_t c = 0; c < whitening.channels.size(); ++c) {
+        const Channel channel = has_axes ? Channel{false, static_cast<int>(c)} : whitening.channels[c];
+        for (std::size_t b = 0; b < whitening.bin_count; ++b, row += 2) {
+          const double frequency = whitening.bin_width * static_cast<double>(whitening.first_bin + b);
+          visit(Key{channel.is_torque, channel.index, static_cast<int>(std::floor(std::log(frequency) / std::log(kBand)))}, row);
+        }
+      }
+    }
+  };
+  struct Sum {
+    double square = 0.0, count = 0.0;
+  };
+  std::map<Key, Sum> sums;
+  const Eigen::VectorXd along = along_axes(seen_axes, difference);
+  each_bin(seen, [&](const Key& key, Eigen::Index row) {
+    Sum& sum = sums[key];
+    sum.square += along.segment<2>(row).squaredNorm();
+    sum.count += 2.0;
+  });
+  Power power{Eigen::VectorXd::Zero(difference_count(unseen)), std::move(unseen_axes)};
+  each_bin(unseen, [&](const Key& key, Eigen::Index row) {
+    const auto sum = sums.find(key);
+    if (sum != sums.end()) power.profile.segment<2>(row).setConstant(std::max(0.0, sum->second.square / sum->second.count - 1.0));
+  });
+  return power;
+}
+
 double logarithms(const Chance& chance) { return variance_of(chance.power.profile, chance.scale).log().sum(); }
 
 Eigen::VectorXd divided(const Chance& chance, const Eigen::VectorXd& values) {
@@ -199,6 +266,10 @@ FreePower free_power(const Problem& problem, const Eigen::VectorXd& difference) 
 
 double above_free_power(const ChanceFit& fit, const FreePower& free, Eigen::Index count) {
   return (fit.cost - free.cost) / (free.cost - free.noise + kLeastFound * static_cast<double>(count));
+}
+
+double largest_scale(const common::EffectAbout& about, const common::EffectInstance& effect) {
+  return std::pow(about.parameters[common::kSize].upper / effect.values[common::kSize], about.stochastic->power_exponent);
 }
 
 common::EffectInstance with_power(const common::EffectAbout& about, common::EffectInstance effect, double scale) {

@@ -53,15 +53,45 @@ struct ChanceFit {
   double cost = 0.0;   // the sum; without the effect it is the sum of squares
 };
 ChanceFit fit_chance(const Eigen::VectorXd& difference, const Power& power);
+ChanceFit chance_at(const Eigen::VectorXd& difference, const Power& power, double scale);
 
 // What the chance makes of unit variance: sum of logarithms in the cost, and differences (or columns) divided by what it adds.
 struct Chance {
   Power power;
   double scale = 0.0;
+  Eigen::VectorXd mean{};  // what it adds to the differences on the average; none: 0
 };
 double logarithms(const Chance& chance);
 Eigen::VectorXd divided(const Chance& chance, const Eigen::VectorXd& values);
 Eigen::VectorXd undivided(const Chance& chance, const Eigen::VectorXd& values);
+
+// All differences are divided by what a chance adds to them, as long as it lives.
+class UnderChance {
+ public:
+  UnderChance(Problem& problem, const Chance& chance) : problem_(problem) { problem_.chance = &chance; }
+  ~UnderChance() { problem_.chance = nullptr; }
+  UnderChance(const UnderChance&) = delete;
+  UnderChance& operator=(const UnderChance&) = delete;
+
+ private:
+  Problem& problem_;
+};
+
+// A machine with effects by chance as several draws show it: the mean of their differences, and the power by which one draw stands off it.
+struct Drawn {
+  Eigen::VectorXd mean;
+  Power power;
+};
+Drawn draw(Problem& problem, const Point& point);
+
+// -2 ln P of differences that were not fitted, under a power found elsewhere; its scale is known by `deviation` [-], of ln a, alone.
+double predictive_cost(const Eigen::VectorXd& difference, const Power& power, double deviation);
+
+// What a cause that nobody knows would add: the mean power in each channel and third of an octave, over all records of `seen`, in the
+// order of the differences of `unseen`. Frequencies that `seen` has none of get no power. With axes, which both have then, it acts along
+// those, one power for each.
+Power unknown_power(const Problem& seen, const std::vector<ChannelAxes>& seen_axes, const Eigen::VectorXd& difference, const Problem& unseen,
+                    std::vector<ChannelAxes> unseen_axes);
 
 // The same sum for a power that is free in every channel (or along every axis) and every third of an octave: what a cause would have to
 // reach whose power nobody knows.
@@ -77,5 +107,7 @@ double above_free_power(const ChanceFit& fit, const FreePower& free, Eigen::Inde
 
 // The effect by chance with its size changed so that its power is `scale` times what it was, within its bounds.
 common::EffectInstance with_power(const common::EffectAbout& about, common::EffectInstance effect, double scale);
+// By what the effect's power can grow at most until its size is at its upper bound.
+double largest_scale(const common::EffectAbout& about, const common::EffectInstance& effect);
 
 }  // namespace slewlab::diagnosis

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <optional>
 #include <set>
@@ -14,7 +15,8 @@ namespace {
 
 constexpr double kChanceSize = 0.2;  // relative standard deviation of a size that is found from the power of one draw
 constexpr double kOccam = 3.2;       // 2 ln(1 / 0.2): what a parameter costs that is known so well and has no column
-constexpr int kLooks = 2;            // at the power of the size just found
+constexpr int kLooks = 8;            // at the power of the size just found, at most
+constexpr double kSettledScale = 0.1, kNearScale = 0.7;  // |ln a| from which the size is the power's, and up to which it goes with it
 constexpr std::uint64_t kDraws = 3;  // of which a look takes the mean power
 constexpr double kMeanSpread = 0.4;  // of the logarithm of the mean that a draw's power goes with: laws differ
 constexpr double kLeastMean = 0.02;  // of the fitted delay's, below which there is none
@@ -48,18 +50,6 @@ std::optional<std::size_t> mean_among(const common::EffectCatalogue& catalogue, 
   return std::nullopt;
 }
 
-// All differences are divided by what a chance adds to them, as long as it lives.
-class UnderChance {
- public:
-  UnderChance(Problem& problem, const Chance& chance) : problem_(problem) { problem_.chance = &chance; }
-  ~UnderChance() { problem_.chance = nullptr; }
-  UnderChance(const UnderChance&) = delete;
-  UnderChance& operator=(const UnderChance&) = delete;
-
- private:
-  Problem& problem_;
-};
-
 // An effect by chance beside a fit.
 struct Try {
   FitResult fit;             // without it
@@ -83,10 +73,14 @@ void look(Problem& problem, const std::vector<Eigen::VectorXd>& delays, Try& one
     for (const Eigen::VectorXd& delay : delays) means.push_back(delay.head(count));
   }
   if (one.mean) means.push_back(one.fit.difference - here);
+  const common::EffectAbout& about = problem.catalogue.at(one.effect.name);
+  // A power goes with its size only while that is small, so the size is bracketed until its own draws have the power that is asked for.
+  double least = 0.0, most = std::numeric_limits<double>::infinity(), nearest = most;
+  common::EffectInstance effect = one.effect;
   for (int round = 0; round < kLooks; ++round) {
     std::vector<Point> points(kDraws, still);
     for (std::size_t draw = 0; draw < points.size(); ++draw) {
-      points[draw].effects.push_back(one.effect);
+      points[draw].effects.push_back(effect);
       points[draw].seed = draw + 1;
     }
     std::vector<Eigen::VectorXd> changes = differences(problem, points);
@@ -100,7 +94,10 @@ void look(Problem& problem, const std::vector<Eigen::VectorXd>& delays, Try& one
     Power power = power_of(problem, changes);
     const ChanceFit found = fit_chance(one.fit.difference, power);
     if (found.scale == 0.0) return;
-    if (found.cost < one.found.cost || round == 0) {
+    const double off = std::fabs(std::log(found.scale));
+    if (off < nearest) {
+      nearest = off;
+      one.effect = effect;
       one.found = found;
       one.power = std::move(power);
       // Where no delay was fitted, all of the mean is missed.
@@ -111,7 +108,20 @@ void look(Problem& problem, const std::vector<Eigen::VectorXd>& delays, Try& one
         one.mean_cost = problem.settings.independent_share * divided({one.power, found.scale}, mean).squaredNorm();
       }
     }
-    one.effect = with_power(problem.catalogue.at(one.effect.name), one.effect, found.scale);
+    if (off < kSettledScale) break;
+    const double size = effect.values[common::kSize];
+    (found.scale > 1.0 ? least : most) = size;
+    effect = with_power(about, std::move(effect), found.scale);
+    double& next = effect.values[common::kSize];
+    if (!(next > least && next < most)) {
+      if (!(least > 0.0) || !std::isfinite(most)) break;  // at the end of its range
+      next = std::sqrt(least * most);
+    }
+  }
+  if (nearest < kNearScale) {
+    one.effect = with_power(about, one.effect, one.found.scale);
+  } else {
+    one.found = chance_at(one.fit.difference, one.power, 1.0);  // no size has that power
   }
 }
 
@@ -284,8 +294,10 @@ std::vector<FitResult> chance_fits(Problem& problem, const Screening& screening,
     const std::vector<Eigen::VectorXd> changes{(delays_too ? without_columns(screened.column, delays) : screened.column).head(count)};
     const Power power = power_of(problem, changes);
     for (const FitResult* beside : besides) {
-      const ChanceFit found = fit_chance(beside->difference, power);
+      ChanceFit found = fit_chance(beside->difference, power);
       if (found.scale == 0.0) continue;
+      const double most = largest_scale(problem.catalogue.at(name), screened.start);
+      if (found.scale > most) found = chance_at(beside->difference, power, most);
       const auto [entry, is_new] = tries.try_emplace({name, beside});
       if (!is_new && found.cost >= entry->second.found.cost) continue;
       const std::optional<std::size_t> mean = delays_too ? mean_among(problem.catalogue, beside->point.effects) : std::nullopt;

@@ -131,11 +131,10 @@ void name_answer(const Cause& first, Diagnosis& diagnosis) {
   }
 }
 
-// What of a cause's machine can be fitted again on other records; nothing where none of it can, or a part of it is stochastic.
+// What of a cause's machine can be fitted again on other records; nothing where none of it can.
 std::optional<Point> fitted_part(const common::EffectCatalogue& catalogue, const Cause& cause) {
   Point part = cause.point;
-  if (std::any_of(part.effects.begin(), part.effects.end(), [&](const auto& effect) { return comes_by_chance(catalogue.at(effect.name)); })) return {};
-  std::erase_if(part.effects, [&](const common::EffectInstance& effect) { return !has_fit(catalogue.at(effect.name)); });
+  std::erase_if(part.effects, [&](const common::EffectInstance& effect) { return catalogue.at(effect.name).read_off != common::ReadOff::none; });
   if (part.effects.empty()) return {};
   return part;
 }
@@ -154,10 +153,31 @@ void settle_on_nothing(Diagnosis& diagnosis) {
   diagnosis.probability_unknown = 0.0;
 }
 
+// A share of a cause's probability goes to the others that have its effects but for those doubted, by their own probabilities; where there are
+// none, to what is not known.
+void hand_on(double share, const std::function<bool(const std::string&)>& is_doubted, Cause& cause, Diagnosis& diagnosis) {
+  const auto has_the_rest = [&](const Cause& other) {
+    return &other != &cause && !other.effects.empty() && !(other.validation && !other.validation->holds) &&
+           std::all_of(cause.effects.begin(), cause.effects.end(), [&](const std::string& effect) {
+             return is_doubted(effect) || std::find(other.effects.begin(), other.effects.end(), effect) != other.effects.end();
+           });
+  };
+  const bool has_rest = !std::all_of(cause.effects.begin(), cause.effects.end(), is_doubted);
+  double sum = 0.0;
+  for (const Cause& other : diagnosis.causes) sum += has_rest && has_the_rest(other) ? other.probability : 0.0;
+  if (!(sum > 0.0)) return take_away(share, false, cause, diagnosis);
+  const double taken = share * cause.probability;
+  cause.probability -= taken;
+  for (Cause& other : diagnosis.causes) {
+    if (has_the_rest(other)) other.probability += taken * other.probability / sum;
+  }
+}
+
 // No cause leads that does not predict data that were not fitted better than the nominal machine and than parameters alone.
 void validate_lead(Problem& problem, const WhiteningSettings& whitening, const std::optional<controller::ControllerSettings>& controller,
                    Diagnosis& diagnosis) {
   std::optional<HeldOutData> held_out;  // once there is a lead to ask
+  Point parameters_point;
   ValidationError nominal, parameters;
   for (int tried = 0;; ++tried) {
     sort_causes(diagnosis.causes);
@@ -168,7 +188,8 @@ void validate_lead(Problem& problem, const WhiteningSettings& whitening, const s
     if (!held_out) {
       held_out.emplace(problem, whitening, diagnosis.followed.nominal);
       nominal = held_out->error({}, controller);
-      parameters = held_out->error(held_out->fit({}).point, controller);
+      parameters_point = held_out->fit({}).point;
+      parameters = held_out->error(parameters_point, controller);
     }
     const bool is_nothing_left = std::min(nominal.residual_ratio, parameters.residual_ratio) <= 1.0;
     if (tried == kMostValidated) {
@@ -179,39 +200,34 @@ void validate_lead(Problem& problem, const WhiteningSettings& whitening, const s
       continue;
     }
     HeldOut fitted = held_out->fit(*part);
-    Validation validation{nominal, parameters, {}, false};
+    Validation validation{nominal, parameters, {}, {}, false};
     std::optional<controller::ControllerSettings> with = controller;
     if (with) with = controller::with_effects(*controller, lead.controller_effects);
     validation.cause = held_out->error(fitted.point, with);
-    validation.holds = held_out->is_better(validation.cause, nominal) && held_out->is_better(validation.cause, parameters);
+    if (!stochastic_part(problem.catalogue, *part).empty()) {
+      const Point rest = without_chance(problem.catalogue, fitted.point);
+      validation.unknown_cost = std::min(held_out->unknown_cost(rest), held_out->unknown_cost(parameters_point));
+    }
+    validation.holds = holds(validation);
     lead.validation = validation;
     if (validation.holds) {
       diagnosis.held_out = std::move(fitted);
       break;
     }
-    take_away(1.0, is_nothing_left, lead, diagnosis);
+    const bool is_better_without_chance = validation.unknown_cost && !is_nothing_left;
+    if (is_better_without_chance) {
+      const auto is_by_chance = [&](const std::string& one) {
+        const common::EffectAbout* about = problem.catalogue.find(one);
+        return about != nullptr && comes_by_chance(*about);
+      };
+      hand_on(1.0, is_by_chance, lead, diagnosis);
+    } else {
+      take_away(1.0, is_nothing_left, lead, diagnosis);
+    }
   }
   if (!held_out) return;
   problem.simulations += held_out->simulations();
   problem.simulation_time += held_out->simulation_time();
-}
-
-// Half of a cause's probability goes to the others that have its effects but for `doubted`, by their own probabilities; where there are
-// none, to what is not known.
-void doubt(const std::string& doubted, Cause& cause, Diagnosis& diagnosis) {
-  const auto has_the_rest = [&](const Cause& other) {
-    return &other != &cause && !other.effects.empty() && std::all_of(cause.effects.begin(), cause.effects.end(), [&](const std::string& effect) {
-             return effect == doubted || std::find(other.effects.begin(), other.effects.end(), effect) != other.effects.end();
-           });
-  };
-  double sum = 0.0;
-  for (const Cause& other : diagnosis.causes) sum += has_the_rest(other) ? other.probability : 0.0;
-  if (cause.effects.size() < 2 || !(sum > 0.0)) return take_away(0.5, false, cause, diagnosis);
-  const double taken = 0.5 * cause.probability;
-  cause.probability -= taken;
-  for (Cause& other : diagnosis.causes) {
-    if (has_the_rest(other)) other.probability += taken * other.probability / sum;
-  }
 }
 
 // An effect that was fitted to the end of its range is at best half an answer: a larger one would fit better. Nor is one whose interval
@@ -247,7 +263,7 @@ void doubt_what_no_machine_has(const Problem& problem, Diagnosis& diagnosis) {
                                                       value, common::name_of(parameter.unit))
                                         : fmt::format("{}: the 90 % interval goes beyond what it can be; these records do not determine it", name));
       }
-      doubt(effect.name, cause, diagnosis);
+      hand_on(0.5, [&](const std::string& one) { return one == effect.name; }, cause, diagnosis);
     }
   }
 }

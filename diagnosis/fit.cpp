@@ -415,7 +415,9 @@ Eigen::VectorXd differences(Problem& problem, const Point& point) {
   });
   // A machine that is not stable at an odd point counts as very far off as well, not as a number that spreads.
   if (!result.allFinite()) result.setConstant(kVeryFarOff);
-  return problem.chance == nullptr ? result : divided(*problem.chance, result);
+  if (problem.chance == nullptr) return result;
+  if (problem.chance->mean.size() > 0) result += problem.chance->mean;
+  return divided(*problem.chance, result);
 }
 
 std::vector<Eigen::VectorXd> differences(Problem& problem, std::span<const Point> points) {

@@ -2,6 +2,8 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "diagnosis/chance.h"
@@ -14,6 +16,10 @@ namespace {
 constexpr int kHeldOutRounds = 3;       // at most, with fresh columns
 constexpr int kBeginningSteps = 2;      // Gauss-Newton steps; what begins differently is small, and linear nearly
 constexpr double kBeginningStep = 0.1;  // [standard deviations] of a difference quotient
+constexpr int kChanceRounds = 2;        // of draws and a fit under their power
+// Relative deviation of a stochastic effect's size from one record to the next, each being one draw; of the logarithm of a power that nobody
+// knows, which goes with what the manoeuvre does.
+constexpr double kSizeDeviation = 0.3, kUnknownDeviation = 0.5;
 constexpr double kBetter = 4.6;         // -2 ln of odds of one to ten: what chance takes off a residual that was not fitted
 // Relative closed-loop error beyond which two runs are no longer the same motion (two independent ones differ by 1.4), and the share
 // by which one may be worse by chance.
@@ -95,7 +101,53 @@ HeldOutData::HeldOutData(const Problem& problem, const WhiteningSettings& settin
   }
 }
 
+std::vector<common::EffectInstance> stochastic_part(const common::EffectCatalogue& catalogue, const Point& point) {
+  std::vector<common::EffectInstance> part;
+  std::copy_if(point.effects.begin(), point.effects.end(), std::back_inserter(part),
+               [&](const common::EffectInstance& effect) { return comes_by_chance(catalogue.at(effect.name)); });
+  return part;
+}
+
+Point without_chance(const common::EffectCatalogue& catalogue, Point point) {
+  std::erase_if(point.effects, [&](const common::EffectInstance& effect) { return comes_by_chance(catalogue.at(effect.name)); });
+  return point;
+}
+
+HeldOut HeldOutData::fit_with_chance(const Point& answer) {
+  const std::vector<common::EffectInstance> chances = stochastic_part(fitted_->catalogue, answer);
+  HeldOut held{answer, predicted_->records.back().name, from_time_, is_half_};
+  Point rest = without_chance(fitted_->catalogue, answer);
+  rest.nuisance.resize(nuisance_count(*fitted_), 0.0);
+  held.point.nuisance = rest.nuisance;
+  for (int round = 0; round < kChanceRounds; ++round) {
+    Drawn drawn = draw(*fitted_, held.point);
+    const Eigen::VectorXd mean = drawn.mean - differences(*fitted_, rest);
+    const Chance chance{std::move(drawn.power), 1.0, mean};
+    Point start = rest;
+    if (round == 0) std::fill(start.nuisance.begin(), start.nuisance.end(), 0.0);
+    Eigen::VectorXd left;
+    {
+      const UnderChance under_chance(*fitted_, chance);
+      const auto nuisances = static_cast<Eigen::Index>(start.nuisance.size());
+      FitResult result = diagnosis::fit(*fitted_, Eigen::MatrixXd::Zero(difference_count(*fitted_), nuisances), start);
+      settle(*fitted_, result, kHeldOutRounds);
+      rest = result.point;
+      left = undivided(chance, result.difference);
+    }
+    const ChanceFit found = fit_chance(left, chance.power);
+    held.point = rest;
+    held.point.effects.insert(held.point.effects.end(), chances.begin(), chances.end());
+    if (found.scale == 0.0) continue;
+    for (common::EffectInstance& effect : held.point.effects) {
+      const common::EffectAbout& about = fitted_->catalogue.at(effect.name);
+      if (comes_by_chance(about)) effect = with_power(about, effect, found.scale);
+    }
+  }
+  return held;
+}
+
 HeldOut HeldOutData::fit(const Point& answer) {
+  if (!stochastic_part(fitted_->catalogue, answer).empty()) return fit_with_chance(answer);
   HeldOut held{answer, predicted_->records.back().name, from_time_, is_half_};
   held.point.nuisance.assign(nuisance_count(*fitted_), 0.0);
   const auto nuisances = static_cast<Eigen::Index>(held.point.nuisance.size());
@@ -105,25 +157,70 @@ HeldOut HeldOutData::fit(const Point& answer) {
   return held;
 }
 
-ValidationError HeldOutData::error(const Point& point, const std::optional<controller::ControllerSettings>& controller) {
+Point HeldOutData::at_held_out(const Point& point) const {
   Point there = point;
   there.nuisance.resize(predicted_->nuisances.common_count());  // without the swings of the fitted records
   there.nuisance.resize(nuisance_count(*predicted_), 0.0);
+  return there;
+}
+
+ValidationError HeldOutData::error(const Point& point, const std::optional<controller::ControllerSettings>& controller) {
+  const Point there = at_held_out(point);
+  const std::vector<common::EffectInstance> chances = stochastic_part(predicted_->catalogue, there);
+  const double share = predicted_->settings.independent_share;
   ValidationError error;
-  error.residual_ratio = mean_square(differences_from_its_beginning(*predicted_, there));
-  if (controller) {
-    error.closed_loop = predict(machine_at(predicted_->nominal, predicted_->nuisances, there), *controller, predicted_->records.back(), from_time_)
-                            .relative_gap;
+  if (chances.empty()) {
+    const Eigen::VectorXd difference = differences_from_its_beginning(*predicted_, there);
+    error.residual_ratio = mean_square(difference);
+    error.cost = share * difference.squaredNorm();
+    if (controller) {
+      error.closed_loop =
+          predict(machine_at(predicted_->nominal, predicted_->nuisances, there), *controller, predicted_->records.back(), from_time_).relative_gap;
+    }
+    return error;
   }
+  const Point rest = without_chance(predicted_->catalogue, there);
+  Drawn drawn = draw(*predicted_, there);
+  const Eigen::VectorXd mean = drawn.mean - differences(*predicted_, rest);
+  const Chance chance{std::move(drawn.power), 1.0, mean};
+  const UnderChance under_chance(*predicted_, chance);
+  const Eigen::VectorXd difference = differences_from_its_beginning(*predicted_, rest);
+  error.residual_ratio = mean_square(difference);
+  double deviation = 0.0;  // of the logarithm of the power
+  for (const common::EffectInstance& effect : chances) {
+    deviation = std::hypot(deviation, kSizeDeviation * predicted_->catalogue.at(effect.name).stochastic->power_exponent);
+  }
+  error.cost = share * predictive_cost(undivided(chance, difference), chance.power, deviation);
   return error;
 }
 
-bool HeldOutData::is_better(const ValidationError& cause, const ValidationError& than) const {
-  const double fall = predicted_->settings.independent_share * static_cast<double>(difference_count(*predicted_)) *
-                      (than.residual_ratio - cause.residual_ratio);
-  if (!(fall > kBetter)) return false;
+double HeldOutData::unknown_cost(const Point& point) {
+  const Point there = at_held_out(point);
+  const Eigen::VectorXd seen = differences(*fitted_, point), unseen = differences_from_its_beginning(*predicted_, there);
+  const auto cost_along = [&](const std::vector<ChannelAxes>& seen_axes, std::vector<ChannelAxes> unseen_axes) {
+    return predictive_cost(unseen, unknown_power(*fitted_, seen_axes, seen, *predicted_, std::move(unseen_axes)), kUnknownDeviation);
+  };
+  const auto axes_without = [](Problem& problem, const Point& with, std::size_t effect, const Eigen::VectorXd& difference) {
+    Point without = with;
+    without.effects.erase(without.effects.begin() + static_cast<std::ptrdiff_t>(effect));
+    return axes_of(problem, std::vector<Eigen::VectorXd>{difference - differences(problem, without)});
+  };
+  double least = cost_along({}, {});
+  for (std::size_t e = 0; e < point.effects.size(); ++e) {
+    least = std::min(least, cost_along(axes_without(*fitted_, point, e, seen), axes_without(*predicted_, there, e, unseen)));
+  }
+  return predicted_->settings.independent_share * least;
+}
+
+bool is_better(const ValidationError& cause, const ValidationError& than) {
+  if (!(than.cost - cause.cost > kBetter)) return false;
   if (!cause.closed_loop || !than.closed_loop || *than.closed_loop > kDecorrelated) return true;
   return *cause.closed_loop <= kWorse * *than.closed_loop;
+}
+
+bool holds(const Validation& validation) {
+  return is_better(validation.cause, validation.nominal) && is_better(validation.cause, validation.parameters) &&
+         (!validation.unknown_cost || *validation.unknown_cost - validation.cause.cost > kBetter);
 }
 
 }  // namespace slewlab::diagnosis

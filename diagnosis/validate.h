@@ -4,13 +4,19 @@
 //   residual variance ratio      of the observer's missing torques and accelerations there, 1 = noise only
 //   relative closed-loop error   of the simulation from the operator's commands alone, where the controller is known
 //
-// against the nominal machine and against parameters alone. What is peculiar to the beginning of the held-out record (the load's swing, where
+// against the nominal machine and against parameters alone. Of a hypothesis with stochastic effects the ratio is that of what its draws leave
+// on the average, to noise and what one draw adds; it must also predict the held-out part better than the same hypothesis in which what is by
+// chance is replaced by a power that nobody knows, learned in each third of an octave from the part that was fitted, in
+// each channel or where one of its other effects acts. (A smooth power forgives
+// nearly any difference, so against the nominal machine alone it would always win.) Its closed loop is another draw's and is not
+// compared. What is peculiar to the beginning of the held-out record (the load's swing, where
 // the motors stand) is no property of the machine: it is fitted there, for every hypothesis alike.
 #pragma once
 
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "controller/controller.h"
 #include "diagnosis/fit.h"
@@ -33,16 +39,27 @@ struct Followed {
 // What a hypothesis leaves of the data held out.
 struct ValidationError {
   double residual_ratio = 0.0;
+  double cost = 0.0;  // -2 ln P of the independent ones among the differences, but for a constant
   std::optional<double> closed_loop;
 };
 
 struct Validation {
   ValidationError nominal, parameters, cause;
+  std::optional<double> unknown_cost;  // of a power that nobody knows in the stochastic effects' place; nothing where the cause has none
   bool holds = false;  // the cause predicts better than either
 };
 
-// Whether the effect's sizes come from a fit that can be repeated on other records: not read off a record, not stochastic.
+// Whether a simulation with the effect at its size is the machine's motion: not read off a record, not one draw of many.
 bool has_fit(const common::EffectAbout& effect);
+
+// The effects of a point that are stochastic, and the point without them.
+std::vector<common::EffectInstance> stochastic_part(const common::EffectCatalogue& catalogue, const Point& point);
+Point without_chance(const common::EffectCatalogue& catalogue, Point point);
+
+// Whether the cause's residual falls by more than chance lets it, and its closed loop does not get worse.
+bool is_better(const ValidationError& cause, const ValidationError& than);
+// Whether it is better than the nominal machine and parameters alone, and than an unknown power.
+bool holds(const Validation& validation);
 
 // The records of a problem in two parts.
 class HeldOutData {
@@ -50,16 +67,20 @@ class HeldOutData {
   // `follower` is the nominal machine's shadow of the last record.
   HeldOutData(const Problem& problem, const WhiteningSettings& settings, const Shadow& follower);
 
-  // The hypothesis of `answer` fitted from the nominal machine to what is not held out.
+  // The hypothesis of `answer` fitted to what is not held out, from the nominal machine; a stochastic effect's size from where it is.
   HeldOut fit(const Point& answer);
   ValidationError error(const Point& point, const std::optional<controller::ControllerSettings>& controller);
-  // Whether the cause's residual falls by more than chance lets it, and its closed loop does not get worse.
-  bool is_better(const ValidationError& cause, const ValidationError& than) const;
+  // The cost of `point`, which has no stochastic effect, and beside it a power that nobody knows, as large as what it leaves of the fitted
+  // part: in each channel on its own, or along the axes of one of its effects, as what that effect's law leaves would act. The least of them.
+  double unknown_cost(const Point& point);
 
   std::int64_t simulations() const { return fitted_->simulations + predicted_->simulations; }
   std::int64_t simulation_time() const { return fitted_->simulation_time + predicted_->simulation_time; }  // [ns]
 
  private:
+  HeldOut fit_with_chance(const Point& answer);
+  Point at_held_out(const Point& point) const;
+
   std::unique_ptr<Problem> fitted_, predicted_;
   double from_time_ = 0.0;  // [s]
   bool is_half_ = false;

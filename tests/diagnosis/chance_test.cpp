@@ -149,6 +149,30 @@ TEST_F(OneForce, IsNotTakenForAForceInOtherProportions) {
   EXPECT_GT(above_free_power(fit, free_power(*problem_, difference), difference.size()), kNearFreePower);
 }
 
+// A power learned from one draw predicts another better than none does, and along the force's axis better than in each channel alone, which
+// knows nothing of the proportion; but not as well as the power's own law does, which knows its shape within a third of an octave.
+TEST_F(OneForce, UnknownPowerIsLearnedWhereItActs) {
+  const Eigen::VectorXd seen = left(0.5);
+  const Eigen::VectorXd unseen = 1.5 * change(21, 0.5) + drawn(Eigen::VectorXd::Ones(4 * kBins), 22);
+  const Power plain = unknown_power(*problem_, {}, seen, *problem_, {});
+  const Power along = unknown_power(*problem_, power_.records, seen, *problem_, power_.records);
+  constexpr double kDeviation = 0.5;
+  const double none = unseen.squaredNorm(), of_plain = predictive_cost(unseen, plain, kDeviation), of_along = predictive_cost(unseen, along, kDeviation);
+  EXPECT_LT(of_plain, none);
+  EXPECT_LT(of_along, of_plain);
+  EXPECT_GT(of_along, fit_chance(unseen, power_).cost);
+}
+
+// A scale that is known from elsewhere may be another one here, at the price of its deviations.
+TEST_F(OneForce, PredictedScaleIsPaidFor) {
+  const Eigen::VectorXd difference = left(0.5);
+  const ChanceFit free = fit_chance(difference, power_);
+  const double off = std::log(free.scale), deviation = off / 2.0;
+  EXPECT_NEAR(predictive_cost(difference, power_, deviation), free.cost + 4.0, 0.5);
+  EXPECT_GE(chance_at(difference, power_, 1.0).cost, free.cost);
+  EXPECT_NEAR(chance_at(difference, power_, free.scale).cost, free.cost, 1e-9 * std::fabs(free.cost));
+}
+
 // By the effects' own laws: delays' torque errors go with the spread, so power with its square; a share lost twice as often
 // gives twice the power.
 TEST(Chance, SizesFollowThePower) {
@@ -156,6 +180,8 @@ TEST(Chance, SizesFollowThePower) {
   EXPECT_NEAR(with_power(catalogue.at("command_jitter"), {"command_jitter", {0.01}}, 4.0).values[0], 0.02, 1e-12);
   EXPECT_NEAR(with_power(catalogue.at("command_loss"), {"command_loss", {0.1, 1.0}}, 4.0).values[0], 0.4, 1e-12);
   EXPECT_NEAR(with_power(catalogue.at("gusts"), {"gusts", {4.0, 12.0, 1.0, 5.0, 80.0, 20.0}}, 4.0).values[0], 8.0, 1e-12);
+  // Up to its bound of 0.99.
+  EXPECT_NEAR(largest_scale(catalogue.at("command_loss"), {"command_loss", {0.33, 1.0}}), 3.0, 1e-12);
   EXPECT_TRUE(comes_by_chance(catalogue.at("command_loss")));
   EXPECT_TRUE(comes_by_chance(catalogue.at("gusts")));
   EXPECT_TRUE(delays_by_chance(catalogue.at("command_loss")));

@@ -295,13 +295,43 @@ TEST(HeldOutData, TellsWhatPredictsFromWhatDoesNot) {
   right.effects = truth.effects;
   wrong.effects = {{"torque_lag", {0.02, 0.0}}};
   const ValidationError with_right = data.error(data.fit(right).point, controller), with_wrong = data.error(data.fit(wrong).point, controller);
-  EXPECT_TRUE(data.is_better(with_right, parameters)) << with_right.residual_ratio << " " << parameters.residual_ratio;
-  EXPECT_FALSE(data.is_better(parameters, with_right));
-  EXPECT_FALSE(data.is_better(parameters, parameters));
-  EXPECT_FALSE(data.is_better(with_wrong, with_right));
+  EXPECT_TRUE(is_better(with_right, parameters)) << with_right.residual_ratio << " " << parameters.residual_ratio;
+  EXPECT_FALSE(is_better(parameters, with_right));
+  EXPECT_FALSE(is_better(parameters, parameters));
+  EXPECT_FALSE(is_better(with_wrong, with_right));
   ValidationError worse_loop = with_right;
   worse_loop.closed_loop = 2.0 * *parameters.closed_loop;
-  EXPECT_FALSE(data.is_better(worse_loop, parameters)) << "a closed loop that gets worse";
+  EXPECT_FALSE(is_better(worse_loop, parameters)) << "a closed loop that gets worse";
+}
+
+// Late messages by chance, and a bearing that sticks: the chance predicts the power of the record that it did not see where it is the truth,
+// and better than a power that nobody knows; where friction is the truth it does not, though it forgives what it fits.
+TEST(HeldOutData, TellsAChanceThatPredictsFromOneThatForgives) {
+  const auto validation_of_jitter = [](const common::EffectInstance& truth_effect) {
+    sim::MachineSettings truth;
+    truth.crane = spread_crane(36);
+    truth.effects = {truth_effect};
+    truth.seed = 98;
+    BenchProblem problem;
+    problem.add(make_record(simulated_log(truth, bench().controller, kThereAndBack, kDuration, 36), "a", bench().admission));
+    problem.add(make_record(simulated_log(truth, bench().controller, kInching, kDuration, 37), "b", bench().admission));
+    HeldOutData data(problem, problem.thresholds.whitening, shadow(problem.nominal, problem.records.back(), problem.gains));
+    const std::optional<controller::ControllerSettings> controller = bench().controller;
+    const HeldOut none = data.fit({});
+    Point jitter;
+    jitter.effects = {{"command_jitter", {0.027}}};
+    const HeldOut fitted = data.fit(jitter);
+    Validation validation{data.error({}, controller), data.error(none.point, controller), data.error(fitted.point, controller), {}, false};
+    validation.unknown_cost = std::min(data.unknown_cost(none.point), data.unknown_cost(without_chance(problem.catalogue, fitted.point)));
+    EXPECT_FALSE(validation.cause.closed_loop.has_value()) << "its closed loop is another draw's";
+    EXPECT_EQ(fitted.point.effects.size(), 1u);
+    return std::pair(validation, fitted.point.effects[0].values[0]);
+  };
+  const auto [of_jitter, size] = validation_of_jitter({"command_jitter", {0.03}});
+  EXPECT_TRUE(holds(of_jitter)) << of_jitter.cause.cost << " against " << *of_jitter.unknown_cost;
+  EXPECT_NEAR(size, 0.03, 0.3 * 0.03);  // the relative deviation of a size that is read off the power of few draws
+  const auto [of_friction, unused] = validation_of_jitter({"bearing_coulomb", {1e5, 0.0, 3e-5}});
+  EXPECT_FALSE(holds(of_friction)) << of_friction.cause.cost << " against " << *of_friction.unknown_cost;
 }
 
 TEST(Diagnose, NamesBearingFrictionWithItsSize) {

@@ -115,9 +115,11 @@ std::string answer_sentence(const Diagnosis& diagnosis) {
   const Cause& first = diagnosis.causes.front();
   std::string text = fmt::format("{}{}, {:.0f} %", first.probability < kSure ? "Not sure: " : "", name_of(first), 100 * first.probability);
   if (!first.validation && !first.point.effects.empty()) {
-    text += "; not tested on data that were not fitted, because a part of it has no sizes that could be fitted again";
+    text += "; not tested on data that were not fitted, because its sizes are read off the records";
   }
-  if (first.validation && first.validation->nominal.residual_ratio > 1.0) {
+  if (first.validation && first.validation->unknown_cost) {
+    text += "; on data that were not fitted the residual has the power that it predicts";
+  } else if (first.validation && first.validation->nominal.residual_ratio > 1.0) {
     const diagnosis::Validation& validation = *first.validation;
     // Down to the noise, which nothing explains.
     const double left = std::max(0.0, validation.cause.residual_ratio - 1.0) / (validation.nominal.residual_ratio - 1.0);
@@ -265,8 +267,9 @@ std::string summary_text(const Diagnosis& diagnosis, const ToldApartBy& apart, c
     out << fmt::format("  {:5.1f} %  {} (share of the gap explained on the fitted records: {:.1f} %)\n", 100 * cause.probability, name_of(cause), 100 * cause.explained);
     if (cause.validation) {
       const diagnosis::Validation& validation = *cause.validation;
-      out << fmt::format("            residual variance ratio on data that were not fitted: nominal {:.4g}, parameters alone {:.4g}, with it {:.3g}{}\n",
+      out << fmt::format("            residual variance ratio on data that were not fitted: nominal {:.4g}, parameters alone {:.4g}, with it {:.3g}{}{}\n",
                          validation.nominal.residual_ratio, validation.parameters.residual_ratio, validation.cause.residual_ratio,
+                         validation.unknown_cost ? " of what noise and its draws leave" : "",
                          validation.holds ? "" : ": it does not predict them better, and cannot lead");
     }
     if (i > 1) continue;
