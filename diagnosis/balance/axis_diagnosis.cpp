@@ -28,6 +28,7 @@ constexpr double kNoises = 3.0;              // standard deviations by which it 
 constexpr double kInertiaDeviations = 2.0;   // of the spread from unit to unit, beyond which the inertia is another one
 constexpr double kBetter = 0.99;             // of an error that counts as smaller
 constexpr double kAboveNoise = 3.0;          // times what noise leaves, from which something is missing
+constexpr double kSure = 0.9;                // probability from which a law is named without its family
 constexpr double kMost = 0.5;                // share of the gap on data that were not fitted, that an answer explains at least
 constexpr double kWorthSaying = 0.1;         // share of the gap that is left unexplained and named
 constexpr int kFiner = 4;                    // steps of the forward simulation per sample
@@ -221,6 +222,18 @@ void name_answer(const sim::MachineFile& axis, double inertia_spread, AxisDiagno
   }
   diagnosis.is_stated = true;
   std::string words = best.terms.empty() ? "only " : best.words();
+  // Where the members of a family cannot be told, the family leads.
+  const bool is_sure = std::all_of(best.terms.begin(), best.terms.end(), [](const BalanceTerm& term) { return term.probability >= kSure; });
+  if (!is_sure) {
+    words.clear();
+    for (const FamilyProbability& family : family_probabilities(diagnosis.answer)) {
+      std::string members;
+      for (const BalanceTerm& term : best.terms) {
+        if (term.family == family.family) members += fmt::format("{}{} ({:.0f} %)", members.empty() ? "" : " and ", term.words, 100.0 * term.probability);
+      }
+      if (!members.empty()) words += fmt::format("{}{} ({:.0f} %), most likely {}", words.empty() ? "" : "; ", words_of(family.family), 100.0 * family.probability, members);
+    }
+  }
   if (is_inertia_off) words += (best.terms.empty() ? "" : ", beside ") + inertia_words(axis, nominal, best.inertia);
   diagnosis.verdict = fmt::format("{}: {:.1f} % of the gap on data that were not fitted", words, 100.0 * share);
   if (1.0 - share > kWorthSaying && rest.empty()) diagnosis.verdict += "; the rest follows neither speed, position, time nor torque";

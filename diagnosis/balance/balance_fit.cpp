@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <numeric>
 #include <stdexcept>
 
@@ -13,15 +14,20 @@ namespace slewlab::diagnosis {
 
 namespace {
 
-constexpr int kBlocksPerRecord = 6;        // contiguous, left out in turn; chosen: each still holds several moves
+constexpr int kBlocksPerRecord = 10;       // contiguous, left out in turn; chosen: each still holds moves of its own
 constexpr double kSignificance = 2.0;      // [standard errors] by which an addition must help the left-out blocks
 constexpr double kLeastShare = kLawDiscrepancy * kLawDiscrepancy;  // of the gap, below which an addition is what a known law leaves
 constexpr double kLongestWindow = 0.2;       // [s]: the shortest move that an axis makes on purpose; chosen
 constexpr double kResolved = 2e-3;           // of top speed, below which no friction is judged; chosen
 constexpr double kNoises = 3.0;              // standard deviations of the speed's noise, likewise
-constexpr double kTermPrior = 0.25;        // odds of one law more
-constexpr double kUnknownPrior = 0.05;     // of a law outside the catalogue
+constexpr double kTermPrior = 0.3;         // odds of an ordinary law more, its Occam factor included: learned likewise
+constexpr double kRarePrior = 0.05;        // of any of the others, likewise
+constexpr double kRestShare = 0.05;        // of the gap, that known laws may leave and be the answer; what it follows is said beside it
+constexpr double kUnknownPrior = 0.02;     // of a law outside the catalogue, against the best of those in it
 constexpr std::size_t kMostTerms = 6;      // beside the inertia
+constexpr std::size_t kGrownPairs = 3;     // of the best, from which more grows
+constexpr double kRatioDeviation = 0.1;    // of the logarithm of what two laws leave: learned on simulated axes, docs/axis.md
+constexpr double kNegligible = 1e-4;       // probability that is not told
 constexpr int kBumps = 20;                 // of a smooth function of one variable
 constexpr double kSmoothness = 1e-6;       // ridge, as a share of the columns' own square
 constexpr double kLeastDetermined = 0.1;   // of the sizes by all records but one, against all of them, for that one to judge
@@ -163,11 +169,16 @@ double squared_error(const Block& block, const std::vector<Eigen::Index>& column
   return block.square - 2.0 * sizes.dot(block.with_effort(columns)) + sizes.dot(block.products(columns, columns) * sizes);
 }
 
-// What a choice leaves where it was not fitted.
-struct Validated {
+// Mean squares of what is left where it was not fitted.
+struct LeftOut {
+  std::vector<double> block_error;         // of each block, left out on its own
+  std::vector<double> record_block_error;  // of each block, its whole record left out; empty where the others do not determine the sizes
+};
+
+// A choice of laws, judged.
+struct Validated : LeftOut {
   Choice choice;
   Eigen::VectorXd sizes;              // fitted on everything
-  std::vector<double> block_error;    // mean square of each block, left out on its own
   std::vector<double> record_error;   // of each record, left out whole; empty where the others do not determine the sizes
   double of_blocks = 0.0, of_records = 0.0;  // mean squares; of_records only where record_error is there
   bool is_physical = true;
@@ -189,13 +200,16 @@ Validated validate(const Regression& regression, const std::vector<BalanceLaw>& 
     const Sums others = sums_of(regression, columns, [&](const Block& block) { return block.record != r; });
     if (least_determined(others) < kLeastDetermined * determined) {
       result.record_error.clear();
+      result.record_block_error.clear();
       break;
     }
     const Eigen::VectorXd sizes = solve(others);
     double error = 0.0, count = 0.0;
     for (const Block& block : regression.blocks) {
       if (block.record != r) continue;
-      error += squared_error(block, columns, sizes);
+      const double of_block = squared_error(block, columns, sizes);
+      result.record_block_error.push_back(of_block / block.count);
+      error += of_block;
       count += block.count;
     }
     result.record_error.push_back(count > 0.0 ? error / count : 0.0);
@@ -318,8 +332,8 @@ Eigen::MatrixXd bumps(const Eigen::VectorXd& variable, double low, double high) 
   return values;
 }
 
-// Mean square that smooth functions of some variables leave of some targets, block by block left out.
-double smooth_validation(const Regression& regression, const std::vector<std::vector<Eigen::VectorXd>>& variables,
+// What smooth functions of some variables leave of some targets.
+LeftOut smooth_validation(const Regression& regression, const std::vector<std::vector<Eigen::VectorXd>>& variables,
                          const std::vector<Eigen::VectorXd>& targets, bool with_acceleration) {
   const std::size_t kinds = variables.size();
   std::vector<Eigen::MatrixXd> values;
@@ -341,33 +355,44 @@ double smooth_validation(const Regression& regression, const std::vector<std::ve
   struct Part {
     Eigen::MatrixXd products;
     Eigen::VectorXd with;
-    double square;
+    double square, count;
+    std::size_t record;
   };
   std::vector<Part> parts;
-  Part sum{Eigen::MatrixXd::Zero(size, size), Eigen::VectorXd::Zero(size), 0.0};
-  double count = 0.0;
+  Part sum{Eigen::MatrixXd::Zero(size, size), Eigen::VectorXd::Zero(size), 0.0, 0.0, 0};
   for (std::size_t r = 0; r < targets.size(); ++r) {
     for (int b = 0; b < kBlocksPerRecord; ++b) {
       const Eigen::Index first = values[r].rows() * b / kBlocksPerRecord, last = values[r].rows() * (b + 1) / kBlocksPerRecord;
       if (last <= first) continue;
       const auto rows = values[r].middleRows(first, last - first);
       const auto target = targets[r].segment(first, last - first);
-      parts.push_back({rows.transpose() * rows, rows.transpose() * target, target.squaredNorm()});
+      parts.push_back({rows.transpose() * rows, rows.transpose() * target, target.squaredNorm(), static_cast<double>(last - first), r});
       sum.products += parts.back().products;
       sum.with += parts.back().with;
-      count += static_cast<double>(last - first);
     }
   }
-  double error = 0.0;
-  for (const Part& part : parts) {
-    Eigen::MatrixXd products = sum.products - part.products;
+  // Of one part, from all that are fitted.
+  const auto error_of = [](const Part& part, Eigen::MatrixXd products, const Eigen::VectorXd& with) {
     const Eigen::VectorXd scale = products.diagonal().cwiseMax(std::numeric_limits<double>::min()).cwiseSqrt();
     products = scale.cwiseInverse().asDiagonal() * products * scale.cwiseInverse().asDiagonal();
     products.diagonal().array() += kSmoothness;
-    const Eigen::VectorXd fit = scale.cwiseInverse().asDiagonal() * products.ldlt().solve(scale.cwiseInverse().asDiagonal() * (sum.with - part.with));
-    error += part.square - 2.0 * fit.dot(part.with) + fit.dot(part.products * fit);
+    const Eigen::VectorXd fit = scale.cwiseInverse().asDiagonal() * products.ldlt().solve(scale.cwiseInverse().asDiagonal() * with);
+    return std::max(0.0, part.square - 2.0 * fit.dot(part.with) + fit.dot(part.products * fit)) / part.count;
+  };
+  LeftOut left;
+  for (const Part& part : parts) {
+    left.block_error.push_back(error_of(part, sum.products - part.products, sum.with - part.with));
+    if (targets.size() < 2) continue;
+    Eigen::MatrixXd products = Eigen::MatrixXd::Zero(size, size);
+    Eigen::VectorXd with = Eigen::VectorXd::Zero(size);
+    for (const Part& other : parts) {
+      if (other.record == part.record) continue;
+      products += other.products;
+      with += other.with;
+    }
+    left.record_block_error.push_back(error_of(part, std::move(products), with));
   }
-  return std::max(0.0, error) / count;
+  return left;
 }
 
 std::vector<Eigen::VectorXd> variable_of(const std::vector<BalanceRecord>& records, const Regression& regression,
@@ -379,6 +404,13 @@ std::vector<Eigen::VectorXd> variable_of(const std::vector<BalanceRecord>& recor
     values.push_back(std::move(one));
   }
   return values;
+}
+
+// Over all samples, of what the blocks have each.
+double mean_over(const Regression& regression, const std::vector<double>& block_error) {
+  double sum = 0.0;
+  for (std::size_t b = 0; b < block_error.size(); ++b) sum += block_error[b] * regression.blocks[b].count;
+  return sum / regression.count;
 }
 
 Remainder find_remainder(const std::vector<BalanceRecord>& records, const Regression& regression, const Validated& best) {
@@ -393,7 +425,7 @@ Remainder find_remainder(const std::vector<BalanceRecord>& records, const Regres
   const std::pair<const char*, std::vector<double> BalanceRecord::*> kVariables[] = {
       {"speed", &BalanceRecord::speed}, {"position", &BalanceRecord::position}, {"time", &BalanceRecord::time}, {"torque", &BalanceRecord::effort}};
   for (const auto& [name, series] : kVariables) {
-    const double left = smooth_validation(regression, {variable_of(records, regression, series)}, residuals, false);
+    const double left = mean_over(regression, smooth_validation(regression, {variable_of(records, regression, series)}, residuals, false).block_error);
     const double share = mean > 0.0 ? 1.0 - left / mean : 0.0;
     if (share > remainder.share) remainder = {name, share};
   }
@@ -405,6 +437,21 @@ Remainder find_remainder(const std::vector<BalanceRecord>& records, const Regres
 const Validated* first_help(const Validated& best, const std::vector<Validated>& candidates, double gap) {
   const auto found = std::find_if(candidates.begin(), candidates.end(), [&](const Validated& candidate) { return helps(best, candidate, gap); });
   return found == candidates.end() ? nullptr : &*found;
+}
+
+// Each law's shape chosen again beside the others.
+Validated reshaped(const Regression& regression, const std::vector<BalanceLaw>& laws, Validated best, std::size_t records) {
+  for (std::size_t k = 0; k < best.choice.laws.size(); ++k) {
+    const std::size_t shapes = laws[static_cast<std::size_t>(best.choice.laws[k].first)].shapes.size();
+    for (std::size_t s = 0; s < shapes; ++s) {
+      Choice other = best.choice;
+      if (other.laws[k].second == s) continue;
+      other.laws[k].second = s;
+      Validated validated = validate(regression, laws, other, records);
+      if (validated.is_physical && is_better(validated, best)) best = std::move(validated);
+    }
+  }
+  return best;
 }
 
 // One law at a time while validation improves, two where no single one helps (in records of one direction each dry friction and a constant
@@ -422,7 +469,8 @@ Validated grow(const Regression& regression, const std::vector<BalanceLaw>& laws
     }
     if (found == nullptr) found = first_help(best, pairs, gap);
     if (found == nullptr) break;
-    best = *found;
+    best = reshaped(regression, laws, *found, records);
+    tried.push_back(best);
     for (std::size_t k = 0; k + 1 < best.choice.laws.size(); ++k) {
       if (is_needed(laws, best.choice, k)) continue;
       Validated shorter = validate(regression, laws, without_law(best.choice, k), records);
@@ -431,8 +479,81 @@ Validated grow(const Regression& regression, const std::vector<BalanceLaw>& laws
       break;
     }
   }
-  std::sort(best.choice.laws.begin(), best.choice.laws.end());
-  return validate(regression, laws, best.choice, records);
+  return best;
+}
+
+// What may be the answer: no law, each alone, each pair, and what grows from the ordinary laws, from none and from the best pairs; beside what
+// has grown, that with one law less and with one law in another's place. Each set of laws once, in its best shapes.
+std::vector<Validated> candidates_of(const Regression& regression, const std::vector<BalanceLaw>& laws, const Validated& alone, std::size_t records) {
+  const double gap = alone.of_blocks;
+  std::vector<Validated> tried{alone};
+  const std::vector<Validated> singles = additions(regression, laws, {}, records, false);
+  tried.insert(tried.end(), singles.begin(), singles.end());
+  std::vector<Validated> pairs;
+  for (const Validated& single : singles) {
+    for (const Validated& pair : additions(regression, laws, single.choice, records, false)) pairs.push_back(reshaped(regression, laws, pair, records));
+  }
+  std::stable_sort(pairs.begin(), pairs.end(), [](const Validated& a, const Validated& b) { return a.of_blocks < b.of_blocks; });
+  tried.insert(tried.end(), pairs.begin(), pairs.end());
+  std::vector<Validated> ends;
+  Validated ordinary = alone;
+  for (const bool only_ordinary : {true, false}) ordinary = grow(regression, laws, ordinary, records, only_ordinary, gap, tried);
+  ends.push_back(ordinary);
+  ends.push_back(grow(regression, laws, alone, records, false, gap, tried));
+  for (std::size_t k = 0; k < std::min(kGrownPairs, pairs.size()); ++k) ends.push_back(grow(regression, laws, pairs[k], records, false, gap, tried));
+  for (const Validated& end : ends) {
+    tried.push_back(end);
+    for (std::size_t k = 0; k < end.choice.laws.size(); ++k) {
+      if (is_needed(laws, end.choice, k)) continue;
+      const Choice shorter = without_law(end.choice, k);
+      tried.push_back(validate(regression, laws, shorter, records));
+      for (const Validated& swapped : additions(regression, laws, shorter, records, false)) tried.push_back(swapped);
+    }
+  }
+  std::map<std::vector<int>, Validated> best_of;
+  for (Validated& one : tried) {
+    if (!one.is_physical) continue;
+    std::sort(one.choice.laws.begin(), one.choice.laws.end());
+    std::vector<int> names;
+    for (const auto& [law, shape] : one.choice.laws) names.push_back(law);
+    const auto [entry, is_new] = best_of.try_emplace(names, one);
+    if (!is_new && is_better(one, entry->second)) entry->second = std::move(one);
+  }
+  std::vector<Validated> candidates;
+  for (auto& [names, one] : best_of) candidates.push_back(validate(regression, laws, one.choice, records));
+  return candidates;
+}
+
+// ln of the odds of one model against another by what both leave of the blocks left out: of the mean logarithm of their ratio, whose spread
+// from block to block is not known but shows in them, as Student's density has it, and from machine to machine is kRatioDeviation. What laws
+// are known no better than (`floor`) is left by both.
+double log_odds(const LeftOut& one, const LeftOut& other, double floor) {
+  const auto ratio = [floor](double a, double b) { return std::log((std::max(0.0, a) + floor) / (std::max(0.0, b) + floor)); };
+  const auto count = static_cast<double>(one.block_error.size());
+  const bool has_records = !one.record_block_error.empty() && !other.record_block_error.empty();
+  double mean = 0.0, square = 0.0;
+  for (std::size_t b = 0; b < one.block_error.size(); ++b) {
+    double more = ratio(one.block_error[b], other.block_error[b]);
+    if (has_records) more = 0.5 * (more + ratio(one.record_block_error[b], other.record_block_error[b]));
+    mean += more / count;
+    square += more * more / count;
+  }
+  const double freedom = std::max(1.0, count - 1.0), variance = std::max(0.0, square - mean * mean) / freedom + kRatioDeviation * kRatioDeviation;
+  return -std::copysign(0.5 * (freedom + 1.0) * std::log1p(mean * mean / variance / freedom), mean);
+}
+
+// The model of all laws that are likelier there than not, which of all single models predicts best (Barbieri, Berger 2004, Annals of Statistics
+// 32, p. 870); the likeliest where that is no candidate. `known`: probability of all candidates together.
+std::size_t median_model(const std::vector<Validated>& candidates, const std::vector<double>& probability, const std::vector<double>& inclusion, double known) {
+  std::vector<int> likely;
+  for (std::size_t l = 0; l < inclusion.size(); ++l) {
+    if (inclusion[l] > 0.5 * known) likely.push_back(static_cast<int>(l));
+  }
+  for (std::size_t k = 0; k < candidates.size(); ++k) {
+    const auto& chosen = candidates[k].choice.laws;
+    if (std::equal(chosen.begin(), chosen.end(), likely.begin(), likely.end(), [](const auto& law, int name) { return law.first == name; })) return k;
+  }
+  return static_cast<std::size_t>(std::max_element(probability.begin(), probability.end()) - probability.begin());
 }
 
 BalanceModel to_model(const Regression& regression, const std::vector<BalanceLaw>& laws, const Validated& validated, double independent) {
@@ -463,6 +584,25 @@ BalanceModel to_model(const Regression& regression, const std::vector<BalanceLaw
 
 }  // namespace
 
+std::vector<FamilyProbability> family_probabilities(const BalanceAnswer& answer) {
+  std::vector<FamilyProbability> families{{LawFamily::friction}, {LawFamily::load}, {LawFamily::drive}};
+  for (const BalanceModel& model : answer.models) {
+    for (FamilyProbability& one : families) {
+      if (std::any_of(model.terms.begin(), model.terms.end(), [&](const BalanceTerm& term) { return term.family == one.family; })) one.probability += model.probability;
+    }
+  }
+  return families;
+}
+
+std::string words_of(LawFamily family) {
+  switch (family) {
+    case LawFamily::friction: return "friction";
+    case LawFamily::load: return "a load";
+    case LawFamily::drive: return "a drive that acts late";
+  }
+  return "";
+}
+
 std::string BalanceModel::words() const {
   if (terms.empty()) return "the inertia alone";
   std::string text;
@@ -479,52 +619,63 @@ BalanceAnswer fit_balance(const std::vector<BalanceRecord>& records, const std::
     answer.nominal += (block.square - 2.0 * nominal_inertia * block.with_effort(0) + nominal_inertia * nominal_inertia * block.products(0, 0)) / regression.count;
   }
   const Validated alone = validate(regression, laws, {}, records.size());
-  std::vector<Validated> tried{alone};
-  Validated best = alone;
-  for (const bool only_ordinary : {true, false}) best = grow(regression, laws, best, records.size(), only_ordinary, alone.of_blocks, tried);
+  const double floor = kLeastShare * alone.of_blocks;
+  const std::vector<Validated> candidates = candidates_of(regression, laws, alone, records.size());
+  // Against that which leaves least, each law more at its price.
+  const Validated& least = *std::min_element(candidates.begin(), candidates.end(), [](const Validated& a, const Validated& b) { return a.of_blocks < b.of_blocks; });
+  const double independent = regression.count / correlation_length(regression, least);
+  // An ordinary law is there or not; the others share what one of them has.
+  const auto others = static_cast<double>(std::count_if(laws.begin(), laws.end(), [](const BalanceLaw& law) { return !law.is_ordinary; }));
+  const auto price = [&](const Validated& one) {
+    double sum = 0.0;
+    for (const auto& [law, shape] : one.choice.laws) sum += std::log(laws[static_cast<std::size_t>(law)].is_ordinary ? kTermPrior : kRarePrior / others);
+    return sum;
+  };
+  const auto cost = [&](const Validated& one) { return 0.5 * independent * std::log(one.of_blocks + floor) - price(one); };
+  const Validated& reference = *std::min_element(candidates.begin(), candidates.end(), [&](const Validated& a, const Validated& b) { return cost(a) < cost(b); });
+  std::vector<double> odds;  // ln
+  for (const Validated& one : candidates) {
+    odds.push_back(log_odds(one, reference, floor) + price(one));
+  }
+  const LeftOut smooth = smooth_validation(
+      regression, {variable_of(records, regression, &BalanceRecord::speed), variable_of(records, regression, &BalanceRecord::position),
+                   variable_of(records, regression, &BalanceRecord::time)},
+      regression.efforts, true);
+  const double odds_unknown = std::log(kUnknownPrior) + price(reference) + log_odds(smooth, reference, kRestShare * alone.of_blocks);
+  const double top_odds = std::max(odds_unknown, *std::max_element(odds.begin(), odds.end()));
+  double sum = std::exp(odds_unknown - top_odds);
+  for (const double one : odds) sum += std::exp(one - top_odds);
+  std::vector<double> probability;
+  std::vector<double> inclusion(laws.size(), 0.0);  // of each law, over all candidates
+  for (std::size_t k = 0; k < candidates.size(); ++k) {
+    probability.push_back(std::exp(odds[k] - top_odds) / sum);
+    for (const auto& [law, shape] : candidates[k].choice.laws) inclusion[static_cast<std::size_t>(law)] += probability.back();
+  }
+  answer.probability_unknown = std::exp(odds_unknown - top_odds) / sum;
+  const std::size_t top = median_model(candidates, probability, inclusion, 1.0 - answer.probability_unknown);
+  const Validated& best = candidates[top];
   const auto [left, gap] = compared(best, alone);
   answer.parameters = gap;
   answer.explained = gap > 0.0 ? 1.0 - left / gap : 0.0;
   answer.independent_count = regression.count / correlation_length(regression, best);
-  answer.best = to_model(regression, laws, best, answer.independent_count);
-  for (std::size_t k = 0; k < best.choice.laws.size(); ++k) {
-    tried.push_back(validate(regression, laws, without_law(best.choice, k), records.size()));
-    const auto [without, with] = compared(tried.back(), best);
-    answer.best.terms[k].share = gap > 0.0 ? std::max(0.0, (without - with) / gap) : 0.0;
-  }
-
-  // ln P relative to the best, of what validates worse with as many laws or fewer, and of a smooth unknown.
-  const auto log_odds = [&](double mean_square, double best_square, double more_laws) {
-    const double floor = kLawDiscrepancy * kLawDiscrepancy * gap;
-    return more_laws * std::log(kTermPrior) - 0.5 * answer.independent_count * std::log((mean_square + floor) / (best_square + floor));
-  };
-  const auto count = static_cast<double>(best.choice.laws.size());
-  const double smooth = smooth_validation(
-      regression, {variable_of(records, regression, &BalanceRecord::speed), variable_of(records, regression, &BalanceRecord::position),
-                   variable_of(records, regression, &BalanceRecord::time)},
-      regression.efforts, true);
-  constexpr double kVariables = 3.0, kLargestOdds = 50.0;  // ln
-  const double unknown = std::exp(std::min(kLargestOdds, std::log(kUnknownPrior) + log_odds(smooth, best.of_blocks, kVariables - count)));
-  double sum = 1.0 + unknown;
-  std::vector<Choice> seen{best.choice};
-  for (const Validated& candidate : tried) {
-    Choice choice = candidate.choice;
-    std::sort(choice.laws.begin(), choice.laws.end());
-    const bool is_seen = std::any_of(seen.begin(), seen.end(), [&](const Choice& other) { return other.laws == choice.laws; });
-    // What contains the best and did not help is the best with a needless law.
-    if (is_seen || !candidate.is_physical || choice.laws.size() > best.choice.laws.size()) continue;
-    seen.push_back(choice);
-    const auto [square, best_square] = compared(candidate, best);
-    BalanceModel model = to_model(regression, laws, candidate, answer.independent_count);
-    model.probability = std::exp(std::min(0.0, log_odds(square, best_square, static_cast<double>(choice.laws.size()) - count)));
-    sum += model.probability;
+  for (std::size_t k = 0; k < candidates.size(); ++k) {
+    if (k != top && probability[k] < kNegligible) continue;
+    BalanceModel model = to_model(regression, laws, candidates[k], answer.independent_count);
+    model.probability = probability[k];
+    for (std::size_t t = 0; t < model.terms.size(); ++t) model.terms[t].probability = inclusion[static_cast<std::size_t>(candidates[k].choice.laws[t].first)];
+    if (k == top) answer.best = model;
     answer.models.push_back(std::move(model));
   }
-  for (BalanceModel& model : answer.models) model.probability /= sum;
-  answer.best.probability = 1.0 / sum;
-  answer.probability_unknown = unknown / sum;
-  answer.models.insert(answer.models.begin(), answer.best);
-  std::stable_sort(answer.models.begin(), answer.models.end(), [](const BalanceModel& a, const BalanceModel& b) { return a.probability > b.probability; });
+  for (std::size_t k = 0; k < best.choice.laws.size(); ++k) {
+    const auto [without, with] = compared(validate(regression, laws, without_law(best.choice, k), records.size()), best);
+    answer.best.terms[k].share = gap > 0.0 ? std::max(0.0, (without - with) / gap) : 0.0;
+  }
+  // The answer first, though another may be a little likelier than it.
+  const auto is_best = [&](const BalanceModel& model) { return model.words() == answer.best.words(); };
+  std::stable_sort(answer.models.begin(), answer.models.end(), [&](const BalanceModel& a, const BalanceModel& b) {
+    return is_best(a) != is_best(b) ? is_best(a) : a.probability > b.probability;
+  });
+  answer.models.front() = answer.best;
   answer.remainder = find_remainder(records, regression, best);
   return answer;
 }
@@ -569,7 +720,10 @@ BalanceModel refitted(const std::vector<BalanceRecord>& records, const std::vect
   const Validated validated = validate(regression, laws, choice, records.size());
   BalanceModel other = to_model(regression, laws, validated, regression.count / correlation_length(regression, validated));
   other.probability = model.probability;
-  for (std::size_t k = 0; k < other.terms.size(); ++k) other.terms[k].share = model.terms[k].share;
+  for (std::size_t k = 0; k < other.terms.size(); ++k) {
+    other.terms[k].share = model.terms[k].share;
+    other.terms[k].probability = model.terms[k].probability;
+  }
   return other;
 }
 

@@ -2,17 +2,19 @@
 //
 //   F - (nominal load) = J q'' + sum over laws of size * law(q', q, t)
 //
-// Sizes by linear least squares; shapes (a Stribeck speed, a warming time) from a grid. Laws are added one at a time while
-// two kinds of validation improve: blocks of every record that were left out, and whole records that were left out. An
-// addition is kept where the mean fall of the squared residual over the left-out blocks is more than kSignificance of
-// its standard errors, and no left-out record gets worse by more than it gains elsewhere. A law whose size has a sign that
-// its physics forbids (friction that pushes) is no candidate.
+// Sizes by linear least squares; shapes (a Stribeck speed, a warming time) from a grid. Two kinds of validation judge: blocks of every
+// record that were left out, and whole records that were left out. Candidates are no law, each law alone, each pair, and what grows from
+// them one law at a time while the mean fall of the squared residual over the left-out blocks is more than kSignificance of its standard
+// errors and no left-out record gets worse by more than it gains elsewhere. A law whose size has a sign that its physics forbids (friction
+// that pushes) is no candidate.
 //
 // Samples slower than the speed that the positions resolve are left out: what dry friction holds at rest is not determined.
 //
-// Probabilities: ln P = ln prior - N/2 ln(E + kLawDiscrepancy^2 E_0), E the validation mean square and E_0 that of
-// the inertia alone, N the number of independent residuals: the records' length over the correlation time of
-// what the best model leaves. "Unknown" is a smooth function of speed, position and time under the same validation.
+// Probabilities: with x_b the logarithm of the ratio of what two models leave of block b, both above (kLawDiscrepancy of the gap's
+// amplitude)^2, m its mean over n blocks and s its standard error, kRatioDeviation added,
+//   ln odds = -(n / 2) ln(1 + (m / s)^2 / (n - 1)) sign(m),
+// each law more at its prior. The answer is the model of the laws that are likelier there than not. So what counts is whether a law helps everywhere, not how often its help was sampled. "Unknown" is a smooth
+// function of speed, position and time under the same validation.
 //
 // All sizes are in units of the axis; every threshold is a share of the record's own or the machine's scales.
 #pragma once
@@ -78,6 +80,7 @@ struct BalanceTerm {
   double shape = 0.0;
   std::vector<double> size, deviation;
   double share = 0.0;  // of the gap, that is lost on validation data without this term
+  double probability = 0.0;  // of its law, alone or beside any others
 };
 
 struct BalanceModel {
@@ -105,6 +108,14 @@ struct BalanceAnswer {
   double independent_count = 0.0;    // N
   double judged_share = 0.0;         // of all samples
 };
+
+// That any law of a family is there: what may be sure where the members are not.
+struct FamilyProbability {
+  LawFamily family = LawFamily::friction;
+  double probability = 0.0;
+};
+std::vector<FamilyProbability> family_probabilities(const BalanceAnswer& answer);
+std::string words_of(LawFamily family);
 
 // Throws std::invalid_argument where the records do not move enough for a balance.
 BalanceAnswer fit_balance(const std::vector<BalanceRecord>& records, const std::vector<BalanceLaw>& laws, double nominal_inertia,

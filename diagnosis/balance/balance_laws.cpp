@@ -10,9 +10,9 @@ namespace {
 
 // Shares of the top speed at which friction changes its character, chosen evenly in the logarithm over what bearings and
 // seals show (Stribeck speeds of a hundredth to a third of the working speed).
-constexpr double kSpeedShares[] = {0.01, 0.03, 0.1, 0.3};
+constexpr double kSpeedShares[] = {0.01, 0.015, 0.022, 0.033, 0.05, 0.075, 0.11, 0.16, 0.24, 0.36};
 // Shares of the record's duration within which a machine warms.
-constexpr double kWarmingShares[] = {0.2, 1.0};
+constexpr double kWarmingShares[] = {0.1, 0.2, 0.4, 1.0};
 // A rotary axis that turns less than this says nothing of how its load depends on the angle by sine and cosine.
 constexpr double kLeastTurn = 0.25;  // [rad] half range
 

@@ -28,18 +28,36 @@ Eigen::VectorXd weights(std::size_t half, int derivative) {
   return factor * inverse.row(derivative).transpose() / std::pow(static_cast<double>(half), derivative);
 }
 
-std::vector<double> convolved(const std::vector<double>& values, std::size_t half, int derivative, double step) {
-  const Eigen::VectorXd weight = weights(half, derivative) / std::pow(step, derivative);
+// The mean whose second derivative the weights of the second derivative are: these are its second differences, so that
+//   sum weight_2 q = sum weight (q_{n+1} - 2 q_n + q_{n-1})
+// to the last digit. A zero at either end.
+Eigen::VectorXd mean_weights(std::size_t half) {
+  const Eigen::VectorXd second = weights(half, 2);
+  Eigen::VectorXd mean = Eigen::VectorXd::Zero(second.size());
+  double slope = 0.0;
+  for (Eigen::Index i = 0; i + 1 < second.size(); ++i) {
+    slope += second(i);
+    mean(i + 1) = mean(i) + slope;
+  }
+  mean(second.size() - 1) = 0.0;
+  return mean;
+}
+
+std::vector<double> convolved(const std::vector<double>& values, std::size_t half, const Eigen::VectorXd& weight, bool is_mean) {
   const auto window = static_cast<Eigen::Index>(2 * half + 1);
   std::vector<double> result(values.size() - 2 * half);
   // About the window's middle, so that a position far from zero loses no digits.
   for (std::size_t n = 0; n < result.size(); ++n) {
     const double middle = values[n + half];
-    double sum = derivative == 0 ? middle : 0.0;
+    double sum = is_mean ? middle : 0.0;
     for (Eigen::Index i = 0; i < window; ++i) sum += weight(i) * (values[n + static_cast<std::size_t>(i)] - middle);
     result[n] = sum;
   }
   return result;
+}
+
+std::vector<double> derived(const std::vector<double>& values, std::size_t half, int derivative, double step) {
+  return convolved(values, half, weights(half, derivative) / std::pow(step, derivative), derivative == 0);
 }
 
 // What white noise of 1 becomes in the second derivative, samples being a unit apart.
@@ -101,17 +119,17 @@ BalanceRecord make_balance_record(const AxisRecord& record, std::size_t half_win
     return std::vector<double>(values.begin() + static_cast<std::ptrdiff_t>(motion_half),
                                values.end() - static_cast<std::ptrdiff_t>(motion_half));
   };
-  balance.motion.position = convolved(record.position, motion_half, 0, record.step);
-  balance.motion.speed = convolved(record.position, motion_half, 1, record.step);
+  balance.motion.position = derived(record.position, motion_half, 0, record.step);
+  balance.motion.speed = derived(record.position, motion_half, 1, record.step);
   balance.speed_noise = position_noise(record.position) / record.step * weights(motion_half, 1).norm();
-  balance.position = inner(convolved(record.position, half_window, 0, record.step));
-  balance.speed = inner(convolved(record.position, half_window, 1, record.step));
-  balance.acceleration = inner(convolved(record.position, half_window, 2, record.step));
-  // What is held from sample to sample acts, on average, half a sample later.
+  balance.position = inner(derived(record.position, half_window, 0, record.step));
+  balance.speed = inner(derived(record.position, half_window, 1, record.step));
+  balance.acceleration = inner(derived(record.position, half_window, 2, record.step));
+  // A second difference is the acceleration's mean under a hat of two samples, so what is held acts with half of either side.
   std::vector<double> effort = record.effort;
   for (std::size_t n = effort.size(); n-- > 1;) effort[n] = 0.5 * (effort[n] + effort[n - 1]);
-  balance.motion.effort_rate = convolved(effort, motion_half, 1, record.step);
-  balance.effort = inner(convolved(effort, half_window, 0, record.step));
+  balance.motion.effort_rate = derived(effort, motion_half, 1, record.step);
+  balance.effort = inner(balance_smoothed(effort, half_window));
   const auto times = [&](std::size_t count, std::size_t first) {
     std::vector<double> time(count);
     for (std::size_t n = 0; n < count; ++n) time[n] = record.start_time + record.step * static_cast<double>(n + first);
@@ -123,7 +141,7 @@ BalanceRecord make_balance_record(const AxisRecord& record, std::size_t half_win
 }
 
 std::vector<double> balance_smoothed(const std::vector<double>& values, std::size_t half_window) {
-  return convolved(values, half_window, 0, 1.0);
+  return convolved(values, half_window, mean_weights(half_window), true);
 }
 
 }  // namespace slewlab::diagnosis

@@ -2,10 +2,10 @@
 //
 //   J q'' + friction(q', q, t) + load(q) = F
 //
-// Position and effort pass the same filter (a cubic fitted over a sliding window: Savitzky, Golay 1964, Analytical
-// Chemistry 36, p. 1627), and so does every law that is evaluated on the measured motion: a balance that is linear in the
-// unknown sizes stays exact under it, apart from what changes inside a window. The window is as long as the noise of the
-// positions asks for, and no longer:
+// The acceleration is that of a cubic fitted over a sliding window (Savitzky, Golay 1964, Analytical Chemistry 36, p. 1627).
+// Summed by parts it is a mean of second differences under a bump, (1 - x^2)^2 across the window; effort and every law that is
+// evaluated on the measured motion pass that same mean. So the balance is exact also where a torque is switched or a friction
+// changes its sign inside a window. The window is as long as the noise of the positions asks for, and no longer:
 //
 //   J sigma_a <= kNoiseShare * rms(F),   sigma_a^2 = 720 sigma_q^2 / (h^4 N (N^2 - 1) (N^2 - 4))   of N samples h apart
 //

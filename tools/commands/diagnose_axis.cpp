@@ -59,6 +59,7 @@ nlohmann::json to_json(const BalanceModel& model, const Words& words) {
   add_size(words.inertia_name, model.inertia, model.inertia_deviation, words.inertia);
   for (const BalanceTerm& term : model.terms) {
     json["laws"].push_back(term.law);
+    json["law_probabilities"].push_back(term.probability);
     for (std::size_t k = 0; k < term.size.size(); ++k) {
       add_size(term.size.size() == 1 ? term.law : fmt::format("{}.{}", term.law, k + 1), term.size[k], term.deviation[k], unit_of(term, words));
     }
@@ -89,6 +90,9 @@ nlohmann::json to_json(const AxisDiagnosis& found, const sim::MachineFile& axis,
                       {"remarks", found.remarks},
                       {"causes", nlohmann::json::array()}};
   for (const BalanceModel& model : found.answer.models) json["causes"].push_back(to_json(model, words));
+  for (const diagnosis::FamilyProbability& one : diagnosis::family_probabilities(found.answer)) {
+    json["families"].push_back({{"family", diagnosis::words_of(one.family)}, {"probability", one.probability}});
+  }
   return json;
 }
 
@@ -117,8 +121,8 @@ std::string summary_text(const AxisDiagnosis& found, const Words& words) {
     for (const BalanceTerm& term : found.answer.best.terms) {
       for (std::size_t k = 0; k < term.size.size(); ++k) {
         const double reach = kNinetyPercent * term.deviation[k];
-        text += fmt::format("            {} = {:.4g} {} (90 %: {:.4g} to {:.4g}; without it {:.1f} % more of the gap are left)\n", term.words, term.size[k],
-                            unit_of(term, words), term.size[k] - reach, term.size[k] + reach, 100 * term.share);
+        text += fmt::format("            {} = {:.4g} {} (90 %: {:.4g} to {:.4g}; there with {:.0f} %; without it {:.1f} % more of the gap are left)\n", term.words, term.size[k],
+                            unit_of(term, words), term.size[k] - reach, term.size[k] + reach, 100 * term.probability, 100 * term.share);
       }
     }
   }

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <numbers>
@@ -96,9 +97,24 @@ TEST(AxisDiagnosis, NamesFrictionWithItsSizesAndPredictsTheRecordThatItDidNotSee
   EXPECT_NEAR(found.answer.best.inertia, kInertia, 0.03 * kInertia);
   EXPECT_LT(found.validation.cause.forward, 0.1 * found.validation.nominal.forward);
   EXPECT_EQ(found.verdict.rfind("dry friction and viscous friction: 9", 0), 0u) << found.verdict;
+  EXPECT_EQ(found.answer.models.front().words(), found.answer.best.words());
   ASSERT_EQ(found.effects.size(), 2u);
   EXPECT_EQ(found.effects[0].name, "bearing_coulomb");
   EXPECT_EQ(found.effects[1].name, "bearing_viscous");
+}
+
+// Where the speeds are too few to tell the members of a family, the family leads, and each member has its own probability.
+TEST(AxisDiagnosis, NamesTheFamilyWhereItsMembersCannotBeTold) {
+  SimulatedAxis axis = noisy([](double, double, double speed) { return 1.5 * std::tanh(speed / 1e-3) + 0.1 * speed; });
+  axis.noise = 2e-4;
+  const AxisDiagnosis found = diagnose_axis(axis_file(), two_runs(axis));
+  ASSERT_TRUE(found.is_stated) << found.verdict;
+  const FamilyProbability friction = family_probabilities(found.answer).front();
+  EXPECT_EQ(friction.family, LawFamily::friction);
+  EXPECT_GT(friction.probability, 0.99);
+  for (const BalanceTerm& term : found.answer.best.terms) EXPECT_LE(term.probability, friction.probability + 1e-9) << term.words;
+  const bool is_sure = std::all_of(found.answer.best.terms.begin(), found.answer.best.terms.end(), [](const BalanceTerm& term) { return term.probability >= 0.9; });
+  EXPECT_EQ(found.verdict.rfind("friction (100 %), most likely ", 0) == 0, !is_sure) << found.verdict;
 }
 
 // One machine is ordinary where several things differ at once: the inertia is told beside the friction.

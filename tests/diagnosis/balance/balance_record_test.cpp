@@ -27,6 +27,25 @@ TEST(BalanceRecord, ACubicIsDifferentiatedExactly) {
   EXPECT_EQ(balance_smoothed(balance.motion.speed, 6).size(), balance.speed.size());
 }
 
+// A free mass under a torque that is switched at any sample: position by hand, exact at the samples. Acceleration and effort pass one mean, so
+// J q'' = F to rounding at every sample, also where the torque is switched inside the window.
+TEST(BalanceRecord, ASwitchedTorqueBalancesToTheLastDigits) {
+  constexpr double kStep = 0.01, kInertia = 3.0;
+  AxisRecord record{"switched", kStep, {}, {}};
+  double position = 0.2, speed = -0.1;
+  for (int n = 0; n < 400; ++n) {
+    const double effort = (n / 17) % 3 == 0 ? 5.0 : (n / 17) % 3 == 1 ? -4.0 : 1.0;
+    record.position.push_back(position);
+    record.effort.push_back(effort);
+    position += speed * kStep + 0.5 * effort / kInertia * kStep * kStep;
+    speed += effort / kInertia * kStep;
+  }
+  for (const std::size_t half : {3u, 6u, 11u}) {
+    const BalanceRecord balance = make_balance_record(record, half);
+    for (std::size_t n = 0; n < balance.time.size(); ++n) EXPECT_NEAR(kInertia * balance.acceleration[n], balance.effort[n], 1e-8) << half << " " << n;
+  }
+}
+
 TEST(BalanceRecord, NoiseIsThatWhichWasPutIn) {
   std::mt19937_64 generator(7);
   std::normal_distribution<double> noise(0.0, 1e-3);
