@@ -8,6 +8,7 @@
 #include <limits>
 #include <map>
 #include <numeric>
+#include <set>
 #include <stdexcept>
 
 namespace slewlab::diagnosis {
@@ -20,13 +21,16 @@ constexpr double kLeastShare = kLawDiscrepancy * kLawDiscrepancy;  // of the gap
 constexpr double kLongestWindow = 0.2;       // [s]: the shortest move that an axis makes on purpose; chosen
 constexpr double kResolved = 2e-3;           // of top speed, below which no friction is judged; chosen
 constexpr double kNoises = 3.0;              // standard deviations of the speed's noise, likewise
-constexpr double kTermPrior = 0.3;         // odds of an ordinary law more, its Occam factor included: learned likewise
+constexpr double kFrictionPrior = 0.3;     // odds of an ordinary friction more, its Occam factor included: learned likewise
+constexpr double kLoadPrior = 0.15;        // of an ordinary load
 constexpr double kRarePrior = 0.05;        // of any of the others, likewise
 constexpr double kRestShare = 0.05;        // of the gap, that known laws may leave and be the answer; what it follows is said beside it
 constexpr double kUnknownPrior = 0.02;     // of a law outside the catalogue, against the best of those in it
 constexpr std::size_t kMostTerms = 6;      // beside the inertia
 constexpr std::size_t kGrownPairs = 3;     // of the best, from which more grows
 constexpr double kRatioDeviation = 0.1;    // of the logarithm of what two laws leave: learned on simulated axes, docs/axis.md
+constexpr double kMedianShare = 0.2;       // of the likeliest model's probability, that the model of all likely laws has at least
+constexpr double kParallel = 1e-4;         // smallest eigenvalue of the columns' products, from which records tell the laws of a model apart
 constexpr double kNegligible = 1e-4;       // probability that is not told
 constexpr int kBumps = 20;                 // of a smooth function of one variable
 constexpr double kSmoothness = 1e-6;       // ridge, as a share of the columns' own square
@@ -181,7 +185,7 @@ struct Validated : LeftOut {
   Eigen::VectorXd sizes;              // fitted on everything
   std::vector<double> record_error;   // of each record, left out whole; empty where the others do not determine the sizes
   double of_blocks = 0.0, of_records = 0.0;  // mean squares; of_records only where record_error is there
-  bool is_physical = true;
+  bool is_physical = true;  // no size has a sign that it cannot have, and all of them are determined
 };
 
 Validated validate(const Regression& regression, const std::vector<BalanceLaw>& laws, const Choice& choice, std::size_t records) {
@@ -215,7 +219,7 @@ Validated validate(const Regression& regression, const std::vector<BalanceLaw>& 
     result.record_error.push_back(count > 0.0 ? error / count : 0.0);
     result.of_records += error / regression.count;
   }
-  result.is_physical = result.sizes(0) > 0.0;
+  result.is_physical = result.sizes(0) > 0.0 && (choice.laws.empty() || determined > kParallel);
   for (const auto& [law, shape] : choice.laws) {
     if (!laws[static_cast<std::size_t>(law)].is_dissipative) continue;
     for (std::size_t k = 0; k < columns.size(); ++k) {
@@ -454,11 +458,19 @@ Validated reshaped(const Regression& regression, const std::vector<BalanceLaw>& 
   return best;
 }
 
+std::vector<int> names_of(const Choice& choice) {
+  std::vector<int> names;
+  for (const auto& [law, shape] : choice.laws) names.push_back(law);
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
 // One law at a time while validation improves, two where no single one helps (in records of one direction each dry friction and a constant
 // torque help only together); one that another has made needless goes again. `tried` gets everything that was validated.
 Validated grow(const Regression& regression, const std::vector<BalanceLaw>& laws, Validated best, std::size_t records, bool only_ordinary, double gap,
                std::vector<Validated>& tried) {
-  while (best.choice.laws.size() < kMostTerms) {
+  std::set<std::vector<int>> been;  // two laws may each make the other needless, in turn
+  while (best.choice.laws.size() < kMostTerms && been.insert(names_of(best.choice)).second) {
     const std::vector<Validated> longer = additions(regression, laws, best.choice, records, only_ordinary);
     tried.insert(tried.end(), longer.begin(), longer.end());
     const Validated* found = first_help(best, longer, gap);
@@ -512,11 +524,9 @@ std::vector<Validated> candidates_of(const Regression& regression, const std::ve
   }
   std::map<std::vector<int>, Validated> best_of;
   for (Validated& one : tried) {
-    if (!one.is_physical) continue;
+    if (!one.is_physical && !one.choice.laws.empty()) continue;  // the inertia alone is told even where it is absurd
     std::sort(one.choice.laws.begin(), one.choice.laws.end());
-    std::vector<int> names;
-    for (const auto& [law, shape] : one.choice.laws) names.push_back(law);
-    const auto [entry, is_new] = best_of.try_emplace(names, one);
+    const auto [entry, is_new] = best_of.try_emplace(names_of(one.choice), one);
     if (!is_new && is_better(one, entry->second)) entry->second = std::move(one);
   }
   std::vector<Validated> candidates;
@@ -543,17 +553,20 @@ double log_odds(const LeftOut& one, const LeftOut& other, double floor) {
 }
 
 // The model of all laws that are likelier there than not, which of all single models predicts best (Barbieri, Berger 2004, Annals of Statistics
-// 32, p. 870); the likeliest where that is no candidate. `known`: probability of all candidates together.
+// 32, p. 870); the likeliest where that is no candidate, or one that is much less likely (of two laws that are one motion in these records each is
+// half likely). `known`: probability of all candidates together.
 std::size_t median_model(const std::vector<Validated>& candidates, const std::vector<double>& probability, const std::vector<double>& inclusion, double known) {
   std::vector<int> likely;
   for (std::size_t l = 0; l < inclusion.size(); ++l) {
     if (inclusion[l] > 0.5 * known) likely.push_back(static_cast<int>(l));
   }
+  const auto likeliest = static_cast<std::size_t>(std::max_element(probability.begin(), probability.end()) - probability.begin());
   for (std::size_t k = 0; k < candidates.size(); ++k) {
     const auto& chosen = candidates[k].choice.laws;
-    if (std::equal(chosen.begin(), chosen.end(), likely.begin(), likely.end(), [](const auto& law, int name) { return law.first == name; })) return k;
+    const bool is_median = std::equal(chosen.begin(), chosen.end(), likely.begin(), likely.end(), [](const auto& law, int name) { return law.first == name; });
+    if (is_median && probability[k] > kMedianShare * probability[likeliest]) return k;
   }
-  return static_cast<std::size_t>(std::max_element(probability.begin(), probability.end()) - probability.begin());
+  return likeliest;
 }
 
 BalanceModel to_model(const Regression& regression, const std::vector<BalanceLaw>& laws, const Validated& validated, double independent) {
@@ -624,11 +637,14 @@ BalanceAnswer fit_balance(const std::vector<BalanceRecord>& records, const std::
   // Against that which leaves least, each law more at its price.
   const Validated& least = *std::min_element(candidates.begin(), candidates.end(), [](const Validated& a, const Validated& b) { return a.of_blocks < b.of_blocks; });
   const double independent = regression.count / correlation_length(regression, least);
-  // An ordinary law is there or not; the others share what one of them has.
+  // Every machine has friction, many a constant torque as well; the others share what one of them has.
   const auto others = static_cast<double>(std::count_if(laws.begin(), laws.end(), [](const BalanceLaw& law) { return !law.is_ordinary; }));
   const auto price = [&](const Validated& one) {
     double sum = 0.0;
-    for (const auto& [law, shape] : one.choice.laws) sum += std::log(laws[static_cast<std::size_t>(law)].is_ordinary ? kTermPrior : kRarePrior / others);
+    for (const auto& [law, shape] : one.choice.laws) {
+      const BalanceLaw& chosen = laws[static_cast<std::size_t>(law)];
+      sum += std::log(!chosen.is_ordinary ? kRarePrior / others : chosen.family == LawFamily::friction ? kFrictionPrior : kLoadPrior);
+    }
     return sum;
   };
   const auto cost = [&](const Validated& one) { return 0.5 * independent * std::log(one.of_blocks + floor) - price(one); };
