@@ -20,14 +20,11 @@ constexpr double kShortestSplit = 1e-9;
 // soft gears, so each sweep gains two to four digits.
 constexpr int kFrictionSweeps = 12;
 
-void size_step(ModalStep& step, int count) {
-  const auto n = static_cast<std::size_t>(count);
-  for (auto* column : {&step.qq, &step.qv, &step.vq, &step.vv, &step.q_torque[0], &step.q_torque[1],
-                       &step.q_rate[0], &step.q_rate[1], &step.v_torque[0], &step.v_torque[1],
-                       &step.v_rate[0], &step.v_rate[1], &step.q_tip[0], &step.q_tip[1], &step.v_tip[0],
-                       &step.v_tip[1], &step.q_uniform, &step.v_uniform}) {
-    column->assign(n, 0.0);
-  }
+void size_step(ModalStep& step, int padded_count) {
+  const auto n = static_cast<std::size_t>(padded_count);
+  step.free.assign(n * free_term::count, 0.0);
+  step.end.assign(n * end_term::count, 0.0);
+  step.held.assign(n * held_term::count, 0.0);
 }
 
 void discretise_gears(const PlantModel& model, double h, ModalStep& step) {
@@ -59,26 +56,36 @@ void discretise(const PlantModel& model, double h, ModalStep& step) {
   for (auto& row : step.house) row[0] = row[1] = 0.0;
   step.house_angle_to_torque = step.house_speed_to_torque = 0.0;
   step.house_acceleration_to_torque = model.house_per_house_torque;
-  for (std::size_t k = 0; k < static_cast<std::size_t>(model.mode_count); ++k) {
+  for (int mode = 0; mode < model.mode_count; ++mode) {
+    const auto k = static_cast<std::size_t>(mode);
     const OscillatorResponse r = oscillator_response(model.square[k], model.damping_rate[k], h);
     const HermiteResponse hermite = hermite_response(r, h);
-    step.qq[k] = r.qq;
-    step.qv[k] = r.qv;
-    step.vq[k] = r.vq;
-    step.vv[k] = r.vv;
+    const auto free = [&](int term) -> double& { return step.free[place(mode, term, free_term::count)]; };
+    const auto end = [&](int term) -> double& { return step.end[place(mode, term, end_term::count)]; };
+    const auto held = [&](int term) -> double& { return step.held[place(mode, term, held_term::count)]; };
     const double house = model.house[k];
-    for (int end = 0; end < 2; ++end) {
-      step.q_torque[end][k] = house * hermite.q_value[end];
-      step.q_rate[end][k] = house * hermite.q_rate[end];
-      step.v_torque[end][k] = house * hermite.v_value[end];
-      step.v_rate[end][k] = house * hermite.v_rate[end];
-      step.q_tip[end][k] = model.tip[k] * r.q[end];
-      step.v_tip[end][k] = model.tip[k] * r.v[end];
-    }
-    step.q_uniform[k] = model.uniform[k] * r.q[0];
-    step.v_uniform[k] = model.uniform[k] * r.v[0];
-    const double q_end[2] = {step.q_torque[1][k], step.q_rate[1][k]};
-    const double v_end[2] = {step.v_torque[1][k], step.v_rate[1][k]};
+    free(free_term::qq) = r.qq;
+    free(free_term::qv) = r.qv;
+    free(free_term::q_torque) = house * hermite.q_value[0];
+    free(free_term::q_rate) = house * hermite.q_rate[0];
+    free(free_term::q_tip) = model.tip[k] * r.q[0];
+    free(free_term::q_tip_rate) = model.tip[k] * r.q[1];
+    free(free_term::vq) = r.vq;
+    free(free_term::vv) = r.vv;
+    free(free_term::v_torque) = house * hermite.v_value[0];
+    free(free_term::v_rate) = house * hermite.v_rate[0];
+    free(free_term::v_tip) = model.tip[k] * r.v[0];
+    free(free_term::v_tip_rate) = model.tip[k] * r.v[1];
+    const double q_end[2] = {house * hermite.q_value[1], house * hermite.q_rate[1]};
+    const double v_end[2] = {house * hermite.v_value[1], house * hermite.v_rate[1]};
+    end(end_term::q_torque) = q_end[0];
+    end(end_term::q_rate) = q_end[1];
+    end(end_term::v_torque) = v_end[0];
+    end(end_term::v_rate) = v_end[1];
+    held(held_term::q_house) = free(free_term::q_torque) + q_end[0];
+    held(held_term::v_house) = free(free_term::v_torque) + v_end[0];
+    held(held_term::q_uniform) = model.uniform[k] * r.q[0];
+    held(held_term::v_uniform) = model.uniform[k] * r.v[0];
     for (int j = 0; j < 2; ++j) {
       step.house[0][j] += house * q_end[j];
       step.house[1][j] += house * v_end[j];
@@ -120,21 +127,14 @@ LoadStep discretise_load(const PlantModel& model, double h) {
   return step;
 }
 
-// Two doubles that one instruction of every x86-64 and every 64-bit ARM handles. The sums below keep one such
-// pair, so the order of additions is fixed by this text and not by the compiler.
-using Pair [[gnu::vector_size(16), gnu::may_alias]] = double;
-static_assert(__STDCPP_DEFAULT_NEW_ALIGNMENT__ >= 16, "std::vector<double> must start where a Pair may");
-
-const Pair& pair_at(const double* values, int k) { return *reinterpret_cast<const Pair*>(values + k); }
-const Pair& pair_at(const std::vector<double>& values, int k) { return pair_at(values.data(), k); }
-Pair& pair_at(std::vector<double>& values, int k) { return *reinterpret_cast<Pair*>(values.data() + k); }
-
-double total(const Pair& sum) { return sum[0] + sum[1]; }
-
+// In the order of modal_pass.h.
 double dot(const std::vector<double>& a, const std::vector<double>& b) {
-  Pair sum{};
-  for (int k = 0; k < static_cast<int>(a.size()); k += 2) sum += pair_at(a, k) * pair_at(b, k);
-  return total(sum);
+  double sum[2] = {};
+  for (std::size_t k = 0; k + 1 < a.size(); k += 2) {
+    sum[0] += a[k] * b[k];
+    sum[1] += a[k + 1] * b[k + 1];
+  }
+  return sum[0] + sum[1];
 }
 
 struct House {
@@ -335,38 +335,15 @@ void solve_with_friction(const PlantModel& model, const ModalStep& step, const P
   trial.friction_end = pivot_frictions(model, step, state, push, start, free_house, trial);
 }
 
-// First pass over the modes: where they are at the end without the end torques. Returns the house's part.
+// Where the modes are at the end without the end torques. Returns the house's part.
 House advance_free(const PlantModel& model, const ModalStep& step, const PlantState& state, const Push& push,
                    const Start& start, PlantWorkspace& workspace) {
-  const int count = model.padded_count;
-  const double torque = start.torque_sum, rate = start.rate_sum;
   const double force = state.rope_force + push.tip, force_rate = state.rope_force_rate;
-  // Held torque and force on the house and along the boom are rare; a step without them skips their loops.
-  const bool has_held = push.house != 0.0 || push.uniform != 0.0;
-  Pair angle{}, speed{}, acceleration_q{}, acceleration_v{};
-  for (int k = 0; k < count; k += 2) {
-    const Pair q0 = pair_at(state.q, k), v0 = pair_at(state.v, k);
-    Pair q = pair_at(step.qq, k) * q0 + pair_at(step.qv, k) * v0 + pair_at(step.q_torque[0], k) * torque +
-             pair_at(step.q_rate[0], k) * rate + pair_at(step.q_tip[0], k) * force +
-             pair_at(step.q_tip[1], k) * force_rate;
-    Pair v = pair_at(step.vq, k) * q0 + pair_at(step.vv, k) * v0 + pair_at(step.v_torque[0], k) * torque +
-             pair_at(step.v_rate[0], k) * rate + pair_at(step.v_tip[0], k) * force +
-             pair_at(step.v_tip[1], k) * force_rate;
-    if (has_held) {
-      q += (pair_at(step.q_torque[0], k) + pair_at(step.q_torque[1], k)) * push.house +
-           pair_at(step.q_uniform, k) * push.uniform;
-      v += (pair_at(step.v_torque[0], k) + pair_at(step.v_torque[1], k)) * push.house +
-           pair_at(step.v_uniform, k) * push.uniform;
-    }
-    pair_at(workspace.q, k) = q;
-    pair_at(workspace.v, k) = v;
-    angle += pair_at(model.house, k) * q;
-    speed += pair_at(model.house, k) * v;
-    acceleration_q += pair_at(model.house_acceleration_q, k) * q;
-    acceleration_v += pair_at(model.house_acceleration_v, k) * v;
-  }
-  return {total(angle), total(speed),
-          total(acceleration_q) + total(acceleration_v) + model.house_per_house_torque * push.house +
+  const FreeSums sums = model.passes->free(model.padded_count / kLanes, step.free.data(), step.held.data(), model.shapes.data(),
+                                           {start.torque_sum, start.rate_sum, force, force_rate, push.house, push.uniform}, state.q.data(),
+                                           state.v.data(), workspace.q.data(), workspace.v.data());
+  return {sums.angle, sums.speed,
+          sums.acceleration_q + sums.acceleration_v + model.house_per_house_torque * push.house +
               model.house_per_tip_force * (force + step.length * force_rate) +
               model.house_per_uniform_force * push.uniform};
 }
@@ -470,30 +447,15 @@ void rope_forces(const PlantModel& model, double length, PlantState& state) {
   state.rope_force = load.rope_stiffness * (y - state.tip_displacement) + damping;
 }
 
-// Second pass: takes the trial's end for the state.
+// Takes the trial's end for the state.
 void accept(const PlantModel& model, const ModalStep& step, const LoadStep& load_step, const Push& push,
             const Trial& trial, PlantWorkspace& workspace, PlantState& state) {
   const double house_friction = push.has_friction ? trial.house_friction : 0.0;
-  Pair tip_sum{}, tip_velocity_sum{}, acceleration_q{}, acceleration_v{};
-  for (int k = 0; k < model.padded_count; k += 2) {
-    Pair q = pair_at(workspace.q, k) + pair_at(step.q_torque[1], k) * trial.torque_sum +
-             pair_at(step.q_rate[1], k) * trial.rate_sum;
-    Pair v = pair_at(workspace.v, k) + pair_at(step.v_torque[1], k) * trial.torque_sum +
-             pair_at(step.v_rate[1], k) * trial.rate_sum;
-    if (house_friction != 0.0) {
-      q += (pair_at(step.q_torque[0], k) + pair_at(step.q_torque[1], k)) * house_friction;
-      v += (pair_at(step.v_torque[0], k) + pair_at(step.v_torque[1], k)) * house_friction;
-    }
-    pair_at(workspace.q, k) = q;
-    pair_at(workspace.v, k) = v;
-    tip_sum += pair_at(model.tip, k) * q;
-    tip_velocity_sum += pair_at(model.tip, k) * v;
-    acceleration_q += pair_at(model.house_acceleration_q, k) * q;
-    acceleration_v += pair_at(model.house_acceleration_v, k) * v;
-  }
-  const double tip = total(tip_sum);
-  const double tip_velocity = total(tip_velocity_sum);
-  state.modal_house_acceleration = total(acceleration_q) + total(acceleration_v);
+  const EndSums sums = model.passes->end(model.padded_count / kLanes, step.end.data(), step.held.data(), model.shapes.data(),
+                                         {trial.torque_sum, trial.rate_sum, house_friction}, workspace.q.data(), workspace.v.data());
+  const double tip = sums.tip;
+  const double tip_velocity = sums.tip_velocity;
+  state.modal_house_acceleration = sums.acceleration_q + sums.acceleration_v;
   if (push.uniform != 0.0) {
     state.supplied_work += push.uniform * (dot(model.uniform, workspace.q) - dot(model.uniform, state.q));
   }
@@ -639,7 +601,8 @@ PlantModel make_plant_model(const CraneParameters& crane, double step, const Gro
   model.group_inertia = group_inertia;
   model.modes = free_house_modes(crane);
   model.mode_count = static_cast<int>(model.modes.frequency.size());
-  model.padded_count = (model.mode_count + 1) / 2 * 2;
+  model.padded_count = block_count(model.mode_count) * kLanes;
+  model.passes = &modal_passes();
   const auto padded = [&](const std::vector<double>& values) {
     std::vector<double> result = values;
     result.resize(static_cast<std::size_t>(model.padded_count), 0.0);
@@ -663,6 +626,14 @@ PlantModel make_plant_model(const CraneParameters& crane, double step, const Gro
     model.house_per_house_torque += model.house[k] * model.house[k];
     model.house_per_tip_force += model.house[k] * model.tip[k];
     model.house_per_uniform_force += model.house[k] * model.uniform[k];
+  }
+  model.shapes.assign(model.house.size() * shape_term::count, 0.0);
+  for (int k = 0; k < model.padded_count; ++k) {
+    const auto mode = static_cast<std::size_t>(k);
+    model.shapes[place(k, shape_term::house, shape_term::count)] = model.house[mode];
+    model.shapes[place(k, shape_term::house_acceleration_q, shape_term::count)] = model.house_acceleration_q[mode];
+    model.shapes[place(k, shape_term::house_acceleration_v, shape_term::count)] = model.house_acceleration_v[mode];
+    model.shapes[place(k, shape_term::tip, shape_term::count)] = model.tip[mode];
   }
   model.has_load = crane.load.mass > 0.0;
   model.has_axis_force = crane.axis_force.constant != 0.0 || crane.axis_force.gravity != 0.0;

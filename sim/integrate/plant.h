@@ -31,6 +31,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "sim/integrate/modal_pass.h"
 #include "sim/integrate/plant_ports.h"
 #include "sim/model/crane.h"
 
@@ -45,20 +46,16 @@ struct GearStep {
   double reciprocal_inertia = 0.0;  // [1/(kg m^2)]
 };
 
-// Responses of every mode to the step's start state, to contact torque on the house and to force at the tip.
-// One entry per mode, padded with a mode at rest to an even number.
+// Responses of every mode to the step's start state, to contact torque on the house and to force at the tip, in the blocks of
+// modal_pass.h.
 struct ModalStep {
-  std::vector<double> qq, qv, vq, vv;                      // free response
-  std::vector<double> q_torque[2], q_rate[2];              // to T, T' at start [0] and end [1], on the house
-  std::vector<double> v_torque[2], v_rate[2];              // the same for the modal velocity
-  std::vector<double> q_tip[2], v_tip[2];                  // to tip force [0] and its rate [1]
-  std::vector<double> q_uniform, v_uniform;                // to a uniform force along the boom
+  std::vector<double> free, end, held;
   // House rotation, speed and acceleration (rows) at the step's end, for T and T' at the end (columns).
   double house[3][2] = {};
   // House rotation, speed and acceleration at the end for a torque held on the house.
   double house_angle_to_torque = 0.0, house_speed_to_torque = 0.0, house_acceleration_to_torque = 0.0;
   std::array<GearStep, kMaximumGroupCount> gear;
-  double length = 0.0;                                     // [s]
+  double length = 0.0;  // [s]
 };
 
 // How the load's modes answer a tip that moves linearly over the step.
@@ -74,7 +71,7 @@ struct PlantModel {
   double step = 0.0;  // [s]
   int group_count = 0;
   int mode_count = 0;    // modes of the boom on its free house
-  int padded_count = 0;  // the same rounded up to an even number
+  int padded_count = 0;  // the same rounded up to whole blocks
   double ratio = 1.0;    // motor turns per turn of the crane
   std::array<GearContact, kMaximumGroupCount> gear;  // per group, slew axis
   GroupArray group_inertia{};                        // [kg m^2] per group, slew axis
@@ -84,6 +81,8 @@ struct PlantModel {
   std::vector<double> tip_sensor;  // padded shape of the boom's own tip, where the accelerometer is: a jib reaches beyond
   std::vector<double> square, damping_rate;               // padded w^2 and d
   std::vector<double> house_acceleration_q, house_acceleration_v;
+  std::vector<double> shapes;  // those that the passes over the modes read, in their blocks
+  const ModalPasses* passes = nullptr;
   std::vector<double> uniform;
   double house_per_house_torque = 0.0;  // [1/(kg m^2)] sum house^2
   double house_per_tip_force = 0.0;     // [1/(kg m)] sum house tip
