@@ -362,10 +362,41 @@ double longest_record(const Problem& problem) {
   return longest;
 }
 
+const DriveCourse& SimulationStock::drives(const Record& record, std::size_t index, const sim::DriveProtectionSettings& protection) {
+  const std::lock_guard lock(mutex_);
+  if (drives_.size() <= index) drives_.resize(index + 1);
+  if (!drives_[index]) drives_[index] = std::make_unique<const DriveCourse>(drive_course(record, protection));
+  return *drives_[index];
+}
+
+std::unique_ptr<SimulationRoom> SimulationStock::take_room() {
+  const std::lock_guard lock(mutex_);
+  if (rooms_.empty()) return std::make_unique<SimulationRoom>();
+  std::unique_ptr<SimulationRoom> room = std::move(rooms_.back());
+  rooms_.pop_back();
+  return room;
+}
+
+void SimulationStock::give_back(std::unique_ptr<SimulationRoom> room) {
+  const std::lock_guard lock(mutex_);
+  rooms_.push_back(std::move(room));
+}
+
+namespace {
+
+void shadow_at(const Problem& problem, const Point& point, std::size_t record, Shadow& result) {
+  shadow(machine_at(problem.nominal, problem.nuisances, point), problem.records[record],
+         problem.stock.drives(problem.records[record], record, problem.nominal.drive_protection), problem.gains,
+         encoder_latency(problem.nuisances, point.nuisance), swing_at_start(problem.nuisances, point.nuisance, record),
+         motor_offset_at_start(problem.nuisances, point.nuisance, record), result);
+}
+
+}  // namespace
+
 Shadow shadow_at(const Problem& problem, const Point& point, std::size_t record) {
-  return shadow(machine_at(problem.nominal, problem.nuisances, point), problem.records[record], problem.gains,
-                encoder_latency(problem.nuisances, point.nuisance), swing_at_start(problem.nuisances, point.nuisance, record),
-                motor_offset_at_start(problem.nuisances, point.nuisance, record));
+  Shadow result;
+  shadow_at(problem, point, record, result);
+  return result;
 }
 
 void share_out(Problem& problem, std::size_t count, const std::function<void(std::size_t)>& work) {
@@ -404,11 +435,14 @@ Eigen::VectorXd differences(Problem& problem, const Point& point) {
     if (problem.is_stopped()) throw Interrupted{};
     const auto begun = std::chrono::steady_clock::now();
     auto rows = result.segment(first_row[r], problem.whitening[r].size());
+    std::unique_ptr<SimulationRoom> room = problem.stock.take_room();
     try {
-      rows = whiten(problem.whitening[r], shadow_at(problem, point, r));
+      shadow_at(problem, point, r, room->shadow);
+      whiten(problem.whitening[r], room->shadow, room->transform, rows);
     } catch (const sim::CannotBeBuilt&) {  // its boom buckles; any other error is one of the program's
       rows.setConstant(kVeryFarOff);
     }
+    problem.stock.give_back(std::move(room));
     problem.simulation_time +=
         std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now() - begun).count();
     ++problem.simulations;

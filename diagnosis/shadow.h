@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "diagnosis/record.h"
+#include "diagnosis/recorded_drive.h"
 #include "sim/integrate/machine_settings.h"
 #include "sim/machine/scales.h"
 
@@ -66,5 +67,9 @@ using GroupAngles = std::array<double, sim::kMaximumGroupCount>;  // [rad]
 // Throws std::invalid_argument where the machine cannot be built.
 Shadow shadow(const sim::MachineSettings& machine, const Record& record, const ShadowGains& gains,
               double encoder_latency = 0.0, const Swing& swing = {}, const GroupAngles& motor_offset = {});
+
+// The same into a result whose room is used again, with what the drives make of the record, which is the same for all machines.
+void shadow(const sim::MachineSettings& machine, const Record& record, const DriveCourse& drives, const ShadowGains& gains, double encoder_latency,
+            const Swing& swing, const GroupAngles& motor_offset, Shadow& result);
 
 }  // namespace slewlab::diagnosis

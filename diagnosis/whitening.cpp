@@ -29,24 +29,15 @@ std::size_t fast_length(std::size_t count) {
   }
 }
 
-// Many channels by one plan: making its sines takes as long as using them.
+// Many channels of one record.
 class Transform {
  public:
-  explicit Transform(const Whitening& whitening) : window_(whitening.window), padded_(whitening.transform_length, 0.0) {
-    fft_.SetFlag(Eigen::FFT<double>::HalfSpectrum);
-  }
-  // One value per grid point, less `offset`. Valid until the next call.
-  const std::vector<std::complex<double>>& operator()(const std::vector<double>& values, double offset = 0.0) {
-    for (std::size_t n = 0; n < values.size(); ++n) padded_[n] = (values[n] - offset) * window_[n];
-    fft_.fwd(spectrum_, padded_);
-    return spectrum_;
-  }
+  explicit Transform(const Whitening& whitening) : whitening_(whitening) {}
+  const std::vector<std::complex<double>>& operator()(const std::vector<double>& values) { return room_.spectrum(whitening_, values); }
 
  private:
-  const std::vector<double>& window_;
-  Eigen::FFT<double> fft_;
-  std::vector<double> padded_;
-  std::vector<std::complex<double>> spectrum_;
+  const Whitening& whitening_;
+  TransformRoom room_;
 };
 
 // Under the window. An accelerometer's own offset says nothing of the crane, and would leak into the lowest frequencies.
@@ -258,16 +249,29 @@ Whitening make_whitening(const Record& record, const std::vector<bool>& trusted,
   return whitening;
 }
 
+const std::vector<std::complex<double>>& TransformRoom::spectrum(const Whitening& whitening, const std::vector<double>& values, double offset) {
+  padded_.resize(whitening.transform_length);
+  for (std::size_t n = 0; n < values.size(); ++n) padded_[n] = (values[n] - offset) * whitening.window[n];
+  std::fill(padded_.begin() + static_cast<std::ptrdiff_t>(values.size()), padded_.end(), 0.0);
+  fft_.fwd(spectrum_, padded_);
+  return spectrum_;
+}
+
 Eigen::VectorXd whiten(const Whitening& whitening, const Shadow& shadow) {
   Eigen::VectorXd result(whitening.size());
-  Transform transform(whitening);
+  TransformRoom room;
+  whiten(whitening, shadow, room, result);
+  return result;
+}
+
+void whiten(const Whitening& whitening, const Shadow& shadow, TransformRoom& room, Eigen::Ref<Eigen::VectorXd> result) {
   Eigen::Index row = 0;
   for (std::size_t c = 0; c < whitening.channels.size(); ++c) {
     const Channel& channel = whitening.channels[c];
     const auto i = static_cast<std::size_t>(channel.index);
     const std::vector<double>& values =
         channel.is_torque ? shadow.missing_torque[i] : shadow.acceleration_difference[i];
-    const auto& spectrum = transform(values, channel.is_torque ? 0.0 : mean_under(whitening, values));
+    const auto& spectrum = room.spectrum(whitening, values, channel.is_torque ? 0.0 : mean_under(whitening, values));
     for (std::size_t b = 0; b < whitening.bin_count; ++b) {
       const std::complex<double> value = spectrum[whitening.first_bin + b];
       const double weight = whitening.weight[c](static_cast<Eigen::Index>(b));
@@ -275,7 +279,6 @@ Eigen::VectorXd whiten(const Whitening& whitening, const Shadow& shadow) {
       result(row++) = weight * value.imag();
     }
   }
-  return result;
 }
 
 }  // namespace slewlab::diagnosis

@@ -11,6 +11,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <complex>
+#include <unsupported/Eigen/FFT>
 #include <vector>
 
 #include "diagnosis/record.h"
@@ -64,5 +66,20 @@ std::vector<bool> trusted_stretches(const Record& record, const Shadow& shadow, 
 
 // Real and imaginary part of every bin of every channel, weighted.
 Eigen::VectorXd whiten(const Whitening& whitening, const Shadow& shadow);
+
+// The transforms' sines and room, used again: making them takes as long as using them.
+class TransformRoom {
+ public:
+  TransformRoom() { fft_.SetFlag(Eigen::FFT<double>::HalfSpectrum); }
+  // Of one value per point of the whitening's grid, less `offset`, under its window. Valid until the next call.
+  const std::vector<std::complex<double>>& spectrum(const Whitening& whitening, const std::vector<double>& values, double offset = 0.0);
+
+ private:
+  Eigen::FFT<double> fft_;
+  std::vector<double> padded_;
+  std::vector<std::complex<double>> spectrum_;
+};
+// As whiten(), into `result`.
+void whiten(const Whitening& whitening, const Shadow& shadow, TransformRoom& room, Eigen::Ref<Eigen::VectorXd> result);
 
 }  // namespace slewlab::diagnosis
