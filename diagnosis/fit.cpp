@@ -79,7 +79,9 @@ double cost_of(const Problem& problem, const Point& point, const Eigen::VectorXd
 // The cost's, for Gauss-Newton steps.
 Eigen::MatrixXd curvature(const Problem& problem, const Point& point, const Eigen::VectorXd& difference,
                           const Eigen::MatrixXd& columns) {
-  Eigen::MatrixXd system = data_weight(difference, problem.settings) * columns.transpose() * columns;
+  Eigen::MatrixXd system = Eigen::MatrixXd::Zero(columns.cols(), columns.cols());
+  system.selfadjointView<Eigen::Lower>().rankUpdate(columns.transpose(), data_weight(difference, problem.settings));
+  system.triangularView<Eigen::StrictlyUpper>() = system.transpose();
   system.diagonal().array() += prior_rows(problem, point).slope.array().square();
   return system;
 }
