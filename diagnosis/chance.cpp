@@ -66,9 +66,16 @@ Eigen::VectorXd along_channels(const std::vector<ChannelAxes>& records, Eigen::V
 
 Eigen::ArrayXd variance_of(const Eigen::VectorXd& profile, double scale) { return 1.0 + scale * profile.array(); }
 
-// Of a variance. Real and imaginary part of a bin share theirs; the logarithms take most of the time of a fit.
+// Of a variance. Where real and imaginary part of every bin share theirs, each logarithm is taken once: they take most of the time of a fit.
 Eigen::ArrayXd logarithms_of(const Eigen::ArrayXd& variance) {
   const Eigen::Index bins = variance.size() / 2;
+  const auto is_shared = [&] {
+    for (Eigen::Index b = 0; b < bins; ++b) {
+      if (variance(2 * b) != variance(2 * b + 1)) return false;
+    }
+    return variance.size() % 2 == 0;
+  };
+  if (!is_shared()) return variance.log();
   // To an even number: no logarithm is taken alone, which may round otherwise than one among others.
   Eigen::ArrayXd of_bins = Eigen::ArrayXd::Ones(bins + bins % 2);
   for (Eigen::Index b = 0; b < bins; ++b) of_bins(b) = variance(2 * b);
