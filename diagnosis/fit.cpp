@@ -9,6 +9,7 @@
 #include <exception>
 #include <mutex>
 #include <numbers>
+#include <optional>
 #include <stdexcept>
 #include <thread>
 
@@ -386,10 +387,9 @@ void SimulationStock::give_back(std::unique_ptr<SimulationRoom> room) {
 
 namespace {
 
-void shadow_at(const Problem& problem, const Point& point, std::size_t record, Shadow& result) {
-  shadow(machine_at(problem.nominal, problem.nuisances, point), problem.records[record],
-         problem.stock.drives(problem.records[record], record, problem.nominal.drive_protection), problem.gains,
-         encoder_latency(problem.nuisances, point.nuisance), swing_at_start(problem.nuisances, point.nuisance, record),
+void shadow_at(const Problem& problem, Follower follower, const Point& point, std::size_t record, Shadow& result) {
+  shadow(std::move(follower), problem.records[record], problem.stock.drives(problem.records[record], record, problem.nominal.drive_protection),
+         problem.gains, encoder_latency(problem.nuisances, point.nuisance), swing_at_start(problem.nuisances, point.nuisance, record),
          motor_offset_at_start(problem.nuisances, point.nuisance, record), result);
 }
 
@@ -397,7 +397,7 @@ void shadow_at(const Problem& problem, const Point& point, std::size_t record, S
 
 Shadow shadow_at(const Problem& problem, const Point& point, std::size_t record) {
   Shadow result;
-  shadow_at(problem, point, record, result);
+  shadow_at(problem, follower_of(machine_at(problem.nominal, problem.nuisances, point), problem.records[record].step), point, record, result);
   return result;
 }
 
@@ -433,20 +433,36 @@ void share_out(Problem& problem, std::size_t count, const std::function<void(std
 Eigen::VectorXd differences(Problem& problem, const Point& point) {
   const std::vector<Eigen::Index> first_row = first_rows(problem);
   Eigen::VectorXd result(first_row.back());
+  const auto count_time = [&](std::chrono::steady_clock::time_point begun) {
+    problem.simulation_time +=
+        std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now() - begun).count();
+  };
+  // Nothing where its boom buckles; any other error is one of the program's.
+  const auto machine_for = [&](const Record& record) -> std::optional<Follower> {
+    try {
+      return follower_of(machine_at(problem.nominal, problem.nuisances, point), record.step);
+    } catch (const sim::CannotBeBuilt&) {
+      return std::nullopt;
+    }
+  };
+  const auto making = std::chrono::steady_clock::now();
+  const std::optional<Follower> made = machine_for(problem.records.front());
+  count_time(making);
   share_out(problem, problem.records.size(), [&](std::size_t r) {
     if (problem.is_stopped()) throw Interrupted{};
     const auto begun = std::chrono::steady_clock::now();
     auto rows = result.segment(first_row[r], problem.whitening[r].size());
-    std::unique_ptr<SimulationRoom> room = problem.stock.take_room();
-    try {
-      shadow_at(problem, point, r, room->shadow);
+    const bool is_made = problem.records[r].step == problem.records.front().step;
+    std::optional<Follower> follower = is_made ? made : machine_for(problem.records[r]);
+    if (follower) {
+      std::unique_ptr<SimulationRoom> room = problem.stock.take_room();
+      shadow_at(problem, std::move(*follower), point, r, room->shadow);
       whiten(problem.whitening[r], room->shadow, room->transform, rows);
-    } catch (const sim::CannotBeBuilt&) {  // its boom buckles; any other error is one of the program's
+      problem.stock.give_back(std::move(room));
+    } else {
       rows.setConstant(kVeryFarOff);
     }
-    problem.stock.give_back(std::move(room));
-    problem.simulation_time +=
-        std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now() - begun).count();
+    count_time(begun);
     ++problem.simulations;
   });
   // A machine that is not stable at an odd point counts as very far off as well, not as a number that spreads.

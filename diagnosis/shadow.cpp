@@ -109,25 +109,33 @@ ShadowSettings not_faster_than(ShadowSettings settings, double period) {
   return settings;
 }
 
-Shadow shadow(const sim::MachineSettings& settings, const Record& record, const ShadowGains& gains, double encoder_latency,
-              const Swing& swing, const GroupAngles& motor_offset) {
-  Shadow result;
-  shadow(settings, record, drive_course(record, settings.drive_protection), gains, encoder_latency, swing, motor_offset, result);
-  return result;
-}
-
-void shadow(const sim::MachineSettings& settings, const Record& record, const DriveCourse& drives, const ShadowGains& gains, double encoder_latency,
-            const Swing& swing, const GroupAngles& motor_offset, Shadow& result) {
+Follower follower_of(const sim::MachineSettings& settings, double step) {
+  Follower follower;
   sim::MachineSettings with_step = settings;
-  with_step.step = record.step;
-  double encoder_lead = encoder_latency / record.step;  // [steps]
+  with_step.step = step;
   std::erase_if(with_step.effects, [&](const common::EffectInstance& effect) {
     const sim::EffectDescription* description = sim::find_effect(effect.name);
     if (description == nullptr || description->about.pure_delay != common::PureDelay::encoder) return false;
-    encoder_lead += effect.values[common::kSize] / record.step;
+    follower.encoder_delay += effect.values[common::kSize] / step;
     return true;
   });
-  sim::Machine machine = sim::make_machine(with_step);
+  follower.machine = sim::make_machine(with_step);
+  follower.to_slew_axis = settings.crane.drive.motors_per_group * follower.machine.model.ratio;
+  return follower;
+}
+
+Shadow shadow(const sim::MachineSettings& settings, const Record& record, const ShadowGains& gains, double encoder_latency,
+              const Swing& swing, const GroupAngles& motor_offset) {
+  Shadow result;
+  shadow(follower_of(settings, record.step), record, drive_course(record, settings.drive_protection), gains, encoder_latency, swing, motor_offset,
+         result);
+  return result;
+}
+
+void shadow(Follower follower, const Record& record, const DriveCourse& drives, const ShadowGains& gains, double encoder_latency, const Swing& swing,
+            const GroupAngles& motor_offset, Shadow& result) {
+  sim::Machine& machine = follower.machine;
+  const double encoder_lead = encoder_latency / record.step + follower.encoder_delay;  // [steps]
   start_moving(machine, record);
   if (record.begins_pressed) start_pressed(machine, record);
   start_swinging(machine, swing);
@@ -147,7 +155,6 @@ void shadow(const sim::MachineSettings& settings, const Record& record, const Dr
   const auto cycle = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(record.encoder_period / record.step)));
   const bool has_tip = !record.acceleration[kTip].empty();
   const double leak = std::exp(-record.step / gains.leak_time);
-  const double to_slew_axis = settings.crane.drive.motors_per_group * machine.model.ratio;
   double tip_error = 0.0;  // [m/s]
   // The tip's sensor may have an offset, which must not lead the shadow: at first what differs at rest, or turning evenly.
   const auto first = static_cast<std::size_t>(gains.first_offset / record.step);
@@ -167,7 +174,7 @@ void shadow(const sim::MachineSettings& settings, const Record& record, const Dr
                              gains.position * (value_at(record.shaft_position[i], read_at) - origin[i] - readings.shaft_position[i]);
       result.missing_torque[i][n] = missing;
       // Past the actuators: what is missing at a motor is not limited or delayed by its drive.
-      machine.outside.motor_torque[i] = missing * to_slew_axis;
+      machine.outside.motor_torque[i] = missing * follower.to_slew_axis;
       // Gears without play touch always: they change flanks without a shock.
       if (machine.state.contact[i] == 0 && machine.model.gear[i].half_play > 0.0) result.contact_lost[n] = true;
     }
