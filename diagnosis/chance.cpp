@@ -72,10 +72,32 @@ Eigen::VectorXd along_channels(const std::vector<ChannelAxes>& records, Eigen::V
 
 Eigen::ArrayXd variance_of(const Eigen::VectorXd& profile, double scale) { return 1.0 + scale * profile.array(); }
 
-double cost_at(const Eigen::VectorXd& difference, const Eigen::VectorXd& profile, double scale) {
-  const Eigen::ArrayXd variance = variance_of(profile, scale);
-  return (variance.log() + difference.array().square() / variance).sum();
+// Of a variance. Where real and imaginary part of every bin share theirs, each logarithm is taken once: they take most of the time of a fit.
+Eigen::ArrayXd logarithms_of(const Eigen::ArrayXd& variance) {
+  const Eigen::Index bins = variance.size() / 2;
+  const auto is_shared = [&] {
+    for (Eigen::Index b = 0; b < bins; ++b) {
+      if (variance(2 * b) != variance(2 * b + 1)) return false;
+    }
+    return variance.size() % 2 == 0;
+  };
+  if (!is_shared()) return variance.log();
+  // To an even number: no logarithm is taken alone, which may round otherwise than one among others.
+  Eigen::ArrayXd of_bins = Eigen::ArrayXd::Ones(bins + bins % 2);
+  for (Eigen::Index b = 0; b < bins; ++b) of_bins(b) = variance(2 * b);
+  of_bins = of_bins.log().eval();
+  Eigen::ArrayXd result(variance.size());
+  for (Eigen::Index b = 0; b < bins; ++b) result(2 * b) = result(2 * b + 1) = of_bins(b);
+  return result;
 }
+
+double cost_at(const Eigen::VectorXd& difference, const Eigen::ArrayXd& variance, const Eigen::ArrayXd& logarithms) {
+  return (logarithms + difference.array().square() / variance).sum();
+}
+
+// ln a of the scales that are tried first.
+constexpr double kStride = (kHighestScale - kLowestScale) / (kScales - 1);
+double scale_tried(int i) { return kLowestScale + kStride * i; }
 
 // Of one channel's powers, over kSmoothing of the frequency either side.
 void smooth(const Whitening& whitening, std::span<const double> power, Eigen::VectorXd& profile, Eigen::Index first_row) {
@@ -147,29 +169,35 @@ Power power_of(const Problem& problem, std::span<const Eigen::VectorXd> changes)
   return result;
 }
 
-ChanceFit fit_chance(const Eigen::VectorXd& difference, const Power& power) {
+ChanceScales::ChanceScales(const Power& power) : power_(power) {
+  if (!power.profile.allFinite()) return;
+  for (int i = 0; i < kScales; ++i) logarithms_.push_back(logarithms_of(variance_of(power.profile, std::exp(scale_tried(i)))));
+}
+
+ChanceFit ChanceScales::fit(const Eigen::VectorXd& difference) const {
   ChanceFit best{0.0, difference.squaredNorm()};
-  if (!power.profile.allFinite()) return best;
-  const Eigen::VectorXd along = along_axes(power.records, difference);
-  const double step = (kHighestScale - kLowestScale) / (kScales - 1);
-  const auto consider = [&](double logarithm) {
+  if (logarithms_.empty()) return best;
+  const Eigen::VectorXd along = along_axes(power_.records, difference);
+  const auto consider = [&](double logarithm, const Eigen::ArrayXd* known) {
     const double scale = std::exp(logarithm);
-    const double cost = cost_at(along, power.profile, scale);
+    const Eigen::ArrayXd variance = variance_of(power_.profile, scale);
+    const double cost = known != nullptr ? cost_at(along, variance, *known) : cost_at(along, variance, logarithms_of(variance));
     if (cost < best.cost) best = {scale, cost};
   };
-  for (int i = 0; i < kScales; ++i) consider(kLowestScale + step * i);
+  for (int i = 0; i < kScales; ++i) consider(scale_tried(i), &logarithms_[static_cast<std::size_t>(i)]);
   if (best.scale > 0.0) {
-    for (double width = 0.5 * step; width > 0.01; width *= 0.5) {
+    for (double width = 0.5 * kStride; width > 0.01; width *= 0.5) {
       const double middle = std::log(best.scale);
-      consider(middle - width);
-      consider(middle + width);
+      consider(middle - width, nullptr);
+      consider(middle + width, nullptr);
     }
   }
   return best;
 }
 
 ChanceFit chance_at(const Eigen::VectorXd& difference, const Power& power, double scale) {
-  return {scale, cost_at(along_axes(power.records, difference), power.profile, scale)};
+  const Eigen::ArrayXd variance = variance_of(power.profile, scale);
+  return {scale, cost_at(along_axes(power.records, difference), variance, logarithms_of(variance))};
 }
 
 Drawn draw(Problem& problem, const Point& point) {
@@ -190,7 +218,8 @@ double predictive_cost(const Eigen::VectorXd& difference, const Power& power, do
   double best = std::numeric_limits<double>::infinity();
   for (int i = -kPredictedScales; i <= kPredictedScales; ++i) {
     const double off = kFarthestScale * static_cast<double>(i) / kPredictedScales;  // [deviations]
-    best = std::min(best, cost_at(along, power.profile, std::exp(off * deviation)) + off * off);
+    const Eigen::ArrayXd variance = variance_of(power.profile, std::exp(off * deviation));
+    best = std::min(best, cost_at(along, variance, logarithms_of(variance)) + off * off);
   }
   return best;
 }
@@ -228,6 +257,8 @@ Power unknown_power(const Problem& seen, const std::vector<ChannelAxes>& seen_ax
   });
   return power;
 }
+
+ChanceFit fit_chance(const Eigen::VectorXd& difference, const Power& power) { return ChanceScales(power).fit(difference); }
 
 double logarithms(const Chance& chance) { return variance_of(chance.power.profile, chance.scale).log().sum(); }
 

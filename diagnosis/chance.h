@@ -55,6 +55,17 @@ struct ChanceFit {
 ChanceFit fit_chance(const Eigen::VectorXd& difference, const Power& power);
 ChanceFit chance_at(const Eigen::VectorXd& difference, const Power& power, double scale);
 
+// The same for many differences and one power, which must outlive it: the logarithms of the scales that are tried first are taken once.
+class ChanceScales {
+ public:
+  explicit ChanceScales(const Power& power);
+  ChanceFit fit(const Eigen::VectorXd& difference) const;
+
+ private:
+  const Power& power_;
+  std::vector<Eigen::ArrayXd> logarithms_;  // per scale, of the variance in each row
+};
+
 // What the chance makes of unit variance: sum of logarithms in the cost, and differences (or columns) divided by what it adds.
 struct Chance {
   Power power;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <list>
 #include <map>
 #include <optional>
 #include <set>
@@ -286,22 +287,31 @@ std::vector<FitResult> chance_fits(Problem& problem, const Screening& screening,
   }
   // Of each effect by chance and each fit the best power of the screening.
   const auto count = nothing.difference.size();
-  std::map<std::pair<std::string, const FitResult*>, Try> tries;
+  std::vector<const Screened*> drawn;
   for (const Screened& screened : screening.tried) {
-    const std::string& name = screened.start.name;
-    if (!comes_by_chance(problem.catalogue.at(name))) continue;
-    const bool delays_too = delays_by_chance(problem.catalogue.at(name));
-    const std::vector<Eigen::VectorXd> changes{(delays_too ? without_columns(screened.column, delays) : screened.column).head(count)};
-    const Power power = power_of(problem, changes);
+    if (comes_by_chance(problem.catalogue.at(screened.start.name))) drawn.push_back(&screened);
+  }
+  std::vector<Power> powers(drawn.size());
+  std::vector<std::vector<ChanceFit>> found(drawn.size());  // beside each fit
+  share_out(problem, drawn.size(), [&](std::size_t i) {
+    const Eigen::VectorXd& column = drawn[i]->column;
+    const bool delays_too = delays_by_chance(problem.catalogue.at(drawn[i]->start.name));
+    powers[i] = power_of(problem, std::vector<Eigen::VectorXd>{(delays_too ? without_columns(column, delays) : column).head(count)});
+    const ChanceScales scales(powers[i]);
+    const double most = largest_scale(problem.catalogue.at(drawn[i]->start.name), drawn[i]->start);
     for (const FitResult* beside : besides) {
-      ChanceFit found = fit_chance(beside->difference, power);
-      if (found.scale == 0.0) continue;
-      const double most = largest_scale(problem.catalogue.at(name), screened.start);
-      if (found.scale > most) found = chance_at(beside->difference, power, most);
-      const auto [entry, is_new] = tries.try_emplace({name, beside});
-      if (!is_new && found.cost >= entry->second.found.cost) continue;
-      const std::optional<std::size_t> mean = delays_too ? mean_among(problem.catalogue, beside->point.effects) : std::nullopt;
-      entry->second = {*beside, mean, with_power(problem.catalogue.at(name), screened.start, found.scale), found, power};
+      ChanceFit here = scales.fit(beside->difference);
+      if (here.scale > most) here = chance_at(beside->difference, powers[i], most);
+      found[i].push_back(here);
+    }
+  });
+  // The place of the best power among those drawn; no fit is copied before it is known to be worth it.
+  std::map<std::pair<std::string, std::size_t>, std::size_t> best_drawn;  // by the effect and the place of the fit among `besides`
+  for (std::size_t i = 0; i < drawn.size(); ++i) {
+    for (std::size_t b = 0; b < besides.size(); ++b) {
+      if (found[i][b].scale == 0.0) continue;
+      const auto [entry, is_new] = best_drawn.try_emplace({drawn[i]->start.name, b}, i);
+      if (!is_new && found[i][b].cost < found[entry->second][b].cost) entry->second = i;
     }
   }
   std::map<std::set<std::string>, FitResult> best;
@@ -320,17 +330,22 @@ std::vector<FitResult> chance_fits(Problem& problem, const Screening& screening,
   const auto is_near_enough = [&](const Try& one, const FreePower& least) {
     return above_free_power(one.found, least, count) < (delays_by_chance(problem.catalogue.at(one.effect.name)) ? kNearFreePower : kNearForce);
   };
-  std::vector<const Try*> looked;
+  std::list<Try> tries;
   std::set<std::string> near;  // effects by chance whose power comes near enough, alone or beside another
   std::size_t told = 0;
   const Progress draw = within(tell, {0.0, 0.5});
-  for (auto& [key, one] : tries) {
-    draw(static_cast<double>(told++) / static_cast<double>(tries.size()), "drawing " + one.effect.name);
-    const double fall = problem.settings.independent_share * (one.fit.difference.squaredNorm() - one.found.cost);
-    if (fall < kLeastFall || above_free_power(one.found, free, count) >= kWorthALook) continue;
+  for (const auto& [key, i] : best_drawn) {
+    const auto& [name, b] = key;
+    draw(static_cast<double>(told++) / static_cast<double>(best_drawn.size()), "drawing " + name);
+    const FitResult& beside = *besides[b];
+    const double fall = problem.settings.independent_share * (beside.difference.squaredNorm() - found[i][b].cost);
+    if (fall < kLeastFall || above_free_power(found[i][b], free, count) >= kWorthALook) continue;
+    const common::EffectAbout& about = problem.catalogue.at(name);
+    const std::optional<std::size_t> mean = delays_by_chance(about) ? mean_among(problem.catalogue, beside.point.effects) : std::nullopt;
+    tries.push_back({beside, mean, with_power(about, drawn[i]->start, found[i][b].scale), found[i][b], powers[i]});
+    Try& one = tries.back();
     look(problem, delays, one);
-    looked.push_back(&one);
-    if (is_near_enough(one, free)) near.insert(one.effect.name);
+    if (is_near_enough(one, free)) near.insert(name);
   }
   // Where no power is near and much is left, a second effect may be what is too much for the best of them alone.
   const bool much_is_left = std::all_of(fits.begin(), fits.end(), [](const FitResult& result) { return result.excess > kMuch; });
@@ -343,7 +358,8 @@ std::vector<FitResult> chance_fits(Problem& problem, const Screening& screening,
   };
   std::map<std::string, const Try*> alone_of;  // the best of each effect by chance
   const Try* beside_another = nullptr;
-  for (const Try* one : looked) {
+  for (const Try& tried : tries) {
+    const Try* const one = &tried;
     const bool is_alone = one->is_alone(), is_near = may_be_it(*one, free);
     const bool is_open = is_near || (near.empty() && much_is_left);
     if (is_alone && is_open) {

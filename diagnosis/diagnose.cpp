@@ -57,7 +57,7 @@ struct Weighed {
   }
 };
 
-Weighed weigh_fits(const Problem& problem, const Found& found, std::size_t effect_count, EvidenceSettings evidence) {
+Weighed weigh_fits(Problem& problem, const Found& found, std::size_t effect_count, EvidenceSettings evidence) {
   evidence.independent_share = problem.settings.independent_share;
   if (has_coarse_counts(problem.records)) {
     evidence.unknown_floor += kCoarseNoise * problem.settings.independent_share * static_cast<double>(difference_count(problem));
@@ -67,16 +67,17 @@ Weighed weigh_fits(const Problem& problem, const Found& found, std::size_t effec
   const MisfitCost misfit_cost(evidence, found.nothing.excess - least);
   Weighed weighed;
   std::vector<Candidate> candidates;
-  const auto add_candidate = [&](const FitResult& result) {
+  std::vector<Relaxed> relaxed_fits(found.fits.size());
+  share_out(problem, found.fits.size(), [&](std::size_t i) { relaxed_fits[i] = relax(problem, found.fits[i], misfit_cost, least); });
+  const auto add_candidate = [&](const FitResult& result, const Relaxed& relaxed) {
     Cause cause = make_cause(problem.catalogue, result);
-    const Relaxed relaxed = relax(problem, result, misfit_cost, least);
     cause.excess = relaxed.excess;
     cause.prior = relaxed.prior;
     candidates.push_back({cause.effects, cause.excess, cause.prior, cause.information});
     weighed.causes.push_back(std::move(cause));
   };
-  add_candidate(found.nothing);
-  for (const FitResult& result : found.fits) add_candidate(result);
+  add_candidate(found.nothing, relax(problem, found.nothing, misfit_cost, least));
+  for (std::size_t i = 0; i < found.fits.size(); ++i) add_candidate(found.fits[i], relaxed_fits[i]);
   weighed.probabilities = weigh(candidates, static_cast<int>(effect_count), evidence);
   // What is explained is counted down to what the noise, or the best of all fits, leaves.
   const double floor = weighed.probabilities.floor, gap = found.nothing.excess - floor;

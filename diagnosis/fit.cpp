@@ -9,6 +9,7 @@
 #include <exception>
 #include <mutex>
 #include <numbers>
+#include <optional>
 #include <stdexcept>
 #include <thread>
 
@@ -79,7 +80,9 @@ double cost_of(const Problem& problem, const Point& point, const Eigen::VectorXd
 // The cost's, for Gauss-Newton steps.
 Eigen::MatrixXd curvature(const Problem& problem, const Point& point, const Eigen::VectorXd& difference,
                           const Eigen::MatrixXd& columns) {
-  Eigen::MatrixXd system = data_weight(difference, problem.settings) * columns.transpose() * columns;
+  Eigen::MatrixXd system = Eigen::MatrixXd::Zero(columns.cols(), columns.cols());
+  system.selfadjointView<Eigen::Lower>().rankUpdate(columns.transpose(), data_weight(difference, problem.settings));
+  system.triangularView<Eigen::StrictlyUpper>() = system.transpose();
   system.diagonal().array() += prior_rows(problem, point).slope.array().square();
   return system;
 }
@@ -362,10 +365,40 @@ double longest_record(const Problem& problem) {
   return longest;
 }
 
+const DriveCourse& SimulationStock::drives(const Record& record, std::size_t index, const sim::DriveProtectionSettings& protection) {
+  const std::lock_guard lock(mutex_);
+  if (drives_.size() <= index) drives_.resize(index + 1);
+  if (!drives_[index]) drives_[index] = std::make_unique<const DriveCourse>(drive_course(record, protection));
+  return *drives_[index];
+}
+
+std::unique_ptr<SimulationRoom> SimulationStock::take_room() {
+  const std::lock_guard lock(mutex_);
+  if (rooms_.empty()) return std::make_unique<SimulationRoom>();
+  std::unique_ptr<SimulationRoom> room = std::move(rooms_.back());
+  rooms_.pop_back();
+  return room;
+}
+
+void SimulationStock::give_back(std::unique_ptr<SimulationRoom> room) {
+  const std::lock_guard lock(mutex_);
+  rooms_.push_back(std::move(room));
+}
+
+namespace {
+
+void shadow_at(const Problem& problem, Follower follower, const Point& point, std::size_t record, Shadow& result) {
+  shadow(std::move(follower), problem.records[record], problem.stock.drives(problem.records[record], record, problem.nominal.drive_protection),
+         problem.gains, encoder_latency(problem.nuisances, point.nuisance), swing_at_start(problem.nuisances, point.nuisance, record),
+         motor_offset_at_start(problem.nuisances, point.nuisance, record), result);
+}
+
+}  // namespace
+
 Shadow shadow_at(const Problem& problem, const Point& point, std::size_t record) {
-  return shadow(machine_at(problem.nominal, problem.nuisances, point), problem.records[record], problem.gains,
-                encoder_latency(problem.nuisances, point.nuisance), swing_at_start(problem.nuisances, point.nuisance, record),
-                motor_offset_at_start(problem.nuisances, point.nuisance, record));
+  Shadow result;
+  shadow_at(problem, follower_of(machine_at(problem.nominal, problem.nuisances, point), problem.records[record].step), point, record, result);
+  return result;
 }
 
 void share_out(Problem& problem, std::size_t count, const std::function<void(std::size_t)>& work) {
@@ -400,17 +433,36 @@ void share_out(Problem& problem, std::size_t count, const std::function<void(std
 Eigen::VectorXd differences(Problem& problem, const Point& point) {
   const std::vector<Eigen::Index> first_row = first_rows(problem);
   Eigen::VectorXd result(first_row.back());
+  const auto count_time = [&](std::chrono::steady_clock::time_point begun) {
+    problem.simulation_time +=
+        std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now() - begun).count();
+  };
+  // Nothing where its boom buckles; any other error is one of the program's.
+  const auto machine_for = [&](const Record& record) -> std::optional<Follower> {
+    try {
+      return follower_of(machine_at(problem.nominal, problem.nuisances, point), record.step);
+    } catch (const sim::CannotBeBuilt&) {
+      return std::nullopt;
+    }
+  };
+  const auto making = std::chrono::steady_clock::now();
+  const std::optional<Follower> made = machine_for(problem.records.front());
+  count_time(making);
   share_out(problem, problem.records.size(), [&](std::size_t r) {
     if (problem.is_stopped()) throw Interrupted{};
     const auto begun = std::chrono::steady_clock::now();
     auto rows = result.segment(first_row[r], problem.whitening[r].size());
-    try {
-      rows = whiten(problem.whitening[r], shadow_at(problem, point, r));
-    } catch (const sim::CannotBeBuilt&) {  // its boom buckles; any other error is one of the program's
+    const bool is_made = problem.records[r].step == problem.records.front().step;
+    std::optional<Follower> follower = is_made ? made : machine_for(problem.records[r]);
+    if (follower) {
+      std::unique_ptr<SimulationRoom> room = problem.stock.take_room();
+      shadow_at(problem, std::move(*follower), point, r, room->shadow);
+      whiten(problem.whitening[r], room->shadow, room->transform, rows);
+      problem.stock.give_back(std::move(room));
+    } else {
       rows.setConstant(kVeryFarOff);
     }
-    problem.simulation_time +=
-        std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now() - begun).count();
+    count_time(begun);
     ++problem.simulations;
   });
   // A machine that is not stable at an odd point counts as very far off as well, not as a number that spreads.

@@ -14,6 +14,8 @@
 #include <Eigen/Core>
 #include <atomic>
 #include <functional>
+#include <memory>
+#include <mutex>
 #include <span>
 #include <string>
 #include <vector>
@@ -56,6 +58,26 @@ sim::MachineSettings machine_at(const sim::MachineSettings& nominal, const Nuisa
 
 struct Chance;  // chance.h
 
+// What one simulation works in, used again by the next one.
+struct SimulationRoom {
+  Shadow shadow;
+  TransformRoom transform;
+};
+
+// What the simulations of a problem have in common, made when it is first asked for. The records must not change from then on.
+class SimulationStock {
+ public:
+  // What a record's drives deliver.
+  const DriveCourse& drives(const Record& record, std::size_t index, const sim::DriveProtectionSettings& protection);
+  std::unique_ptr<SimulationRoom> take_room();
+  void give_back(std::unique_ptr<SimulationRoom> room);
+
+ private:
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<const DriveCourse>> drives_;  // per record
+  std::vector<std::unique_ptr<SimulationRoom>> rooms_;      // that nobody works in
+};
+
 // Everything that stays the same over one diagnosis. Counts simulations; may be asked to stop.
 struct Problem {
   // Without the modes above `highest_mode` of the thresholds: they would take a fifth of a simulation's time and change the differences,
@@ -72,6 +94,7 @@ struct Problem {
   std::atomic<int> helpers{0};  // threads besides the caller's that are at work now
   std::atomic<std::int64_t> simulations{0};
   std::atomic<std::int64_t> simulation_time{0};  // [ns] in them, summed over the threads
+  mutable SimulationStock stock;
   const Chance* chance = nullptr;           // by whose power the differences are divided
   std::function<bool()> is_stopped = [] { return false; };  // asked before every simulation: where true, unwind with Interrupted
 };

@@ -96,4 +96,24 @@ sim::DriveCommand RecordedDrive::next() {
   return sim::drive_command(protection_, run_, state_, moment, step_);
 }
 
+DriveCourse drive_course(const Record& record, const sim::DriveProtectionSettings& protection) {
+  DriveCourse course;
+  const auto groups = static_cast<std::size_t>(record.group_count);
+  for (std::size_t g = 0; g < groups; ++g) {
+    course.motor_torque[g].reserve(record.size());
+    course.brake_torque[g].reserve(record.size());
+  }
+  course.enable.reserve(record.size());
+  RecordedDrive drive(record, protection);
+  for (std::size_t n = 0; n < record.size(); ++n) {
+    const sim::DriveCommand command = drive.next();
+    for (std::size_t g = 0; g < groups; ++g) {
+      course.motor_torque[g].push_back(command.motor_torque[g]);
+      course.brake_torque[g].push_back(command.brake_torque[g]);
+    }
+    course.enable.push_back(command.enable);
+  }
+  return course;
+}
+
 }  // namespace slewlab::diagnosis

@@ -7,7 +7,9 @@
 // begins with a drive that delivers nothing; any other with one that delivers the first command.
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <vector>
 
 #include "diagnosis/record.h"
 #include "sim/drive/drive_protection.h"
@@ -41,5 +43,12 @@ class RecordedDrive {
   bool tripped_ = false;             // as the newest PLANT_STATUS says
   std::int64_t last_command_ = 0;    // [ns]
 };
+
+// The commands of a whole record, from each grid point to the next: all that a RecordedDrive says, which depends on no machine.
+struct DriveCourse {
+  std::array<std::vector<double>, sim::kMaximumGroupCount> motor_torque, brake_torque;  // [Nm per motor] of the groups there are
+  std::vector<bool> enable;
+};
+DriveCourse drive_course(const Record& record, const sim::DriveProtectionSettings& protection);
 
 }  // namespace slewlab::diagnosis

@@ -291,7 +291,7 @@ Screening screen(Problem& problem, const FitResult& from, const Projector& proje
     for (std::size_t first = 0; first < points.size(); first += batch) {
       const std::size_t count = std::min(batch, points.size() - first);
       const auto results = differences(problem, std::span<const Point>(points).subspan(first, count));
-      for (std::size_t i = 0; i < count; ++i) look(tried[first + i], results[i], kLargestAmount);
+      share_out(problem, count, [&](std::size_t i) { look(tried[first + i], results[i], kLargestAmount); });
       tell(0.9 * static_cast<double>(first + count) / static_cast<double>(points.size()), "trying every effect of the catalogue");
     }
   }
@@ -331,7 +331,7 @@ Screening screen(Problem& problem, const FitResult& from, const Projector& proje
     }
     tell(0.9 + 0.1 * closer / kCloserLooks, "looking again at the promising effects");
     const auto results = differences(problem, at);
-    for (std::size_t i = 0; i < again.size(); ++i) look(again[i], results[i], kCloserAmount);
+    share_out(problem, again.size(), [&](std::size_t i) { look(again[i], results[i], kCloserAmount); });
     const std::size_t known = tried.size();
     tried.insert(tried.end(), std::make_move_iterator(again.begin()), std::make_move_iterator(again.end()));
     looks.clear();

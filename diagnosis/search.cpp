@@ -135,8 +135,8 @@ std::vector<PairStart> pair_starts(Problem& problem, const FitResult& base, cons
     Point start;
     double left;
   };
-  std::vector<Pair> joint;
-  for (std::size_t i = 0; i < best.size(); ++i) {
+  std::vector<std::vector<Pair>> joint_with(best.size());
+  share_out(problem, best.size(), [&](std::size_t i) {
     for (std::size_t j = i + 1; j < best.size(); ++j) {
       const std::optional<Amounts> amounts = joint_amounts(best[i]->column, best[j]->column, gap, kParallel);
       if (!amounts) continue;
@@ -145,9 +145,11 @@ std::vector<PairStart> pair_starts(Problem& problem, const FitResult& base, cons
         return std::fabs(amount) <= kLargestAmount && (amount > 0.0 || common::size_turns_sign(problem.catalogue.at(s.start.name)));
       };
       if (!allowed(*best[i], x) || !allowed(*best[j], y)) continue;
-      joint.push_back({with_amount(problem.catalogue, with_amount(problem.catalogue, base.point, *best[i], x), *best[j], y), gap.squaredNorm() + x * a_target + y * b_target});
+      joint_with[i].push_back({with_amount(problem.catalogue, with_amount(problem.catalogue, base.point, *best[i], x), *best[j], y), gap.squaredNorm() + x * a_target + y * b_target});
     }
-  }
+  });
+  std::vector<Pair> joint;
+  for (std::vector<Pair>& pairs : joint_with) joint.insert(joint.end(), std::make_move_iterator(pairs.begin()), std::make_move_iterator(pairs.end()));
   std::stable_sort(joint.begin(), joint.end(), [](const Pair& a, const Pair& b) { return a.left < b.left; });
   // Forecasts from where nothing is added are compared with each other, those beside a single fit with that fit.
   double best_single = gap.squaredNorm();
@@ -265,7 +267,7 @@ Found search(Problem& problem, const FitResult& base, const Screening& screening
   go_back(problem, base.columns, 2, fits);
   going_back(0.8, "going back to none");
   go_back(problem, base.columns, 1, fits);
-  for (FitResult& result : fits) conclude(problem, result);
+  share_out(problem, fits.size(), [&](std::size_t i) { conclude(problem, fits[i]); });
   FitResult& nothing = found.nothing;
   nothing = base;
   const auto without_effects =

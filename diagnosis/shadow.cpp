@@ -15,12 +15,19 @@ namespace {
 constexpr double kNanosecond = 1e-9;  // [s]
 constexpr double kFastest = 1.0;      // speed rate times period: half of what a feedback once per period holds stable
 
-// The series between its points; at its ends it stands still.
-double between(const std::vector<double>& series, double n) {
-  const double inside = std::clamp(n, 0.0, static_cast<double>(series.size() - 1));
-  const auto i = static_cast<std::size_t>(inside);
-  const double share = inside - static_cast<double>(i);
-  return share == 0.0 ? series[i] : series[i] + share * (series[i + 1] - series[i]);
+// A place between the points of series of equal length; at their ends they stand still.
+struct Place {
+  std::size_t point;
+  double share;  // of the way to the next point
+};
+Place place_at(double n, std::size_t size) {
+  const double inside = std::clamp(n, 0.0, static_cast<double>(size - 1));
+  const auto point = static_cast<std::size_t>(inside);
+  return {point, inside - static_cast<double>(point)};
+}
+double value_at(const std::vector<double>& series, const Place& place) {
+  const double here = series[place.point];
+  return place.share == 0.0 ? here : here + place.share * (series[place.point + 1] - here);
 }
 
 // From what the shadow's sensor says at every step to measured - shadow, taken where the sensor was sampled and straight in between, as
@@ -28,7 +35,7 @@ double between(const std::vector<double>& series, double n) {
 void sample_alike(const Record& record, std::size_t accelerometer, std::vector<double>& series) {
   std::vector<double> difference = record.sampled_acceleration[accelerometer];
   for (std::size_t j = 0; j < difference.size(); ++j) {
-    difference[j] -= between(series, (kNanosecond * static_cast<double>(record.sampled_at[j]) - record.start_time) / record.step);
+    difference[j] -= value_at(series, place_at((kNanosecond * static_cast<double>(record.sampled_at[j]) - record.start_time) / record.step, series.size()));
   }
   series = resample(record.sampled_at, difference, record, record.size());
 }
@@ -102,67 +109,80 @@ ShadowSettings not_faster_than(ShadowSettings settings, double period) {
   return settings;
 }
 
-Shadow shadow(const sim::MachineSettings& settings, const Record& record, const ShadowGains& gains, double encoder_latency,
-              const Swing& swing, const GroupAngles& motor_offset) {
+Follower follower_of(const sim::MachineSettings& settings, double step) {
+  Follower follower;
   sim::MachineSettings with_step = settings;
-  with_step.step = record.step;
-  double encoder_lead = encoder_latency / record.step;  // [steps]
+  with_step.step = step;
   std::erase_if(with_step.effects, [&](const common::EffectInstance& effect) {
     const sim::EffectDescription* description = sim::find_effect(effect.name);
     if (description == nullptr || description->about.pure_delay != common::PureDelay::encoder) return false;
-    encoder_lead += effect.values[common::kSize] / record.step;
+    follower.encoder_delay += effect.values[common::kSize] / step;
     return true;
   });
-  sim::Machine machine = sim::make_machine(with_step);
+  follower.machine = sim::make_machine(with_step);
+  follower.to_slew_axis = settings.crane.drive.motors_per_group * follower.machine.model.ratio;
+  return follower;
+}
+
+Shadow shadow(const sim::MachineSettings& settings, const Record& record, const ShadowGains& gains, double encoder_latency,
+              const Swing& swing, const GroupAngles& motor_offset) {
+  Shadow result;
+  shadow(follower_of(settings, record.step), record, drive_course(record, settings.drive_protection), gains, encoder_latency, swing, motor_offset,
+         result);
+  return result;
+}
+
+void shadow(Follower follower, const Record& record, const DriveCourse& drives, const ShadowGains& gains, double encoder_latency, const Swing& swing,
+            const GroupAngles& motor_offset, Shadow& result) {
+  sim::Machine& machine = follower.machine;
+  const double encoder_lead = encoder_latency / record.step + follower.encoder_delay;  // [steps]
   start_moving(machine, record);
   if (record.begins_pressed) start_pressed(machine, record);
   start_swinging(machine, swing);
 
-  Shadow result;
   const std::size_t count = record.size();
-  for (int g = 0; g < record.group_count; ++g) result.missing_torque[static_cast<std::size_t>(g)].resize(count);
+  const auto groups = static_cast<std::size_t>(record.group_count);
+  for (std::size_t g = 0; g < result.missing_torque.size(); ++g) result.missing_torque[g].resize(g < groups ? count : 0);
+  std::vector<std::size_t> judged;  // accelerometers
   for (std::size_t a = 0; a < kAccelerometerCount; ++a) {
-    if (!record.acceleration[a].empty()) result.acceleration_difference[a].resize(count);
+    if (!record.acceleration[a].empty()) judged.push_back(a);
+    result.acceleration_difference[a].resize(record.acceleration[a].empty() ? 0 : count);
   }
   std::array<double, sim::kMaximumGroupCount> origin{};
-  for (int g = 0; g < record.group_count; ++g) {
-    const auto i = static_cast<std::size_t>(g);
+  for (std::size_t i = 0; i < groups; ++i) {
     origin[i] = record.shaft_position[i][0] - (machine.state.motor_angle[i] + motor_offset[i]) * machine.model.ratio;
   }
-  const auto cycle = static_cast<std::size_t>(std::lround(record.encoder_period / record.step));
+  const auto cycle = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(record.encoder_period / record.step)));
   const bool has_tip = !record.acceleration[kTip].empty();
   const double leak = std::exp(-record.step / gains.leak_time);
-  const double to_slew_axis = settings.crane.drive.motors_per_group * machine.model.ratio;
   double tip_error = 0.0;  // [m/s]
   // The tip's sensor may have an offset, which must not lead the shadow: at first what differs at rest, or turning evenly.
   const auto first = static_cast<std::size_t>(gains.first_offset / record.step);
   const double forget = std::exp(-record.step / gains.offset_time);
   double tip_offset = 0.0;  // [m/s^2]
   result.contact_lost.assign(count, false);
-  RecordedDrive drive(record, settings.drive_protection);
+  sim::DriveCommand command;
   for (std::size_t n = 0; n < count; ++n) {
     const sim::MachineReadings readings = sim::read(machine);
-    sim::DriveCommand command = drive.next();
-    command.sequence = static_cast<std::int64_t>(n / std::max<std::size_t>(1, cycle));
-    for (int g = 0; g < record.group_count; ++g) {
-      const auto i = static_cast<std::size_t>(g);
-      const double read_at = static_cast<double>(n) + encoder_lead;
-      const double missing =
-          gains.speed * (between(record.position_rate[i], read_at) - readings.shaft_speed[i]) +
-          gains.position * (between(record.shaft_position[i], read_at) - origin[i] - readings.shaft_position[i]);
+    command.sequence = static_cast<std::int64_t>(n / cycle);
+    command.enable = drives.enable[n];
+    const Place read_at = place_at(static_cast<double>(n) + encoder_lead, count);
+    for (std::size_t i = 0; i < groups; ++i) {
+      command.motor_torque[i] = drives.motor_torque[i][n];
+      command.brake_torque[i] = drives.brake_torque[i][n];
+      const double missing = gains.speed * (value_at(record.position_rate[i], read_at) - readings.shaft_speed[i]) +
+                             gains.position * (value_at(record.shaft_position[i], read_at) - origin[i] - readings.shaft_position[i]);
       result.missing_torque[i][n] = missing;
       // Past the actuators: what is missing at a motor is not limited or delayed by its drive.
-      machine.outside.motor_torque[i] = missing * to_slew_axis;
+      machine.outside.motor_torque[i] = missing * follower.to_slew_axis;
       // Gears without play touch always: they change flanks without a shock.
       if (machine.state.contact[i] == 0 && machine.model.gear[i].half_play > 0.0) result.contact_lost[n] = true;
     }
     const double sensed[kAccelerometerCount] = {readings.house_acceleration, readings.pivot_acceleration,
                                                 readings.middle_acceleration, readings.tip_acceleration};
-    for (std::size_t a = 0; a < kAccelerometerCount; ++a) {
-      if (!record.acceleration[a].empty()) {
-        // Where sensors are not sampled on the grid, at first what the shadow's would say.
-        result.acceleration_difference[a][n] = record.sampled_at.empty() ? record.acceleration[a][n] - sensed[a] : sensed[a];
-      }
+    for (const std::size_t a : judged) {
+      // Where sensors are not sampled on the grid, at first what the shadow's would say.
+      result.acceleration_difference[a][n] = record.sampled_at.empty() ? record.acceleration[a][n] - sensed[a] : sensed[a];
     }
     if (has_tip) {
       const double difference = record.acceleration[kTip][n] - readings.tip_acceleration;
@@ -177,11 +197,8 @@ Shadow shadow(const sim::MachineSettings& settings, const Record& record, const 
     sim::step(machine, command);
   }
   if (!record.sampled_at.empty()) {
-    for (std::size_t a = 0; a < kAccelerometerCount; ++a) {
-      if (!record.acceleration[a].empty()) sample_alike(record, a, result.acceleration_difference[a]);
-    }
+    for (const std::size_t a : judged) sample_alike(record, a, result.acceleration_difference[a]);
   }
-  return result;
 }
 
 }  // namespace slewlab::diagnosis

@@ -14,6 +14,8 @@
 #include <vector>
 
 #include "diagnosis/record.h"
+#include "diagnosis/recorded_drive.h"
+#include "sim/integrate/machine.h"
 #include "sim/integrate/machine_settings.h"
 #include "sim/machine/scales.h"
 
@@ -66,5 +68,18 @@ using GroupAngles = std::array<double, sim::kMaximumGroupCount>;  // [rad]
 // Throws std::invalid_argument where the machine cannot be built.
 Shadow shadow(const sim::MachineSettings& machine, const Record& record, const ShadowGains& gains,
               double encoder_latency = 0.0, const Swing& swing = {}, const GroupAngles& motor_offset = {});
+
+// A machine that is to follow records on a grid of one step: made once for all of them.
+struct Follower {
+  sim::Machine machine;
+  double encoder_delay = 0.0;  // [steps] of its own encoders; the machine itself has none
+  double to_slew_axis = 0.0;   // torque of a group there per torque of one motor
+};
+// Throws as shadow().
+Follower follower_of(const sim::MachineSettings& machine, double step);
+
+// The same into a result whose room is used again, with what the drives make of the record, which is the same for all machines.
+void shadow(Follower follower, const Record& record, const DriveCourse& drives, const ShadowGains& gains, double encoder_latency, const Swing& swing,
+            const GroupAngles& motor_offset, Shadow& result);
 
 }  // namespace slewlab::diagnosis

@@ -29,15 +29,15 @@ std::size_t fast_length(std::size_t count) {
   }
 }
 
-// Many channels by one plan: making its sines takes as long as using them.
+// Many series of one record, one after the other.
 class Transform {
  public:
   explicit Transform(const Whitening& whitening) : window_(whitening.window), padded_(whitening.transform_length, 0.0) {
     fft_.SetFlag(Eigen::FFT<double>::HalfSpectrum);
   }
-  // One value per grid point, less `offset`. Valid until the next call.
-  const std::vector<std::complex<double>>& operator()(const std::vector<double>& values, double offset = 0.0) {
-    for (std::size_t n = 0; n < values.size(); ++n) padded_[n] = (values[n] - offset) * window_[n];
+  // One value per grid point. Valid until the next call.
+  const std::vector<std::complex<double>>& operator()(const std::vector<double>& values) {
+    for (std::size_t n = 0; n < values.size(); ++n) padded_[n] = values[n] * window_[n];
     fft_.fwd(spectrum_, padded_);
     return spectrum_;
   }
@@ -258,24 +258,76 @@ Whitening make_whitening(const Record& record, const std::vector<bool>& trusted,
   return whitening;
 }
 
-Eigen::VectorXd whiten(const Whitening& whitening, const Shadow& shadow) {
-  Eigen::VectorXd result(whitening.size());
-  Transform transform(whitening);
-  Eigen::Index row = 0;
-  for (std::size_t c = 0; c < whitening.channels.size(); ++c) {
-    const Channel& channel = whitening.channels[c];
-    const auto i = static_cast<std::size_t>(channel.index);
-    const std::vector<double>& values =
-        channel.is_torque ? shadow.missing_torque[i] : shadow.acceleration_difference[i];
-    const auto& spectrum = transform(values, channel.is_torque ? 0.0 : mean_under(whitening, values));
-    for (std::size_t b = 0; b < whitening.bin_count; ++b) {
-      const std::complex<double> value = spectrum[whitening.first_bin + b];
-      const double weight = whitening.weight[c](static_cast<Eigen::Index>(b));
-      result(row++) = weight * value.real();
-      result(row++) = weight * value.imag();
+std::span<const std::complex<Two>> TransformRoom::spectra(const Whitening& whitening, const Series& first, const Series& second) {
+  const std::vector<double>& window = whitening.window;
+  const std::size_t length = whitening.transform_length, half = length / 2;
+  const auto value_at = [&](std::size_t n) {
+    if (n >= window.size()) return Two{};
+    const double one = ((*first.values)[n] - first.offset) * window[n];
+    const double other = second.values != nullptr ? ((*second.values)[n] - second.offset) * window[n] : 0.0;
+    return Two(Two::Lanes{one, other});
+  };
+  spectra_.resize(whitening.bin_count);
+  // Where the length allows, even and odd values as real and imaginary parts of half as many (Sorensen et al. 1987, IEEE Transactions on
+  // Acoustics, Speech, and Signal Processing 35, p. 849).
+  if (length % 4 != 0) {
+    values_.resize(length);
+    transformed_.resize(length);
+    for (std::size_t n = 0; n < length; ++n) values_[n] = value_at(n);
+    fft_.fwd(transformed_.data(), values_.data(), static_cast<Eigen::Index>(length));
+    for (std::size_t b = 0; b < whitening.bin_count; ++b) spectra_[b] = transformed_[whitening.first_bin + b];
+    return spectra_;
+  }
+  if (turns_length_ != length) {
+    turns_length_ = length;
+    turns_.clear();
+    for (std::size_t k = 0; k <= half / 2; ++k) {
+      turns_.push_back(std::exp(std::complex<double>(0.0, -std::numbers::pi * (static_cast<double>(k) / static_cast<double>(half) + 0.5))));
     }
   }
+  values_.resize(half);
+  transformed_.resize(half);
+  for (std::size_t n = 0; n < half; ++n) values_[n] = {value_at(2 * n), value_at(2 * n + 1)};
+  fft_.fwd(transformed_.data(), values_.data(), static_cast<Eigen::Index>(half));
+  for (std::size_t b = 0; b < whitening.bin_count; ++b) {
+    const std::size_t bin = whitening.first_bin + b;  // never 0, and below half
+    const bool is_mirrored = bin >= half / 2;
+    const std::size_t k = is_mirrored ? half - bin : bin;
+    const std::complex<Two> here = transformed_[k], there = std::conj(transformed_[half - k]);
+    const std::complex<Two> turned = (here - there) * std::complex<Two>(turns_[k].real(), turns_[k].imag());
+    spectra_[b] = is_mirrored ? std::conj(here + there - turned) * Two(0.5) : (here + there + turned) * Two(0.5);
+  }
+  return spectra_;
+}
+
+Eigen::VectorXd whiten(const Whitening& whitening, const Shadow& shadow) {
+  Eigen::VectorXd result(whitening.size());
+  TransformRoom room;
+  whiten(whitening, shadow, room, result);
   return result;
+}
+
+void whiten(const Whitening& whitening, const Shadow& shadow, TransformRoom& room, Eigen::Ref<Eigen::VectorXd> result) {
+  const auto rows = static_cast<Eigen::Index>(2 * whitening.bin_count);  // of a channel
+  const auto series_of = [&](std::size_t c) -> TransformRoom::Series {
+    if (c >= whitening.channels.size()) return {nullptr};
+    const Channel& channel = whitening.channels[c];
+    const auto i = static_cast<std::size_t>(channel.index);
+    if (channel.is_torque) return {&shadow.missing_torque[i]};
+    return {&shadow.acceleration_difference[i], mean_under(whitening, shadow.acceleration_difference[i])};
+  };
+  for (std::size_t first = 0; first < whitening.channels.size(); first += 2) {
+    const auto spectra = room.spectra(whitening, series_of(first), series_of(first + 1));
+    for (std::size_t lane = 0; lane < 2 && first + lane < whitening.channels.size(); ++lane) {
+      const Eigen::VectorXd& weight = whitening.weight[first + lane];
+      Eigen::Index row = rows * static_cast<Eigen::Index>(first + lane);
+      for (std::size_t b = 0; b < whitening.bin_count; ++b) {
+        const double w = weight(static_cast<Eigen::Index>(b));
+        result(row++) = w * spectra[b].real().lanes[lane];
+        result(row++) = w * spectra[b].imag().lanes[lane];
+      }
+    }
+  }
 }
 
 }  // namespace slewlab::diagnosis

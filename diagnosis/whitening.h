@@ -11,6 +11,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <complex>
+#include <span>
+#include <unsupported/Eigen/FFT>
 #include <vector>
 
 #include "diagnosis/record.h"
@@ -64,5 +67,42 @@ std::vector<bool> trusted_stretches(const Record& record, const Shadow& shadow, 
 
 // Real and imaginary part of every bin of every channel, weighted.
 Eigen::VectorXd whiten(const Whitening& whitening, const Shadow& shadow);
+
+// Two numbers that one instruction of every x86-64 and every 64-bit ARM handles, each as if it were alone, bit for bit.
+struct Two {
+  using Lanes [[gnu::vector_size(16)]] = double;
+  Lanes lanes{};
+
+  Two() = default;
+  Two(double both) : lanes{both, both} {}  // NOLINT: a number among them
+  explicit Two(Lanes given) : lanes(given) {}
+  Two& operator+=(Two other) { lanes += other.lanes; return *this; }
+  Two& operator-=(Two other) { lanes -= other.lanes; return *this; }
+  Two& operator*=(Two other) { lanes *= other.lanes; return *this; }
+  friend Two operator+(Two a, Two b) { return Two(a.lanes + b.lanes); }
+  friend Two operator-(Two a, Two b) { return Two(a.lanes - b.lanes); }
+  friend Two operator*(Two a, Two b) { return Two(a.lanes * b.lanes); }
+  friend Two operator-(Two a) { return Two(-a.lanes); }
+};
+
+// The transforms' sines and room, used again: making them takes as long as using them. Two series are transformed at once, and of their
+// spectra only the bins that are judged are put together.
+class TransformRoom {
+ public:
+  struct Series {
+    const std::vector<double>* values;  // one per point of the whitening's grid; null: none
+    double offset = 0.0;                // taken off them
+  };
+  // Under the whitening's window, from its first bin on. Valid until the next call.
+  std::span<const std::complex<Two>> spectra(const Whitening& whitening, const Series& first, const Series& second);
+
+ private:
+  Eigen::FFT<Two> fft_;
+  std::vector<std::complex<Two>> values_, transformed_, spectra_;
+  std::vector<std::complex<double>> turns_;  // of the transform of this length: what puts the spectra of even and odd values together
+  std::size_t turns_length_ = 0;
+};
+// As whiten(), into `result`.
+void whiten(const Whitening& whitening, const Shadow& shadow, TransformRoom& room, Eigen::Ref<Eigen::VectorXd> result);
 
 }  // namespace slewlab::diagnosis

@@ -13,13 +13,13 @@ namespace {
 class CommandDelay : public Running<CommandDelay> {
  public:
   explicit CommandDelay(const EffectStart& start)
-      : delay_(start.value("delay") / start.model.step), line_(delay_) {}
+      : delay_(start.value("delay") / start.model.step), line_(delay_), group_count_(static_cast<std::size_t>(start.model.group_count)) {}
 
   void message(double, DriveCommand& command) override {
     line_.push(command);
     const auto past = line_.at(delay_);
     DriveCommand arrived = past.share > 0.0 ? past.older : past.newer;
-    for (std::size_t i = 0; i < command.motor_torque.size(); ++i) {
+    for (std::size_t i = 0; i < group_count_; ++i) {
       arrived.motor_torque[i] = blend(past.older.motor_torque[i], past.newer.motor_torque[i], past.share);
       arrived.brake_torque[i] = blend(past.older.brake_torque[i], past.newer.brake_torque[i], past.share);
     }
@@ -29,6 +29,7 @@ class CommandDelay : public Running<CommandDelay> {
  private:
   double delay_;  // [steps]
   DelayLine<DriveCommand> line_;
+  std::size_t group_count_;
 };
 
 }  // namespace

@@ -12,12 +12,13 @@ namespace {
 
 class DeadTime : public Running<DeadTime> {
  public:
-  explicit DeadTime(const EffectStart& start) : delay_(start.value("delay") / start.model.step), line_(delay_) {}
+  explicit DeadTime(const EffectStart& start)
+      : delay_(start.value("delay") / start.model.step), line_(delay_), group_count_(static_cast<std::size_t>(start.model.group_count)) {}
 
   void actuator(const EffectMoment&, GroupArray& motor_torque) override {
     line_.push(motor_torque);
     const auto past = line_.at(delay_);
-    for (std::size_t i = 0; i < motor_torque.size(); ++i) {
+    for (std::size_t i = 0; i < group_count_; ++i) {
       motor_torque[i] = blend(past.older[i], past.newer[i], past.share);
     }
   }
@@ -25,6 +26,7 @@ class DeadTime : public Running<DeadTime> {
  private:
   double delay_;  // [steps]
   DelayLine<GroupArray> line_;
+  std::size_t group_count_;
 };
 
 }  // namespace

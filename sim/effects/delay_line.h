@@ -16,7 +16,7 @@ class DelayLine {
   explicit DelayLine(double longest) : samples_(static_cast<std::size_t>(std::ceil(longest)) + 2) {}
 
   void push(const Sample& sample) {
-    newest_ = (newest_ + 1) % samples_.size();
+    newest_ = newest_ + 1 < samples_.size() ? newest_ + 1 : 0;
     samples_[newest_] = sample;
   }
 
@@ -35,7 +35,8 @@ class DelayLine {
 
  private:
   std::size_t back(std::size_t steps) const {
-    return (newest_ + 2 * samples_.size() - steps % samples_.size()) % samples_.size();
+    if (steps >= samples_.size()) steps %= samples_.size();  // a division takes as long as the rest
+    return steps <= newest_ ? newest_ - steps : newest_ + samples_.size() - steps;
   }
 
   std::vector<Sample> samples_;

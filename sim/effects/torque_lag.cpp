@@ -22,7 +22,8 @@ class TorqueLag : public Running<TorqueLag> {
   explicit TorqueLag(const EffectStart& start)
       : time_constant_(start.value("time_constant") * (1.0 - start.value("delay_share"))),
         delay_(start.value("time_constant") * start.value("delay_share") / start.model.step),
-        line_(delay_) {
+        line_(delay_),
+        group_count_(static_cast<std::size_t>(start.model.group_count)) {
     if (time_constant_ == 0.0) return;
     const double decay = -std::expm1(-start.model.step / time_constant_);  // 1 - exp(-h / tau)
     kept_at_end_ = 1.0 - decay;
@@ -33,12 +34,12 @@ class TorqueLag : public Running<TorqueLag> {
     if (delay_ > 0.0) {
       line_.push({motor_torque});
       const auto past = line_.at(delay_);
-      for (std::size_t i = 0; i < motor_torque.size(); ++i) {
+      for (std::size_t i = 0; i < group_count_; ++i) {
         motor_torque[i] = blend(past.older.torque[i], past.newer.torque[i], past.share);
       }
     }
     if (time_constant_ == 0.0) return;
-    for (std::size_t i = 0; i < motor_torque.size(); ++i) {
+    for (std::size_t i = 0; i < group_count_; ++i) {
       const double command = motor_torque[i];
       const double lead = torque_[i] - command;
       motor_torque[i] = command + lead * kept_in_mean_;
@@ -53,6 +54,7 @@ class TorqueLag : public Running<TorqueLag> {
   double time_constant_;  // [s] of the lag
   double delay_;          // [steps] before it
   DelayLine<Sample> line_;
+  std::size_t group_count_;
   double kept_at_end_ = 0.0;
   double kept_in_mean_ = 0.0;
   GroupArray torque_{};  // [Nm] at the step's start

@@ -10,16 +10,19 @@
 #include <limits>
 #include <optional>
 
+#include "sim/integrate/plant.h"
+
 namespace slewlab::sim {
 
 namespace {
 
 class TorqueLimit : public Running<TorqueLimit> {
  public:
-  explicit TorqueLimit(const EffectStart& start) : limit_(start.value("limit")), knee_(start.value("knee") * limit_) {}
+  explicit TorqueLimit(const EffectStart& start)
+      : limit_(start.value("limit")), knee_(start.value("knee") * limit_), group_count_(static_cast<std::size_t>(start.model.group_count)) {}
 
   void actuator(const EffectMoment&, GroupArray& motor_torque) override {
-    for (double& torque : motor_torque) torque = limited(torque);
+    for (std::size_t i = 0; i < group_count_; ++i) motor_torque[i] = limited(motor_torque[i]);
   }
 
  private:
@@ -32,6 +35,7 @@ class TorqueLimit : public Running<TorqueLimit> {
 
   double limit_;  // [Nm]
   double knee_;   // [Nm] below the limit, over which the drive yields
+  std::size_t group_count_;
 };
 
 }  // namespace
