@@ -63,7 +63,7 @@ def phases(run):
 
     What happens at `end` belongs to the next part; the last one's end lies just behind the run's last message.
     """
-    end = np.nextafter(max(float(seconds(messages)[-1]) for messages in run.log.channels.values()), np.inf)
+    end = np.nextafter(max(table.last for table in run.log.tables.values()), np.inf)
     stop = stop_time(run.log)
     if stop is None or stop <= 0 or stop >= end:
         return [("", 0.0, end)]
