@@ -21,6 +21,7 @@ import numpy as np
 import pyarrow
 import pyarrow.csv
 import pyarrow.parquet
+from mcap.writer import CompressionType
 
 from mcap_batches import BatchWriter
 from protobuf_rows import ProtobufRows
@@ -159,7 +160,7 @@ def in_order_of_time(log):
 def write_mcap(log, out):
     """One file; events in the order of simulated time."""
     with growing(out) as partial, open(partial, "wb") as stream:
-        writer = BatchWriter(stream)
+        writer = BatchWriter(stream, compression=CompressionType.LZ4)  # zstd: a fifth smaller, five times as slow
         writer.start(profile="", library="slewlab")
         rows, channels = {}, {}
         for name, described in log.tables.items():
