@@ -3,8 +3,8 @@ first, the lowest, the highest and the last sample stay, at their own times; a s
 
 import numpy as np
 
-BINS = 1000         # [-] of a long series; a screen has fewer columns
-MOST_POINTS = 4000  # [-] that are drawn of one series
+BINS = 2000         # [-] of a long series; a screen has hardly more columns
+MOST_POINTS = 8000  # [-] that are drawn of one series
 
 
 class Envelope:

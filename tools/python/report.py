@@ -256,7 +256,7 @@ def set_scales(fig, layout, rows, columns):
 PAGE = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><title>{title}</title>
 <style>
-body {{ font-family: Helvetica, Arial, sans-serif; color: #222; margin: 1.2em auto; max-width: {width}px; }}
+body {{ font-family: Helvetica, Arial, sans-serif; color: #222; margin: 1.2em auto; padding: 0 .8em; max-width: {width}px; }}
 h1 {{ font-size: 1.35em; margin: 0 0 .3em 0; }}
 p {{ margin: .3em 0; color: #444; }}
 table {{ border-collapse: collapse; margin: .8em 0; font-size: .92em; }}
