@@ -19,10 +19,6 @@ import numpy as np
 
 REPOSITORY = Path(__file__).resolve().parents[2]
 
-# An event of LCM's log: sync word, number, time stamp, length of the channel's name, length of the data.
-EVENT_HEAD = struct.Struct(">IqqII")
-SYNC_WORD = 0xEDA1DA01
-
 # Records of slewlab-log-tables: number of the table and of its rows, or one of these.
 RECORD = struct.Struct("=ii")
 END_OF_STRETCH, END_OF_ANSWER, ERROR = -1, -2, -3
@@ -156,24 +152,6 @@ class RunLog:
                 raise LogProblem(f"{self.path}: changed while it was read")
             self._whole[name] = whole
         return self._whole[name]
-
-
-class EventWriter:
-    """Writes events as LCM's logs have them. lcm.EventLog would take a full disk for a written event."""
-
-    def __init__(self, path):
-        self.stream, self.count = open(path, "wb"), 0
-
-    def write(self, timestamp_us, channel, data):
-        name = channel.encode()
-        self.stream.write(EVENT_HEAD.pack(SYNC_WORD, self.count, timestamp_us, len(name), len(data)) + name + data)
-        self.count += 1
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, *_):
-        self.stream.close()
 
 
 def read_run_log(path):

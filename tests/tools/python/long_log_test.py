@@ -13,7 +13,8 @@ import numpy as np
 import made_run
 import report
 from envelope import BINS, MOST_POINTS, Envelope, thinned
-from run_log import SYNC_WORD, RunLog, messages_folder
+from event_rows import event_type, fill_heads
+from run_log import RunLog, messages_folder
 from run_numbers import numbers, read_run
 
 PERIOD = 1_000_000  # [ns]
@@ -23,18 +24,12 @@ FIELDS = ("house_acceleration", "pivot_acceleration", "middle_acceleration", "ti
 
 def write_sensors(path, count, peak_at=None):
     """`count` SENSORS messages at 1 kHz: a slow sine, and one sample that stands out."""
-    fingerprint = np.frombuffer(made_run.types.sensors_t._get_packed_fingerprint(), "S8")[0]
-    event = np.dtype([("sync", ">u4"), ("number", ">i8"), ("stamp", ">i8"), ("name_bytes", ">u4"), ("data_bytes", ">u4"), ("name", "S7"),
-                      ("fingerprint", "S8"), ("sequence", ">i8"), ("time", ">i8"), ("hash", ">i8"), ("run", ">i8"),
-                      *((field, ">f8") for field in FIELDS)])
     with open(path, "wb") as stream:
         for begin in range(0, count, 10_000):
             k = np.arange(begin, min(count, begin + 10_000))
-            events = np.zeros(len(k), event)
-            events["sync"], events["number"], events["stamp"] = SYNC_WORD, k, k * PERIOD // 1000
-            events["name"], events["name_bytes"], events["data_bytes"] = b"SENSORS", 7, event.itemsize - 35
-            events["fingerprint"], events["sequence"], events["time"] = fingerprint, k, k * PERIOD
-            events["hash"], events["run"] = made_run.HASH, made_run.RUN
+            events = np.zeros(len(k), event_type("SENSORS", made_run.types.sensors_t))
+            fill_heads(events, "SENSORS", made_run.types.sensors_t, k, k * PERIOD)
+            events["sequence"], events["configuration_hash"], events["run_identity"] = k, made_run.HASH, made_run.RUN
             for field in FIELDS:
                 events[field] = np.sin(2 * np.pi * 0.7 * k * PERIOD * 1e-9)
             events["tip_acceleration"][k == peak_at] = PEAK
