@@ -2,8 +2,8 @@
 #
 # The .lcm files are the table of the wire's signals: channel, field, type and, in brackets in the field's comment, its unit.
 # From them come
-# - layouts.hpp: the byte layout of every message (struct Layout, see msgs/codec.cpp): what lcm-gen's decoder takes on
-#   trust is checked by it before anything is decoded;
+# - layouts.hpp: the byte layout of every message (struct Layout, see msgs/wire_layout.cpp): what lcm-gen's decoder takes
+#   on trust is checked by it before anything is decoded, and whole tables are made of it (msgs/run_table.cpp);
 # - fields.hpp: every field with its name and unit, for whoever walks over messages (visit_fields());
 # - signals.json: the same for Python (tools/python/signals.py).
 # Knows what these files use: one
@@ -21,6 +21,16 @@ set(size_of_int64_t 8)
 set(size_of_float 4)
 set(size_of_double 8)
 
+# What a field's bytes are: signed, unsigned, boolean or floating point.
+set(kind_of_int8_t i)
+set(kind_of_byte u)
+set(kind_of_boolean b)
+set(kind_of_int16_t i)
+set(kind_of_int32_t i)
+set(kind_of_int64_t i)
+set(kind_of_float f)
+set(kind_of_double f)
+
 set(layouts "")
 set(includes "")
 set(visits "")
@@ -36,6 +46,7 @@ foreach(file IN LISTS FILES)
   set(fixed 0)
   set(fields "")
   set(rows "")
+  set(wire_fields "")
   macro(end_of_fixed_bytes)
     if(fixed GREATER 0)
       list(APPEND pieces "{Piece::fixed, ${fixed}, 0}")
@@ -77,6 +88,11 @@ foreach(file IN LISTS FILES)
         string(APPEND rows ",\n")
       endif()
       string(APPEND rows "    \"${name}\": \"${unit}\"")
+      set(count_index -1)
+      if(count)
+        list(FIND counts ${count} count_index)
+      endif()
+      list(APPEND wire_fields "{\"${name}\", '${kind_of_${type}}', ${size_of_${type}}, ${count_index}}")
       if(count)
         list(FIND counts ${count} index)
         if(index LESS 0)
@@ -101,6 +117,8 @@ foreach(file IN LISTS FILES)
   list(LENGTH pieces piece_count)
   list(LENGTH counts count_count)
   list(JOIN pieces ", " pieces)
+  list(LENGTH wire_fields field_count)
+  list(JOIN wire_fields ", " wire_fields)
   string(APPEND includes "#include <${package}/${struct}.hpp>\n")
   if(arrays)
     set(parameters "M& m, Visit visit")
@@ -122,6 +140,7 @@ ${fields}}
 template <>
 struct Layout<${package}::${struct}> {
   static constexpr std::array<Piece, ${piece_count}> pieces{{${pieces}}};
+  static constexpr std::array<WireField, ${field_count}> fields{{${wire_fields}}};
   static constexpr int counts = ${count_count};
   template <class M, class Visit>
   static void arrays(${parameters}) {
@@ -135,6 +154,7 @@ set(text "// Made by msgs/layouts.cmake from the .lcm files; do not edit.
 
 #include <array>
 #include <cstddef>
+#include <string_view>
 
 ${includes}
 namespace slewlab::msgs {
@@ -145,6 +165,14 @@ struct Piece {
   enum Kind { fixed, count, array } kind;
   std::size_t bytes;
   std::size_t index;
+};
+
+// A field as it stands on the wire, big-endian.
+struct WireField {
+  std::string_view name;
+  char kind;          // 'i' signed, 'u' unsigned, 'b' boolean, 'f' floating point
+  std::size_t bytes;  // of one element
+  int count;          // number of the count that says how many there are, -1: it is no array
 };
 
 template <class Message>

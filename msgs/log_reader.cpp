@@ -30,13 +30,18 @@ constexpr std::array<std::uint8_t, 4> kSync{kLogSyncWord >> 24 & 0xff, kLogSyncW
 // [bytes] of the event that begins at `head`, by what its head says; 0 where that cannot be. `available` bytes are there.
 std::size_t whole_event(const std::uint8_t* head, std::size_t available) {
   if (available < kLogEventHeadBytes) return 0;
-  const std::size_t channel_bytes = get_32(head + 20);
-  const std::size_t data_bytes = get_32(head + 24);
-  if (channel_bytes == 0 || channel_bytes > kLongestChannel || data_bytes > kLargestData) return 0;
-  return kLogEventHeadBytes + channel_bytes + data_bytes;
+  const EventLengths lengths = event_lengths(head);
+  return lengths.channel == 0 ? 0 : kLogEventHeadBytes + lengths.channel + lengths.data;
 }
 
 }  // namespace
+
+EventLengths event_lengths(const std::uint8_t* head) {
+  const std::size_t channel_bytes = get_32(head + 20);
+  const std::size_t data_bytes = get_32(head + 24);
+  if (get_32(head) != kLogSyncWord || channel_bytes == 0 || channel_bytes > kLongestChannel || data_bytes > kLargestData) return {};
+  return {channel_bytes, data_bytes};
+}
 
 LogReader::LogReader(const std::filesystem::path& path)
     : path_(path), file_(std::fopen(path.c_str(), "rb")) {

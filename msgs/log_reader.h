@@ -74,6 +74,13 @@ class LogReader {
   LogDamage damage_;
 };
 
+// [bytes] of the two parts behind an event's head, as the head says; 0 where that cannot be.
+struct EventLengths {
+  std::size_t channel = 0;
+  std::size_t data = 0;
+};
+EventLengths event_lengths(const std::uint8_t* head);
+
 // One line per kind of damage, empty if there is none.
 std::vector<std::string> describe(const LogDamage& damage);
 

@@ -63,7 +63,7 @@ def try_run_log(data, folder):
         log = read_run_log(path)
     except LogProblem:
         return
-    for name in log.channels:
+    for name in log.tables:
         assert len(log.channel(name)) > 0, "a channel that is there holds messages"
 
 

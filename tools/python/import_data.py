@@ -29,9 +29,10 @@ import pyarrow
 import pyarrow.parquet
 
 import input_map
+from event_rows import event_type, fill_heads
 from input_map import InputProblems, nearest
 from machine import read_axis
-from run_log import EventWriter, LogProblem, message_types
+from run_log import LogProblem, message_types
 from signals import unit_of
 from unit import SPELLINGS, factor_to_si, quantity_of, spellings_of
 from whole_file import growing
@@ -44,6 +45,7 @@ UNEVEN = 0.25             # [periods] by which a row may miss the even grid
 LONGEST_GAP = 5.5         # [usual intervals] that interpolation may bridge
 MOST_DENSE = 100          # [new rows per row] that resampling may make
 SHORTEST_PERIOD = 1e-6    # [s] between two rows of a log, whose times are whole nanoseconds
+ROWS_AT_ONCE = 20_000     # that are written together
 NANOSECONDS = 1_000_000_000
 MOST_COLUMNS = 10_000     # a recorder has hundreds of channels; rows and columns are taken for each other
 LONGEST_HEADER = 2_000_000  # [characters] of a CSV's line of names
@@ -283,7 +285,7 @@ def column_names(mapping, path):
 
 
 def read_table(mapping, path):
-    """The columns that the map names; complaints about those that are not there stand at the map's lines."""
+    """{name: series} of the columns that the map names; complaints about those that are not there stand at the map's lines."""
     if path.suffix not in (".csv", ".parquet"):
         raise LogProblem(f"{path}: found '{path.suffix}', expected a file that ends in .csv or .parquet")
     if not path.is_file():
@@ -307,21 +309,28 @@ def read_table(mapping, path):
         fail_if_wrong(mapping)
         columns = [column for _, column in wanted]
         if path.suffix == ".parquet":
-            table = pd.read_parquet(path, columns=columns)
+            table = pyarrow.parquet.read_table(path, columns=list(dict.fromkeys(columns)))
+            table = {name: table.column(name).to_pandas() for name in table.column_names}
         else:
-            table = pd.read_csv(path, sep="\t" if mapping.separator == "tab" else mapping.separator,
-                                decimal=mapping.decimal, skiprows=mapping.skip_lines, skipinitialspace=True,
-                                encoding="utf-8-sig", low_memory=False,
-                                skip_blank_lines=False, index_col=False)
-            table.columns = [str(name).strip() for name in table.columns]
-            table = table[columns]
+            pieces = {column: [] for column in columns}
+            for piece in pd.read_csv(path, sep="\t" if mapping.separator == "tab" else mapping.separator,
+                                     decimal=mapping.decimal, skiprows=mapping.skip_lines, skipinitialspace=True,
+                                     encoding="utf-8-sig", low_memory=False, chunksize=5 * ROWS_AT_ONCE,
+                                     skip_blank_lines=False, index_col=False):
+                piece.columns = [str(name).strip() for name in piece.columns]
+                for column, series in pieces.items():
+                    series.append(piece[column].copy())
+            table = {column: pd.concat(pieces.pop(column), ignore_index=True) for column in list(pieces)}
     except (OSError, pyarrow.ArrowException, pd.errors.ParserError, pd.errors.EmptyDataError, UnicodeDecodeError,
             csv.Error) as error:
         raise LogProblem(f"{path}: not readable as {path.suffix[1:]}: {error}") from error
-    if mapping.last_row is not None and mapping.last_row > len(table):
-        mapping.reader.report("rows", f"last: {mapping.last_row}", f"at most {len(table)}, the rows of {path.name}")
+    count = len(table[mapping.time_column])
+    if mapping.last_row is not None and mapping.last_row > count:
+        mapping.reader.report("rows", f"last: {mapping.last_row}", f"at most {count}, the rows of {path.name}")
         fail_if_wrong(mapping)
-    return table.iloc[mapping.first_row - 1:mapping.last_row].reset_index(drop=True)
+    if mapping.first_row == 1 and mapping.last_row is None:
+        return table
+    return {name: series.iloc[mapping.first_row - 1:mapping.last_row].reset_index(drop=True) for name, series in table.items()}
 
 
 class Rows:
@@ -382,13 +391,14 @@ def times(mapping, table, row):
         if raw is None:
             return None
         origin = raw[0] if mapping.origin is None else mapping.origin / mapping.time_factor
-        seconds = (raw - origin) * mapping.time_factor
-    steps = np.diff(seconds)
-    if (steps <= 0.0).any():
-        at = int(np.argmax(steps <= 0.0)) + 1
+        seconds = raw - origin
+        seconds *= mapping.time_factor
+    stands = seconds[1:] <= seconds[:-1]
+    if stands.any():
+        at = int(np.argmax(stands)) + 1
         mapping.time.report(
             "column", f"{raw[at]} at {row(at)} after {raw[at - 1]} in the row before, "
-            f"{int((steps <= 0.0).sum())} such rows in all", f"times that rise from row to row{CUT}")
+            f"{int(stands.sum())} such rows in all", f"times that rise from row to row{CUT}")
         return None
     if seconds[0] < 0.0:
         mapping.time.report("origin", f"{row(0)} at {seconds[0]:.6g} s, before the origin",
@@ -411,7 +421,9 @@ def even_grid(mapping, seconds, row):
     steps = np.diff(seconds)
     usual = float(np.median(steps))
     period = mapping.period or (seconds[-1] - seconds[0]) / (len(seconds) - 1)
-    misses = np.abs(seconds - seconds[0] - period * np.arange(len(seconds)))
+    misses = seconds - seconds[0]
+    misses -= period * np.arange(len(seconds))
+    np.abs(misses, out=misses)
     even = bool((misses <= UNEVEN * period).all())
     if even:
         count = len(seconds)
@@ -507,6 +519,7 @@ def convert(mapping, table, row):
             if entry.column is not None:
                 columns[entry.name] = numbers(table[entry.column], entry.reader, row)
     seconds = times(mapping, table, row)
+    table.clear()  # an hour at 1 kHz is large: what is used up goes
     grid_found = even_grid(mapping, seconds, row) if seconds is not None else None
     fail_if_wrong(mapping)
     grid, even = grid_found
@@ -523,7 +536,7 @@ def convert(mapping, table, row):
                 values[name].append(derived_speed(values["shaft_position"][group], period, entry.derive))
                 remarks.append(f"{entry.name} is derived from the position: {entry.derive}")
                 continue
-            column = columns[entry.name]
+            column = columns.pop(entry.name)
             series = (column != 0.0) != entry.inverted if name in FLAGS else (column - entry.offset) * entry.factor
             if not even:
                 holds = name in FLAGS or name in ("motor_torque", "speed_request")
@@ -558,47 +571,56 @@ def configuration_hash(text):
 def write_log(out, grid, values, hash_of_map):
     """All messages in the order in which a lockstep run writes them; returns counts by channel."""
     types = message_types()
-    counts = {"ENCODER": 0, "TORQUE": 0, "OPERATOR": 0}
-    lists = {name: [series.tolist() for series in entries] for name, entries in values.items()}
-    sensors = [name for name in (*ACCELERATIONS, "slew_angle") if name in lists]
-    positions, speeds, torques = (list(zip(*lists[n])) for n in ("shaft_position", "shaft_speed", "motor_torque"))
-    requests = lists.get("speed_request", [[0.0] * len(grid)])[0]
-    stops = lists.get("emergency_stop", [[False] * len(grid)])[0]
-    enables = lists.get("enable", [[True] * len(grid)])[0]
-    brakes = lists.get("brake", [[False] * len(grid)])[0]
-    encoder, torque, move, sensor = types.encoder_t(), types.torque_t(), types.operator_t(), types.sensors_t()
-    encoder.group_count = torque.group_count = len(lists["shaft_position"])
-    for name in (*ACCELERATIONS, "slew_angle"):
-        setattr(sensor, name, float("nan"))
-    encoder.configuration_hash = torque.configuration_hash = hash_of_map
-    move.configuration_hash = sensor.configuration_hash = hash_of_map
-    with growing(out) as partial, EventWriter(partial) as log:
-        wish = None
-        for k, time in enumerate(grid.tolist()):
-            stamp = time // 1000
-            if (requests[k], stops[k]) != wish:
-                wish = (requests[k], stops[k])
-                move.sequence, move.simulated_time = counts["OPERATOR"], time
-                move.speed_request, move.emergency_stop = wish
-                log.write(stamp, "OPERATOR", move.encode())
-                counts["OPERATOR"] += 1
-            encoder.sequence = torque.sequence = torque.answered_sequence = k
-            encoder.simulated_time = torque.simulated_time = time
-            encoder.operator_sequence = counts["OPERATOR"] - 1
-            encoder.shaft_position, encoder.shaft_speed = positions[k], speeds[k]
-            log.write(stamp, "ENCODER", encoder.encode())
-            torque.alive_counter = k + 1
-            torque.enable, torque.brake, torque.motor_torque = enables[k], brakes[k], torques[k]
-            log.write(stamp, "TORQUE", torque.encode())
-            if sensors:
-                sensor.sequence, sensor.simulated_time = k, time
-                for name in sensors:
-                    setattr(sensor, name, lists[name][0][k])
-                log.write(stamp, "SENSORS", sensor.encode())
-    counts["ENCODER"] = counts["TORQUE"] = len(grid)
-    if sensors:
-        counts["SENSORS"] = len(grid)
-    return counts
+    groups = {"group_count": len(values["shaft_position"])}
+    sensors = [name for name in (*ACCELERATIONS, "slew_angle") if name in values]
+    # What a row makes: ENCODER, the TORQUE that answers it, and SENSORS; an OPERATOR in front where the wish changes.
+    parts = [("ENCODER", types.encoder_t, groups), ("TORQUE", types.torque_t, groups)]
+    parts += [("SENSORS", types.sensors_t, None)] if sensors else []
+    row_type = np.dtype([(channel, event_type(channel, kind, counts)) for channel, kind, counts in parts])
+    move_type = event_type("OPERATOR", types.operator_t)
+    written, moved, wish = 0, 0, None
+    with growing(out) as partial, open(partial, "wb") as stream:
+        for begin in range(0, len(grid), ROWS_AT_ONCE):
+            piece = slice(begin, begin + ROWS_AT_ONCE)
+            times = grid[piece]
+            k = begin + np.arange(len(times))
+
+            def given(name, otherwise, group=0):
+                return values[name][group][piece] if name in values else np.full(len(times), otherwise)
+
+            requests, stops = given("speed_request", 0.0), given("emergency_stop", False)
+            before = wish or (np.nan, False)
+            changed = (requests != np.append(before[0], requests[:-1])) | (stops != np.append(before[1], stops[:-1]))
+            wish = requests[-1], stops[-1]
+            moves_so_far = moved + np.cumsum(changed)
+            first_numbers = written + len(parts) * np.arange(len(times)) + np.cumsum(changed)
+
+            rows = np.zeros(len(times), row_type)
+            for place, (channel, kind, counts) in enumerate(parts):
+                fill_heads(rows[channel], channel, kind, first_numbers + place, times, counts)
+                rows[channel]["sequence"], rows[channel]["configuration_hash"] = k, hash_of_map
+            rows["ENCODER"]["operator_sequence"] = moves_so_far - 1
+            rows["TORQUE"]["answered_sequence"], rows["TORQUE"]["alive_counter"] = k, k + 1
+            rows["TORQUE"]["enable"], rows["TORQUE"]["brake"] = given("enable", True), given("brake", False)
+            for group in range(groups["group_count"]):
+                for name, channel in (("shaft_position", "ENCODER"), ("shaft_speed", "ENCODER"), ("motor_torque", "TORQUE")):
+                    rows[channel][name][:, group] = given(name, 0.0, group)
+            for name in (*ACCELERATIONS, "slew_angle") if sensors else ():
+                rows["SENSORS"][name] = given(name, np.nan)
+
+            at = np.flatnonzero(changed)
+            moves = np.zeros(len(at), move_type)
+            fill_heads(moves, "OPERATOR", types.operator_t, first_numbers[at] - 1, times[at])
+            moves["sequence"], moves["configuration_hash"] = moves_so_far[at] - 1, hash_of_map
+            moves["speed_request"], moves["emergency_stop"] = requests[at], stops[at]
+            for number, (start, end) in enumerate(zip(np.append(0, at), np.append(at, len(rows)))):
+                stream.write(rows[start:end].tobytes())
+                if number < len(at):
+                    stream.write(moves[number].tobytes())
+            moved += len(at)
+            written += len(parts) * len(rows) + len(at)
+    counts = {"ENCODER": len(grid), "TORQUE": len(grid), "OPERATOR": moved}
+    return counts | ({"SENSORS": len(grid)} if sensors else {})
 
 
 def canonical(node):

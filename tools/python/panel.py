@@ -3,6 +3,8 @@
 import numpy as np
 import plotly.graph_objects as go
 
+from envelope import thinned
+
 # Colours that stay apart for colour-blind readers (Okabe and Ito's set).
 GROUP_COLOURS = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#E69F00", "#8C564B", "#7F7F7F"]
 DARK, GREY, GREEN, PURPLE = "#222222", "#999999", "#009E73", "#8E4B9E"
@@ -22,6 +24,7 @@ class Panel:
 
 
 def line(x, y, name, colour, dash=None, width=1.3, **more):
+    x, y = thinned(x, y)
     return go.Scatter(x=slim(x), y=slim(y), name=name, mode="lines",
                       line=dict(color=colour, dash=dash, width=width), **more)
 

@@ -6,6 +6,8 @@
 """
 
 import argparse
+import base64
+import gzip
 import html
 import signal
 import sys
@@ -17,8 +19,8 @@ from plotly.offline import get_plotlyjs
 
 import axis_report
 from panel import DARK, GREEN, GREY, GROUP_COLOURS, PURPLE, Panel, dash_of, line, slim
-from run_log import LogProblem, seconds
-from run_numbers import crossings, measured, phase_spectrum, phases, read_run, shown_path, stop_time, table, table_text
+from run_log import LogProblem
+from run_numbers import read_run, shown_path, table, table_text
 from whole_file import growing
 
 ROW_HEIGHT = 205  # [px]
@@ -27,50 +29,42 @@ GAP = 34          # [px] between rows
 
 def draw_speeds(run):
     """On the slew axis; the motors' own speeds where the log came without the ratio between the two."""
-    log, ratio = run.log, run.facts.get("total_ratio")
+    log, overview, ratio = run.log, run.overview, run.facts.get("total_ratio")
     traces = []
     if log.has("OPERATOR") and run.facts.get("top_speed"):
-        moves = log.channel("OPERATOR")
-        end = phases(run)[-1][2]
-        request = np.where(moves["emergency_stop"], 0.0, moves["speed_request"]) * run.facts["top_speed"]
-        traces.append(line(np.append(seconds(moves), end), np.append(request, request[-1]), "request", GREY, "dot",
-                            line_shape="hv"))
+        time, share = overview.drawn("OPERATOR", "request")
+        request = np.append(share, share[-1]) * run.facts["top_speed"]
+        traces.append(line(np.append(time, overview.phases[-1][2]), request, "request", GREY, "dot", line_shape="hv"))
     if log.has("ENCODER"):
-        encoder = log.channel("ENCODER")
-        for group in range(encoder["shaft_speed"].shape[1]):
-            traces.append(line(seconds(encoder), encoder["shaft_speed"][:, group] / (ratio or 1.0), f"motors {group + 1}",
-                                GROUP_COLOURS[group]))
+        for group in range(overview.entries("ENCODER", "shaft_speed")):
+            time, speed = overview.drawn("ENCODER", "shaft_speed", group)
+            traces.append(line(time, speed / (ratio or 1.0), f"motors {group + 1}", GROUP_COLOURS[group]))
     if log.has("TRUTH") and ratio:
-        truth = log.channel("TRUTH")
-        traces.append(line(seconds(truth), truth["house_speed"], "house", GREEN))
+        traces.append(line(*overview.drawn("TRUTH", "house_speed"), "house", GREEN))
     if log.has("CONTROLLER_STATE") and ratio:
-        state = log.channel("CONTROLLER_STATE")
-        traces.append(line(seconds(state), state["ramped_speed"], "ramp", DARK, "dash"))
+        traces.append(line(*overview.drawn("CONTROLLER_STATE", "ramped_speed"), "ramp", DARK, "dash"))
     return traces
 
 
 def draw_motor_torques(run):
     if not run.log.has("TORQUE"):
         return []
-    torque = run.log.channel("TORQUE")
-    rated = run.facts.get("rated_torque")
-    return [
-        line(seconds(torque), torque["motor_torque"][:, group] * (100 / rated if rated else 1), f"group {group + 1}",
-              GROUP_COLOURS[group], dash_of(group), line_shape="hv")
-        for group in range(torque["motor_torque"].shape[1])
-    ]
+    rated, traces = run.facts.get("rated_torque"), []
+    for group in range(run.overview.entries("TORQUE", "motor_torque")):
+        time, torque = run.overview.drawn("TORQUE", "motor_torque", group)
+        traces.append(line(time, torque * (100 / rated if rated else 1), f"group {group + 1}", GROUP_COLOURS[group],
+                           dash_of(group), line_shape="hv"))
+    return traces
 
 
 def draw_gearbox_torques(run):
     if not run.log.has("TRUTH"):
         return []
-    truth = run.log.channel("TRUTH")
-    traces = [
-        line(seconds(truth), truth["gearbox_torque"][:, group] * 1e-6, f"gearbox {group + 1}", GROUP_COLOURS[group],
-              dash_of(group))
-        for group in range(truth["gearbox_torque"].shape[1])
-    ]
-    for group, times in enumerate(crossings(run)):
+    traces = []
+    for group in range(run.overview.entries("TRUTH", "gearbox_torque")):
+        time, torque = run.overview.drawn("TRUTH", "gearbox_torque", group)
+        traces.append(line(time, torque * 1e-6, f"gearbox {group + 1}", GROUP_COLOURS[group], dash_of(group)))
+    for group, times in enumerate(run.overview.crossing_times):
         if len(times) == 0:
             times = np.array([np.nan])  # keeps the legend the same for every run
         traces.append(
@@ -83,10 +77,9 @@ def draw_gearbox_torques(run):
 
 def draw_acceleration(signal, name, colour):
     def draw(run):
-        if not measured(run, signal):
+        if not run.overview.measured(signal):
             return []
-        sensors = run.log.channel("SENSORS")
-        return [line(seconds(sensors), sensors[signal], name, colour, width=1.0)]
+        return [line(*run.overview.drawn("SENSORS", signal), name, colour, width=1.0)]
 
     return draw
 
@@ -94,24 +87,24 @@ def draw_acceleration(signal, name, colour):
 def draw_load_angles(run):
     if not run.log.has("TRUTH"):
         return []
-    truth = run.log.channel("TRUTH")
-    return [
-        line(seconds(truth), np.degrees(truth["rope_angle"]), "rope: sidelead", PURPLE, width=1.8),
-        line(seconds(truth), np.degrees(truth["rod_angle"]), "load (rod)", DARK, width=0.7),
-    ]
+    traces = []
+    for field, name, colour, width in (("rope_angle", "rope: sidelead", PURPLE, 1.8), ("rod_angle", "load (rod)", DARK, 0.7)):
+        time, angle = run.overview.drawn("TRUTH", field)
+        traces.append(line(time, np.degrees(angle), name, colour, width=width))
+    return traces
 
 
 def draw_spectra(phase):
     def draw(run):
         traces = []
-        for name, first, end in phases(run):
+        for number, (name, _, _) in enumerate(run.overview.phases):
             if name != phase:
                 continue
             for signal, label, colour in (("house_acceleration", "house", GROUP_COLOURS[5]),
                                           ("tip_acceleration", "tip", GREEN)):
-                if not measured(run, signal):
+                if not run.overview.measured(signal):
                     continue
-                frequency, amplitude = phase_spectrum(run, signal, first, end)
+                frequency, amplitude = run.overview.spectra[number][signal]
                 shown = (frequency >= 0.4) & (frequency <= 60)
                 traces.append(line(frequency[shown], amplitude[shown], label, colour))
         return traces
@@ -132,7 +125,7 @@ def panels(runs):
         Panel("house acceleration", "m/s²", draw_acceleration("house_acceleration", "house", GROUP_COLOURS[5])),
         Panel("load angles", "°", draw_load_angles),
     ]
-    names = max(([name for name, _, _ in phases(run)] for run in runs), key=len)
+    names = max(([name for name, _, _ in run.overview.phases] for run in runs), key=len)
     for name in names:
         rows.append(Panel(f"spectrum {name}".strip(), "m/s²", draw_spectra(name), is_spectrum=True, phase=name))
     return [panel for panel in rows if any(panel.draw(run) for run in runs)]
@@ -168,8 +161,8 @@ def figure(runs, rows):
     layout = {}
     for column, run in enumerate(runs):
         left = column * (width + column_gap)
-        end = phases(run)[-1][2]
-        stop = stop_time(run.log)
+        end = run.overview.phases[-1][2]
+        stop = run.overview.stop
         for r, panel in enumerate(rows):
             number = r * columns + column + 1
             suffix = "" if number == 1 else str(number)
@@ -263,14 +256,15 @@ def set_scales(fig, layout, rows, columns):
 PAGE = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><title>{title}</title>
 <style>
-body {{ font-family: Helvetica, Arial, sans-serif; color: #222; margin: 1.2em auto; max-width: {width}px; }}
+body {{ font-family: Helvetica, Arial, sans-serif; color: #222; margin: 1.2em auto; padding: 0 .8em; max-width: {width}px; }}
 h1 {{ font-size: 1.35em; margin: 0 0 .3em 0; }}
 p {{ margin: .3em 0; color: #444; }}
 table {{ border-collapse: collapse; margin: .8em 0; font-size: .92em; }}
 th, td {{ text-align: left; padding: .16em 1.4em .16em 0; border-bottom: 1px solid #e4e4e4; }}
 th {{ font-weight: 600; }}
 </style>
-<script>{script}</script></head><body>
+{script}
+</head><body>
 <h1>{title}</h1>
 {remarks}
 <table><tr><th></th>{heads}</tr>
@@ -279,6 +273,38 @@ th {{ font-weight: 600; }}
 {picture}
 </body></html>
 """
+
+
+# The library is two thirds smaller packed; browsers since 2023 can unpack it.
+SCRIPT = """<script type="application/octet-stream" id="packed">{packed}</script>
+<script>
+const plotly = (async () => {{
+  const bytes = Uint8Array.from(atob(document.getElementById("packed").textContent), (c) => c.charCodeAt(0));
+  const unpacked = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
+  const script = document.createElement("script");
+  script.textContent = await new Response(unpacked).text();
+  document.head.appendChild(script);
+}})();
+</script>"""
+
+PICTURE = """<div id="picture" style="min-height: {height}px"></div>
+<script>
+plotly.then(() => {{
+  const figure = {figure};
+  return Plotly.newPlot("picture", figure.data, figure.layout, {{responsive: true}});
+}}).catch((error) => {{
+  document.getElementById("picture").textContent = "The picture needs a browser of 2023 or later: " + error;
+}});
+</script>"""
+
+
+def plotly_script():
+    packed = gzip.compress(get_plotlyjs().encode(), mtime=0)
+    return SCRIPT.format(packed=base64.b64encode(packed).decode())
+
+
+def picture(fig):
+    return PICTURE.format(height=fig.layout.height, figure=fig.to_json().replace("<", "\\u003c"))
 
 
 def page(runs, rows):
@@ -290,13 +316,13 @@ def page(runs, rows):
     return PAGE.format(
         title=html.escape(title),
         width=1120 if len(runs) == 1 else 1500,
-        script=get_plotlyjs(),
+        script=plotly_script(),
         remarks=remarks,
         heads="".join(f"<th>{html.escape(text)}</th>" for text in headings(runs)),
         rows="\n".join(
             f"<tr><td>{html.escape(label)}</td>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in cells) + "</tr>"
             for label, cells in rows),
-        picture=figure(runs, panels(runs)).to_html(full_html=False, include_plotlyjs=False, config={"responsive": True}),
+        picture=picture(figure(runs, panels(runs))),
     )
 
 

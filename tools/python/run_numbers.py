@@ -1,13 +1,15 @@
 """The numbers of a run that a crane engineer asks for, and the table of one or more runs side by side."""
 
+import functools
 import json
 from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
 
-from run_log import LogProblem, read_run_log, seconds
-from spectrum import amplitude_spectrum, find_peaks
+from run_log import LogProblem, read_run_log
+from run_overview import Overview
+from spectrum import find_peaks
 
 LOWEST, HIGHEST = 0.5, 45.0  # [Hz] of the frequencies looked for: above the load's swing, up to the boom's fifth mode
 SHARE = 0.25                 # of the largest peak that a peak must reach to be named
@@ -22,6 +24,11 @@ class Run:
     name: str
     log: object
     facts: dict = field(default_factory=dict)
+
+    @functools.cached_property
+    def overview(self):
+        """What the log shows, gone through once."""
+        return Overview(self.log)
 
 
 def read_run(place):
@@ -44,91 +51,27 @@ def read_run(place):
     return Run(path.resolve().parent.name if of_a_run else path.stem, log, facts)
 
 
-def measured(run, signal):
-    """Whether the log's SENSORS hold the signal; what a crane has no sensor for stands there as NaN."""
-    return run.log.has("SENSORS") and bool(np.all(np.isfinite(run.log.channel("SENSORS")[signal])))
-
-
-def stop_time(log):
-    """[s] when the operator pressed the emergency stop; None where that never happened."""
-    if not log.has("OPERATOR"):
-        return None
-    moves = log.channel("OPERATOR")
-    pressed = moves[moves["emergency_stop"]]
-    return float(seconds(pressed)[0]) if len(pressed) else None
-
-
-def phases(run):
-    """(name, first, end) [s] of the parts of a run that are told apart: before and after the emergency stop.
-
-    What happens at `end` belongs to the next part; the last one's end lies just behind the run's last message.
-    """
-    end = np.nextafter(max(float(seconds(messages)[-1]) for messages in run.log.channels.values()), np.inf)
-    stop = stop_time(run.log)
-    if stop is None or stop <= 0 or stop >= end:
-        return [("", 0.0, end)]
-    return [("before the stop", 0.0, stop), ("after the stop", stop, end)]
-
-
-def within(messages, first, end):
-    """The messages of a phase."""
-    time = seconds(messages)
-    return messages[(time >= first) & (time < end)]
-
-
-def sample_period(messages):
-    """[s] between two messages: the most common difference."""
-    return float(np.median(np.diff(seconds(messages))))
-
-
-def phase_spectrum(run, signal, first, end):
-    """Spectrum of an acceleration in SENSORS during a phase: frequencies [Hz], amplitudes [m/s^2]."""
-    sensors = within(run.log.channel("SENSORS"), first, end)
-    if len(sensors) < 16 or not measured(run, signal):
-        return np.zeros(0), np.zeros(0)
-    time = seconds(sensors)
-    step = sample_period(sensors)
-    even = np.arange(time[0], time[-1] + 0.5 * step, step)  # lost messages leave no gap
-    return amplitude_spectrum(np.interp(even, time, sensors[signal]), step)
-
-
-def phase_peaks(run, signal, first, end):
+def phase_peaks(spectrum):
     """The frequencies found in an acceleration: (frequency [Hz], amplitude [m/s^2]), largest first."""
-    frequency, amplitude = phase_spectrum(run, signal, first, end)
-    return find_peaks(frequency, amplitude, LOWEST, HIGHEST, SHARE, FLOOR)[:MOST_PEAKS]
-
-
-def crossings(run):
-    """Times [s] at which each gearbox crossed its play: one array per motor group."""
-    truth = run.log.channel("TRUTH")
-    time = seconds(truth)
-    times = []
-    for group in range(truth["play_crossings"].shape[1]):
-        steps = np.diff(truth["play_crossings"][:, group], prepend=0)
-        times.append(np.repeat(time, np.maximum(steps, 0)))
-    return times
+    return find_peaks(*spectrum, LOWEST, HIGHEST, SHARE, FLOOR)[:MOST_PEAKS]
 
 
 def numbers(run):
     """The run's numbers: {quantity: {phase: value}}, SI units, angles in rad; None where the log cannot tell."""
-    result = {"phases": [name for name, _, _ in phases(run)]}
-    for name, first, end in phases(run):
-        values = {}
+    overview = run.overview
+    result = {"phases": [name for name, _, _ in overview.phases]}
+    for number, (name, _, _) in enumerate(overview.phases):
+        largest, values = overview.largest[number], {}
         for place in ("tip", "house"):
             signal = f"{place}_acceleration"
-            if measured(run, signal):
-                sensors = within(run.log.channel("SENSORS"), first, end)
-                values[f"peak_{signal}"] = float(np.max(np.abs(sensors[signal])))
-                values[f"{place}_frequencies"] = phase_peaks(run, signal, first, end)
+            if overview.measured(signal):
+                values[f"peak_{signal}"] = largest[signal]
+                values[f"{place}_frequencies"] = phase_peaks(overview.spectra[number][signal])
         if run.log.has("TRUTH"):
-            truth = within(run.log.channel("TRUTH"), first, end)
-            values["largest_sidelead"] = float(np.max(np.abs(truth["rope_angle"])))
-            values["play_crossings"] = [
-                int(np.sum((times >= first) & (times < end))) for times in crossings(run)
-            ]
+            values["largest_sidelead"] = largest["rope_angle"]
+            values["play_crossings"] = overview.crossings[number]
         if run.log.has("TORQUE"):
-            torque = within(run.log.channel("TORQUE"), first, end)
-            values["largest_motor_torque"] = float(np.max(np.abs(torque["motor_torque"])))
+            values["largest_motor_torque"] = largest["motor_torque"]
         result[name] = values
     return result
 

@@ -3,30 +3,53 @@
 import numpy as np
 
 SEGMENT = 5.0  # [s] resolves 0.2 Hz: the loop's 1.1 Hz and the boom's 1.3 Hz stay one hill, ring-downs stay visible
+SHORTEST = 16   # [samples] of a segment
 
 
-def amplitude_spectrum(series, step, segment=SEGMENT):
+class Spectrum:
     """Frequencies [Hz] and amplitudes [unit of the series]: a lasting sine of amplitude a shows a peak of a.
 
     Welch: segments of `segment` [s], three quarters overlapping, mean and straight trend removed, Hann window,
     zero-padded to four times their length, squared amplitudes averaged. `step` [s] between samples. A series
     shorter than a segment is one segment. What dies out within the series counts with its mean power, so heights
-    tell which frequency dominates, not how hard the first blow was.
+    tell which frequency dominates, not how hard the first blow was. The series comes piece by piece.
     """
-    series = np.asarray(series, float)
-    length = min(len(series), int(round(segment / step)))
-    if length < 16:
-        return np.zeros(0), np.zeros(0)
-    padded = 1 << int(np.ceil(np.log2(4 * length)))
-    index = np.arange(length)
-    window = 0.5 - 0.5 * np.cos(2 * np.pi * (index + 0.5) / length)
-    starts = range(0, len(series) - length + 1, max(1, length // 4))
-    power = np.zeros(padded // 2 + 1)
-    for start in starts:
-        piece = series[start : start + length]
-        piece = piece - np.polyval(np.polyfit(index, piece, 1), index)
-        power += np.abs(np.fft.rfft(piece * window, padded)) ** 2
-    return np.fft.rfftfreq(padded, step), np.sqrt(power / len(starts)) * 2 / window.sum()
+
+    def __init__(self, step, segment=SEGMENT):
+        self.step, self.length = step, int(round(segment / step))
+        self.waiting, self.segments, self.power = np.zeros(0), 0, 0.0
+
+    def add(self, series):
+        self.waiting = np.concatenate([self.waiting, np.asarray(series, float)])
+        hop, begin = max(1, self.length // 4), 0
+        while self.length >= SHORTEST and begin + self.length <= len(self.waiting):
+            self._take(self.waiting[begin : begin + self.length])
+            begin += hop
+        self.waiting = self.waiting[begin:]
+
+    def _take(self, piece):
+        length = len(piece)
+        index = np.arange(length) - 0.5 * (length - 1)
+        straight = piece.mean() + index * (index @ piece / (index @ index))
+        window = 0.5 - 0.5 * np.cos(2 * np.pi * (np.arange(length) + 0.5) / length)
+        padded = 1 << int(np.ceil(np.log2(4 * length)))
+        self.power = self.power + np.abs(np.fft.rfft((piece - straight) * window, padded)) ** 2
+        self.frequency, self.scale = np.fft.rfftfreq(padded, self.step), 2 / window.sum()
+        self.segments += 1
+
+    def finish(self):
+        if self.segments == 0 and SHORTEST <= len(self.waiting):
+            self._take(self.waiting)
+        if self.segments == 0:
+            return np.zeros(0), np.zeros(0)
+        return self.frequency, np.sqrt(self.power / self.segments) * self.scale
+
+
+def amplitude_spectrum(series, step, segment=SEGMENT):
+    """The same of a series in memory."""
+    spectrum = Spectrum(step, segment)
+    spectrum.add(series)
+    return spectrum.finish()
 
 
 def find_peaks(frequency, amplitude, lowest, highest, share, floor=0.0, separation=0.2):

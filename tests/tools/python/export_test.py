@@ -1,6 +1,5 @@
 import contextlib
 import io
-import json
 import tempfile
 import unittest
 from pathlib import Path
@@ -8,6 +7,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pyarrow.parquet
+from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
 from mcap.reader import make_reader
 
 import export
@@ -57,23 +57,48 @@ class ExportTest(unittest.TestCase):
     def test_csv_holds_every_value_to_the_bit(self):
         self.check_tables(lambda path: pd.read_csv(path, float_precision="round_trip"), "csv")
 
-    def test_mcap_holds_every_message_in_the_order_of_simulated_time(self):
+    def decoded(self, schema, message):
+        """A Protobuf message by the schema that the file itself has."""
+        if schema.name not in self.kinds:
+            pool = descriptor_pool.DescriptorPool()
+            for file in descriptor_pb2.FileDescriptorSet.FromString(schema.data).file:
+                pool.Add(file)
+            self.kinds[schema.name] = message_factory.GetMessageClass(pool.FindMessageTypeByName(schema.name))
+        return self.kinds[schema.name].FromString(message.data)
+
+    def test_mcap_holds_every_field_of_every_message_in_the_order_of_simulated_time(self):
+        for k in range(0, len(self.events) - 40, 40):  # late by up to 40 events
+            self.events[k:k + 40] = self.events[k + 20:k + 40] + self.events[k:k + 20]
+        made_run.write_log(self.folder / "run.lcmlog", self.events)
         self.assertEqual(self.call(self.folder / "run.lcmlog", "--format", "mcap"), (0, ""))
-        times, counts = [], {}
-        torques = []
+        self.kinds, times, read = {}, [], {}
         with open(self.folder / "run.mcap", "rb") as stream:
             for schema, channel, message in make_reader(stream).iter_messages(log_time_order=False):
                 times.append(message.log_time)
-                counts[channel.topic] = counts.get(channel.topic, 0) + 1
-                self.assertEqual((schema.encoding, channel.message_encoding), ("jsonschema", "json"))
+                self.assertEqual((schema.encoding, channel.message_encoding), ("protobuf", "protobuf"))
                 if channel.topic == "SENSORS":
-                    self.assertEqual(json.loads(schema.data)["properties"]["slew_angle"]["description"], "rad")
-                if channel.topic == "TORQUE":
-                    torques.append(json.loads(message.data)["motor_torque"])
+                    self.assertEqual(channel.metadata["slew_angle"], "rad")
+                values = self.decoded(schema, message)
+                self.assertEqual((message.sequence, message.log_time), (values.sequence, values.simulated_time))
+                read.setdefault(channel.topic, []).append(values)
         self.assertEqual(times, sorted(times))
         for channel in ("ENCODER", "OPERATOR", "SENSORS", "TORQUE", "TRUTH"):
-            self.assertEqual(counts[channel], len(self.sent(channel)))
-        self.assertEqual(torques, [m.motor_torque for m in self.sent("TORQUE")])
+            sent = sorted(self.sent(channel), key=lambda message: message.sequence)
+            self.assertEqual(len(read[channel]), len(sent))
+            for field in sent[0].__slots__:
+                got = [getattr(m, field) for m in read[channel]]
+                if sent[0].__dimensions__[sent[0].__slots__.index(field)]:
+                    got = [list(each) for each in got]
+                self.assertEqual(got, [getattr(m, field) for m in sent], (channel, field))
+
+    def test_mcaps_indexes_find_a_moment(self):
+        self.assertEqual(self.call(self.folder / "run.lcmlog", "--format", "mcap"), (0, ""))
+        with open(self.folder / "run.mcap", "rb") as stream:
+            reader = make_reader(stream)
+            counts = reader.get_summary().statistics.channel_message_counts
+            self.assertEqual(sum(counts.values()), len(self.events))
+            found = [m.log_time for _, _, m in reader.iter_messages(["TRUTH"], starting_at=5 * 10**9, ending_before=5 * 10**9 + 30 * 10**6)]
+        self.assertEqual(found, [5 * 10**9 + k * 10**7 for k in range(3)])
 
     def test_a_second_export_replaces_the_first_but_nothing_else(self):
         self.assertEqual(self.call(self.folder, "--format", "csv")[0], 0)

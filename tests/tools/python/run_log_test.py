@@ -49,9 +49,37 @@ class RunLogTest(unittest.TestCase):
         ])
         self.assertEqual(len(log.channel("TORQUE")), sum(1 for e in events if e[0] == "TORQUE"))
         told = "\n".join(log.remarks)
-        self.assertIn("CAMERA: 1 messages of a channel that is not slewlab's", told)
-        self.assertIn("TORQUE: 1 messages of another version or damaged", told)
-        self.assertIn("TORQUE: 1 messages truncated or of another size", told)
+        self.assertIn("channel CAMERA is not slewlab's: 1 events", told)
+        self.assertRegex(told, r"TORQUE: 2 messages could not be decoded \(last: other version\), the first at byte \d+")
+
+    def test_messages_whose_arrays_have_other_lengths_than_most_are_told_and_left_out(self):
+        events = made_run.messages()
+        odd = [message for name, _, message in events if name == "TORQUE"][700]
+        odd.group_count, odd.motor_torque = 1, [1.0]
+        log = self.read(events)
+        self.assertEqual(len(log.channel("TORQUE")), sum(1 for e in events if e[0] == "TORQUE") - 1)
+        self.assertRegex("\n".join(log.remarks), r"TORQUE: 1 messages whose arrays are of another length .* left out, at byte \d+")
+
+    def test_stretches_are_the_channels_a_piece_at_a_time(self):
+        events = made_run.messages()
+        for spoiled in (False, True):  # in order; with a stray, for which the log's order has to be found
+            if spoiled:
+                next(message for name, _, message in events if name == "SENSORS").simulated_time = 1 << 60
+            log = self.read(events * 20 if not spoiled else events)
+            for names in (("TORQUE", "SENSORS"), ()):
+                pieces = {}
+                for stretch in log.stretches(*names):
+                    for name, messages in stretch.items():
+                        pieces.setdefault(name, []).append(messages)
+                self.assertEqual(set(pieces), set(names or log.tables))
+                for name, parts in pieces.items():
+                    np.testing.assert_array_equal(np.concatenate(parts), log.channel(name))
+
+    def test_a_reading_that_is_broken_off_leaves_the_next_one_alone(self):
+        log = self.read(made_run.messages())
+        for _ in log.stretches("TRUTH"):
+            break
+        self.assertEqual(len(log.channel("SENSORS")), log.tables["SENSORS"].rows)
 
     def test_of_several_runs_in_a_file_the_longest_is_taken(self):
         long, short = made_run.messages(), made_run.messages()[:2000]
@@ -126,13 +154,13 @@ class RunLogTest(unittest.TestCase):
         self.path.write_bytes(whole[:event_size] + b"????" + whole[event_size + 4:])  # the second's sync word
         log = read_run_log(self.path)
         np.testing.assert_array_equal(log.channel("SENSORS")["sequence"], [0, 2, 3])
-        self.assertIn(f"{event_size} bytes of the file are no whole event", " ".join(log.remarks))
+        self.assertIn(f"{event_size} bytes in 1 places are no event and were skipped: {event_size} at byte {event_size}", " ".join(log.remarks))
 
     def test_no_log_and_no_message_are_told_apart(self):
         with self.assertRaisesRegex(LogProblem, "no such log"):
             read_run_log(self.path)
         self.path.write_bytes(b"")
-        with self.assertRaisesRegex(LogProblem, "holds no message of slewlab"):
+        with self.assertRaisesRegex(LogProblem, "holds no message that slewlab can read"):
             read_run_log(self.path)
         made_run.write_log(self.path, [made_run.messages()[0]])
         with self.assertRaisesRegex(LogProblem, "no usable TRUTH message"):

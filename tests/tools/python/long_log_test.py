@@ -1,0 +1,124 @@
+"""Logs longer than one would like to hold in memory: what is made of them costs no more memory than of a short one, and a
+page of them shows every peak."""
+
+import re
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy as np
+
+import made_run
+import report
+from envelope import BINS, MOST_POINTS, Envelope, thinned
+from event_rows import event_type, fill_heads
+from run_log import RunLog, messages_folder
+from run_numbers import numbers, read_run
+
+PERIOD = 1_000_000  # [ns]
+PEAK = 7.0          # [m/s^2] of one sample
+FIELDS = ("house_acceleration", "pivot_acceleration", "middle_acceleration", "tip_acceleration", "slew_angle")
+
+
+def write_sensors(path, count, peak_at=None):
+    """`count` SENSORS messages at 1 kHz: a slow sine, and one sample that stands out."""
+    with open(path, "wb") as stream:
+        for begin in range(0, count, 10_000):
+            k = np.arange(begin, min(count, begin + 10_000))
+            events = np.zeros(len(k), event_type("SENSORS", made_run.types.sensors_t))
+            fill_heads(events, "SENSORS", made_run.types.sensors_t, k, k * PERIOD)
+            events["sequence"], events["configuration_hash"], events["run_identity"] = k, made_run.HASH, made_run.RUN
+            for field in FIELDS:
+                events[field] = np.sin(2 * np.pi * 0.7 * k * PERIOD * 1e-9)
+            events["tip_acceleration"][k == peak_at] = PEAK
+            stream.write(events.tobytes())
+
+
+class LongLogTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        temporary = tempfile.TemporaryDirectory()
+        cls.addClassCleanup(temporary.cleanup)
+        cls.folder = Path(temporary.name)
+        cls.short, cls.long, cls.peak_at = cls.folder / "short.lcmlog", cls.folder / "long.lcmlog", 123_457
+        write_sensors(cls.short, 200_000)
+        write_sensors(cls.long, 1_000_000, cls.peak_at)
+        cls.longer = cls.long.stat().st_size - cls.short.stat().st_size  # [bytes]
+
+    def most_memory(self, code):
+        """[bytes] that Python held at most while it ran `code`."""
+        code += "\nimport re; print(re.search(r'VmHWM:\\s+(\\d+) kB', open('/proc/self/status').read())[1])"
+        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True)
+        self.assertEqual(done.returncode, 0, done.stderr)
+        return int(done.stdout.split()[-1]) * 1024
+
+    def test_memory_does_not_grow_with_the_log(self):
+        out = str(self.folder / "out")
+        for module, arguments in (("report", ["--quiet"]), ("export", ["--format", "parquet"]), ("export", ["--format", "csv"]),
+                                  ("export", ["--format", "mcap"])):
+            with self.subTest(module=module, arguments=arguments):
+                name = [*arguments, "--out", out + "_" + arguments[-1].strip("-")]
+                short, long = (self.most_memory(f"import {module}\nassert {module}.main({[str(log), *name]}) == 0")
+                               for log in (self.short, self.long))
+                self.assertLess(long - short, 0.2 * self.longer, (short, long))
+
+    def test_the_readers_memory_does_not_grow_with_the_log(self):
+        def most(log):
+            process = subprocess.Popen([messages_folder() / "slewlab-log-tables", log], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
+            with process:
+                process.stdout.readline()
+                process.stdin.write(b"SENSORS\n")
+                process.stdin.flush()
+                end = b""
+                while not end.endswith((-2).to_bytes(4, "little", signed=True) + bytes(4)):
+                    end = (end + process.stdout.read1(1 << 20))[-8:]
+                status = Path(f"/proc/{process.pid}/status").read_text()
+                return int(re.search(r"VmHWM:\s+(\d+) kB", status)[1]) * 1024
+
+        self.assertLess(most(self.long) - most(self.short), 0.05 * self.longer)
+
+    def test_a_peak_of_one_sample_stays_in_the_picture_and_in_the_numbers(self):
+        run = read_run(self.long)
+        self.assertEqual(numbers(run)[""]["peak_tip_acceleration"], PEAK)
+        fig = report.figure([run], report.panels([run]))
+        (tip,) = [trace for trace in fig.data if trace.name == "tip" and trace.xaxis == "x"]
+        self.assertEqual(np.max(tip.y), np.float32(PEAK))
+        self.assertEqual(tip.x[np.argmax(tip.y)], np.float32(self.peak_at * PERIOD * 1e-9))
+        self.assertTrue(all(len(trace.x) <= MOST_POINTS for trace in fig.data))
+        self.assertLess(len(report.page([run], [])), 5_000_000)
+
+    def test_the_log_is_read_as_it_was_written(self):
+        log = RunLog(self.long)
+        self.assertEqual(log.remarks, [])
+        self.assertEqual((log.tables["SENSORS"].rows, log.tables["SENSORS"].last), (1_000_000, 999.999))
+
+
+class EnvelopeTest(unittest.TestCase):
+    def test_a_short_series_stays_as_it_is(self):
+        x = np.linspace(0.0, 1.0, MOST_POINTS)
+        for drawn, given in zip(thinned(x, x**2), (x, x**2)):
+            np.testing.assert_array_equal(drawn, given)
+
+    def test_first_lowest_highest_and_last_of_each_bin_stay_however_the_series_is_cut(self):
+        draw = np.random.default_rng(1)
+        x, y = np.sort(draw.uniform(0.0, 10.0, 50_000)), draw.normal(size=50_000)
+        y[::97] = np.nan
+        whole = thinned(x, y)
+        pieces = Envelope(float(x.min()), float(x.max()), len(x))
+        for part in np.array_split(np.arange(len(x)), 313):
+            pieces.add(x[part], y[part])
+        np.testing.assert_array_equal(whole, pieces.points())
+        self.assertTrue(np.all(np.diff(whole[0]) >= 0))
+        bins = np.clip((x - x[0]) / ((x[-1] - x[0]) / BINS), 0, BINS - 1).astype(int)
+        drawn = set(zip(*whole))
+        for b in range(BINS):
+            mine = np.flatnonzero((bins == b) & np.isfinite(y))
+            for k in (mine[0], mine[-1], mine[np.argmin(y[mine])], mine[np.argmax(y[mine])]):
+                self.assertIn((x[k], y[k]), drawn)
+        self.assertLessEqual(drawn, set(zip(x, y)))
+
+
+if __name__ == "__main__":
+    unittest.main()
