@@ -16,6 +16,7 @@ Sensors that are not mapped are NaN in SENSORS. The log appears when it is compl
 
 import argparse
 import csv
+import hashlib
 import io
 import json
 import signal
@@ -555,7 +556,14 @@ def configuration_hash(text):
     return value - (1 << 64) if value >= 1 << 63 else value
 
 
-def write_log(out, grid, values, hash_of_map):
+def identity_of(path):
+    """What the file holds, as a run's identity: the log of other data is another run, and 0 is nobody's."""
+    with open(path, "rb") as stream:
+        digest = hashlib.file_digest(stream, lambda: hashlib.blake2b(digest_size=8)).digest()
+    return int.from_bytes(digest, "big", signed=True) or 1
+
+
+def write_log(out, grid, values, hash_of_map, identity):
     """All messages in the order in which a lockstep run writes them; returns counts by channel."""
     types = message_types()
     counts = {"ENCODER": 0, "TORQUE": 0, "OPERATOR": 0}
@@ -572,6 +580,8 @@ def write_log(out, grid, values, hash_of_map):
         setattr(sensor, name, float("nan"))
     encoder.configuration_hash = torque.configuration_hash = hash_of_map
     move.configuration_hash = sensor.configuration_hash = hash_of_map
+    for message in (encoder, torque, move, sensor):
+        message.run_identity = identity
     with growing(out) as partial, EventWriter(partial) as log:
         wish = None
         for k, time in enumerate(grid.tolist()):
@@ -625,7 +635,7 @@ def main(arguments=None):
         table = read_table(mapping, options.file)
         grid, values, remarks = convert(mapping, table, Rows(mapping, options.file))
         text = json.dumps(canonical(mapping.reader.node), sort_keys=True) + options.file.name + (str(mapping.machine) if mapping.machine else "")
-        counts = write_log(out, grid, values, configuration_hash(text))
+        counts = write_log(out, grid, values, configuration_hash(text), identity_of(options.file))
     except InputProblems as problems:
         print(problems, file=sys.stderr)
         return 2

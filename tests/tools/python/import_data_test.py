@@ -113,6 +113,21 @@ class ImportTest(unittest.TestCase):
         self.refused(None, "data.csv: found 20000 columns, expected one row per moment and at most 10000 columns", write=wide(20_000))
         self.refused(None, "data.csv: the line of column names has more than 2000000 characters", write=wide(1_000_000))
 
+    def test_the_runs_identity_is_what_the_file_holds(self):
+        def identities(data):
+            self.assertEqual(self.call(data), (0, ""))
+            log = read_run_log(self.out)
+            return {int(one) for name in ("ENCODER", "TORQUE", "OPERATOR", "SENSORS") for one in log.channel(name)["run_identity"]}
+
+        other = table()
+        other.iloc[7, other.columns.get_loc("tip")] += 1e-3
+        first, again, changed = identities(table()), identities(table()), identities(other)
+        self.assertEqual(len(first), 1)
+        self.assertEqual(first, again)
+        self.assertEqual(len(changed), 1)
+        self.assertNotEqual(first, changed)
+        self.assertNotIn(0, first | changed)
+
     def test_parquet_becomes_the_same_log(self):
         self.assertEqual(self.call(table(), suffix="parquet"), (0, ""))
         self.check_log()
