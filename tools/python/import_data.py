@@ -33,11 +33,10 @@ import input_map
 from input_map import InputProblems, nearest
 from machine import read_axis
 from run_log import EventWriter, LogProblem, message_types
-from signals import unit_of
+from signals import measured, unit_of
 from unit import SPELLINGS, factor_to_si, quantity_of, spellings_of
 from whole_file import growing
 
-ACCELERATIONS = ("house_acceleration", "pivot_acceleration", "middle_acceleration", "tip_acceleration")
 FLAGS = ("emergency_stop", "enable", "brake")
 DERIVATIVES = ("two_sample_mean", "central_difference", "backward_difference")
 MOST_GROUPS = 8           # sim/model/crane_parameters.h
@@ -90,10 +89,11 @@ FIELD_OF_KIND = {"position": ("ENCODER", "shaft_position"), "speed": ("ENCODER",
                  "angle": ("SENSORS", "slew_angle"), "acceleration": ("SENSORS", "tip_acceleration"), "number": ("OPERATOR", "speed_request")}
 
 
+KIND_OF_UNIT = {"m/s^2": "acceleration", "rad": "angle"}  # of a field of SENSORS
+
+
 def wire_unit(kind):
     return unit_of(*FIELD_OF_KIND[kind])
-
-
 
 def axis_factor(reader, kind, unit, factor, machine):
     """The factor to the motor shaft of a column on the axis or on the shaft of a plain axis."""
@@ -220,15 +220,13 @@ def read_map(path):
                 signals[name].append(Signal(name, None, reader, derive=derive, unit=unit))
             else:
                 signals[name].append(read_signal(reader, name, signal_kind, machine))
-    for name in () if machine else ACCELERATIONS:
+    for name, unit in () if machine else measured("SENSORS").items():
         if root.has(name):
-            signals[name] = [read_signal(root.map(name, ""), name, "acceleration")]
+            signals[name] = [read_signal(root.map(name, ""), name, KIND_OF_UNIT[unit])]
     if machine and root.has("load_position"):
         if not machine.has_load_encoder:
             root.report("load_position", "a load-side encoder", "load_encoder: {value: true, source: ...} in the machine's file")
         signals["slew_angle"] = [read_signal(root.map("load_position", ""), "load_position", "angle", machine)]
-    elif not machine and root.has("slew_angle"):
-        signals["slew_angle"] = [read_signal(root.map("slew_angle", ""), "slew_angle", "angle")]
     if root.has("speed_request"):
         signals["speed_request"] = [read_signal(root.map("speed_request", ""), "speed_request", "number")]
     for name in FLAGS:
@@ -568,7 +566,7 @@ def write_log(out, grid, values, hash_of_map, identity):
     types = message_types()
     counts = {"ENCODER": 0, "TORQUE": 0, "OPERATOR": 0}
     lists = {name: [series.tolist() for series in entries] for name, entries in values.items()}
-    sensors = [name for name in (*ACCELERATIONS, "slew_angle") if name in lists]
+    sensors = [name for name in measured("SENSORS") if name in lists]
     positions, speeds, torques = (list(zip(*lists[n])) for n in ("shaft_position", "shaft_speed", "motor_torque"))
     requests = lists.get("speed_request", [[0.0] * len(grid)])[0]
     stops = lists.get("emergency_stop", [[False] * len(grid)])[0]
@@ -576,7 +574,7 @@ def write_log(out, grid, values, hash_of_map, identity):
     brakes = lists.get("brake", [[False] * len(grid)])[0]
     encoder, torque, move, sensor = types.encoder_t(), types.torque_t(), types.operator_t(), types.sensors_t()
     encoder.group_count = torque.group_count = len(lists["shaft_position"])
-    for name in (*ACCELERATIONS, "slew_angle"):
+    for name in measured("SENSORS"):
         setattr(sensor, name, float("nan"))
     encoder.configuration_hash = torque.configuration_hash = hash_of_map
     move.configuration_hash = sensor.configuration_hash = hash_of_map
