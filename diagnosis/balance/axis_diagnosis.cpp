@@ -166,7 +166,7 @@ void take_effects(const sim::MachineFile& axis, double first_position, AxisDiagn
       {.dry = size("dry"), .viscous = size("viscous"), .viscous_difference = size("viscous_direction"), .offset = size("offset"),
        .breakaway_excess = size("stribeck"), .stribeck_speed = shape("stribeck"), .rising = size("rising"), .rising_speed = shape("rising"),
        .gravity_sine = size("gravity", 0), .gravity_cosine = size("gravity", 1), .first_position = first_position},
-      sim::effects_for(sim::machine_settings(axis)));
+      sim::effects_for(axis));
   diagnosis.effects = std::move(found.effects);
   diagnosis.remarks.insert(diagnosis.remarks.end(), found.left_out.begin(), found.left_out.end());
   for (const BalanceTerm& term : model.terms) {
@@ -326,13 +326,17 @@ std::vector<double> forward_speed(const AxisRecord& record, const BalanceMotion&
   return speeds;
 }
 
-AxisDiagnosis diagnose_axis(const sim::MachineFile& axis, const std::vector<NamedRun>& runs) {
+AxisDiagnosis diagnose_axis(const sim::MachineFile& axis, const std::vector<NamedRun>& runs, const std::vector<std::string>& without) {
   AxisDiagnosis diagnosis;
   diagnosis.nominal_inertia = sim::rigid_inertia(axis.parameters);
   std::vector<AxisRecord> records;
   for (const NamedRun& run : runs) records.push_back(axis_record(run, axis));
   try {
-    const Balance balance = balance_of(records, diagnosis.nominal_inertia, axis.parameters.drive.top_speed, !axis.axis.is_linear);
+    Balance balance = balance_of(records, diagnosis.nominal_inertia, axis.parameters.drive.top_speed, !axis.axis.is_linear);
+    std::erase_if(balance.laws, [&](const BalanceLaw& law) {
+      const auto is_left_out = [&](const std::string& name) { return std::find(without.begin(), without.end(), name) != without.end(); };
+      return is_left_out(law.name) || is_left_out(law.needs);
+    });
     const std::vector<BalanceRecord> smooth = smoothed(records, balance);
     choose_and_validate(records, balance, diagnosis.nominal_inertia, diagnosis);
     BalanceModel& best = diagnosis.answer.best;

@@ -68,8 +68,8 @@ struct AxisDiagnosis {
   std::vector<AxisSeries> series;               // per record
 };
 
-// Throws NoBalance.
-AxisDiagnosis diagnose_axis(const sim::MachineFile& axis, const std::vector<NamedRun>& runs);
+// `without`: names of laws (balance_law_names()) that are not tried, nor what is a detail of them. Throws NoBalance.
+AxisDiagnosis diagnose_axis(const sim::MachineFile& axis, const std::vector<NamedRun>& runs, const std::vector<std::string>& without = {});
 
 // The speed of the axis from the first instant by the recorded effort alone, on the record's grid.
 std::vector<double> forward_speed(const AxisRecord& record, const BalanceMotion& motion, const std::vector<BalanceLaw>& laws,

@@ -60,6 +60,8 @@ struct BalanceScales {
   bool is_rotary = true;
 };
 std::vector<BalanceLaw> balance_laws(const BalanceScales& scales);
+// Names of all of them, whatever the axis.
+std::vector<std::string> balance_law_names();
 
 // Amplitude by which laws of real machines are known no better, as a share of what they are about; chosen.
 inline constexpr double kLawDiscrepancy = 0.02;

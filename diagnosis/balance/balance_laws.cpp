@@ -1,4 +1,5 @@
 // The laws of balance_fit.h.
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -68,6 +69,20 @@ std::vector<BalanceLaw> balance_laws(const BalanceScales& scales) {
   // To first order: what arrives is F - lag * F'. A negative lag are positions that come late.
   laws.push_back({"lag", LawFamily::drive, "torque that comes late", {{0.0, {[](const LawMoment& m) { return m.effort_rate; }}}}, true, "", false});
   return laws;
+}
+
+std::vector<std::string> balance_law_names() {
+  // Fast enough, far enough and known well enough for every law.
+  const BalanceScales all{.top_speed = 1.0, .resolved_speed = 0.0, .duration = 1.0, .middle_position = 0.0, .half_range = 1.0};
+  std::vector<std::string> names;
+  for (const bool is_rotary : {true, false}) {
+    BalanceScales scales = all;
+    scales.is_rotary = is_rotary;
+    for (const BalanceLaw& law : balance_laws(scales)) {
+      if (std::find(names.begin(), names.end(), law.name) == names.end()) names.push_back(law.name);
+    }
+  }
+  return names;
 }
 
 }  // namespace slewlab::diagnosis

@@ -36,12 +36,13 @@ struct Mode {
 };
 
 // Modes of mass and stiffness matrix, rising frequencies, shapes mass-normalised. The stiffness may be
-// singular; the smallest frequencies keep their digits at any number of elements.
+// singular; the smallest frequencies keep their digits at any number of elements. `slow_square` [1/s^2] > 0 is the square
+// of a frequency of the order of the slowest mode that is not rigid; any between it and the next does as well.
 struct EigenSolution {
   Eigen::VectorXd frequency;  // [Hz]
   Eigen::MatrixXd shape;      // columns
 };
-EigenSolution solve_eigenproblem(const Eigen::MatrixXd& mass, const Eigen::MatrixXd& stiffness);
+EigenSolution solve_eigenproblem(const Eigen::MatrixXd& mass, const Eigen::MatrixXd& stiffness, double slow_square);
 
 // (3.3), (3.4) motors and house alone, all on one axis; order [motor 1 ... N, house].
 std::vector<Mode> drive_line_modes(int motor_count, double motor_inertia, double gear_stiffness,

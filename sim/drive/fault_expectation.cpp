@@ -71,9 +71,9 @@ std::vector<std::string> broken_expectations(const FaultExpectation& expected, c
     for (const msgs::Sensors& sensors : log.sensors) {
       if (sensors.simulated_time >= *expected.standing_by) moved = std::max(moved, std::abs(sensors.slew_angle - end_angle));
     }
-    if (!(moved <= kStandingAngle)) {
+    if (!(moved <= expected.standing_angle)) {
       complain("slew angle after " + with_unit(static_cast<double>(*expected.standing_by) * 1e-9, "s"),
-               "a change of " + with_unit(moved, "rad"), "at most " + with_unit(kStandingAngle, "rad"));
+               "a change of " + with_unit(moved, "rad"), "at most " + with_unit(expected.standing_angle, "rad"));
     }
   }
   if (expected.slew_angle_at_least && !(end_angle >= *expected.slew_angle_at_least)) {

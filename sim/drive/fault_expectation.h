@@ -35,14 +35,12 @@ struct FaultExpectation {
   bool no_other_faults = false;               // all those not named above were never seen
   std::optional<CountRange> stale_commands;
   std::optional<double> tip_acceleration;     // [m/s^2] largest size over the run, at most
-  std::optional<std::int64_t> standing_by;    // [ns] from then on the slew angle stays within kStandingAngle
+  std::optional<std::int64_t> standing_by;    // [ns] from then on the slew angle stays within standing_angle
+  double standing_angle = 0.0;                // [rad] standing_angle_of() the machine
   std::optional<double> slew_angle_at_least;  // [rad] at the end
   std::optional<double> slew_angle_at_most;   // [rad] at the end
   bool operator==(const FaultExpectation&) const = default;
 };
-
-// A tenth of what the crane of the thesis covers in a second at top speed.
-inline constexpr double kStandingAngle = 0.005;  // [rad]
 
 // One line for everything that did not happen as expected; empty if all did.
 std::vector<std::string> broken_expectations(const FaultExpectation& expectation, const msgs::RunLog& log);

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <utility>
 
+#include "sim/machine/scales.h"
+
 namespace slewlab::sim {
 namespace {
 
@@ -103,6 +105,12 @@ std::vector<Fault> read_faults(YamlReader& scenario, std::int64_t controller_per
     faults.push_back(read_fault(reader, controller_period, group_count, scenario_seed + kApart * (faults.size() + 1)));
   });
   return faults;
+}
+
+double standing_angle_of(const CraneParameters& machine) {
+  constexpr double kStandingShare = 0.1;
+  const Scales scales = scales_of(machine);
+  return kStandingShare * scales.top_speed * scales.acceleration_time;
 }
 
 FaultExpectation read_expectation(YamlReader reader) {

@@ -7,6 +7,7 @@
 #include "common/yaml_reader.h"
 #include "sim/drive/fault.h"
 #include "sim/drive/fault_expectation.h"
+#include "sim/model/crane_parameters.h"
 
 namespace slewlab::sim {
 
@@ -15,5 +16,9 @@ std::vector<Fault> read_faults(common::YamlReader& scenario, std::int64_t contro
                                std::uint64_t scenario_seed);
 
 FaultExpectation read_expectation(common::YamlReader reader);
+
+// [rad] that a machine may still move while it counts as standing: a tenth of what it covers at top speed in the time that it takes
+// to get there. Throws as scales_of().
+double standing_angle_of(const CraneParameters& machine);
 
 }  // namespace slewlab::sim

@@ -140,6 +140,7 @@ Scenario read_scenario_file(const std::filesystem::path& file, const std::vector
         reader.report(name_of(kind), "'" + scenario.crane_file.string() + "', whose kind is " + std::string(name_of(scenario.crane.kind)),
                       std::string(name_of(scenario.crane.kind)) + ": with that file's name");
       }
+      if (scenario.expectation.standing_by) scenario.expectation.standing_angle = standing_angle_of(scenario.crane.parameters);
     } catch (const InputError& error) {
       problems.insert(problems.end(), error.problems().begin(), error.problems().end());
     }

@@ -18,7 +18,7 @@ MachineSettings machine_settings(const MachineFile& crane) {
   settings.drive_protection = crane.drive_protection;
   if (crane.effects.kind == common::YamlNode::Kind::null) return settings;
   common::InputProblems problems;
-  settings.effects = common::read_effects(crane.effects, effects_for(settings), problems);
+  settings.effects = common::read_effects(crane.effects, effects_for(crane), problems);
   if (!problems.empty()) throw common::InputError(problems);
   return settings;
 }

@@ -36,7 +36,7 @@ const EffectDescription& bearing_viscous() {
                                 .per = common::ScaleOf::axis_damping,
                                 .meaning = "friction per speed, mean of both directions",
                                 .lower = 0.0,
-                                .upper = 0.6093,
+                                .upper = 1.0,  // all of the rated torque is lost in it at top speed
                                 .typical = 0.06093,
                                 .prior_scale = 0.02437,
                                 .scale = common::ParameterScale::linear,

@@ -1,6 +1,7 @@
 #include "sim/effects/catalogue.h"
 
 #include "sim/machine/effect_scales.h"
+#include "sim/machine/machine_file.h"
 
 namespace slewlab::sim {
 
@@ -37,6 +38,44 @@ common::EffectCatalogue effects_for(const CraneParameters& nominal) { return eff
 
 common::EffectCatalogue effects_for(const MachineSettings& settings) {
   return effects_for(settings.crane, settings.scales ? *settings.scales : effect_scales(settings.crane, settings.drive_protection));
+}
+
+namespace {
+
+common::Unit of_a_linear_axis(common::Unit unit, common::ScaleOf per, bool is_shaft_linear) {
+  using common::ScaleOf;
+  using common::Unit;
+  switch (per) {
+    case ScaleOf::axis_torque:
+    case ScaleOf::axis_speed:
+    case ScaleOf::axis_angle:
+    case ScaleOf::axis_damping: break;
+    case ScaleOf::motor_torque:
+    case ScaleOf::drive_torque:
+    case ScaleOf::motor_speed:
+      if (is_shaft_linear) break;
+      return unit;
+    default: return unit;
+  }
+  switch (unit) {
+    case Unit::newton_metre: return Unit::newton;
+    case Unit::radian: return Unit::metre;
+    case Unit::radian_per_second: return Unit::metre_per_second;
+    case Unit::newton_metre_second_per_radian: return Unit::newton_second_per_metre;
+    default: return unit;
+  }
+}
+
+}  // namespace
+
+common::EffectCatalogue effects_for(const MachineFile& file) {
+  common::EffectCatalogue catalogue = effects_for(file.parameters, effect_scales(file.parameters, file.drive_protection));
+  if (!file.axis.is_linear) return catalogue;
+  for (common::EffectAbout& about : catalogue.effects) {
+    const std::vector<common::EffectParameter>& law = find_effect(about.name)->about.parameters;
+    for (std::size_t k = 0; k < law.size(); ++k) about.parameters[k].unit = of_a_linear_axis(law[k].unit, law[k].per, file.axis.is_shaft_linear);
+  }
+  return catalogue;
 }
 
 }  // namespace slewlab::sim

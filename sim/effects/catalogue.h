@@ -9,6 +9,8 @@
 
 namespace slewlab::sim {
 
+struct MachineFile;
+
 const std::vector<const EffectDescription*>& effect_catalogue();
 
 // nullptr where no effect has the name.
@@ -20,5 +22,8 @@ common::EffectCatalogue effects_for(const CraneParameters& machine, const common
 common::EffectCatalogue effects_for(const CraneParameters& nominal);
 // Of the settings' machine, with the scales that they carry.
 common::EffectCatalogue effects_for(const MachineSettings& settings);
+// Of a machine's file, for reading and writing it: units are the machine's kind's. On a linear axis what acts on the axis or counts
+// along it is in N, m, m/s and N s/m; what belongs to a motor's shaft only where that is the carriage.
+common::EffectCatalogue effects_for(const MachineFile& file);
 
 }  // namespace slewlab::sim

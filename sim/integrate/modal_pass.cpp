@@ -4,14 +4,18 @@ namespace slewlab::sim {
 
 namespace {
 
-using Quad [[gnu::vector_size(32), gnu::may_alias, gnu::aligned(16)]] = double;
-using Pair [[gnu::vector_size(16), gnu::may_alias]] = double;
-static_assert(__STDCPP_DEFAULT_NEW_ALIGNMENT__ >= 16, "std::vector<double> must start where a Pair may");
+using Quad [[gnu::vector_size(32)]] = double;
+using Pair [[gnu::vector_size(16)]] = double;
 static_assert(kLanes == sizeof(Quad) / sizeof(double));
 
 #define SLEWLAB_INLINE [[gnu::always_inline]] inline
 
-SLEWLAB_INLINE const Quad& lanes(const double* block, int term) { return *reinterpret_cast<const Quad*>(block + term * kLanes); }
+// The lanes of a term, from where no vector need be aligned. (As a value of a function they would be subject to the processor's calling
+// convention.)
+struct Lanes {
+  Quad value;
+  SLEWLAB_INLINE Lanes(const double* block, int term) { __builtin_memcpy(&value, block + term * kLanes, sizeof(Quad)); }
+};
 
 // Pair by pair: the order of additions is this one, however wide the products were.
 SLEWLAB_INLINE void add(Pair& sum, const Quad& a, const Quad& b) {
@@ -30,23 +34,23 @@ SLEWLAB_INLINE FreeSums free_pass(int blocks, const double* terms, const double*
   Pair angle{}, speed{}, acceleration_q{}, acceleration_v{};
   for (int b = 0; b < blocks; ++b) {
     const double* const block = terms + b * free_term::count * kLanes;
-    const Quad q_start = lanes(q0, b), v_start = lanes(v0, b);
-    Quad q = lanes(block, qq) * q_start + lanes(block, qv) * v_start + lanes(block, q_torque) * on.torque + lanes(block, q_rate) * on.rate +
-             lanes(block, q_tip) * on.tip + lanes(block, q_tip_rate) * on.tip_rate;
-    Quad v = lanes(block, vq) * q_start + lanes(block, vv) * v_start + lanes(block, v_torque) * on.torque + lanes(block, v_rate) * on.rate +
-             lanes(block, v_tip) * on.tip + lanes(block, v_tip_rate) * on.tip_rate;
+    const Quad q_start = Lanes(q0, b).value, v_start = Lanes(v0, b).value;
+    Quad q = Lanes(block, qq).value * q_start + Lanes(block, qv).value * v_start + Lanes(block, q_torque).value * on.torque + Lanes(block, q_rate).value * on.rate +
+             Lanes(block, q_tip).value * on.tip + Lanes(block, q_tip_rate).value * on.tip_rate;
+    Quad v = Lanes(block, vq).value * q_start + Lanes(block, vv).value * v_start + Lanes(block, v_torque).value * on.torque + Lanes(block, v_rate).value * on.rate +
+             Lanes(block, v_tip).value * on.tip + Lanes(block, v_tip_rate).value * on.tip_rate;
     if constexpr (kHeld) {
       const double* const of_held = held + b * held_term::count * kLanes;
-      q += lanes(of_held, held_term::q_house) * on.house + lanes(of_held, held_term::q_uniform) * on.uniform;
-      v += lanes(of_held, held_term::v_house) * on.house + lanes(of_held, held_term::v_uniform) * on.uniform;
+      q += Lanes(of_held, held_term::q_house).value * on.house + Lanes(of_held, held_term::q_uniform).value * on.uniform;
+      v += Lanes(of_held, held_term::v_house).value * on.house + Lanes(of_held, held_term::v_uniform).value * on.uniform;
     }
-    *reinterpret_cast<Quad*>(q_end + b * kLanes) = q;
-    *reinterpret_cast<Quad*>(v_end + b * kLanes) = v;
+    __builtin_memcpy(q_end + b * kLanes, &q, sizeof(Quad));
+    __builtin_memcpy(v_end + b * kLanes, &v, sizeof(Quad));
     const double* const shape = shapes + b * shape_term::count * kLanes;
-    add(angle, lanes(shape, shape_term::house), q);
-    add(speed, lanes(shape, shape_term::house), v);
-    add(acceleration_q, lanes(shape, shape_term::house_acceleration_q), q);
-    add(acceleration_v, lanes(shape, shape_term::house_acceleration_v), v);
+    add(angle, Lanes(shape, shape_term::house).value, q);
+    add(speed, Lanes(shape, shape_term::house).value, v);
+    add(acceleration_q, Lanes(shape, shape_term::house_acceleration_q).value, q);
+    add(acceleration_v, Lanes(shape, shape_term::house_acceleration_v).value, v);
   }
   return {total(angle), total(speed), total(acceleration_q), total(acceleration_v)};
 }
@@ -58,20 +62,20 @@ SLEWLAB_INLINE EndSums end_pass(int blocks, const double* terms, const double* h
   Pair tip{}, tip_velocity{}, acceleration_q{}, acceleration_v{};
   for (int b = 0; b < blocks; ++b) {
     const double* const block = terms + b * end_term::count * kLanes;
-    Quad q = lanes(q_end, b) + lanes(block, end_term::q_torque) * on.torque + lanes(block, end_term::q_rate) * on.rate;
-    Quad v = lanes(v_end, b) + lanes(block, end_term::v_torque) * on.torque + lanes(block, end_term::v_rate) * on.rate;
+    Quad q = Lanes(q_end, b).value + Lanes(block, end_term::q_torque).value * on.torque + Lanes(block, end_term::q_rate).value * on.rate;
+    Quad v = Lanes(v_end, b).value + Lanes(block, end_term::v_torque).value * on.torque + Lanes(block, end_term::v_rate).value * on.rate;
     if constexpr (kHeld) {
       const double* const of_held = held + b * held_term::count * kLanes;
-      q += lanes(of_held, held_term::q_house) * on.house;
-      v += lanes(of_held, held_term::v_house) * on.house;
+      q += Lanes(of_held, held_term::q_house).value * on.house;
+      v += Lanes(of_held, held_term::v_house).value * on.house;
     }
-    *reinterpret_cast<Quad*>(q_end + b * kLanes) = q;
-    *reinterpret_cast<Quad*>(v_end + b * kLanes) = v;
+    __builtin_memcpy(q_end + b * kLanes, &q, sizeof(Quad));
+    __builtin_memcpy(v_end + b * kLanes, &v, sizeof(Quad));
     const double* const shape = shapes + b * shape_term::count * kLanes;
-    add(tip, lanes(shape, shape_term::tip), q);
-    add(tip_velocity, lanes(shape, shape_term::tip), v);
-    add(acceleration_q, lanes(shape, shape_term::house_acceleration_q), q);
-    add(acceleration_v, lanes(shape, shape_term::house_acceleration_v), v);
+    add(tip, Lanes(shape, shape_term::tip).value, q);
+    add(tip_velocity, Lanes(shape, shape_term::tip).value, v);
+    add(acceleration_q, Lanes(shape, shape_term::house_acceleration_q).value, q);
+    add(acceleration_v, Lanes(shape, shape_term::house_acceleration_v).value, v);
   }
   return {total(tip), total(tip_velocity), total(acceleration_q), total(acceleration_v)};
 }

@@ -9,7 +9,6 @@
 #include <algorithm>
 #include <cmath>
 #include <new>
-#include <numbers>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -22,11 +21,9 @@ namespace slewlab::sim {
 
 namespace {
 
-constexpr double kScaleSpeed = 0.01;  // [rad/s] slewing speed that tolerances are a share of; a tenth of full
-// [rad/s] turns a tolerance in speed into one in angle where nothing vibrates faster: the gears swing at 5 Hz.
-constexpr double kScaleFrequency = 2.0 * std::numbers::pi * 5.0;
+constexpr double kScaleSpeed = 0.2;           // of the top speed: the motion that tolerances are a share of; inching
 constexpr double kArithmetic = 1e-14;         // relative accuracy that the arithmetic can hold
-constexpr double kContactNoise = 1e-13;       // [rad] depth that rounding alone can make
+constexpr double kContactNoise = 1e-13;       // [rad] depth that rounding alone can make: 450 times that of an angle of 1
 constexpr long kMostSteps = 50'000'000;       // in one call of advance()
 constexpr int kChannels = kMaximumGroupCount + 3;
 
@@ -424,24 +421,44 @@ int give_weights(N_Vector state, N_Vector weights, void* user) {
   return 0;
 }
 
+// [rad/s] that turns a tolerance in speed into one in angle where nothing vibrates faster: the motors on their gears against
+// what they drive; of a rigid machine, one over its acceleration time.
+double angle_frequency(const Reference& r) {
+  const CraneParameters& crane = r.machine.crane;
+  if (r.rigid_groups > 0) {
+    const double torque = crane.drive.group_count * crane.drive.motors_per_group * crane.drive.rated_torque * r.ratio;
+    return torque / (rigid_inertia(crane) * crane.drive.top_speed);
+  }
+  double stiffness = 0.0, inertia = 0.0;
+  for (int i = 0; i < r.group_count; ++i) {
+    stiffness += r.machine.gear[i].stiffness;
+    inertia += r.machine.group_inertia[i];
+  }
+  return std::sqrt(stiffness / series_inertia(inertia, driven_inertia(crane)));
+}
+
 void fill_weights(Reference& r) {
   double* values = N_VGetArrayPointer(r.weights.get());
   const double unit = r.options.tolerance;
   const double inertia = r.rigid_groups > 0 ? rigid_inertia(r.machine.crane) : driven_inertia(r.machine.crane);
-  const double modal_speed = unit * kScaleSpeed * std::sqrt(inertia);
+  const double speed = unit * kScaleSpeed * r.machine.crane.drive.top_speed;
+  const double modal_speed = speed * std::sqrt(inertia);
+  const double slowest = angle_frequency(r);
   for (int i = 0; i < r.group_count; ++i) {
-    values[i] = unit * kScaleSpeed / kScaleFrequency;
-    values[r.speeds() + i] = unit * kScaleSpeed;
+    values[i] = speed / slowest;
+    values[r.speeds() + i] = speed;
   }
   for (int k = 0; k < r.mode_count; ++k) {
-    values[r.q() + k] = modal_speed / std::max(r.machine.modes.frequency[k], kScaleFrequency);
+    values[r.q() + k] = modal_speed / std::max(r.machine.modes.frequency[k], slowest);
     values[r.v() + k] = modal_speed;
   }
   for (int j = 0; j < r.load_count; ++j) {
-    const double speed =
-        unit * kScaleSpeed * std::max(1.0, tip_radius(r.machine.crane.boom)) * std::sqrt(r.machine.crane.load.mass);
-    values[r.load_q() + j] = speed;
-    values[r.load_v() + j] = speed;
+    // Of a crane whose rope hangs on its axis: as if it hung its own length away.
+    const double radius = tip_radius(r.machine.crane.boom);
+    const double arm = radius > 0.0 ? radius : r.machine.crane.load.rope_length;
+    const double load_speed = speed * arm * std::sqrt(r.machine.crane.load.mass);
+    values[r.load_q() + j] = load_speed;
+    values[r.load_v() + j] = load_speed;
   }
   for (std::size_t j = 0; j < r.extra.start.size(); ++j) {
     values[r.extra_start() + static_cast<int>(j)] = unit * r.extra.scale[j];
@@ -573,6 +590,10 @@ ReferencePointer make_reference(ReferenceMachine machine, const ReferenceOptions
     if (!(machine.group_inertia[i] > 0.0)) throw std::invalid_argument("a motor group needs an inertia above 0");
     if (!(machine.gear[i].stiffness > 0.0)) throw std::invalid_argument("gearboxes need a stiffness above 0");
   }
+  if (!(machine.crane.drive.top_speed > 0.0)) throw std::invalid_argument("the reference's tolerance needs a top speed above 0");
+  if (is_rigid && !(machine.crane.drive.rated_torque > 0.0)) {
+    throw std::invalid_argument("the reference's tolerance of a rigid machine needs a rated torque above 0");
+  }
   if (!(options.tolerance > 0.0)) throw std::invalid_argument("the reference's tolerance must be greater than 0");
   if (extra.start.size() != extra.scale.size()) {
     throw std::invalid_argument("an extra needs a scale for each of its states");
@@ -659,8 +680,12 @@ void set_state(Reference& r, const PlantState& state, double time) {
 void hang_load(Reference& r) {
   if (r.load_count == 0 || !r.extra.forces) return;
   constexpr int kMostSteps = 50;
-  constexpr double kNudge = 1e-6;     // [m sqrt(kg)] of a modal coordinate, for slopes
-  constexpr double kStill = 1e-12;    // [m sqrt(kg)/s^2] beside what the rope alone gives
+  const double root_mass = std::sqrt(r.machine.crane.load.mass);
+  // [m sqrt(kg)] of a modal coordinate, for slopes: 1e-10 of the rope's length, far below any bend of a law and far above rounding.
+  const double nudge = 1e-10 * r.machine.crane.load.rope_length * root_mass;
+  const double weight = kGravity * root_mass;  // [m sqrt(kg)/s^2]
+  // Relative to what the rope gives where the load hangs; 1e-15 of the weight is what a force of no meaning would be.
+  constexpr double kStill = 1e-12, kOfWeight = 1e-3;
   double* q = N_VGetArrayPointer(r.state.get()) + r.load_q();
   std::vector<double> rates(static_cast<std::size_t>(r.size));
   const auto acceleration = [&] {
@@ -671,7 +696,7 @@ void hang_load(Reference& r) {
   const int modes = r.load_square[1] > 0.0 ? 2 : 1;
   Eigen::Vector2d now = acceleration();
   for (int step = 0; step < kMostSteps; ++step) {
-    const double scale = r.load_square[0] * std::fabs(q[0]) + r.load_square[1] * std::fabs(q[1]) + 1.0;
+    const double scale = r.load_square[0] * std::fabs(q[0]) + r.load_square[1] * std::fabs(q[1]) + kOfWeight * weight;
     if (now.head(modes).cwiseAbs().maxCoeff() <= kStill * scale) {
       restart(r);
       r.count = {};
@@ -680,8 +705,8 @@ void hang_load(Reference& r) {
     Eigen::Matrix2d slopes = Eigen::Matrix2d::Identity();
     for (int j = 0; j < modes; ++j) {
       const double stood = q[j];
-      q[j] = stood + kNudge;
-      slopes.col(j) = (acceleration() - now) / kNudge;
+      q[j] = stood + nudge;
+      slopes.col(j) = (acceleration() - now) / nudge;
       q[j] = stood;
     }
     if (modes == 1) slopes.row(1) << 0.0, 1.0;

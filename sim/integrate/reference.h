@@ -14,7 +14,7 @@
 // form, so that the right-hand side stays continuous where the torque jumps. Newton's systems are solved
 // exactly, at a cost linear in the modes: damped oscillators, coupled by few forces.
 //
-// Tolerances are absolute, in speed: `tolerance` times the motion of the crane at 0.01 rad/s.
+// Tolerances are absolute, in speed: `tolerance` times the motion of the machine at a fifth of its top speed.
 //
 // Truth machines: ReferenceMachine lets every group, gear and mode differ; ReferenceExtra adds forces with states
 // of their own, or changes the gears. Errors: std::invalid_argument for a machine or a time that cannot be,
@@ -90,7 +90,7 @@ enum class ReferenceMethod { kBdf, kDirk };
 
 struct ReferenceOptions {
   ReferenceMethod method = ReferenceMethod::kBdf;
-  double tolerance = 1e-9;  // share of the crane's motion at 0.01 rad/s
+  double tolerance = 1e-9;  // share of the machine's motion at a fifth of its top speed
   int order = 5;            // of kDirk: 2 ... 5; a low one is enough, and cheaper, where steps are short anyway
 };
 

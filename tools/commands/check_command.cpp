@@ -79,7 +79,7 @@ void weigh_cost(const sim::Scenario& scenario, const std::filesystem::path& file
 
 // What a run would refuse of the crane's effects, said where the user wrote them.
 std::vector<common::EffectInstance> check_effects(const sim::MachineFile& crane, InputProblems& problems) {
-  return common::read_effects(crane.effects, sim::effects_for(crane.parameters), problems);
+  return common::read_effects(crane.effects, sim::effects_for(crane), problems);
 }
 
 // Whether parameters that are good one by one make a machine; a boom of so many elements takes milliseconds to assemble.

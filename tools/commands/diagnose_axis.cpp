@@ -160,7 +160,7 @@ std::string with_effect_text(const AxisDiagnosis& found, const sim::MachineFile&
                         common::quantity_text(common::shortest(moved), axis.axis.is_linear ? common::Unit::kilogram : common::Unit::kilogram_square_metre,
                                               "slewlab diagnose"));
   }
-  if (!found.effects.empty()) text += common::effects_text(found.effects, sim::effects_for(sim::machine_settings(axis)), "slewlab diagnose");
+  if (!found.effects.empty()) text += common::effects_text(found.effects, sim::effects_for(axis), "slewlab diagnose");
   return text;
 }
 
@@ -170,7 +170,7 @@ int diagnose_axis_logs(const sim::MachineFile& axis, const DiagnoseOptions& opti
   MeasuredRuns measured = measured_runs(options.logs);
   std::vector<diagnosis::NamedRun> runs;
   for (MeasuredRun& one : measured.runs) runs.push_back({one.name, std::move(one.run)});
-  AxisDiagnosis found = diagnosis::diagnose_axis(axis, runs);
+  AxisDiagnosis found = diagnosis::diagnose_axis(axis, runs, options.without);
   for (const MeasuredRun& one : measured.runs) found.remarks.insert(found.remarks.end(), one.remarks.begin(), one.remarks.end());
   if (measured.is_damaged) found.verdict += kOfADamagedLog;
   if (!options.controller.empty()) {

@@ -41,6 +41,7 @@ namespace {
 constexpr double kSure = 0.9;          // probability from which an answer is stated without a doubt
 constexpr double kWorthNaming = 0.05;  // probability that an effect acts, from which the page says so
 constexpr double kLineInterval = 2.0;  // [s] between progress lines where there is no terminal
+constexpr int kThreads = 2;            // of a crane, where nothing else is said
 // The page's spectrogram: up to half the highest frequency that is judged, over windows of two characteristic times.
 constexpr double kShownShare = 0.5, kShownWindow = 2.0;
 
@@ -312,9 +313,19 @@ nlohmann::json modes_json(const sim::MachineSettings& nominal, double highest) {
   return modes;
 }
 
-// What of the command line is wrong, before any work is done.
-common::InputProblems problems_of(const DiagnoseOptions& options) {
-  common::InputProblems problems;
+// Of an axis: its laws have names of their own, and one thread does it all.
+void check_options_of_an_axis(const DiagnoseOptions& options, common::InputProblems& problems) {
+  const std::vector<std::string> known = diagnosis::balance_law_names();
+  for (const std::string& name : options.without) {
+    if (std::find(known.begin(), known.end(), name) != known.end()) continue;
+    problems.push_back({{"--without", 0, 0}, "", name, fmt::format("a law of an axis's torque balance: one of {}", fmt::join(known, ", "))});
+  }
+  if (options.threads) {
+    problems.push_back({{"--threads", 0, 0}, "", std::to_string(*options.threads), "no --threads beside an axis, whose diagnosis takes about a second on one"});
+  }
+}
+
+void check_options_of_a_crane(const DiagnoseOptions& options, common::InputProblems& problems) {
   common::EffectCatalogue all;  // whatever the machine: what does not suit it may be left out as well
   for (const sim::EffectDescription* effect : sim::effect_catalogue()) all.effects.push_back(effect->about);
   for (const controller::ControllerEffect* effect : controller::effect_catalogue()) all.effects.push_back(effect->about);
@@ -322,6 +333,12 @@ common::InputProblems problems_of(const DiagnoseOptions& options) {
     if (all.find(name) != nullptr) continue;
     problems.push_back({{"--without", 0, 0}, "", name, common::expected_effect_name(all, name)});
   }
+}
+
+// What of the command line is wrong, before any work is done.
+common::InputProblems problems_of(const DiagnoseOptions& options, sim::MachineKind kind) {
+  common::InputProblems problems;
+  kind == sim::MachineKind::axis ? check_options_of_an_axis(options, problems) : check_options_of_a_crane(options, problems);
   // What one log says twice would count as two logs that agree.
   std::set<std::filesystem::path> seen;
   for (const std::filesystem::path& log : options.logs) {
@@ -360,9 +377,9 @@ class ProgressDisplay {
 int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostream& complaints) {
   common::catch_stop_signals();
   try {
-    const common::InputProblems problems = problems_of(options);
-    if (!problems.empty()) throw common::InputError(problems);
     const sim::MachineFile crane = sim::load_machine_file(options.crane);
+    const common::InputProblems problems = problems_of(options, crane.kind);
+    if (!problems.empty()) throw common::InputError(problems);
     if (crane.kind == sim::MachineKind::axis) return diagnose_axis_logs(crane, options, out);
     const sim::MachineSettings nominal = sim::machine_settings(crane);
     std::optional<controller::ControllerSettings> controller;
@@ -378,9 +395,9 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
 
     diagnosis::DiagnosisSettings settings;
     settings.without = options.without;
-    settings.threads = options.threads;
+    settings.threads = options.threads.value_or(kThreads);
     settings.hold_out = true;
-    ProgressDisplay progress(options.terminal, out);
+    ProgressDisplay progress(options.terminal, complaints);
     Diagnosis found = diagnosis::diagnose(nominal, controller, records, settings, std::ref(progress), common::stop_requested);
     progress.keep();
     if (measured.is_damaged) found.verdict += kOfADamagedLog;
@@ -445,7 +462,7 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
     const std::string summary = summary_text(found, apart, predicted, place);
     findings.write("summary.txt", summary);
     findings.keep();
-    out << "\n" << summary << "files: " << options.out.string() << std::endl;
+    out << summary << "files: " << options.out.string() << std::endl;
     // Becomes the program that draws; without an interpreter it says so, and the findings stand all the same.
     run_python("diagnosis_report.py", {options.out.string()});
     return 0;

@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <iosfwd>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,8 +14,8 @@ struct DiagnoseOptions {
   std::filesystem::path crane, controller;
   std::vector<std::filesystem::path> logs;
   std::filesystem::path out;
-  std::vector<std::string> without;  // effects that the catalogue is to do without
-  int threads = 2;
+  std::vector<std::string> without;  // effects that the catalogue is to do without; of an axis: laws of its torque balance
+  std::optional<int> threads;        // of a crane, two without it
   bool terminal = false;  // progress is one line that is written over, not a line every two seconds
 };
 

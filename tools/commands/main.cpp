@@ -166,10 +166,10 @@ void add_diagnose(CLI::App& app, Action& action) {
                       "nominal controller; without it the machine's side alone is judged");
   command->add_option("--log", options->logs, "measured logs; more than one manoeuvre tells more")->required();
   command->add_option("--out", options->out, "folder for the findings")->required();
-  command->add_option("--without", options->without, "effects that the catalogue is to do without");
-  command->add_option("--threads", options->threads, "simulations side by side")->check(CLI::PositiveNumber);
+  command->add_option("--without", options->without, "effects that the catalogue is to do without; of an axis: laws of its torque balance");
+  command->add_option("--threads", options->threads, "simulations side by side (2); not of an axis")->check(CLI::PositiveNumber);
   command->callback([options, &action] {
-    options->terminal = ::isatty(STDOUT_FILENO) == 1;
+    options->terminal = ::isatty(STDERR_FILENO) == 1;
     action = [options] { return diagnose_logs(*options, std::cout, std::cerr); };
   });
 }

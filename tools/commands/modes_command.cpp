@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <complex>
@@ -9,6 +10,7 @@
 #include <ostream>
 #include <stdexcept>
 #include <string>
+#include <vector>
 
 #include "sim/analysis/bode.h"
 #include "sim/analysis/eigen.h"
@@ -19,13 +21,21 @@ namespace slewlab::tools {
 
 namespace {
 
-constexpr double kHighestShown = 60.0;            // [Hz] the thesis looks at 1 to 10, up to its fifth mode at 37
-constexpr double kBodeFirst = 0.01, kBodeLast = 100.0;  // [Hz]
+// The fifth bending mode is the highest that the thesis looks at, and that a mesh of a few elements still has right.
+constexpr int kHighestBending = 5;
+constexpr double kShownAbove = 1.6;                  // times the fifth bending mode
+constexpr double kBodeBelow = 0.15, kBodeAbove = 2.7;  // times the slowest mode, and the fifth bending mode
 constexpr int kBodePoints = 2000;
 constexpr std::array<int, 11> kMeshes{1, 2, 3, 4, 5, 6, 8, 16, 32, 64, 128};
 
+// [Hz] The fifth bending mode, or the highest mode of a machine that has none.
+double highest_of_interest(const std::vector<sim::Mode>& modes) {
+  const double bending = sim::frequency_of(modes, sim::ModeKind::kBending, kHighestBending);
+  return std::isnan(bending) ? modes.back().frequency : bending;
+}
+
 // An axis has a frequency and a damping, and no load and boom to share its energy with.
-void print_modes(const std::vector<sim::Mode>& modes, bool is_axis, std::ostream& out) {
+void print_modes(const std::vector<sim::Mode>& modes, double highest, bool is_axis, std::ostream& out) {
   if (is_axis) {
     out << fmt::format("  {:>10}  {:<14} {:>9}\n  {:>10}  {:<14} {:>9}\n", "frequency", "kind", "damping", "[Hz]", "", "[%]");
     for (const sim::Mode& mode : modes) {
@@ -40,7 +50,7 @@ void print_modes(const std::vector<sim::Mode>& modes, bool is_axis, std::ostream
   out << fmt::format("  {:>10}  {:<11} {:>9}   {:^20}   {:^16}\n", "[Hz]", "", "[%]", "elastic energy [%]",
                      "motion [%]");
   for (const sim::Mode& mode : modes) {
-    if (mode.frequency > kHighestShown) break;
+    if (mode.frequency > highest) break;
     const bool rigid = mode.kind == sim::ModeKind::kRigid;
     out << fmt::format("  {:>10.3f}  {:<11} {:>9.2f}   {:>6.0f} {:>6.0f} {:>6.0f}   {:>7.0f} {:>8.0f}\n",
                        rigid ? 0.0 : mode.frequency, fmt::format("{} {}", sim::name_of(mode.kind), mode.count),
@@ -51,7 +61,7 @@ void print_modes(const std::vector<sim::Mode>& modes, bool is_axis, std::ostream
 }
 
 void print_convergence(const sim::CraneParameters& crane, std::ostream& out) {
-  constexpr int kBending = 5;
+  constexpr int kBending = kHighestBending;
   const auto frequencies = [&](int elements) {
     sim::CraneParameters meshed = crane;
     meshed.boom.element_count = elements;
@@ -81,7 +91,11 @@ void print_convergence(const sim::CraneParameters& crane, std::ostream& out) {
 
 std::string bode_csv(const sim::CraneParameters& crane) {
   std::string text = "frequency_Hz,magnitude_dB,phase_deg,real_m_per_s_per_Nm,imaginary_m_per_s_per_Nm\n";
-  const auto frequencies = sim::logarithmic_frequencies(kBodeFirst, kBodeLast, kBodePoints);
+  const std::vector<sim::Mode> modes = sim::crane_modes(crane);
+  const auto swinging = std::find_if(modes.begin(), modes.end(), [](const sim::Mode& mode) { return mode.kind != sim::ModeKind::kRigid; });
+  if (swinging == modes.end()) throw std::runtime_error("nothing of this crane swings; --bode is the response of what does");
+  const auto frequencies =
+      sim::logarithmic_frequencies(kBodeBelow * swinging->frequency, kBodeAbove * highest_of_interest(modes), kBodePoints);
   for (const sim::BodePoint& point : sim::frequency_response(crane, frequencies)) {
     text += fmt::format("{:.6g},{:.6g},{:.6g},{:.9g},{:.9g}\n", point.frequency, sim::decibel(point.tip_velocity),
                         std::arg(point.tip_velocity) * 180.0 / std::numbers::pi, point.tip_velocity.real(),
@@ -110,10 +124,12 @@ int show_modes(const ModesOptions& options, std::ostream& out) {
   } else {
     out << fmt::format("{}: whole crane, gears closed, {} boom element(s)\n", options.crane.string(), crane.boom.element_count);
   }
-  print_modes(sim::crane_modes(crane), is_axis, out);
+  const std::vector<sim::Mode> modes = sim::crane_modes(crane);
+  const double highest = kShownAbove * highest_of_interest(modes);
+  print_modes(modes, highest, is_axis, out);
   if (crane.boom.element_count > 0) {
     out << "\nBoom clamped at its pivot\n";
-    print_modes(sim::clamped_boom_modes(crane.boom), false, out);
+    print_modes(sim::clamped_boom_modes(crane.boom), highest, false, out);
     out << fmt::format("\nConvergence [Hz], deviation from {} elements, whole crane\n", kMeshes.back());
     print_convergence(crane, out);
   }

@@ -16,6 +16,7 @@ Sensors that are not mapped are NaN in SENSORS. The log appears when it is compl
 
 import argparse
 import csv
+import hashlib
 import io
 import json
 import signal
@@ -33,11 +34,10 @@ from event_rows import event_type, fill_heads
 from input_map import InputProblems, nearest
 from machine import read_axis
 from run_log import LogProblem, message_types
-from signals import unit_of
+from signals import measured, unit_of
 from unit import SPELLINGS, factor_to_si, quantity_of, spellings_of
 from whole_file import growing
 
-ACCELERATIONS = ("house_acceleration", "pivot_acceleration", "middle_acceleration", "tip_acceleration")
 FLAGS = ("emergency_stop", "enable", "brake")
 DERIVATIVES = ("two_sample_mean", "central_difference", "backward_difference")
 MOST_GROUPS = 8           # sim/model/crane_parameters.h
@@ -91,10 +91,11 @@ FIELD_OF_KIND = {"position": ("ENCODER", "shaft_position"), "speed": ("ENCODER",
                  "angle": ("SENSORS", "slew_angle"), "acceleration": ("SENSORS", "tip_acceleration"), "number": ("OPERATOR", "speed_request")}
 
 
+KIND_OF_UNIT = {"m/s^2": "acceleration", "rad": "angle"}  # of a field of SENSORS
+
+
 def wire_unit(kind):
     return unit_of(*FIELD_OF_KIND[kind])
-
-
 
 def axis_factor(reader, kind, unit, factor, machine):
     """The factor to the motor shaft of a column on the axis or on the shaft of a plain axis."""
@@ -221,15 +222,13 @@ def read_map(path):
                 signals[name].append(Signal(name, None, reader, derive=derive, unit=unit))
             else:
                 signals[name].append(read_signal(reader, name, signal_kind, machine))
-    for name in () if machine else ACCELERATIONS:
+    for name, unit in () if machine else measured("SENSORS").items():
         if root.has(name):
-            signals[name] = [read_signal(root.map(name, ""), name, "acceleration")]
+            signals[name] = [read_signal(root.map(name, ""), name, KIND_OF_UNIT[unit])]
     if machine and root.has("load_position"):
         if not machine.has_load_encoder:
             root.report("load_position", "a load-side encoder", "load_encoder: {value: true, source: ...} in the machine's file")
         signals["slew_angle"] = [read_signal(root.map("load_position", ""), "load_position", "angle", machine)]
-    elif not machine and root.has("slew_angle"):
-        signals["slew_angle"] = [read_signal(root.map("slew_angle", ""), "slew_angle", "angle")]
     if root.has("speed_request"):
         signals["speed_request"] = [read_signal(root.map("speed_request", ""), "speed_request", "number")]
     for name in FLAGS:
@@ -568,11 +567,18 @@ def configuration_hash(text):
     return value - (1 << 64) if value >= 1 << 63 else value
 
 
-def write_log(out, grid, values, hash_of_map):
+def identity_of(path):
+    """What the file holds, as a run's identity: the log of other data is another run, and 0 is nobody's."""
+    with open(path, "rb") as stream:
+        digest = hashlib.file_digest(stream, lambda: hashlib.blake2b(digest_size=8)).digest()
+    return int.from_bytes(digest, "big", signed=True) or 1
+
+
+def write_log(out, grid, values, hash_of_map, identity):
     """All messages in the order in which a lockstep run writes them; returns counts by channel."""
     types = message_types()
     groups = {"group_count": len(values["shaft_position"])}
-    sensors = [name for name in (*ACCELERATIONS, "slew_angle") if name in values]
+    sensors = [name for name in measured("SENSORS") if name in values]
     # What a row makes: ENCODER, the TORQUE that answers it, and SENSORS; an OPERATOR in front where the wish changes.
     parts = [("ENCODER", types.encoder_t, groups), ("TORQUE", types.torque_t, groups)]
     parts += [("SENSORS", types.sensors_t, None)] if sensors else []
@@ -598,20 +604,20 @@ def write_log(out, grid, values, hash_of_map):
             rows = np.zeros(len(times), row_type)
             for place, (channel, kind, counts) in enumerate(parts):
                 fill_heads(rows[channel], channel, kind, first_numbers + place, times, counts)
-                rows[channel]["sequence"], rows[channel]["configuration_hash"] = k, hash_of_map
+                rows[channel]["sequence"], rows[channel]["configuration_hash"], rows[channel]["run_identity"] = k, hash_of_map, identity
             rows["ENCODER"]["operator_sequence"] = moves_so_far - 1
             rows["TORQUE"]["answered_sequence"], rows["TORQUE"]["alive_counter"] = k, k + 1
             rows["TORQUE"]["enable"], rows["TORQUE"]["brake"] = given("enable", True), given("brake", False)
             for group in range(groups["group_count"]):
                 for name, channel in (("shaft_position", "ENCODER"), ("shaft_speed", "ENCODER"), ("motor_torque", "TORQUE")):
                     rows[channel][name][:, group] = given(name, 0.0, group)
-            for name in (*ACCELERATIONS, "slew_angle") if sensors else ():
+            for name in measured("SENSORS") if sensors else ():
                 rows["SENSORS"][name] = given(name, np.nan)
 
             at = np.flatnonzero(changed)
             moves = np.zeros(len(at), move_type)
             fill_heads(moves, "OPERATOR", types.operator_t, first_numbers[at] - 1, times[at])
-            moves["sequence"], moves["configuration_hash"] = moves_so_far[at] - 1, hash_of_map
+            moves["sequence"], moves["configuration_hash"], moves["run_identity"] = moves_so_far[at] - 1, hash_of_map, identity
             moves["speed_request"], moves["emergency_stop"] = requests[at], stops[at]
             for number, (start, end) in enumerate(zip(np.append(0, at), np.append(at, len(rows)))):
                 stream.write(rows[start:end].tobytes())
@@ -647,7 +653,7 @@ def main(arguments=None):
         table = read_table(mapping, options.file)
         grid, values, remarks = convert(mapping, table, Rows(mapping, options.file))
         text = json.dumps(canonical(mapping.reader.node), sort_keys=True) + options.file.name + (str(mapping.machine) if mapping.machine else "")
-        counts = write_log(out, grid, values, configuration_hash(text))
+        counts = write_log(out, grid, values, configuration_hash(text), identity_of(options.file))
     except InputProblems as problems:
         print(problems, file=sys.stderr)
         return 2

@@ -12,6 +12,14 @@ def table():
     return json.loads((messages_folder() / "signals.json").read_text())
 
 
+HEAD = ("sequence", "simulated_time", "configuration_hash", "run_identity")  # of every message of the plant
+
+
+def measured(channel):
+    """{field: unit} of what a message says beside its head."""
+    return {field: unit for field, unit in table()[channel].items() if field not in HEAD}
+
+
 def unit_of(channel, column):
     """The unit of a field, or of a column that is one entry of an array field (shaft_speed_2)."""
     fields = table()[channel]

@@ -12,9 +12,9 @@ namespace slewlab::tools {
 namespace {
 
 constexpr double kRounding = 1e-9;            // [-] relative, between two ways to compute the same double
-constexpr double kPlaceOfContact = 1e-12;     // [rad] to which the change of contact is found inside a step
-constexpr double kEnergyFloor = 1e-3;         // [J] where next to nothing has been turned over yet
-constexpr double kStickingSpeed = 1e-9;       // [rad/s] slew axis: the brake's solve has converged this far
+constexpr double kPlaceOfContact = 1e-12;     // [rad] to which the change of contact is found inside a step: rounding of an angle of 1
+constexpr double kEnergyFloor = 1e-8;         // of the axis's energy at top speed, where next to nothing has been turned over yet
+constexpr double kStickingSpeed = 2e-8;       // of the top speed: the brake's solve has converged this far
 
 bool all_finite(const std::vector<double>& values) {
   return std::all_of(values.begin(), values.end(), [](double value) { return std::isfinite(value); });
@@ -197,7 +197,7 @@ void check_friction(const SoakFacts& facts, const StepRecord& before, const Step
       findings.add(Invariant::friction_law, record.time,
                    fmt::format("group {}: the brakes act with {} Nm, more than their {} Nm", i, friction, capacity));
     }
-    if (power > std::fabs(friction) * kStickingSpeed) {
+    if (power > std::fabs(friction) * kStickingSpeed * facts.top_speed) {
       findings.add(Invariant::friction_law, record.time,
                    fmt::format("group {}: the brakes drive the motors: {} Nm at {} rad/s", i, friction,
                                record.motor_speed[i]));
@@ -249,7 +249,7 @@ EnergyBalance::EnergyBalance(const SoakFacts& facts, const SoakLimits& limits, c
       first_energy_(first.mechanical_energy),
       first_work_(first.supplied_work),
       before_(first),
-      turned_over_(first.mechanical_energy + kEnergyFloor) {}
+      turned_over_(first.mechanical_energy + kEnergyFloor * facts.axis_energy) {}
 
 void EnergyBalance::check(const StepRecord& record, Findings& findings) {
   const double lost = 0.5 * facts_.step * (before_.dissipated_power + record.dissipated_power);

@@ -72,6 +72,8 @@ struct SoakFacts {
   double ratio = 1.0;  // motor turns per turn of the crane
   double step = 0.0;   // [s]
   std::array<sim::GearContact, sim::kMaximumGroupCount> gear{};
+  double axis_energy = 0.0;  // [J] of all that turns with the axis, at top speed
+  double top_speed = 0.0;    // [rad/s] of the axis
   sim::DriveProtectionSettings protection;
   bool bare_actuators = true;   // no effect of the crane's file stands between drive and motors
   bool bare_brakes = true;      // no effect adds friction to the motors

@@ -10,6 +10,7 @@
 
 #include "common/yaml_node.h"
 #include "sim/effects/random_number.h"
+#include "sim/model/drive_line.h"
 
 namespace slewlab::tools {
 namespace {
@@ -153,11 +154,11 @@ class Hand {
   std::vector<sim::OperatorMove> moves_;
 };
 
-sim::Fault draw_fault(const TaskRanges& ranges, int group_count, Draw& draw) {
+sim::Fault draw_fault(const TaskRanges& ranges, const sim::DriveParameters& drive, Draw& draw) {
   constexpr std::int64_t kMostCyclesLate = 20;
   constexpr std::int64_t kSeeds = 1'000'000'000;
-  constexpr double kSpeedError = 20.0;    // [rad/s] at the motor, of the 137 at top speed
-  constexpr double kPositionError = 1.0;  // [rad] at the motor
+  constexpr double kSpeedError = 0.15;    // of the motor's speed at the machine's top speed
+  constexpr double kPositionError = 1.0;  // [rad] of the encoder's shaft: a sixth of its turn
   constexpr double kCorrupted = 0.25;  // share of faults: there are more ways to corrupt than kinds of fault
   sim::Fault fault;
   fault.kind = static_cast<sim::FaultKind>(draw.below(static_cast<std::int64_t>(sim::kFaultKindNames.size())));
@@ -174,8 +175,9 @@ sim::Fault draw_fault(const TaskRanges& ranges, int group_count, Draw& draw) {
                                ? static_cast<std::int64_t>(sim::Corruption::other_version) + 1
                                : static_cast<std::int64_t>(sim::kCorruptionNames.size());
   fault.corruption = static_cast<sim::Corruption>(draw.below(corruptions));
-  fault.group = static_cast<int>(draw.below(group_count + 1)) - 1;
-  fault.speed = draw.between(-kSpeedError, kSpeedError);
+  fault.group = static_cast<int>(draw.below(drive.group_count + 1)) - 1;
+  const double speed_error = kSpeedError * drive.top_speed * sim::total_ratio(drive);
+  fault.speed = draw.between(-speed_error, speed_error);
   fault.position = draw.between(-kPositionError, kPositionError);
   return fault;
 }
@@ -183,7 +185,7 @@ sim::Fault draw_fault(const TaskRanges& ranges, int group_count, Draw& draw) {
 // Behind a fault the operator acknowledges, too early or in time, his other hand where it is or off the joystick.
 void acknowledge(const std::vector<sim::Fault>& faults, const TaskRanges& ranges, Draw& draw,
                  std::vector<sim::OperatorMove>& moves) {
-  constexpr double kSoonest = 0.05, kLatest = 10.0, kShortest = 0.02, kLongest = 1.0;  // [s]
+  constexpr double kSoonest = 0.05, kLatest = 10.0, kShortest = 0.02, kLongest = 1.0;  // [s] of a hand, whatever it moves
   for (const sim::Fault& fault : faults) {
     const std::int64_t press = fault.from + on_grid(draw.scattered(kSoonest, kLatest), ranges.plant_step);
     const std::int64_t release = press + on_grid(draw.scattered(kShortest, kLongest), ranges.plant_step);
@@ -266,7 +268,7 @@ SoakTask draw_task(const TaskRanges& ranges, const sim::CraneParameters& crane, 
   task.moves = Hand(ranges, Swing(ramp, period, radius, load), draw).moves(with_faults);
   if (with_faults) {
     const std::int64_t count = 1 + draw.below(ranges.most_faults);
-    for (std::int64_t i = 0; i < count; ++i) task.faults.push_back(draw_fault(ranges, crane.drive.group_count, draw));
+    for (std::int64_t i = 0; i < count; ++i) task.faults.push_back(draw_fault(ranges, crane.drive, draw));
     acknowledge(task.faults, ranges, draw, task.moves);
   }
   return task;

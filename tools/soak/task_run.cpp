@@ -9,6 +9,7 @@
 #include "diagnosis/loop/wire_loop.h"
 #include "msgs/log_writer.h"
 #include "sim/machine/machine_file.h"
+#include "sim/machine/scales.h"
 #include "sim/drive/crane_plant.h"
 #include "sim/drive/lockstep_loop.h"
 #include "sim/drive/scenario_run.h"
@@ -172,6 +173,9 @@ SoakFacts facts_of(const sim::CranePlant& plant, const sim::Scenario& scenario, 
   facts.ratio = machine.model.ratio;
   facts.step = machine.model.step;
   facts.gear = machine.model.gear;
+  const sim::Scales scales = sim::scales_of(machine.model.parameters);
+  facts.axis_energy = 0.5 * scales.axis_inertia * scales.top_speed * scales.top_speed;
+  facts.top_speed = scales.top_speed;
   facts.protection = scenario.crane.drive_protection;
   facts.bare_actuators = machine.message.empty() && machine.actuator.empty();
   facts.bare_brakes = machine.friction.empty();

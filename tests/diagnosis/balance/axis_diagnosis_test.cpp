@@ -117,6 +117,32 @@ TEST(AxisDiagnosis, NamesTheFamilyWhereItsMembersCannotBeTold) {
   EXPECT_EQ(found.verdict.rfind("friction (100 %), most likely ", 0) == 0, !is_sure) << found.verdict;
 }
 
+// A law that is left out is in no model, nor is what details it.
+TEST(AxisDiagnosis, DoesWithoutTheLawsThatItIsTold) {
+  const AxisDiagnosis found = diagnose_axis(axis_file(), two_runs(noisy(friction)), {"viscous"});
+  ASSERT_FALSE(found.answer.models.empty());
+  for (const BalanceModel& model : found.answer.models) {
+    for (const BalanceTerm& term : model.terms) {
+      EXPECT_NE(term.law, "viscous");
+      EXPECT_NE(term.law, "viscous_direction");
+    }
+  }
+  EXPECT_NEAR(size_of(found.answer.best, "dry"), 1.5, 0.3 * 1.5);
+  const std::vector<std::string> names = balance_law_names();
+  for (const char* name : {"dry", "viscous", "stribeck", "rising", "gravity", "spring", "warming", "lag"}) {
+    EXPECT_EQ(std::count(names.begin(), names.end(), name), 1) << name;
+  }
+  EXPECT_TRUE(diagnose_axis(axis_file(), two_runs(noisy(friction)), names).answer.best.terms.empty());
+}
+
+// On a robot's joint the grease takes most of the rated torque at top speed; its effect can be written all the same.
+TEST(AxisDiagnosis, WritesViscousFrictionThatTakesMostOfTheRatedTorque) {
+  const auto thick = [](double, double, double speed) { return 1.0 * std::tanh(speed / 1e-3) + 6.0 * speed; };
+  const AxisDiagnosis found = diagnose_axis(axis_file(), two_runs(noisy(thick)));
+  ASSERT_TRUE(found.is_stated) << found.verdict;
+  EXPECT_TRUE(std::any_of(found.effects.begin(), found.effects.end(), [](const auto& effect) { return effect.name == "bearing_viscous"; }));
+}
+
 // One machine is ordinary where several things differ at once: the inertia is told beside the friction.
 TEST(AxisDiagnosis, TellsAnInertiaThatIsOffBesideTheFriction) {
   SimulatedAxis axis = noisy(friction);

@@ -8,6 +8,7 @@
 #include "sim/model/boom.h"
 #include "sim/model/drive_line.h"
 #include "sim/model/house.h"
+#include "tests/sim/scaled_crane.h"
 #include "tests/sim/thesis_crane.h"
 
 namespace slewlab::sim {
@@ -23,7 +24,7 @@ int count_of(const std::vector<Mode>& modes, ModeKind kind) {
 
 TEST(Eigen, ShapesAreOrthonormalAndSolveTheProblem) {
   const CraneMatrices matrices = assemble_crane(thesis_crane(), GearState::kClosed);
-  const EigenSolution solution = solve_eigenproblem(matrices.mass, matrices.stiffness);
+  const EigenSolution solution = solve_eigenproblem(matrices.mass, matrices.stiffness, kGravity / thesis_crane().load.rope_length);
   const Eigen::MatrixXd unit = solution.shape.transpose() * matrices.mass * solution.shape;
   EXPECT_LT((unit - Eigen::MatrixXd::Identity(unit.rows(), unit.cols())).cwiseAbs().maxCoeff(), 1e-6);
   for (Eigen::Index k = 1; k < solution.frequency.size(); ++k) {
@@ -41,6 +42,20 @@ TEST(Eigen, SlowModesKeepTheirDigitsOnAFineMesh) {
   EXPECT_EQ(count_of(fine, ModeKind::kRigid), 1);
   EXPECT_LT(fine.front().frequency, 1e-3);
   EXPECT_NEAR(frequency_of(fine, ModeKind::kLoad, 1) / frequency_of(coarse, ModeKind::kLoad, 1), 1.0, 1e-3);
+}
+
+// What is rigid and what swings does not depend on how fast it swings: a crane 1e4 times as large swings 100 times as slowly.
+TEST(Eigen, AModelAsSlowAsAMountainHasTheSameModes) {
+  const std::vector<Mode> modes = crane_modes(thesis_crane());
+  for (const double lambda : {1e-4, 1e4}) {
+    const std::vector<Mode> scaled = crane_modes(with_lengths_times(thesis_crane(), lambda));
+    ASSERT_EQ(scaled.size(), modes.size());
+    EXPECT_EQ(count_of(scaled, ModeKind::kRigid), 1);
+    for (std::size_t k = 1; k < modes.size(); ++k) {
+      EXPECT_EQ(scaled[k].kind, modes[k].kind) << "mode " << k << " at " << lambda;
+      EXPECT_NEAR(scaled[k].frequency * std::sqrt(lambda) / modes[k].frequency, 1.0, 1e-6) << "mode " << k << " at " << lambda;
+    }
+  }
 }
 
 TEST(Eigen, DriveLineIsTwoMassesAndFreeDifferences) {

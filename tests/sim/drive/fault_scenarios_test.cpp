@@ -12,9 +12,12 @@
 #include "msgs/run_log.h"
 #include "sim/drive/crane_plant.h"
 #include "sim/drive/fault_expectation.h"
+#include "sim/drive/fault_file.h"
 #include "sim/drive/scenario_run.h"
 #include "tests/msgs/file_contents.h"
 #include "tests/msgs/temporary_folder.h"
+#include "tests/sim/scaled_crane.h"
+#include "tests/sim/thesis_crane.h"
 
 namespace slewlab::sim {
 namespace {
@@ -91,6 +94,17 @@ TEST(FaultScenarios, NoTurnedBitMakesAnotherRunOfALog) {
   }
 }
 
+// A tenth of what the machine covers at top speed while it gets there: 5 mrad of the thesis's crane, whatever its mass.
+TEST(FaultScenarios, WhatCountsAsStandingFollowsTheMachine) {
+  const double standing = load_scenario_file(kFolder / "controller_killed.yaml").expectation.standing_angle;
+  EXPECT_NEAR(standing, 0.005, 0.0005);
+  EXPECT_DOUBLE_EQ(standing, standing_angle_of(thesis_crane()));
+  EXPECT_NEAR(standing_angle_of(with_masses_times(thesis_crane(), 1e-3)) / standing, 1.0, 1e-12);
+  CraneParameters fast = thesis_crane();
+  fast.drive.top_speed *= 3.0;
+  EXPECT_NEAR(standing_angle_of(fast) / standing, 9.0, 1e-9);
+}
+
 TEST(FaultScenarios, AnExpectationThatDoesNotHoldIsToldWithWhatWasFound) {
   const Scenario scenario = load_scenario_file(kFolder / "controller_killed.yaml");
   const TemporaryFolder folder;
@@ -101,6 +115,7 @@ TEST(FaultScenarios, AnExpectationThatDoesNotHoldIsToldWithWhatWasFound) {
   wrong.faults = {{DriveFault::silence, {2, 3}}};
   wrong.tip_acceleration = 0.1;
   wrong.standing_by = 9'000'000'000;
+  wrong.standing_angle = scenario.expectation.standing_angle;
   wrong.slew_angle_at_least = 3.0;
   wrong.slew_angle_at_most = 0.0;
   const auto broken = broken_expectations(wrong, msgs::read_run_logs(folder.path() / "run.lcmlog").runs.at(0));

@@ -11,6 +11,7 @@
 #include "common/yaml_file.h"
 #include "sim/integrate/machine.h"
 #include "sim/machine/effect_scales.h"
+#include "sim/machine/machine_file.h"
 #include "tests/sim/effects/effect_bench.h"
 #include "tests/sim/scaled_crane.h"
 
@@ -280,6 +281,34 @@ TEST(EffectCatalogue, EveryEffectHasItsPage) {
           << page << ": no " << p.name << " in the crane's file";
     }
   }
+}
+
+// On a linear axis forces are forces; what belongs to the motor's shaft is as it turns.
+TEST(Catalogue, ALinearAxisHasItsOwnUnits) {
+  MachineFile rotary;
+  rotary.kind = MachineKind::axis;
+  rotary.parameters.drive = {.group_count = 1, .motors_per_group = 1, .motor_inertia = 1e-3, .gearbox_ratio = 600.0, .rated_torque = 1.0,
+                             .top_speed = 0.3, .is_rigid = true};
+  rotary.parameters.house.inertia = 95.0;
+  MachineFile linear = rotary;
+  linear.axis.is_linear = true;
+  MachineFile direct = linear;  // no turning motor
+  direct.axis.is_shaft_linear = true;
+  const auto unit = [](const common::EffectCatalogue& catalogue, const char* effect, const char* parameter) {
+    for (const common::EffectParameter& one : catalogue.at(effect).parameters) {
+      if (one.name == parameter) return common::name_of(one.unit);
+    }
+    return std::string_view{};
+  };
+  const common::EffectCatalogue of_linear = effects_for(linear), of_rotary = effects_for(rotary);
+  EXPECT_EQ(unit(of_linear, "bearing_coulomb", "torque"), "N");
+  EXPECT_EQ(unit(of_rotary, "bearing_coulomb", "torque"), "N m");
+  EXPECT_EQ(unit(of_linear, "bearing_viscous", "coefficient"), "N s/m");
+  EXPECT_EQ(unit(of_rotary, "bearing_viscous", "coefficient"), "N m s/rad");
+  EXPECT_EQ(unit(of_linear, "bearing_stribeck", "stribeck_speed"), "m/s");
+  EXPECT_EQ(unit(of_linear, "torque_offset", "torque"), "N");
+  EXPECT_EQ(unit(of_linear, "torque_ripple", "amplitude"), "N m");
+  EXPECT_EQ(unit(effects_for(direct), "torque_ripple", "amplitude"), "N");
 }
 
 }  // namespace

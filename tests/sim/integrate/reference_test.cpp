@@ -13,6 +13,7 @@
 
 #include "sim/model/boom.h"
 #include "sim/model/drive_line.h"
+#include "tests/sim/scaled_crane.h"
 #include "tests/sim/thesis_crane.h"
 
 namespace slewlab::sim {
@@ -56,6 +57,22 @@ TEST_P(ReferenceTest, PointLoadOnAFixedTipSwingsAsAFreePendulum) {
     const double t = 5.0 * k;
     advance(*reference, {}, t);
     EXPECT_NEAR(rope_angle(*reference), start_angle * std::cos(frequency * t), 1e-8);
+  }
+}
+
+// The same motion in another size is as hard to follow: what is tolerated is a share of the machine's own motion.
+TEST_P(ReferenceTest, TakesAsManyStepsWhateverTheSize) {
+  const auto steps = [&](const CraneParameters& crane, double torque, double until) {
+    const ReferencePointer reference = make_reference(crane, {.method = GetParam(), .tolerance = 1e-8});
+    GroupArray torques{};
+    torques.fill(torque);
+    advance(*reference, torques, until);
+    return static_cast<double>(counts(*reference).steps);
+  };
+  constexpr double kTorque = 100.0, kUntil = 2.0;  // [Nm] per motor, [s]
+  const double thesis = steps(thesis_crane(), kTorque, kUntil);
+  for (const double lambda : {1e-4, 1e4}) {
+    EXPECT_NEAR(steps(with_lengths_times(thesis_crane(), lambda), kTorque * lambda, kUntil * std::sqrt(lambda)) / thesis, 1.0, 0.05) << lambda;
   }
 }
 

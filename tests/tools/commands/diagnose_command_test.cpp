@@ -130,7 +130,9 @@ TEST_F(DiagnoseCommand, FindsTheEffectAndWritesACraneThatRunTakes) {
                            "Validation on", "simulations with"}) {
     EXPECT_NE(diagnose.output().find(word), std::string::npos) << word << "\n" << diagnose.output();
   }
-  EXPECT_NE(diagnose.output().find(contents(out() / "summary.txt")), std::string::npos);
+  // The answer on standard output and nothing else: how far it is stands on standard error.
+  EXPECT_EQ(diagnose.output().rfind(contents(out() / "summary.txt"), 0), 0u) << diagnose.output();
+  EXPECT_NE(diagnose.complaints().find("100 %"), std::string::npos) << diagnose.complaints();
   const std::string page = contents(out() / "diagnosis.html");
   for (const char* word : {"dragging_brake", "Is there a gap?  Yes", "Plotly.newPlot", "missing torque", "bending 2, 5.2 Hz"}) EXPECT_NE(page.find(word), std::string::npos) << word;
 
@@ -207,11 +209,15 @@ TEST_F(DiagnoseCommand, WritesTheControllerThatWasFound) {
 
 TEST_F(DiagnoseCommand, AnInterruptEndsItAndNothingIsWritten) {
   for (const int number : {SIGINT, SIGTERM}) {
-    RunningProgram diagnose(whole_command());
+    // How far it is stands on standard error, which is read here as if it were standard output.
+    std::vector<std::string> both{"/bin/sh", "-c", "exec \"$0\" \"$@\" 2>&1"};
+    const std::vector<std::string> whole = whole_command();
+    both.insert(both.end(), whole.begin(), whole.end());
+    RunningProgram diagnose(both);
     ASSERT_NE(diagnose.wait_for_line("replaying the controller"), "");
     ::kill(diagnose.pid(), number);
     EXPECT_EQ(diagnose.wait_for_end(), 128 + number);
-    EXPECT_NE(diagnose.complaints().find("interrupted; nothing was written"), std::string::npos) << diagnose.complaints();
+    EXPECT_NE(diagnose.output().find("interrupted; nothing was written"), std::string::npos) << diagnose.output();
     EXPECT_FALSE(fs::exists(out()));
   }
 }
@@ -224,6 +230,9 @@ TEST_F(DiagnoseCommand, RefusesACraneWithAnotherNumberOfMotorGroups) {
 TEST_F(DiagnoseCommand, NamesWhatIsWrongOnTheCommandLineBeforeAnyWork) {
   const std::string crane = kConfig + "cranes/thesis.yaml";
   expect_refused({"--crane", crane, "--log", log(), "--without", "draging_brake"}, 1, {"--without", "draging_brake", "'dragging_brake' is near"});
+  const std::string axis = kConfig + "axes/example_axis.yaml";
+  expect_refused({"--axis", axis, "--log", log(), "--without", "dragging_brake"}, 1, {"--without", "dragging_brake", "dry, viscous, offset"});
+  expect_refused({"--axis", axis, "--log", log(), "--threads", "4"}, 1, {"--threads", "found 4", "no --threads beside an axis"});
   expect_refused({"--crane", crane, "--log", log(), "--log", log()}, 1, {"--log", log(), "each log once"});
   expect_refused({"--crane", crane, "--log", "/nowhere/run.lcmlog"}, 1, {"/nowhere/run.lcmlog", "No such file"});
   std::ofstream(out()) << "a file\n";

@@ -4,12 +4,14 @@ import contextlib
 import io
 import tempfile
 import unittest
+import unittest.mock
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
 import import_data
+import signals
 from run_log import REPOSITORY, read_run_log, seconds
 
 RATIO = 2735.58
@@ -112,6 +114,21 @@ class ImportTest(unittest.TestCase):
         wide = lambda count: lambda file: file.write_text(",".join(f"c{k}" for k in range(count)) + "\nno number\n")
         self.refused(None, "data.csv: found 20000 columns, expected one row per moment and at most 10000 columns", write=wide(20_000))
         self.refused(None, "data.csv: the line of column names has more than 2000000 characters", write=wide(1_000_000))
+
+    def test_the_runs_identity_is_what_the_file_holds(self):
+        def identities(data):
+            self.assertEqual(self.call(data), (0, ""))
+            log = read_run_log(self.out)
+            return {int(one) for name in ("ENCODER", "TORQUE", "OPERATOR", "SENSORS") for one in log.channel(name)["run_identity"]}
+
+        other = table()
+        other.iloc[7, other.columns.get_loc("tip")] += 1e-3
+        first, again, changed = identities(table()), identities(table()), identities(other)
+        self.assertEqual(len(first), 1)
+        self.assertEqual(first, again)
+        self.assertEqual(len(changed), 1)
+        self.assertNotEqual(first, changed)
+        self.assertNotIn(0, first | changed)
 
     def test_parquet_becomes_the_same_log(self):
         self.assertEqual(self.call(table(), suffix="parquet"), (0, ""))
@@ -321,6 +338,19 @@ motor_torque: {column: f, unit: N m, on: axis}
         data.loc[41, "torque_2"] = np.nan
         self.assertEqual(self.call(data, MAP + "rows: {first: 101, last: 301}\n"), (0, ""))
         self.assertEqual(len(read_run_log(self.out).channel("ENCODER")), 201)
+
+    def test_a_sensor_of_the_wire_is_one_of_the_map(self):
+        """What SENSORS says is what a map may name: nothing lists the sensors a second time."""
+        known = {channel: dict(fields) for channel, fields in signals.table().items()}
+        known["SENSORS"] |= {"mast_acceleration": "m/s^2", "mast_angle": "rad"}
+        text = MAP + "mast_acceleration: {column: a, unit: mm/s^2}\nmast_angle: {column: b, unit: deg}\n"
+        (self.folder / "map.yaml").write_text(text)
+        with unittest.mock.patch.object(signals, "table", lambda: known):
+            mapping = import_data.read_map(self.folder / "map.yaml")
+        self.assertEqual(mapping.lines, [])
+        self.assertEqual([(mapping.signals[name][0].column, mapping.signals[name][0].unit) for name in ("mast_acceleration", "mast_angle")],
+                         [("a", "m/s^2"), ("b", "rad")])
+        self.assertNotEqual(import_data.read_map(self.folder / "map.yaml").lines, [])
 
     def test_a_request_in_the_wrong_unit(self):
         self.refused(table(), "a request of 80", text=MAP.replace('wish, unit: "%"', 'wish, unit: "-"'))

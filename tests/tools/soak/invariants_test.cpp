@@ -22,6 +22,8 @@ SoakFacts facts() {
   facts.group_count = 2;
   facts.motors_per_group = 3;
   facts.ratio = 2735.58;
+  facts.axis_energy = 1e5;
+  facts.top_speed = 0.05;
   facts.step = 1e-3;
   facts.gear.fill({.stiffness = 3.3e9, .damping = 6e6, .half_play = 2.5e-4});
   facts.protection.torque_limit = 400.0;

@@ -68,6 +68,23 @@ TEST_F(TaskDrawTest, DrawsEveryFaultAndEveryCorruption) {
   EXPECT_EQ(corruptions.size(), sim::kCorruptionNames.size());
 }
 
+// An encoder of a slow machine lies by as large a share of what it should say.
+TEST_F(TaskDrawTest, WrongSpeedsAreAShareOfTheMachinesOwn) {
+  sim::CraneParameters slow = crane;
+  slow.drive.top_speed *= 0.01;
+  const auto largest = [&](const sim::CraneParameters& machine) {
+    double speed = 0.0;
+    for (int number = 0; number < 200; ++number) {
+      for (const sim::Fault& fault : draw_task(ranges, machine, ramp, true, 3, number).faults) speed = std::max(speed, std::fabs(fault.speed));
+    }
+    return speed;
+  };
+  const double of_thesis = largest(crane), motor_speed = crane.drive.top_speed * 215.4 * 12.7;  // [rad/s] thesis 2.10
+  EXPECT_GT(of_thesis, 0.13 * motor_speed);
+  EXPECT_LE(of_thesis, 0.15 * motor_speed);
+  EXPECT_NEAR(largest(slow) / of_thesis, 0.01, 1e-12);
+}
+
 TEST_F(TaskDrawTest, DependsOnSeedAndNumberAlone) {
   const auto text = [&](std::uint64_t seed, std::int64_t number) {
     return task_scenario(draw_task(ranges, crane, ramp, true, seed, number), ranges, "crane", "controller");
