@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
+#include <limits>
 
 #include "diagnosis/plausibility.h"
 #include "sim/effects/catalogue.h"
@@ -42,23 +42,29 @@ void check_followed(const Record& record, const Shadow& follower) {
 }
 
 // Whether the record begins with the teeth on the flanks to which its first torques push: these would carry a free motor across its play
-// within `time` [s], and the groups keep their places to each other within half of it. (From the middle of their play they would move
-// apart, or together, by twice that.)
+// within `time` [s], and the groups' places to each other change by what the torques wind the gears up and hardly anything more. (From the
+// middle of their play they would move apart, or together, by twice half of it; slowly where a brake drags.)
 bool begins_on_flanks(const sim::CraneParameters& nominal, const Record& record, double time) {
+  constexpr double kKeptShare = 0.2;  // of half the play; chosen: the nominal gears' stiffness tells the windup no better
   const sim::DriveParameters& drive = nominal.drive;
-  const double ratio = sim::total_ratio(drive), half_play = sim::gear_contact(nominal).half_play;
+  const sim::GearContact gear = sim::gear_contact(nominal);
+  const double ratio = sim::total_ratio(drive);
   const double way_per_torque = 0.5 * time * time * drive.motors_per_group * ratio / sim::group_inertia(drive);
-  const auto count = static_cast<std::ptrdiff_t>(std::min(record.size(), static_cast<std::size_t>(std::lround(time / record.step))));
+  const double windup_per_torque = drive.motors_per_group * ratio * ratio / gear.stiffness;  // motor's turn
+  const auto count = std::min(record.size(), static_cast<std::size_t>(std::lround(time / record.step)));
   for (int g = 0; g < record.group_count; ++g) {
     const auto i = static_cast<std::size_t>(g);
-    if (std::fabs(record.motor_torque[i][0]) * way_per_torque < 2.0 * half_play) return false;
-    std::vector<double> apart(static_cast<std::size_t>(count));
-    std::transform(record.shaft_position[i].begin(), record.shaft_position[i].begin() + count, record.shaft_position[0].begin(), apart.begin(),
-                   std::minus<>());
-    const auto [low, high] = std::minmax_element(apart.begin(), apart.end());
-    if (*high - *low > half_play * ratio) return false;
+    if (std::fabs(record.motor_torque[i][0]) * way_per_torque < 2.0 * gear.half_play) return false;
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (std::size_t n = 0; n < count; ++n) {
+      const double apart = record.shaft_position[i][n] - record.shaft_position[0][n] -
+                           windup_per_torque * (record.motor_torque[i][n] - record.motor_torque[0][n]);
+      low = std::min(low, apart);
+      high = std::max(high, apart);
+    }
+    if (high - low > kKeptShare * gear.half_play * ratio) return false;
   }
-  return half_play > 0.0;
+  return gear.half_play > 0.0;
 }
 
 }  // namespace

@@ -66,7 +66,7 @@ TEST_P(ThreeCranes, AreDiagnosedAlike) {
 std::vector<ThreeCranesCase> cases() {
   std::vector<ThreeCranesCase> all;
   for (const char* crane : {"harbour_5t", "thesis", "offshore_900t"}) {
-    for (const char* effect : {"", "bearing_viscous", "torque_lag"}) all.push_back({crane, effect});
+    for (const char* effect : {"", "bearing_viscous", "torque_lag", "dragging_brake"}) all.push_back({crane, effect});
   }
   return all;
 }
