@@ -76,7 +76,8 @@ def _stop(process):
 
 
 class RunLog:
-    """The run in the log. Where a file holds several, the one with the most messages is taken, and that is said."""
+    """The run in the log. Where a file holds several, the one with the most messages is taken, and that is said.
+    Messages are read when they are asked for: the file has to stay until then."""
 
     def __init__(self, path):
         self.path, self._whole = Path(path), {}
