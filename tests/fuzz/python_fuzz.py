@@ -12,11 +12,14 @@ there after a crash of the interpreter, too.
 
 import argparse
 import contextlib
+import functools
 import hashlib
 import io
+import os
 import random
 import resource
 import signal
+import subprocess
 import sys
 import tempfile
 import time
@@ -28,7 +31,8 @@ CORPUS = REPOSITORY / "tests" / "fuzz" / "corpus"
 sys.path.insert(0, str(REPOSITORY / "tools" / "python"))
 
 import import_data  # noqa: E402
-from run_log import LogProblem, message_types, read_run_log  # noqa: E402
+import run_log  # noqa: E402
+from run_log import LogProblem, ReaderProblem, read_run_log  # noqa: E402
 
 MOST_MEMORY = 4 << 30   # [bytes] of address space
 LONGEST = 20            # [s] that one input may take
@@ -61,6 +65,8 @@ def try_run_log(data, folder):
     path.write_bytes(data)
     try:
         log = read_run_log(path)
+    except ReaderProblem:
+        raise
     except LogProblem:
         return
     for name in log.tables:
@@ -136,6 +142,11 @@ def beginnings(data, count=16):
         yield data[:len(data) * k // count]
 
 
+def lift_limit():
+    """Sanitizers of the log's reader need more address space."""
+    resource.setrlimit(resource.RLIMIT_AS, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
+
+
 def out_of_time(*_):
     raise TimeoutError(f"took more than {LONGEST} s")
 
@@ -148,14 +159,17 @@ def main():
     parser.add_argument("--found", type=Path, help="folder for the input that fails")
     parser.add_argument("--grown", type=Path, help="folder for inputs that reach new lines, and to go on from")
     options = parser.parse_args()
-    message_types()  # where they are missing every log would be refused
+    os.environ["ASAN_OPTIONS"] = "exitcode=99:hard_rss_limit_mb=2048"  # apart from a refusal
+    os.environ["UBSAN_OPTIONS"] = "exitcode=99"
+    run_log.subprocess.Popen = functools.partial(subprocess.Popen, preexec_fn=lift_limit)
     target = TARGETS[options.target]
     seeds = [p.read_bytes() for p in sorted((CORPUS / options.target).iterdir())]
     if options.grown:
         seeds += [p.read_bytes() for p in sorted(options.grown.iterdir())]
     assert seeds, "no corpus"
     if options.seconds:  # the suite's sanitizers need more address space than this
-        resource.setrlimit(resource.RLIMIT_AS, (MOST_MEMORY, MOST_MEMORY))
+        resource.setrlimit(resource.RLIMIT_AS, (MOST_MEMORY, resource.RLIM_INFINITY))
+    read_run_log(CORPUS / "run_log" / "whole")  # where the reader is missing every log would be refused
     signal.signal(signal.SIGALRM, out_of_time)
     coverage, executions = Coverage(), 0
 

@@ -5,6 +5,7 @@ so that a log larger than memory can be gone through by stretches(); channel() h
 the run follows msgs/run_order.h; what cannot be used is told in `remarks`, one line each.
 """
 
+import contextlib
 import importlib
 import json
 import os
@@ -26,6 +27,10 @@ END_OF_STRETCH, END_OF_ANSWER, ERROR = -1, -2, -3
 
 class LogProblem(Exception):
     """The log cannot be read or holds no run. The text says which file and why."""
+
+
+class ReaderProblem(LogProblem):
+    """The reader broke down: a fault of the program, whatever the log holds."""
 
 
 @dataclass(frozen=True)
@@ -72,11 +77,13 @@ def _stop(process):
     process.kill()
     process.wait()
     for pipe in (process.stdin, process.stdout, process.stderr):
-        pipe.close()
+        with contextlib.suppress(BrokenPipeError):  # a request that was never read
+            pipe.close()
 
 
 class RunLog:
-    """The run in the log. Where a file holds several, the one with the most messages is taken, and that is said."""
+    """The run in the log. Where a file holds several, the one with the most messages is taken, and that is said.
+    Messages are read when they are asked for: the file has to stay until then."""
 
     def __init__(self, path):
         self.path, self._whole = Path(path), {}
@@ -95,8 +102,11 @@ class RunLog:
         line = self._process.stdout.readline()
         if not line.endswith(b"\n"):
             said = self._process.stderr.read().decode(errors="replace").strip()
+            refused = self._process.wait() == 1
             self._stopper()
-            raise LogProblem(said or f"{self.path}: the log's reader ended without a word")
+            if refused:
+                raise LogProblem(said)
+            raise ReaderProblem(f"{self.path}: the log's reader broke down: {said}")
         self._described = json.loads(line)
 
     def has(self, name):
@@ -106,7 +116,7 @@ class RunLog:
         data = self._process.stdout.read(size)
         if len(data) < size:
             self._stopper()
-            raise LogProblem(f"{self.path}: the log's reader ended early")
+            raise ReaderProblem(f"{self.path}: the log's reader broke down while it read")
         return data
 
     def stretches(self, *names):
@@ -115,8 +125,9 @@ class RunLog:
         tables = list(self.tables.items())
         if not self._stopper.alive:
             self._start()
-        self._process.stdin.write(" ".join(names or self.tables).encode() + b"\n")
-        self._process.stdin.flush()
+        with contextlib.suppress(BrokenPipeError):  # what follows says so
+            self._process.stdin.write(" ".join(names or self.tables).encode() + b"\n")
+            self._process.stdin.flush()
         complete = False
         try:
             stretch = {}

@@ -28,10 +28,9 @@ class ReadmeTest(unittest.TestCase):
             self.assertEqual(run.returncode, 0, run.stdout + run.stderr)
             facts = json.loads((Path(folder) / "run.json").read_text())
             self.assertEqual(facts["end"], "complete")
-            log = read_run_log(Path(folder) / "run.lcmlog")
+            encoder = read_run_log(Path(folder) / "run.lcmlog").channel("ENCODER")
         # A proportional gain of 20 Nm s/rad holds the shaft within what the load asks of it, 100 Nm at most: 5 rad/s
         # of the 137 that top speed means.
-        encoder = log.channel("ENCODER")
         settled = encoder["shaft_speed"][seconds(encoder) > 12.0].mean(axis=0) / facts["total_ratio"]
         np.testing.assert_allclose(settled, facts["top_speed"], rtol=0.04)
 

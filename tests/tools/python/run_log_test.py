@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 import made_run
-from run_log import LogProblem, read_run_log, seconds
+from run_log import LogProblem, ReaderProblem, read_run_log, seconds
 
 
 class RunLogTest(unittest.TestCase):
@@ -155,6 +155,17 @@ class RunLogTest(unittest.TestCase):
         log = read_run_log(self.path)
         np.testing.assert_array_equal(log.channel("SENSORS")["sequence"], [0, 2, 3])
         self.assertIn(f"{event_size} bytes in 1 places are no event and were skipped: {event_size} at byte {event_size}", " ".join(log.remarks))
+
+    def test_a_reader_that_breaks_down_is_told_from_a_log_that_is_refused(self):
+        log = self.read(made_run.messages())
+        log._process.kill()
+        log._process.wait()
+        with self.assertRaises(ReaderProblem):
+            log.channel("SENSORS")
+        self.path.write_bytes(b"")
+        with self.assertRaises(LogProblem) as refused:
+            read_run_log(self.path)
+        self.assertNotIsInstance(refused.exception, ReaderProblem)
 
     def test_no_log_and_no_message_are_told_apart(self):
         with self.assertRaisesRegex(LogProblem, "no such log"):
