@@ -41,30 +41,64 @@ void check_followed(const Record& record, const Shadow& follower) {
   }
 }
 
-// Whether the record begins with the teeth on the flanks to which its first torques push: these would carry a free motor across its play
-// within `time` [s], and the groups' places to each other change by what the torques wind the gears up and hardly anything more. (From the
-// middle of their play they would move apart, or together, by twice half of it; slowly where a brake drags.)
-bool begins_on_flanks(const sim::CraneParameters& nominal, const Record& record, double time) {
-  constexpr double kKeptShare = 0.2;  // of half the play; chosen: the nominal gears' stiffness tells the windup no better
+// Whether the record may begin with the teeth on the flanks to which its first torques push: these would carry a free motor across its play
+// within `time` [s], and the groups keep their places to each other within half of it. (From the middle of their play they would move
+// apart, or together, by twice that; more slowly where a brake drags, so that this alone does not tell.)
+bool may_begin_on_flanks(const sim::CraneParameters& nominal, const Record& record, double time) {
   const sim::DriveParameters& drive = nominal.drive;
-  const sim::GearContact gear = sim::gear_contact(nominal);
-  const double ratio = sim::total_ratio(drive);
+  const double ratio = sim::total_ratio(drive), half_play = sim::gear_contact(nominal).half_play;
   const double way_per_torque = 0.5 * time * time * drive.motors_per_group * ratio / sim::group_inertia(drive);
-  const double windup_per_torque = drive.motors_per_group * ratio * ratio / gear.stiffness;  // motor's turn
   const auto count = std::min(record.size(), static_cast<std::size_t>(std::lround(time / record.step)));
   for (int g = 0; g < record.group_count; ++g) {
     const auto i = static_cast<std::size_t>(g);
-    if (std::fabs(record.motor_torque[i][0]) * way_per_torque < 2.0 * gear.half_play) return false;
+    if (std::fabs(record.motor_torque[i][0]) * way_per_torque < 2.0 * half_play) return false;
     double low = std::numeric_limits<double>::infinity(), high = -low;
     for (std::size_t n = 0; n < count; ++n) {
-      const double apart = record.shaft_position[i][n] - record.shaft_position[0][n] -
-                           windup_per_torque * (record.motor_torque[i][n] - record.motor_torque[0][n]);
+      const double apart = record.shaft_position[i][n] - record.shaft_position[0][n];
       low = std::min(low, apart);
       high = std::max(high, apart);
     }
-    if (high - low > kKeptShare * gear.half_play * ratio) return false;
+    if (high - low > half_play * ratio) return false;
   }
-  return gear.half_play > 0.0;
+  return half_play > 0.0;
+}
+
+double missing_power(const Record& record, const Shadow& follower) {
+  double square = 0.0;
+  for (std::size_t g = 0; g < static_cast<std::size_t>(record.group_count); ++g) {
+    for (const double missing : follower.missing_torque[g]) square += missing * missing;
+  }
+  return square;
+}
+
+// How the nominal machine follows a record, and where it may be judged.
+struct Following {
+  Shadow follower;
+  std::vector<bool> trusted;
+  double share = 0.0;
+};
+
+Following follow(const Problem& problem, const Record& record, const WhiteningSettings& whitening) {
+  Following following{shadow(problem.nominal, record, problem.gains), {}, 0.0};
+  following.trusted = trusted_stretches(record, following.follower, whitening);
+  following.share = static_cast<double>(std::count(following.trusted.begin(), following.trusted.end(), true)) / static_cast<double>(record.size());
+  return following;
+}
+
+// From the middle of the play, or where the record may begin on the flanks and is followed better from there, from there: one that begins
+// elsewhere than the machine did knocks on, or is held off by a torque that never ends.
+Following follow_from_its_beginning(const Problem& problem, Record& record, const WhiteningSettings& whitening) {
+  Following following = follow(problem, record, whitening);
+  if (!may_begin_on_flanks(problem.nominal.crane, record, problem.thresholds.time)) return following;
+  Record pressed = record;
+  pressed.begins_pressed = true;
+  Following other = follow(problem, pressed, whitening);
+  const bool can_be_judged = following.share >= kLeastTrusted, other_can_be_judged = other.share >= kLeastTrusted;
+  const bool is_better = can_be_judged != other_can_be_judged ? other_can_be_judged
+                                                              : missing_power(record, other.follower) < missing_power(record, following.follower);
+  if (!is_better) return following;
+  record.begins_pressed = true;
+  return other;
 }
 
 }  // namespace
@@ -112,12 +146,12 @@ Followed admit(std::vector<Record> records, const WhiteningSettings& whitening, 
   for (Record& record : records) {
     check_same_groups(record, problem.nominal.crane);
     remarks.insert(remarks.end(), record.remarks.begin(), record.remarks.end());
-    record.begins_pressed = begins_on_flanks(problem.nominal.crane, record, problem.thresholds.time);
-    Shadow follower = shadow(problem.nominal, record, problem.gains);
+    Following following = follow_from_its_beginning(problem, record, whitening);
+    Shadow& follower = following.follower;
     check_followed(record, follower);
     check_torques(record, follower, problem.nominal, problem.thresholds.admission);
-    const std::vector<bool> trusted = trusted_stretches(record, follower, whitening);
-    const double share = static_cast<double>(std::count(trusted.begin(), trusted.end(), true)) / static_cast<double>(record.size());
+    const std::vector<bool>& trusted = following.trusted;
+    const double share = following.share;
     if (share < kLeastTrusted) {
       not_judged += fmt::format("{}{}: only {:.0f} % of the record lies away from impacts of the gears, at least {:.0f} % are needed",
                                 not_judged.empty() ? "" : "; ", record.name, 100.0 * share, 100.0 * kLeastTrusted);
