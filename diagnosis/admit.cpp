@@ -145,6 +145,7 @@ Followed admit(std::vector<Record> records, const WhiteningSettings& whitening, 
   std::string not_judged;  // the records that are left out, with the reason
   for (Record& record : records) {
     check_same_groups(record, problem.nominal.crane);
+    check_groups(record, problem.nominal.crane);
     remarks.insert(remarks.end(), record.remarks.begin(), record.remarks.end());
     Following following = follow_from_its_beginning(problem, record, whitening);
     Shadow& follower = following.follower;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "diagnosis/recorded_drive.h"
+#include "sim/model/crane.h"
 #include "sim/model/drive_line.h"
 
 namespace slewlab::diagnosis {
@@ -18,7 +19,8 @@ namespace slewlab::diagnosis {
 namespace {
 
 constexpr double kGross = 3.0;        // factors within it may be a crane's own
-constexpr double kClose = 0.9;        // correlation from which a factor between torques means anything
+constexpr double kClose = 0.9;        // correlation from which a factor between torques, or the ways of two groups, means anything
+constexpr double kManyPlays = 5.0;    // that a group has turned, from which it turns with the house
 // By which a cycle's turn may differ from the one before, of the turn at top speed in the characteristic time, and so many times what the
 // machine's acceleration makes of it in a cycle: a motor that crosses the play alone makes a tenth of that.
 constexpr double kJump = 0.0036, kJumpOfAcceleration = 36.0;
@@ -198,6 +200,30 @@ void check_units(const Record& record, const AdmissionSettings& settings) {
   }
 }
 
+void check_groups(const Record& record, const sim::CraneParameters& nominal) {
+  // All turn one house: what they differ by is play and windup, and a crane that turns goes many times as far.
+  const double play = 2.0 * sim::gear_contact(nominal).half_play * sim::total_ratio(nominal.drive);
+  const auto turned = [&](std::size_t group) {
+    std::vector<double> way = record.shaft_position[group];
+    for (double& one : way) one -= record.shaft_position[group][0];
+    return way;
+  };
+  const auto reach = [](const std::vector<double>& way) {
+    const auto [low, high] = std::minmax_element(way.begin(), way.end());
+    return *high - *low;
+  };
+  const std::vector<double> first = turned(0);
+  for (int g = 1; g < record.group_count; ++g) {
+    const std::vector<double> other = turned(static_cast<std::size_t>(g));
+    if (std::min(reach(first), reach(other)) < kManyPlays * play) continue;
+    const Fit fit = fit_line(first, other);
+    if (fit.correlation > -kClose) continue;
+    throw NotAdmitted(fmt::format("{}: group {} turns against group 1 ({:.3g} times its way, correlation {:.2f}), though both turn one house; check the "
+                                  "signs of its positions, speeds and torques",
+                                  record.name, g + 1, fit.slope, fit.correlation));
+  }
+}
+
 void check_torques(const Record& record, const Shadow& follower, const sim::MachineSettings& nominal, const AdmissionSettings& settings) {
   // Of one motor, the mean of all groups: the gears carry torque from one to the other.
   std::vector<double> recorded(record.size(), 0.0), needed(record.size(), 0.0);
@@ -228,6 +254,14 @@ void check_torques(const Record& record, const Shadow& follower, const sim::Mach
     throw NotAdmitted(fmt::format("{}: torque commands are {:.3g} times what the nominal crane needs for this motion (correlation {:.2f}){}{}; Nm per "
                                   "motor on the fast axis are wanted: check sign and unit, or whether this is another crane than the nominal one",
                                   record.name, fit.slope, fit.correlation, words.empty() ? "" : ": ", words));
+  }
+  for (int g = 0; g < record.group_count && record.group_count > 1; ++g) {
+    const auto i = static_cast<std::size_t>(g);
+    const Fit of_group = fit_line(smooth(needed_of[i], slow), smooth(record.motor_torque[i], slow));
+    if (of_group.correlation > -kClose) continue;
+    throw NotAdmitted(fmt::format("{}: torque commands of group {} are {:.3g} times what the nominal crane needs of it for this motion (correlation {:.2f}): "
+                                  "its sign is turned; check the sign of that column",
+                                  record.name, g + 1, of_group.slope, of_group.correlation));
   }
   // All groups together, and each alone, where two cranes may share the torque otherwise.
   check_not_frozen(record, "the torque command, mean of the groups,", recorded, needed, kTurnsBy, settings);

@@ -28,6 +28,7 @@ class Admission : public testing::Test {
       const Record record = make_record(log_, "log", bench().admission);
       sim::MachineSettings nominal;
       nominal.crane = bench().crane;
+      check_groups(record, nominal.crane);
       check_torques(record, shadow(nominal, record, bench_gains()), nominal, bench().admission);
       check_replayable(record, bench().controller);
     } catch (const NotAdmitted& problem) {
@@ -257,6 +258,26 @@ TEST_F(Admission, TakesTorquesOfACraneThatMissesMuch) {
 TEST_F(Admission, NamesATurnedSign) {
   scale(log_.encoder, &msgs::Encoder::shaft_speed, -1.0);
   EXPECT_NE(refusal().find("sign is turned"), std::string::npos) << refusal();
+}
+
+// Of one group alone: its commands, its positions and speeds, or all of them.
+TEST_F(Admission, NamesTheGroupWhoseSignIsTurned) {
+  const auto turn = [](msgs::RunLog& log, bool torques, bool positions) {
+    for (auto& torque : log.torque) torque.motor_torque[1] *= torques ? -1.0 : 1.0;
+    for (auto& encoder : log.encoder) {
+      encoder.shaft_position[1] *= positions ? -1.0 : 1.0;
+      encoder.shaft_speed[1] *= positions ? -1.0 : 1.0;
+    }
+  };
+  const msgs::RunLog sound = log_;
+  turn(log_, true, false);
+  EXPECT_NE(refusal().find("torque commands of group 2"), std::string::npos) << refusal();
+  EXPECT_NE(refusal().find("its sign is turned"), std::string::npos) << refusal();
+  for (const bool torques : {false, true}) {
+    log_ = sound;
+    turn(log_, torques, true);
+    EXPECT_NE(refusal().find("group 2 turns against group 1"), std::string::npos) << refusal();
+  }
 }
 
 TEST_F(Admission, NamesATurnedAccelerometer) {
