@@ -203,7 +203,7 @@ std::vector<EffectInstance> read_effects(const YamlNode& list,
 }
 
 std::string effects_text(const std::vector<EffectInstance>& instances, const EffectCatalogue& catalogue,
-                         std::string_view source) {
+                         std::string_view source, const std::map<std::string, std::string>& notes) {
   std::string text = "effects:\n";
   for (const EffectInstance& instance : instances) {
     const EffectAbout& about = catalogue.at(instance.name);
@@ -211,7 +211,9 @@ std::string effects_text(const std::vector<EffectInstance>& instances, const Eff
     text += "  - effect: " + instance.name + "\n";
     for (std::size_t i = 0; i < instance.values.size(); ++i) {
       const EffectParameter& parameter = about.parameters[i];
-      text += "    " + std::string(parameter.name) + ": " + quantity_text(shortest(instance.values[i]), parameter.unit, source) + "\n";
+      const auto note = notes.find(instance.name + "." + std::string(parameter.name));
+      const std::string origin = std::string(source) + (note == notes.end() ? "" : ", " + note->second);
+      text += "    " + std::string(parameter.name) + ": " + quantity_text(shortest(instance.values[i]), parameter.unit, origin) + "\n";
     }
   }
   return text;

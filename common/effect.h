@@ -7,6 +7,7 @@
 #pragma once
 
 #include <array>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -210,8 +211,8 @@ std::string expected_effect_name(const EffectCatalogue& catalogue, std::string_v
 std::vector<EffectInstance> read_effects(const YamlNode& list,
                                          const EffectCatalogue& catalogue, InputProblems& problems);
 
-// The same list as YAML text, ready to be pasted; `source` is written beside every value.
+// The same list as YAML text, ready to be pasted; `source` is written beside every value, and what `notes` has of "effect.parameter".
 std::string effects_text(const std::vector<EffectInstance>& instances, const EffectCatalogue& catalogue,
-                         std::string_view source);
+                         std::string_view source, const std::map<std::string, std::string>& notes = {});
 
 }  // namespace slewlab::common

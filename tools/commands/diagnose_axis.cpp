@@ -150,8 +150,8 @@ std::string series_text(const AxisSeries& series) {
 }
 
 // The axis's file with what was found laid over it.
-std::string with_effect_text(const AxisDiagnosis& found, const sim::MachineFile& axis, const std::filesystem::path& file) {
-  std::string text = fmt::format("include: {}\ndescription: The nominal axis with what slewlab diagnose found.\n", std::filesystem::absolute(file).string());
+std::string with_effect_text(const AxisDiagnosis& found, const sim::MachineFile& axis, const std::string& file) {
+  std::string text = fmt::format("include: {}\ndescription: The nominal axis with what slewlab diagnose found.\n", file);
   if (!found.is_stated || !found.gap) return text;
   // The motor's own inertia stays; what it moves takes the difference.
   const double own = found.nominal_inertia - axis.parameters.house.inertia;
@@ -183,7 +183,7 @@ int diagnose_axis_logs(const sim::MachineFile& axis, const DiagnoseOptions& opti
   for (std::size_t r = 0; r < runs.size(); ++r) json["series"].push_back({{"log", runs[r].name}, {"file", fmt::format("series_{}.csv", r + 1)}});
   for (std::size_t r = 0; r < runs.size(); ++r) findings.write(fmt::format("series_{}.csv", r + 1), series_text(found.series[r]));
   findings.write("diagnosis.json", json.dump(2) + "\n");
-  findings.write("axis_with_effect.yaml", with_effect_text(found, axis, options.crane));
+  findings.write("axis_with_effect.yaml", with_effect_text(found, axis, seen_from(options.crane, options.out)));
   const std::string summary = summary_text(found, words);
   findings.write("summary.txt", summary);
   findings.keep();

@@ -6,6 +6,7 @@
 #include <chrono>
 #include <cmath>
 #include <iostream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <span>
@@ -441,12 +442,14 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
     const sim::MachineSettings explained = diagnosis::machine_at(nominal, found.nuisances, answer.point);
     const std::vector<common::EffectInstance>& effects = explained.effects;
     std::string text = fmt::format("include: {}\ndescription: The nominal crane with what slewlab diagnose found.\n",
-                                   std::filesystem::absolute(options.crane).string());
+                                   seen_from(options.crane, options.out));
     if (explained.crane.boom.element_count != nominal.crane.boom.element_count) {
       text += fmt::format("boom:\n  elements: {}\n", common::quantity_text(std::to_string(explained.crane.boom.element_count), common::Unit::none,
                                                                           "slewlab diagnose, as the sizes were fitted"));
     }
-    if (!effects.empty()) text += common::effects_text(effects, sim::effects_for(nominal), "slewlab diagnose, " + found.verdict);
+    std::map<std::string, std::string> intervals;
+    for (const diagnosis::Size& size : answer.sizes) intervals[size.parameter] = fmt::format("90 %: {:.4g} to {:.4g}", size.low, size.high);
+    if (!effects.empty()) text += common::effects_text(effects, sim::effects_for(nominal), "slewlab diagnose, " + found.verdict, intervals);
     findings.write("crane_with_effect.yaml", text);
     findings.write("crane_as_fitted.yaml",
                      "include: crane_with_effect.yaml\ndescription: The same, with the parameters as slewlab diagnose fitted them.\n" +
@@ -455,7 +458,7 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
     if (!answer.controller_effects.empty()) {
       findings.write("controller_with_effect.yaml",
                        fmt::format("include: {}\ndescription: The nominal controller with what slewlab diagnose found.\n",
-                                   std::filesystem::absolute(options.controller).string()) +
+                                   seen_from(options.controller, options.out)) +
                            controller::changes_text(*controller, controller::with_effects(*controller, answer.controller_effects),
                                                     "slewlab diagnose, " + found.verdict));
     }

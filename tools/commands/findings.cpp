@@ -23,4 +23,8 @@ void Findings::write(const std::string& name, const std::string& text) {
   written_.push_back(folder_ / name);
 }
 
+std::string seen_from(const std::filesystem::path& file, const std::filesystem::path& folder) {
+  return std::filesystem::proximate(std::filesystem::weakly_canonical(file), std::filesystem::weakly_canonical(folder)).string();
+}
+
 }  // namespace slewlab::tools

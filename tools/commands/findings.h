@@ -25,4 +25,7 @@ class Findings {
   std::vector<std::filesystem::path> written_;
 };
 
+// A file as one in the folder names it: by the way there, so that both may be moved together.
+std::string seen_from(const std::filesystem::path& file, const std::filesystem::path& folder);
+
 }  // namespace slewlab::tools

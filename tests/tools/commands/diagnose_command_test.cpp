@@ -137,6 +137,8 @@ TEST_F(DiagnoseCommand, FindsTheEffectAndWritesACraneThatRunTakes) {
   for (const char* word : {"dragging_brake", "Is there a gap?  Yes", "Plotly.newPlot", "missing torque", "bending 2, 5.2 Hz"}) EXPECT_NE(page.find(word), std::string::npos) << word;
 
   EXPECT_NE(contents(out() / "crane_with_effect.yaml").find("elements: {value: 12,"), std::string::npos);  // kBoomElements, fit.h
+  EXPECT_NE(contents(out() / "crane_with_effect.yaml").find(", 90 %: "), std::string::npos) << "sizes with their intervals";
+  EXPECT_EQ(contents(out() / "crane_with_effect.yaml").find("include: /"), std::string::npos) << "both may be moved together";
   for (const char* crane : {"crane_with_effect.yaml", "crane_as_fitted.yaml"}) {
     const fs::path again = out() / "again";
     RunningProgram run({kSlewlab, "run", kConfig + "scenarios/slew_there_and_back.yaml", "--out", again.string(), "--progress", "none",
