@@ -125,14 +125,16 @@ void FaultInjector::begin_period(FaultChannel channel, std::int64_t time) {
   Side& here = side(channel);
   here.arriving.clear();
   here.time = time;
+  here.is_heard = channel != FaultChannel::encoder || !controller_absent(time);
   release(here, false);
 }
 
 void FaultInjector::end_period(FaultChannel channel) { release(side(channel), true); }
 
+// What was held back for a controller that is no more is lost.
 void FaultInjector::release(Side& here, bool behind) {
   for (Held& held : here.held) {
-    if (held.due <= here.time && held.behind == behind) here.arriving.push_back(std::move(held.message));
+    if (held.due <= here.time && held.behind == behind && here.is_heard) here.arriving.push_back(std::move(held.message));
   }
   std::erase_if(here.held, [&](const Held& held) { return held.due <= here.time && held.behind == behind; });
 }

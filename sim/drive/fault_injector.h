@@ -64,6 +64,7 @@ class FaultInjector {
     std::vector<Held> held;
     std::vector<Message> arriving;
     std::int64_t time = 0;
+    bool is_heard = true;  // somebody is there
   };
   Side& side(FaultChannel channel) { return sides_[static_cast<int>(channel)]; }
   const Side& side(FaultChannel channel) const { return sides_[static_cast<int>(channel)]; }

@@ -113,6 +113,27 @@ TEST(FaultInjector, TheControllerIsKilledAndStartedOnce) {
   EXPECT_EQ(story, "..xKx.S..KS.");
 }
 
+// Of a question that was held back for a controller that was killed meanwhile nobody knows: asked, it would be waited for without end.
+TEST(FaultInjector, WhatIsHeldBackForAKilledControllerIsLost) {
+  for (const FaultKind kind : {FaultKind::message_reordered, FaultKind::message_delayed}) {
+    Fault late = fault(kind, 0, 9);
+    late.channel = FaultChannel::encoder;
+    late.probability = 1.0;
+    late.cycles = 1;
+    FaultInjector injector({late, fault(FaultKind::controller_killed, 3, 6)}, kPeriod);
+    std::string heard;
+    for (std::int64_t k = 0; k < 9; ++k) {
+      injector.controller_actions(k * kPeriod);
+      injector.begin_period(FaultChannel::encoder, k * kPeriod);
+      if (!injector.controller_absent(k * kPeriod)) injector.pass(FaultChannel::encoder, k * kPeriod, k, std::vector<std::uint8_t>{1});
+      injector.end_period(FaultChannel::encoder);
+      heard += std::to_string(injector.arrivals(FaultChannel::encoder).size());
+    }
+    // One behind from the first period on, nothing while there is nobody, and behind again.
+    EXPECT_EQ(heard, "011000011") << static_cast<int>(kind);
+  }
+}
+
 // TORQUE number k, whose alive counter is 100 + k, as it comes out.
 msgs::Torque passed(FaultInjector& injector, std::int64_t k) {
   msgs::Torque torque{};
