@@ -168,18 +168,16 @@ struct Start {
   double torque_sum, rate_sum;
 };
 
-// Friction at the start counts as that of the last step, cut to this step's levels.
-Start start_of(const PlantModel& model, const PlantState& state, const Push& push) {
-  Start start{};
-  GroupArray motor = push.motor;
+// Friction at the start counts as that of the last step, cut to this step's levels. Fills what stands there already: copying
+// what was written number by number a moment ago would wait for the writes.
+void start_of(const PlantModel& model, const PlantState& state, const Push& push, Start& start) {
   double house = push.house;
   if (push.has_friction) {
-    for (int i = 0; i < model.group_count; ++i) {
-      motor[i] += std::clamp(state.motor_friction[i], -push.friction.motor[i], push.friction.motor[i]);
-    }
     house += std::clamp(state.house_friction, -push.friction.house_positive, push.friction.house_negative);
   }
+  start.torque_sum = start.rate_sum = 0.0;
   for (int i = 0; i < model.group_count; ++i) {
+    start.torque[i] = start.rate[i] = 0.0;
     if (state.contact[i] == 0) continue;
     const GearContact& gear = model.gear[i];
     start.torque[i] = gear.stiffness * (state.motor_angle[i] - state.house_angle -
@@ -195,13 +193,14 @@ Start start_of(const PlantModel& model, const PlantState& state, const Push& pus
   for (int i = 0; i < model.group_count; ++i) {
     if (state.contact[i] == 0) continue;
     const GearContact& gear = model.gear[i];
+    double motor = push.motor[i];
+    if (push.has_friction) motor += std::clamp(state.motor_friction[i], -push.friction.motor[i], push.friction.motor[i]);
     start.rate[i] =
         gear.stiffness * (state.motor_speed[i] - state.house_speed) +
         gear.damping *
-            ((motor[i] - start.torque[i]) * model.full.gear[i].reciprocal_inertia - house_acceleration);
+            ((motor - start.torque[i]) * model.full.gear[i].reciprocal_inertia - house_acceleration);
     start.rate_sum += start.rate[i];
   }
-  return start;
 }
 
 // Solves the end of the step for given frictions: the gears' torques, the motors and the house.
@@ -372,8 +371,16 @@ double change_measure(const GearContact& gear, int contact, int side, double def
   return contact != 0 ? -push : std::min(depth, push);
 }
 
-// The first share of the step at which the group's contact changes, 2 when it does not.
-double first_change(const GearContact& gear, int contact, int side, const Deflection& d) {
+// Whether the contact may change within the step: it has changed at the end, or the deflection turns on the way. Asked in every step.
+bool may_change(const GearContact& gear, int contact, int side, const Deflection& d) {
+  if (!(change_measure(gear, contact, side, d.end, d.end_rate) <= 0.0)) return true;
+  const double towards = contact != 0 ? -side : side;
+  return towards * d.start_rate > 0.0 && towards * d.end_rate < 0.0;
+}
+
+// The first share of the step at which the contact changes, 2 when it does not; where may_change() says yes. Out of line, so that the
+// question stays small.
+[[gnu::noinline]] double first_change(const GearContact& gear, int contact, int side, const Deflection& d) {
   const auto measure = [&](double at) {
     return change_measure(gear, contact, side, d.value(at), d.rate(at));
   };
@@ -381,7 +388,6 @@ double first_change(const GearContact& gear, int contact, int side, const Deflec
   if (change_measure(gear, contact, side, d.end, d.end_rate) <= 0.0) {
     // Both ends keep the contact; it may still have changed where the deflection turns inside the step.
     const double towards = contact != 0 ? -side : side;
-    if (!(towards * d.start_rate > 0.0 && towards * d.end_rate < 0.0)) return 2.0;
     double low = 0.0, high = 1.0;
     for (int i = 0; i < 50; ++i) {
       const double middle = 0.5 * (low + high);
@@ -412,11 +418,13 @@ Change earliest_change(const PlantModel& model, const PlantState& state, const T
     const Deflection d{state.motor_angle[i] - state.house_angle, state.motor_speed[i] - state.house_speed,
                        trial.angle[i] - trial.house.angle, trial.speed[i] - trial.house.speed, length};
     if (state.contact[i] != 0) {
+      if (!may_change(gear, state.contact[i], state.contact[i], d)) continue;
       const double at = first_change(gear, state.contact[i], state.contact[i], d);
       if (at < change.at) change = {at, i, 0};
       continue;
     }
     for (const int side : {-1, 1}) {
+      if (!may_change(gear, 0, side, d)) continue;
       const double at = first_change(gear, 0, side, d);
       if (at < change.at) change = {at, i, side};
     }
@@ -507,7 +515,7 @@ void accept(const PlantModel& model, const ModalStep& step, const LoadStep& load
 // Advances by step.length with the contacts as they stand; the end is left in `trial` and the workspace.
 void attempt(const PlantModel& model, const ModalStep& step, const PlantState& state, const Push& push,
              Start& start, PlantWorkspace& workspace, Trial& trial) {
-  start = start_of(model, state, push);
+  start_of(model, state, push, start);
   const House free_house = advance_free(model, step, state, push, start, workspace);
   trial.friction.fill(0.0);
   trial.house_friction = 0.0;
