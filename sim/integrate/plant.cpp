@@ -10,6 +10,9 @@
 #include "sim/model/boom.h"
 #include "sim/model/drive_line.h"
 
+// Vectors are passed between functions that are all put in line.
+#pragma GCC diagnostic ignored "-Wpsabi"
+
 namespace slewlab::sim {
 
 namespace {
@@ -19,6 +22,7 @@ constexpr double kShortestSplit = 1e-9;
 // Sweeps over the frictions of a step before they are solved by pivots; motors and house act on each other through
 // soft gears, so each sweep gains two to four digits.
 constexpr int kFrictionSweeps = 12;
+constexpr double kRounding = 1e-12;  // [-] of angles, more than the cubic of a deflection loses
 
 void size_step(ModalStep& step, int padded_count) {
   const auto n = static_cast<std::size_t>(padded_count);
@@ -56,45 +60,46 @@ void discretise(const PlantModel& model, double h, ModalStep& step) {
   for (auto& row : step.house) row[0] = row[1] = 0.0;
   step.house_angle_to_torque = step.house_speed_to_torque = 0.0;
   step.house_acceleration_to_torque = model.house_per_house_torque;
+  FourResponses r;
   for (int mode = 0; mode < model.mode_count; ++mode) {
     const auto k = static_cast<std::size_t>(mode);
-    const OscillatorResponse r = oscillator_response(model.square[k], model.damping_rate[k], h);
-    const HermiteResponse hermite = hermite_response(r, h);
+    const int lane = mode % kLanes;
+    if (lane == 0) four_responses(&model.square[k], &model.damping_rate[k], h, r);
     const auto free = [&](int term) -> double& { return step.free[place(mode, term, free_term::count)]; };
     const auto end = [&](int term) -> double& { return step.end[place(mode, term, end_term::count)]; };
     const auto held = [&](int term) -> double& { return step.held[place(mode, term, held_term::count)]; };
     const double house = model.house[k];
-    free(free_term::qq) = r.qq;
-    free(free_term::qv) = r.qv;
-    free(free_term::q_torque) = house * hermite.q_value[0];
-    free(free_term::q_rate) = house * hermite.q_rate[0];
-    free(free_term::q_tip) = model.tip[k] * r.q[0];
-    free(free_term::q_tip_rate) = model.tip[k] * r.q[1];
-    free(free_term::vq) = r.vq;
-    free(free_term::vv) = r.vv;
-    free(free_term::v_torque) = house * hermite.v_value[0];
-    free(free_term::v_rate) = house * hermite.v_rate[0];
-    free(free_term::v_tip) = model.tip[k] * r.v[0];
-    free(free_term::v_tip_rate) = model.tip[k] * r.v[1];
-    const double q_end[2] = {house * hermite.q_value[1], house * hermite.q_rate[1]};
-    const double v_end[2] = {house * hermite.v_value[1], house * hermite.v_rate[1]};
+    free(free_term::qq) = r.qq[lane];
+    free(free_term::qv) = r.qv[lane];
+    free(free_term::q_torque) = house * r.q_value[0][lane];
+    free(free_term::q_rate) = house * r.q_rate[0][lane];
+    free(free_term::q_tip) = model.tip[k] * r.q[0][lane];
+    free(free_term::q_tip_rate) = model.tip[k] * r.q[1][lane];
+    free(free_term::vq) = r.vq[lane];
+    free(free_term::vv) = r.vv[lane];
+    free(free_term::v_torque) = house * r.v_value[0][lane];
+    free(free_term::v_rate) = house * r.v_rate[0][lane];
+    free(free_term::v_tip) = model.tip[k] * r.v[0][lane];
+    free(free_term::v_tip_rate) = model.tip[k] * r.v[1][lane];
+    const double q_end[2] = {house * r.q_value[1][lane], house * r.q_rate[1][lane]};
+    const double v_end[2] = {house * r.v_value[1][lane], house * r.v_rate[1][lane]};
     end(end_term::q_torque) = q_end[0];
     end(end_term::q_rate) = q_end[1];
     end(end_term::v_torque) = v_end[0];
     end(end_term::v_rate) = v_end[1];
     held(held_term::q_house) = free(free_term::q_torque) + q_end[0];
     held(held_term::v_house) = free(free_term::v_torque) + v_end[0];
-    held(held_term::q_uniform) = model.uniform[k] * r.q[0];
-    held(held_term::v_uniform) = model.uniform[k] * r.v[0];
+    held(held_term::q_uniform) = model.uniform[k] * r.q[0][lane];
+    held(held_term::v_uniform) = model.uniform[k] * r.v[0][lane];
     for (int j = 0; j < 2; ++j) {
       step.house[0][j] += house * q_end[j];
       step.house[1][j] += house * v_end[j];
       step.house[2][j] += model.house_acceleration_q[k] * q_end[j] + model.house_acceleration_v[k] * v_end[j];
     }
-    step.house_angle_to_torque += house * house * r.q[0];
-    step.house_speed_to_torque += house * house * r.v[0];
+    step.house_angle_to_torque += house * house * r.q[0][lane];
+    step.house_speed_to_torque += house * house * r.v[0][lane];
     step.house_acceleration_to_torque +=
-        house * (model.house_acceleration_q[k] * r.q[0] + model.house_acceleration_v[k] * r.v[0]);
+        house * (model.house_acceleration_q[k] * r.q[0][lane] + model.house_acceleration_v[k] * r.v[0][lane]);
   }
   step.house[2][0] += model.house_per_house_torque;
 }
@@ -351,24 +356,29 @@ House advance_free(const PlantModel& model, const ModalStep& step, const PlantSt
 struct Deflection {
   double start, start_rate, end, end_rate, length;
 
-  double value(double at) const {
-    const double at2 = at * at, at3 = at2 * at;
-    return start * (2 * at3 - 3 * at2 + 1) + length * start_rate * (at3 - 2 * at2 + at) +
-           end * (3 * at2 - 2 * at3) + length * end_rate * (at3 - at2);
+  template <class Number>
+  Number value(const Number& at) const {
+    const Number at2 = at * at, at3 = at2 * at;
+    return start * (2.0 * at3 - 3.0 * at2 + 1.0) + length * start_rate * (at3 - 2.0 * at2 + at) +
+           end * (3.0 * at2 - 2.0 * at3) + length * end_rate * (at3 - at2);
   }
-  double rate(double at) const {
-    const double at2 = at * at;
-    return (end - start) * 6.0 * (at - at2) / length + start_rate * (3 * at2 - 4 * at + 1) +
-           end_rate * (3 * at2 - 2 * at);
+  template <class Number>
+  Number rate(const Number& at) const {
+    const Number at2 = at * at;
+    return (end - start) * 6.0 * (at - at2) / length + start_rate * (3.0 * at2 - 4.0 * at + 1.0) +
+           end_rate * (3.0 * at2 - 2.0 * at);
   }
 };
 
 // > 0 where the group's contact would change: teeth of flank `contact` that would pull, or free teeth that
 // have met flank `side` and push.
-double change_measure(const GearContact& gear, int contact, int side, double deflection, double rate) {
-  const double depth = side * deflection - gear.half_play;
-  const double push = depth + gear.damping / gear.stiffness * side * rate;
-  return contact != 0 ? -push : std::min(depth, push);
+template <class Number>
+Number change_measure(const GearContact& gear, int contact, int side, const Number& deflection, const Number& rate) {
+  const double flank = side;
+  const Number depth = flank * deflection - gear.half_play;
+  const Number push = depth + gear.damping / gear.stiffness * flank * rate;
+  if (contact != 0) return -push;
+  return push < depth ? push : depth;
 }
 
 // Whether the contact may change within the step: it has changed at the end, or the deflection turns on the way. Asked in every step.
@@ -376,6 +386,37 @@ bool may_change(const GearContact& gear, int contact, int side, const Deflection
   if (!(change_measure(gear, contact, side, d.end, d.end_rate) <= 0.0)) return true;
   const double towards = contact != 0 ? -side : side;
   return towards * d.start_rate > 0.0 && towards * d.end_rate < 0.0;
+}
+
+// Whether the deflection's cubic turns too far from the edge to reach it: from the straight line between its ends it is off by less than
+// the way that its start and end rates would go in the step, and its rate from twice the mean rate by less than their sum.
+bool turns_far_from_edge(const GearContact& gear, int contact, int side, const Deflection& d) {
+  const double rates = std::fabs(d.start_rate) + std::fabs(d.end_rate);
+  const double reach = d.length * rates + kRounding * (std::fabs(d.start) + std::fabs(d.end));
+  if (contact == 0) return std::max(side * d.start, side * d.end) + reach < gear.half_play;
+  const double fastest = 2.0 * std::fabs(d.end - d.start) / d.length + rates;
+  return std::min(side * d.start, side * d.end) - gear.half_play - reach - gear.damping / gear.stiffness * fastest > 0.0;
+}
+
+using Points [[gnu::vector_size(32)]] = double;
+
+// Halves [before, after] towards the change, twice at a time: both places that may come next are measured with the middle.
+double halved(const GearContact& gear, int contact, int side, const Deflection& d, double before, double after) {
+  for (int i = 0; i < 30; ++i) {
+    const double middle = 0.5 * (before + after);
+    if (middle == before || middle == after) break;  // neighbouring numbers: no halving moves them
+    const double first = 0.5 * (before + middle), last = 0.5 * (middle + after);
+    const Points points = {first, middle, last, middle};
+    const Points measure = change_measure<Points>(gear, contact, side, d.value(points), d.rate(points));
+    if (measure[1] > 0.0) {
+      after = middle;
+      (measure[0] > 0.0 ? after : before) = first;
+    } else {
+      before = middle;
+      (measure[2] > 0.0 ? after : before) = last;
+    }
+  }
+  return after;
 }
 
 // The first share of the step at which the contact changes, 2 when it does not; where may_change() says yes. Out of line, so that the
@@ -387,6 +428,7 @@ bool may_change(const GearContact& gear, int contact, int side, const Deflection
   double after = 1.0;
   if (change_measure(gear, contact, side, d.end, d.end_rate) <= 0.0) {
     // Both ends keep the contact; it may still have changed where the deflection turns inside the step.
+    if (turns_far_from_edge(gear, contact, side, d)) return 2.0;
     const double towards = contact != 0 ? -side : side;
     double low = 0.0, high = 1.0;
     for (int i = 0; i < 50; ++i) {
@@ -396,13 +438,8 @@ bool may_change(const GearContact& gear, int contact, int side, const Deflection
     after = high;
     if (measure(after) <= 0.0) return 2.0;
   }
-  double before = 0.0;
-  if (measure(before) > 0.0) return 0.0;
-  for (int i = 0; i < 60; ++i) {
-    const double middle = 0.5 * (before + after);
-    (measure(middle) > 0.0 ? after : before) = middle;
-  }
-  return after;
+  if (measure(0.0) > 0.0) return 0.0;
+  return halved(gear, contact, side, d, 0.0, after);
 }
 
 struct Change {
