@@ -104,6 +104,25 @@ void discretise(const PlantModel& model, double h, ModalStep& step) {
   step.house[2][0] += model.house_per_house_torque;
 }
 
+// `is_in_contact`: group i's gear by bit i.
+[[gnu::noinline]] void work_out(const ModalStep& step, int group_count, unsigned is_in_contact, GearSystem& result) {
+  result.answer = {};
+  for (int i = 0; i < group_count; ++i) {
+    if ((is_in_contact >> i & 1u) == 0) continue;
+    for (int row = 0; row < 2; ++row) {
+      for (int column = 0; column < 3; ++column) result.answer[row][column] += step.gear[i].answer[row][column];
+    }
+  }
+  const auto& answer = result.answer;
+  for (int row = 0; row < 2; ++row) {
+    for (int column = 0; column < 2; ++column) {
+      result.system[row][column] = (row == column ? 1.0 : 0.0) + answer[row][0] * step.house[0][column] +
+                                   answer[row][1] * step.house[1][column] + answer[row][2] * step.house[2][column];
+    }
+  }
+  result.scale = 1.0 / (result.system[0][0] * result.system[1][1] - result.system[0][1] * result.system[1][0]);
+}
+
 LoadStep discretise_load(const PlantModel& model, double h) {
   LoadStep step{};
   if (!model.has_load) return step;
@@ -214,7 +233,7 @@ void solve_end(const PlantModel& model, const ModalStep& step, const PlantState&
   const double h = step.length;
   double right[kMaximumGroupCount][2];
   double torque_right = 0.0, rate_right = 0.0;
-  double answer[2][3] = {};
+  unsigned is_in_contact = 0;
   for (int i = 0; i < model.group_count; ++i) {
     const GearStep& gear = step.gear[i];
     const double mobility = gear.reciprocal_inertia;
@@ -231,9 +250,7 @@ void solve_end(const PlantModel& model, const ModalStep& step, const PlantState&
     right[i][1] = k * trial.speed[i] + c * motor * mobility;
     torque_right += gear.inverse[0][0] * right[i][0] + gear.inverse[0][1] * right[i][1];
     rate_right += gear.inverse[1][0] * right[i][0] + gear.inverse[1][1] * right[i][1];
-    for (int row = 0; row < 2; ++row) {
-      for (int column = 0; column < 3; ++column) answer[row][column] += gear.answer[row][column];
-    }
+    is_in_contact |= 1u << i;
   }
   // House without the end torques; friction on the house is held over the step.
   House house = free_house;
@@ -242,16 +259,17 @@ void solve_end(const PlantModel& model, const ModalStep& step, const PlantState&
     house.speed += step.house_speed_to_torque * trial.house_friction;
     house.acceleration += step.house_acceleration_to_torque * trial.house_friction;
   }
-  double system[2][2], side[2];
+  GearSystem worked_out;
+  if (step.systems.empty()) work_out(step, model.group_count, is_in_contact, worked_out);
+  const GearSystem& gears = step.systems.empty() ? worked_out : step.systems[is_in_contact];
+  const auto& answer = gears.answer;
+  const auto& system = gears.system;
+  const double scale = gears.scale;
+  double side[2];
   for (int row = 0; row < 2; ++row) {
     side[row] = (row == 0 ? torque_right : rate_right) -
                 (answer[row][0] * house.angle + answer[row][1] * house.speed + answer[row][2] * house.acceleration);
-    for (int column = 0; column < 2; ++column) {
-      system[row][column] = (row == column ? 1.0 : 0.0) + answer[row][0] * step.house[0][column] +
-                            answer[row][1] * step.house[1][column] + answer[row][2] * step.house[2][column];
-    }
   }
-  const double scale = 1.0 / (system[0][0] * system[1][1] - system[0][1] * system[1][0]);
   trial.torque_sum = (system[1][1] * side[0] - system[0][1] * side[1]) * scale;
   trial.rate_sum = (system[0][0] * side[1] - system[1][0] * side[0]) * scale;
   trial.house = {house.angle + step.house[0][0] * trial.torque_sum + step.house[0][1] * trial.rate_sum,
@@ -692,7 +710,13 @@ PlantModel make_plant_model(const CraneParameters& crane, double step, const Gro
   }
   if (model.has_load) model.load = load_on_spring(crane.load);
   size_step(model.full, model.padded_count);
-  if (!model.is_rigid) discretise(model, step, model.full);
+  if (!model.is_rigid) {
+    discretise(model, step, model.full);
+    for (unsigned gears = 0; groups <= kTabulatedGroups && gears < 1u << groups; ++gears) {
+      model.full.systems.emplace_back();
+      work_out(model.full, groups, gears, model.full.systems.back());
+    }
+  }
   model.load_step = discretise_load(model, step);
   return model;
 }
