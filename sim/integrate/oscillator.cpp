@@ -152,11 +152,13 @@ HermiteResponse hermite_response(const OscillatorResponse& response, double h) {
 
 namespace {
 
-using Four [[gnu::vector_size(32), gnu::may_alias, gnu::aligned(8)]] = double;
+using Four [[gnu::vector_size(32)]] = double;
 
 #define SLEWLAB_INLINE [[gnu::always_inline]] inline
 
-SLEWLAB_INLINE Four& lanes(double* numbers) { return *reinterpret_cast<Four*>(numbers); }
+// From and to where no vector need be aligned.
+SLEWLAB_INLINE void load(Four& vector, const double* from) { __builtin_memcpy(&vector, from, sizeof vector); }
+SLEWLAB_INLINE void store(double* to, const Four& vector) { __builtin_memcpy(to, &vector, sizeof vector); }
 
 // by_series() in every lane. A lane whose series has ended goes on with terms of zero.
 SLEWLAB_INLINE void four_by_series(const double* square, const double* damping_rate, double h, FourResponses& to) {
@@ -188,22 +190,26 @@ SLEWLAB_INLINE void four_by_series(const double* square, const double* damping_r
     if ((ended[0] & ended[1] & ended[2] & ended[3]) != 0) break;
   }
   s1 /= none + h;
-  lanes(to.qq) = s1 + rates * s0;
-  lanes(to.qv) = s0;
-  lanes(to.vq) = -squares * s0;
-  lanes(to.vv) = s1;
+  store(to.qq, s1 + rates * s0);
+  store(to.qv, s0);
+  store(to.vq, -squares * s0);
+  store(to.vv, s1);
   for (int j = 0; j < 4; ++j) {
-    lanes(to.q[j]) = integral[j];
-    lanes(to.v[j]) = j == 0 ? s0 : integral[j - 1];
+    store(to.q[j], integral[j]);
+    store(to.v[j], j == 0 ? s0 : integral[j - 1]);
   }
 }
 
 SLEWLAB_INLINE void four_hermites(double (*r)[4], double h, double (*value)[4], double (*rate)[4]) {
-  const Four r0 = lanes(r[0]), r1 = lanes(r[1]), r2 = lanes(r[2]), r3 = lanes(r[3]);
-  lanes(value[0]) = r0 - 6.0 * r2 / (h * h) + 12.0 * r3 / (h * h * h);
-  lanes(value[1]) = 6.0 * r2 / (h * h) - 12.0 * r3 / (h * h * h);
-  lanes(rate[0]) = r1 - 4.0 * r2 / h + 6.0 * r3 / (h * h);
-  lanes(rate[1]) = -2.0 * r2 / h + 6.0 * r3 / (h * h);
+  Four r0, r1, r2, r3;
+  load(r0, r[0]);
+  load(r1, r[1]);
+  load(r2, r[2]);
+  load(r3, r[3]);
+  store(value[0], r0 - 6.0 * r2 / (h * h) + 12.0 * r3 / (h * h * h));
+  store(value[1], 6.0 * r2 / (h * h) - 12.0 * r3 / (h * h * h));
+  store(rate[0], r1 - 4.0 * r2 / h + 6.0 * r3 / (h * h));
+  store(rate[1], -2.0 * r2 / h + 6.0 * r3 / (h * h));
 }
 
 void put(const OscillatorResponse& r, int lane, FourResponses& to) {
