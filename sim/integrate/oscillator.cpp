@@ -4,6 +4,9 @@
 #include <cmath>
 #include <cstddef>
 
+// Vectors are passed between functions that are all put in line.
+#pragma GCC diagnostic ignored "-Wpsabi"
+
 namespace slewlab::sim {
 
 namespace {
@@ -18,6 +21,10 @@ constexpr std::array<double, kSeriesTerms + 6> kReciprocal = [] {
   for (std::size_t n = 1; n < table.size(); ++n) table[n] = 1.0 / static_cast<double>(n);
   return table;
 }();
+
+bool has_series(double square, double damping_rate, double h) {
+  return std::fmax(std::sqrt(square), damping_rate) * h < kSeriesLimit;
+}
 
 void by_series(double square, double damping_rate, double h, double& s0, double& s1, double* integral) {
   s0 = 0.0;
@@ -83,7 +90,7 @@ OscillatorResponse oscillator_response(double square, double damping_rate, doubl
   double s0 = 0.0;  // S(h)
   double s1 = 0.0;  // S'(h)
   double integral[4];
-  if (std::fmax(std::sqrt(square), damping_rate) * h < kSeriesLimit) {
+  if (has_series(square, damping_rate, h)) {
     by_series(square, damping_rate, h, s0, s1, integral);
   } else {
     const double a = 0.5 * damping_rate;
@@ -141,6 +148,107 @@ HermiteResponse hermite_response(const OscillatorResponse& response, double h) {
   fill(response.q, result.q_value, result.q_rate);
   fill(response.v, result.v_value, result.v_rate);
   return result;
+}
+
+namespace {
+
+using Four [[gnu::vector_size(32)]] = double;
+
+#define SLEWLAB_INLINE [[gnu::always_inline]] inline
+
+// From and to where no vector need be aligned.
+SLEWLAB_INLINE void load(Four& vector, const double* from) { __builtin_memcpy(&vector, from, sizeof vector); }
+SLEWLAB_INLINE void store(double* to, const Four& vector) { __builtin_memcpy(to, &vector, sizeof vector); }
+
+// by_series() in every lane. A lane whose series has ended goes on with terms of zero.
+SLEWLAB_INLINE void four_by_series(const double* square, const double* damping_rate, double h, FourResponses& to) {
+  Four squares{}, rates{};
+  for (int lane = 0; lane < 4; ++lane) {
+    if (!has_series(square[lane], damping_rate[lane], h)) continue;  // that lane is not read
+    squares[lane] = square[lane];
+    rates[lane] = damping_rate[lane];
+  }
+  const Four none{};
+  Four s0{}, s1{}, integral[4] = {}, previous{}, current = none + h;
+  const Four first = rates * h, second = squares * h * h;
+  auto ended = none != 0.0;
+  for (int n = 1; n <= kSeriesTerms; ++n) {
+    const auto at = static_cast<std::size_t>(n);
+    const double number = n;
+    s0 += current;
+    s1 += current * number;
+    Four term = current;
+    for (std::size_t j = 0; j < 4; ++j) {
+      term *= h * kReciprocal[at + j + 1];
+      integral[j] += term;
+    }
+    const Four next = -(first * number * current + second * previous) * kReciprocal[at + 1] * kReciprocal[at];
+    previous = current;
+    const Four size = (next < 0.0 ? -next : next) + (previous < 0.0 ? -previous : previous);
+    ended |= size < 1e-18 * h;
+    current = ended ? none : next;
+    if ((ended[0] & ended[1] & ended[2] & ended[3]) != 0) break;
+  }
+  s1 /= none + h;
+  store(to.qq, s1 + rates * s0);
+  store(to.qv, s0);
+  store(to.vq, -squares * s0);
+  store(to.vv, s1);
+  for (int j = 0; j < 4; ++j) {
+    store(to.q[j], integral[j]);
+    store(to.v[j], j == 0 ? s0 : integral[j - 1]);
+  }
+}
+
+SLEWLAB_INLINE void four_hermites(double (*r)[4], double h, double (*value)[4], double (*rate)[4]) {
+  Four r0, r1, r2, r3;
+  load(r0, r[0]);
+  load(r1, r[1]);
+  load(r2, r[2]);
+  load(r3, r[3]);
+  store(value[0], r0 - 6.0 * r2 / (h * h) + 12.0 * r3 / (h * h * h));
+  store(value[1], 6.0 * r2 / (h * h) - 12.0 * r3 / (h * h * h));
+  store(rate[0], r1 - 4.0 * r2 / h + 6.0 * r3 / (h * h));
+  store(rate[1], -2.0 * r2 / h + 6.0 * r3 / (h * h));
+}
+
+void put(const OscillatorResponse& r, int lane, FourResponses& to) {
+  to.qq[lane] = r.qq;
+  to.qv[lane] = r.qv;
+  to.vq[lane] = r.vq;
+  to.vv[lane] = r.vv;
+  for (int j = 0; j < 4; ++j) {
+    to.q[j][lane] = r.q[j];
+    to.v[j][lane] = r.v[j];
+  }
+}
+
+SLEWLAB_INLINE void respond(const double* square, const double* damping_rate, double h, FourResponses& responses) {
+  four_by_series(square, damping_rate, h, responses);
+  for (int lane = 0; lane < 4; ++lane) {
+    if (!has_series(square[lane], damping_rate[lane], h)) put(oscillator_response(square[lane], damping_rate[lane], h), lane, responses);
+  }
+  four_hermites(responses.q, h, responses.q_value, responses.q_rate);
+  four_hermites(responses.v, h, responses.v_value, responses.v_rate);
+}
+
+#ifdef __x86_64__
+[[gnu::target("avx2")]] void four_responses_wide(const double* square, const double* damping_rate, double h, FourResponses& responses) {
+  respond(square, damping_rate, h, responses);
+}
+#endif
+
+}  // namespace
+
+void four_responses_portable(const double* square, const double* damping_rate, double h, FourResponses& responses) {
+  respond(square, damping_rate, h, responses);
+}
+
+void four_responses(const double* square, const double* damping_rate, double h, FourResponses& responses) {
+#ifdef __x86_64__
+  if (__builtin_cpu_supports("avx2")) return four_responses_wide(square, damping_rate, h, responses);
+#endif
+  respond(square, damping_rate, h, responses);
 }
 
 }  // namespace slewlab::sim

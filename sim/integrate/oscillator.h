@@ -23,4 +23,15 @@ struct HermiteResponse {
 };
 HermiteResponse hermite_response(const OscillatorResponse& response, double h);
 
+// Both of four oscillators, side by side; each to the bit as the functions above give it alone, whatever the processor's vectors hold.
+struct FourResponses {
+  double qq[4], qv[4], vq[4], vv[4];
+  double q[4][4];  // q[j][oscillator]
+  double v[4][4];
+  double q_value[2][4], q_rate[2][4], v_value[2][4], v_rate[2][4];
+};
+void four_responses(const double* square, const double* damping_rate, double h, FourResponses& responses);
+// The same without the processor's wider vectors, for the test that compares the two.
+void four_responses_portable(const double* square, const double* damping_rate, double h, FourResponses& responses);
+
 }  // namespace slewlab::sim

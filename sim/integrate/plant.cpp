@@ -10,6 +10,9 @@
 #include "sim/model/boom.h"
 #include "sim/model/drive_line.h"
 
+// Vectors are passed between functions that are all put in line.
+#pragma GCC diagnostic ignored "-Wpsabi"
+
 namespace slewlab::sim {
 
 namespace {
@@ -19,6 +22,7 @@ constexpr double kShortestSplit = 1e-9;
 // Sweeps over the frictions of a step before they are solved by pivots; motors and house act on each other through
 // soft gears, so each sweep gains two to four digits.
 constexpr int kFrictionSweeps = 12;
+constexpr double kRounding = 1e-12;  // [-] of angles, more than the cubic of a deflection loses
 
 void size_step(ModalStep& step, int padded_count) {
   const auto n = static_cast<std::size_t>(padded_count);
@@ -56,47 +60,67 @@ void discretise(const PlantModel& model, double h, ModalStep& step) {
   for (auto& row : step.house) row[0] = row[1] = 0.0;
   step.house_angle_to_torque = step.house_speed_to_torque = 0.0;
   step.house_acceleration_to_torque = model.house_per_house_torque;
+  FourResponses r;
   for (int mode = 0; mode < model.mode_count; ++mode) {
     const auto k = static_cast<std::size_t>(mode);
-    const OscillatorResponse r = oscillator_response(model.square[k], model.damping_rate[k], h);
-    const HermiteResponse hermite = hermite_response(r, h);
+    const int lane = mode % kLanes;
+    if (lane == 0) four_responses(&model.square[k], &model.damping_rate[k], h, r);
     const auto free = [&](int term) -> double& { return step.free[place(mode, term, free_term::count)]; };
     const auto end = [&](int term) -> double& { return step.end[place(mode, term, end_term::count)]; };
     const auto held = [&](int term) -> double& { return step.held[place(mode, term, held_term::count)]; };
     const double house = model.house[k];
-    free(free_term::qq) = r.qq;
-    free(free_term::qv) = r.qv;
-    free(free_term::q_torque) = house * hermite.q_value[0];
-    free(free_term::q_rate) = house * hermite.q_rate[0];
-    free(free_term::q_tip) = model.tip[k] * r.q[0];
-    free(free_term::q_tip_rate) = model.tip[k] * r.q[1];
-    free(free_term::vq) = r.vq;
-    free(free_term::vv) = r.vv;
-    free(free_term::v_torque) = house * hermite.v_value[0];
-    free(free_term::v_rate) = house * hermite.v_rate[0];
-    free(free_term::v_tip) = model.tip[k] * r.v[0];
-    free(free_term::v_tip_rate) = model.tip[k] * r.v[1];
-    const double q_end[2] = {house * hermite.q_value[1], house * hermite.q_rate[1]};
-    const double v_end[2] = {house * hermite.v_value[1], house * hermite.v_rate[1]};
+    free(free_term::qq) = r.qq[lane];
+    free(free_term::qv) = r.qv[lane];
+    free(free_term::q_torque) = house * r.q_value[0][lane];
+    free(free_term::q_rate) = house * r.q_rate[0][lane];
+    free(free_term::q_tip) = model.tip[k] * r.q[0][lane];
+    free(free_term::q_tip_rate) = model.tip[k] * r.q[1][lane];
+    free(free_term::vq) = r.vq[lane];
+    free(free_term::vv) = r.vv[lane];
+    free(free_term::v_torque) = house * r.v_value[0][lane];
+    free(free_term::v_rate) = house * r.v_rate[0][lane];
+    free(free_term::v_tip) = model.tip[k] * r.v[0][lane];
+    free(free_term::v_tip_rate) = model.tip[k] * r.v[1][lane];
+    const double q_end[2] = {house * r.q_value[1][lane], house * r.q_rate[1][lane]};
+    const double v_end[2] = {house * r.v_value[1][lane], house * r.v_rate[1][lane]};
     end(end_term::q_torque) = q_end[0];
     end(end_term::q_rate) = q_end[1];
     end(end_term::v_torque) = v_end[0];
     end(end_term::v_rate) = v_end[1];
     held(held_term::q_house) = free(free_term::q_torque) + q_end[0];
     held(held_term::v_house) = free(free_term::v_torque) + v_end[0];
-    held(held_term::q_uniform) = model.uniform[k] * r.q[0];
-    held(held_term::v_uniform) = model.uniform[k] * r.v[0];
+    held(held_term::q_uniform) = model.uniform[k] * r.q[0][lane];
+    held(held_term::v_uniform) = model.uniform[k] * r.v[0][lane];
     for (int j = 0; j < 2; ++j) {
       step.house[0][j] += house * q_end[j];
       step.house[1][j] += house * v_end[j];
       step.house[2][j] += model.house_acceleration_q[k] * q_end[j] + model.house_acceleration_v[k] * v_end[j];
     }
-    step.house_angle_to_torque += house * house * r.q[0];
-    step.house_speed_to_torque += house * house * r.v[0];
+    step.house_angle_to_torque += house * house * r.q[0][lane];
+    step.house_speed_to_torque += house * house * r.v[0][lane];
     step.house_acceleration_to_torque +=
-        house * (model.house_acceleration_q[k] * r.q[0] + model.house_acceleration_v[k] * r.v[0]);
+        house * (model.house_acceleration_q[k] * r.q[0][lane] + model.house_acceleration_v[k] * r.v[0][lane]);
   }
   step.house[2][0] += model.house_per_house_torque;
+}
+
+// `is_in_contact`: group i's gear by bit i.
+[[gnu::noinline]] void work_out(const ModalStep& step, int group_count, unsigned is_in_contact, GearSystem& result) {
+  result.answer = {};
+  for (int i = 0; i < group_count; ++i) {
+    if ((is_in_contact >> i & 1u) == 0) continue;
+    for (int row = 0; row < 2; ++row) {
+      for (int column = 0; column < 3; ++column) result.answer[row][column] += step.gear[i].answer[row][column];
+    }
+  }
+  const auto& answer = result.answer;
+  for (int row = 0; row < 2; ++row) {
+    for (int column = 0; column < 2; ++column) {
+      result.system[row][column] = (row == column ? 1.0 : 0.0) + answer[row][0] * step.house[0][column] +
+                                   answer[row][1] * step.house[1][column] + answer[row][2] * step.house[2][column];
+    }
+  }
+  result.scale = 1.0 / (result.system[0][0] * result.system[1][1] - result.system[0][1] * result.system[1][0]);
 }
 
 LoadStep discretise_load(const PlantModel& model, double h) {
@@ -168,18 +192,16 @@ struct Start {
   double torque_sum, rate_sum;
 };
 
-// Friction at the start counts as that of the last step, cut to this step's levels.
-Start start_of(const PlantModel& model, const PlantState& state, const Push& push) {
-  Start start{};
-  GroupArray motor = push.motor;
+// Friction at the start counts as that of the last step, cut to this step's levels. Fills what stands there already: copying
+// what was written number by number a moment ago would wait for the writes.
+void start_of(const PlantModel& model, const PlantState& state, const Push& push, Start& start) {
   double house = push.house;
   if (push.has_friction) {
-    for (int i = 0; i < model.group_count; ++i) {
-      motor[i] += std::clamp(state.motor_friction[i], -push.friction.motor[i], push.friction.motor[i]);
-    }
     house += std::clamp(state.house_friction, -push.friction.house_positive, push.friction.house_negative);
   }
+  start.torque_sum = start.rate_sum = 0.0;
   for (int i = 0; i < model.group_count; ++i) {
+    start.torque[i] = start.rate[i] = 0.0;
     if (state.contact[i] == 0) continue;
     const GearContact& gear = model.gear[i];
     start.torque[i] = gear.stiffness * (state.motor_angle[i] - state.house_angle -
@@ -195,13 +217,14 @@ Start start_of(const PlantModel& model, const PlantState& state, const Push& pus
   for (int i = 0; i < model.group_count; ++i) {
     if (state.contact[i] == 0) continue;
     const GearContact& gear = model.gear[i];
+    double motor = push.motor[i];
+    if (push.has_friction) motor += std::clamp(state.motor_friction[i], -push.friction.motor[i], push.friction.motor[i]);
     start.rate[i] =
         gear.stiffness * (state.motor_speed[i] - state.house_speed) +
         gear.damping *
-            ((motor[i] - start.torque[i]) * model.full.gear[i].reciprocal_inertia - house_acceleration);
+            ((motor - start.torque[i]) * model.full.gear[i].reciprocal_inertia - house_acceleration);
     start.rate_sum += start.rate[i];
   }
-  return start;
 }
 
 // Solves the end of the step for given frictions: the gears' torques, the motors and the house.
@@ -210,7 +233,7 @@ void solve_end(const PlantModel& model, const ModalStep& step, const PlantState&
   const double h = step.length;
   double right[kMaximumGroupCount][2];
   double torque_right = 0.0, rate_right = 0.0;
-  double answer[2][3] = {};
+  unsigned is_in_contact = 0;
   for (int i = 0; i < model.group_count; ++i) {
     const GearStep& gear = step.gear[i];
     const double mobility = gear.reciprocal_inertia;
@@ -227,9 +250,7 @@ void solve_end(const PlantModel& model, const ModalStep& step, const PlantState&
     right[i][1] = k * trial.speed[i] + c * motor * mobility;
     torque_right += gear.inverse[0][0] * right[i][0] + gear.inverse[0][1] * right[i][1];
     rate_right += gear.inverse[1][0] * right[i][0] + gear.inverse[1][1] * right[i][1];
-    for (int row = 0; row < 2; ++row) {
-      for (int column = 0; column < 3; ++column) answer[row][column] += gear.answer[row][column];
-    }
+    is_in_contact |= 1u << i;
   }
   // House without the end torques; friction on the house is held over the step.
   House house = free_house;
@@ -238,16 +259,17 @@ void solve_end(const PlantModel& model, const ModalStep& step, const PlantState&
     house.speed += step.house_speed_to_torque * trial.house_friction;
     house.acceleration += step.house_acceleration_to_torque * trial.house_friction;
   }
-  double system[2][2], side[2];
+  GearSystem worked_out;
+  if (step.systems.empty()) work_out(step, model.group_count, is_in_contact, worked_out);
+  const GearSystem& gears = step.systems.empty() ? worked_out : step.systems[is_in_contact];
+  const auto& answer = gears.answer;
+  const auto& system = gears.system;
+  const double scale = gears.scale;
+  double side[2];
   for (int row = 0; row < 2; ++row) {
     side[row] = (row == 0 ? torque_right : rate_right) -
                 (answer[row][0] * house.angle + answer[row][1] * house.speed + answer[row][2] * house.acceleration);
-    for (int column = 0; column < 2; ++column) {
-      system[row][column] = (row == column ? 1.0 : 0.0) + answer[row][0] * step.house[0][column] +
-                            answer[row][1] * step.house[1][column] + answer[row][2] * step.house[2][column];
-    }
   }
-  const double scale = 1.0 / (system[0][0] * system[1][1] - system[0][1] * system[1][0]);
   trial.torque_sum = (system[1][1] * side[0] - system[0][1] * side[1]) * scale;
   trial.rate_sum = (system[0][0] * side[1] - system[1][0] * side[0]) * scale;
   trial.house = {house.angle + step.house[0][0] * trial.torque_sum + step.house[0][1] * trial.rate_sum,
@@ -352,36 +374,80 @@ House advance_free(const PlantModel& model, const ModalStep& step, const PlantSt
 struct Deflection {
   double start, start_rate, end, end_rate, length;
 
-  double value(double at) const {
-    const double at2 = at * at, at3 = at2 * at;
-    return start * (2 * at3 - 3 * at2 + 1) + length * start_rate * (at3 - 2 * at2 + at) +
-           end * (3 * at2 - 2 * at3) + length * end_rate * (at3 - at2);
+  template <class Number>
+  Number value(const Number& at) const {
+    const Number at2 = at * at, at3 = at2 * at;
+    return start * (2.0 * at3 - 3.0 * at2 + 1.0) + length * start_rate * (at3 - 2.0 * at2 + at) +
+           end * (3.0 * at2 - 2.0 * at3) + length * end_rate * (at3 - at2);
   }
-  double rate(double at) const {
-    const double at2 = at * at;
-    return (end - start) * 6.0 * (at - at2) / length + start_rate * (3 * at2 - 4 * at + 1) +
-           end_rate * (3 * at2 - 2 * at);
+  template <class Number>
+  Number rate(const Number& at) const {
+    const Number at2 = at * at;
+    return (end - start) * 6.0 * (at - at2) / length + start_rate * (3.0 * at2 - 4.0 * at + 1.0) +
+           end_rate * (3.0 * at2 - 2.0 * at);
   }
 };
 
 // > 0 where the group's contact would change: teeth of flank `contact` that would pull, or free teeth that
 // have met flank `side` and push.
-double change_measure(const GearContact& gear, int contact, int side, double deflection, double rate) {
-  const double depth = side * deflection - gear.half_play;
-  const double push = depth + gear.damping / gear.stiffness * side * rate;
-  return contact != 0 ? -push : std::min(depth, push);
+template <class Number>
+Number change_measure(const GearContact& gear, int contact, int side, const Number& deflection, const Number& rate) {
+  const double flank = side;
+  const Number depth = flank * deflection - gear.half_play;
+  const Number push = depth + gear.damping / gear.stiffness * flank * rate;
+  if (contact != 0) return -push;
+  return push < depth ? push : depth;
 }
 
-// The first share of the step at which the group's contact changes, 2 when it does not.
-double first_change(const GearContact& gear, int contact, int side, const Deflection& d) {
+// Whether the contact may change within the step: it has changed at the end, or the deflection turns on the way. Asked in every step.
+bool may_change(const GearContact& gear, int contact, int side, const Deflection& d) {
+  if (!(change_measure(gear, contact, side, d.end, d.end_rate) <= 0.0)) return true;
+  const double towards = contact != 0 ? -side : side;
+  return towards * d.start_rate > 0.0 && towards * d.end_rate < 0.0;
+}
+
+// Whether the deflection's cubic turns too far from the edge to reach it: from the straight line between its ends it is off by less than
+// the way that its start and end rates would go in the step, and its rate from twice the mean rate by less than their sum.
+bool turns_far_from_edge(const GearContact& gear, int contact, int side, const Deflection& d) {
+  const double rates = std::fabs(d.start_rate) + std::fabs(d.end_rate);
+  const double reach = d.length * rates + kRounding * (std::fabs(d.start) + std::fabs(d.end));
+  if (contact == 0) return std::max(side * d.start, side * d.end) + reach < gear.half_play;
+  const double fastest = 2.0 * std::fabs(d.end - d.start) / d.length + rates;
+  return std::min(side * d.start, side * d.end) - gear.half_play - reach - gear.damping / gear.stiffness * fastest > 0.0;
+}
+
+using Points [[gnu::vector_size(32)]] = double;
+
+// Halves [before, after] towards the change, twice at a time: both places that may come next are measured with the middle.
+double halved(const GearContact& gear, int contact, int side, const Deflection& d, double before, double after) {
+  for (int i = 0; i < 30; ++i) {
+    const double middle = 0.5 * (before + after);
+    if (middle == before || middle == after) break;  // neighbouring numbers: no halving moves them
+    const double first = 0.5 * (before + middle), last = 0.5 * (middle + after);
+    const Points points = {first, middle, last, middle};
+    const Points measure = change_measure<Points>(gear, contact, side, d.value(points), d.rate(points));
+    if (measure[1] > 0.0) {
+      after = middle;
+      (measure[0] > 0.0 ? after : before) = first;
+    } else {
+      before = middle;
+      (measure[2] > 0.0 ? after : before) = last;
+    }
+  }
+  return after;
+}
+
+// The first share of the step at which the contact changes, 2 when it does not; where may_change() says yes. Out of line, so that the
+// question stays small.
+[[gnu::noinline]] double first_change(const GearContact& gear, int contact, int side, const Deflection& d) {
   const auto measure = [&](double at) {
     return change_measure(gear, contact, side, d.value(at), d.rate(at));
   };
   double after = 1.0;
   if (change_measure(gear, contact, side, d.end, d.end_rate) <= 0.0) {
     // Both ends keep the contact; it may still have changed where the deflection turns inside the step.
+    if (turns_far_from_edge(gear, contact, side, d)) return 2.0;
     const double towards = contact != 0 ? -side : side;
-    if (!(towards * d.start_rate > 0.0 && towards * d.end_rate < 0.0)) return 2.0;
     double low = 0.0, high = 1.0;
     for (int i = 0; i < 50; ++i) {
       const double middle = 0.5 * (low + high);
@@ -390,13 +456,8 @@ double first_change(const GearContact& gear, int contact, int side, const Deflec
     after = high;
     if (measure(after) <= 0.0) return 2.0;
   }
-  double before = 0.0;
-  if (measure(before) > 0.0) return 0.0;
-  for (int i = 0; i < 60; ++i) {
-    const double middle = 0.5 * (before + after);
-    (measure(middle) > 0.0 ? after : before) = middle;
-  }
-  return after;
+  if (measure(0.0) > 0.0) return 0.0;
+  return halved(gear, contact, side, d, 0.0, after);
 }
 
 struct Change {
@@ -412,11 +473,13 @@ Change earliest_change(const PlantModel& model, const PlantState& state, const T
     const Deflection d{state.motor_angle[i] - state.house_angle, state.motor_speed[i] - state.house_speed,
                        trial.angle[i] - trial.house.angle, trial.speed[i] - trial.house.speed, length};
     if (state.contact[i] != 0) {
+      if (!may_change(gear, state.contact[i], state.contact[i], d)) continue;
       const double at = first_change(gear, state.contact[i], state.contact[i], d);
       if (at < change.at) change = {at, i, 0};
       continue;
     }
     for (const int side : {-1, 1}) {
+      if (!may_change(gear, 0, side, d)) continue;
       const double at = first_change(gear, 0, side, d);
       if (at < change.at) change = {at, i, side};
     }
@@ -507,7 +570,7 @@ void accept(const PlantModel& model, const ModalStep& step, const LoadStep& load
 // Advances by step.length with the contacts as they stand; the end is left in `trial` and the workspace.
 void attempt(const PlantModel& model, const ModalStep& step, const PlantState& state, const Push& push,
              Start& start, PlantWorkspace& workspace, Trial& trial) {
-  start = start_of(model, state, push);
+  start_of(model, state, push, start);
   const House free_house = advance_free(model, step, state, push, start, workspace);
   trial.friction.fill(0.0);
   trial.house_friction = 0.0;
@@ -647,7 +710,13 @@ PlantModel make_plant_model(const CraneParameters& crane, double step, const Gro
   }
   if (model.has_load) model.load = load_on_spring(crane.load);
   size_step(model.full, model.padded_count);
-  if (!model.is_rigid) discretise(model, step, model.full);
+  if (!model.is_rigid) {
+    discretise(model, step, model.full);
+    for (unsigned gears = 0; groups <= kTabulatedGroups && gears < 1u << groups; ++gears) {
+      model.full.systems.emplace_back();
+      work_out(model.full, groups, gears, model.full.systems.back());
+    }
+  }
   model.load_step = discretise_load(model, step);
   return model;
 }

@@ -46,6 +46,14 @@ struct GearStep {
   double reciprocal_inertia = 0.0;  // [1/(kg m^2)]
 };
 
+// The 2x2 system for the sum of the gears' end torques and its rate, which depends on the step's length and on which gears are in contact.
+struct GearSystem {
+  std::array<std::array<double, 3>, 2> answer;  // of all gears in contact to the house's angle, speed, acceleration
+  std::array<std::array<double, 2>, 2> system;
+  double scale;  // 1 / determinant
+};
+inline constexpr int kTabulatedGroups = 4;  // up to so many, the whole step's systems are worked out beforehand
+
 // Responses of every mode to the step's start state, to contact torque on the house and to force at the tip, in the blocks of
 // modal_pass.h.
 struct ModalStep {
@@ -55,6 +63,7 @@ struct ModalStep {
   // House rotation, speed and acceleration at the end for a torque held on the house.
   double house_angle_to_torque = 0.0, house_speed_to_torque = 0.0, house_acceleration_to_torque = 0.0;
   std::array<GearStep, kMaximumGroupCount> gear;
+  std::vector<GearSystem> systems;  // by the gears in contact, group i's being bit i; empty: worked out in the step
   double length = 0.0;  // [s]
 };
 

@@ -5,6 +5,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <tuple>
 #include <unsupported/Eigen/MatrixFunctions>
 
@@ -154,6 +155,40 @@ TEST(HermiteResponse, IsExactForACubicForce) {
   EXPECT_NEAR(hermite.v_value[0] * start_value + hermite.v_rate[0] * start_rate +
                   hermite.v_value[1] * end_value + hermite.v_rate[1] * end_rate,
               v, 1e-12 * std::fabs(v));
+}
+
+// Whatever stands beside it: in the series, beyond it, damped or not; portable or by wide vectors.
+TEST(Oscillator, FourSideBySideHaveTheirBits) {
+  const double frequencies[] = {0.0, 0.4, 33.0, 150.0, 700.0, 900.0, 1100.0, 5e3}, ratios[] = {0.0, 0.01, 1.0, 2.5};
+  const auto same = [](double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; };
+  for (const double h : {1e-9, 1e-6, 3e-4, 1e-3, 0.02}) {
+    for (int drawn = 0; drawn < 512; ++drawn) {
+      double square[4], damping[4];
+      for (int lane = 0; lane < 4; ++lane) {
+        const int which = (drawn * 7 + lane * (drawn / 8 + 3)) % 32;
+        const double frequency = frequencies[which % 8];
+        square[lane] = frequency * frequency;
+        damping[lane] = 2.0 * ratios[which / 8] * frequency;
+      }
+      FourResponses wide, portable;
+      four_responses(square, damping, h, wide);
+      four_responses_portable(square, damping, h, portable);
+      for (int lane = 0; lane < 4; ++lane) {
+        const OscillatorResponse one = oscillator_response(square[lane], damping[lane], h);
+        const HermiteResponse hermite = hermite_response(one, h);
+        for (const FourResponses* const four : {&wide, &portable}) {
+          bool equal = same(one.qq, four->qq[lane]) && same(one.qv, four->qv[lane]) && same(one.vq, four->vq[lane]) &&
+                       same(one.vv, four->vv[lane]);
+          for (int j = 0; j < 4; ++j) equal = equal && same(one.q[j], four->q[j][lane]) && same(one.v[j], four->v[j][lane]);
+          for (int end = 0; end < 2; ++end) {
+            equal = equal && same(hermite.q_value[end], four->q_value[end][lane]) && same(hermite.q_rate[end], four->q_rate[end][lane]) &&
+                    same(hermite.v_value[end], four->v_value[end][lane]) && same(hermite.v_rate[end], four->v_rate[end][lane]);
+          }
+          ASSERT_TRUE(equal) << "h " << h << " square " << square[lane] << " damping " << damping[lane];
+        }
+      }
+    }
+  }
 }
 
 }  // namespace
