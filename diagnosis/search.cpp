@@ -22,6 +22,7 @@ constexpr std::size_t kPairLeaders = 3;         // single effects beside which a
 constexpr int kPairsPerLeader = 2;              // that are refined beside each of them but the best
 constexpr double kDoubtful = 1000.0;            // excess of parameters alone below which they may be the answer
 constexpr std::size_t kMeeting = 4;             // fits that try the best one's machine
+constexpr std::size_t kFewSingles = 5;          // starts that are refined, up to which a search is short
 constexpr double kParallel = 0.02;              // 1 - cosine^2 of two signatures below which they are not tried as a pair
 
 bool cheaper(const FitResult& a, const FitResult& b) { return a.cost < b.cost; }
@@ -198,7 +199,7 @@ std::vector<PairStart> pair_starts(Problem& problem, const FitResult& base, cons
 }  // namespace
 
 Found search(Problem& problem, const FitResult& base, const Screening& screening, const SearchSettings& settings,
-             const Progress& tell) {
+             const Progress& tell_all) {
   // All starts by what they leave, and of them the best of each effect.
   std::vector<const Screened*> ranked;
   for (const Screened& screened : screening.tried) {
@@ -229,6 +230,8 @@ Found search(Problem& problem, const FitResult& base, const Screening& screening
   Found found;
   std::vector<FitResult>& fits = found.fits;
   fits.resize(chosen.size());
+  const bool is_short = chosen.size() <= kFewSingles && excess(base.difference, problem.settings) < kDoubtful;
+  const Progress tell = is_short ? shortened(tell_all, kWithFewEffects) : tell_all;
   const Progress refining = within(tell, kRefineSingles);
   share_out(problem, chosen.size(), [&](std::size_t i) {
     refining(static_cast<double>(i) / static_cast<double>(chosen.size()), "refining " + chosen[i]->start.name);

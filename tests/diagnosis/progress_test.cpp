@@ -31,5 +31,27 @@ TEST(Progress, StagesFollowEachOtherFromNothingToAll) {
   EXPECT_EQ(until, 1.0);
 }
 
+// From where 60 % are left to where 30 % are, when half of the time is to be saved.
+TEST(Progress, SaysOfAShorterSearchThatLessIsLeft) {
+  double told = -1.0;
+  shortened([&](double share, const std::string&) { told = share; }, 0.5)(0.4, "refining");
+  EXPECT_NEAR(told, 0.7, 1e-12);
+}
+
+// From the beginning of the screening at an even pace: what the parameters took does not count, nor who is behind.
+TEST(Forecast, TellsTheTimeLeftAtTheScreeningsPace) {
+  Forecast forecast;
+  forecast.tell(0.0, 0.0);
+  forecast.tell(40.0, kScreen.from);
+  EXPECT_FALSE(forecast.left().has_value());  // too early
+  forecast.tell(60.0, kScreen.from + 0.2);
+  forecast.tell(60.0, kScreen.from + 0.1);
+  ASSERT_TRUE(forecast.left().has_value());
+  EXPECT_NEAR(*forecast.left(), (1.0 - kScreen.from - 0.2) * 100.0, 1e-9);
+  EXPECT_NEAR(forecast.share(), kScreen.from + 0.2, 1e-12);
+  forecast.tell(200.0, 1.0);
+  EXPECT_EQ(*forecast.left(), 0.0);
+}
+
 }  // namespace
 }  // namespace slewlab::diagnosis

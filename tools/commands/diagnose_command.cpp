@@ -8,6 +8,7 @@
 #include <iostream>
 #include <map>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 #include <span>
 #include <sstream>
@@ -360,17 +361,17 @@ class ProgressDisplay {
 
   void operator()(double share, const std::string& doing) {
     const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-    share_ = std::max(share_, share);  // of several at work the one that is farthest
-    // A time left that is forecast from the first instants would be a guess.
-    const std::string left = share_ > 0.02 ? fmt::format("about {:3.0f} s left", seconds / share_ * (1.0 - share_)) : "";
-    line_.show(seconds, fmt::format("{:3.0f} %  {:16}  {:.50}", 100.0 * share_, left, doing), share >= 1.0);
+    forecast_.tell(seconds, share);
+    const std::optional<double> left = forecast_.left();
+    line_.show(seconds, fmt::format("{:3.0f} %  {:16}  {:.50}", 100.0 * forecast_.share(), left ? fmt::format("about {:3.0f} s left", *left) : "", doing),
+               share >= 1.0);
   }
   void keep() { line_.keep(); }
 
  private:
   StatusLine line_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-  double share_ = 0.0;
+  diagnosis::Forecast forecast_;
 };
 
 }  // namespace
