@@ -1,8 +1,8 @@
 """Turns what tools/benchmark measured into the tables of docs/benchmarks.md and a drawing.
 
 Usage: report.py FOLDER
-Reads FOLDER/elements.json and plant.json (Google Benchmark), the turns turn*_plant.json with turn*_mujoco.json, lockstep.txt and batch.md, the
-last three where present; writes FOLDER/table.md and FOLDER/cost_over_elements.svg. Costs are CPU time, medians over the
+Reads FOLDER/elements.json and plant.json (Google Benchmark), the turns turn*_plant.json with turn*_mujoco.json, lockstep.txt, batch.md and
+diagnosis.json, the last four where present; writes FOLDER/table.md and FOLDER/cost_over_elements.svg. Costs are CPU time, medians over the
 repetitions; ratios to MuJoCo are medians over the turns, in which the two follow each other.
 """
 
@@ -15,6 +15,8 @@ import sys
 
 LIMIT_NS = 150  # a plant step of 6 elements, project requirement
 LIMIT_MUJOCO = 35  # times MuJoCo's step, project requirement
+DIAGNOSIS_LIMITS = {"1 kHz": 15.0, "100 Hz": 5.0}  # [s] of two logs of 30 s on two cores, project requirement
+FORECAST_LIMIT = 1.5  # factor by which the forecast of a diagnosis's end may be off, project requirement
 
 
 def read_plant(path):
@@ -113,6 +115,19 @@ def drawing(points, a, b, mujoco_ns):
     return "".join(out) + "</svg>\n"
 
 
+def diagnosis_lines(rows, verdict):
+    """Of two logs of 30 s each, the whole catalogue and pairs, two threads."""
+    lines = ["| two logs of 30 s, whole catalogue and pairs, two threads | wall | asked | processor | simulations | simulated s per s of "
+             "wall | processor time of a simulated s, of the bare machine's | forecast of the end within a factor of (asked: "
+             f"{FORECAST_LIMIT:g}) |", "|---|---|---|---|---|---|---|---|"]
+    for row in rows:
+        limit = next(limit for rate, limit in DIAGNOSIS_LIMITS.items() if rate in row["case"])
+        lines.append(f"| {row['case']} | {row['wall_s']:.1f} s | ≤ {limit:g} s: {verdict(row['wall_s'] <= limit)} | {row['processor_s']:.1f} s "
+                     f"| {row['simulations']} | {row['simulated_s_per_s']:.0f} | {row['of_bare_machine']:.2f} "
+                     f"| {row['worst_forecast']:.2f}: {verdict(row['worst_forecast'] <= FORECAST_LIMIT)} |")
+    return lines
+
+
 def main(folder):
     context, plant = read_plant(os.path.join(folder, "plant.json"))
     elements = read_plant(os.path.join(folder, "elements.json"))[1]
@@ -185,6 +200,9 @@ def main(folder):
     if mujoco:
         listed = ", ".join(f"{f:g}" for f in mujoco["frequencies_hz"][1:8])
         lines += ["", f"The MuJoCo crane's frequencies with the gears closed: {listed} Hz."]
+    diagnosis = os.path.join(folder, "diagnosis.json")
+    if os.path.exists(diagnosis):
+        lines += [""] + diagnosis_lines(read_json(diagnosis), verdict)
     lockstep = os.path.join(folder, "lockstep.txt")
     if os.path.exists(lockstep):
         with open(lockstep, encoding="utf-8") as file:
