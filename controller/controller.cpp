@@ -64,10 +64,12 @@ void step(const ControllerSettings& settings, ControllerState& state, const Cont
   const double speed_request =
       std::isfinite(input.speed_request) ? std::clamp(input.speed_request, -1.0, 1.0) : 0.0;
 
-  const bool acknowledged = input.acknowledge && !input.emergency_stop && speed_request == 0.0;
+  const bool is_passed_on = input.acknowledge && speed_request == 0.0;
+  const bool acknowledged = is_passed_on && !input.emergency_stop;
   const bool stays_off = state.unusable_measurement && !acknowledged;
   if (!is_usable(settings, input) || stays_off) {
     let_go(settings, state, output);
+    output.acknowledge = is_passed_on;
     return;
   }
   state.unusable_measurement = false;
@@ -114,6 +116,7 @@ void step(const ControllerSettings& settings, ControllerState& state, const Cont
   output.group_count = groups;
   output.enable = true;
   output.brake = false;
+  output.acknowledge = is_passed_on;
   output.mode = state.mode;
   output.ramped_speed = state.ramp.speed;
   output.average_torque = average;

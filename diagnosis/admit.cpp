@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -23,6 +24,9 @@ constexpr double kCoarseDiscrepancy = 5.0;  // by which mesh and step miss more 
 // Of half the play with the gears wound up by the rated torque: where a motor stands when the drives are off, or still swings just after
 // they were switched on; chosen.
 constexpr double kOffsetShare = 0.2;
+// Of the machine's characteristic time from a record's beginning, at which its gears may have come to their flanks: drives that were switched
+// on just before take about that long to press them apart. Chosen.
+constexpr std::array<double, 6> kPressedAfter{0.0, 0.25, 0.5, 1.0, 1.5, 2.0};
 // Of the encoders' period: what was read is as old as anything between two readings, a standard deviation of 1 / sqrt(12).
 constexpr double kLatencyOfPeriod = 0.3;
 
@@ -41,26 +45,54 @@ void check_followed(const Record& record, const Shadow& follower) {
   }
 }
 
-// Whether the record may begin with the teeth on the flanks to which its first torques push: these would carry a free motor across its play
-// within `time` [s], and the groups keep their places to each other within half of it. (From the middle of their play they would move
-// apart, or together, by twice that; more slowly where a brake drags, so that this alone does not tell.)
-bool may_begin_on_flanks(const sim::CraneParameters& nominal, const Record& record, double time) {
-  const sim::DriveParameters& drive = nominal.drive;
-  const double ratio = sim::total_ratio(drive), half_play = sim::gear_contact(nominal).half_play;
-  const double way_per_torque = 0.5 * time * time * drive.motors_per_group * ratio / sim::group_inertia(drive);
-  const auto count = std::min(record.size(), static_cast<std::size_t>(std::lround(time / record.step)));
+// What the machine's gears leave open where a record begins.
+struct Play {
+  double half = 0.0;            // [rad] slew axis
+  double ratio = 1.0;           // motor turns per turn of the axis
+  double way_per_torque = 0.0;  // [rad/Nm] slew axis, of a free motor within the machine's characteristic time
+};
+
+// Whether the torques then push every motor across its play within the characteristic time, and the groups keep their places to each other
+// for as long within half of it. (Motors on their way would move apart, or together, by twice that; more slowly where a brake drags, so that
+// this alone does not tell.)
+bool may_be_on_flanks(const Play& play, const Record& record, std::size_t from, std::size_t window) {
+  if (play.half <= 0.0 || from + 1 >= record.size()) return false;
+  const std::size_t to = std::min(record.size(), from + window);
   for (int g = 0; g < record.group_count; ++g) {
     const auto i = static_cast<std::size_t>(g);
-    if (std::fabs(record.motor_torque[i][0]) * way_per_torque < 2.0 * half_play) return false;
+    if (std::fabs(record.motor_torque[i][from]) * play.way_per_torque < 2.0 * play.half) return false;
     double low = std::numeric_limits<double>::infinity(), high = -low;
-    for (std::size_t n = 0; n < count; ++n) {
+    for (std::size_t n = from; n < to; ++n) {
       const double apart = record.shaft_position[i][n] - record.shaft_position[0][n];
       low = std::min(low, apart);
       high = std::max(high, apart);
     }
-    if (high - low > half_play * ratio) return false;
+    if (high - low > play.half * play.ratio) return false;
   }
-  return half_play > 0.0;
+  return true;
+}
+
+// Where the gears may stand when the record begins, beside the middle of their play: on the flanks, or on their way to them, the house being
+// held meanwhile or turning with the motors.
+std::vector<FirstPlaces> possible_first_places(const sim::CraneParameters& nominal, const Record& record, double time) {
+  const sim::DriveParameters& drive = nominal.drive;
+  const Play play{sim::gear_contact(nominal).half_play, sim::total_ratio(drive),
+                  0.5 * time * time * drive.motors_per_group * sim::total_ratio(drive) / sim::group_inertia(drive)};
+  const auto window = static_cast<std::size_t>(std::lround(time / record.step));
+  for (const double share : kPressedAfter) {
+    const auto from = static_cast<std::size_t>(std::lround(share * time / record.step));
+    if (!may_be_on_flanks(play, record, from, window)) continue;
+    if (from == 0) return {{0.0, 0.0}};
+    double mean = 0.0;  // [rad] slew axis, that the motors turned
+    for (int g = 0; g < record.group_count; ++g) {
+      const std::vector<double>& position = record.shaft_position[static_cast<std::size_t>(g)];
+      mean += (position[from] - position[0]) / (play.ratio * record.group_count);
+    }
+    const double at = record.step * static_cast<double>(from);
+    if (record.begins_in_motion) return {{at, mean}};
+    return {{at, 0.0}, {at, mean}};
+  }
+  return {};
 }
 
 double missing_power(const Record& record, const Shadow& follower) {
@@ -85,20 +117,22 @@ Following follow(const Problem& problem, const Record& record, const WhiteningSe
   return following;
 }
 
-// From the middle of the play, or where the record may begin on the flanks and is followed better from there, from there: one that begins
+// From the middle of the play, or where the record may begin elsewhere and is followed better from there, from there: one that begins
 // elsewhere than the machine did knocks on, or is held off by a torque that never ends.
 Following follow_from_its_beginning(const Problem& problem, Record& record, const WhiteningSettings& whitening) {
-  Following following = follow(problem, record, whitening);
-  if (!may_begin_on_flanks(problem.nominal.crane, record, problem.thresholds.time)) return following;
-  Record pressed = record;
-  pressed.begins_pressed = true;
-  Following other = follow(problem, pressed, whitening);
-  const bool can_be_judged = following.share >= kLeastTrusted, other_can_be_judged = other.share >= kLeastTrusted;
-  const bool is_better = can_be_judged != other_can_be_judged ? other_can_be_judged
-                                                              : missing_power(record, other.follower) < missing_power(record, following.follower);
-  if (!is_better) return following;
-  record.begins_pressed = true;
-  return other;
+  Following best = follow(problem, record, whitening);
+  for (const FirstPlaces& places : possible_first_places(problem.nominal.crane, record, problem.thresholds.time)) {
+    Record placed = record;
+    placed.first_places = places;
+    Following other = follow(problem, placed, whitening);
+    const bool can_be_judged = best.share >= kLeastTrusted, other_can_be_judged = other.share >= kLeastTrusted;
+    const bool is_better = can_be_judged != other_can_be_judged ? other_can_be_judged
+                                                                : missing_power(record, other.follower) < missing_power(record, best.follower);
+    if (!is_better) continue;
+    best = std::move(other);
+    record.first_places = places;
+  }
+  return best;
 }
 
 }  // namespace
@@ -164,6 +198,8 @@ Followed admit(std::vector<Record> records, const WhiteningSettings& whitening, 
     }
     problem.whitening.push_back(make_whitening(record, trusted, problem.gains, follower, whitening));
     followed = {record.name, std::move(follower), {}};  // the last one stays
+    problem.nuisances.in_motion.push_back(record.begins_in_motion);
+    problem.nuisances.has_motion |= record.begins_in_motion;
     problem.records.push_back(std::move(record));
   }
   if (problem.records.empty()) throw NotAdmitted(not_judged + "; switch play compensation on, or accelerate more gently");

@@ -9,33 +9,67 @@ namespace slewlab::diagnosis {
 
 namespace {
 
-// Speeds that a swinging load may make of a crane at rest: shares of the largest speed of the record, and of the controller's top speed.
-constexpr double kStanding = 0.05, kCreeping = 2e-3;
-constexpr double kFirstStretch = 0.023;  // of the time from rest to top speed
+constexpr double kRampTimes = 1.5;  // of the slowest change from one top speed to the other and a half, after which no ramp is under way
+constexpr int kTakeUpSteps = 20;    // of the integrals: each leaves what the droop and the filter couple, a small share
+// Of the rated torque: below it a taken-up integral is exact.
+constexpr double kTakenUpExactly = 1e-12;
+
+double settling_time(const controller::RampSettings& ramp) {
+  return kRampTimes * std::max(ramp.acceleration_time + ramp.deceleration_time, ramp.emergency_stop_time);
+}
+
+// The integrals with which the controller answers this cycle as it was recorded, all else being known.
+void take_up_integrals(const controller::ControllerSettings& settings, const controller::ControllerInput& input, const msgs::Torque& recorded,
+                       controller::ControllerState& state) {
+  controller::ControllerOutput output;
+  for (int step = 0; step < kTakeUpSteps; ++step) {
+    controller::ControllerState trial = state;
+    controller::step(settings, trial, input, output);
+    double mean = 0.0, largest = 0.0;
+    controller::PerGroup missing{};
+    for (int g = 0; g < settings.group_count; ++g) {
+      const auto i = static_cast<std::size_t>(g);
+      missing[i] = recorded.motor_torque[i] - output.motor_torque[i];
+      mean += missing[i] / settings.group_count;
+      largest = std::max(largest, std::fabs(missing[i]));
+    }
+    if (largest < kTakenUpExactly * settings.rated_torque) return;
+    // With play compensation the groups share one integral.
+    for (int g = 0; g < settings.group_count; ++g) {
+      const auto i = static_cast<std::size_t>(g);
+      state.speed_control[i].integral_torque += settings.play_compensation.enabled ? mean : missing[i];
+    }
+  }
+}
 
 }  // namespace
 
-void check_replayable(const Record& record, const controller::ControllerSettings& settings) {
-  constexpr const char* kRemedy = "or leave --controller out: the crane is then diagnosed alone";
-  double largest = 0.0, first = 0.0;
-  const auto stretch = std::min(record.size(), static_cast<std::size_t>(kFirstStretch * settings.ramp.acceleration_time / record.step) + 1);
-  for (std::size_t n = 0; n < record.size(); ++n) largest = std::max(largest, std::fabs(record.position_rate[0][n]));
-  // Of all groups: play compensation turns them against each other first.
-  for (int g = 0; g < record.group_count; ++g) {
-    for (std::size_t n = 0; n < stretch; ++n) first += record.position_rate[static_cast<std::size_t>(g)][n] / static_cast<double>(stretch) / record.group_count;
+void check_replayable(const Record& record) {
+  const bool is_asked = record.begins_in_motion || std::any_of(record.operator_moves.begin(), record.operator_moves.end(),
+                                                               [](const OperatorMove& move) { return move.speed_request != 0.0; });
+  if (is_asked && !record.operator_moves.empty()) return;
+  double largest = 0.0;
+  for (const double rate : record.position_rate[0]) largest = std::max(largest, std::fabs(rate));
+  throw NotAdmitted(fmt::format("{}: the motors reach {:.3g} rad/s and no OPERATOR message asks for it; without the operator's moves the controller cannot be "
+                                "replayed. Log them (an import maps speed_request), or leave --controller out: the crane is then diagnosed alone",
+                                record.name, largest));
+}
+
+std::optional<double> controller_known_from(const Record& record, const controller::ControllerSettings& settings) {
+  if (!record.begins_in_motion) return record.start_time;
+  const double end = record.time(record.size() - 1), settling = settling_time(settings.ramp);
+  double still_from = record.start_time;
+  const OperatorMove* before = nullptr;
+  for (const OperatorMove& move : record.operator_moves) {
+    const bool is_change = before == nullptr || move.speed_request != before->speed_request || move.emergency_stop != before->emergency_stop;
+    before = &move;
+    if (!is_change) continue;
+    const double at = 1e-9 * static_cast<double>(move.simulated_time);
+    if (at - still_from >= settling) break;
+    still_from = std::max(record.start_time, at);
   }
-  if (std::fabs(first) > std::max(kStanding * largest, kCreeping * settings.ramp.top_speed * settings.total_ratio)) {
-    throw NotAdmitted(fmt::format("{}: the motors turn at {:.3g} rad/s when the record begins; what the controller knew by then is not in it. Cut the log where "
-                                  "the crane stands, {}",
-                                  record.name, first, kRemedy));
-  }
-  const bool is_asked = std::any_of(record.operator_moves.begin(), record.operator_moves.end(),
-                                    [](const OperatorMove& move) { return move.speed_request != 0.0; });
-  if (!is_asked) {
-    throw NotAdmitted(fmt::format("{}: the motors reach {:.3g} rad/s and no OPERATOR message asks for it; without the operator's moves the controller cannot be "
-                                  "replayed. Log them (an import maps speed_request), {}",
-                                  record.name, largest, kRemedy));
-  }
+  if (end - still_from < settling) return {};
+  return still_from + settling;
 }
 
 ControllerReplay replay_controller(const Record& record, controller::ControllerSettings settings) {
@@ -45,6 +79,8 @@ ControllerReplay replay_controller(const Record& record, controller::ControllerS
   }
   settings.period = record.encoder_period;
   ControllerReplay replay;
+  const std::optional<double> known_from = controller_known_from(record, settings);
+  if (!known_from) return replay;
   controller::ControllerState state;
   controller::ControllerInput input;
   controller::ControllerOutput output;
@@ -80,14 +116,21 @@ ControllerReplay replay_controller(const Record& record, controller::ControllerS
     for (int g = 0; g < record.group_count; ++g) {
       input.shaft_speed[static_cast<std::size_t>(g)] = encoder.shaft_speed[static_cast<std::size_t>(g)];
     }
-    controller::step(settings, state, input, output);
     while (answer < record.torque.size() && record.torque[answer].answered_sequence < encoder.sequence) ++answer;
     const bool answered =
         answer < record.torque.size() && record.torque[answer].answered_sequence == encoder.sequence;
+    const bool is_known = 1e-9 * static_cast<double>(encoder.simulated_time) >= *known_from;
+    if (!is_known) {
+      // As if the ramp had come to its end already: when it is to be known, it has.
+      state.ramp = {};
+      state.ramp.speed = state.ramp.target = std::clamp(input.speed_request, -1.0, 1.0) * settings.ramp.top_speed;
+      if (answered) take_up_integrals(settings, input, record.torque[answer], state);
+    }
+    controller::step(settings, state, input, output);
     for (int g = 0; g < record.group_count; ++g) {
       const auto i = static_cast<std::size_t>(g);
       replay.motor_torque[i].push_back(output.motor_torque[i]);
-      if (!answered) continue;
+      if (!answered || !is_known) continue;
       const double recorded = record.torque[answer].motor_torque[i];
       const double difference = recorded - output.motor_torque[i];
       square += recorded * recorded;

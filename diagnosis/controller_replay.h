@@ -2,6 +2,7 @@
 // recorded torques. What differs here is the controller's and nobody else's.
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,19 +13,23 @@ namespace slewlab::diagnosis {
 
 struct ControllerReplay {
   std::array<std::vector<double>, sim::kMaximumGroupCount> motor_torque;  // [Nm] per cycle, as computed
-  std::vector<double> difference;  // [Nm] recorded minus computed, group by group in every answered cycle
+  std::vector<double> difference;  // [Nm] recorded minus computed, group by group in every answered cycle that is compared
   double torque_rms = 0.0;      // [Nm] of the recorded commands
   double difference_rms = 0.0;  // [Nm] recorded minus computed
   double largest_difference = 0.0;
   double largest_time = 0.0;    // [s] of the largest difference
 };
 
-// A controller can only be followed from standstill and with the operator's moves. Throws NotAdmitted where the motors turn when the
-// record begins, and where they turn and nobody asks them to.
-void check_replayable(const Record& record, const controller::ControllerSettings& settings);
+// Throws NotAdmitted where the motors turn and nobody asks them to.
+void check_replayable(const Record& record);
+
+// [s] From when on the controller's state is known: of a record that begins at rest, from its beginning; of one in motion, from when the
+// joystick has stood still for so long that the ramp has come to its end, whatever it did before. Nothing where it never does.
+std::optional<double> controller_known_from(const Record& record, const controller::ControllerSettings& settings);
 
 // A cycle whose ENCODER is missing from the log is computed with the speed between its neighbours. The settings' period and group count
-// are taken from the record. Throws NotAdmitted where they cannot fit.
+// are taken from the record. Where the controller is known only later, its integrals are those with which it answers that moment's
+// command, and only what follows is compared; nothing where it is never known. Throws NotAdmitted where they cannot fit.
 ControllerReplay replay_controller(const Record& record, controller::ControllerSettings settings);
 
 }  // namespace slewlab::diagnosis

@@ -23,6 +23,8 @@ constexpr double kCoarseNoise = 0.1;   // share by which the noise of coarse cou
 constexpr double kFarOff = 2.6;        // [standard deviations] of a parameter, beyond which it may be another crane
 constexpr double kWorthASwing = 2e-3;  // [rad] of the load at a record's beginning: a five-hundredth of the rope's length
 constexpr std::size_t kMoments = 8;    // that are named
+constexpr int kRoundsAsCut = 3;        // at most, of a fit with the boom cut as its file has it
+constexpr double kBetterAsCut = 20.0;  // fall of the cost, several times what chance lets it fall by
 constexpr int kMostValidated = 4;      // causes that are asked to predict before none is believed
 // On a log of the wire both sides are exact; a thousandth leaves room for logs that were rounded.
 constexpr double kSameTorque = 1e-3;
@@ -37,11 +39,53 @@ double seconds_since(std::chrono::steady_clock::time_point start) {
 // Whether the nominal controller answers what was recorded.
 void replay(const Problem& problem, const controller::ControllerSettings& controller, Diagnosis& diagnosis) {
   for (const Record& record : problem.records) {
-    check_replayable(record, controller);
+    check_replayable(record);
     diagnosis.controller_replay.push_back(replay_controller(record, controller));
     const ControllerReplay& replay = diagnosis.controller_replay.back();
+    diagnosis.has_controller |= !replay.difference.empty();
+    if (replay.difference.empty()) {
+      diagnosis.remarks.push_back(fmt::format("{}: begins in motion, and the joystick never stands still for as long as a ramp may take; what the controller "
+                                              "knew is not in the record, and its answers are not compared", record.name));
+      continue;
+    }
     if (replay.difference_rms > kSameTorque * replay.torque_rms) diagnosis.controller_differs = true;
   }
+}
+
+struct Searched {
+  FitResult base;  // parameters alone
+  Screening screening;
+  Found found;
+};
+
+Searched search_all(Problem& problem, const FitResult& nominal_machine, const DiagnosisSettings& settings, const Progress& tell) {
+  tell(kFitParameters.from, "fitting the parameters alone");
+  FitResult base = fit_nuisances(problem, nominal_machine);
+  const Projector project(base.columns, prior_rows(problem, base.point), data_weight(base.difference, settings.fit));
+  const std::vector<common::EffectInstance> starts =
+      catalogue_starts(problem.catalogue, problem.nominal, settings.without, longest_record(problem), problem.thresholds.spell_every);
+  Screening screening = screen(problem, base, project, starts, within(tell, kScreen));
+  Found found = search(problem, base, screening, settings.search, tell);
+  return {std::move(base), std::move(screening), std::move(found)};
+}
+
+// Whether the best fit, where it leaves more than noise, leaves less on a machine whose boom is cut as its file has it: a log that slewlab
+// itself made of that file. Another machine's boom is not cut at all.
+bool is_better_as_cut(Problem& problem, int as_cut, const Searched& searched) {
+  const int cut = problem.nominal.crane.boom.element_count;
+  if (cut == as_cut) return false;
+  const FitResult* best = &searched.found.nothing;
+  for (const FitResult& one : searched.found.fits) {
+    const bool is_motion = stochastic_part(problem.catalogue, one.point).empty();
+    if (is_motion && one.cost < best->cost) best = &one;
+  }
+  if (best->mean_square <= 1.0) return false;
+  problem.nominal.crane.boom.element_count = as_cut;
+  const auto nuisances = static_cast<Eigen::Index>(best->point.nuisance.size());
+  FitResult other = fit(problem, best->columns.leftCols(nuisances), best->point);
+  settle(problem, other, kRoundsAsCut);
+  problem.nominal.crane.boom.element_count = cut;
+  return other.cost < best->cost - kBetterAsCut;
 }
 
 // From fits to causes with probabilities, in the order of the fits, that without effects first.
@@ -315,21 +359,28 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   tell(0.0, "replaying the controller");
   if (controller) replay(problem, *controller, diagnosis);
 
-  tell(kFitParameters.from, "fitting the parameters alone");
-  const FitResult nominal_machine = nominal_fit(problem);
-  const FitResult base = fit_nuisances(problem, nominal_machine);
+  const int as_cut = problem.nominal.crane.boom.element_count;
+  FitResult nominal_machine = nominal_fit(problem);
+  const bool is_nominal_as_cut = nominal_machine.mean_square <= 1.0;
+  if (!is_nominal_as_cut && as_cut > 0 && as_cut < kBoomElements) {
+    problem.nominal = with_boom_elements(problem.nominal, kBoomElements);
+    nominal_machine = nominal_fit(problem);
+  }
+  Searched searched = search_all(problem, nominal_machine, settings, tell);
+  if (is_better_as_cut(problem, as_cut, searched)) {
+    problem.nominal.crane.boom.element_count = as_cut;
+    nominal_machine = nominal_fit(problem);
+    searched = search_all(problem, nominal_machine, settings, tell);
+  }
+  const auto& [base, screening, found] = searched;
+  diagnosis.boom_elements = problem.nominal.crane.boom.element_count;
   diagnosis.mean_square_nominal = nominal_machine.mean_square;
   diagnosis.mean_square_parameters = base.mean_square;
   diagnosis.moments = largest_moments(problem, base.point, kMoments);
-
   const Projector project(base.columns, prior_rows(problem, base.point), data_weight(base.difference, settings.fit));
-  const std::vector<common::EffectInstance> starts =
-      catalogue_starts(problem.catalogue, problem.nominal, settings.without, longest_record(problem), problem.thresholds.spell_every);
-  const Screening screening = screen(problem, base, project, starts, within(tell, kScreen));
   for (const auto& [name, square] : screening.visibility) {
     if (square < kVisible) diagnosis.not_excited.push_back(name);
   }
-  const Found found = search(problem, base, screening, settings.search, tell);
 
   Weighed weighed = weigh_fits(problem, found, screening.names.size(), settings.evidence);
   // The gap lies where the most probable cause takes something away; where none does, where more than noise is left.

@@ -31,6 +31,7 @@ struct DiagnosisSettings {
 
 struct Diagnosis {
   bool gap = false;                     // is there more than parameters and a good model's misses
+  bool has_controller = false;          // some record tells what the controller knew, so that its answers were compared
   bool controller_differs = false;
   double counts = 0.0;                  // [rad] step of the encoders' positions where it is coarse, else 0
   std::vector<ControllerReplay> controller_replay;
@@ -44,6 +45,7 @@ struct Diagnosis {
   std::string verdict;                  // one line
   std::vector<std::pair<std::string, double>> subsystems;  // probability by subsystem, falling
   std::vector<std::pair<std::string, double>> effects;     // probability that each acts, alone or beside another, falling
+  int boom_elements = 0;                 // into which the boom was cut
   std::vector<BandShare> bands;
   std::vector<Moment> moments;
   std::vector<std::string> remarks;

@@ -26,6 +26,7 @@ constexpr double kNuisanceStep = 0.3;  // [standard deviations] difference quoti
 constexpr double kFarthest = 6.0;      // [standard deviations] that a nuisance is let go
 constexpr std::array<double, 4> kDampings{0.0, 0.1, 1.0, 10.0};  // of a step: the next where the one before did not make the cost fall
 constexpr int kRelaxations = 8;
+constexpr int kIdleRounds = 2;         // in a row, that end a fit of the nuisances alone
 constexpr std::array<double, 4> kShortenings{0.0, 1.0, 3.0, 7.0};  // dampings that halve a step along an axis of the curvature, and again
 constexpr double kVeryFarOff = 1e3;    // whitened difference of a machine that cannot follow at all
 constexpr double kAtTheWall = 1.9;     // [standard deviations]
@@ -290,11 +291,15 @@ double data_weight(const Eigen::VectorXd& difference, const FitSettings& setting
   return settings.independent_share * discounted_weight(excess(difference, settings), settings.law_freedom);
 }
 
+sim::MachineSettings with_boom_elements(sim::MachineSettings machine, int least) {
+  sim::BoomParameters& boom = machine.crane.boom;
+  if (boom.element_count > 0) boom.element_count = std::max(boom.element_count, least);
+  return machine;
+}
+
 sim::MachineSettings machine_at(const sim::MachineSettings& nominal, const Nuisances& nuisances, const Point& point) {
   sim::MachineSettings settings = nominal;
   settings.crane = with_nuisances(nuisances, settings.crane, point.nuisance);
-  sim::BoomParameters& boom = settings.crane.boom;
-  if (boom.element_count > 0) boom.element_count = std::max(boom.element_count, kBoomElements);
   if (point.seed != 0) settings.seed = point.seed;
   settings.effects.insert(settings.effects.end(), point.effects.begin(), point.effects.end());
   if (!settings.effects.empty() && !settings.scales) settings.scales = sim::effect_scales(nominal.crane, nominal.drive_protection);
@@ -389,8 +394,7 @@ namespace {
 
 void shadow_at(const Problem& problem, Follower follower, const Point& point, std::size_t record, Shadow& result) {
   shadow(std::move(follower), problem.records[record], problem.stock.drives(problem.records[record], record, problem.nominal.drive_protection),
-         problem.gains, encoder_latency(problem.nuisances, point.nuisance), swing_at_start(problem.nuisances, point.nuisance, record),
-         motor_offset_at_start(problem.nuisances, point.nuisance, record), result);
+         problem.gains, encoder_latency(problem.nuisances, point.nuisance), beginning_of(problem.nuisances, point.nuisance, record), result);
 }
 
 }  // namespace
@@ -485,7 +489,10 @@ void settle_nuisances(Problem& problem, FitResult& result) {
   result.cost = cost_of(problem, result.point, result.difference);
   const auto nuisances = static_cast<Eigen::Index>(result.point.nuisance.size());
   result.columns = Eigen::MatrixXd::Zero(result.difference.size(), nuisances);  // nothing is known of them: the first steps
-  settle(problem, result, problem.settings.rounds);
+  // A round that was worth little may have stood in a narrow valley of two parameters, along which the next one goes on with fresh columns.
+  for (int round = 0, idle = 0; round < problem.settings.rounds && idle < kIdleRounds; ++round) {
+    idle = improve(problem, result, true) ? 0 : idle + 1;
+  }
 }
 
 }  // namespace

@@ -36,7 +36,7 @@ struct FitSettings {
   double law_freedom = 100.0;      // nu
   double independent_share = 0.3;  // s
   int iterations = 4;      // per round, each round with fresh columns
-  int rounds = 4;          // at most, for the nuisances alone
+  int rounds = 12;         // at most, for the nuisances alone
   // Falls of the cost that were too small to go on: the fixed part in units of -2 ln of a probability.
   double enough = 0.5, enough_share = 0.002;   // of an iteration
   double settled = 2.0, settled_share = 0.01;  // of a round
@@ -49,11 +49,14 @@ struct Point {
   std::uint64_t seed = 0;                       // of the effects that draw numbers
 };
 
-// Of a flexible boom, at least, whatever the machine's file has. With half as many the higher modes stand so far off that the error of
-// a large effect is fitted by a second one; 10, 12 and 16 leave the same.
+// Of a flexible boom, at least, whatever the machine's file has, unless the record is of a machine cut as the file has it. With half as
+// many the higher modes stand so far off that the error of a large effect is fitted by a second one; 10, 12 and 16 leave the same.
 inline constexpr int kBoomElements = 12;
 
-// The nominal machine moved to a point, its boom cut finely enough.
+// The machine with its boom, where it has one that bends, cut into as many elements at least.
+sim::MachineSettings with_boom_elements(sim::MachineSettings machine, int least);
+
+// The nominal machine moved to a point.
 sim::MachineSettings machine_at(const sim::MachineSettings& nominal, const Nuisances& nuisances, const Point& point);
 
 struct Chance;  // chance.h

@@ -25,6 +25,9 @@ Nuisances nuisances_of(const sim::MachineDescription& machine, double latency_de
   nuisances.parameters = machine.parameters;
   nuisances.latency_deviation = latency_deviation;
   if (machine.machine.load.mass > 0.0) nuisances.rope_length = machine.machine.load.rope_length;
+  // As far as the rated torque inclines the rope while it accelerates the machine.
+  nuisances.swing_in_motion =
+      std::max(kSwingDeviation, machine.scales.reach * machine.scales.top_speed / machine.scales.acceleration_time / sim::kGravity);
   return nuisances;
 }
 
@@ -32,25 +35,34 @@ double encoder_latency(const Nuisances& nuisances, const std::vector<double>& am
   return amount.size() < nuisances.common_count() ? 0.0 : nuisances.latency_deviation * amount[nuisances.parameters.size()];
 }
 
-Swing swing_at_start(const Nuisances& nuisances, const std::vector<double>& amount, std::size_t record) {
-  const std::size_t first = nuisances.count(record);
-  if (nuisances.swing_amounts() == 0 || amount.size() < first + nuisances.swing_amounts()) return {};
-  const double natural = std::sqrt(sim::kGravity / nuisances.rope_length);  // [rad/s]
-  return {kSwingDeviation * amount[first], kSwingDeviation * natural * amount[first + 1]};
+Beginning beginning_of(const Nuisances& nuisances, const std::vector<double>& amount, std::size_t record) {
+  Beginning beginning;
+  std::size_t k = nuisances.count(record);
+  if (amount.size() < nuisances.count(record + 1)) return beginning;
+  const bool is_in_motion = nuisances.is_in_motion(record), has_load = nuisances.swing_amounts() > 0;
+  const double natural = has_load ? std::sqrt(sim::kGravity / nuisances.rope_length) : 0.0;  // [rad/s]
+  if (has_load) {
+    const double deviation = is_in_motion ? nuisances.swing_in_motion : kSwingDeviation;
+    beginning.swing = deviation * amount[k++];
+    beginning.swing_rate = deviation * natural * amount[k++];
+  }
+  for (std::size_t g = 0; g < nuisances.offset_groups; ++g) beginning.motor_offset[g] = nuisances.offset_deviation * amount[k++];
+  if (!is_in_motion) return beginning;
+  if (has_load) {
+    beginning.rod = kSwingDeviation * amount[k++];
+    beginning.rod_rate = kSwingDeviation * natural * amount[k++];
+  }
+  for (std::size_t mode = 0; mode < kBeginningBends; ++mode) {
+    beginning.bend[mode] = kBendDeviation * amount[k++];
+    beginning.bend_rate[mode] = kBendDeviation * amount[k++];
+  }
+  return beginning;
 }
 
 double swing_reach(const Nuisances& nuisances, const std::vector<double>& amount, std::size_t record) {
-  const std::size_t first = nuisances.count(record);
-  if (nuisances.swing_amounts() == 0 || amount.size() < first + nuisances.swing_amounts()) return 0.0;
-  return kSwingDeviation * std::hypot(amount[first], amount[first + 1]);
-}
-
-GroupAngles motor_offset_at_start(const Nuisances& nuisances, const std::vector<double>& amount, std::size_t record) {
-  GroupAngles offset{};
-  const std::size_t first = nuisances.count(record) + nuisances.swing_amounts();
-  if (amount.size() < first + nuisances.offset_groups) return offset;
-  for (std::size_t g = 0; g < nuisances.offset_groups; ++g) offset[g] = nuisances.offset_deviation * amount[first + g];
-  return offset;
+  if (nuisances.swing_amounts() == 0) return 0.0;
+  const Beginning beginning = beginning_of(nuisances, amount, record);
+  return std::hypot(beginning.swing, beginning.swing_rate / std::sqrt(sim::kGravity / nuisances.rope_length));
 }
 
 PriorTerm nuisance_prior(const Nuisances& nuisances, std::size_t k, double z) {

@@ -3,8 +3,9 @@
 // hypothesis is fitted with all of them free under their priors.
 //
 // A point's amounts, in standard deviations: the parameters; the encoders' latency; of each record angle and rate of the load's
-// swing at its beginning, where the machine has a load; and where each motor stands between
-// its flanks then. The encoders' noise goes through the controller into the torque, so a fit can
+// swing at its beginning, where the machine has a load; where each motor stands between its flanks then; and where some record begins in
+// motion, angle and rate of the load's rod and amounts and rates of the lowest modes of the boom. Those of a record that begins at rest
+// change nothing. The encoders' noise goes through the controller into the torque, so a fit can
 // take some of it away by moving one against the other in time; free here, that favours no cause. A swing that is not free is taken for
 // a cause that pushes the load.
 #pragma once
@@ -26,10 +27,15 @@ struct Nuisances {
   double rope_length = 0.0;        // [m] of the nominal machine; 0: no load that swings
   std::size_t offset_groups = 0;   // motor groups whose place at a record's beginning is free
   double offset_deviation = 0.0;   // [rad] of it, on the slew axis
+  double swing_in_motion = 0.0;    // [rad] deviation of the load's swing where a record begins in motion
+  bool has_motion = false;         // some record of the diagnosis begins in motion
+  std::vector<bool> in_motion;     // which of these records do; fewer than records: the others do not
 
   std::size_t common_count() const { return parameters.size() + 1; }  // of all records together
   std::size_t swing_amounts() const { return rope_length > 0.0 ? 2 : 0; }  // per record
-  std::size_t per_record() const { return swing_amounts() + offset_groups; }
+  std::size_t motion_amounts() const { return has_motion ? swing_amounts() + 2 * kBeginningBends : 0; }
+  std::size_t per_record() const { return swing_amounts() + offset_groups + motion_amounts(); }
+  bool is_in_motion(std::size_t record) const { return record < in_motion.size() && in_motion[record]; }
   std::size_t count(std::size_t records) const { return common_count() + per_record() * records; }
 };
 Nuisances nuisances_of(const sim::MachineDescription& machine, double latency_deviation);
@@ -37,12 +43,11 @@ Nuisances nuisances_of(const sim::MachineDescription& machine, double latency_de
 double encoder_latency(const Nuisances& nuisances, const std::vector<double>& amount);  // [s]
 
 inline constexpr double kSwingDeviation = 5e-3;  // [rad], chosen: a two-hundredth of the rope's length; of the rate as a pendulum's
-Swing swing_at_start(const Nuisances& nuisances, const std::vector<double>& amount, std::size_t record);
+// Chosen: of the rod's angle where a record begins in motion, as of a swing at rest; of the bends, a fifth of what the rated torque bends.
+inline constexpr double kBendDeviation = 0.2;  // [-]
+Beginning beginning_of(const Nuisances& nuisances, const std::vector<double>& amount, std::size_t record);
 // [rad] how far it swings from where the load would hang still.
 double swing_reach(const Nuisances& nuisances, const std::vector<double>& amount, std::size_t record);
-
-// [rad] on the slew axis: how far each motor stands from where the machine would have it when the record begins.
-GroupAngles motor_offset_at_start(const Nuisances& nuisances, const std::vector<double>& amount, std::size_t record);
 
 // The nominal machine with every parameter moved by `amount[k]` standard deviations.
 sim::CraneParameters with_nuisances(const Nuisances& nuisances, sim::CraneParameters machine, const std::vector<double>& amount);

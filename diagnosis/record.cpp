@@ -18,6 +18,9 @@ constexpr int kTripped = 2, kBraked = 3;  // drive_state of PLANT_STATUS
 constexpr int kLongestBridge = 3;     // missing messages in a row that are bridged
 constexpr double kOnGrid = 0.01;         // [steps] by which a sensor's instant may miss the grid and still be on it
 constexpr double kMoving = 0.2;          // of the record's largest speed, above which a motor turns
+// Speeds that a swinging load may make of a crane at rest: shares of the largest speed of the record, and of the machine's top speed; and
+// the time over which the first speed is taken, as a share of the machine's.
+constexpr double kStanding = 0.05, kCreeping = 2e-3, kFirstStretch = 0.2;
 
 // The commonest distance between successive times [ns].
 std::int64_t common_period(const std::vector<std::int64_t>& times) {
@@ -369,6 +372,18 @@ void take_sensors(const msgs::RunLog& run, const std::vector<std::int64_t>& time
   take(&msgs::Sensors::slew_angle, record.slew_angle, "slew angle", nullptr);
 }
 
+// Of all groups together: play compensation turns them against each other first.
+bool begins_in_motion(const Record& record, const AdmissionSettings& settings) {
+  const auto stretch = std::min(record.size(), static_cast<std::size_t>(kFirstStretch * settings.time / record.step) + 1);
+  double largest = 0.0, first = 0.0;
+  for (int g = 0; g < record.group_count; ++g) {
+    const std::vector<double>& rate = record.position_rate[static_cast<std::size_t>(g)];
+    for (const double speed : rate) largest = std::max(largest, std::fabs(speed));
+    for (std::size_t n = 0; n < stretch; ++n) first += rate[n] / static_cast<double>(stretch) / record.group_count;
+  }
+  return std::fabs(first) > std::max(kStanding * largest, kCreeping * settings.turn / settings.time);
+}
+
 // What the controller's replay needs, as it went over the wire.
 void take_wire(const msgs::RunLog& run, Record& record) {
   for (const msgs::Operator& message : run.operator_moves) {
@@ -421,6 +436,7 @@ Record make_record(const msgs::RunLog& run, const std::string& name, const Admis
   const ChannelTimes times{times_of(run.encoder), times_of(run.torque), times_of(run.sensors)};
   const std::size_t count = lay_grid(times, settings, record);
   take_motors(run, times.encoder, settings, count, record);
+  record.begins_in_motion = begins_in_motion(record, settings);
   if (times.has_sensors()) {
     take_sensors(run, times.sensors, count, record);
   } else {

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cstdint>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <vector>
@@ -23,6 +24,14 @@ struct OperatorMove {
   double speed_request = 0.0;       // [-]
   bool emergency_stop = false;
   bool acknowledge = false;
+};
+
+// Gears that are not in the middle of their play when a record begins, as in a log that begins with the drives on: at `pressed_at` they
+// stand on the flanks to which the torques then push, and until then each motor went the way that its encoder tells, while the house turned
+// by `house_turn`.
+struct FirstPlaces {
+  double pressed_at = 0.0;  // [s] from the record's beginning
+  double house_turn = 0.0;  // [rad] slew axis
 };
 
 struct Record {
@@ -47,9 +56,9 @@ struct Record {
   std::vector<msgs::Encoder> encoder;  // the messages themselves, for the controller's replay
   std::vector<msgs::Torque> torque;
   std::vector<msgs::PlantStatus> plant_status;
-  // Whether the gears stand on the flanks to which the first torques push, as in a log that begins with the drives on; otherwise in the
-  // middle of their play. The nominal machine tells (admit.h).
-  bool begins_pressed = false;
+  bool begins_in_motion = false;  // the crane turns when the record begins
+  // Where the gears stand when the record begins; nothing: in the middle of their play. The nominal machine tells (admit.h).
+  std::optional<FirstPlaces> first_places;
   double encoder_quantum = 0.0;        // [rad] smallest step that the encoder positions keep to; 0: none found
   std::vector<std::string> remarks;    // what was mended or left out, one line each
 

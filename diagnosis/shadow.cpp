@@ -40,56 +40,114 @@ void sample_alike(const Record& record, std::size_t accelerometer, std::vector<d
   series = resample(record.sampled_at, difference, record, record.size());
 }
 
-// A crane that is already turning starts as a rigid body at the motors' mean speed, its teeth where they were.
-void start_moving(sim::Machine& machine, const Record& record) {
+// [rad/s^2] at the motors: slope of the line through the mean speed of the groups over the machine's characteristic time.
+double first_acceleration(const Record& record, double time) {
+  const auto count = std::min(record.size(), static_cast<std::size_t>(time / record.step) + 2);
+  const double middle = 0.5 * static_cast<double>(count - 1);
+  double product = 0.0, square = 0.0;
+  for (std::size_t n = 0; n < count; ++n) {
+    const double away = static_cast<double>(n) - middle;
+    for (int g = 0; g < record.group_count; ++g) product += away * record.position_rate[static_cast<std::size_t>(g)][n] / record.group_count;
+    square += away * away;
+  }
+  return product / (square * record.step);
+}
+
+// A load that hangs still below the tip moves with it: its modal coordinates follow V^T M [x; 0].
+void move_load(sim::Machine& machine, double distance, double speed) {
+  if (!machine.model.has_load) return;
+  const sim::LoadOnSpring& load = machine.model.load;
+  for (int j = 0; j < 2; ++j) {
+    const double share = load.modes.col(j).dot(load.mass.col(0));
+    machine.state.load_q[static_cast<std::size_t>(j)] += share * distance;
+    machine.state.load_v[static_cast<std::size_t>(j)] += share * speed;
+  }
+}
+
+// Rope and rod inclined, by their angles; V^T M [L rope; rope + rod].
+void incline_load(sim::Machine& machine, const Eigen::Vector2d& rope, const Eigen::Vector2d& rod) {
+  if (!machine.model.has_load) return;
+  const sim::LoadOnSpring& load = machine.model.load;
+  const Eigen::Matrix2d turn = load.modes.transpose() * load.mass;
+  const double length = machine.model.parameters.load.rope_length;
+  const Eigen::Vector2d angle = turn * Eigen::Vector2d(length * rope(0), rope(0) + rod(0));
+  const Eigen::Vector2d rate = turn * Eigen::Vector2d(length * rope(1), rope(1) + rod(1));
+  for (int j = 0; j < 2; ++j) {
+    machine.state.load_q[static_cast<std::size_t>(j)] += angle(j);
+    machine.state.load_v[static_cast<std::size_t>(j)] += rate(j);
+  }
+}
+
+// A mode above that of the rigid body, bent while the house stays where it is and as fast as it is, the load below the tip.
+void bend(sim::Machine& machine, std::size_t mode, double amount, double rate) {
+  const sim::PlantModel& model = machine.model;
+  sim::PlantState& state = machine.state;
+  const double turned_back = model.house[mode] / model.house[0];
+  state.q[mode] += amount;
+  state.v[mode] += rate;
+  state.q[0] -= turned_back * amount;
+  state.v[0] -= turned_back * rate;
+  const double tip = model.tip[mode] - turned_back * model.tip[0];
+  move_load(machine, tip * amount, tip * rate);
+}
+
+// [m sqrt(kg)] of a mode under a torque held on the house.
+double static_bend(const sim::PlantModel& model, std::size_t mode, double house_torque) { return model.house[mode] * house_torque / model.square[mode]; }
+
+bool can_bend(const sim::PlantModel& model, std::size_t mode) {
+  return !model.is_rigid && mode < static_cast<std::size_t>(model.mode_count) && model.square[mode] > 0.0;
+}
+
+// A crane that is already turning starts at the motors' mean speed, its teeth where they were, as a body that a constant acceleration has
+// bent: what swings about that is the record's own.
+void start_moving(sim::Machine& machine, const Record& record, double time) {
+  const sim::PlantModel& model = machine.model;
   double speed = 0.0;
   for (int g = 0; g < record.group_count; ++g) {
     const auto i = static_cast<std::size_t>(g);
-    machine.state.motor_speed[i] = record.position_rate[i][0] / machine.model.ratio;
+    machine.state.motor_speed[i] = record.position_rate[i][0] / model.ratio;
     speed += machine.state.motor_speed[i] / record.group_count;
   }
   if (speed == 0.0) return;
-  machine.state.v[0] = speed / machine.model.house[0];
-  if (machine.model.has_load) {
-    // Modes are mass-normalised, so the modal speed of a load that moves with the tip is V^T M [v; 0].
-    const double tip_speed = machine.model.tip[0] * machine.state.v[0];
-    for (int j = 0; j < 2; ++j) {
-      machine.state.load_v[static_cast<std::size_t>(j)] =
-          machine.model.load.modes.col(j).dot(machine.model.load.mass.col(0)) * tip_speed;
-    }
-  }
-  sim::refresh(machine.model, machine.state);
-  sim::forget_past(machine);
+  machine.state.v[0] = speed / model.house[0];
+  move_load(machine, 0.0, model.tip[0] * machine.state.v[0]);
+  if (!record.begins_in_motion) return;
+  const double acceleration = first_acceleration(record, time) / model.ratio;
+  const double torque = acceleration * sim::driven_inertia(model.parameters);
+  for (std::size_t mode = 1; can_bend(model, mode); ++mode) bend(machine, mode, static_bend(model, mode, torque), 0.0);
+  const double radius = model.tip[0] / model.house[0];
+  incline_load(machine, {-radius * acceleration / sim::kGravity, 0.0}, Eigen::Vector2d::Zero());
 }
 
-// Each gear on the flank to which the first torque of its group pushes, wound up by what goes through it while all turn as one body.
-void start_pressed(sim::Machine& machine, const Record& record) {
+// Each gear on the flank to which the torque of its group pushes by then, wound up by what goes through it while all turn as one body.
+void start_on_flanks(sim::Machine& machine, const Record& record, const FirstPlaces& places) {
   const sim::PlantModel& model = machine.model;
+  const auto n = std::min(record.size() - 1, static_cast<std::size_t>(std::lround(places.pressed_at / record.step)));
   const double driven = sim::driven_inertia(model.parameters), to_slew_axis = model.parameters.drive.motors_per_group * model.ratio;
   double torque = 0.0, inertia = driven;
   for (int g = 0; g < record.group_count; ++g) {
-    torque += to_slew_axis * record.motor_torque[static_cast<std::size_t>(g)][0];
+    torque += to_slew_axis * record.motor_torque[static_cast<std::size_t>(g)][n];
     inertia += model.group_inertia[static_cast<std::size_t>(g)];
   }
   for (int g = 0; g < record.group_count; ++g) {
     const auto i = static_cast<std::size_t>(g);
-    const double through = to_slew_axis * record.motor_torque[i][0] - model.group_inertia[i] * torque / inertia;
+    const double through = to_slew_axis * record.motor_torque[i][n] - model.group_inertia[i] * torque / inertia;
     if (through == 0.0) continue;
-    machine.state.motor_angle[i] = std::copysign(model.gear[i].half_play, through) + through / model.gear[i].stiffness;
+    const double turned = (record.shaft_position[i][n] - record.shaft_position[i][0]) / model.ratio - places.house_turn;
+    machine.state.motor_angle[i] += std::copysign(model.gear[i].half_play, through) + through / model.gear[i].stiffness - turned;
   }
-  sim::refresh(model, machine.state);
-  sim::forget_past(machine);
 }
 
-void start_swinging(sim::Machine& machine, const Swing& swing) {
-  if (!machine.model.has_load || (swing.angle == 0.0 && swing.rate == 0.0)) return;
-  const sim::LoadOnSpring& load = machine.model.load;
-  // A straight line from the tip; modal amplitudes are V^T M [L angle; angle].
-  const Eigen::Vector2d line(machine.model.parameters.load.rope_length, 1.0);
-  const Eigen::Vector2d share = load.modes.transpose() * (load.mass * line);
-  for (int j = 0; j < 2; ++j) {
-    machine.state.load_q[static_cast<std::size_t>(j)] += share(j) * swing.angle;
-    machine.state.load_v[static_cast<std::size_t>(j)] += share(j) * swing.rate;
+void start(sim::Machine& machine, const Record& record, const Beginning& beginning, double time) {
+  start_moving(machine, record, time);
+  if (record.first_places) start_on_flanks(machine, record, *record.first_places);
+  incline_load(machine, {beginning.swing, beginning.swing_rate}, {beginning.rod, beginning.rod_rate});
+  const sim::DriveParameters& drive = machine.model.parameters.drive;
+  const double rated = drive.group_count * drive.motors_per_group * drive.rated_torque * machine.model.ratio;
+  for (std::size_t k = 0; k < kBeginningBends; ++k) {
+    if ((beginning.bend[k] == 0.0 && beginning.bend_rate[k] == 0.0) || !can_bend(machine.model, k + 1)) continue;
+    const double unit = static_bend(machine.model, k + 1, rated);
+    bend(machine, k + 1, unit * beginning.bend[k], unit * std::sqrt(machine.model.square[k + 1]) * beginning.bend_rate[k]);
   }
   sim::refresh(machine.model, machine.state);
   sim::forget_past(machine);
@@ -99,7 +157,7 @@ void start_swinging(sim::Machine& machine, const Swing& swing) {
 
 ShadowGains shadow_gains(const sim::Scales& nominal, const ShadowSettings& settings) {
   return {settings.speed_rate * nominal.motor_inertia, settings.position_rate * nominal.motor_inertia,
-          settings.tip_damping_rate * nominal.boom_mass, settings.leak_time, settings.first_offset, settings.offset_time};
+          settings.tip_damping_rate * nominal.boom_mass, settings.leak_time, settings.first_offset, settings.offset_time, settings.first_slope};
 }
 
 ShadowSettings not_faster_than(ShadowSettings settings, double period) {
@@ -125,20 +183,17 @@ Follower follower_of(const sim::MachineSettings& settings, double step) {
 }
 
 Shadow shadow(const sim::MachineSettings& settings, const Record& record, const ShadowGains& gains, double encoder_latency,
-              const Swing& swing, const GroupAngles& motor_offset) {
+              const Beginning& beginning) {
   Shadow result;
-  shadow(follower_of(settings, record.step), record, drive_course(record, settings.drive_protection), gains, encoder_latency, swing, motor_offset,
-         result);
+  shadow(follower_of(settings, record.step), record, drive_course(record, settings.drive_protection), gains, encoder_latency, beginning, result);
   return result;
 }
 
-void shadow(Follower follower, const Record& record, const DriveCourse& drives, const ShadowGains& gains, double encoder_latency, const Swing& swing,
-            const GroupAngles& motor_offset, Shadow& result) {
+void shadow(Follower follower, const Record& record, const DriveCourse& drives, const ShadowGains& gains, double encoder_latency,
+            const Beginning& beginning, Shadow& result) {
   sim::Machine& machine = follower.machine;
   const double encoder_lead = encoder_latency / record.step + follower.encoder_delay;  // [steps]
-  start_moving(machine, record);
-  if (record.begins_pressed) start_pressed(machine, record);
-  start_swinging(machine, swing);
+  start(machine, record, beginning, gains.first_slope);
 
   const std::size_t count = record.size();
   const auto groups = static_cast<std::size_t>(record.group_count);
@@ -150,7 +205,7 @@ void shadow(Follower follower, const Record& record, const DriveCourse& drives, 
   }
   std::array<double, sim::kMaximumGroupCount> origin{};
   for (std::size_t i = 0; i < groups; ++i) {
-    origin[i] = record.shaft_position[i][0] - (machine.state.motor_angle[i] + motor_offset[i]) * machine.model.ratio;
+    origin[i] = record.shaft_position[i][0] - (machine.state.motor_angle[i] + beginning.motor_offset[i]) * machine.model.ratio;
   }
   const auto cycle = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(record.encoder_period / record.step)));
   const bool has_tip = !record.acceleration[kTip].empty();

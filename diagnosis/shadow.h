@@ -31,6 +31,7 @@ struct ShadowSettings {
   double tip_damping_rate = 0.0;  // [1/s] D per boom mass
   double leak_time = 0.0;         // [s] tau: an accelerometer's offset must not become a speed
   double first_offset = 0.0;      // [s] over which the tip sensor's offset is first taken; until then it leads nothing
+  double first_slope = 0.0;       // [s] over which the acceleration is taken with which a record in motion begins
   double offset_time = 0.0;       // [s] in which it may drift: slower than any pendulum of a load
 };
 
@@ -41,7 +42,7 @@ struct ShadowGains {
   double position = 0.0;     // [Nm/rad] K_i
   double tip_damping = 0.0;  // [Ns/m] D
   double leak_time = 0.0;    // [s] tau
-  double first_offset = 0.0, offset_time = 0.0;  // [s] as in the settings
+  double first_offset = 0.0, offset_time = 0.0, first_slope = 0.0;  // [s] as in the settings
 };
 ShadowGains shadow_gains(const sim::Scales& nominal, const ShadowSettings& settings);
 
@@ -55,19 +56,24 @@ struct Shadow {
   std::vector<bool> contact_lost;  // some group of the shadow has its teeth apart
 };
 
-// What the load does when a record begins, beside hanging still: rope and rod in one line.
-struct Swing {
-  double angle = 0.0;  // [rad]
-  double rate = 0.0;   // [rad/s]
+using GroupAngles = std::array<double, sim::kMaximumGroupCount>;  // [rad]
+inline constexpr std::size_t kBeginningBends = 2;
+
+// What only a record's beginning is like, beside what its first readings and torques say: the load hangs behind or before the tip as a
+// constant acceleration has it, the boom is bent by it.
+struct Beginning {
+  double swing = 0.0, swing_rate = 0.0;  // [rad], [rad/s] of the load: rope and rod in one line
+  double rod = 0.0, rod_rate = 0.0;      // [rad], [rad/s] of the rod alone, about the rope's end
+  GroupAngles motor_offset{};            // [rad] slew axis: how far each motor stands from where the machine has it
+  // [-] of the lowest modes of boom and house, in what the rated torque would bend them by; rates in that times their angular frequency.
+  std::array<double, kBeginningBends> bend{}, bend_rate{};
 };
 
-using GroupAngles = std::array<double, sim::kMaximumGroupCount>;  // [rad]
-
-// `motor_offset`, on the slew axis, is how far each motor stands from where the machine has it when the record begins. `encoder_latency` [s] is how late (early, where negative) the encoders read. It, and a pure delay of the machine's encoders, are taken
+// `encoder_latency` [s] is how late (early, where negative) the encoders read. It, and a pure delay of the machine's encoders, are taken
 // out of the record instead of put into the shadow, whose feedback they would shake.
 // Throws std::invalid_argument where the machine cannot be built.
 Shadow shadow(const sim::MachineSettings& machine, const Record& record, const ShadowGains& gains,
-              double encoder_latency = 0.0, const Swing& swing = {}, const GroupAngles& motor_offset = {});
+              double encoder_latency = 0.0, const Beginning& beginning = {});
 
 // A machine that is to follow records on a grid of one step: made once for all of them.
 struct Follower {
@@ -79,7 +85,7 @@ struct Follower {
 Follower follower_of(const sim::MachineSettings& machine, double step);
 
 // The same into a result whose room is used again, with what the drives make of the record, which is the same for all machines.
-void shadow(Follower follower, const Record& record, const DriveCourse& drives, const ShadowGains& gains, double encoder_latency, const Swing& swing,
-            const GroupAngles& motor_offset, Shadow& result);
+void shadow(Follower follower, const Record& record, const DriveCourse& drives, const ShadowGains& gains, double encoder_latency,
+            const Beginning& beginning, Shadow& result);
 
 }  // namespace slewlab::diagnosis

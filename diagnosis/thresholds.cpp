@@ -54,6 +54,7 @@ ShadowSettings shadow_settings(double time) {
   settings.tip_damping_rate = 0.6 / time;
   settings.leak_time = time;
   settings.first_offset = 0.25 * time;
+  settings.first_slope = time;
   settings.offset_time = 20.0 * time;
   return settings;
 }

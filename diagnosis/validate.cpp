@@ -91,6 +91,7 @@ HeldOutData::HeldOutData(const Problem& problem, const WhiteningSettings& settin
   fitted_->whitening = problem.whitening;
   predicted_->records = {last};
   predicted_->whitening = {problem.whitening.back()};
+  predicted_->nuisances.in_motion = {last.begins_in_motion};
   if (is_half_) {
     fitted_->whitening = {whitening_of_half(problem, settings, follower, false)};
     predicted_->whitening = {whitening_of_half(problem, settings, follower, true)};
@@ -98,6 +99,7 @@ HeldOutData::HeldOutData(const Problem& problem, const WhiteningSettings& settin
   } else {
     fitted_->records.pop_back();
     fitted_->whitening.pop_back();
+    fitted_->nuisances.in_motion.pop_back();
   }
 }
 
@@ -173,7 +175,7 @@ ValidationError HeldOutData::error(const Point& point, const std::optional<contr
     const Eigen::VectorXd difference = differences_from_its_beginning(*predicted_, there);
     error.residual_ratio = mean_square(difference);
     error.cost = share * difference.squaredNorm();
-    if (controller) {
+    if (controller && !predicted_->records.back().begins_in_motion) {
       error.closed_loop =
           predict(machine_at(predicted_->nominal, predicted_->nuisances, there), *controller, predicted_->records.back(), from_time_).relative_gap;
     }

@@ -144,6 +144,8 @@ std::vector<bool> trusted_stretches(const Record& record, const Shadow& shadow, 
     const std::size_t to = std::min(count, n + after);
     std::fill(trusted.begin() + static_cast<std::ptrdiff_t>(from), trusted.begin() + static_cast<std::ptrdiff_t>(to), false);
   }
+  // How a machine in motion began is known as little as an impact.
+  if (record.begins_in_motion) std::fill(trusted.begin(), trusted.begin() + static_cast<std::ptrdiff_t>(std::min(count, after)), false);
   return trusted;
 }
 

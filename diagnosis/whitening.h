@@ -62,7 +62,7 @@ Whitening make_whitening(const Record& record, const std::vector<bool>& trusted,
                          const Shadow& nominal, const WhiteningSettings& settings);
 
 // Where a record may be judged: away from impacts, at which every small difference grows to full size. Takes out
-// each stretch in which the shadow's gears are not all in contact, and what follows it until it is forgotten.
+// each stretch in which the shadow's gears are not all in contact, and what follows it until it is forgotten; likewise a beginning in motion.
 std::vector<bool> trusted_stretches(const Record& record, const Shadow& shadow, const WhiteningSettings& settings);
 
 // Real and imaginary part of every bin of every channel, weighted.

@@ -35,7 +35,7 @@ Compute computed_answer(const ControllerSettings& settings) {
     step(settings, state, input, output);
     torque.enable = output.enable;
     torque.brake = output.brake;
-    torque.acknowledge = operator_move.acknowledge;
+    torque.acknowledge = output.acknowledge;
     torque.group_count = output.group_count;
     copy_per_group(output.motor_torque, output.group_count, torque.motor_torque);
     report.mode = static_cast<std::int8_t>(output.mode);

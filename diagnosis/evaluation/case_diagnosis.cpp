@@ -64,7 +64,7 @@ withheld::CaseResult diagnose_case(const withheld::CaseInput& input, const CaseS
     if (!diagnosis.causes.empty()) {
       const Cause& first = diagnosis.causes.front();
       result.unseen_after =
-          predict(machine_at(data.nominal, diagnosis.nuisances, first.point),
+          predict(machine_at(with_boom_elements(data.nominal, diagnosis.boom_elements), diagnosis.nuisances, first.point),
                   controller::with_effects(data.controller, first.controller_effects), data.unseen)
               .relative_gap;
     }
@@ -95,7 +95,7 @@ double informed_gap(const withheld::CaseInput& input, const std::vector<std::str
     }
   }
   if (chosen != nullptr) {
-    best = predict(machine_at(data.nominal, diagnosis.nuisances, chosen->point),
+    best = predict(machine_at(with_boom_elements(data.nominal, diagnosis.boom_elements), diagnosis.nuisances, chosen->point),
                    controller::with_effects(data.controller, chosen->controller_effects), data.unseen)
                .relative_gap;
   }

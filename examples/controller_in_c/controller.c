@@ -301,7 +301,8 @@ static void let_go(struct controller* self) {
 /* One step per ENCODER: fills in TORQUE and CONTROLLER_STATE. */
 static void step(struct controller* self, const slewlab_msgs_encoder_t* encoder) {
   const double request = isfinite(self->speed_request) ? clamp(self->speed_request, -1.0, 1.0) : 0.0;
-  const bool acknowledged = self->acknowledge && !self->emergency_stop && request == 0.0;
+  self->torque.acknowledge = self->acknowledge && request == 0.0; /* with the joystick at zero alone */
+  const bool acknowledged = self->torque.acknowledge && !self->emergency_stop;
   double shaft_speed[GROUPS];
   const bool usable = judge(&self->monitor, self->period, encoder, shaft_speed);
   if (!usable || (self->unusable && !acknowledged)) {
@@ -445,7 +446,6 @@ static void on_encoder(const lcm_recv_buf_t* buffer, const char* channel, const 
     self->torque.configuration_hash = self->state.configuration_hash = encoder->configuration_hash;
     self->torque.run_identity = self->state.run_identity = encoder->run_identity;
     self->torque.answered_sequence = self->state.answered_sequence = encoder->sequence;
-    self->torque.acknowledge = self->acknowledge;
     self->torque.state_follows = true;
     self->torque.group_count = self->state.group_count = GROUPS;
     self->torque.motor_torque = self->motor_torque;

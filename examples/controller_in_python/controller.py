@@ -243,7 +243,7 @@ class Controller:
         request = clamp(operator.speed_request, -1.0, 1.0) if math.isfinite(operator.speed_request) else 0.0
         acknowledged = operator.acknowledge and not operator.emergency_stop and request == 0.0
         shaft_speed = self.monitor.judge(encoder)
-        torque.acknowledge = operator.acknowledge
+        torque.acknowledge = operator.acknowledge and request == 0.0  # with the joystick at zero alone
         torque.group_count = state.group_count = GROUPS
         if shaft_speed is None or (self.unusable and not acknowledged):
             self._let_go(torque, state)

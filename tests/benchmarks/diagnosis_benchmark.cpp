@@ -72,7 +72,7 @@ msgs::RunLog measured(const Case& one, const std::vector<Move>& moves, unsigned 
 // [s] of the processor for a simulated second of the machine that fits begin with, stepped without a record.
 double bare_cost(double step) {
   BenchProblem problem;
-  sim::MachineSettings settings = machine_at(problem.nominal, {}, {});
+  sim::MachineSettings settings = with_boom_elements(problem.nominal, kBoomElements);
   settings.step = step;
   sim::Machine machine = sim::make_machine(settings);
   sim::DriveCommand command;

@@ -151,7 +151,7 @@ TEST(Fit, ModesThatAreLeftOutWouldChangeLessThanTheNoise) {
     Point point;
     point.effects = effects;
     const BenchProblem problem;
-    const sim::MachineSettings fitted = machine_at(problem.nominal, problem.nuisances, point);
+    const sim::MachineSettings fitted = with_boom_elements(machine_at(problem.nominal, problem.nuisances, point), kBoomElements);
     sim::MachineSettings whole = fitted;
     whole.crane.boom.highest_frequency = 0.0;
     EXPECT_LT(sim::make_machine(fitted).model.mode_count, sim::make_machine(whole).model.mode_count * 2 / 3);
@@ -163,7 +163,10 @@ TEST(Fit, ModesThatAreLeftOutWouldChangeLessThanTheNoise) {
 // A pendulum let go from an angle, or passing its lowest point, while the crane stands and then moves.
 TEST(Fit, FindsTheSwingThatALoadHasWhenTheRecordBegins) {
   const sim::LoadParameters& load = bench().crane.load;
-  const std::array<Swing, 2> swings{{{8e-3, 0.0}, {-3e-3, 2e-3}}};  // [rad], [rad/s]
+  struct Swing {
+    double angle, rate;  // [rad], [rad/s]
+  };
+  const std::array<Swing, 2> swings{{{8e-3, 0.0}, {-3e-3, 2e-3}}};
   BenchProblem problem;
   for (const Swing& swing : swings) {
     sim::MachineSettings truth;
@@ -186,9 +189,9 @@ TEST(Fit, FindsTheSwingThatALoadHasWhenTheRecordBegins) {
   // Taken for a load that hangs still it is a gap many times an effect's price.
   EXPECT_GT(excess(nominal.difference, problem.settings), fitted.excess + 1000.0);
   for (std::size_t r = 0; r < swings.size(); ++r) {
-    const Swing found = swing_at_start(problem.nuisances, fitted.point.nuisance, r);
-    EXPECT_NEAR(found.angle, swings[r].angle, 5e-4);
-    EXPECT_NEAR(found.rate, swings[r].rate, 2e-4);
+    const Beginning found = beginning_of(problem.nuisances, fitted.point.nuisance, r);
+    EXPECT_NEAR(found.swing, swings[r].angle, 5e-4);
+    EXPECT_NEAR(found.swing_rate, swings[r].rate, 2e-4);
   }
 }
 

@@ -96,11 +96,11 @@ TEST(Excess, IsWhatStandsAboveTheNoise) {
 }
 
 // As fine as kBoomElements, finer where the crane file is, and a rigid boom stays one.
-TEST(MachineAt, CutsAFlexibleBoomFinelyEnough) {
+TEST(BoomElements, CutAFlexibleBoomFinelyEnough) {
   sim::MachineSettings nominal;
   for (const auto& [given, cut] : {std::pair(6, kBoomElements), std::pair(24, 24), std::pair(0, 0)}) {
     nominal.crane.boom.element_count = given;
-    EXPECT_EQ(machine_at(nominal, {}, {}).crane.boom.element_count, cut);
+    EXPECT_EQ(with_boom_elements(nominal, kBoomElements).crane.boom.element_count, cut);
   }
 }
 

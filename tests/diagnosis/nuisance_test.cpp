@@ -94,13 +94,37 @@ TEST(Nuisance, EachRecordHasItsSwing) {
   std::vector<double> amount(nuisances.count(2), 0.0);
   amount[nuisances.count(1)] = 2.0;
   amount[nuisances.count(1) + 1] = -1.0;
-  EXPECT_EQ(swing_at_start(nuisances, amount, 0).angle, 0.0);
-  EXPECT_DOUBLE_EQ(swing_at_start(nuisances, amount, 1).angle, 2.0 * kSwingDeviation);
-  EXPECT_DOUBLE_EQ(swing_at_start(nuisances, amount, 1).rate, -kSwingDeviation * std::sqrt(9.81 / 40.0));
-  EXPECT_EQ(swing_at_start(nuisances, amount, 2).angle, 0.0);
+  EXPECT_EQ(beginning_of(nuisances, amount, 0).swing, 0.0);
+  EXPECT_DOUBLE_EQ(beginning_of(nuisances, amount, 1).swing, 2.0 * kSwingDeviation);
+  EXPECT_DOUBLE_EQ(beginning_of(nuisances, amount, 1).swing_rate, -kSwingDeviation * std::sqrt(9.81 / 40.0));
+  EXPECT_EQ(beginning_of(nuisances, amount, 2).swing, 0.0);
   EXPECT_EQ(swing_reach(nuisances, amount, 0), 0.0);
   EXPECT_DOUBLE_EQ(swing_reach(nuisances, amount, 1), std::sqrt(5.0) * kSwingDeviation);
   EXPECT_EQ(swing_reach(nuisances, amount, 2), 0.0);
+}
+
+// Behind a record that begins in motion lie a rod that swings and a boom that bends; beside it one that begins at rest has none.
+TEST(Nuisance, ARecordInMotionHasItsRodAndItsBoom) {
+  Nuisances nuisances = thesis_nuisances();
+  nuisances.rope_length = 40.0;
+  const std::size_t at_rest = nuisances.per_record();
+  nuisances.has_motion = true;
+  nuisances.in_motion = {false, true};
+  EXPECT_EQ(nuisances.per_record(), at_rest + 2 + 2 * kBeginningBends);
+  const std::vector<double> amount(nuisances.count(2), 1.0);
+  const Beginning standing = beginning_of(nuisances, amount, 0), moving = beginning_of(nuisances, amount, 1);
+  EXPECT_EQ(standing.swing, kSwingDeviation);
+  EXPECT_EQ(standing.rod, 0.0);
+  EXPECT_EQ(standing.bend[0], 0.0);
+  EXPECT_EQ(moving.swing, nuisances.swing_in_motion);
+  // The rated torque inclines the rope by R theta'' / g.
+  const sim::Scales scales = sim::describe(sim::load_machine_file(SLEWLAB_SOURCE_DIR "/config/cranes/thesis.yaml")).scales;
+  EXPECT_NEAR(moving.swing, scales.reach * scales.axis_torque / scales.axis_inertia / 9.81, 1e-9);
+  EXPECT_EQ(moving.rod, kSwingDeviation);
+  for (std::size_t mode = 0; mode < kBeginningBends; ++mode) {
+    EXPECT_EQ(moving.bend[mode], kBendDeviation);
+    EXPECT_EQ(moving.bend_rate[mode], kBendDeviation);
+  }
 }
 
 // A machine has only the parameters that it has: no load, no swing.
@@ -108,7 +132,7 @@ TEST(Nuisance, AMachineWithoutALoadHasNoSwing) {
   const Nuisances nuisances = nuisances_of(sim::describe(sim::load_machine_file(SLEWLAB_SOURCE_DIR "/config/cranes/no_load.yaml")), 3e-4);
   EXPECT_EQ(nuisances.count(2), nuisances.common_count());
   EXPECT_EQ(thesis_nuisances().parameters.size() - nuisances.parameters.size(), 4U);  // its mass, its rope, its rod, its damping
-  EXPECT_EQ(swing_at_start(nuisances, std::vector<double>(nuisances.count(2), 1.0), 1).angle, 0.0);
+  EXPECT_EQ(beginning_of(nuisances, std::vector<double>(nuisances.count(2), 1.0), 1).swing, 0.0);
 }
 
 }  // namespace

@@ -245,6 +245,7 @@ std::string summary_text(const Diagnosis& diagnosis, const ToldApartBy& apart, c
   out << ".\n";
   out << "Which side?      " << (diagnosis.controller_differs ? "The controller answers otherwise than its settings say.\n"
                                   : diagnosis.controller_replay.empty() ? "The controller was not given.\n"
+                                  : !diagnosis.has_controller           ? "These records do not tell what the controller knew.\n"
                                                                         : "The controller answers as its settings say.\n");
   if (diagnosis.gap && !diagnosis.subsystems.empty()) {
     out << "Where?           " << in_per_cent(std::span(diagnosis.subsystems).first(std::min<std::size_t>(3, diagnosis.subsystems.size()))) << "\n";
@@ -307,7 +308,7 @@ std::string summary_text(const Diagnosis& diagnosis, const ToldApartBy& apart, c
 // Of the nominal crane's boom and gears, with the boom cut as fits cut it; none of a crane that has neither.
 nlohmann::json modes_json(const sim::MachineSettings& nominal, double highest) {
   nlohmann::json modes = nlohmann::json::array();
-  for (const sim::Mode& mode : sim::crane_modes(diagnosis::machine_at(nominal, {}, {}).crane)) {
+  for (const sim::Mode& mode : sim::crane_modes(nominal.crane)) {
     if (mode.kind == sim::ModeKind::kRigid || mode.kind == sim::ModeKind::kLoad) continue;
     if (mode.frequency > highest) break;
     modes.push_back({{"name", fmt::format("{} {}", sim::name_of(mode.kind), mode.count)}, {"frequency_hz", mode.frequency}});
@@ -405,13 +406,14 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
     if (measured.is_damaged) found.verdict += kOfADamagedLog;
 
     if (common::stop_requested()) throw diagnosis::Interrupted{};  // what follows takes seconds, and then it is written
+    const sim::MachineSettings cut = diagnosis::with_boom_elements(nominal, found.boom_elements);
     const Cause nothing;
     const Cause& first = found.causes.empty() ? nothing : found.causes.front();
     // Where no known effect is the answer, nothing is added to the crane; the gap is shown with what comes nearest, and says so.
     const Cause& answer = found.is_unknown ? nothing : first;
     Findings findings(options.out);
     nlohmann::json json = to_json(found);
-    const ToldApartBy apart = told_apart_by(nominal, controller, found);
+    const ToldApartBy apart = told_apart_by(cut, controller, found);
     for (std::size_t k = 0; k < apart.size(); ++k) {
       json["told_apart_by"].push_back({{"from", first.group[k].name}, {"manoeuvre", apart[k].manoeuvre}, {"signal", apart[k].signal},
                                        {"difference_rms", apart[k].difference}, {"unit", apart[k].unit},
@@ -420,12 +422,12 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
     const Record& last = *std::find_if(records.begin(), records.end(), [&](const Record& record) { return record.name == found.followed.record; });
     const std::string place = place_of_gaps(found, first, last);
     std::optional<Predicted> predicted;
-    if (controller) {
+    if (controller && !last.begins_in_motion) {
       const controller::ControllerSettings explained_controller = controller::with_effects(*controller, first.controller_effects);
       const Point& unbiased = found.held_out ? found.held_out->point : first.point;
       const double from_time = found.held_out ? found.held_out->from_time : last.start_time;
-      predicted = {diagnosis::predict(nominal, *controller, last, from_time),
-                   diagnosis::predict(diagnosis::machine_at(nominal, found.nuisances, unbiased), explained_controller, last, from_time)};
+      predicted = {diagnosis::predict(cut, *controller, last, from_time),
+                   diagnosis::predict(diagnosis::machine_at(cut, found.nuisances, unbiased), explained_controller, last, from_time)};
       json["gaps_on"] = place;
       for (std::size_t i = 0; i < predicted->before.gaps.size(); ++i) {
         const diagnosis::SignalGap& before = predicted->before.gaps[i];
@@ -438,9 +440,9 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
     json["crane"] = std::filesystem::absolute(options.crane).string();
     const double highest_shown = kShownShare * thresholds.whitening.highest_frequency;
     json["spectrogram"] = {{"highest_hz", highest_shown}, {"window_s", kShownWindow * thresholds.time}};
-    json["modes"] = modes_json(nominal, highest_shown);
+    json["modes"] = modes_json(cut, highest_shown);
     findings.write("diagnosis.json", json.dump(2) + "\n");
-    const sim::MachineSettings explained = diagnosis::machine_at(nominal, found.nuisances, answer.point);
+    const sim::MachineSettings explained = diagnosis::machine_at(cut, found.nuisances, answer.point);
     const std::vector<common::EffectInstance>& effects = explained.effects;
     std::string text = fmt::format("include: {}\ndescription: The nominal crane with what slewlab diagnose found.\n",
                                    seen_from(options.crane, options.out));

@@ -31,7 +31,7 @@ class ComputedAnswer : public testing::Test {
   }
   void ask(const msgs::Encoder& message) {
     ++cycle_;
-    compute(message, operator_, torque, state);
+    compute(message, operator_move, torque, state);
   }
 
   bool all_finite() const {
@@ -44,11 +44,11 @@ class ComputedAnswer : public testing::Test {
   }
 
   Compute compute = computed_answer(settings());
+  msgs::Operator operator_move{};
   msgs::Torque torque{};
   msgs::ControllerState state{};
 
  private:
-  msgs::Operator operator_{};
   std::int64_t cycle_ = 0;
 };
 
@@ -106,6 +106,27 @@ TEST_F(ComputedAnswer, ASpeedThatNoMotorHasLetsTheDriveGo) {
   EXPECT_TRUE(torque.brake);
   EXPECT_EQ(torque.motor_torque[0], 0.0);
   EXPECT_EQ(state.mode, static_cast<std::int8_t>(Mode::waiting_for_acknowledgement));
+}
+
+// The drive would be enabled again under a speed controller that has wound up against the brakes.
+TEST_F(ComputedAnswer, AcknowledgesATripWithTheLeverAtZeroAlone) {
+  operator_move.acknowledge = true;
+  operator_move.speed_request = 0.4;
+  ask(encoder());
+  EXPECT_FALSE(torque.acknowledge);
+  operator_move.speed_request = 0.0;
+  ask(encoder());
+  EXPECT_TRUE(torque.acknowledge);
+  operator_move.acknowledge = false;
+  ask(encoder());
+  EXPECT_FALSE(torque.acknowledge);
+  // Also where there is nothing to control by: drive and controller are acknowledged at once.
+  operator_move.acknowledge = true;
+  msgs::Encoder message = encoder();
+  message.shaft_speed = {std::nan(""), std::nan("")};
+  ask(message);
+  EXPECT_FALSE(torque.enable);
+  EXPECT_TRUE(torque.acknowledge);
 }
 
 }  // namespace
