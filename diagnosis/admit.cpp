@@ -52,18 +52,21 @@ struct Play {
   double way_per_torque = 0.0;  // [rad/Nm] slew axis, of a free motor within the machine's characteristic time
 };
 
-// Whether the torques then push every motor across its play within the characteristic time, and the groups keep their places to each other
-// for as long within half of it. (Motors on their way would move apart, or together, by twice that; more slowly where a brake drags, so that
-// this alone does not tell.)
-bool may_be_on_flanks(const Play& play, const Record& record, std::size_t from, std::size_t window) {
-  if (play.half <= 0.0 || from + 1 >= record.size()) return false;
-  const std::size_t to = std::min(record.size(), from + window);
+// Whether the torques then push every motor across its play within the characteristic time.
+bool are_pushed(const Play& play, const Record& record, std::size_t from) {
   for (int g = 0; g < record.group_count; ++g) {
-    const auto i = static_cast<std::size_t>(g);
-    if (std::fabs(record.motor_torque[i][from]) * play.way_per_torque < 2.0 * play.half) return false;
+    if (std::fabs(record.motor_torque[static_cast<std::size_t>(g)][from]) * play.way_per_torque < 2.0 * play.half) return false;
+  }
+  return true;
+}
+
+// Whether the groups keep their places to each other from then on, within half of what motors on their way would move apart, or together.
+bool keep_their_places(const Play& play, const Record& record, std::size_t from, std::size_t window) {
+  const std::size_t to = std::min(record.size(), from + window);
+  for (int g = 1; g < record.group_count; ++g) {
     double low = std::numeric_limits<double>::infinity(), high = -low;
     for (std::size_t n = from; n < to; ++n) {
-      const double apart = record.shaft_position[i][n] - record.shaft_position[0][n];
+      const double apart = record.shaft_position[static_cast<std::size_t>(g)][n] - record.shaft_position[0][n];
       low = std::min(low, apart);
       high = std::max(high, apart);
     }
@@ -78,21 +81,25 @@ std::vector<FirstPlaces> possible_first_places(const sim::CraneParameters& nomin
   const sim::DriveParameters& drive = nominal.drive;
   const Play play{sim::gear_contact(nominal).half_play, sim::total_ratio(drive),
                   0.5 * time * time * drive.motors_per_group * sim::total_ratio(drive) / sim::group_inertia(drive)};
+  if (play.half <= 0.0) return {};
+  std::vector<FirstPlaces> places;
+  if (are_pushed(play, record, 0)) places.push_back({0.0, 0.0});
   const auto window = static_cast<std::size_t>(std::lround(time / record.step));
   for (const double share : kPressedAfter) {
     const auto from = static_cast<std::size_t>(std::lround(share * time / record.step));
-    if (!may_be_on_flanks(play, record, from, window)) continue;
-    if (from == 0) return {{0.0, 0.0}};
+    if (from + window > record.size() || !are_pushed(play, record, from) || !keep_their_places(play, record, from, window)) continue;
+    if (from == 0) break;
     double mean = 0.0;  // [rad] slew axis, that the motors turned
     for (int g = 0; g < record.group_count; ++g) {
       const std::vector<double>& position = record.shaft_position[static_cast<std::size_t>(g)];
       mean += (position[from] - position[0]) / (play.ratio * record.group_count);
     }
     const double at = record.step * static_cast<double>(from);
-    if (record.begins_in_motion) return {{at, mean}};
-    return {{at, 0.0}, {at, mean}};
+    if (!record.begins_in_motion) places.push_back({at, 0.0});
+    places.push_back({at, mean});
+    break;
   }
-  return {};
+  return places;
 }
 
 double missing_power(const Record& record, const Shadow& follower) {

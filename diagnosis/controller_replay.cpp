@@ -10,6 +10,10 @@ namespace slewlab::diagnosis {
 namespace {
 
 constexpr double kRampTimes = 1.5;  // of the slowest change from one top speed to the other and a half, after which no ramp is under way
+// After which a filter, and the integrals' first values, have forgotten what they began with: times of the filter, and cycles.
+constexpr double kFilterTimes = 7.0, kFirstCycles = 3.0;
+// Of the rated torque: a controller that was switched on with the recorder answers its first reading as exactly.
+constexpr double kFreshly = 1e-6;
 constexpr int kTakeUpSteps = 20;    // of the integrals: each leaves what the droop and the filter couple, a small share
 // Of the rated torque: below it a taken-up integral is exact.
 constexpr double kTakenUpExactly = 1e-12;
@@ -42,6 +46,29 @@ void take_up_integrals(const controller::ControllerSettings& settings, const con
   }
 }
 
+// Whether the record's first command is what the controller answers when it has just been switched on.
+bool is_fresh(const Record& record, controller::ControllerSettings settings) {
+  settings.period = record.encoder_period;
+  const msgs::Encoder& encoder = record.encoder.front();
+  const auto answer = std::find_if(record.torque.begin(), record.torque.end(),
+                                   [&](const msgs::Torque& torque) { return torque.answered_sequence >= encoder.sequence; });
+  if (answer == record.torque.end() || answer->answered_sequence != encoder.sequence) return true;
+  controller::ControllerState state;
+  controller::ControllerInput input;
+  controller::ControllerOutput output;
+  input.simulated_time = encoder.simulated_time;
+  input.group_count = record.group_count;
+  std::copy_n(encoder.shaft_speed.begin(), record.group_count, input.shaft_speed.begin());
+  if (!record.operator_moves.empty() && record.operator_moves.front().simulated_time <= encoder.simulated_time) {
+    input.speed_request = record.operator_moves.front().speed_request;
+  }
+  controller::step(settings, state, input, output);
+  for (std::size_t g = 0; g < static_cast<std::size_t>(record.group_count); ++g) {
+    if (std::fabs(answer->motor_torque[g] - output.motor_torque[g]) > kFreshly * settings.rated_torque) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 void check_replayable(const Record& record) {
@@ -56,7 +83,10 @@ void check_replayable(const Record& record) {
 }
 
 std::optional<double> controller_known_from(const Record& record, const controller::ControllerSettings& settings) {
-  if (!record.begins_in_motion) return record.start_time;
+  if (!record.begins_in_motion) {
+    if (is_fresh(record, settings)) return record.start_time;
+    return record.start_time + kFilterTimes * settings.speed_filter_time + kFirstCycles * record.encoder_period;
+  }
   const double end = record.time(record.size() - 1), settling = settling_time(settings.ramp);
   double still_from = record.start_time;
   const OperatorMove* before = nullptr;

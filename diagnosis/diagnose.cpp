@@ -23,6 +23,7 @@ constexpr double kCoarseNoise = 0.1;   // share by which the noise of coarse cou
 constexpr double kFarOff = 2.6;        // [standard deviations] of a parameter, beyond which it may be another crane
 constexpr double kWorthASwing = 2e-3;  // [rad] of the load at a record's beginning: a five-hundredth of the rope's length
 constexpr std::size_t kMoments = 8;    // that are named
+constexpr double kUnknownBelowNoise = 0.4;  // of the probability that no known effect is missing, where parameters leave noise alone
 constexpr int kRoundsAsCut = 3;        // at most, of a fit with the boom cut as its file has it
 constexpr double kBetterAsCut = 20.0;  // fall of the cost, several times what chance lets it fall by
 constexpr int kMostValidated = 4;      // causes that are asked to predict before none is believed
@@ -196,6 +197,17 @@ void take_away(double share, bool is_nothing_left, Cause& cause, Diagnosis& diag
 void settle_on_nothing(Diagnosis& diagnosis) {
   for (Cause& cause : diagnosis.causes) cause.probability = cause.effects.empty() ? 1.0 : 0.0;
   diagnosis.probability_unknown = 0.0;
+}
+
+// Parameters alone leave no more than noise. That some machine would leave less still says little of a cause that nobody knows: at most it is
+// as likely as not.
+void doubt_the_unknown_below_the_noise(Diagnosis& diagnosis) {
+  const auto nothing = std::find_if(diagnosis.causes.begin(), diagnosis.causes.end(), [](const Cause& one) { return one.effects.empty(); });
+  if (nothing == diagnosis.causes.end()) return;
+  const double both = nothing->probability + diagnosis.probability_unknown;
+  const double kept = std::min(diagnosis.probability_unknown, kUnknownBelowNoise * both);
+  nothing->probability = both - kept;
+  diagnosis.probability_unknown = kept;
 }
 
 // A share of a cause's probability goes to the others that have its effects but for those doubted, by their own probabilities; where there are
@@ -399,6 +411,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   diagnosis.causes = std::move(ranking.causes);
   diagnosis.probability_unknown = ranking.unknown;
   if (diagnosis.mean_square_nominal <= 1.0 && !diagnosis.controller_differs && diagnosis.counts == 0.0) settle_on_nothing(diagnosis);
+  if (found.nothing.mean_square <= 1.0 && !diagnosis.controller_differs && diagnosis.counts == 0.0) doubt_the_unknown_below_the_noise(diagnosis);
   doubt_what_no_machine_has(problem, diagnosis);
   if (settings.hold_out && !diagnosis.causes.empty()) {
     tell(kHoldOut.from, "fitting without the last record");

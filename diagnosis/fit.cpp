@@ -26,6 +26,9 @@ constexpr double kNuisanceStep = 0.3;  // [standard deviations] difference quoti
 constexpr double kFarthest = 6.0;      // [standard deviations] that a nuisance is let go
 constexpr std::array<double, 4> kDampings{0.0, 0.1, 1.0, 10.0};  // of a step: the next where the one before did not make the cost fall
 constexpr int kRelaxations = 8;
+// From far off a fit goes as if it did not know the noise's size, and where that leaves more than noise, as if it nearly did: contacts make
+// the differences uneven, and one way may end where another does not.
+constexpr std::array<double, 3> kFromAfar{1.0, 100.0, 10.0};
 constexpr int kIdleRounds = 2;         // in a row, that end a fit of the nuisances alone
 constexpr std::array<double, 4> kShortenings{0.0, 1.0, 3.0, 7.0};  // dampings that halve a step along an axis of the curvature, and again
 constexpr double kVeryFarOff = 1e3;    // whitened difference of a machine that cannot follow at all
@@ -74,15 +77,23 @@ double prior_cost(const Problem& problem, const Point& point) {
   return cost;
 }
 
+double cost_of(const Problem& problem, const Point& point, const Eigen::VectorXd& difference, double law_freedom) {
+  return discounted(excess(difference, problem.settings), law_freedom) + prior_cost(problem, point);
+}
 double cost_of(const Problem& problem, const Point& point, const Eigen::VectorXd& difference) {
-  return discounted(excess(difference, problem.settings), problem.settings.law_freedom) + prior_cost(problem, point);
+  return cost_of(problem, point, difference, problem.settings.law_freedom);
+}
+
+// What a squared difference counts where misfits are discounted with so many degrees of freedom.
+double weight_of(const Problem& problem, const Eigen::VectorXd& difference, double law_freedom) {
+  return problem.settings.independent_share * discounted_weight(excess(difference, problem.settings), law_freedom);
 }
 
 // The cost's, for Gauss-Newton steps.
 Eigen::MatrixXd curvature(const Problem& problem, const Point& point, const Eigen::VectorXd& difference,
-                          const Eigen::MatrixXd& columns) {
+                          const Eigen::MatrixXd& columns, double law_freedom) {
   Eigen::MatrixXd system = Eigen::MatrixXd::Zero(columns.cols(), columns.cols());
-  system.selfadjointView<Eigen::Lower>().rankUpdate(columns.transpose(), data_weight(difference, problem.settings));
+  system.selfadjointView<Eigen::Lower>().rankUpdate(columns.transpose(), weight_of(problem, difference, law_freedom));
   system.triangularView<Eigen::StrictlyUpper>() = system.transpose();
   system.diagonal().array() += prior_rows(problem, point).slope.array().square();
   return system;
@@ -120,7 +131,7 @@ Eigen::VectorXd first_steps(const common::EffectCatalogue& catalogue, const Poin
 
 // Of what the records and the priors leave open, in coordinates.
 Eigen::MatrixXd covariance(const Problem& problem, const Point& point, const Eigen::VectorXd& difference, const Eigen::MatrixXd& columns) {
-  const Eigen::MatrixXd system = curvature(problem, point, difference, columns);
+  const Eigen::MatrixXd system = curvature(problem, point, difference, columns, problem.settings.law_freedom);
   return system.ldlt().solve(Eigen::MatrixXd::Identity(system.rows(), system.cols()));
 }
 
@@ -222,15 +233,15 @@ Eigen::MatrixXd effect_columns(Problem& problem, const Point& point, const Eigen
 
 // Steps from where `result` stands with its columns, corrected after each step by what it showed (Broyden 1965), also after one that was
 // too bold. Returns by how much the cost fell.
-double descend(Problem& problem, FitResult& result) {
+double descend(Problem& problem, FitResult& result, double law_freedom) {
   Point trial;
   Eigen::VectorXd trial_difference;
   double trial_cost = 0.0;
   Descending problem_here;
   problem_here.model = [&]() -> LocalModel {
     const PriorRows prior = prior_rows(problem, result.point);
-    const double weight = data_weight(result.difference, problem.settings);
-    return {curvature(problem, result.point, result.difference, result.columns),
+    const double weight = weight_of(problem, result.difference, law_freedom);
+    return {curvature(problem, result.point, result.difference, result.columns, law_freedom),
             weight * result.columns.transpose() * result.difference + prior.value.cwiseProduct(prior.slope)};
   };
   problem_here.attempt = [&](const Eigen::VectorXd& asked) -> std::optional<double> {
@@ -239,7 +250,7 @@ double descend(Problem& problem, FitResult& result) {
     const double length = step.squaredNorm();
     if (length == 0.0) return std::nullopt;
     trial_difference = differences(problem, trial);
-    trial_cost = cost_of(problem, trial, trial_difference);
+    trial_cost = cost_of(problem, trial, trial_difference, law_freedom);
     result.columns += ((trial_difference - result.difference - result.columns * step) / length) * step.transpose();
     return trial_cost;
   };
@@ -484,11 +495,14 @@ std::vector<Eigen::VectorXd> differences(Problem& problem, std::span<const Point
 
 namespace {
 
+// Nothing is known of the columns: the first steps.
+void forget_columns(FitResult& result) {
+  result.columns = Eigen::MatrixXd::Zero(result.difference.size(), static_cast<Eigen::Index>(result.point.nuisance.size()));
+}
+
 // From where it stands, with the differences there.
 void settle_nuisances(Problem& problem, FitResult& result) {
   result.cost = cost_of(problem, result.point, result.difference);
-  const auto nuisances = static_cast<Eigen::Index>(result.point.nuisance.size());
-  result.columns = Eigen::MatrixXd::Zero(result.difference.size(), nuisances);  // nothing is known of them: the first steps
   // A round that was worth little may have stood in a narrow valley of two parameters, along which the next one goes on with fresh columns.
   for (int round = 0, idle = 0; round < problem.settings.rounds && idle < kIdleRounds; ++round) {
     idle = improve(problem, result, true) ? 0 : idle + 1;
@@ -506,8 +520,19 @@ FitResult nominal_fit(Problem& problem) {
 }
 
 FitResult fit_nuisances(Problem& problem, const FitResult& nominal) {
-  FitResult best = nominal;
-  settle_nuisances(problem, best);
+  // From the nominal machine directly as well: beside an effect that no parameter follows, what is led from afar is led astray.
+  std::optional<FitResult> best_yet;
+  const auto try_from_afar = [&](std::optional<double> times) {
+    if (best_yet && mean_square(best_yet->difference) <= 1.0) return;
+    FitResult one = nominal;
+    forget_columns(one);
+    if (times) settle_from_afar(problem, one, *times, problem.settings.rounds);
+    settle_nuisances(problem, one);
+    if (!best_yet || one.cost < best_yet->cost) best_yet = std::move(one);
+  };
+  for (const double times : kFromAfar) try_from_afar(times);
+  try_from_afar(std::nullopt);
+  FitResult& best = *best_yet;
   // Parameters that ended at the walls may have gone there on the way and not come back.
   FitResult again;
   again.point = best.point;
@@ -516,6 +541,7 @@ FitResult fit_nuisances(Problem& problem, const FitResult& nominal) {
   }
   if (again.point.nuisance != best.point.nuisance) {
     again.difference = differences(problem, again.point);
+    forget_columns(again);
     settle_nuisances(problem, again);
     if (again.cost < best.cost) best = std::move(again);
   }
@@ -547,7 +573,9 @@ void take_nuisance_columns(const Problem& problem, const Eigen::MatrixXd& column
   }
 }
 
-bool improve(Problem& problem, FitResult& result, bool fresh_nuisances) {
+namespace {
+
+bool improve(Problem& problem, FitResult& result, bool fresh_nuisances, double law_freedom) {
   const auto nuisance_count = static_cast<Eigen::Index>(result.point.nuisance.size());
   const Eigen::VectorXd steps = steps_at(problem, result.point, result.difference, result.columns);
   if (fresh_nuisances) {
@@ -555,8 +583,24 @@ bool improve(Problem& problem, FitResult& result, bool fresh_nuisances) {
   }
   result.columns.rightCols(result.columns.cols() - nuisance_count) =
       effect_columns(problem, result.point, result.difference, steps);
-  const double fall = descend(problem, result);
+  const double fall = descend(problem, result, law_freedom);
   return fall > problem.settings.settled + problem.settings.settled_share * std::fabs(result.cost);
+}
+
+}  // namespace
+
+bool improve(Problem& problem, FitResult& result, bool fresh_nuisances) {
+  return improve(problem, result, fresh_nuisances, problem.settings.law_freedom);
+}
+
+void settle_from_afar(Problem& problem, FitResult& result, double times, int rounds) {
+  const double law_freedom = times * problem.settings.independent_share * static_cast<double>(result.difference.size());
+  if (law_freedom <= problem.settings.law_freedom) return;
+  result.cost = cost_of(problem, result.point, result.difference, law_freedom);
+  for (int round = 0, idle = 0; round < rounds && idle < kIdleRounds; ++round) {
+    idle = improve(problem, result, true, law_freedom) ? 0 : idle + 1;
+  }
+  result.cost = cost_of(problem, result.point, result.difference);
 }
 
 void settle(Problem& problem, FitResult& result, int rounds) {

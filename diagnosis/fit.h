@@ -184,6 +184,11 @@ Relaxed relax(const Problem& problem, const FitResult& result, const MisfitCost&
 // worth little, and so would be another.
 bool improve(Problem& problem, FitResult& result, bool fresh_nuisances);
 
+// From far off a discounted misfit has valleys of its own, where steps end. With as many degrees of freedom as there are independent
+// differences (times so many) it is that of a noise whose size is not known, which leads on. At most so many rounds; the cost is the
+// settings' afterwards.
+void settle_from_afar(Problem& problem, FitResult& result, double times, int rounds);
+
 // Rounds with fresh columns of both, at most as many, until one was worth little.
 void settle(Problem& problem, FitResult& result, int rounds);
 

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <numeric>
 #include <string>
@@ -24,6 +25,7 @@ constexpr double kManyPlays = 5.0;    // that a group has turned, from which it 
 // By which a cycle's turn may differ from the one before, of the turn at top speed in the characteristic time, and so many times what the
 // machine's acceleration makes of it in a cycle: a motor that crosses the play alone makes a tenth of that.
 constexpr double kJump = 0.0036, kJumpOfAcceleration = 36.0;
+constexpr double kAtLimit = 1.0 - 1e-9;  // share of the largest size, from which a value stands at it
 constexpr double kOneTurnsBy = 0.5;   // the same of one group alone
 constexpr double kTurnsBy = 0.15;     // share of the torques' range by which what is needed may change meanwhile
 
@@ -104,6 +106,22 @@ const std::vector<Known> kAccelerationFactors{{1.0 / 9.81, "it looks like multip
                                               {1000.0, "it looks like mm/s^2; m/s^2 are wanted"},
                                               {1000.0 / 9.81, "it looks like thousandths of g; m/s^2 are wanted"}};
 
+// The largest size of a series where it is a limit; infinite where it is none. A limit is met again and again, of either sign, a frozen value
+// stands once.
+double limit_of(const std::vector<double>& values) {
+  constexpr std::size_t kStand = 3;  // values in a row
+  double largest = 0.0;
+  for (const double value : values) largest = std::max(largest, std::fabs(value));
+  int stands = 0;
+  std::size_t length = 0;
+  for (std::size_t n = 0; n < values.size(); ++n) {
+    const bool is_at_limit = std::fabs(values[n]) >= kAtLimit * largest;
+    length = !is_at_limit ? 0 : length > 0 && values[n] * values[n - 1] > 0.0 ? length + 1 : 1;
+    if (length == kStand) ++stands;
+  }
+  return stands > 1 ? largest : std::numeric_limits<double>::infinity();
+}
+
 // A command that stands still while what is needed, slowly, changes by a share of its range. What is needed is looked at inside the stand, where
 // nothing of the time before and after is smoothed into it.
 void check_not_frozen(const Record& record, const std::string& name, const std::vector<double>& recorded, const std::vector<double>& needed,
@@ -111,12 +129,14 @@ void check_not_frozen(const Record& record, const std::string& name, const std::
   const auto slow = static_cast<std::size_t>(std::lround(settings.slow / record.step));
   const auto limit = static_cast<std::size_t>(settings.frozen_time / record.step);
   if (recorded.size() <= 2 * slow) return;
+  const double torque_limit = limit_of(recorded);
   const std::vector<double> smoothed = smooth(needed, slow);
   const auto at = [&](std::size_t n) { return smoothed.begin() + static_cast<std::ptrdiff_t>(n); };
   const auto [lowest, highest] = std::minmax_element(at(slow), at(recorded.size() - slow));
   for (std::size_t begin = 0, n = 1; n <= recorded.size(); ++n) {
     if (n < recorded.size() && recorded[n] == recorded[begin]) continue;
-    if (n - begin > limit && recorded[begin] != 0.0) {
+    const bool is_limited = std::fabs(recorded[begin]) >= kAtLimit * torque_limit;
+    if (n - begin > limit && recorded[begin] != 0.0 && !is_limited) {
       const auto [low, high] = std::minmax_element(at(begin + slow), at(n - slow));
       if (*high - *low > share * (*highest - *lowest)) {
         throw NotAdmitted(fmt::format("{}: {} is frozen at {:.6g} Nm from {:.3f} s to {:.3f} s, where the nominal crane needs {:.3g} to {:.3g} Nm; cut the "

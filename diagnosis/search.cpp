@@ -33,6 +33,16 @@ std::string effects_of(const Point& point) {
   return names;
 }
 
+// Goes on until it settles; what leaves more than noise, from afar as well.
+void settle_leader(Problem& problem, FitResult& leader) {
+  settle(problem, leader, kFreshRounds);
+  if (mean_square(leader.difference) <= 1.0) return;
+  FitResult other = leader;
+  settle_from_afar(problem, other, 1.0, kFreshRounds);
+  settle(problem, other, kFreshRounds);
+  if (other.cost < leader.cost) leader = std::move(other);
+}
+
 // The best `contenders` get another round, and one from the nominal machine with their effects: where parameters had gone far to
 // stand for what an effect says now, a descent does not bring them back. The best of them goes on with fresh nuisance columns until
 // it settles; `leaders` go on with these columns, and where one of them overtakes, it gets fresh ones as well.
@@ -51,7 +61,7 @@ void go_on(Problem& problem, const Eigen::MatrixXd& nuisance_columns, std::vecto
   });
   std::stable_sort(fits.begin(), fits.end(), cheaper);
   tell(first / all, "settling " + effects_of(fits.front().point));
-  settle(problem, fits.front(), kFreshRounds);
+  settle_leader(problem, fits.front());
   share_out(problem, std::min(fits.size(), static_cast<std::size_t>(std::max(1, leaders))) - 1, [&](std::size_t behind) {
     FitResult& leader = fits[behind + 1];
     tell((first + static_cast<double>(behind + 1)) / all, "converging " + effects_of(leader.point));

@@ -224,6 +224,39 @@ TEST_F(Admission, AControllerIsKnownOnceItsRampHasComeToItsEnd) {
   EXPECT_GT(differs.difference_rms, 1e-3 * differs.torque_rms);
 }
 
+// A recorder that was started after the drives: what the controller's integrals and filters held by then is in its first answers.
+// A small drive stands at its limit while it accelerates; what is needed changes meanwhile, by what the boom swings.
+TEST_F(Admission, TakesALimitForNoFrozenCommand) {
+  const auto hold = [&](double seconds, double from, double sign) {
+    for (msgs::Torque& message : log_.torque) {
+      const double at = 1e-9 * static_cast<double>(message.simulated_time) - from;
+      if (at >= 0.0 && at < seconds) std::fill(message.motor_torque.begin(), message.motor_torque.end(), 260.0 * sign);
+    }
+  };
+  const msgs::RunLog sound = log_;
+  hold(3.0, 3.0, 1.0);
+  EXPECT_NE(refusal().find("frozen at 260"), std::string::npos) << refusal();
+  log_ = sound;
+  hold(3.0, 3.0, 1.0);
+  hold(1.0, 10.0, -1.0);
+  EXPECT_EQ(refusal().find("frozen at 260"), std::string::npos) << refusal();
+}
+
+TEST_F(Admission, AControllerThatWasOnBeforeIsKnownAfterAFewCycles) {
+  const auto cut = [](auto& messages) { messages.erase(messages.begin(), messages.begin() + 1500); };
+  cut(log_.encoder);
+  cut(log_.torque);
+  cut(log_.sensors);
+  const Record record = make_record(log_, "log", bench().admission);
+  ASSERT_FALSE(record.begins_in_motion);
+  const std::optional<double> known_from = controller_known_from(record, bench().controller);
+  ASSERT_TRUE(known_from);
+  EXPECT_GT(*known_from, record.start_time);
+  EXPECT_LT(*known_from, record.start_time + 0.1);
+  const ControllerReplay replay = replay_controller(record, bench().controller);
+  EXPECT_LT(replay.difference_rms, 1e-9 * replay.torque_rms);
+}
+
 TEST_F(Admission, RefusesAClippedAccelerometer) {
   for (auto& sensors : log_.sensors) sensors.tip_acceleration = std::clamp(sensors.tip_acceleration, -0.1, 0.1);
   EXPECT_NE(refusal().find("clipped"), std::string::npos) << refusal();
