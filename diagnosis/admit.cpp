@@ -75,16 +75,21 @@ bool keep_their_places(const Play& play, const Record& record, std::size_t from,
   return true;
 }
 
+struct PossiblePlaces {
+  FirstPlaces places;
+  bool are_kept = false;  // the groups keep their places to each other from then on
+};
+
 // Where the gears may stand when the record begins, beside the middle of their play: on the flanks, or on their way to them, the house being
 // held meanwhile or turning with the motors.
-std::vector<FirstPlaces> possible_first_places(const sim::CraneParameters& nominal, const Record& record, double time) {
+std::vector<PossiblePlaces> possible_first_places(const sim::CraneParameters& nominal, const Record& record, double time) {
   const sim::DriveParameters& drive = nominal.drive;
   const Play play{sim::gear_contact(nominal).half_play, sim::total_ratio(drive),
                   0.5 * time * time * drive.motors_per_group * sim::total_ratio(drive) / sim::group_inertia(drive)};
   if (play.half <= 0.0) return {};
-  std::vector<FirstPlaces> places;
-  if (are_pushed(play, record, 0)) places.push_back({0.0, 0.0});
+  std::vector<PossiblePlaces> places;
   const auto window = static_cast<std::size_t>(std::lround(time / record.step));
+  if (are_pushed(play, record, 0)) places.push_back({{0.0, 0.0}, keep_their_places(play, record, 0, window)});
   for (const double share : kPressedAfter) {
     const auto from = static_cast<std::size_t>(std::lround(share * time / record.step));
     if (from + window > record.size() || !are_pushed(play, record, from) || !keep_their_places(play, record, from, window)) continue;
@@ -95,8 +100,8 @@ std::vector<FirstPlaces> possible_first_places(const sim::CraneParameters& nomin
       mean += (position[from] - position[0]) / (play.ratio * record.group_count);
     }
     const double at = record.step * static_cast<double>(from);
-    if (!record.begins_in_motion) places.push_back({at, 0.0});
-    places.push_back({at, mean});
+    if (!record.begins_in_motion) places.push_back({{at, 0.0}, true});
+    places.push_back({{at, mean}, true});
     break;
   }
   return places;
@@ -125,15 +130,16 @@ Following follow(const Problem& problem, const Record& record, const WhiteningSe
 }
 
 // From the middle of the play, or where the record may begin elsewhere and is followed better from there, from there: one that begins
-// elsewhere than the machine did knocks on, or is held off by a torque that never ends.
+// elsewhere than the machine did knocks on, or is held off by a torque that never ends. Where the groups do not keep their places, that alone
+// makes no record one that can be judged.
 Following follow_from_its_beginning(const Problem& problem, Record& record, const WhiteningSettings& whitening) {
   Following best = follow(problem, record, whitening);
-  for (const FirstPlaces& places : possible_first_places(problem.nominal.crane, record, problem.thresholds.time)) {
+  for (const auto& [places, are_kept] : possible_first_places(problem.nominal.crane, record, problem.thresholds.time)) {
     Record placed = record;
     placed.first_places = places;
     Following other = follow(problem, placed, whitening);
     const bool can_be_judged = best.share >= kLeastTrusted, other_can_be_judged = other.share >= kLeastTrusted;
-    const bool is_better = can_be_judged != other_can_be_judged ? other_can_be_judged
+    const bool is_better = can_be_judged != other_can_be_judged ? other_can_be_judged && are_kept
                                                                 : missing_power(record, other.follower) < missing_power(record, best.follower);
     if (!is_better) continue;
     best = std::move(other);

@@ -29,6 +29,7 @@ constexpr int kRelaxations = 8;
 // From far off a fit goes as if it did not know the noise's size, and where that leaves more than noise, as if it nearly did: contacts make
 // the differences uneven, and one way may end where another does not.
 constexpr std::array<double, 3> kFromAfar{1.0, 100.0, 10.0};
+constexpr double kNearTheNoise = 10.0;  // mean square, beyond which parameters are hardly all that is missing, and one way is enough
 constexpr int kIdleRounds = 2;         // in a row, that end a fit of the nuisances alone
 constexpr std::array<double, 4> kShortenings{0.0, 1.0, 3.0, 7.0};  // dampings that halve a step along an axis of the curvature, and again
 constexpr double kVeryFarOff = 1e3;    // whitened difference of a machine that cannot follow at all
@@ -530,7 +531,9 @@ FitResult fit_nuisances(Problem& problem, const FitResult& nominal) {
     settle_nuisances(problem, one);
     if (!best_yet || one.cost < best_yet->cost) best_yet = std::move(one);
   };
-  for (const double times : kFromAfar) try_from_afar(times);
+  for (const double times : kFromAfar) {
+    if (!best_yet || mean_square(best_yet->difference) < kNearTheNoise) try_from_afar(times);
+  }
   try_from_afar(std::nullopt);
   FitResult& best = *best_yet;
   // Parameters that ended at the walls may have gone there on the way and not come back.
