@@ -1,6 +1,8 @@
 #include "common/yaml_reader.h"
 
 #include <algorithm>
+#include <array>
+#include <charconv>
 #include <cmath>
 #include <numeric>
 
@@ -17,17 +19,26 @@ std::string with_unit(double number, Unit unit) {
   return text;
 }
 
+// What a limit that follows from a machine's scales is to people: six digits of it.
+double rounded(double limit) {
+  std::array<char, 32> digits{};
+  const auto written = std::to_chars(digits.data(), digits.data() + digits.size(), limit, std::chars_format::scientific, 5);
+  double value = limit;
+  std::from_chars(digits.data(), written.ptr, value);
+  return value;
+}
+
 std::string describe(Range range, Unit unit) {
   const bool has_lowest = std::isfinite(range.lowest);
   const bool has_highest = std::isfinite(range.highest);
   if (has_lowest && has_highest) {
-    return "a number from " + shortest(range.lowest) + " to " + with_unit(range.highest, unit);
+    return "a number from " + shortest(rounded(range.lowest)) + " to " + with_unit(rounded(range.highest), unit);
   }
   if (has_lowest) {
     const std::string relation = range.lowest_allowed ? "a number of at least " : "a number above ";
-    return relation + with_unit(range.lowest, unit);
+    return relation + with_unit(rounded(range.lowest), unit);
   }
-  if (has_highest) return "a number of at most " + with_unit(range.highest, unit);
+  if (has_highest) return "a number of at most " + with_unit(rounded(range.highest), unit);
   return unit == Unit::none ? "a finite number" : "a finite number in " + std::string(name_of(unit));
 }
 

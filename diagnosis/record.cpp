@@ -365,11 +365,19 @@ void take_sensors(const msgs::RunLog& run, const std::vector<std::int64_t>& time
     into = resample(times, values, record, count);
     if (raw != nullptr && !on_grid) *raw = std::move(values);
   };
-  take(&msgs::Sensors::house_acceleration, record.acceleration[kHouse], "house acceleration", &record.sampled_acceleration[kHouse]);
-  take(&msgs::Sensors::pivot_acceleration, record.acceleration[kPivot], "pivot acceleration", &record.sampled_acceleration[kPivot]);
-  take(&msgs::Sensors::middle_acceleration, record.acceleration[kMiddle], "middle acceleration", &record.sampled_acceleration[kMiddle]);
-  take(&msgs::Sensors::tip_acceleration, record.acceleration[kTip], "tip acceleration", &record.sampled_acceleration[kTip]);
-  take(&msgs::Sensors::slew_angle, record.slew_angle, "slew angle", nullptr);
+  for (const auto& field : msgs::kSensorFields<msgs::Sensors>) {
+    std::string signal(field.field);
+    std::replace(signal.begin(), signal.end(), '_', ' ');
+    sim::Sensor sensor;
+    sensor.unit = common::unit_of(field.unit).value();
+    sensor.place = sim::place_named(field.place);
+    if (const int a = accelerometer_at(sensor); a >= 0) {
+      const auto i = static_cast<std::size_t>(a);
+      take(field.value, record.acceleration[i], signal, &record.sampled_acceleration[i]);
+    } else if (field.value == &msgs::Sensors::slew_angle) {
+      take(field.value, record.slew_angle, signal, nullptr);
+    }
+  }
 }
 
 // Of all groups together: play compensation turns them against each other first.

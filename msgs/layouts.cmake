@@ -1,11 +1,13 @@
-# cmake -DFILES="a.lcm;b.lcm" -DOUTPUT=layouts.hpp -DFIELDS=fields.hpp -DTABLE=signals.json -P layouts.cmake
+# cmake -DFILES="a.lcm;b.lcm" -DOUTPUT=layouts.hpp -DFIELDS=fields.hpp -DSIGNALS=signals.hpp -DTABLE=signals.json -P layouts.cmake
 #
-# The .lcm files are the table of the wire's signals: channel, field, type and, in brackets in the field's comment, its unit.
+# The .lcm files are the table of the wire's signals: channel, field, type and, in the field's comment, its unit in brackets
+# and, of what a sensor of the machine measures, the sensor's place: "// [m/s^2] at house: ...".
 # From them come
 # - layouts.hpp: the byte layout of every message (struct Layout, see msgs/wire_layout.cpp): what lcm-gen's decoder takes
 #   on trust is checked by it before anything is decoded, and whole tables are made of it (msgs/run_table.cpp);
 # - fields.hpp: every field with its name and unit, for whoever walks over messages (visit_fields());
-# - signals.json: the same for Python (tools/python/signals.py).
+# - signals.hpp: what is measured, where; the numbers of SENSORS for whoever reads a machine without the wire;
+# - signals.json: every field and its unit for Python (tools/python/signals.py).
 # Knows what these files use: one
 # struct per file, LCM's primitive types but string, and arrays of one dimension whose count is an int32_t above them.
 # Anything else ends the build with the file and the line that it does not know.
@@ -35,6 +37,11 @@ set(layouts "")
 set(includes "")
 set(visits "")
 set(table "")
+set(signals "")
+set(readings "")
+set(sensor_fields "")
+set(signal_count 0)
+set(sensor_count 0)
 foreach(file IN LISTS FILES)
   file(STRINGS ${file} lines)
   set(package "")
@@ -46,6 +53,7 @@ foreach(file IN LISTS FILES)
   set(fixed 0)
   set(fields "")
   set(rows "")
+  set(channel "")
   set(wire_fields "")
   macro(end_of_fixed_bytes)
     if(fixed GREATER 0)
@@ -55,8 +63,12 @@ foreach(file IN LISTS FILES)
   endmacro()
   foreach(line IN LISTS lines)
     set(unit "-")
+    set(sensor_place "")
     if(line MATCHES "//[^[]*\\[([^]]+)\\]")
       set(unit "${CMAKE_MATCH_1}")
+    endif()
+    if(line MATCHES "\\] at ([a-z_]+):")
+      set(sensor_place "${CMAKE_MATCH_1}")
     endif()
     string(REGEX REPLACE "//.*" "" line "${line}")
     string(REGEX REPLACE "; *$" "" line "${line}")
@@ -67,6 +79,8 @@ foreach(file IN LISTS FILES)
       set(package ${CMAKE_MATCH_1})
     elseif(line MATCHES "^struct ([a-z_0-9]+)$")
       set(struct ${CMAKE_MATCH_1})
+      string(REGEX REPLACE "_t$" "" channel "${struct}")
+      string(TOUPPER "${channel}" channel)
     elseif(line MATCHES "^([a-z0-9_]+) ([a-z0-9_]+)(\\[([a-z0-9_]+)\\])?$")
       set(type ${CMAKE_MATCH_1})
       set(name ${CMAKE_MATCH_2})
@@ -83,6 +97,18 @@ foreach(file IN LISTS FILES)
         endif()
       endif()
       list(APPEND names ${name})
+      if(sensor_place)
+        string(APPEND signals "    {\"${channel}\", \"${name}\", \"${unit}\", \"${sensor_place}\"},\n")
+        math(EXPR signal_count "${signal_count} + 1")
+      endif()
+      if(struct STREQUAL "sensors_t" AND NOT place LESS head_length)
+        if(NOT type STREQUAL "double" OR count OR NOT sensor_place)
+          message(FATAL_ERROR "${file}: found '${line}', expected 'double NAME;  // [UNIT] at PLACE: what it is'")
+        endif()
+        string(APPEND readings "  double ${name} = 0.0;  // [${unit}] at ${sensor_place}\n")
+        string(APPEND sensor_fields "    {\"${name}\", \"${unit}\", \"${sensor_place}\", &Readings::${name}},\n")
+        math(EXPR sensor_count "${sensor_count} + 1")
+      endif()
       string(APPEND fields "  visit(\"${name}\", \"${unit}\", m.${name});\n")
       if(rows)
         string(APPEND rows ",\n")
@@ -130,8 +156,6 @@ template <class Visit>
 void visit_fields(const ${package}::${struct}& m, Visit visit) {
 ${fields}}
 ")
-  string(REGEX REPLACE "_t$" "" channel "${struct}")
-  string(TOUPPER "${channel}" channel)
   if(table)
     string(APPEND table ",\n")
   endif()
@@ -190,6 +214,37 @@ namespace slewlab::msgs {
 
 // visit(name, unit, value) of every field in the order of the .lcm file; a field without a unit there has \"-\".
 ${visits}
+}  // namespace slewlab::msgs
+")
+file(WRITE ${SIGNALS} "// Made by msgs/layouts.cmake from the .lcm files; do not edit.
+#pragma once
+
+#include <array>
+#include <string_view>
+
+namespace slewlab::msgs {
+
+// What a sensor of the machine measures, and at which of its places (sim/machine/description.h).
+struct Signal {
+  std::string_view channel, field, unit, place;
+};
+inline constexpr std::array<Signal, ${signal_count}> kSignals{{
+${signals}}};
+
+// What SENSORS says, without the message's head.
+struct SensorReadings {
+${readings}};
+
+template <class Readings>
+struct SensorField {
+  std::string_view field, unit, place;
+  double Readings::*value;
+};
+// The fields of SENSORS in `Readings`: the message, SensorReadings, or what derives from it.
+template <class Readings>
+inline constexpr std::array<SensorField<Readings>, ${sensor_count}> kSensorFields{{
+${sensor_fields}}};
+
 }  // namespace slewlab::msgs
 ")
 file(WRITE ${TABLE} "{\n${table}\n}\n")

@@ -4,13 +4,19 @@
 #include <limits>
 #include <utility>
 
+#include "sim/machine/description.h"
+
 namespace slewlab::sim {
 
 CranePlant::CranePlant(const MachineSettings& machine, const DriveRun& run)
     : CranePlant(make_machine(machine), machine.drive_protection, run) {}
 
 CranePlant::CranePlant(Machine machine, const DriveProtectionSettings& protection, const DriveRun& run)
-    : protection_(protection), run_(run), step_(std::llround(machine.model.step * 1e9)), machine_(std::move(machine)) {}
+    : protection_(protection), run_(run), step_(std::llround(machine.model.step * 1e9)), machine_(std::move(machine)) {
+  for (std::size_t k = 0; k < kSensorCount; ++k) {
+    is_fitted_[k] = has_place(machine_.model.parameters, place_named(msgs::kSensorFields<PlantReadings>[k].place));
+  }
+}
 
 DriveMoment CranePlant::moment() const {
   DriveMoment moment;
@@ -44,14 +50,10 @@ void CranePlant::step(const PlantConditions& conditions) {
 
 void CranePlant::read_sensors(msgs::Sensors& message) {
   const PlantReadings readings = read(machine_);
-  const CraneParameters& parameters = machine_.model.parameters;
-  const auto where = [](bool has_sensor, double value) { return has_sensor ? value : std::numeric_limits<double>::quiet_NaN(); };
-  const bool has_boom = parameters.boom.length > 0.0;
-  message.house_acceleration = where(parameters.house.sensor_radius > 0.0, readings.house_acceleration);
-  message.pivot_acceleration = where(has_boom, readings.pivot_acceleration);
-  message.middle_acceleration = where(has_boom, readings.middle_acceleration);
-  message.tip_acceleration = where(has_boom, readings.tip_acceleration);
-  message.slew_angle = where(parameters.house.has_encoder, readings.slew_angle);
+  for (std::size_t k = 0; k < kSensorCount; ++k) {
+    message.*msgs::kSensorFields<msgs::Sensors>[k].value =
+        is_fitted_[k] ? readings.*msgs::kSensorFields<PlantReadings>[k].value : std::numeric_limits<double>::quiet_NaN();
+  }
 }
 
 void CranePlant::read_truth(msgs::Truth& message) {

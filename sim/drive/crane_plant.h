@@ -3,6 +3,8 @@
 // The crane behind the wire: the machine of sim/integrate/machine.h under the protection of its drive. Torque holds from answer
 // to answer.
 
+#include <array>
+
 #include "sim/drive/drive_protection.h"
 #include "sim/drive/driven_plant.h"
 #include "sim/integrate/machine.h"
@@ -29,12 +31,15 @@ class CranePlant : public DrivenPlant {
   const DriveProtectionState& drive() const { return drive_; }
 
  private:
+  static constexpr std::size_t kSensorCount = msgs::kSensorFields<PlantReadings>.size();
+
   DriveMoment moment() const;
 
   DriveProtectionSettings protection_;
   DriveRun run_;
   std::int64_t step_;  // [ns]
   Machine machine_;
+  std::array<bool, kSensorCount> is_fitted_{};  // of SENSORS; what the machine has not is not a number
   DriveProtectionState drive_;
   PlantConditions conditions_;
 };

@@ -27,7 +27,7 @@ std::int64_t nanoseconds(double seconds) {
 }
 
 std::string in_milliseconds(std::int64_t time) {
-  return common::shortest(static_cast<double>(time) * 1e-6) + " ms";
+  return common::shortest(static_cast<double>(time) / 1e6) + " ms";
 }
 
 // Takes the overrides for one of the files out of `overrides`, without their prefix.

@@ -24,25 +24,16 @@ class ClockDrift : public Running<ClockDrift> {
         line_(longest_ / step_) {}
 
   void sensor(const SensorMoment& moment, PlantReadings& readings) override {
-    line_.push({readings.house_acceleration, readings.pivot_acceleration, readings.middle_acceleration,
-                readings.tip_acceleration, readings.slew_angle});
+    line_.push(readings);
     const auto past = line_.at(std::min(longest_, drift_ * moment.time) / step_);
-    const auto mixed = [&](double Sample::* field) {
-      return blend(past.older.*field, past.newer.*field, past.share);
-    };
-    readings.house_acceleration = mixed(&Sample::house);
-    readings.pivot_acceleration = mixed(&Sample::pivot);
-    readings.middle_acceleration = mixed(&Sample::middle);
-    readings.tip_acceleration = mixed(&Sample::tip);
-    readings.slew_angle = mixed(&Sample::slew);
+    for (const auto& sensor : msgs::kSensorFields<msgs::SensorReadings>) {
+      readings.*sensor.value = blend(past.older.*sensor.value, past.newer.*sensor.value, past.share);
+    }
   }
 
  private:
-  struct Sample {
-    double house = 0.0, pivot = 0.0, middle = 0.0, tip = 0.0, slew = 0.0;
-  };
   double drift_, longest_, step_;
-  DelayLine<Sample> line_;
+  DelayLine<msgs::SensorReadings> line_;
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// Load mass: the load is factor times as heavy as told, M_l = factor M_l,nominal.
+// Load mass: the load is factor times as heavy as nominal, M_l = factor M_l,nominal.
 // Source: thesis 3.3.3; the load's mass is what the operator was told.
 #include "sim/effects/effect.h"
 
@@ -14,7 +14,7 @@ const EffectDescription& load_mass() {
   static const EffectDescription description{
       .about = {.name = "load_mass",
                 .subsystem = common::Subsystem::load,
-                .physics = "the load is heavier or lighter than told",
+                .physics = "the load is heavier or lighter than nominal",
                 .parameters = {{.name = "factor",
                                 .unit = common::Unit::none,
                                 .meaning = "mass over the nominal one",

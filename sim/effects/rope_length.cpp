@@ -1,4 +1,4 @@
-// Rope length: the rope is factor times as long as told, so that the swing's frequency goes with its inverse
+// Rope length: the rope is factor times as long as nominal, so that the swing's frequency goes with its inverse
 // square root (2.17).
 // Source: thesis (2.17).
 #include "sim/effects/effect.h"
@@ -17,7 +17,7 @@ const EffectDescription& rope_length() {
   static const EffectDescription description{
       .about = {.name = "rope_length",
                 .subsystem = common::Subsystem::load,
-                .physics = "the rope is longer or shorter than told",
+                .physics = "the rope is longer or shorter than nominal",
                 .parameters = {{.name = "factor",
                                 .unit = common::Unit::none,
                                 .meaning = "length over the nominal one",

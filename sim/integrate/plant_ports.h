@@ -3,6 +3,7 @@
 #pragma once
 
 #include <array>
+#include <slewlab_msgs/signals.hpp>
 
 #include "sim/model/crane_parameters.h"
 
@@ -33,15 +34,11 @@ struct PlantInput {
   PortForces ports;
 };
 
-// What can be measured at the end of a step; accelerations with the forces of that step.
-struct PlantReadings {
+// What can be measured at the end of a step; accelerations with the forces of that step. What is not at a motor is what
+// SENSORS says of a machine (msgs/sensors_t.lcm).
+struct PlantReadings : msgs::SensorReadings {
   GroupArray shaft_speed{};     // [rad/s] motor, fast axis
   GroupArray shaft_position{};  // [rad]
-  double house_acceleration = 0.0;   // [m/s^2] at the house's sensor
-  double pivot_acceleration = 0.0;   // [m/s^2]
-  double middle_acceleration = 0.0;  // [m/s^2]
-  double tip_acceleration = 0.0;     // [m/s^2]
-  double slew_angle = 0.0;           // [rad]
 };
 
 }  // namespace slewlab::sim

@@ -1,7 +1,10 @@
 #include "sim/machine/description.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <slewlab_msgs/signals.hpp>
+#include <stdexcept>
 
 namespace slewlab::sim {
 
@@ -41,27 +44,59 @@ std::vector<Effort> efforts_of(const CraneParameters& machine, const Scales& sca
   return efforts;
 }
 
+constexpr std::array<std::string_view, 6> kPlaces{"motor_group", "axis", "house", "pivot", "middle", "tip"};
+
+// [m] from the axis.
+double radius_of(const CraneParameters& machine, SensorPlace place) {
+  const BoomParameters& boom = machine.boom;
+  const double level = boom.length * std::cos(boom.angle);
+  switch (place) {
+    case SensorPlace::house: return machine.house.sensor_radius;
+    case SensorPlace::pivot: return boom.pivot_radius;
+    case SensorPlace::middle: return boom.pivot_radius + 0.5 * level;
+    case SensorPlace::tip: return boom.pivot_radius + level;
+    default: return 0.0;
+  }
+}
+
+Sensor sensor_of(const msgs::Signal& signal, const CraneParameters& machine) {
+  Sensor sensor;
+  sensor.name = signal.field;
+  std::replace(sensor.name.begin(), sensor.name.end(), '_', ' ');
+  sensor.unit = common::unit_of(signal.unit).value();
+  sensor.channel = signal.channel;
+  sensor.field = signal.field;
+  sensor.place = place_named(signal.place);
+  const bool counts = sensor.place == SensorPlace::motor_group;
+  switch (sensor.unit) {
+    case Unit::metre_per_second_squared:
+      sensor.radius = radius_of(machine, sensor.place);
+      sensor.noise_floor = kAccelerationNoise;
+      sensor.noise_corner = kAccelerationCorner;
+      break;
+    case Unit::radian_per_second: sensor.noise_floor = kSpeedNoise; break;
+    case Unit::radian: sensor.noise_floor = counts ? 0.0 : kSlewAngleNoise; break;
+    default: break;
+  }
+  return sensor;
+}
+
 std::vector<Sensor> sensors_of(const CraneParameters& machine) {
   std::vector<Sensor> sensors;
   const int groups = machine.drive.group_count;
   for (int group = 0; group < groups; ++group) {
-    sensors.push_back({of_group("shaft speed", group, groups), Unit::radian_per_second, "ENCODER", "shaft_speed", SensorPlace::motor_group, group, 0.0, kSpeedNoise});
-    sensors.push_back({of_group("shaft position", group, groups), Unit::radian, "ENCODER", "shaft_position", SensorPlace::motor_group, group, 0.0, 0.0});
+    for (const msgs::Signal& signal : msgs::kSignals) {
+      Sensor sensor = sensor_of(signal, machine);
+      if (sensor.place != SensorPlace::motor_group) continue;
+      sensor.name = of_group(sensor.name, group, groups);
+      sensor.group = group;
+      sensors.push_back(std::move(sensor));
+    }
   }
-  const BoomParameters& boom = machine.boom;
-  const auto accelerometer = [&](std::string name, std::string_view field, SensorPlace place, double radius) {
-    sensors.push_back({std::move(name), Unit::metre_per_second_squared, "SENSORS", field, place, -1, radius, kAccelerationNoise, kAccelerationCorner});
-  };
-  if (machine.house.sensor_radius > 0.0) {
-    accelerometer("house acceleration", "house_acceleration", SensorPlace::house, machine.house.sensor_radius);
+  for (const msgs::Signal& signal : msgs::kSignals) {
+    const SensorPlace place = place_named(signal.place);
+    if (place != SensorPlace::motor_group && has_place(machine, place)) sensors.push_back(sensor_of(signal, machine));
   }
-  if (boom.length > 0.0) {
-    const double level = boom.length * std::cos(boom.angle);
-    accelerometer("pivot acceleration", "pivot_acceleration", SensorPlace::pivot, boom.pivot_radius);
-    accelerometer("middle acceleration", "middle_acceleration", SensorPlace::middle, boom.pivot_radius + 0.5 * level);
-    accelerometer("tip acceleration", "tip_acceleration", SensorPlace::tip, boom.pivot_radius + level);
-  }
-  sensors.push_back({"slew angle", Unit::radian, "SENSORS", "slew_angle", SensorPlace::axis, -1, 0.0, kSlewAngleNoise});
   return sensors;
 }
 
@@ -173,6 +208,21 @@ std::vector<Parameter> parameters_of(const MachineFile& file) {
 }
 
 }  // namespace
+
+SensorPlace place_named(std::string_view name) {
+  const auto found = std::find(kPlaces.begin(), kPlaces.end(), name);
+  if (found == kPlaces.end()) throw std::invalid_argument("no place of a sensor is called '" + std::string(name) + "'");
+  return static_cast<SensorPlace>(found - kPlaces.begin());
+}
+
+bool has_place(const CraneParameters& machine, SensorPlace place) {
+  switch (place) {
+    case SensorPlace::motor_group: return machine.drive.group_count > 0;
+    case SensorPlace::axis: return machine.house.has_encoder;
+    case SensorPlace::house: return machine.house.sensor_radius > 0.0;
+    default: return machine.boom.length > 0.0;
+  }
+}
 
 MachineDescription describe(const MachineFile& file) {
   MachineDescription description;

@@ -31,6 +31,10 @@ struct Effort {
 };
 
 enum class SensorPlace { motor_group, axis, house, pivot, middle, tip };
+// The place as msgs/*.lcm name it. Throws std::invalid_argument of any other name.
+SensorPlace place_named(std::string_view name);
+// Whether the machine has that place.
+bool has_place(const CraneParameters& machine, SensorPlace place);
 
 struct Sensor {
   std::string name;

@@ -155,7 +155,7 @@ def main(folder):
     def verdict(met):
         return "met" if met else "missed"
 
-    lines = [f"Measured {context['date'][:10]}, {context['num_cpus']} cores, load average "
+    lines = [f"Measured on {context['num_cpus']} cores, load average "
              f"{context['load_avg'][0]:.1f} at the start.", "",
              "| what | figure | aim |", "|---|---|---|",
              f"| plant step, 6 elements, play being crossed: median of single steps | "

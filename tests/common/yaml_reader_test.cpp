@@ -126,6 +126,13 @@ TEST(YamlReader, WholeNumbers) {
             "crane.yaml:1:17: key 'groups': found 9, expected a whole number from 1 to 8");
 }
 
+// A limit that follows from a machine's scales has as many digits as a double has.
+TEST(YamlReader, ALimitIsToldInSixDigits) {
+  const auto read = [](YamlReader& reader) { reader.number("lag", Unit::second, between(0.0, 0.50001210826349)); };
+  EXPECT_EQ(complaints("lag: {value: 2, unit: s, source: s}\n", read),
+            "crane.yaml:1:14: key 'lag': found 2 s, expected a number from 0 to 0.500012 s");
+}
+
 TEST(YamlReader, Choices) {
   const auto read = [](YamlReader& reader) { reader.choice("shape", {"s_curve", "linear"}); };
   EXPECT_EQ(complaints("shape: {value: round, source: s}\n", read),

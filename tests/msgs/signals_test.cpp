@@ -3,6 +3,7 @@
 
 #include <map>
 #include <slewlab_msgs/fields.hpp>
+#include <slewlab_msgs/signals.hpp>
 #include <string>
 #include <utility>
 
@@ -57,6 +58,30 @@ TEST(Signals, TheSensorsOfACraneAreFieldsOfTheWireInTheirUnits) {
     ASSERT_NE(field, fields.end()) << sensor.name << ": " << sensor.channel << " has no field " << sensor.field;
     EXPECT_EQ(field->second, common::name_of(sensor.unit)) << sensor.name;
   }
+}
+
+TEST(Signals, TheNumbersOfSensorsAreTheMessagesOwn) {
+  // 4 numbers are every message's head.
+  ASSERT_EQ(kSensorFields<Sensors>.size(), units<Sensors>().size() - 4);
+  Sensors message{};
+  double next = 1.0;
+  for (const auto& field : kSensorFields<Sensors>) message.*field.value = next++;
+  std::size_t k = 0;
+  visit_fields(message, [&](const char* name, const char* unit, const auto& value) {
+    if constexpr (std::is_same_v<std::decay_t<decltype(value)>, double>) {
+      ASSERT_LT(k, kSensorFields<Sensors>.size());
+      EXPECT_EQ(kSensorFields<Sensors>[k].field, name);
+      EXPECT_EQ(kSensorFields<Sensors>[k].unit, unit);
+      EXPECT_EQ(value, static_cast<double>(k + 1)) << name;
+      ++k;
+    }
+  });
+  EXPECT_EQ(k, kSensorFields<Sensors>.size());
+}
+
+TEST(Signals, APlaceOfTheTableIsOneOfTheDescription) {
+  for (const Signal& signal : kSignals) EXPECT_NO_THROW(sim::place_named(signal.place)) << signal.field;
+  EXPECT_THROW(sim::place_named("nowhere"), std::invalid_argument);
 }
 
 }  // namespace

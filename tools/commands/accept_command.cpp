@@ -150,6 +150,11 @@ int accept(const AcceptOptions& options, const std::vector<std::string>& command
       }
       return judge(options.subject, options, limits);
     }
+    if (options.subject.extension() == ".lcmlog") {
+      std::fprintf(stderr, "slewlab accept: %s is a log; name the folder of its run, with the scenario that the log is judged by\n",
+                   options.subject.c_str());
+      return 2;
+    }
     RunOptions run;
     run.scenario = options.subject;
     run.out = options.out.empty() ? fs::path("runs") / ("accept_" + options.subject.stem().string()) : options.out;

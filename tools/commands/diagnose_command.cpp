@@ -375,6 +375,25 @@ class ProgressDisplay {
   diagnosis::Forecast forecast_;
 };
 
+// Throws diagnosis::NotAdmitted; of a damaged log with what is lost, for that may be why.
+std::vector<Record> admitted_records(const MeasuredRuns& measured, const diagnosis::AdmissionSettings& settings) {
+  std::vector<Record> records;
+  for (const MeasuredRun& one : measured.runs) {
+    try {
+      records.push_back(diagnosis::make_record(one.run, one.name, settings));
+    } catch (const diagnosis::NotAdmitted& problem) {
+      if (!measured.is_damaged) throw;
+      std::string losses;
+      for (const MeasuredRun& other : measured.runs) {
+        for (const std::string& remark : other.remarks) losses += "\n  " + remark;
+      }
+      throw diagnosis::NotAdmitted(std::string(problem.what()) + "\nThis log is damaged, and that may be why:" + losses);
+    }
+    records.back().remarks.insert(records.back().remarks.end(), one.remarks.begin(), one.remarks.end());
+  }
+  return records;
+}
+
 }  // namespace
 
 int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostream& complaints) {
@@ -390,11 +409,7 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
 
     const diagnosis::Thresholds thresholds = diagnosis::thresholds_of(sim::describe(crane));
     const MeasuredRuns measured = measured_runs(options.logs);
-    std::vector<Record> records;
-    for (const MeasuredRun& one : measured.runs) {
-      records.push_back(diagnosis::make_record(one.run, one.name, thresholds.admission));
-      records.back().remarks.insert(records.back().remarks.end(), one.remarks.begin(), one.remarks.end());
-    }
+    const std::vector<Record> records = admitted_records(measured, thresholds.admission);
 
     diagnosis::DiagnosisSettings settings;
     settings.without = options.without;

@@ -297,8 +297,8 @@ int tell_outcome(const Outcome& outcome, const std::string& name, const fs::path
       std::printf("%s: complete, log %s\n", name.c_str(), log.c_str());
       return 0;
     case Outcome::Kind::interrupted:
-      std::fprintf(stderr, "%s: ended by signal %d (%s); the log so far is %s\n", name.c_str(), outcome.signal_number,
-                   strsignal(outcome.signal_number), kept.c_str());
+      std::fprintf(stderr, "%s: ended by signal %d (%s); %s\n", name.c_str(), outcome.signal_number, strsignal(outcome.signal_number),
+                   fs::exists(kept) ? ("the log so far is " + kept.string()).c_str() : "before anything was logged");
       return 128 + outcome.signal_number;
     case Outcome::Kind::failed: break;
   }

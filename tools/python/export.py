@@ -26,7 +26,7 @@ from mcap.writer import CompressionType
 from mcap_batches import BatchWriter
 from protobuf_rows import ProtobufRows
 from run_log import LogProblem, read_run_log, seconds
-from signals import table, unit_of
+from signals import measured, table, unit_of
 from whole_file import growing
 
 FORMATS = ("parquet", "csv", "mcap")
@@ -45,7 +45,7 @@ def axis_columns(path, log):
         column = sensor["field"] if sensor["channel"] == "SENSORS" else f"{sensor['field']}_1"
         names.setdefault(sensor["channel"], {})[column] = f"{sensor['name'].replace(' ', '_')} [{sensor['unit']}]"
     if log.has("SENSORS"):
-        for column in ("house_acceleration", "pivot_acceleration", "middle_acceleration", "tip_acceleration", "slew_angle"):
+        for column in measured("SENSORS"):
             names["SENSORS"].setdefault(column, None)
     return names
 

@@ -88,14 +88,12 @@ class ImportMap:
 ANGULAR_AND_LINEAR = {"position": ("angle", "length"), "speed": ("angular speed", "speed"), "torque": ("torque", "force")}
 # Of what kind a signal is, and the message's field that says so.
 FIELD_OF_KIND = {"position": ("ENCODER", "shaft_position"), "speed": ("ENCODER", "shaft_speed"), "torque": ("TORQUE", "motor_torque"),
-                 "angle": ("SENSORS", "slew_angle"), "acceleration": ("SENSORS", "tip_acceleration"), "number": ("OPERATOR", "speed_request")}
+                 "number": ("OPERATOR", "speed_request")}
 
 
-KIND_OF_UNIT = {"m/s^2": "acceleration", "rad": "angle"}  # of a field of SENSORS
+def wire_unit(name, kind):
+    return measured("SENSORS").get(name) or unit_of(*FIELD_OF_KIND[kind])
 
-
-def wire_unit(kind):
-    return unit_of(*FIELD_OF_KIND[kind])
 
 def axis_factor(reader, kind, unit, factor, machine):
     """The factor to the motor shaft of a column on the axis or on the shaft of a plain axis."""
@@ -162,9 +160,8 @@ def read_signal(reader, name, kind, machine=None):
     elif kind == "angle" and not machine:
         factor = None if factor is None else factor * reader.number("ratio", "number", 1.0)
     found.factor = (factor or 1.0) * scale * (-1.0 if sign == "-1" else 1.0)
-    found.unit = machine.units().get(name, wire_unit(kind)) if machine else wire_unit(kind)
-    if machine and name == "load_position":
-        found.unit = machine.units()["slew_angle"]
+    of_axis = machine.units() if machine else {}
+    found.unit = of_axis.get("slew_angle" if name == "load_position" else name) or wire_unit(name, kind)
     reader.finish()
     return found
 
@@ -218,13 +215,13 @@ def read_map(path):
                 if reader.has("column"):
                     reader.report("column", "a column beside derive", "one of the two")
                 reader.finish()
-                unit = machine.units()[name] if machine else wire_unit(signal_kind)
+                unit = machine.units()[name] if machine else wire_unit(name, signal_kind)
                 signals[name].append(Signal(name, None, reader, derive=derive, unit=unit))
             else:
                 signals[name].append(read_signal(reader, name, signal_kind, machine))
     for name, unit in () if machine else measured("SENSORS").items():
         if root.has(name):
-            signals[name] = [read_signal(root.map(name, ""), name, KIND_OF_UNIT[unit])]
+            signals[name] = [read_signal(root.map(name, ""), name, quantity_of(unit))]
     if machine and root.has("load_position"):
         if not machine.has_load_encoder:
             root.report("load_position", "a load-side encoder", "load_encoder: {value: true, source: ...} in the machine's file")

@@ -128,14 +128,12 @@ OpenLoopRun simulate_open_loop(const sim::MachineFile& file, const std::vector<c
     if (const auto measured = sensors.find(recorded.simulated_time); measured != sensors.end()) {
       msgs::Sensors message = *measured->second;
       message.configuration_hash = configuration_hash;
-      const auto take = [&](double msgs::Sensors::*field, double value) {
-        if (std::isfinite(message.*field)) message.*field = value;
-      };
-      take(&msgs::Sensors::house_acceleration, readings.house_acceleration);
-      take(&msgs::Sensors::pivot_acceleration, readings.pivot_acceleration);
-      take(&msgs::Sensors::middle_acceleration, readings.middle_acceleration);
-      take(&msgs::Sensors::tip_acceleration, readings.tip_acceleration);
-      take(&msgs::Sensors::slew_angle, readings.slew_angle + angle_offset);
+      for (std::size_t k = 0; k < msgs::kSensorFields<msgs::Sensors>.size(); ++k) {
+        const auto& field = msgs::kSensorFields<msgs::Sensors>[k];
+        if (!std::isfinite(message.*field.value)) continue;
+        message.*field.value = readings.*msgs::kSensorFields<sim::PlantReadings>[k].value;
+        if (field.value == &msgs::Sensors::slew_angle) message.slew_angle += angle_offset;
+      }
       result.run.sensors.push_back(message);
     }
 

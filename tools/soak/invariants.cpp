@@ -335,8 +335,8 @@ void MessageInvariants::look(std::string_view channel, std::int64_t timestamp_us
     if (!readable(msgs::decode(bytes, sensors_))) return;
     take_head(sensors_, "SENSORS", sensors_row_, findings);
     check_clock(sensors_, facts_.sensors_period);
-    check_numbers(std::isfinite(sensors_.house_acceleration + sensors_.pivot_acceleration +
-                                sensors_.middle_acceleration + sensors_.tip_acceleration + sensors_.slew_angle));
+    const auto& fields = msgs::kSensorFields<msgs::Sensors>;
+    check_numbers(std::all_of(fields.begin(), fields.end(), [&](const auto& field) { return std::isfinite(sensors_.*field.value); }));
   } else if (channel == msgs::kTruthChannel) {
     if (!readable(msgs::decode(bytes, truth_))) return;
     take_head(truth_, "TRUTH", truth_row_, findings);

@@ -23,9 +23,9 @@ std::int64_t read_time(YamlReader& reader, const char* key) {
 
 void check_multiple(YamlReader& reader, const char* key, std::int64_t time, std::int64_t of, const char* what) {
   if (of <= 0 || time % of == 0) return;
-  reader.report(key, common::shortest(static_cast<double>(time) * 1e-6) + " ms",
+  reader.report(key, common::shortest(static_cast<double>(time) / 1e6) + " ms",
                 std::string("a whole multiple of the ") + what + ", " +
-                    common::shortest(static_cast<double>(of) * 1e-6) + " ms");
+                    common::shortest(static_cast<double>(of) / 1e6) + " ms");
 }
 
 SoakRange read_range(YamlReader reader, Unit unit, common::Range allowed, const char* lowest, const char* highest) {

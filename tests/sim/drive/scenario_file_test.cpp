@@ -68,6 +68,11 @@ TEST(ScenarioFile, TimesFallOnPlantSteps) {
             std::string::npos);
 }
 
+TEST(ScenarioFile, ATimeIsToldAsItWasGiven) {
+  EXPECT_NE(complaint({{"operator.0.time", "0.0001"}}).find("found 0.1 ms, expected"), std::string::npos) << complaint({{"operator.0.time", "0.0001"}});
+  EXPECT_NE(complaint({{"operator.0.time", "0.0006"}}).find("found 0.6 ms, expected"), std::string::npos);
+}
+
 TEST(ScenarioFile, BadValuesAreExplained) {
   EXPECT_EQ(complaint({{"operator.1.time", "4"}}),
             "--set operator.1.time=4: key 'operator.1.time': found 4000 ms, "

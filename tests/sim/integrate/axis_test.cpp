@@ -176,7 +176,9 @@ TEST(RigidAxis, TheReferenceGoesTheSameWay) {
     const PlantReadings plant = read(axis.model, axis.state);
     const double error = std::fabs(plant.slew_angle - truth.slew_angle);
     EXPECT_LT(error, 1e-6 * truth.slew_angle);
-    if (coarser > 0.0) EXPECT_NEAR(coarser / error, 4.0, 0.4);
+    if (coarser > 0.0) {
+      EXPECT_NEAR(coarser / error, 4.0, 0.4);
+    }
     coarser = error;
     // Torque through the gears, of the mean acceleration of the last step: the gravity half a step back.
     EXPECT_NEAR(axis.state.gear_torque[0], gear_torques(*reference)[0], 150.0 * truth.shaft_speed[0] / kRatio * 0.01 / pieces);

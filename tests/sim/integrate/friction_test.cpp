@@ -19,8 +19,12 @@ void expect_law(const FrictionProblem& problem, const double* friction, const st
     double speed = problem.free_speed[i];
     for (int j = 0; j < problem.count; ++j) speed += problem.mobility[i][j] * friction[j];
     const double rounding = 1e-9 * scale;
-    if (friction[i] > problem.lowest[i]) EXPECT_LE(speed, rounding) << what << ", body " << i;
-    if (friction[i] < problem.highest[i]) EXPECT_GE(speed, -rounding) << what << ", body " << i;
+    if (friction[i] > problem.lowest[i]) {
+      EXPECT_LE(speed, rounding) << what << ", body " << i;
+    }
+    if (friction[i] < problem.highest[i]) {
+      EXPECT_GE(speed, -rounding) << what << ", body " << i;
+    }
   }
 }
 

@@ -90,6 +90,18 @@ TEST_F(DamagedLogTest, AWholeLogIsAcceptedAndOneCutBeforeItsStopIsNot) {
   EXPECT_NE(output_.find("the run did not come to its end, or the log is cut off"), std::string::npos) << output_;
 }
 
+// A twentieth of 60 s is too short to be judged.
+TEST_F(DamagedLogTest, ADiagnosisThatRefusesADamagedLogTellsTheDamage) {
+  store(whole_.substr(0, whole_.size() / 20));
+  const std::string config = SLEWLAB_SOURCE_DIR "/config/";
+  EXPECT_EQ(exit_code({kSlewlab, "diagnose", "--crane", config + "cranes/thesis.yaml", "--controller", config + "controllers/thesis.yaml",
+                       "--log", log_, "--out", folder_.path() / "findings"}),
+            3);
+  EXPECT_NE(output_.find("s long; at least"), std::string::npos) << output_;
+  EXPECT_NE(output_.find("This log is damaged, and that may be why:"), std::string::npos) << output_;
+  EXPECT_NE(output_.find("the end is cut off"), std::string::npos) << output_;
+}
+
 TEST_F(DamagedLogTest, NoDamageIsAcceptedAndEverythingEnds) {
   std::random_device source;
   const char* chosen = std::getenv("SLEWLAB_TEST_SEED");

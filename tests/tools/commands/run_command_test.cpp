@@ -152,6 +152,9 @@ TEST_F(RunCommandTest, ASignalEndsARunWhoseCraneIsStillBeingAssembled) {
   wait_until_nothing_is_left();
   EXPECT_EQ(summary()["outcome"], "interrupted");
   EXPECT_NE(run.complaints().find("warning: about 60 000 plant steps, some 100 seconds"), std::string::npos) << run.complaints();
+  // There is no log yet, and none is promised.
+  EXPECT_FALSE(fs::exists(out_ / "run.lcmlog.partial"));
+  EXPECT_EQ(run.complaints().find("the log so far"), std::string::npos) << run.complaints();
 }
 
 // What the plant refuses is told of the user's own file, also where the controller is the user's.
