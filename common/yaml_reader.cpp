@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
+#include "common/near_name.h"
 #include "common/yaml_file.h"
 
 namespace slewlab::common {
@@ -36,41 +36,7 @@ bool inside(double number, Range range) {
   return range.lowest_allowed ? number >= range.lowest : number > range.lowest;
 }
 
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i + 1;
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t changed = diagonal + (a[i] == b[j] ? 0 : 1);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({changed, row[j] + 1, row[j + 1] + 1});
-    }
-  }
-  return row.back();
-}
-
-std::string joined(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
-}
-
 }  // namespace
-
-std::optional<std::string> nearest_name(std::string_view name, const std::vector<std::string>& known) {
-  std::optional<std::string> nearest;
-  std::size_t least = std::max<std::size_t>(2, name.size() / 3) + 1;
-  for (const std::string& candidate : known) {
-    const std::size_t distance = edit_distance(name, candidate);
-    if (distance < least) {
-      least = distance;
-      nearest = candidate;
-    }
-  }
-  return nearest;
-}
 
 std::optional<double> parse_share(const YamlNode& node) {
   if (node.kind != YamlNode::Kind::scalar) return std::nullopt;
@@ -312,9 +278,7 @@ void YamlReader::finish() {
   if (quiet_) return;
   for (const YamlEntry& entry : node_->entries) {
     if (std::find(asked_.begin(), asked_.end(), entry.key) != asked_.end()) continue;
-    const std::optional<std::string> nearest = nearest_name(entry.key, asked_);
-    report_at(entry.mark, entry.key, "a key that is not known here",
-              nearest ? "'" + *nearest + "' (or one of " + joined(asked_) + ")" : "one of " + joined(asked_));
+    report_at(entry.mark, entry.key, "a key that is not known here", known_names_text(entry.key, asked_));
   }
 }
 

@@ -103,7 +103,4 @@ class YamlReader {
 // A share above 0 and at most 1, as "10 %" or 0.1; nothing where the node holds none.
 std::optional<double> parse_share(const YamlNode& node);
 
-// The known name that differs from `name` least, where one is near enough to be meant.
-std::optional<std::string> nearest_name(std::string_view name, const std::vector<std::string>& known);
-
 }  // namespace slewlab::common

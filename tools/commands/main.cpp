@@ -20,7 +20,9 @@
 #include "tools/commands/run_command.h"
 #include "tools/commands/simulate_command.h"
 #include "tools/commands/soak_command.h"
+#include "tools/commands/unknown_word.h"
 #include "tools/commands/verify_command.h"
+#include "tools/commands/version.h"
 #include "tools/commands/withhold_command.h"
 
 namespace slewlab::tools {
@@ -298,9 +300,15 @@ void add_verify(CLI::App& app, Action& action) {
   });
 }
 
+constexpr const char* kExitCodes =
+    "Exit codes: 0 done, and what was checked is as it should be; 1 it is not, or the work failed; 2 the command line or "
+    "a file that it names is wrong, and nothing was begun; 128 + N ended by signal N.";
+
 int main(const std::vector<std::string>& command_line, int argc, char** argv) {
   CLI::App app{"slewlab: a simulated crane slewing drive, and what to do with it", "slewlab"};
   app.require_subcommand(1);
+  app.set_version_flag("--version", version_text(), "versions of slewlab, LCM and SUNDIALS");
+  app.footer(kExitCodes);
   Action action;
   add_run(app, command_line, action);
   add_replay(app, command_line, action);
@@ -319,6 +327,10 @@ int main(const std::vector<std::string>& command_line, int argc, char** argv) {
     app.parse(argc, argv);
     return action();
   } catch (const CLI::ParseError& error) {
+    if (const auto unknown = error.get_exit_code() == 0 ? std::nullopt : unknown_word(app, command_line)) {
+      std::fprintf(stderr, "%s\n", unknown->c_str());
+      return 2;
+    }
     return app.exit(error) == 0 ? 0 : 2;
   } catch (const common::InputError& error) {
     std::fprintf(stderr, "%s\n", error.what());

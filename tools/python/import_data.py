@@ -14,7 +14,6 @@ it stands on the axis or on the shaft.
 Sensors that are not mapped are NaN in SENSORS. The log appears when it is complete, or not at all.
 """
 
-import argparse
 import csv
 import hashlib
 import io
@@ -30,6 +29,7 @@ import pyarrow
 import pyarrow.parquet
 
 import input_map
+from arguments import ArgumentParser
 from event_rows import event_type, fill_heads
 from input_map import InputProblems, nearest
 from machine import read_axis
@@ -639,7 +639,7 @@ def canonical(node):
 
 
 def main(arguments=None):
-    parser = argparse.ArgumentParser(prog="slewlab import", description="Measured data into a log of the wire.")
+    parser = ArgumentParser(prog="slewlab import", description="Measured data into a log of the wire.")
     parser.add_argument("file", type=Path, help="CSV with a line of column names, or Parquet")
     parser.add_argument("--map", type=Path, required=True, help="what the columns mean (docs/import.md)")
     parser.add_argument("--out", type=Path, help="default: the file's name with .lcmlog")
