@@ -1,0 +1,25 @@
+# What `cmake --install` gives to programs of others: the libraries of the rooms, their headers, and find_package(slewlab).
+# Components: programs, development, python (tools/python).
+include(CMakePackageConfigHelpers)
+
+add_library(slewlab_libraries INTERFACE)
+target_link_libraries(slewlab_libraries INTERFACE slewlab_diagnosis slewlab_loop slewlab_sim_analysis slewlab_sim_drive
+                                                  slewlab_sim_reference)
+target_compile_features(slewlab_libraries INTERFACE cxx_std_20)
+set_target_properties(slewlab_libraries PROPERTIES EXPORT_NAME slewlab)
+install(TARGETS slewlab_libraries EXPORT slewlab COMPONENT development)
+
+set(package_dir lib/cmake/slewlab)
+install(EXPORT slewlab NAMESPACE slewlab:: FILE slewlabTargets.cmake DESTINATION ${package_dir} COMPONENT development)
+configure_package_config_file(${CMAKE_SOURCE_DIR}/cmake/slewlabConfig.cmake.in ${CMAKE_BINARY_DIR}/slewlabConfig.cmake
+                              INSTALL_DESTINATION ${package_dir})
+write_basic_package_version_file(${CMAKE_BINARY_DIR}/slewlabConfigVersion.cmake COMPATIBILITY SameMinorVersion)
+install(FILES ${CMAKE_BINARY_DIR}/slewlabConfig.cmake ${CMAKE_BINARY_DIR}/slewlabConfigVersion.cmake
+              ${CMAKE_SOURCE_DIR}/cmake/FindLCM.cmake
+        DESTINATION ${package_dir} COMPONENT development)
+foreach(room common msgs controller sim diagnosis)
+  install(DIRECTORY ${CMAKE_SOURCE_DIR}/${room} DESTINATION include/slewlab COMPONENT development FILES_MATCHING PATTERN "*.h")
+endforeach()
+install(DIRECTORY ${CMAKE_BINARY_DIR}/generated/slewlab_msgs DESTINATION include/slewlab COMPONENT development
+        FILES_MATCHING PATTERN "*.hpp")
+install(FILES ${CMAKE_SOURCE_DIR}/LICENSE DESTINATION share/doc/slewlab COMPONENT programs)
