@@ -18,11 +18,13 @@
 #include "tools/commands/python_command.h"
 #include "tools/commands/replay_command.h"
 #include "tools/commands/run_command.h"
+#include "tools/commands/schema.h"
 #include "tools/commands/simulate_command.h"
 #include "tools/commands/soak_command.h"
 #include "tools/commands/unknown_word.h"
 #include "tools/commands/verify_command.h"
 #include "tools/commands/version.h"
+#include "tools/commands/whole_file.h"
 #include "tools/commands/withhold_command.h"
 
 namespace slewlab::tools {
@@ -302,7 +304,33 @@ void add_verify(CLI::App& app, Action& action) {
 
 constexpr const char* kExitCodes =
     "Exit codes: 0 done, and what was checked is as it should be; 1 it is not, or the work failed; 2 the command line or "
-    "a file that it names is wrong, and nothing was begun; 128 + N ended by signal N.";
+    "a file that it names is wrong, and nothing was begun; 3 the records given to diagnose cannot tell; 128 + N ended by signal N.";
+
+void add_schema(CLI::App& app, Action& action) {
+  struct Options {
+    std::string kind;
+    std::filesystem::path out;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("schema", "JSON Schema of a kind of file, for completion and marks in an editor");
+  CLI::Option* kind = command->add_option("KIND", options->kind, "crane, axis, controller, scenario, acceptance or soak");
+  CLI::Option* out = command->add_option("--out", options->out, "folder for KIND.schema.json of every kind");
+  kind->excludes(out);
+  command->callback([options, kind, out, &action] {
+    if (kind->count() + out->count() == 0) throw CLI::RequiredError("KIND or --out");
+    action = [options] {
+      if (options->out.empty()) {
+        std::cout << schema_of(options->kind).dump(2) << std::endl;
+        return 0;
+      }
+      std::filesystem::create_directories(options->out);
+      for (const std::string& each : schema_kinds()) {
+        write_whole_file(options->out / (each + ".schema.json"), schema_of(each).dump(2) + "\n");
+      }
+      return 0;
+    };
+  });
+}
 
 int main(const std::vector<std::string>& command_line, int argc, char** argv) {
   CLI::App app{"slewlab: a simulated crane slewing drive, and what to do with it", "slewlab"};
@@ -320,6 +348,7 @@ int main(const std::vector<std::string>& command_line, int argc, char** argv) {
   add_verify(app, action);
   add_diagnose(app, action);
   add_withhold(app, action);
+  add_schema(app, action);
   add_python(app, "report", "report.py", "Draw a run: a page with pictures and numbers beside its log", action);
   add_python(app, "export", "export.py", "Turn a log into Parquet, CSV or MCAP files", action);
   add_python(app, "import", "import_data.py", "Turn measured CSV or Parquet into a log, by a map of its columns", action);
