@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <functional>
 #include <iostream>
@@ -15,6 +16,7 @@
 #include "tools/commands/diagnose_command.h"
 #include "tools/commands/home.h"
 #include "tools/commands/modes_command.h"
+#include "tools/commands/new_command.h"
 #include "tools/commands/python_command.h"
 #include "tools/commands/replay_command.h"
 #include "tools/commands/run_command.h"
@@ -50,12 +52,24 @@ void add_check(CLI::App& app, Action& action) {
     std::vector<std::string> overrides;
   };
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("check", "Read cranes, controllers and scenarios and say what is wrong");
+  CLI::App* command = app.add_subcommand("check", "Read cranes, axes, controllers, scenarios and import maps and say what is wrong");
   command->add_option("FILE", options->files, "files to check")->required();
   command->add_option("--set", options->overrides, "key=value over every file");
   command->callback([options, &action] {
     action = [options] {
-      return check_files(options->files, parse_overrides(options->overrides), std::cout, std::cerr);
+      // An import map is read by the import's own reader.
+      std::vector<std::filesystem::path> files;
+      std::vector<std::string> maps;
+      for (const std::filesystem::path& file : options->files) {
+        if (kind_in(file) == "import_map") {
+          maps.push_back(file.string());
+        } else {
+          files.push_back(file);
+        }
+      }
+      const int code = check_files(files, parse_overrides(options->overrides), std::cout, std::cerr);
+      std::cout.flush();
+      return maps.empty() ? code : std::max(code, call_python("check_map.py", maps));
     };
   });
 }
@@ -306,6 +320,33 @@ constexpr const char* kExitCodes =
     "Exit codes: 0 done, and what was checked is as it should be; 1 it is not, or the work failed; 2 the command line or "
     "a file that it names is wrong, and nothing was begun; 3 the records given to diagnose cannot tell; 128 + N ended by signal N.";
 
+void add_new(CLI::App& app, Action& action) {
+  struct Options {
+    NewOptions file;
+    std::string data;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("new", "Write a commented file to begin with");
+  command->add_option("KIND", options->file.kind, "crane, controller, scenario or map")->required();
+  command->add_option("FILE", options->file.file, "to be written; never over one that is there")->required();
+  command->add_option("--crane,--axis", options->file.machine, "machine of a controller or a scenario");
+  command->add_option("--controller", options->file.controller, "controller of a scenario");
+  command->add_option("--data", options->data, "data of a map: CSV or Parquet, from whose header columns, units and signs are guessed");
+  command->callback([options, &action] {
+    action = [options] {
+      const bool is_map = options->file.kind == "map";
+      if (is_map && !(options->file.machine.empty() && options->file.controller.empty())) {
+        throw common::InputError({{{"--crane, --controller", 0, 0}, "", "a machine or a controller beside a new map", "--data alone"}});
+      }
+      if (is_map && options->data.empty()) throw common::InputError({{{"--data", 0, 0}, "", "nothing", "the table that the map is for"}});
+      if (is_map) return run_python("new_map.py", {options->file.file.string(), "--data", options->data});
+      if (!options->data.empty()) throw common::InputError({{{"--data", 0, 0}, "", "data beside a new " + options->file.kind, "them beside a map"}});
+      options->file.templates = home() / "config" / "templates";
+      return write_new(options->file, std::cout);
+    };
+  });
+}
+
 void add_schema(CLI::App& app, Action& action) {
   struct Options {
     std::string kind;
@@ -348,6 +389,7 @@ int main(const std::vector<std::string>& command_line, int argc, char** argv) {
   add_verify(app, action);
   add_diagnose(app, action);
   add_withhold(app, action);
+  add_new(app, action);
   add_schema(app, action);
   add_python(app, "report", "report.py", "Draw a run: a page with pictures and numbers beside its log", action);
   add_python(app, "export", "export.py", "Turn a log into Parquet, CSV or MCAP files", action);
