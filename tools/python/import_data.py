@@ -31,7 +31,7 @@ import pyarrow.parquet
 import input_map
 from arguments import ArgumentParser
 from event_rows import event_type, fill_heads
-from input_map import InputProblems, nearest
+from input_map import InputProblems, is_scalar, nearest
 from machine import read_axis
 from run_log import LogProblem, message_types
 from signals import measured, unit_of
@@ -631,11 +631,11 @@ def write_log(out, grid, values, hash_of_map, identity):
 
 def canonical(node):
     """What of the map decides about the log, keys sorted."""
-    if hasattr(node.value, "lower"):
-        return node.value
-    if node.id == "sequence":
-        return [canonical(item) for item in node.value]
-    return {key.value: canonical(value) for key, value in node.value if key.value not in ("source", "description")}
+    if is_scalar(node):
+        return node.scalar
+    if node.kind == "sequence":
+        return [canonical(item) for item in node.items]
+    return {key: canonical(value) for key, _, _, value in node.entries if key not in ("source", "description")}
 
 
 def main(arguments=None):

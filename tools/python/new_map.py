@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 
 from arguments import ArgumentParser
-from unit import factor_to_si, quantity_of, squeezed
+from unit import factor_to_si, quantity_of
 
 ROWS_LOOKED_AT = 20_000
 
@@ -47,7 +47,7 @@ def unit_in(name):
     """The unit that a column's name says, in brackets or behind the last underscore."""
     found = re.search(r"[\[(]([^\])]+)[\])]", name)
     said = found.group(1) if found else re.split(r"[_ ]", name)[-1]
-    for spelling in (said, OTHER_SPELLINGS.get(squeezed(said).lower())):
+    for spelling in (said, OTHER_SPELLINGS.get(said.replace(" ", "").lower())):
         if spelling and quantity_of(spelling) and (found or spelling != "-"):
             return spelling
     return None

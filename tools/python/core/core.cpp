@@ -18,4 +18,5 @@ NB_MODULE(_core, m) {
   tools::bind_machine(m);
   tools::bind_run(m);
   tools::bind_log(m);
+  tools::bind_yaml(m);
 }
