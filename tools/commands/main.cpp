@@ -13,6 +13,7 @@
 #include "common/input_error.h"
 #include "tools/commands/accept_command.h"
 #include "tools/commands/check_command.h"
+#include "tools/commands/command_pages.h"
 #include "tools/commands/diagnose_command.h"
 #include "tools/commands/home.h"
 #include "tools/commands/modes_command.h"
@@ -316,6 +317,36 @@ void add_verify(CLI::App& app, Action& action) {
   });
 }
 
+void add_completion(CLI::App& app, Action& action) {
+  auto out = std::make_shared<std::filesystem::path>();
+  CLI::App* command = app.add_subcommand("completion", "Completion for bash (and zsh): source <(slewlab completion)");
+  command->add_option("--out", *out, "file to write, in place of the standard output");
+  command->callback([out, &app, &action] {
+    action = [out, &app] {
+      if (out->empty()) {
+        std::cout << completion_script(app);
+      } else {
+        write_whole_file(*out, completion_script(app));
+      }
+      return 0;
+    };
+  });
+}
+
+// For packagers; a person reads --help.
+void add_manual(CLI::App& app, Action& action) {
+  auto out = std::make_shared<std::filesystem::path>();
+  CLI::App* command = app.add_subcommand("manual", "Write the manual pages")->group("");
+  command->add_option("--out", *out, "folder for the pages")->required();
+  command->callback([out, &app, &action] {
+    action = [out, &app] {
+      std::filesystem::create_directories(*out);
+      for (const CommandPage& page : manual_pages(app, version())) write_whole_file(*out / page.name, page.text);
+      return 0;
+    };
+  });
+}
+
 constexpr const char* kExitCodes =
     "Exit codes: 0 done, and what was checked is as it should be; 1 it is not, or the work failed; 2 the command line or "
     "a file that it names is wrong, and nothing was begun; 3 the records given to diagnose cannot tell; 128 + N ended by signal N.";
@@ -391,6 +422,8 @@ int main(const std::vector<std::string>& command_line, int argc, char** argv) {
   add_withhold(app, action);
   add_new(app, action);
   add_schema(app, action);
+  add_completion(app, action);
+  add_manual(app, action);
   add_python(app, "report", "report.py", "Draw a run: a page with pictures and numbers beside its log", action);
   add_python(app, "export", "export.py", "Turn a log into Parquet, CSV or MCAP files", action);
   add_python(app, "import", "import_data.py", "Turn measured CSV or Parquet into a log, by a map of its columns", action);

@@ -5,8 +5,10 @@
 
 namespace slewlab::tools {
 
+std::string version() { return SLEWLAB_VERSION; }
+
 std::string version_text() {
-  return std::string("slewlab ") + SLEWLAB_VERSION + "\nLCM " + msgs::lcm_version() + "\nSUNDIALS " + sim::sundials_version();
+  return "slewlab " + version() + "\nLCM " + msgs::lcm_version() + "\nSUNDIALS " + sim::sundials_version();
 }
 
 }  // namespace slewlab::tools

@@ -5,6 +5,9 @@
 
 namespace slewlab::tools {
 
+// "0.2.0"
+std::string version();
+
 // "slewlab 0.2.0", and a line each for LCM and SUNDIALS.
 std::string version_text();
 
