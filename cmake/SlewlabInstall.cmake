@@ -23,3 +23,22 @@ endforeach()
 install(DIRECTORY ${CMAKE_BINARY_DIR}/generated/slewlab_msgs DESTINATION include/slewlab COMPONENT development
         FILES_MATCHING PATTERN "*.hpp")
 install(FILES ${CMAKE_SOURCE_DIR}/LICENSE DESTINATION share/doc/slewlab COMPONENT programs)
+
+# A Debian package: cpack --config build/release/CPackConfig.cmake -B OUT. Programs, config, manual pages, completion, and the
+# Python side, whose libraries Debian has in part (docs/install.md).
+set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)
+set(CPACK_GENERATOR DEB)
+set(CPACK_PACKAGE_NAME slewlab)
+set(CPACK_PACKAGE_VENDOR "The slewlab authors")
+set(CPACK_PACKAGE_CONTACT "The slewlab authors <slewlab@localhost>")
+set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "simulated crane slewing drive with controllers in its loop")
+set(CPACK_PACKAGE_DESCRIPTION "Simulates the slewing drive of an offshore pedestal crane, runs controllers against it over LCM in lockstep, and tells which effect a measured machine has that its model has not.")
+set(CPACK_RESOURCE_FILE_LICENSE ${CMAKE_SOURCE_DIR}/LICENSE)
+set(CPACK_PACKAGING_INSTALL_PREFIX /usr)
+set(CPACK_STRIP_FILES ON)
+set(CPACK_INSTALL_CMAKE_PROJECTS "${CMAKE_BINARY_DIR};slewlab;programs;/")
+set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
+set(CPACK_DEBIAN_PACKAGE_SECTION science)
+set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "python3, python3-numpy, python3-pandas, iproute2, util-linux")
+include(CPack)
