@@ -53,28 +53,28 @@ def unit_in(name):
     return None
 
 
-def score(signal, name, unit):
-    """How well a column fits: 0 not at all."""
-    quantities, words = SIGNALS[signal]
+def score(wanted, name, unit):
+    """How well a column fits a signal: 0 not at all."""
+    quantities, words = SIGNALS[wanted]
     quantity = quantity_of(unit) if unit else None
     if quantity and quantities and quantity not in quantities:
         return 0
     hits = sum(word in words for word in words_of(name))
-    if signal == "time" and name.strip().lower() == "t":
+    if wanted == "time" and name.strip().lower() == "t":
         hits += 1
-    known = 1 if quantity and quantity in quantities and signal in ("time", "shaft_position", "shaft_speed", "motor_torque") else 0
+    known = 1 if quantity and quantity in quantities and wanted in ("time", "shaft_position", "shaft_speed", "motor_torque") else 0
     return 2 * hits + known if hits else known
 
 
 def guess(names):
     """{signal: (column, unit or None)}; every column once, the best fit first."""
     units = {name: unit_in(name) for name in names}
-    fits = sorted(((score(signal, name, units[name]), -place, signal, name) for signal in SIGNALS for place, name in enumerate(names)),
+    fits = sorted(((score(wanted, name, units[name]), -place, wanted, name) for wanted in SIGNALS for place, name in enumerate(names)),
                   reverse=True)
     found = {}
-    for how_well, _, signal, name in fits:
-        if how_well > 0 and signal not in found and name not in (column for column, _ in found.values()):
-            found[signal] = (name, units[name])
+    for how_well, _, wanted, name in fits:
+        if how_well > 0 and wanted not in found and name not in (column for column, _ in found.values()):
+            found[wanted] = (name, units[name])
     return found
 
 

@@ -100,11 +100,11 @@ def draw_spectra(phase):
         for number, (name, _, _) in enumerate(run.overview.phases):
             if name != phase:
                 continue
-            for signal, label, colour in (("house_acceleration", "house", GROUP_COLOURS[5]),
-                                          ("tip_acceleration", "tip", GREEN)):
-                if not run.overview.measured(signal):
+            for measured, label, colour in (("house_acceleration", "house", GROUP_COLOURS[5]),
+                                            ("tip_acceleration", "tip", GREEN)):
+                if not run.overview.measured(measured):
                     continue
-                frequency, amplitude = run.overview.spectra[number][signal]
+                frequency, amplitude = run.overview.spectra[number][measured]
                 shown = (frequency >= 0.4) & (frequency <= 60)
                 traces.append(line(frequency[shown], amplitude[shown], label, colour))
         return traces

@@ -192,6 +192,40 @@ class SweepTest(unittest.TestCase):
         self.assertIn(f"largest sidelead, after the stop                     {np.degrees(found['largest_sidelead']):.1f}°", readme)
 
 
+class FigureTest(unittest.TestCase):
+    def test_a_panel_for_every_channel_and_no_peak_is_lost(self):
+        run = slewlab.Scenario(SLEW).run(channels=["SENSORS", "TORQUE"])
+        figure = slewlab.overview(run, run, most_points=500)
+        titles = [figure.layout[f"yaxis{number}"].title.text for number in ("", 3)]  # two columns: the odd axes are the first's
+        self.assertEqual(titles, ["motor torque [N m]", "tip acceleration [m/s^2]"])
+        drawn = next(trace for trace in figure.data if trace.name == "tip_acceleration")
+        self.assertLessEqual(len(drawn.y), 500)
+        acceleration = run["SENSORS"].tip_acceleration
+        self.assertEqual((max(drawn.y), min(drawn.y)), (acceleration.max(), acceleration.min()))
+
+
+class DiagnosisTest(unittest.TestCase):
+    def test_the_friction_that_was_put_in_comes_out_as_an_object(self):
+        # 40 N m of dry friction, which the nominal axis has not; play and a gearbox that gives are left to the laws' sizes: 5 %.
+        friction = ('[{effect: bearing_coulomb, torque: {value: 40, unit: N m, source: test}, '
+                    'asymmetry: {value: 0, unit: "-", source: test}, give: {value: 0, unit: rad, source: test}}]')
+        with tempfile.TemporaryDirectory() as folder:
+            logs = [Path(folder) / f"{number}.lcmlog" for number in range(2)]
+            for log, request in zip(logs, (0.3, 0.5), strict=True):
+                changes = {"axis.effects": friction, "operator.0.speed_request": request}
+                slewlab.Scenario(slewlab.config("scenarios/example_axis.yaml"), changes).run(log=log)
+            found = slewlab.diagnose(slewlab.config("axes/example_axis.yaml"), logs)
+        self.assertTrue(found.gap)
+        self.assertIsNone(found.folder)
+        self.assertIn("dry", found.causes[0].effects)
+        self.assertTrue(found.causes[0].validated)
+        size = next(size for size in found.causes[0].sizes if size.parameter == "dry")
+        self.assertAlmostEqual(size.value, 40.0, delta=2.0)
+        self.assertLess(size.low, size.value)
+        with self.assertRaisesRegex(slewlab.ProgramFailed, "nothing_there.lcmlog"):
+            slewlab.diagnose(slewlab.config("axes/example_axis.yaml"), ["nothing_there.lcmlog"])
+
+
 class PageTest(unittest.TestCase):
     def test_every_block_of_the_page_runs(self):
         page = (REPOSITORY / "docs" / "python.md").read_text(encoding="utf-8")

@@ -10,6 +10,7 @@ SI units throughout. A table carries its units in `table.attrs["units"]`, {colum
 
 from ._core import Answer, Encoder, InputError, LogError, Mode, Operator, __version__
 from .control import Margins, StateSpace, margins
+from .figures import overview
 from .files import check, config, values
 from .findings import Cause, Diagnosis, diagnose
 from .machine import Machine
@@ -19,4 +20,4 @@ from .tables import Log, factor, open_log
 
 __all__ = ["Answer", "Cause", "Controller", "Diagnosis", "Encoder", "InputError", "Log", "LogError", "Machine", "Margins",
            "Mode", "Operator", "ProgramFailed", "Run", "Scenario", "StateSpace", "__version__", "check", "config", "diagnose",
-           "factor", "margins", "measures", "monte_carlo", "open_log", "sweep", "values"]
+           "factor", "margins", "measures", "monte_carlo", "open_log", "overview", "sweep", "values"]

@@ -3,7 +3,7 @@
 import json
 import tempfile
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
@@ -23,7 +23,7 @@ class Size:
 
 @dataclass(frozen=True)
 class Cause:
-    """Effects that together explain the gap."""
+    """Effects that together explain the gap; of an axis, laws of its torque balance."""
 
     effects: tuple[str, ...]
     probability: float
@@ -40,7 +40,7 @@ class Diagnosis:
     gap: bool
     causes: tuple[Cause, ...]
     subsystems: dict[str, float]  # probabilities
-    probability_nothing_missing: float
+    probability_nothing_missing: float | None  # None of an axis
     probability_unknown: float
     remarks: tuple[str, ...]
     folder: Path | None  # with the page, the machine's file with the effect, and all numbers
@@ -48,8 +48,9 @@ class Diagnosis:
 
 
 def _cause(told: dict[str, Any]) -> Cause:
+    alike = told.get("cannot_be_told_from", ())
     sizes = tuple(Size(one["parameter"], one["value"], one["low_90"], one["high_90"], one["unit"]) for one in told["sizes"])
-    return Cause(tuple(told["effects"]), told["probability"], sizes, tuple(one["cause"] for one in told["cannot_be_told_from"]),
+    return Cause(tuple(told["effects" if "effects" in told else "laws"]), told["probability"], sizes, tuple(one["cause"] for one in alike),
                  told["validation"]["holds"] if "validation" in told else None)
 
 
@@ -57,17 +58,23 @@ def read_diagnosis(folder: str | Path) -> Diagnosis:
     """What `slewlab diagnose --out FOLDER` left there."""
     folder = Path(folder)
     raw = json.loads((folder / "diagnosis.json").read_text(encoding="utf-8"))
-    return Diagnosis(raw["answer"], raw["gap"], tuple(map(_cause, raw["causes"])), raw.get("subsystems") or {},
-                     raw["probability_nothing_missing"], raw["probability_unknown"], tuple(raw["remarks"]), folder, raw)
+    is_axis, causes = raw.get("kind") == "axis", list(map(_cause, raw["causes"]))
+    if is_axis and causes:  # the first one alone is validated
+        causes[0] = replace(causes[0], validated=raw["validation"]["holds"])
+    # An axis's answer is its verdict; it has no subsystems to blame.
+    return Diagnosis(raw["verdict" if is_axis else "answer"], raw["gap"], tuple(causes),
+                     raw.get("subsystems") or {}, raw.get("probability_nothing_missing"), raw["probability_unknown"],
+                     tuple(raw["remarks"]), folder, raw)
 
 
 def diagnose(machine: str | Path, logs: Sequence[str | Path], *, controller: str | Path | None = None, out: str | Path | None = None,
-             threads: int = 2) -> Diagnosis:
-    """Diagnoses measured logs of a crane against its file, as `slewlab diagnose` does. Without `out` the files go with the
+             threads: int | None = None) -> Diagnosis:
+    """Diagnoses measured logs of a crane or an axis against its file, as `slewlab diagnose` does. Without `out` the files go with the
     temporary folder they were made in. ProgramFailed, with what was said, where the records are refused."""
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(out) if out is not None else Path(temporary) / "findings"
-        words = [program(), "diagnose", "--crane", str(machine), "--out", str(folder), "--threads", str(threads)]
+        words = [program(), "diagnose", "--crane", str(machine), "--out", str(folder)]
+        words += ["--threads", str(threads)] if threads is not None else []
         words += ["--controller", str(controller)] if controller is not None else []
         for log in logs:
             words += ["--log", str(log)]
