@@ -5,15 +5,21 @@
 function(slewlab_flags target)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wconversion
                                            -Wno-sign-conversion -ffp-contract=off)
-  target_include_directories(${target} PUBLIC ${CMAKE_SOURCE_DIR})
+  target_include_directories(${target} PUBLIC $<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}>
+                                              $<INSTALL_INTERFACE:include/slewlab>)
 endfunction()
 
-# slewlab_library(NAME SOURCES a.cpp b.cpp LINK PUBLIC x PRIVATE y)
+# slewlab_library(NAME SOURCES a.cpp b.cpp LINK PUBLIC x PRIVATE y). All but those of tools/ are installed, for programs of
+# others (cmake/SlewlabInstall.cmake).
 function(slewlab_library target)
   cmake_parse_arguments(ARG "" "" "SOURCES;LINK" ${ARGN})
   add_library(${target} STATIC ${ARG_SOURCES})
   slewlab_flags(${target})
   target_link_libraries(${target} ${ARG_LINK})
+  file(RELATIVE_PATH room ${CMAKE_SOURCE_DIR} ${CMAKE_CURRENT_SOURCE_DIR})
+  if(NOT room MATCHES "^(tools|tests)")
+    install(TARGETS ${target} EXPORT slewlab ARCHIVE DESTINATION lib/slewlab COMPONENT development)
+  endif()
 endfunction()
 
 # slewlab_program(NAME SOURCES a.cpp LINK x y)

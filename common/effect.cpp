@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "common/yaml_node.h"
+#include "common/near_name.h"
 #include "common/yaml_reader.h"
 
 namespace slewlab::common {

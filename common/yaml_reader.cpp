@@ -4,9 +4,10 @@
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <numeric>
 
+#include "common/near_name.h"
 #include "common/yaml_file.h"
+#include "common/yaml_inquiry.h"
 
 namespace slewlab::common {
 namespace {
@@ -47,41 +48,14 @@ bool inside(double number, Range range) {
   return range.lowest_allowed ? number >= range.lowest : number > range.lowest;
 }
 
-std::size_t edit_distance(std::string_view a, std::string_view b) {
-  std::vector<std::size_t> row(b.size() + 1);
-  std::iota(row.begin(), row.end(), std::size_t{0});
-  for (std::size_t i = 0; i < a.size(); ++i) {
-    std::size_t diagonal = row[0];
-    row[0] = i + 1;
-    for (std::size_t j = 0; j < b.size(); ++j) {
-      const std::size_t changed = diagonal + (a[i] == b[j] ? 0 : 1);
-      diagonal = row[j + 1];
-      row[j + 1] = std::min({changed, row[j] + 1, row[j + 1] + 1});
-    }
-  }
-  return row.back();
-}
-
-std::string joined(const std::vector<std::string>& names) {
-  std::string text;
-  for (const std::string& name : names) text += (text.empty() ? "" : ", ") + name;
-  return text;
+// A number that a range allows.
+double allowed(Range range) {
+  if (std::isfinite(range.lowest) && std::isfinite(range.highest)) return 0.5 * (range.lowest + range.highest);
+  if (std::isfinite(range.lowest)) return range.lowest + 1.0;
+  return std::isfinite(range.highest) ? range.highest : 1.0;
 }
 
 }  // namespace
-
-std::optional<std::string> nearest_name(std::string_view name, const std::vector<std::string>& known) {
-  std::optional<std::string> nearest;
-  std::size_t least = std::max<std::size_t>(2, name.size() / 3) + 1;
-  for (const std::string& candidate : known) {
-    const std::size_t distance = edit_distance(name, candidate);
-    if (distance < least) {
-      least = distance;
-      nearest = candidate;
-    }
-  }
-  return nearest;
-}
 
 std::optional<double> parse_share(const YamlNode& node) {
   if (node.kind != YamlNode::Kind::scalar) return std::nullopt;
@@ -106,6 +80,11 @@ YamlReader::YamlReader(const YamlNode& node, std::string path, InputProblems& pr
   }
 }
 
+YamlReader::YamlReader(YamlInquiry& inquiry, std::string path)
+    : node_(&kNothing), path_(std::move(path)), problems_(nullptr), inquiry_(&inquiry), quiet_(true) {
+  inquiry.entered(path_);
+}
+
 std::string YamlReader::path_of(std::string_view key) const {
   if (key.empty()) return path_;
   return path_.empty() ? std::string(key) : path_ + '.' + std::string(key);
@@ -113,6 +92,7 @@ std::string YamlReader::path_of(std::string_view key) const {
 
 void YamlReader::report_at(const SourceMark& mark, std::string_view key, std::string found,
                            std::string expected) {
+  if (inquiry_ != nullptr) return;
   problems_->push_back({mark, path_of(key), std::move(found), std::move(expected)});
 }
 
@@ -134,7 +114,10 @@ const YamlNode* YamlReader::need(std::string_view key, std::string_view expected
   return entry;
 }
 
-bool YamlReader::has(std::string_view key) { return ask(key) != nullptr; }
+bool YamlReader::has(std::string_view key) {
+  if (inquiry_ != nullptr) return inquiry_->has(path_of(key));
+  return ask(key) != nullptr;
+}
 
 const YamlNode* YamlReader::sourced(const YamlNode& entry, std::string_view key, std::optional<Unit> unit,
                                     const std::string& expected, GivenUnit& given) {
@@ -200,6 +183,10 @@ std::optional<double> YamlReader::read_number(const YamlNode& value, std::string
 }
 
 double YamlReader::number(std::string_view key, Unit unit, Range range) {
+  if (inquiry_ != nullptr) {
+    inquiry_->asked({.path = path_of(key), .kind = KeyDescription::Kind::number, .unit = unit, .range = range});
+    return allowed(range);
+  }
   const YamlNode* entry = need(key, describe(range, unit));
   GivenUnit given;
   const YamlNode* value = entry == nullptr ? nullptr : sourced(*entry, key, unit, "a number", given);
@@ -212,6 +199,10 @@ std::optional<double> YamlReader::optional_number(std::string_view key, Unit uni
 }
 
 int YamlReader::integer(std::string_view key, int lowest, int highest) {
+  if (inquiry_ != nullptr) {
+    inquiry_->asked({.path = path_of(key), .kind = KeyDescription::Kind::integer, .range = between(lowest, highest)});
+    return lowest;
+  }
   const std::string expected =
       "a whole number from " + std::to_string(lowest) + " to " + std::to_string(highest);
   const YamlNode* entry = need(key, expected);
@@ -232,6 +223,10 @@ int YamlReader::integer(std::string_view key, int lowest, int highest) {
 
 std::vector<double> YamlReader::numbers(std::string_view key, Unit unit, Range range, std::size_t fewest,
                                         std::size_t most) {
+  if (inquiry_ != nullptr) {
+    inquiry_->asked({.path = path_of(key), .kind = KeyDescription::Kind::numbers, .unit = unit, .range = range, .fewest = fewest, .most = most});
+    return std::vector<double>(fewest, allowed(range));
+  }
   const std::string expected = "a list of " +
                                (fewest == most ? std::to_string(fewest)
                                                : std::to_string(fewest) + " to " + std::to_string(most)) +
@@ -254,6 +249,10 @@ std::vector<double> YamlReader::numbers(std::string_view key, Unit unit, Range r
 bool YamlReader::flag(std::string_view key) { return choice(key, {"false", "true"}) == 1; }
 
 std::size_t YamlReader::choice(std::string_view key, std::initializer_list<std::string_view> choices) {
+  if (inquiry_ != nullptr) {
+    inquiry_->asked({.path = path_of(key), .kind = KeyDescription::Kind::choice, .choices = {choices.begin(), choices.end()}});
+    return inquiry_->choice(path_of(key), choices);
+  }
   std::string expected;
   for (const std::string_view choice : choices) {
     expected += (expected.empty() ? "" : " or ") + std::string(choice);
@@ -271,6 +270,10 @@ std::size_t YamlReader::choice(std::string_view key, std::initializer_list<std::
 }
 
 std::string YamlReader::text(std::string_view key) {
+  if (inquiry_ != nullptr) {
+    inquiry_->asked({.path = path_of(key), .kind = KeyDescription::Kind::text, .is_sourced = false});
+    return {};
+  }
   const YamlNode* entry = need(key, "a text");
   if (entry == nullptr) return {};
   if (entry->kind != YamlNode::Kind::scalar || entry->scalar.empty()) {
@@ -283,12 +286,19 @@ std::string YamlReader::text(std::string_view key) {
 std::string YamlReader::optional_text(std::string_view key) { return has(key) ? text(key) : std::string{}; }
 
 void YamlReader::heading(std::string_view kind) {
+  if (inquiry_ != nullptr) {
+    inquiry_->asked({.path = path_of("kind"), .kind = KeyDescription::Kind::choice, .choices = {std::string(kind)}, .is_sourced = false});
+  }
   const std::string found = text("kind");
   if (!found.empty() && found != kind) report("kind", found, std::string(kind));
   optional_text("description");
 }
 
 std::filesystem::path YamlReader::file(std::string_view key) {
+  if (inquiry_ != nullptr) {
+    inquiry_->asked({.path = path_of(key), .kind = KeyDescription::Kind::file, .is_sourced = false});
+    return {};
+  }
   const YamlNode* entry = need(key, "the name of a file");
   if (entry == nullptr) return {};
   if (entry->kind != YamlNode::Kind::scalar || entry->scalar.empty()) {
@@ -299,11 +309,22 @@ std::filesystem::path YamlReader::file(std::string_view key) {
 }
 
 YamlReader YamlReader::map(std::string_view key) {
+  if (inquiry_ != nullptr) {
+    inquiry_->asked({.path = path_of(key), .kind = KeyDescription::Kind::map, .is_sourced = false});
+    return YamlReader(*inquiry_, path_of(key));
+  }
   const YamlNode* entry = need(key, "a map of keys and values");
   return YamlReader(entry == nullptr ? kNothing : *entry, path_of(key), *problems_);
 }
 
 void YamlReader::each(std::string_view key, const std::function<void(YamlReader&)>& read) {
+  if (inquiry_ != nullptr) {
+    inquiry_->has(path_of(key));  // an absent key is an empty list
+    inquiry_->asked({.path = path_of(key), .kind = KeyDescription::Kind::list, .is_sourced = false});
+    YamlReader reader(*inquiry_, path_of(key) + ".*");
+    read(reader);
+    return;
+  }
   const YamlNode* entry = ask(key);
   if (entry == nullptr) return;
   if (entry->kind != YamlNode::Kind::sequence) {
@@ -317,15 +338,20 @@ void YamlReader::each(std::string_view key, const std::function<void(YamlReader&
   }
 }
 
-const YamlNode* YamlReader::raw(std::string_view key) { return ask(key); }
+const YamlNode* YamlReader::raw(std::string_view key) {
+  if (inquiry_ != nullptr) {
+    inquiry_->has(path_of(key));
+    inquiry_->asked({.path = path_of(key), .kind = KeyDescription::Kind::other, .is_sourced = false});
+    return nullptr;
+  }
+  return ask(key);
+}
 
 void YamlReader::finish() {
   if (quiet_) return;
   for (const YamlEntry& entry : node_->entries) {
     if (std::find(asked_.begin(), asked_.end(), entry.key) != asked_.end()) continue;
-    const std::optional<std::string> nearest = nearest_name(entry.key, asked_);
-    report_at(entry.mark, entry.key, "a key that is not known here",
-              nearest ? "'" + *nearest + "' (or one of " + joined(asked_) + ")" : "one of " + joined(asked_));
+    report_at(entry.mark, entry.key, "a key that is not known here", known_names_text(entry.key, asked_));
   }
 }
 

@@ -39,10 +39,14 @@ constexpr Range positive() { return {0.0, std::numeric_limits<double>::infinity(
 constexpr Range not_negative() { return {0.0, std::numeric_limits<double>::infinity(), true}; }
 constexpr Range between(double lowest, double highest) { return {lowest, highest, true}; }
 
+class YamlInquiry;
+
 class YamlReader {
  public:
   // `path` is the key path of the node, empty for the root. Reports a node that is no map.
   YamlReader(const YamlNode& node, std::string path, InputProblems& problems);
+  // Reads nothing: what is asked of it is noted (yaml_inquiry.h) and answered with values that are allowed.
+  YamlReader(YamlInquiry& inquiry, std::string path);
 
   // Whether the key is there and not null. Counts as asked for.
   bool has(std::string_view key);
@@ -96,14 +100,12 @@ class YamlReader {
   const YamlNode* node_;
   std::string path_;
   InputProblems* problems_;
+  YamlInquiry* inquiry_ = nullptr;
   bool quiet_;  // stands in for a map that could not be read
   std::vector<std::string> asked_;
 };
 
 // A share above 0 and at most 1, as "10 %" or 0.1; nothing where the node holds none.
 std::optional<double> parse_share(const YamlNode& node);
-
-// The known name that differs from `name` least, where one is near enough to be meant.
-std::optional<std::string> nearest_name(std::string_view name, const std::vector<std::string>& known);
 
 }  // namespace slewlab::common

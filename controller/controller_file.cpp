@@ -111,15 +111,7 @@ struct Change {
 
 }  // namespace
 
-ControllerFile load_controller_file(const std::filesystem::path& file,
-                                    const std::vector<common::Override>& overrides) {
-  common::InputProblems problems;
-  const common::YamlNode root = common::load_yaml_file(file, overrides, problems);
-  if (root.kind != common::YamlNode::Kind::map) throw common::InputError(problems);
-
-  ControllerFile result;
-  ControllerSettings& settings = result.settings;
-  YamlReader reader(root, "", problems);
+void read_controller(YamlReader& reader, ControllerSettings& settings) {
   reader.heading("controller");
   settings.group_count = reader.integer("groups", 1, kMaximumGroups);
   settings.total_ratio = reader.number("total_ratio", Unit::none, positive());
@@ -134,6 +126,17 @@ ControllerFile load_controller_file(const std::filesystem::path& file,
   settings.plausibility = read_plausibility(reader, settings.ramp, settings.total_ratio);
   settings.speed_control = read_speed_control(reader.map("speed_control"));
   settings.play_compensation = read_play_compensation(reader.map("play_compensation"));
+}
+
+ControllerFile load_controller_file(const std::filesystem::path& file,
+                                    const std::vector<common::Override>& overrides) {
+  common::InputProblems problems;
+  const common::YamlNode root = common::load_yaml_file(file, overrides, problems);
+  if (root.kind != common::YamlNode::Kind::map) throw common::InputError(problems);
+
+  ControllerFile result;
+  YamlReader reader(root, "", problems);
+  read_controller(reader, result.settings);
   reader.finish();
   if (!problems.empty()) throw common::InputError(problems);
   result.canonical_text = common::canonical_text(root);

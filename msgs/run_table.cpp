@@ -1,7 +1,6 @@
 #include "msgs/run_table.h"
 
 #include <algorithm>
-#include <cstring>
 #include <limits>
 #include <map>
 #include <utility>
@@ -12,7 +11,6 @@ namespace {
 constexpr std::size_t kStretchBytes = 4 * 1024 * 1024;  // [bytes] of rows that are given out together
 constexpr std::uint64_t kLongestStep = 1'000'000'000;   // [ns] that is no leap in any log (msgs/run_order.h)
 constexpr std::size_t kFewPeriods = 64;                 // chosen: that are counted one by one
-constexpr std::size_t kFingerprintBytes = 8;
 
 std::uint64_t distance(std::int64_t from, std::int64_t to) {
   return static_cast<std::uint64_t>(to) - static_cast<std::uint64_t>(from);
@@ -111,17 +109,6 @@ bool is_in_order(const Scans& scans) {
   return true;
 }
 
-template <class Unsigned>
-void swap_into(const std::uint8_t* from, std::uint8_t* to, std::size_t count) {
-  for (std::size_t i = 0; i < count; ++i, from += sizeof(Unsigned), to += sizeof(Unsigned)) {
-    Unsigned value = 0;
-    for (std::size_t b = 0; b < sizeof(Unsigned); ++b) value = static_cast<Unsigned>(value << 8 | from[b]);
-    std::memcpy(to, &value, sizeof value);
-  }
-}
-
-std::size_t aligned(std::size_t offset, std::size_t to) { return (offset + to - 1) / to * to; }
-
 }  // namespace
 
 // Rows that wait to be given out together.
@@ -132,7 +119,7 @@ struct RunTables::Buffers {
   std::size_t filled = 0;
 
   void add(std::size_t table, Bytes message) {
-    tables.append_row(table, message, rows[table]);
+    append_row(tables.tables_[table], message, rows[table]);
     filled += tables.tables_[table].row_bytes;
     if (filled >= kStretchBytes) flush();
   }
@@ -225,44 +212,8 @@ RunTables::RunTables(std::filesystem::path path) : path_(std::move(path)) {
 }
 
 void RunTables::lay_out(std::size_t channel, const ArrayCounts& counts) {
-  ChannelTable table;
-  table.channel = channel;
-  std::vector<Copy> copies;
-  std::size_t from = kFingerprintBytes, to = 0;
-  for (const WireField& field : wire_messages()[channel].fields) {
-    const int count = field.count < 0 ? -1 : counts[static_cast<std::size_t>(field.count)];
-    const std::size_t elements = count < 0 ? 1 : static_cast<std::size_t>(count);
-    to = aligned(to, field.bytes);
-    table.fields.push_back({field.name, field.kind, field.bytes, count, to});
-    const bool joins = !copies.empty() && copies.back().bytes == field.bytes && field.kind != 'b' && !copies.back().is_boolean &&
-                       copies.back().to + copies.back().bytes * copies.back().count == to;
-    if (joins) {
-      copies.back().count += elements;
-    } else {
-      copies.push_back({from, to, field.bytes, elements, field.kind == 'b'});
-    }
-    from += field.bytes * elements;
-    to += field.bytes * elements;
-  }
-  table.row_bytes = aligned(to, 8);
-  tables_.push_back(std::move(table));
-  copies_.push_back(std::move(copies));
-}
-
-void RunTables::append_row(std::size_t table, Bytes message, std::vector<std::uint8_t>& rows) const {
-  const std::size_t begin = rows.size();
-  rows.resize(begin + tables_[table].row_bytes);
-  for (const Copy& copy : copies_[table]) {
-    const std::uint8_t* from = message.data() + copy.from;
-    std::uint8_t* to = rows.data() + begin + copy.to;
-    switch (copy.bytes) {
-      case 8: swap_into<std::uint64_t>(from, to, copy.count); break;
-      case 4: swap_into<std::uint32_t>(from, to, copy.count); break;
-      case 2: swap_into<std::uint16_t>(from, to, copy.count); break;
-      default: std::copy_n(from, copy.count, to);
-    }
-    if (copy.is_boolean) std::transform(to, to + copy.count, to, [](std::uint8_t value) { return std::uint8_t{value != 0}; });
-  }
+  tables_.emplace_back();
+  static_cast<RowLayout&>(tables_.back()) = row_layout(channel, counts);
 }
 
 void RunTables::read(const std::vector<bool>& asked, const Taker& taker) const {

@@ -12,22 +12,12 @@
 #include <string>
 #include <vector>
 
+#include "msgs/row_layout.h"
 #include "msgs/run_order.h"
 
 namespace slewlab::msgs {
 
-struct TableField {
-  std::string_view name;
-  char kind = 0;           // WireField::kind
-  std::size_t bytes = 0;   // of one element
-  int count = -1;          // elements of an array, -1: a single one
-  std::size_t offset = 0;  // [bytes] in the row
-};
-
-struct ChannelTable {
-  std::size_t channel = 0;  // place in wire_messages()
-  std::vector<TableField> fields;
-  std::size_t row_bytes = 0;  // a multiple of 8; every field is aligned to its size
+struct ChannelTable : RowLayout {
   std::int64_t rows = 0;
   std::int64_t first_time = 0;  // [ns] smallest simulated time of a row
   std::int64_t last_time = 0;   // [ns] largest
@@ -51,17 +41,9 @@ class RunTables {
   void read(const std::vector<bool>& asked, const Taker& taker) const;
 
  private:
-  struct Copy {  // a stretch of elements of one size, from a message to a row
-    std::size_t from = 0;
-    std::size_t to = 0;
-    std::size_t bytes = 0;
-    std::size_t count = 0;
-    bool is_boolean = false;
-  };
   struct Buffers;
 
   void lay_out(std::size_t channel, const ArrayCounts& counts);
-  void append_row(std::size_t table, Bytes message, std::vector<std::uint8_t>& rows) const;
   void read_in_file_order(const std::vector<bool>& asked, Buffers& buffers) const;
   template <class Take>
   void walk_ordered(const std::vector<bool>& asked, Take take) const;
@@ -70,7 +52,6 @@ class RunTables {
 
   std::filesystem::path path_;
   std::vector<ChannelTable> tables_;
-  std::vector<std::vector<Copy>> copies_;  // by table
   std::vector<std::string> remarks_;
   std::int64_t lateness_ = 0;
   AskedCounts counts_;

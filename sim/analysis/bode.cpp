@@ -4,18 +4,14 @@
 #include <cmath>
 #include <numbers>
 
+#include "sim/analysis/state_space.h"
 #include "sim/model/boom.h"
-#include "sim/model/crane.h"
-#include "sim/model/drive_line.h"
 
 namespace slewlab::sim {
 
 std::vector<BodePoint> frequency_response(const CraneParameters& crane, const std::vector<double>& frequencies) {
   const CraneMatrices matrices = assemble_crane(crane, GearState::kClosed);
-  Eigen::VectorXcd force = Eigen::VectorXcd::Zero(matrices.at.size);
-  const double per_group = crane.drive.motors_per_group * total_ratio(crane.drive);
-  force.head(matrices.at.group_count).setConstant(per_group);
-  if (crane.drive.is_rigid) force(matrices.at.house) = crane.drive.group_count * per_group;
+  const Eigen::VectorXcd force = drive_forces(crane, matrices.at).rowwise().sum().cast<std::complex<double>>();
   std::vector<BodePoint> response;
   response.reserve(frequencies.size());
   for (const double frequency : frequencies) {

@@ -78,6 +78,16 @@ std::vector<OperatorMove> read_moves(YamlReader& scenario, std::int64_t plant_st
   return moves;
 }
 
+// The scenario's own part of the configuration: the contents of crane and controller stand for their names.
+std::string own_text(YamlNode&& root) {
+  std::erase_if(root.entries, [](const common::YamlEntry& entry) {
+    return entry.key == name_of(MachineKind::crane) || entry.key == name_of(MachineKind::axis) || entry.key == "controller" || entry.key == "expect";
+  });
+  return common::canonical_text(root);
+}
+
+}  // namespace
+
 void read_scenario(YamlReader& reader, Scenario& scenario) {
   reader.heading("scenario");
   const std::string_view key = name_of(scenario.crane.kind);
@@ -103,16 +113,6 @@ void read_scenario(YamlReader& reader, Scenario& scenario) {
   scenario.moves = read_moves(reader, scenario.plant_step);
   if (reader.has("expect")) scenario.expectation = read_expectation(reader.map("expect"));
 }
-
-// The scenario's own part of the configuration: the contents of crane and controller stand for their names.
-std::string own_text(YamlNode&& root) {
-  std::erase_if(root.entries, [](const common::YamlEntry& entry) {
-    return entry.key == name_of(MachineKind::crane) || entry.key == name_of(MachineKind::axis) || entry.key == "controller" || entry.key == "expect";
-  });
-  return common::canonical_text(root);
-}
-
-}  // namespace
 
 Scenario read_scenario_file(const std::filesystem::path& file, const std::vector<Override>& overrides,
                             InputProblems& problems) {

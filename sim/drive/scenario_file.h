@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "common/yaml_file.h"
+#include "common/yaml_reader.h"
 #include "sim/machine/machine_file.h"
 #include "sim/drive/fault.h"
 #include "sim/drive/fault_expectation.h"
@@ -50,6 +51,9 @@ struct Scenario {
 // controller's own reader checks it). Throws common::InputError with every problem found.
 Scenario load_scenario_file(const std::filesystem::path& file,
                             const std::vector<common::Override>& overrides = {});
+
+// The scenario's own part of an opened file, without its faults and finish(); which kind of machine it has stands in `scenario`.
+void read_scenario(common::YamlReader& reader, Scenario& scenario);
 
 // The same for a check: adds the problems to `problems` and answers with what could be read.
 Scenario read_scenario_file(const std::filesystem::path& file, const std::vector<common::Override>& overrides,

@@ -190,7 +190,7 @@ def main():
                 keep = current.with_name(f"{options.target}-crash-{hashlib.sha1(data).hexdigest()}")
                 current.replace(keep)
                 print(f"failed with the input {keep}", file=sys.stderr)
-                raise SystemExit(1)
+                raise SystemExit(1) from None
             finally:
                 signal.alarm(0)
 

@@ -1,19 +1,14 @@
 #include "tools/acceptance/limits.h"
 
 #include "common/yaml_file.h"
-#include "common/yaml_reader.h"
 
 namespace slewlab::tools {
 
-AcceptanceLimits load_acceptance_limits(const std::filesystem::path& file) {
+AcceptanceLimits read_acceptance_limits(common::YamlReader& reader) {
   using common::between;
   using common::not_negative;
   using common::positive;
   using common::Unit;
-  common::InputProblems problems;
-  const common::YamlNode root = common::load_yaml_file(file, {}, problems);
-  if (root.kind != common::YamlNode::Kind::map) throw common::InputError(problems);
-  common::YamlReader reader(root, "", problems);
   reader.heading("acceptance");
 
   constexpr int kMany = 1'000'000;
@@ -39,6 +34,15 @@ AcceptanceLimits load_acceptance_limits(const std::filesystem::path& file) {
   limits.tip_acceleration = reader.optional_number("tip_acceleration", Unit::metre_per_second_squared, positive());
   limits.trips = count("trips");
   limits.standstill_after_trip = reader.optional_number("standstill_after_trip", Unit::second, positive());
+  return limits;
+}
+
+AcceptanceLimits load_acceptance_limits(const std::filesystem::path& file) {
+  common::InputProblems problems;
+  const common::YamlNode root = common::load_yaml_file(file, {}, problems);
+  if (root.kind != common::YamlNode::Kind::map) throw common::InputError(problems);
+  common::YamlReader reader(root, "", problems);
+  const AcceptanceLimits limits = read_acceptance_limits(reader);
   reader.finish();
   if (!problems.empty()) throw common::InputError(problems);
   return limits;

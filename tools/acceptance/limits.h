@@ -7,6 +7,8 @@
 #include <optional>
 #include <string>
 
+#include "common/yaml_reader.h"
+
 namespace slewlab::tools {
 
 struct AcceptanceLimits {
@@ -30,6 +32,9 @@ struct AcceptanceLimits {
   std::optional<int> trips;                // of the drive, where the scenario has no faults
   std::optional<double> standstill_after_trip;  // [s]
 };
+
+// The limits of an opened file, but for finish().
+AcceptanceLimits read_acceptance_limits(common::YamlReader& reader);
 
 // Throws common::InputError with every problem found.
 AcceptanceLimits load_acceptance_limits(const std::filesystem::path& file);

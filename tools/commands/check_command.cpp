@@ -23,7 +23,7 @@ using common::InputError;
 using common::InputProblems;
 using common::YamlNode;
 
-constexpr const char* kKinds = "crane, axis, controller or scenario";
+constexpr const char* kKinds = "crane, axis, controller, scenario or import_map";
 
 // Where the scenario names its controller, for problems that lie between two files.
 common::SourceMark mark_of(const std::filesystem::path& file, const std::vector<common::Override>& overrides,
@@ -170,6 +170,12 @@ Findings examine(const std::filesystem::path& file, const std::vector<common::Ov
     found.problems = error.problems();
   }
   return found;
+}
+
+std::string kind_in(const std::filesystem::path& file) {
+  InputProblems ignored;
+  const std::optional<YamlNode> kind = kind_of(file, ignored);
+  return kind ? kind->scalar : std::string();
 }
 
 void complain(const InputProblems& problems, std::ostream& complaints) {

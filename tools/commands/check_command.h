@@ -25,6 +25,9 @@ enum class ControllerBy { slewlab, user };
 Findings examine(const std::filesystem::path& file, const std::vector<common::Override>& overrides = {},
                  ControllerBy by = ControllerBy::slewlab);
 
+// What the file says under `kind:`; empty where it cannot be read or says nothing.
+std::string kind_in(const std::filesystem::path& file);
+
 // One problem a line, the first hundred of them.
 void complain(const common::InputProblems& problems, std::ostream& complaints);
 

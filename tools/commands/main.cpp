@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdio>
 #include <functional>
 #include <iostream>
@@ -12,15 +13,21 @@
 #include "common/input_error.h"
 #include "tools/commands/accept_command.h"
 #include "tools/commands/check_command.h"
+#include "tools/commands/command_pages.h"
 #include "tools/commands/diagnose_command.h"
 #include "tools/commands/home.h"
 #include "tools/commands/modes_command.h"
+#include "tools/commands/new_command.h"
 #include "tools/commands/python_command.h"
 #include "tools/commands/replay_command.h"
 #include "tools/commands/run_command.h"
+#include "tools/commands/schema.h"
 #include "tools/commands/simulate_command.h"
 #include "tools/commands/soak_command.h"
+#include "tools/commands/unknown_word.h"
 #include "tools/commands/verify_command.h"
+#include "tools/commands/version.h"
+#include "tools/commands/whole_file.h"
 #include "tools/commands/withhold_command.h"
 
 namespace slewlab::tools {
@@ -46,12 +53,24 @@ void add_check(CLI::App& app, Action& action) {
     std::vector<std::string> overrides;
   };
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("check", "Read cranes, controllers and scenarios and say what is wrong");
+  CLI::App* command = app.add_subcommand("check", "Read cranes, axes, controllers, scenarios and import maps and say what is wrong");
   command->add_option("FILE", options->files, "files to check")->required();
   command->add_option("--set", options->overrides, "key=value over every file");
   command->callback([options, &action] {
     action = [options] {
-      return check_files(options->files, parse_overrides(options->overrides), std::cout, std::cerr);
+      // An import map is read by the import's own reader.
+      std::vector<std::filesystem::path> files;
+      std::vector<std::string> maps;
+      for (const std::filesystem::path& file : options->files) {
+        if (kind_in(file) == "import_map") {
+          maps.push_back(file.string());
+        } else {
+          files.push_back(file);
+        }
+      }
+      const int code = check_files(files, parse_overrides(options->overrides), std::cout, std::cerr);
+      std::cout.flush();
+      return maps.empty() ? code : std::max(code, call_python("check_map.py", maps));
     };
   });
 }
@@ -298,9 +317,98 @@ void add_verify(CLI::App& app, Action& action) {
   });
 }
 
+void add_completion(CLI::App& app, Action& action) {
+  auto out = std::make_shared<std::filesystem::path>();
+  CLI::App* command = app.add_subcommand("completion", "Completion for bash (and zsh): source <(slewlab completion)");
+  command->add_option("--out", *out, "file to write, in place of the standard output");
+  command->callback([out, &app, &action] {
+    action = [out, &app] {
+      if (out->empty()) {
+        std::cout << completion_script(app);
+      } else {
+        write_whole_file(*out, completion_script(app));
+      }
+      return 0;
+    };
+  });
+}
+
+// For packagers; a person reads --help.
+void add_manual(CLI::App& app, Action& action) {
+  auto out = std::make_shared<std::filesystem::path>();
+  CLI::App* command = app.add_subcommand("manual", "Write the manual pages")->group("");
+  command->add_option("--out", *out, "folder for the pages")->required();
+  command->callback([out, &app, &action] {
+    action = [out, &app] {
+      std::filesystem::create_directories(*out);
+      for (const CommandPage& page : manual_pages(app, version())) write_whole_file(*out / page.name, page.text);
+      return 0;
+    };
+  });
+}
+
+constexpr const char* kExitCodes =
+    "Exit codes: 0 done, and what was checked is as it should be; 1 it is not, or the work failed; 2 the command line or "
+    "a file that it names is wrong, and nothing was begun; 3 the records given to diagnose cannot tell; 128 + N ended by signal N.";
+
+void add_new(CLI::App& app, Action& action) {
+  struct Options {
+    NewOptions file;
+    std::string data;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("new", "Write a commented file to begin with");
+  command->add_option("KIND", options->file.kind, "crane, controller, scenario or map")->required();
+  command->add_option("FILE", options->file.file, "to be written; never over one that is there")->required();
+  command->add_option("--crane,--axis", options->file.machine, "machine of a controller or a scenario");
+  command->add_option("--controller", options->file.controller, "controller of a scenario");
+  command->add_option("--data", options->data, "data of a map: CSV or Parquet, from whose header columns, units and signs are guessed");
+  command->callback([options, &action] {
+    action = [options] {
+      const bool is_map = options->file.kind == "map";
+      if (is_map && !(options->file.machine.empty() && options->file.controller.empty())) {
+        throw common::InputError({{{"--crane, --controller", 0, 0}, "", "a machine or a controller beside a new map", "--data alone"}});
+      }
+      if (is_map && options->data.empty()) throw common::InputError({{{"--data", 0, 0}, "", "nothing", "the table that the map is for"}});
+      if (is_map) return run_python("new_map.py", {options->file.file.string(), "--data", options->data});
+      if (!options->data.empty()) throw common::InputError({{{"--data", 0, 0}, "", "data beside a new " + options->file.kind, "them beside a map"}});
+      options->file.templates = home() / "config" / "templates";
+      return write_new(options->file, std::cout);
+    };
+  });
+}
+
+void add_schema(CLI::App& app, Action& action) {
+  struct Options {
+    std::string kind;
+    std::filesystem::path out;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("schema", "JSON Schema of a kind of file, for completion and marks in an editor");
+  CLI::Option* kind = command->add_option("KIND", options->kind, "crane, axis, controller, scenario, acceptance or soak");
+  CLI::Option* out = command->add_option("--out", options->out, "folder for KIND.schema.json of every kind");
+  kind->excludes(out);
+  command->callback([options, kind, out, &action] {
+    if (kind->count() + out->count() == 0) throw CLI::RequiredError("KIND or --out");
+    action = [options] {
+      if (options->out.empty()) {
+        std::cout << schema_of(options->kind).dump(2) << std::endl;
+        return 0;
+      }
+      std::filesystem::create_directories(options->out);
+      for (const std::string& each : schema_kinds()) {
+        write_whole_file(options->out / (each + ".schema.json"), schema_of(each).dump(2) + "\n");
+      }
+      return 0;
+    };
+  });
+}
+
 int main(const std::vector<std::string>& command_line, int argc, char** argv) {
   CLI::App app{"slewlab: a simulated crane slewing drive, and what to do with it", "slewlab"};
   app.require_subcommand(1);
+  app.set_version_flag("--version", version_text(), "versions of slewlab, LCM and SUNDIALS");
+  app.footer(kExitCodes);
   Action action;
   add_run(app, command_line, action);
   add_replay(app, command_line, action);
@@ -312,6 +420,10 @@ int main(const std::vector<std::string>& command_line, int argc, char** argv) {
   add_verify(app, action);
   add_diagnose(app, action);
   add_withhold(app, action);
+  add_new(app, action);
+  add_schema(app, action);
+  add_completion(app, action);
+  add_manual(app, action);
   add_python(app, "report", "report.py", "Draw a run: a page with pictures and numbers beside its log", action);
   add_python(app, "export", "export.py", "Turn a log into Parquet, CSV or MCAP files", action);
   add_python(app, "import", "import_data.py", "Turn measured CSV or Parquet into a log, by a map of its columns", action);
@@ -319,6 +431,10 @@ int main(const std::vector<std::string>& command_line, int argc, char** argv) {
     app.parse(argc, argv);
     return action();
   } catch (const CLI::ParseError& error) {
+    if (const auto unknown = error.get_exit_code() == 0 ? std::nullopt : unknown_word(app, command_line)) {
+      std::fprintf(stderr, "%s\n", unknown->c_str());
+      return 2;
+    }
     return app.exit(error) == 0 ? 0 : 2;
   } catch (const common::InputError& error) {
     std::fprintf(stderr, "%s\n", error.what());

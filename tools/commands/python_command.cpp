@@ -1,5 +1,6 @@
 #include "tools/commands/python_command.h"
 
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -10,6 +11,20 @@
 #include "tools/commands/home.h"
 
 namespace slewlab::tools {
+
+int call_python(const std::string& script, const std::vector<std::string>& arguments) {
+  std::fflush(nullptr);
+  const pid_t child = ::fork();
+  if (child < 0) {
+    std::fprintf(stderr, "slewlab: cannot start %s: %s\n", script.c_str(), std::strerror(errno));
+    return 1;
+  }
+  if (child == 0) ::_exit(run_python(script, arguments));
+  int status = 0;
+  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+}
 
 int run_python(const std::string& script, const std::vector<std::string>& arguments) {
   const std::string python = python_interpreter().string();

@@ -10,4 +10,7 @@ namespace slewlab::tools {
 // is no interpreter.
 int run_python(const std::string& script, const std::vector<std::string>& arguments);
 
+// The same in a process of its own, waited for; its exit code.
+int call_python(const std::string& script, const std::vector<std::string>& arguments);
+
 }  // namespace slewlab::tools

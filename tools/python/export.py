@@ -9,7 +9,6 @@ MCAP: Protobuf messages with their schema, the unit of each field in the channel
 time; opens in Foxglove and PlotJuggler. The log is gone through a stretch at a time and may be larger than memory.
 """
 
-import argparse
 import contextlib
 import json
 import signal
@@ -23,6 +22,7 @@ import pyarrow.csv
 import pyarrow.parquet
 from mcap.writer import CompressionType
 
+from arguments import ArgumentParser
 from mcap_batches import BatchWriter
 from protobuf_rows import ProtobufRows
 from run_log import LogProblem, read_run_log, seconds
@@ -175,7 +175,7 @@ def write_mcap(log, out):
 
 
 def main(arguments=None):
-    parser = argparse.ArgumentParser(prog="slewlab export", description="Turns a log into files of other tools.")
+    parser = ArgumentParser(prog="slewlab export", description="Turns a log into files of other tools.")
     parser.add_argument("log", type=Path, help="the log, or the folder that holds run.lcmlog")
     parser.add_argument("--format", choices=FORMATS, required=True)
     parser.add_argument("--out", type=Path,

@@ -14,7 +14,6 @@ it stands on the axis or on the shaft.
 Sensors that are not mapped are NaN in SENSORS. The log appears when it is complete, or not at all.
 """
 
-import argparse
 import csv
 import hashlib
 import io
@@ -30,8 +29,9 @@ import pyarrow
 import pyarrow.parquet
 
 import input_map
+from arguments import ArgumentParser
 from event_rows import event_type, fill_heads
-from input_map import InputProblems, nearest
+from input_map import InputProblems, is_scalar, nearest
 from machine import read_axis
 from run_log import LogProblem, message_types
 from signals import measured, unit_of
@@ -628,15 +628,15 @@ def write_log(out, grid, values, hash_of_map, identity):
 
 def canonical(node):
     """What of the map decides about the log, keys sorted."""
-    if hasattr(node.value, "lower"):
-        return node.value
-    if node.id == "sequence":
-        return [canonical(item) for item in node.value]
-    return {key.value: canonical(value) for key, value in node.value if key.value not in ("source", "description")}
+    if is_scalar(node):
+        return node.scalar
+    if node.kind == "sequence":
+        return [canonical(item) for item in node.items]
+    return {key: canonical(value) for key, _, _, value in node.entries if key not in ("source", "description")}
 
 
 def main(arguments=None):
-    parser = argparse.ArgumentParser(prog="slewlab import", description="Measured data into a log of the wire.")
+    parser = ArgumentParser(prog="slewlab import", description="Measured data into a log of the wire.")
     parser.add_argument("file", type=Path, help="CSV with a line of column names, or Parquet")
     parser.add_argument("--map", type=Path, required=True, help="what the columns mean (docs/import.md)")
     parser.add_argument("--out", type=Path, help="default: the file's name with .lcmlog")

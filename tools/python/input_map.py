@@ -1,10 +1,10 @@
-"""YAML with line numbers, read key by key: every problem is collected with file, line, key, what was found and what
-would be right, as common/yaml_reader does on the C++ side."""
+"""An import map, key by key: every problem is collected with file, line, key, what was found and what would be right. The
+YAML itself is read by common/yaml_file."""
 
 import difflib
+from dataclasses import dataclass
 
-import yaml
-
+from core_module import core
 from unit import factor_to_si, quantity_of, spellings_of
 
 
@@ -22,10 +22,33 @@ def nearest(name, known):
     return f"{names} (or one of {', '.join(known)})" if close else f"one of {', '.join(known)}"
 
 
+@dataclass(frozen=True)
+class Node:
+    """A piece of YAML, and where it stands."""
+
+    kind: str     # null, scalar, sequence or map
+    scalar: str
+    items: list   # of a sequence
+    entries: list  # of a map: (key, line, column, value)
+    file: str
+    line: int
+    column: int
+
+
+def node_of(told):
+    kind, scalar, items, entries, *place = told
+    return Node(kind, scalar, [node_of(item) for item in items],
+                [(key, line, column, node_of(value)) for key, line, column, value in entries], *place)
+
+
+def is_scalar(node):
+    return node.kind in ("scalar", "null")
+
+
 def shown(node):
-    if isinstance(node, yaml.ScalarNode):
-        return node.value or "nothing"
-    return "a list" if isinstance(node, yaml.SequenceNode) else "a map"
+    if is_scalar(node):
+        return node.scalar or "nothing"
+    return "a list" if node.kind == "sequence" else "a map"
 
 
 class MapReader:
@@ -34,22 +57,16 @@ class MapReader:
     def __init__(self, node, path, file, lines):
         self.node, self.path, self.file, self.lines = node, path, file, lines
         self.entries, self.asked = {}, []
-        if not isinstance(node, yaml.MappingNode):
+        if node.kind != "map":
             self.complain(node, "", shown(node), "a map of keys")
             return
-        for key, value in node.value:
-            if not isinstance(key, yaml.ScalarNode):
-                self.complain(key, "", shown(key), "a name as a key")
-            elif key.value in self.entries:
-                self.complain(key, key.value, "the key a second time", "each signal and key once")
-            else:
-                self.entries[key.value] = (key, value)
+        for key, line, column, value in node.entries:
+            self.entries[key] = (Node("scalar", key, [], [], node.file, line, column), value)
 
     def complain(self, node, key, found, expected):
-        mark = node.start_mark
         path = ".".join(part for part in (self.path, key) if part)
         where = f"key '{path}': " if path else ""
-        self.lines.append(f"{self.file}:{mark.line + 1}:{mark.column + 1}: {where}found {found}, expected {expected}")
+        self.lines.append(f"{node.file or self.file}:{node.line}:{node.column}: {where}found {found}, expected {expected}")
 
     def report(self, key, found, expected):
         entry = self.entries.get(key)
@@ -75,7 +92,7 @@ class MapReader:
         node = self.raw(key, expected)
         if node is None:
             return []
-        items = node.value if isinstance(node, yaml.SequenceNode) else [node]
+        items = node.items if node.kind == "sequence" else [node]
         return [MapReader(item, f"{self.path}.{key}[{i + 1}]".lstrip("."), self.file, self.lines)
                 for i, item in enumerate(items)]
 
@@ -83,10 +100,10 @@ class MapReader:
         node = self.raw(key, expected)
         if node is None:
             return None
-        if not isinstance(node, yaml.ScalarNode) or not node.value:
+        if not is_scalar(node) or not node.scalar:
             self.report(key, shown(node), expected)
             return None
-        return node.value
+        return node.scalar
 
     def choice(self, key, choices, default=None):
         if not self.has(key):
@@ -159,22 +176,11 @@ class MapReader:
 
 
 def load(path):
-    """The root of a YAML file, and the list into which its problems go."""
-    try:
-        text = path.read_text(encoding="utf-8")
-        for event in yaml.parse(text, Loader=yaml.SafeLoader):
-            if isinstance(event, yaml.AliasEvent):  # one that stands inside what it means would have no end
-                mark = event.start_mark
-                raise InputProblems([f"{path}:{mark.line + 1}:{mark.column + 1}: found an alias (*), expected the value itself"])
-        node = yaml.compose(text, Loader=yaml.SafeLoader)
-    except RecursionError as error:
-        raise InputProblems([f"{path}: found lists or maps hundreds deep, expected an import map"]) from error
-    except yaml.MarkedYAMLError as error:
-        mark = error.problem_mark
-        raise InputProblems([f"{path}:{mark.line + 1}:{mark.column + 1}: found {error.problem}, expected YAML"]) from error
-    except (UnicodeDecodeError, yaml.YAMLError) as error:
-        raise InputProblems([f"{path}: found {error}, expected YAML in UTF-8"]) from error
-    if node is None:
+    """The root of a YAML file, and the list into which its problems go. InputProblems where the YAML itself is wrong."""
+    told, problems = core.load_yaml(path)
+    if problems:
+        raise InputProblems(problems)
+    root, lines = node_of(told), []
+    if root.kind == "null":
         raise InputProblems([f"{path}: found an empty file, expected kind: import_map"])
-    lines = []
-    return MapReader(node, "", path, lines), lines
+    return MapReader(root, "", path, lines), lines

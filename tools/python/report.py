@@ -5,7 +5,6 @@
     slewlab report RUN OTHER_RUN --out FILE  draws the runs side by side, on the same scales
 """
 
-import argparse
 import base64
 import gzip
 import html
@@ -18,6 +17,7 @@ import plotly.graph_objects as go
 from plotly.offline import get_plotlyjs
 
 import axis_report
+from arguments import ArgumentParser
 from panel import DARK, GREEN, GREY, GROUP_COLOURS, PURPLE, Panel, dash_of, line, slim
 from run_log import LogProblem
 from run_numbers import read_run, shown_path, table, table_text
@@ -100,11 +100,11 @@ def draw_spectra(phase):
         for number, (name, _, _) in enumerate(run.overview.phases):
             if name != phase:
                 continue
-            for signal, label, colour in (("house_acceleration", "house", GROUP_COLOURS[5]),
-                                          ("tip_acceleration", "tip", GREEN)):
-                if not run.overview.measured(signal):
+            for measured, label, colour in (("house_acceleration", "house", GROUP_COLOURS[5]),
+                                            ("tip_acceleration", "tip", GREEN)):
+                if not run.overview.measured(measured):
                     continue
-                frequency, amplitude = run.overview.spectra[number][signal]
+                frequency, amplitude = run.overview.spectra[number][measured]
                 shown = (frequency >= 0.4) & (frequency <= 60)
                 traces.append(line(frequency[shown], amplitude[shown], label, colour))
         return traces
@@ -333,7 +333,7 @@ def write_whole(path, text):
 
 
 def main(arguments=None):
-    parser = argparse.ArgumentParser(prog="slewlab report", description="Draws runs of slewlab from their logs.")
+    parser = ArgumentParser(prog="slewlab report", description="Draws runs of slewlab from their logs.")
     parser.add_argument("run", nargs="+", help="folder that holds run.lcmlog, or a log file")
     parser.add_argument("--out", type=Path, help="the HTML file (default: beside the first log)")
     parser.add_argument("--quiet", action="store_true", help="do not print the table")

@@ -89,15 +89,19 @@ SoakLimits read_limits(YamlReader reader) {
 
 }  // namespace
 
+void read_soak_settings(YamlReader& reader, SoakSettings& settings) {
+  reader.heading("soak");
+  settings.ranges = read_ranges(reader);
+  settings.limits = read_limits(reader.map("limits"));
+}
+
 SoakSettings load_soak_settings(const std::filesystem::path& file, const std::vector<common::Override>& overrides) {
   common::InputProblems problems;
   const common::YamlNode root = common::load_yaml_file(file, overrides, problems);
   if (root.kind != common::YamlNode::Kind::map) throw common::InputError(problems);
   YamlReader reader(root, "", problems);
-  reader.heading("soak");
   SoakSettings settings;
-  settings.ranges = read_ranges(reader);
-  settings.limits = read_limits(reader.map("limits"));
+  read_soak_settings(reader, settings);
   reader.finish();
   if (!problems.empty()) throw common::InputError(problems);
   settings.canonical_text = common::canonical_text(root);

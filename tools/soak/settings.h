@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/yaml_file.h"
+#include "common/yaml_reader.h"
 
 namespace slewlab::tools {
 
@@ -49,6 +50,9 @@ struct SoakSettings {
   SoakLimits limits;
   std::string canonical_text;  // tells whether a journal belongs to these settings
 };
+
+// The settings of an opened file, but for finish().
+void read_soak_settings(common::YamlReader& reader, SoakSettings& settings);
 
 // Throws common::InputError with every problem found.
 SoakSettings load_soak_settings(const std::filesystem::path& file,

@@ -43,7 +43,7 @@ int soak(const fs::path& program, const fs::path& out, std::string& complaints) 
 TEST(Home, AnInstalledProgramFindsWhatWasInstalledWithIt) {
   const TemporaryFolder folder;
   const fs::path prefix = folder.path() / "prefix";
-  RunningProgram install({CMAKE_COMMAND, "--install", SLEWLAB_BINARY_DIR, "--prefix", prefix.string()});
+  RunningProgram install({CMAKE_COMMAND, "--install", SLEWLAB_BINARY_DIR, "--component", "programs", "--prefix", prefix.string()});
   ASSERT_EQ(install.wait_for_end(), 0) << install.complaints();
   const fs::path moved = folder.path() / "elsewhere";
   fs::rename(prefix, moved);

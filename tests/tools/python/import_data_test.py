@@ -192,13 +192,16 @@ motor_torque: [{column: f, unit: kN, metres_per_radian: {value: 5, unit: mm, sou
 
     AXIS = """kind: axis
 coordinate: {value: COORDINATE, source: test}
+rated_torque: {value: 5, unit: N m, source: test}
 load_encoder: {value: true, source: test}
 """
 
     def test_an_axis_in_its_own_units(self):
         # 4 mm per turn: x = 1 mm t^2 of the carriage is pi/2 t^2 [rad] of the motor; 100 N are 0.2 / pi N m.
         (self.folder / "axis.yaml").write_text(self.AXIS.replace("COORDINATE", "linear") +
-                                               "travel_per_turn: {value: 4, unit: mm, source: test}\n")
+                                               "travel_per_turn: {value: 4, unit: mm, source: test}\n"
+                                               "mass: {value: 20, unit: kg, source: test}\n"
+                                               "top_speed: {value: 1, unit: m/s, source: test}\n")
         text = """kind: import_map
 machine: axis.yaml
 time: {column: t, unit: s}
@@ -225,7 +228,9 @@ load_position: {column: scale, unit: um}
         self.refused(data, *parts, text=text)
 
     def test_an_angle_of_axis_or_shaft_must_be_said(self):
-        axis = self.AXIS.replace("COORDINATE", "rotary") + "ratio: {value: 50, unit: \"-\", source: test}\n"
+        axis = self.AXIS.replace("COORDINATE", "rotary") + (
+            "ratio: {value: 50, unit: \"-\", source: test}\ninertia: {value: 3, unit: kg m^2, source: test}\n"
+            "top_speed: {value: 2, unit: rad/s, source: test}\n")
         (self.folder / "axis.yaml").write_text(axis)
         text = """kind: import_map
 machine: axis.yaml
@@ -363,7 +368,7 @@ motor_torque: {column: f, unit: N m, on: axis}
     def test_files_that_are_none(self):
         self.refused(None, "there is no such file", write=lambda f: None)
         self.refused(None, "not readable as parquet", suffix="parquet", write=lambda f: f.write_text("no"))
-        self.refused(None, "expected YAML", text="kind: [", write=lambda f: f.write_text("t\n1\n"))
+        self.refused(None, "expected well-formed YAML", text="kind: [", write=lambda f: f.write_text("t\n1\n"))
         self.refused(None, "which data.csv does not have", write=lambda f: f.write_text(""))
 
     def test_an_older_log_survives_a_failure(self):

@@ -1,6 +1,5 @@
 """tools/setup with stand-ins for the system's programs: what it calls, and what it says when it cannot go on."""
 
-import os
 import shutil
 import subprocess
 import tempfile

@@ -1,0 +1,25 @@
+#include "common/near_name.h"
+
+#include <gtest/gtest.h>
+
+namespace slewlab::common {
+namespace {
+
+// Distances counted by hand: letters put in, left out or changed.
+TEST(NearName, IsTheOneWithTheFewestChanges) {
+  EXPECT_EQ(nearest_name("rope_lenght", {"rod_length", "rope_length"}), "rope_length");  // 2, and 4 of the other
+  EXPECT_EQ(nearest_name("mas", {"mass", "masses"}), "mass");
+}
+
+TEST(NearName, IsNoneWhereNothingIsNear) {
+  EXPECT_EQ(nearest_name("gearbox_ratio", {"mass", "rope_length"}), std::nullopt);
+  EXPECT_EQ(nearest_name("abc", {"xyz"}), std::nullopt);  // 3 of 3
+}
+
+TEST(NearName, StandsBeforeTheOthersInWords) {
+  EXPECT_EQ(known_names_text("mas", {"mass", "rope_length"}), "'mass' (or one of mass, rope_length)");
+  EXPECT_EQ(known_names_text("gears", {"mass", "rope_length"}), "one of mass, rope_length");
+}
+
+}  // namespace
+}  // namespace slewlab::common

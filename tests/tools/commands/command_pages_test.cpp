@@ -1,0 +1,63 @@
+#include "tools/commands/command_pages.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <string>
+
+#include "tests/msgs/temporary_folder.h"
+
+namespace slewlab::tools {
+namespace {
+
+class CommandPages : public testing::Test {
+ protected:
+  CommandPages() {
+    app_.footer("Exit codes: 0 done.");
+    CLI::App* run = app_.add_subcommand("run", "Run a scenario");
+    run->add_option("SCENARIO", text_, "scenario file")->required();
+    run->add_option("--controller", text_, "shell command");
+    CLI::App* withhold = app_.add_subcommand("withhold", "Machines nobody has looked at");
+    withhold->add_subcommand("make", "Draw machines")->add_option("--cases", text_, "how many");
+    app_.add_subcommand("pages", "not for people")->group("");
+  }
+
+  CLI::App app_{"A simulated crane", "slewlab"};
+  std::string text_;
+};
+
+TEST_F(CommandPages, AManualPageForEveryCommandThatIsShown) {
+  const std::vector<CommandPage> pages = manual_pages(app_, "0.2.0");
+  std::vector<std::string> names;
+  for (const CommandPage& page : pages) names.push_back(page.name);
+  EXPECT_EQ(names, (std::vector<std::string>{"slewlab.1", "slewlab-run.1", "slewlab-withhold.1", "slewlab-withhold-make.1"}));
+  EXPECT_NE(pages[1].text.find(".SH NAME\nslewlab\\-run \\- Run a scenario\n"), std::string::npos) << pages[1].text;
+  EXPECT_NE(pages[1].text.find("\n.B \\-\\-controller"), std::string::npos) << pages[1].text;
+  EXPECT_NE(pages[1].text.find(".SH EXIT STATUS\nExit codes: 0 done."), std::string::npos) << pages[1].text;
+  EXPECT_NE(pages[0].text.find(".B slewlab withhold\nMachines nobody has looked at"), std::string::npos) << pages[0].text;
+  EXPECT_EQ(pages[0].text.find("not for people"), std::string::npos);
+}
+
+// Asked by bash itself, as it asks at the Tab key.
+TEST_F(CommandPages, CompletionAnswersBash) {
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / "completion") << completion_script(app_);
+  const auto answer = [&](const std::string& words, int at) {
+    const std::string script = "cd " + folder.path().string() + " && . ./completion && COMP_WORDS=(" + words + ") COMP_CWORD=" +
+                               std::to_string(at) + "; _slewlab; echo \"${COMPREPLY[*]}\"";
+    FILE* pipe = ::popen(("bash -c '" + script + "'").c_str(), "r");
+    char line[1000] = "";
+    if (std::fgets(line, sizeof line, pipe) == nullptr) line[0] = '\0';
+    ::pclose(pipe);
+    return std::string(line);
+  };
+  EXPECT_EQ(answer("slewlab r", 1), "run\n");
+  EXPECT_EQ(answer("slewlab run --c", 2), "--controller\n");
+  EXPECT_EQ(answer("slewlab run comp", 2), "completion\n");  // the file
+  EXPECT_EQ(answer("slewlab withhold m", 2), "make\n");
+}
+
+}  // namespace
+}  // namespace slewlab::tools

@@ -1,0 +1,246 @@
+"""The package slewlab against the command line, against itself and against closed forms."""
+
+import os
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+import numpy as np
+
+from run_log import REPOSITORY, messages_folder, read_run_log
+
+sys.path.insert(0, str(messages_folder()))
+import slewlab  # noqa: E402
+
+SLEW = slewlab.config("scenarios/thesis_slew.yaml")
+SHORT = {"duration": 12}
+
+
+def run_by_command(scenario, changes, folder):
+    words = [REPOSITORY / "tools" / "in-private-network", messages_folder().parent / "bin" / "slewlab", "run", scenario, "--out", folder]
+    for key, value in changes.items():
+        words += ["--set", f"{key}={value}"]
+    ended = subprocess.run(words, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=100)
+    assert ended.returncode == 0, ended.stdout + ended.stderr
+    return folder / "run.lcmlog"
+
+
+class RunTest(unittest.TestCase):
+    def test_the_log_is_that_of_slewlab_run_to_the_byte(self):
+        # A crane, an axis, and faults on purpose.
+        for name, changes in (("thesis_slew", SHORT), ("example_axis", {}), ("faults/torque_lost", {})):
+            with self.subTest(name=name), tempfile.TemporaryDirectory() as folder:
+                scenario = slewlab.config(f"scenarios/{name}.yaml")
+                by_command = run_by_command(scenario, changes, Path(folder) / "run")
+                in_process = Path(folder) / "own.lcmlog"
+                slewlab.Scenario(scenario, changes).run(log=in_process)
+                self.assertEqual(in_process.read_bytes(), by_command.read_bytes())
+
+    def test_a_log_opened_is_the_run_that_wrote_it(self):
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "run.lcmlog"
+            run = slewlab.Scenario(SLEW, SHORT).run(log=path)
+            log = slewlab.open_log(folder)
+            self.assertEqual(log.remarks, [])
+            self.assertEqual(log.channels, run.channels)
+            other = read_run_log(path)  # by slewlab-log-tables
+            for channel in log:
+                for field in run.messages(channel).dtype.names:
+                    np.testing.assert_array_equal(log.messages(channel)[field], run.messages(channel)[field])
+                    np.testing.assert_array_equal(log.messages(channel)[field], other.channel(channel)[field])
+
+    def test_a_callable_that_says_what_the_controller_said_moves_the_crane_alike(self):
+        scenario = slewlab.Scenario(SLEW, {"duration": 33})  # the emergency stop is at 30 s
+        own = scenario.run()
+        answers = iter(own.messages("TORQUE"))
+
+        def replayed(encoder, operator):
+            torque = next(answers)
+            self.assertEqual(torque["answered_sequence"], encoder.sequence)
+            return slewlab.Answer(list(torque["motor_torque"]), bool(torque["enable"]), bool(torque["brake"]))
+
+        again = scenario.run(replayed)
+        for channel in ("ENCODER", "SENSORS", "TRUTH"):
+            self.assertEqual(again.messages(channel).tobytes(), own.messages(channel).tobytes())
+        self.assertNotIn("CONTROLLER_STATE", again)
+
+    def test_what_a_callable_raises_comes_out(self):
+        def broken(encoder, operator):
+            if encoder.time >= 0.5:
+                raise ArithmeticError("at half a second")
+            return [0.0] * encoder.group_count
+
+        with tempfile.TemporaryDirectory() as folder:
+            path = Path(folder) / "run.lcmlog"
+            with self.assertRaisesRegex(ArithmeticError, "at half a second"):
+                slewlab.Scenario(SLEW, SHORT).run(broken, log=path)
+            self.assertFalse(path.exists())  # a file of that name is a whole run
+        with self.assertRaisesRegex(ValueError, r"answered 1 motor torque\(s\), expected 2"):
+            slewlab.Scenario(SLEW, SHORT).run(lambda encoder, operator: [1.0])
+        with self.assertRaisesRegex(TypeError, "answered 'fast', expected a motor torque"):
+            slewlab.Scenario(SLEW, SHORT).run(lambda encoder, operator: "fast")
+
+    def test_tables_have_times_units_and_entries_from_one(self):
+        run = slewlab.Scenario(SLEW, {"duration": 1}).run(channels=["ENCODER"])
+        self.assertEqual(run.channels, ["ENCODER"])
+        table = run["ENCODER"]
+        # 1 s at 10 ms; the lockstep's last period has no question.
+        np.testing.assert_allclose(table.index, np.arange(100) * 0.01, rtol=0, atol=1e-12)
+        self.assertEqual(table.attrs["units"]["shaft_speed_2"], "rad/s")
+        self.assertEqual(table.attrs["units"]["time"], "s")
+        with self.assertRaisesRegex(KeyError, "no ENCODR here, expected 'ENCODER'"):
+            run["ENCODR"]
+
+
+class InputTest(unittest.TestCase):
+    def test_a_wrong_key_is_named_with_the_near_one(self):
+        with self.assertRaisesRegex(slewlab.InputError, "load.mas.*'mass'"):
+            slewlab.Scenario(SLEW, {"crane.load.mas": "3 t"})
+        with self.assertRaisesRegex(FileNotFoundError, "expected 'thesis.yaml'"):
+            slewlab.config("cranes/thesi.yaml")
+
+    def test_check_says_what_the_command_says(self):
+        self.assertEqual(slewlab.Machine(slewlab.config("cranes/thesis.yaml")).check(), [])
+        with self.assertRaises(slewlab.InputError) as raised:
+            slewlab.check(SLEW, {"crane.drive.groups": 1})
+        self.assertIn("a controller for 2 motor group(s), expected one for the crane's 1", str(raised.exception))
+        warnings = slewlab.check(SLEW, {"crane.load.rope_length": "2 km"})
+        self.assertEqual(len(warnings), 1)
+        self.assertIn("'load.rope_length'", warnings[0])
+
+    def test_values_say_where_they_stand(self):
+        crane = slewlab.Machine(slewlab.config("cranes/thesis.yaml"), {"load.mass": "60 t"})
+        mass = crane.values.loc["load.mass"]
+        self.assertEqual((mass["value"], mass["unit"], mass["source"]), ("60", "t", "command line"))
+        length = crane.values.loc["boom.length"]
+        line = Path(length["file"]).read_text().splitlines()[length["line"] - 1]
+        self.assertIn(f"length: {{value: {length['value']}", line)
+
+    def test_units_are_those_of_the_files(self):
+        self.assertAlmostEqual(slewlab.factor("deg", "rad"), np.pi / 180, places=15)
+        self.assertAlmostEqual(slewlab.factor("rpm", "deg/s"), 6.0, places=12)
+        with self.assertRaisesRegex(ValueError, "'kg' is no unit of this quantity, expected one of m, mm"):
+            slewlab.factor("kg", "m")
+
+
+class ControlTest(unittest.TestCase):
+    def test_margins_of_an_integrator_with_a_delay(self):
+        # L = k exp(-s T) / s: gain 1 at k rad/s, phase there -90 deg - k T; phase -180 deg at pi / (2 T), gain there 2 k T / pi.
+        k, delay = 2.0, 0.1
+        frequencies = np.geomspace(0.01, 10.0, 20001)
+        s = 2j * np.pi * frequencies
+        found = slewlab.margins(frequencies, k * np.exp(-s * delay) / s)
+        self.assertAlmostEqual(found.phase, 90.0 - np.degrees(k * delay), delta=1e-3)
+        self.assertAlmostEqual(found.phase_frequency, k / (2 * np.pi), delta=1e-5)
+        self.assertAlmostEqual(found.gain, -20 * np.log10(2 * k * delay / np.pi), delta=1e-3)
+        self.assertAlmostEqual(found.gain_frequency, 1 / (4 * delay), delta=1e-4)
+
+    def test_the_closed_loop_is_the_open_one_closed(self):
+        # y = L / (1 + L) r at every frequency; the closed loop is taken to be continuous, so the controller's period goes.
+        scenario = slewlab.Scenario(SLEW, {"controller_period": "1 us", "plant_step": "1 us"})
+        frequencies = np.geomspace(0.1, 30.0, 40)
+        open_loop = scenario.open_loop(frequencies)
+        closed = scenario.closed_loop("shaft_speed_1").response(frequencies)[:, 0, 0]
+        np.testing.assert_allclose(closed, open_loop / (1 + open_loop), rtol=2e-3)
+
+    def test_a_small_step_of_torque_moves_the_simulated_machine_as_the_linear_one(self):
+        # Without play, load and brakes nothing is left that is not linear, and the step holds the torque as the simulation does.
+        changes = {"crane.drive.gearbox_play": "0 deg", "crane.drive.pinion_play": "0 deg", "duration": 3, "controller_period": "1 ms",
+                   "telemetry.sensors_period": "1 ms"}
+        scenario = slewlab.Scenario(SLEW, changes)
+        run = scenario.run(lambda encoder, operator: [5.0, 5.0])
+        speed = run["ENCODER"].shaft_speed_1
+        linear = scenario.machine.state_space().step("shaft_speed_1", speed.index.to_numpy(), 5.0)
+        # Rope and rod swing by less than a degree; the fixed step's error at 1 ms is below a thousandth (docs/benchmarks.md).
+        np.testing.assert_allclose(speed, linear, rtol=0, atol=2e-3 * np.abs(linear).max())
+
+    def test_modes_are_the_state_matrix_eigenvalues(self):
+        crane = slewlab.Machine(slewlab.config("cranes/thesis.yaml"))
+        a = crane.state_space().a.copy()
+        n = len(a) // 2
+        squares = np.sort(np.linalg.eigvals(-a[n:, :n]).real)  # of M^-1 K: undamped
+        frequencies = [mode.frequency for mode in crane.modes()]
+        np.testing.assert_allclose(np.sqrt(squares[1:]) / (2 * np.pi), frequencies[1:], rtol=1e-6)
+
+
+class SweepTest(unittest.TestCase):
+    def test_every_combination_is_a_row_whatever_the_threads(self):
+        scenario = slewlab.Scenario(SLEW, SHORT)
+        over = {"crane.load.mass": ["10 t", "30 t"], "controller.ramp.curved_share": [0.0, 0.3]}
+        tables = [slewlab.sweep(scenario, over, threads=threads, progress=False) for threads in (1, 3)]
+        self.assertTrue(tables[0].equals(tables[1]))
+        self.assertEqual(list(zip(tables[0]["crane.load.mass"], tables[0]["controller.ramp.curved_share"])),
+                         [("10 t", 0.0), ("10 t", 0.3), ("30 t", 0.0), ("30 t", 0.3)])
+        alone = slewlab.measures(scenario.changed({"crane.load.mass": "30 t", "controller.ramp.curved_share": 0.0}).run())
+        self.assertEqual({name: tables[0][name][2] for name in alone}, alone)
+        self.assertEqual(tables[0].attrs["units"]["peak_tip_acceleration"], "m/s^2")
+
+    def test_the_first_rows_drawn_are_those_of_a_shorter_table(self):
+        scenario = slewlab.Scenario(SLEW, {"duration": 2})
+        draw = {"crane.load.mass": lambda random: f"{random.uniform(10, 40)} t"}
+        short, long = (slewlab.monte_carlo(scenario, draw, runs, seed=5, progress=False) for runs in (2, 4))
+        self.assertTrue(short.equals(long[:2]))
+        self.assertEqual(len(set(long["crane.load.mass"])), 4)
+
+    def test_peaks_are_those_of_the_report(self):
+        # The demo's table in README.md, whose numbers run_numbers.py takes from the log of `slewlab run`.
+        found = slewlab.measures(slewlab.Scenario(SLEW).run())
+        readme = (REPOSITORY / "README.md").read_text(encoding="utf-8")
+        self.assertIn(f"peak tip acceleration, after the stop                {found['peak_tip_acceleration']:.2f} m/s²", readme)
+        self.assertIn(f"largest sidelead, after the stop                     {np.degrees(found['largest_sidelead']):.1f}°", readme)
+
+
+class FigureTest(unittest.TestCase):
+    def test_a_panel_for_every_channel_and_no_peak_is_lost(self):
+        run = slewlab.Scenario(SLEW).run(channels=["SENSORS", "TORQUE"])
+        figure = slewlab.overview(run, run, most_points=500)
+        titles = [figure.layout[f"yaxis{number}"].title.text for number in ("", 3)]  # two columns: the odd axes are the first's
+        self.assertEqual(titles, ["motor torque [N m]", "tip acceleration [m/s^2]"])
+        drawn = next(trace for trace in figure.data if trace.name == "tip_acceleration")
+        self.assertLessEqual(len(drawn.y), 500)
+        acceleration = run["SENSORS"].tip_acceleration
+        self.assertEqual((max(drawn.y), min(drawn.y)), (acceleration.max(), acceleration.min()))
+
+
+class DiagnosisTest(unittest.TestCase):
+    def test_the_friction_that_was_put_in_comes_out_as_an_object(self):
+        # 40 N m of dry friction, which the nominal axis has not; play and a gearbox that gives are left to the laws' sizes: 5 %.
+        friction = ('[{effect: bearing_coulomb, torque: {value: 40, unit: N m, source: test}, '
+                    'asymmetry: {value: 0, unit: "-", source: test}, give: {value: 0, unit: rad, source: test}}]')
+        with tempfile.TemporaryDirectory() as folder:
+            logs = [Path(folder) / f"{number}.lcmlog" for number in range(2)]
+            for log, request in zip(logs, (0.3, 0.5), strict=True):
+                changes = {"axis.effects": friction, "operator.0.speed_request": request}
+                slewlab.Scenario(slewlab.config("scenarios/example_axis.yaml"), changes).run(log=log)
+            found = slewlab.diagnose(slewlab.config("axes/example_axis.yaml"), logs)
+        self.assertTrue(found.gap)
+        self.assertIsNone(found.folder)
+        self.assertIn("dry", found.causes[0].effects)
+        self.assertTrue(found.causes[0].validated)
+        size = next(size for size in found.causes[0].sizes if size.parameter == "dry")
+        self.assertAlmostEqual(size.value, 40.0, delta=2.0)
+        self.assertLess(size.low, size.value)
+        with self.assertRaisesRegex(slewlab.ProgramFailed, "nothing_there.lcmlog"):
+            slewlab.diagnose(slewlab.config("axes/example_axis.yaml"), ["nothing_there.lcmlog"])
+
+
+class PageTest(unittest.TestCase):
+    def test_every_block_of_the_page_runs(self):
+        page = (REPOSITORY / "docs" / "python.md").read_text(encoding="utf-8")
+        blocks = [block.split("```")[0] for block in page.split("```python\n")[1:]]
+        self.assertEqual(len(blocks), 6)
+        here = os.getcwd()
+        with tempfile.TemporaryDirectory() as folder:
+            os.chdir(folder)
+            try:
+                names = {"print": lambda *words: None}
+                for block in blocks:
+                    exec(compile(block, "docs/python.md", "exec"), names)
+            finally:
+                os.chdir(here)
+
+
+if __name__ == "__main__":
+    unittest.main()

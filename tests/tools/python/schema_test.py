@@ -1,0 +1,81 @@
+"""`slewlab schema` against the files of config/ and against `slewlab check`."""
+
+import copy
+import json
+import re
+import subprocess
+import unittest
+
+import jsonschema
+import yaml
+
+from run_log import REPOSITORY, messages_folder
+
+PROGRAM = messages_folder().parent / "bin" / "slewlab"
+
+
+class CoreLoader(yaml.SafeLoader):
+    """Numbers as YAML 1.2 has them, as common/yaml_node reads them: 1e-3 is one."""
+
+
+CoreLoader.add_implicit_resolver("tag:yaml.org,2002:float", re.compile(r"^[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$"), list("-+.0123456789"))
+
+
+def load(path):
+    return yaml.load(path.read_text(encoding="utf-8"), Loader=CoreLoader)
+
+
+def schema_of(kind):
+    ended = subprocess.run([PROGRAM, "schema", kind], capture_output=True, text=True, check=True)
+    return json.loads(ended.stdout)
+
+
+class SchemaTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.validators = {kind: jsonschema.Draft202012Validator(schema_of(kind))
+                          for kind in ("crane", "axis", "controller", "scenario", "acceptance", "soak")}
+
+    def complaints(self, tree):
+        return [error.json_path + ": " + error.message for error in self.validators[tree["kind"]].iter_errors(tree)]
+
+    def test_every_file_of_slewlab_keeps_to_its_schema(self):
+        kinds = set()
+        for path in sorted((REPOSITORY / "config").rglob("*.yaml")):
+            tree = load(path)
+            if "kind" not in tree:  # lies over another file, whose kind it has
+                self.assertIn("include", tree)
+                tree["kind"] = load(path.parent / tree["include"]).get("kind", path.parent.name.rstrip("s"))
+            kinds.add(tree["kind"])
+            with self.subTest(file=path.name):
+                self.assertEqual(self.complaints(tree), [])
+        self.assertEqual(kinds, set(self.validators))
+
+    def test_what_check_refuses_of_form_the_schema_refuses_too(self):
+        crane = load(REPOSITORY / "config" / "cranes" / "thesis.yaml")
+        self.assertEqual(self.complaints(crane), [])
+
+        def refused(change):
+            tree = copy.deepcopy(crane)
+            change(tree)
+            return "\n".join(self.complaints(tree))
+
+        def rename(tree):
+            tree["load"]["mas"] = tree["load"].pop("mass")
+
+        self.assertIn("'mas' was unexpected", refused(rename))
+        self.assertIn("'lb' is not one of ['kg', 't']", refused(lambda tree: tree["load"]["mass"].update(unit="lb")))
+        self.assertIn("'source' is a required property", refused(lambda tree: tree["load"]["mass"].pop("source")))
+        self.assertIn("-3 is less than the minimum of 0", refused(lambda tree: tree["load"]["mass"].update(value=-3)))
+        self.assertIn("9 is greater than the maximum of 8", refused(lambda tree: tree["drive"]["groups"].update(value=9)))
+        self.assertIn("'drive' is a required property", refused(lambda tree: tree.pop("drive")))
+        self.assertNotEqual(refused(lambda tree: tree.update(effects=[{"effect": "dead_tim"}])), "")
+
+    def test_an_unknown_kind_is_named_with_the_near_one(self):
+        ended = subprocess.run([PROGRAM, "schema", "crnae"], capture_output=True, text=True, check=False)
+        self.assertEqual(ended.returncode, 2)
+        self.assertIn("KIND: found 'crnae', expected 'crane' (or one of crane, axis, ", ended.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()

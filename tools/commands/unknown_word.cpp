@@ -1,0 +1,61 @@
+#include "tools/commands/unknown_word.h"
+
+#include <algorithm>
+
+#include "common/near_name.h"
+
+namespace slewlab::tools {
+namespace {
+
+std::vector<std::string> command_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands({})) names.push_back(command->get_name());
+  return names;
+}
+
+std::vector<std::string> option_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : app.get_options({})) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  return names;
+}
+
+const CLI::Option* option_of(const CLI::App& app, const std::string& name) {
+  for (const CLI::Option* option : app.get_options({})) {
+    if (option->check_name(name)) return option;
+  }
+  return nullptr;
+}
+
+}  // namespace
+
+std::optional<std::string> unknown_word(const CLI::App& app, const std::vector<std::string>& words) {
+  const CLI::App* command = &app;
+  std::string name = app.get_name();
+  for (std::size_t i = 1; i < words.size(); ++i) {
+    if (command->get_prefix_command()) return std::nullopt;  // what follows is another program's
+    const std::string& word = words[i];
+    if (word == "--") return std::nullopt;
+    if (word.starts_with("--")) {
+      const std::string option_name = word.substr(0, word.find('='));
+      const CLI::Option* option = option_of(*command, option_name);
+      if (option == nullptr) {
+        return name + ": '" + option_name + "' is no option of it, expected " +
+               common::known_names_text(option_name, option_names(*command));
+      }
+      if (option->get_items_expected_max() > 0 && word.find('=') == std::string::npos) ++i;  // its value
+      continue;
+    }
+    const std::vector<std::string> commands = command_names(*command);
+    if (commands.empty() || word.starts_with('-')) continue;
+    if (std::find(commands.begin(), commands.end(), word) == commands.end()) {
+      return name + ": '" + word + "' is no command of it, expected " + common::known_names_text(word, commands);
+    }
+    command = command->get_subcommand(word);
+    name += ' ' + word;
+  }
+  return std::nullopt;
+}
+
+}  // namespace slewlab::tools

@@ -1,0 +1,22 @@
+// The extension module slewlab._core: the C++ core as Python sees it. What a user calls stands in tools/python/package.
+
+#include <nanobind/nanobind.h>
+#include <nanobind/stl/string.h>
+
+#include "common/input_error.h"
+#include "msgs/log_writer.h"
+#include "tools/python/core/bindings.h"
+
+namespace nb = nanobind;
+
+NB_MODULE(_core, m) {
+  using namespace slewlab;
+  m.doc() = "The C++ core of slewlab. Use the package `slewlab`, which is documented.";
+  m.attr("__version__") = SLEWLAB_VERSION;
+  nb::exception<common::InputError>(m, "InputError", PyExc_ValueError);
+  nb::exception<msgs::LogError>(m, "LogError", PyExc_RuntimeError);
+  tools::bind_machine(m);
+  tools::bind_run(m);
+  tools::bind_log(m);
+  tools::bind_yaml(m);
+}

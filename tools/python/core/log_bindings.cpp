@@ -1,0 +1,75 @@
+#include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <algorithm>
+#include <slewlab_msgs/fields.hpp>
+
+#include "msgs/messages.h"
+#include "msgs/run_table.h"
+#include "tools/python/core/bindings.h"
+#include "tools/python/core/tables.h"
+
+namespace nb = nanobind;
+
+namespace slewlab::tools {
+namespace {
+
+template <class Message>
+void add_signals(nb::dict& channels, const char* channel) {
+  nb::dict fields;
+  msgs::visit_fields(Message{}, [&](const char* name, const char* unit, const auto&) { fields[name] = unit; });
+  channels[channel] = fields;
+}
+
+nb::dict signals() {
+  nb::dict channels;
+  add_signals<msgs::Encoder>(channels, msgs::kEncoderChannel);
+  add_signals<msgs::Torque>(channels, msgs::kTorqueChannel);
+  add_signals<msgs::Operator>(channels, msgs::kOperatorChannel);
+  add_signals<msgs::Sensors>(channels, msgs::kSensorsChannel);
+  add_signals<msgs::Truth>(channels, msgs::kTruthChannel);
+  add_signals<msgs::ControllerState>(channels, msgs::kControllerStateChannel);
+  add_signals<msgs::PlantStatus>(channels, msgs::kPlantStatusChannel);
+  return channels;
+}
+
+std::string_view channel_of(const msgs::ChannelTable& table) { return msgs::wire_messages()[table.channel].channel; }
+
+// A channel's rows, all of them.
+RowBytes read_channel(const msgs::RunTables& run, const std::string& channel) {
+  std::vector<bool> asked(run.tables().size(), false);
+  for (std::size_t t = 0; t < asked.size(); ++t) asked[t] = channel_of(run.tables()[t]) == channel;
+  std::vector<std::uint8_t> rows;
+  {
+    const nb::gil_scoped_release release;
+    run.read(asked, {[&](std::size_t, std::size_t, msgs::Bytes bytes) { rows.insert(rows.end(), bytes.begin(), bytes.end()); }, [] {}});
+  }
+  return row_bytes(std::move(rows));
+}
+
+}  // namespace
+
+void bind_log(nb::module_& m) {
+  m.def("signals", &signals, "{channel: {field: unit}} of every message of the wire; \"-\" where a field has no unit.");
+  nb::class_<msgs::RunTables>(m, "LogTables", "The longest run of a log, a table per channel.")
+      .def(nb::init<std::filesystem::path>(), nb::arg("path"), nb::call_guard<nb::gil_scoped_release>())
+      .def_prop_ro("remarks", &msgs::RunTables::remarks, "What could not be used, one line each.")
+      .def_prop_ro("channels",
+                   [](const msgs::RunTables& run) {
+                     std::vector<std::string> names;
+                     for (const msgs::ChannelTable& table : run.tables()) names.emplace_back(channel_of(table));
+                     return names;
+                   })
+      .def("layout",
+           [](const msgs::RunTables& run, const std::string& channel) {
+             for (const msgs::ChannelTable& table : run.tables()) {
+               if (channel_of(table) == channel) return layout_of(table);
+             }
+             throw nb::key_error(channel.c_str());
+           },
+           nb::arg("channel"))
+      .def("rows", &read_channel, nb::arg("channel"));
+}
+
+}  // namespace slewlab::tools

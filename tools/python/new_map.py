@@ -1,0 +1,197 @@
+"""Writes an import map to begin with (docs/import.md) out of the header of the data: `slewlab new map MAP.yaml --data FILE.csv`.
+
+What a column is, its unit and its sign are guessed, and every guess is marked as one. The map is one that `slewlab check`
+takes; a signal for which no column was found has a name to be replaced.
+"""
+
+import csv
+import re
+import signal
+import sys
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from arguments import ArgumentParser
+from unit import factor_to_si, quantity_of
+
+ROWS_LOOKED_AT = 20_000
+
+# Signal: quantities of its unit, words of its name; of the first that fits, the column with most words in its name.
+SIGNALS = {
+    "time": (("time",), ("time", "zeit", "timestamp", "stamp", "date")),
+    "shaft_position": (("angle", "length"), ("position", "pos", "encoder", "enc", "angle", "winkel", "weg")),
+    "shaft_speed": (("angular speed", "speed"), ("speed", "velocity", "vel", "drehzahl", "rpm")),
+    "motor_torque": (("torque", "force"), ("torque", "moment", "drehmoment", "force", "kraft")),
+    "tip_acceleration": (("acceleration",), ("tip", "spitze")),
+    "middle_acceleration": (("acceleration",), ("middle", "mid", "mitte")),
+    "pivot_acceleration": (("acceleration",), ("pivot", "heel")),
+    "house_acceleration": (("acceleration",), ("house", "cabin", "cab")),
+    "slew_angle": (("angle",), ("slew", "gyro", "yaw", "heading")),
+    "speed_request": (("number",), ("request", "joystick", "lever", "setpoint", "reference", "ref")),
+    "emergency_stop": ((), ("emergency", "estop", "stop")),
+}
+NEEDED = {"time": "s", "shaft_position": "rad", "shaft_speed": "rad/s", "motor_torque": "N m"}
+OTHER_SPELLINGS = {"nm": "N m", "knm": "kN m", "degree": "deg", "degrees": "deg", "sec": "s", "seconds": "s", "1/min": "rpm", "u/min": "rpm",
+                   "percent": "%", "g": None}
+
+
+def words_of(name):
+    bare = re.sub(r"[\[(].*?[\])]", " ", name)
+    bare = re.sub(r"([a-z])([A-Z])", r"\1 \2", bare)
+    return [word for word in re.split(r"[^a-z0-9]+", bare.lower()) if word]
+
+
+def unit_in(name):
+    """The unit that a column's name says, in brackets or behind the last underscore."""
+    found = re.search(r"[\[(]([^\])]+)[\])]", name)
+    said = found.group(1) if found else re.split(r"[_ ]", name)[-1]
+    for spelling in (said, OTHER_SPELLINGS.get(said.replace(" ", "").lower())):
+        if spelling and quantity_of(spelling) and (found or spelling != "-"):
+            return spelling
+    return None
+
+
+def score(wanted, name, unit):
+    """How well a column fits a signal: 0 not at all."""
+    quantities, words = SIGNALS[wanted]
+    quantity = quantity_of(unit) if unit else None
+    if quantity and quantities and quantity not in quantities:
+        return 0
+    hits = sum(word in words for word in words_of(name))
+    if wanted == "time" and name.strip().lower() == "t":
+        hits += 1
+    known = 1 if quantity and quantity in quantities and wanted in ("time", "shaft_position", "shaft_speed", "motor_torque") else 0
+    return 2 * hits + known if hits else known
+
+
+def guess(names):
+    """{signal: (column, unit or None)}; every column once, the best fit first."""
+    units = {name: unit_in(name) for name in names}
+    fits = sorted(((score(wanted, name, units[name]), -place, wanted, name) for wanted in SIGNALS for place, name in enumerate(names)),
+                  reverse=True)
+    found = {}
+    for how_well, _, wanted, name in fits:
+        if how_well > 0 and wanted not in found and name not in (column for column, _ in found.values()):
+            found[wanted] = (name, units[name])
+    return found
+
+
+def layout(path):
+    """Separator, decimal comma and lines above the header of a CSV."""
+    with open(path, encoding="utf-8-sig", newline="") as stream:
+        lines = [stream.readline() for _ in range(20)]
+    separator = max(";\t,", key=lambda each: max((line.count(each) for line in lines), default=0))
+    widest = max(line.count(separator) for line in lines)
+    skip = next(i for i, line in enumerate(lines) if line.count(separator) == widest)
+    numbers = lines[skip + 1] if skip + 1 < len(lines) else ""
+    return separator, "," if separator != "," and re.search(r"\d,\d", numbers) else ".", skip
+
+
+def read_beginning(path):
+    if path.suffix == ".parquet":
+        return pd.read_parquet(path).head(ROWS_LOOKED_AT), ""
+    separator, decimal, skip = layout(path)
+    table = pd.read_csv(path, sep=separator, decimal=decimal, skiprows=skip, nrows=ROWS_LOOKED_AT, skipinitialspace=True, encoding="utf-8-sig")
+    table.columns = [str(name).strip() for name in table.columns]
+    said = {"\t": "tab"}.get(separator, separator)
+    if (separator, decimal, skip) == (",", ".", 0):
+        return table, ""
+    return table, f'csv: {{separator: "{said}", decimal: "{decimal}", skip_lines: {skip}}}\n'
+
+
+def signs_agree(table, position, speed):
+    """Whether the speed is the position's, and not its negative; None where the data do not show it."""
+    try:
+        moved, fast = np.diff(table[position].to_numpy(float)), table[speed].to_numpy(float)[1:]
+    except (ValueError, TypeError):
+        return None
+    both = np.isfinite(moved) & np.isfinite(fast)
+    if both.sum() < 3 or np.std(moved[both]) == 0.0 or np.std(fast[both]) == 0.0:
+        return None
+    correlation = np.corrcoef(moved[both], fast[both])[0, 1]
+    return None if abs(correlation) < 0.3 else bool(correlation > 0.0)
+
+
+def quoted(name):
+    return '"' + name.replace("\\", "\\\\").replace('"', '\\"') + '"'
+
+
+def map_text(path):
+    table, csv_line = read_beginning(path)
+    names = [str(name) for name in table.columns]
+    found = guess(names)
+    lines = [f"# An import map for {path.name} (docs/import.md). What is marked as a guess is one: look at each.",
+             "#", f"#   slewlab import --map THIS_FILE {path.name}", "kind: import_map", f"description: replace by what {path.name} records", ""]
+    if csv_line:
+        lines.append(csv_line + "")
+
+    def entry(name, more=()):
+        column, unit = found.get(name, (f"REPLACE_{name}", None))
+        remarks = []
+        if name not in found:
+            remarks.append("no column was found")
+        else:
+            remarks.append("guess: column, by its name" + (" and unit" if unit else ""))
+        parts = [f"column: {quoted(column)}"]
+        if name != "emergency_stop":
+            if not unit:
+                unit = NEEDED.get(name, {"tip": "m/s^2", "mid": "m/s^2", "piv": "m/s^2", "hou": "m/s^2", "sle": "rad"}.get(name[:3], "-"))
+                remarks.append("guess: unit, the usual one")
+            parts.append(f"unit: {quoted(unit)}")
+        return parts + list(more), "; ".join(remarks)
+
+    parts, remark = entry("time")
+    if "time" in found and not pd.api.types.is_numeric_dtype(table[found["time"][0]]):
+        parts[1], remark = "unit: datetime", remark + "; guess: dates"
+    lines += [f"# {remark}", f"time: {{{', '.join(parts)}}}", ""]
+    lines.append("# One entry per motor group. ratio: motor turns per turn of the axis on which the column stands, where that is not the motor.")
+    for name in ("shaft_position", "shaft_speed", "motor_torque"):
+        if name == "shaft_speed" and name not in found:
+            lines += [f"{name}:", "  - {derive: central_difference}   # no column was found: from the position"]
+            continue
+        more, sign = [], "guess: sign 1"
+        if name == "shaft_speed" and "shaft_position" in found:
+            agree = signs_agree(table, found["shaft_position"][0], found["shaft_speed"][0])
+            if agree is not None:
+                sign = "guess: sign, " + ("the position's" if agree else "against the position")
+                more = [] if agree else ["sign: -1"]
+        unit = found.get(name, (None, None))[1]
+        if unit and any(factor_to_si(quantity, unit) is not None for quantity in ("length", "speed", "force")):
+            more.append('metres_per_radian: {value: 1, unit: m, source: "REPLACE: travel per radian of the motor shaft"}')
+        parts, remark = entry(name, more)
+        lines += [f"{name}:", f"  # {remark}; {sign}", f"  - {{{', '.join(parts)}}}"]
+    lines.append("")
+    for name in list(SIGNALS)[4:]:
+        if name in found:
+            parts, remark = entry(name)
+            lines += [f"# {remark}", f"{name}: {{{', '.join(parts)}}}"]
+    used = {column for column, _ in found.values()}
+    unused = [name for name in names if name not in used]
+    if unused:
+        lines += ["", "# Columns that are not used: " + ", ".join(unused)]
+    return "\n".join(lines) + "\n"
+
+
+def main(arguments=None):
+    parser = ArgumentParser(prog="slewlab new map", description="An import map to begin with, from the header of the data.")
+    parser.add_argument("map", type=Path, help="the map to write; never over one that is there")
+    parser.add_argument("--data", type=Path, required=True, help="CSV with a line of column names, or Parquet")
+    options = parser.parse_args(arguments)
+    if options.map.exists():
+        print(f"{options.map}: found a file that is there, expected another name: nothing is overwritten", file=sys.stderr)
+        return 2
+    try:
+        text = map_text(options.data)
+    except (OSError, ValueError, StopIteration, csv.Error) as problem:
+        print(f"{options.data}: not readable as a table: {problem}", file=sys.stderr)
+        return 2
+    options.map.write_text(text, encoding="utf-8")
+    print(f"{options.map}: written; look at the guesses, then: slewlab check {options.map}")
+    return 0
+
+
+if __name__ == "__main__":
+    signal.signal(signal.SIGPIPE, signal.SIG_DFL)
+    sys.exit(main())

@@ -1,0 +1,23 @@
+"""slewlab in Python: machines, scenarios and logs, with the C++ core in this process.
+
+>>> import slewlab
+>>> scenario = slewlab.Scenario(slewlab.config("scenarios/thesis_slew.yaml"), {"crane.load.mass": "60 t"})
+>>> run = scenario.run()
+>>> run["SENSORS"].tip_acceleration.abs().max()  # [m/s^2]
+
+SI units throughout. A table carries its units in `table.attrs["units"]`, {column: unit}.
+"""
+
+from ._core import Answer, Encoder, InputError, LogError, Mode, Operator, __version__
+from .control import Margins, StateSpace, margins
+from .figures import overview
+from .files import check, config, values
+from .findings import Cause, Diagnosis, diagnose
+from .machine import Machine
+from .scenario import Controller, ProgramFailed, Run, Scenario
+from .sweep import measures, monte_carlo, sweep
+from .tables import Log, factor, open_log
+
+__all__ = ["Answer", "Cause", "Controller", "Diagnosis", "Encoder", "InputError", "Log", "LogError", "Machine", "Margins",
+           "Mode", "Operator", "ProgramFailed", "Run", "Scenario", "StateSpace", "__version__", "check", "config", "diagnose",
+           "factor", "margins", "measures", "monte_carlo", "open_log", "overview", "sweep", "values"]

@@ -1,0 +1,68 @@
+"""slewlab's own files, and what stands in a file of a user's: read by the C++ core alone."""
+
+import os
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import pandas as pd
+
+from . import _core
+
+Changes = Mapping[str, Any]
+
+
+def home() -> Path:
+    """The folder that holds config/: of a wheel the package itself, of a build the source tree, of an installation
+    PREFIX/share/slewlab; $SLEWLAB_HOME before all of them."""
+    package = Path(__file__).resolve().parent
+    places = [package]
+    pointer = package.parents[1] / "slewlab_home"  # CMake leaves it in the build's folder
+    if pointer.is_file():
+        places.append((package.parents[1] / pointer.read_text().strip()).resolve())
+    places += [parent / "share" / "slewlab" for parent in package.parents]
+    if os.environ.get("SLEWLAB_HOME"):
+        places = [Path(os.environ["SLEWLAB_HOME"])]
+    for place in places:
+        if (place / "config").is_dir():
+            return place
+    raise FileNotFoundError(f"no folder config in {', '.join(map(str, places))}; name its folder in SLEWLAB_HOME")
+
+
+def config(name: str = "") -> Path:
+    """A file of those that come with slewlab: config("cranes/thesis.yaml")."""
+    path = home() / "config" / name
+    if not path.exists():
+        known = [str(each.relative_to(path.parent)) for each in sorted(path.parent.glob("*.yaml"))]
+        raise FileNotFoundError(f"{path}: expected {_core.known_names_text(path.name, known)}")
+    return path
+
+
+def text_of(value: Any) -> str:
+    """A value of `changes` as a file would have it: 60, "60 t", True, [1, 2]."""
+    if isinstance(value, bool):
+        return "true" if value else "false"
+    if isinstance(value, (list, tuple)):
+        return "[" + ", ".join(map(text_of, value)) + "]"
+    if isinstance(value, (int, str, Path)):
+        return str(value)
+    return repr(float(value))
+
+
+def pairs(changes: Changes | None) -> list[tuple[str, str]]:
+    return [(key, text_of(value)) for key, value in (changes or {}).items()]
+
+
+def check(path: str | Path, changes: Changes | None = None) -> list[str]:
+    """What `slewlab check` warns of, one line each. Raises InputError, one line per problem, where a run would refuse it."""
+    problems, warnings = _core.check(path, pairs(changes))
+    if problems:
+        raise _core.InputError("\n".join(problems))
+    return warnings
+
+
+def values(path: str | Path, changes: Changes | None = None) -> pd.DataFrame:
+    """Every value of a file, what it includes and what is changed: key as the index, value as it is written, unit, source,
+    file and line."""
+    rows = _core.file_values(path, pairs(changes))
+    return pd.DataFrame(rows, columns=["key", "value", "unit", "source", "file", "line"]).set_index("key")

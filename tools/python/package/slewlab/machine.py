@@ -1,0 +1,70 @@
+from pathlib import Path
+
+import pandas as pd
+
+from . import _core
+from .control import StateSpace
+from .files import Changes, check, pairs, values
+
+
+class Machine:
+    """A crane or an axis as its file describes it. `changes` are laid over the file: {"load.mass": "60 t"}; a bare number is
+    in SI, and only where the file's own unit is."""
+
+    def __init__(self, path: str | Path, changes: Changes | None = None) -> None:
+        self.path, self.changes = Path(path), dict(changes or {})
+        self._core = _core.Machine(self.path, pairs(changes))
+
+    def changed(self, changes: Changes) -> "Machine":
+        """The same machine with more changes."""
+        return Machine(self.path, self.changes | dict(changes))
+
+    def check(self) -> list[str]:
+        """What is possible and yet unlikely of it, one line each. InputError where a run would refuse it."""
+        return check(self.path, self.changes)
+
+    @property
+    def values(self) -> pd.DataFrame:
+        """Every value of its file with unit and source."""
+        return values(self.path, self.changes)
+
+    @property
+    def kind(self) -> str:
+        """crane or axis"""
+        return self._core.kind
+
+    @property
+    def group_count(self) -> int:
+        """motor groups"""
+        return self._core.group_count
+
+    @property
+    def motors_per_group(self) -> int:
+        return self._core.motors_per_group
+
+    @property
+    def total_ratio(self) -> float:
+        """turns of the motor per turn of the axis"""
+        return self._core.total_ratio
+
+    @property
+    def rated_torque(self) -> float:
+        """[Nm] of one motor, T100"""
+        return self._core.rated_torque
+
+    @property
+    def top_speed(self) -> float:
+        """[rad/s] of the axis"""
+        return self._core.top_speed
+
+    def modes(self, *, gears_closed: bool = True, elements: int | None = None) -> list[_core.Mode]:
+        """Modes of the linear machine, rising frequencies. `elements`: of the boom, in place of the file's own."""
+        return self._core.modes(gears_closed, elements)
+
+    def state_space(self, *, gears_closed: bool = True, elements: int | None = None) -> StateSpace:
+        """The linear machine: torque per motor of each group to what sensors show."""
+        made = self._core.state_space(gears_closed, elements)
+        return StateSpace(made.a, made.b, made.c, made.d, dict(made.states), dict(made.inputs), dict(made.outputs))
+
+    def __repr__(self) -> str:
+        return f"<Machine {self.path}{' with ' + str(self.changes) if self.changes else ''}>"

@@ -1,0 +1,99 @@
+"""Many runs of one scenario, side by side, as one table with a row per run."""
+
+import itertools
+import os
+import sys
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import Any
+
+import numpy as np
+import pandas as pd
+
+from .scenario import CHANNELS, Controller, Run, Scenario
+
+Measure = Callable[[Run], Mapping[str, float]]
+
+UNITS = {"peak_tip_acceleration": "m/s^2", "peak_house_acceleration": "m/s^2", "largest_sidelead": "rad",
+         "largest_motor_torque": "N m", "play_crossings": "-", "end_angle": "rad"}
+
+
+def measures(run: Run) -> dict[str, float]:
+    """What is asked of a run first: peaks of the accelerations, sidelead, motor torque, crossings of the play, where it ends.
+    Of a run without a channel, what that one tells is left out."""
+    found: dict[str, float] = {}
+    if "SENSORS" in run:
+        sensors = run.messages("SENSORS")
+        found["peak_tip_acceleration"] = float(np.abs(sensors["tip_acceleration"]).max())
+        found["peak_house_acceleration"] = float(np.abs(sensors["house_acceleration"]).max())
+        found["end_angle"] = float(sensors["slew_angle"][-1])
+    if "TRUTH" in run:
+        truth = run.messages("TRUTH")
+        found["largest_sidelead"] = float(np.abs(truth["rope_angle"]).max())
+        found["play_crossings"] = float(truth["play_crossings"][-1].sum())
+    if "TORQUE" in run:
+        found["largest_motor_torque"] = float(np.abs(run.messages("TORQUE")["motor_torque"]).max())
+    return found
+
+
+class ProgressBar:
+    """On standard error, where that is a terminal."""
+
+    def __init__(self, total: int, wanted: bool | None) -> None:
+        self.total, self.wanted = total, sys.stderr.isatty() if wanted is None else wanted
+
+    def show(self, done: int) -> None:
+        if not self.wanted:
+            return
+        filled = 40 * done // max(self.total, 1)
+        sys.stderr.write(f"\r[{'#' * filled}{'.' * (40 - filled)}] {done} of {self.total} runs" + ("\n" if done == self.total else ""))
+        sys.stderr.flush()
+
+
+def run_all(scenario: Scenario, cases: Sequence[Mapping[str, Any]], measure: Measure, channels: Iterable[str],
+            controller: Callable[[], Controller] | None, threads: int | None, progress: bool | None) -> pd.DataFrame:
+    bar = ProgressBar(len(cases), progress)
+    channels = list(channels)
+
+    def one(case: Mapping[str, Any]) -> Mapping[str, float]:
+        return measure(scenario.changed(case).run(None if controller is None else controller(), channels=channels))
+
+    found = []
+    with ThreadPoolExecutor(threads or os.cpu_count() or 1) as pool:
+        try:
+            bar.show(0)
+            for number, result in enumerate(pool.map(one, cases), 1):
+                found.append(result)
+                bar.show(number)
+        except BaseException:
+            pool.shutdown(cancel_futures=True)
+            raise
+    table = pd.DataFrame([dict(case) | dict(result) for case, result in zip(cases, found, strict=True)])
+    table.index.name = "run"
+    table.attrs["units"] = {name: unit for name, unit in UNITS.items() if name in table}
+    return table
+
+
+def sweep(scenario: Scenario, over: Mapping[str, Sequence[Any]], *, measure: Measure = measures, channels: Iterable[str] = CHANNELS,
+          controller: Callable[[], Controller] | None = None, threads: int | None = None, progress: bool | None = None) -> pd.DataFrame:
+    """Every combination of the values: {"crane.boom.angle": ["40 deg", "60 deg"], "crane.load.mass": ["10 t", "30 t"]}.
+
+    A row per run, in the order of the values, the last key's first: what was set, then what `measure` finds. `controller`
+    makes a callable for each run. `channels`: fewer make it faster. `threads`: as many as there are processors. The rows do
+    not depend on it.
+    """
+    cases = [dict(zip(over, values, strict=True)) for values in itertools.product(*over.values())]
+    return run_all(scenario, cases, measure, channels, controller, threads, progress)
+
+
+def monte_carlo(scenario: Scenario, draw: Mapping[str, Callable[[np.random.Generator], Any]], runs: int, *, seed: int,
+                measure: Measure = measures, channels: Iterable[str] = CHANNELS,
+                controller: Callable[[], Controller] | None = None, threads: int | None = None,
+                progress: bool | None = None) -> pd.DataFrame:
+    """`runs` runs with values drawn anew: {"crane.load.mass": lambda random: f"{random.uniform(10, 40)} t"}. The same seed
+    draws the same values, and the first runs of a longer table are those of a shorter one."""
+    cases = []
+    for number in range(runs):
+        random = np.random.default_rng([seed, number])
+        cases.append({key: value(random) for key, value in draw.items()})
+    return run_all(scenario, cases, measure, channels, controller, threads, progress)

@@ -1,0 +1,104 @@
+"""Messages as tables: a row per message, indexed by simulated time [s], arrays as columns name_1, name_2, ..., units in
+`table.attrs["units"]`."""
+
+from collections.abc import Iterator
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+
+from . import _core
+
+HEAD = ("sequence", "simulated_time", "configuration_hash", "run_identity")  # of every message
+
+
+def factor(unit: str, to: str) -> float:
+    """What a number in `unit` is multiplied by to be one in `to`: factor("deg", "rad")."""
+    return _core.factor(unit, to)
+
+
+def dtype_of(layout: tuple) -> np.dtype:
+    fields, row_bytes = layout
+    return np.dtype({"names": [name for name, _, _, _ in fields],
+                     "formats": [kind if count is None else (kind, (count,)) for _, kind, count, _ in fields],
+                     "offsets": [offset for _, _, _, offset in fields], "itemsize": row_bytes})
+
+
+def frame(channel: str, messages: np.ndarray, head: bool = False) -> pd.DataFrame:
+    """`head`: with sequence number, configuration and run as columns."""
+    units_of = _core.signals()[channel]
+    columns: dict[str, np.ndarray] = {}
+    units: dict[str, str] = {}
+    for name in messages.dtype.names:
+        if name in HEAD and not (head and name != "simulated_time"):
+            continue
+        values = messages[name]
+        if values.ndim == 1:
+            columns[name], units[name] = values, units_of[name]
+            continue
+        for entry in range(values.shape[1]):
+            columns[f"{name}_{entry + 1}"] = values[:, entry]
+            units[f"{name}_{entry + 1}"] = units_of[name]
+    table = pd.DataFrame(columns, index=pd.Index(messages["simulated_time"] * 1e-9, name="time"))
+    table.attrs["units"] = units | {"time": "s"}
+    table.attrs["channel"] = channel
+    return table
+
+
+class Channels:
+    """Tables by the name of their channel, made when they are asked for."""
+
+    def __init__(self) -> None:
+        self._frames: dict[str, pd.DataFrame] = {}
+
+    @property
+    def channels(self) -> list[str]:
+        raise NotImplementedError
+
+    def messages(self, channel: str) -> np.ndarray:
+        """The channel's messages as one structured array, a field per message field."""
+        raise NotImplementedError
+
+    def require(self, channel: str) -> None:
+        if channel not in self.channels:
+            raise KeyError(f"no {channel} here, expected {_core.known_names_text(channel, self.channels)}")
+
+    def __getitem__(self, channel: str) -> pd.DataFrame:
+        if channel not in self._frames:
+            self._frames[channel] = frame(channel, self.messages(channel))
+        return self._frames[channel]
+
+    def __contains__(self, channel: str) -> bool:
+        return channel in self.channels
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.channels)
+
+
+class Log(Channels):
+    """The longest run of a log. `remarks` says what of the file could not be used."""
+
+    def __init__(self, path: str | Path) -> None:
+        super().__init__()
+        path = Path(path)
+        if path.is_dir():
+            path = path / "run.lcmlog" if (path / "run.lcmlog").exists() else path / "run.lcmlog.partial"
+        self.path = path
+        self._tables = _core.LogTables(path)
+        self.remarks: list[str] = self._tables.remarks
+
+    @property
+    def channels(self) -> list[str]:
+        return self._tables.channels
+
+    def messages(self, channel: str) -> np.ndarray:
+        self.require(channel)
+        return self._tables.rows(channel).view(dtype_of(self._tables.layout(channel)))
+
+    def __repr__(self) -> str:
+        return f"<Log {self.path}: {', '.join(self.channels)}>"
+
+
+def open_log(path: str | Path) -> Log:
+    """A log, or the folder of a run. Raises LogError where it cannot be read or holds no run."""
+    return Log(path)
