@@ -74,7 +74,14 @@ std::string run_facts(const sim::Scenario& scenario,
   }
   facts["machine"] = machine_facts(scenario.crane);
   facts["half_play"] = sim::gear_contact(crane).half_play;
-  if (crane.boom.length > 0.0) facts["tip_radius"] = crane.boom.pivot_radius + crane.boom.length * std::cos(crane.boom.angle);
+  if (crane.boom.length > 0.0) {
+    facts["tip_radius"] = crane.boom.pivot_radius + crane.boom.length * std::cos(crane.boom.angle);
+    facts["geometry"] = {{"pivot_radius", crane.boom.pivot_radius},
+                         {"boom_length", crane.boom.length},
+                         {"boom_angle", crane.boom.angle},
+                         {"rope_length", crane.load.rope_length},
+                         {"rod_length", crane.load.rod_length}};
+  }
   facts["plant_step"] = static_cast<double>(scenario.plant_step) / kNanosecondsPerSecond;
   facts["controller_period"] = static_cast<double>(scenario.controller_period) / kNanosecondsPerSecond;
   facts["duration"] = static_cast<double>(scenario.duration) / kNanosecondsPerSecond;

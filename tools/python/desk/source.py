@@ -1,0 +1,153 @@
+"""Where signals come from: a recorded log, a log that is still being written, or the bus. Each fills a store."""
+
+import json
+import struct
+from pathlib import Path
+
+import numpy as np
+
+from run_log import LogProblem, message_types
+from run_numbers import read_run
+from desk.store import Store
+
+# What the desk looks at of each channel.
+USED = {
+    "OPERATOR": ("speed_request", "emergency_stop", "acknowledge"),
+    "ENCODER": ("shaft_speed", "shaft_position"),
+    "TORQUE": ("motor_torque", "enable", "brake"),
+    "CONTROLLER_STATE": ("mode", "ramped_speed", "average_torque", "offset_torque"),
+    "SENSORS": ("house_acceleration", "pivot_acceleration", "middle_acceleration", "tip_acceleration", "slew_angle"),
+    "TRUTH": ("gearbox_torque", "gear_deflection", "house_speed", "tip_displacement", "rope_angle", "rod_angle"),
+    "PLANT_STATUS": ("drive_state", "trip_cause", "trip_time", "stale_commands", "missed_deadlines"),
+}
+WHOLE = 1 << 24  # [samples] of a recorded log's channel that are kept one by one: more than four hours at 1 kHz
+
+EVENT = struct.Struct(">IqqII")  # LCM's event format: sync word, number, time stamp [us], lengths of channel and data
+SYNC = 0xEDA1DA01
+LONGEST_CHANNEL = 63  # [bytes] that LCM allows
+LARGEST_MESSAGE = 1 << 20  # [bytes]
+
+
+def fill(store, channel, messages):
+    """Structured messages of one channel into the store."""
+    fields = [field for field in USED.get(channel, ()) if field in messages.dtype.names]
+    store.append(channel, messages["simulated_time"] / 1e9, {field: messages[field] for field in fields})
+
+
+class Recorded:
+    """A log that is complete, or was broken off."""
+
+    is_live = False
+
+    def __init__(self, place):
+        run = read_run(place)
+        self.name, self.facts, self.remarks, self.path = run.name, run.facts, run.log.remarks, run.log.path
+        self.store = Store(WHOLE)
+        for stretch in run.log.stretches(*[name for name in USED if run.log.has(name)]):
+            for channel, messages in stretch.items():
+                fill(self.store, channel, messages)
+        if not np.isfinite(self.store.last):
+            raise LogProblem(f"{run.log.path}: nothing in it that could be drawn")
+
+    def poll(self):
+        return False
+
+
+KINDS = {"boolean": "?", "int8_t": "i1", "int16_t": ">i2", "int32_t": ">i4", "int64_t": ">i8", "float": ">f4", "double": ">f8"}
+FINGERPRINT = 8  # [bytes] in front of every message
+
+
+class Decoder:
+    """Many messages of one channel at once: all that are as long as the first have its array counts."""
+
+    def __init__(self, message_class, sample):
+        message = message_class.decode(sample)
+        names, types = ["fingerprint"], [">u8"]
+        for name, kind, dimensions in zip(message.__slots__, message.__typenames__, message.__dimensions__):
+            names.append(name)
+            count = None if dimensions is None else getattr(message, dimensions[0])
+            types.append(KINDS[kind] if count is None else (KINDS[kind], (count,)))
+        self.dtype = np.dtype({"names": names, "formats": types})
+        self.size, self.fingerprint = len(sample), sample[:FINGERPRINT]
+
+    def decode(self, messages):
+        fitting = [data for data in messages if len(data) == self.size and data[:FINGERPRINT] == self.fingerprint]
+        return np.frombuffer(b"".join(fitting), self.dtype)
+
+
+class Incoming:
+    """Events as they come, into a store: of one run, the one that was heard last."""
+
+    def __init__(self, store):
+        self.store, self.decoders, self.identity = store, {}, None
+        types = message_types()
+        self.classes = {channel: getattr(types, f"{channel.lower()}_t") for channel in USED}
+
+    def take(self, events):
+        """`events`: (channel, data), in their order."""
+        waiting = {}
+        for channel, data in events:
+            if channel in self.classes:
+                waiting.setdefault(channel, []).append(data)
+        for channel, messages in waiting.items():
+            if channel not in self.decoders:
+                try:
+                    self.decoders[channel] = Decoder(self.classes[channel], messages[0])
+                except (ValueError, struct.error):
+                    continue  # no message: a bit turned over on its way
+            rows = self.decoders[channel].decode(messages)
+            if self.identity is None and len(rows):
+                self.identity = rows["run_identity"][0]
+            fill(self.store, channel, rows[rows["run_identity"] == self.identity])
+        return bool(waiting)
+
+
+class Growing:
+    """The log of a run that is under way, PATH or PATH.partial."""
+
+    is_live = True
+    MOST_AT_ONCE = 1 << 22  # [bytes]
+
+    def __init__(self, path, name=None):
+        self.path, self.name, self.facts, self.remarks = Path(path), name or Path(path).resolve().parent.name, {}, []
+        self.store = Store()
+        self.incoming, self.file, self.rest = Incoming(self.store), None, b""
+
+    def poll(self):
+        """Takes what has been written since; whether there was anything."""
+        if self.file is None:
+            for path in (self.path, self.path.with_name(self.path.name + ".partial")):
+                if path.is_file():
+                    self.file = path.open("rb")
+                    break
+            else:
+                return False
+        if not self.facts:
+            self._read_facts()
+        data = self.rest + self.file.read(self.MOST_AT_ONCE)
+        events, self.rest = parse_events(data)
+        return self.incoming.take(events)
+
+    def _read_facts(self):
+        path = self.path.parent / "run.json"
+        if path.is_file():
+            self.facts = json.loads(path.read_text())
+
+
+def parse_events(data):
+    """(channel, bytes) of the whole events in `data`, and the rest that is none yet. Damage is skipped."""
+    events, place, size = [], 0, len(data)
+    while place + EVENT.size <= size:
+        sync, _, _, channel, length = EVENT.unpack_from(data, place)
+        if sync != SYNC or channel > LONGEST_CHANNEL or length > LARGEST_MESSAGE:
+            place = data.find(SYNC.to_bytes(4, "big"), place + 1)
+            if place < 0:
+                return events, data[-3:]
+            continue
+        begin = place + EVENT.size
+        end = begin + channel + length
+        if end > size:
+            break
+        events.append((data[begin:begin + channel].decode("ascii", "replace"), data[begin + channel:end]))
+        place = end
+    return events, data[place:]
