@@ -74,6 +74,7 @@ void add_run(CLI::App& app, const std::vector<std::string>& command_line, Action
   command->add_flag("--realtime", options->run.realtime, "against the wall clock instead of in lockstep");
   command->add_option("--speed", options->run.speed, "with --realtime: simulated seconds per second")
       ->check(CLI::PositiveNumber);
+  command->add_flag("--steered", options->run.steered, "by lines on standard input, as slewlab desk steers a run (docs/desk.md)");
   command->add_option("--progress", options->run.progress, "auto, lines or none")
       ->transform(CLI::CheckedTransformer(modes));
   command->callback([options, &command_line, &action] {

@@ -142,13 +142,14 @@ struct Outcome {
 // Both sides from their start to their end.
 class Run {
  public:
-  Run(ChildProcess& plant, ChildProcess& controller, ProgressDisplay& display, const Signals& signals)
-      : plant_(plant), controller_(controller), display_(display), signals_(signals) {}
+  Run(ChildProcess& plant, ChildProcess& controller, ProgressDisplay& display, const Signals& signals, bool steered)
+      : plant_(plant), controller_(controller), display_(display), signals_(signals), listens_(steered) {}
 
   Outcome watch() {
     while (true) {
       wait(std::chrono::milliseconds{1000});
       read_output();
+      pass_steering_on();
       while (const auto number = signals_.next()) {
         if (*number != SIGCHLD) {
           outcome_.kind = Outcome::Kind::interrupted;
@@ -206,8 +207,28 @@ class Run {
     read_output();
   }
 
+  // What the desk says, to the plant; the desk's end is told, and the plant brings the crane to rest.
+  void pass_steering_on() {
+    pollfd input{STDIN_FILENO, POLLIN, 0};
+    if (!listens_ || ::poll(&input, 1, 0) <= 0) return;
+    char bytes[4096];
+    const ssize_t count = ::read(STDIN_FILENO, bytes, sizeof bytes);
+    if (count < 0) return;
+    if (count == 0) {
+      listens_ = false;
+      plant_.tell("lost");
+      return;
+    }
+    unfinished_.append(bytes, static_cast<std::size_t>(count));
+    for (std::size_t end; (end = unfinished_.find('\n')) != std::string::npos;) {
+      plant_.tell(unfinished_.substr(0, end));
+      unfinished_.erase(0, end + 1);
+    }
+  }
+
   void wait(std::chrono::milliseconds patience) {
     pollfd fds[] = {{signals_.fd(), POLLIN, 0},
+                    {listens_ ? STDIN_FILENO : -1, POLLIN, 0},
                     {plant_.output_fd(), POLLIN, 0},
                     {plant_.complaint_fd(), POLLIN, 0},
                     {controller_.output_fd(), POLLIN, 0},
@@ -219,6 +240,9 @@ class Run {
     plant_.read_output([this](const std::string& line) {
       if (line.rfind("summary ", 0) == 0) {
         plant_summary_ = Json::parse(line.substr(8), nullptr, false);
+      } else if (line.rfind("steering ", 0) == 0) {
+        std::printf("%s\n", line.c_str());
+        std::fflush(stdout);
       } else if (line == "controller kill") {
         controller_.kill();
         killed_on_purpose_ = true;
@@ -243,6 +267,8 @@ class Run {
   ChildProcess& controller_;
   ProgressDisplay& display_;
   const Signals& signals_;
+  bool listens_;            // to what a desk says on standard input
+  std::string unfinished_;  // line of it
   Outcome outcome_;
   Json plant_summary_ = nullptr;
   bool killed_on_purpose_ = false;  // the controller, by the scenario
@@ -353,6 +379,13 @@ int run_in(const fs::path& folder, const RunOptions& options, const std::string&
     plant_options.command.insert(plant_options.command.end(), {"--realtime", "--speed", speed});
   }
 
+  if (options.steered) {
+    plant_options.command.push_back("--steered");
+    RunOutcome under_way;  // for whoever looks on
+    under_way.end = "under way";
+    write_run_facts(folder, scenario, controller_settings, under_way);
+  }
+
   const Signals signals;
   ChildProcess controller(controller_options);
   ChildProcess plant(plant_options);
@@ -361,7 +394,7 @@ int run_in(const fs::path& folder, const RunOptions& options, const std::string&
               controller.pid(), bus.c_str());
   std::fflush(stdout);
   ProgressDisplay display(options.progress, name);
-  Run run(plant, controller, display, signals);
+  Run run(plant, controller, display, signals, options.steered);
   const Outcome outcome = run.watch();
   display.keep();
 

@@ -29,6 +29,7 @@ struct RunOptions {
   std::vector<common::Override> overrides;
   bool realtime = false;                    // against the wall clock
   double speed = 1.0;                       // simulated seconds per second, with realtime
+  bool steered = false;                     // by lines on standard input (sim/drive/steering.h), in place of the scenario's operator
   Progress progress = Progress::automatic;  // on a terminal one line that changes, else a line now and then
 };
 

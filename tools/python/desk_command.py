@@ -1,5 +1,6 @@
 """Opens the desk: a page on which a run is watched, steered and scrubbed (docs/desk.md).
 
+    slewlab desk SCENARIO            runs it; who opens the page has the joystick in place of the scenario's operator
     slewlab desk LOG [OTHER_LOG]     a recorded log, or two against each other
 """
 
@@ -8,13 +9,16 @@ import asyncio
 import contextlib
 import signal
 import sys
+from pathlib import Path
 
 from run_log import LogProblem
 from desk.access import Access
 from desk.server import Desk
 from desk.source import Recorded
+from desk.steered_run import SteeredRun
 
 DEFAULT_PORT = 0  # any that is free
+LONGEST = 3600.0  # [s] of simulated time that a steered run may take, where nothing else is said
 
 
 async def serve_until_told(desk, host, port):
@@ -36,32 +40,59 @@ async def serve_until_told(desk, host, port):
             await following
 
 
-def main(arguments):
+def parsed(arguments):
     parser = argparse.ArgumentParser(prog="slewlab desk", description="Watch, steer and scrub: a page of a running scenario or a log")
-    parser.add_argument("subject", metavar="LOG", nargs="+", help="log or folder of a run; two are drawn over each other")
+    parser.add_argument("subject", metavar="SCENARIO|LOG", nargs="+",
+                        help="scenario (.yaml) to run and steer, or log or folder of a run; two logs are drawn over each other")
     parser.add_argument("--host", default="127.0.0.1", help="address to serve on (127.0.0.1); elsewhere than on loopback everybody needs a token")
     parser.add_argument("--port", type=int, default=DEFAULT_PORT, help="port to serve on (any that is free)")
+    parser.add_argument("--out", type=Path, help="folder for steered runs (runs/desk_<scenario>)")
+    parser.add_argument("--duration", type=float, default=LONGEST, help=f"[s] of simulated time that a steered run may take ({LONGEST:g})")
+    parser.add_argument("--controller", help="shell command of your own controller, as of slewlab run")
+    parser.add_argument("--realtime", action="store_true", help="against the wall clock instead of in lockstep")
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="over the scenario's files, as of slewlab run")
     options = parser.parse_args(arguments)
-    if len(options.subject) > 2:
-        parser.error("one log, or two to compare")
+    options.is_scenario = Path(options.subject[0]).suffix in (".yaml", ".yml")
+    if len(options.subject) > (1 if options.is_scenario else 2):
+        parser.error("one scenario, one log, or two logs to compare")
+    if not options.duration > 0:
+        parser.error("--duration: a positive number of seconds is wanted")
+    return options
+
+
+def main(arguments):
+    options = parsed(arguments)
     try:
-        sources = [Recorded(subject) for subject in options.subject]
+        asyncio.run(open_desk(options))
     except LogProblem as problem:
         print(problem, file=sys.stderr)
         return 1
-    for source in sources:
-        for remark in source.remarks:
-            print(remark, file=sys.stderr)
-    try:
-        asyncio.run(serve(sources, options))
     except OSError as error:
-        print(f"slewlab desk: cannot serve on {options.host} port {options.port}: {error.strerror or error}", file=sys.stderr)
+        print(f"slewlab desk: {options.host} port {options.port}: {error.strerror or error}", file=sys.stderr)
         return 1
     return 0
 
 
-async def serve(sources, options):
-    await serve_until_told(Desk(sources, Access(options.host)), options.host, options.port)
+async def open_desk(options):
+    access = Access(options.host)
+    if options.is_scenario:
+        scenario = Path(options.subject[0])
+        more = [word for change in options.set for word in ("--set", change)]
+        more += ["--controller", options.controller] if options.controller else []
+        run = SteeredRun(scenario, options.out or Path("runs") / f"desk_{scenario.stem}", options.duration, more, options.realtime)
+        desk = Desk([await run.start()], access, run)
+        try:
+            await serve_until_told(desk, options.host, options.port)
+        finally:
+            await run.end()
+            for words in run.words:
+                print(words)
+        return
+    sources = [Recorded(subject) for subject in options.subject]
+    for source in sources:
+        for remark in source.remarks:
+            print(remark, file=sys.stderr)
+    await serve_until_told(Desk(sources, access), options.host, options.port)
 
 
 if __name__ == "__main__":

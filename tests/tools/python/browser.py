@@ -38,9 +38,12 @@ class Browser:
         self.profile.cleanup()
 
     def open(self, address, width=1400, height=900, dark=False):
-        request = urllib.request.Request(f"http://127.0.0.1:{self.port}/json/new?about:blank", method="PUT")
-        target = json.load(urllib.request.urlopen(request, timeout=PATIENCE))
-        page = BrowserPage(target)
+        """A page in a window of its own: none is hidden by another."""
+        version = json.load(urllib.request.urlopen(f"http://127.0.0.1:{self.port}/json/version", timeout=PATIENCE))
+        with connect(version["webSocketDebuggerUrl"]) as socket:
+            socket.send(json.dumps({"id": 1, "method": "Target.createTarget", "params": {"url": "about:blank", "newWindow": True}}))
+            target = json.loads(socket.recv(timeout=PATIENCE))["result"]["targetId"]
+        page = BrowserPage(target, f"ws://127.0.0.1:{self.port}/devtools/page/{target}")
         page.call("Page.enable")
         page.call("Runtime.enable")
         page.size(width, height, dark)
@@ -54,9 +57,9 @@ class Browser:
 
 
 class BrowserPage:
-    def __init__(self, target):
-        self.target, self.numbers = target["id"], itertools.count(1)
-        self.socket = contextlib.ExitStack().enter_context(connect(target["webSocketDebuggerUrl"], max_size=1 << 26))
+    def __init__(self, target, address):
+        self.target, self.numbers = target, itertools.count(1)
+        self.socket = contextlib.ExitStack().enter_context(connect(address, max_size=1 << 26))
         self.complaints = []  # exceptions and refusals that the page's console holds
 
     def call(self, method, **parameters):

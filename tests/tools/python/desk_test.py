@@ -1,5 +1,6 @@
 """The desk in a headless Chromium."""
 
+import json
 import os
 import re
 import signal
@@ -8,8 +9,13 @@ import tempfile
 import unittest
 from pathlib import Path
 
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+from websockets.sync.client import connect
+
 import made_run
 from browser import PATIENCE, Browser
+from desk.source import parse_events
+from run_log import REPOSITORY, read_run_log, seconds
 
 SLEWLAB = Path(os.environ["SLEWLAB_PYTHON_MESSAGES"]).parent / "bin" / "slewlab"
 
@@ -30,6 +36,25 @@ class DeskProcess:
         self.process.send_signal(signal.SIGTERM)
         self.process.wait(PATIENCE)
         self.process.stdout.close()
+
+
+HEAD_BEFORE_HASHES, HEAD = 24, 40  # [bytes] fingerprint, sequence, time; configuration hash and run identity
+
+
+def messages(log):
+    """(channel, bytes without the two hashes of the configuration) of a log."""
+    events, rest = parse_events(Path(log).read_bytes())
+    assert rest == b""
+    return [(channel, data[:HEAD_BEFORE_HASHES] + data[HEAD:]) for channel, data in events]
+
+
+def origin_is_refused(address, origin):
+    """Whether a WebSocket from a page of that origin is turned away, with 403."""
+    try:
+        with connect(address.replace("http:", "ws:").split("#")[0] + "socket", origin=origin):
+            return False
+    except InvalidStatus as refusal:
+        return refusal.response.status_code == 403
 
 
 class DeskTest(unittest.TestCase):
@@ -61,6 +86,152 @@ class DeskTest(unittest.TestCase):
             # Played ten times as fast from 15 s on, it comes to its end at 20 s and stops there.
             page.value("document.getElementById('rate').value = '20', desk.play(true)")
             page.until("!desk.playing && Math.abs(desk.at - 20) < 0.001")
+
+    def pull(self, page, share):
+        """The lever by the mouse, and held there."""
+        x, y, width = page.middle("#lever")
+        page.mouse("mousePressed", x, y)
+        page.mouse("mouseMoved", x + share * (width / 2 - 27), y)
+
+    def steered(self, *more):
+        return DeskProcess(REPOSITORY / "config" / "scenarios" / "thesis_slew.yaml", "--out", self.folder / "runs", *more)
+
+    def speed_up(self, page):
+        """Ten times as fast as the clock: what is waited for comes soon, and reactions still fall into the same second."""
+        page.value("desk.send({type: 'speed', speed: 10})")
+
+    def state(self, page, words):
+        page.until(f"document.querySelector('header').innerText.includes({json.dumps(words)})")
+
+    def test_what_the_operator_did_is_done_again_to_the_bit(self):
+        with self.steered() as desk:
+            page = self.open(desk.address)
+            self.assertIn("Take the joystick", page.value("document.body.innerText"))
+            page.click("#take")
+            page.until("desk.steering.mine")
+            self.speed_up(page)
+            self.pull(page, 0.5)
+            page.until("document.getElementById('facts').innerText.includes('request\\n50 %')")
+            self.state(page, "controller running")
+            page.mouse("mouseReleased", *page.middle("#lever")[:2])
+            page.until("document.getElementById('facts').innerText.includes('request\\n0 %')")
+            page.key("keyDown", "ArrowRight", "ArrowRight")  # the lever by a key, held until it is at its end
+            page.until("document.getElementById('request').textContent === '1.00'")
+            page.until("document.getElementById('facts').innerText.includes('request\\n100 %')")
+            page.click("#stop")
+            self.state(page, "controller emergency stop")
+            page.key("keyUp", "ArrowRight", "ArrowRight")
+            page.click("#fault_some_torque")
+            page.until("document.getElementById('fault_some_torque').checked && desk.steering.faultsOn.some_torque")
+            moved = page.value("desk.at")
+            page.until(f"desk.at > {moved} + 2")
+            page.click("#fault_some_torque")
+            page.until("!desk.steering.faultsOn.some_torque")
+            page.click("#save")
+            page.until("document.getElementById('notice').textContent.startsWith('written: ')")
+        folder = self.folder / "runs" / "1"
+        again = self.folder / "again"
+        run = subprocess.run([SLEWLAB, "run", folder / "steered.yaml", "--out", again], stdin=subprocess.DEVNULL, capture_output=True,
+                             text=True, timeout=PATIENCE)
+        self.assertEqual(run.returncode, 0, run.stdout + run.stderr)
+        recorded, repeated = messages(folder / "run.lcmlog"), messages(again / "run.lcmlog")
+        self.assertEqual(len(recorded), len(repeated))
+        self.assertTrue(recorded == repeated, "a message differs")
+        operator = read_run_log(folder / "run.lcmlog").channel("OPERATOR")
+        self.assertIn(0.5, operator["speed_request"])
+        self.assertIn(1.0, operator["speed_request"])
+        self.assertTrue(operator["emergency_stop"].any())
+        status = read_run_log(folder / "run.lcmlog").channel("PLANT_STATUS")
+        self.assertGreater(status["stale_commands"][-1], 0)  # of the fault
+
+    def test_a_trip_is_said_in_words_and_acknowledged_at_rest(self):
+        with self.steered() as desk:
+            page = self.open(desk.address)
+            page.click("#take")
+            page.until("desk.steering.mine")
+            self.speed_up(page)
+            page.click("#fault_silence")
+            self.state(page, "drive braked")  # tripped, and at rest at once
+            self.assertIn("no command came from the controller in time", page.value("document.getElementById('trip').innerText"))
+            page.click("#fault_silence")
+            page.until("!desk.steering.faultsOn.silence")
+            x, y, _ = page.middle("#acknowledge")
+            page.mouse("mousePressed", x, y)
+            self.state(page, "drive running")
+            page.mouse("mouseReleased", x, y)
+            page.until("document.getElementById('trip').hidden")
+
+    def test_one_page_has_the_joystick_and_its_end_lets_go(self):
+        with self.steered() as desk:
+            first, second = self.open(desk.address), self.open(desk.address)
+            first.click("#take")
+            second.until("document.getElementById('take').disabled")
+            self.assertIn("Another page has the joystick", second.value("document.body.innerText"))
+            self.speed_up(first)
+            self.pull(first, 1.0)
+            second.until("document.getElementById('facts').innerText.includes('request\\n100 %')")
+            self.pull(second, -1.0)  # has none
+            self.assertEqual(second.value("desk.steering.request"), 0)
+            self.state(second, "controller running")
+            self.browser.close(first)
+            second.until("document.getElementById('facts').innerText.includes('request\\n0 %')")
+            second.until("document.getElementById('notice').innerText.includes('the page that had the joystick was closed')")
+            self.state(second, "controller stopped")  # the ramp has come to its end
+            second.until("!document.getElementById('take').disabled")
+            second.click("#take")
+            second.until("desk.steering.mine")
+            # A page that is not closed but says no more: its script stands still.
+            self.pull(second, 0.4)
+            second.until("document.getElementById('facts').innerText.includes('request\\n40 %')")
+            second.value("desk.steering.beat = () => {}")
+            second.until("document.getElementById('notice').innerText.includes('nothing was heard')")
+            second.until("document.getElementById('facts').innerText.includes('request\\n0 %')")
+        operator = read_run_log(self.folder / "runs" / "1" / "run.lcmlog").channel("OPERATOR")
+        self.assertEqual(operator["speed_request"][-1], 0.0)
+        encoder = read_run_log(self.folder / "runs" / "1" / "run.lcmlog").channel("ENCODER")
+        self.assertGreater(seconds(encoder)[-1], 1.0)
+
+    def test_a_run_is_paused_and_goes_on_cycle_by_cycle(self):
+        with self.steered() as desk:
+            page = self.open(desk.address)
+            page.click("#pause")
+            self.state(page, "paused")
+            page.until("(async () => { const a = desk.at; await new Promise(r => setTimeout(r, 600)); return desk.at === a; })()")
+            before = page.value("desk.at")
+            page.click("#cycle")
+            # One controller period of the scenario is 10 ms; the log's newest message is the SENSORS at its end.
+            page.until(f"Math.abs(desk.at - {before} - 0.01) < 1e-6")
+            page.click("#pause")
+            page.until(f"desk.at > {before} + 1")
+
+    def test_who_has_no_token_watches_and_a_foreign_page_not_even_that(self):
+        with self.steered() as desk:
+            bare = desk.address.split("#")[0]
+            for address in (bare, bare + "#wrong"):
+                page = self.open(address)
+                self.assertTrue(page.value("document.getElementById('take').disabled && document.getElementById('stop').disabled"))
+                page.value("desk.send({type: 'take'}), desk.send({type: 'stop', pressed: true}), desk.send({type: 'joystick', request: 1})")
+                page.until("document.getElementById('notice').innerText.includes('only watches')")
+            for origin in ("http://evil.example", "null", "http://127.0.0.1:1", "https" + bare[4:-1]):
+                self.assertTrue(origin_is_refused(bare, origin), origin)
+            self.assertFalse(origin_is_refused(bare, bare[:-1]))
+        operator = read_run_log(self.folder / "runs" / "1" / "run.lcmlog").channel("OPERATOR")
+        self.assertEqual(len(operator), 1)
+        self.assertFalse(operator["emergency_stop"].any())
+
+    def test_elsewhere_than_on_loopback_even_who_watches_needs_a_token(self):
+        with DeskProcess(made_run.write_run(self.folder / "a"), "--host", "0.0.0.0") as desk:
+            port = re.search(r":(\d+)/", desk.address).group(1)
+            token = desk.address.split("#")[1]
+            for given, may in ((None, False), ("wrong", False), (token, True)):
+                with connect(f"ws://127.0.0.1:{port}/socket") as socket:
+                    socket.send(json.dumps({"token": given}))
+                    try:
+                        socket.send(json.dumps({"type": "layout"}))
+                        answer = json.loads(socket.recv(PATIENCE))["type"]
+                    except ConnectionClosed as closed:
+                        answer = closed.rcvd.code
+                self.assertEqual(answer, "layout" if may else 4401)
 
 
 if __name__ == "__main__":

@@ -33,7 +33,7 @@ class Access:
         name = urlsplit(f"//{asked_host or ''}").hostname or ""
         if self.is_local and not is_loopback(name):
             return f"this desk is on loopback; it is not called '{name}'"  # a name that was bent to this address
-        if origin is not None and urlsplit(origin).netloc != asked_host:
+        if origin is not None and origin != f"http://{asked_host}":
             return f"the page comes from {origin}, and this desk only serves its own"
         return None
 

@@ -48,14 +48,14 @@ def charts(facts, store):
             *([series("TRUTH.house_speed", "axis" if is_axis else "house", 1.0, "house")] if ratio else [])]},
         {"title": "motor torque", "unit": "% of T100" if rated else "N m per motor", "series": [
             *[series(f"TORQUE.motor_torque.{g}", f"group {g + 1}", share, g, held=True) for g in groups],
-            *([series("compensation.high", "compensation, upper", share, "band", held=True),
-               series("compensation.low", "compensation, lower", share, "band", held=True, band=True)]
+            *([series("compensation.high", "compensation, upper", share, "band", held=True, dash=True),
+               series("compensation.low", "compensation, lower", share, "band", held=True, dash=True, band=True)]
               if facts.get("play_compensation", True) else [])]},
         {"title": "gearbox torque", "unit": "kN m on the axis" if is_axis else "MN m on the slew axis", "series": [
             series(f"TRUTH.gearbox_torque.{g}", f"gearbox {g + 1}", 1e-3 if is_axis else 1e-6, g) for g in groups]},
         {"title": "acceleration, lateral", "unit": "m/s²", "series": [
             series("SENSORS.tip_acceleration", "tip", 1.0, 0), series("SENSORS.middle_acceleration", "middle", 1.0, 1),
-            series("SENSORS.pivot_acceleration", "pivot", 1.0, 2), series("SENSORS.house_acceleration", "house", 1.0, "house")]},
+            series("SENSORS.pivot_acceleration", "pivot", 1.0, 3), series("SENSORS.house_acceleration", "house", 1.0, "house")]},
         {"title": "sidelead (swing of the load across the boom)", "unit": "°", "series": [
             series("TRUTH.rope_angle", "rope", 180.0 / np.pi, 0), series("TRUTH.rod_angle", "load", 180.0 / np.pi, 1)]},
         {"title": "angle of the axis" if is_axis else "slew angle", "unit": machine.get("position_unit", "rad") if is_axis else "°", "series": [

@@ -37,6 +37,7 @@ POLICY = "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline
 POLL = 0.02          # [s] between two looks at a growing log
 STILL = 0.25         # [s] after which a page that waits for something new is answered all the same
 HELLO_PATIENCE = 10  # [s] until a connection has to say who it is
+GONE = "the page that had the joystick was closed or is out of sight"
 MOST_PIXELS = 4096
 MOST_SIGNALS = 200
 LARGEST_REQUEST = 1 << 16  # [bytes]
@@ -58,7 +59,7 @@ class Desk:
     def __init__(self, sources, access, run=None):
         self.sources, self.access, self.run = sources, access, run
         self.joystick, self.pages = Joystick(), set()
-        self.news = asyncio.Condition()
+        self.news, self.restarting = asyncio.Condition(), False
 
     @property
     def is_live(self):
@@ -70,13 +71,24 @@ class Desk:
             had_news = False
             for source in self.sources:
                 had_news = source.poll() or had_news
-            if self.run is not None:
+            if self.run is not None and not self.restarting:
                 self.joystick.expire(time.monotonic())
-                await self.run.operate(self.joystick)
+                self.run.operate(self.joystick)
             if had_news:
                 async with self.news:
                     self.news.notify_all()
             await asyncio.sleep(POLL)
+
+    async def start_anew(self):
+        """The run ends and another begins from rest: what is recorded from here stands in a folder of its own."""
+        if self.restarting:
+            return
+        self.restarting = True
+        try:
+            await self.run.end()
+            self.sources[0] = await self.run.start()
+        finally:
+            self.restarting = False
 
     def answer_http(self, connection, request):
         """websockets' process_request: files by HTTP, None for a WebSocket that is let in."""
@@ -102,7 +114,7 @@ class Desk:
             pass
         finally:
             self.pages.discard(page)
-            self.joystick.give_back(page, "the page that had the joystick was closed")
+            self.joystick.give_back(page, GONE)
 
     def start(self, host, port):
         return serve(self.serve_page, host, port, process_request=self.answer_http, max_size=LARGEST_REQUEST,
@@ -226,11 +238,13 @@ class Page:
             if not joystick.take(self, now):
                 await self.say({"type": "refused", "why": "another page has the joystick"})
         elif kind == "give":
-            joystick.give_back(self)
+            joystick.give_back(self, GONE if request.get("hidden") else "")
         elif kind == "joystick":
             joystick.move(self, round(number(request["request"], -1.0, 1.0), 3), now)
             if joystick.holder is self:
                 joystick.acknowledge = bool(request.get("acknowledge"))
+        elif kind == "anew":
+            await self.desk.start_anew()
         elif kind == "stop":  # whoever may steer may stop, with or without the joystick
             joystick.stop = bool(request["pressed"])
         else:

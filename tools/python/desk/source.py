@@ -80,6 +80,7 @@ class Incoming:
 
     def __init__(self, store):
         self.store, self.decoders, self.identity = store, {}, None
+        self.moves = []  # OPERATOR as it is on the wire: (time [ns], request, emergency stop, acknowledge)
         types = message_types()
         self.classes = {channel: getattr(types, f"{channel.lower()}_t") for channel in USED}
 
@@ -98,7 +99,10 @@ class Incoming:
             rows = self.decoders[channel].decode(messages)
             if self.identity is None and len(rows):
                 self.identity = rows["run_identity"][0]
-            fill(self.store, channel, rows[rows["run_identity"] == self.identity])
+            rows = rows[rows["run_identity"] == self.identity]
+            if channel == "OPERATOR":
+                self.moves += zip(*(rows[field].tolist() for field in ("simulated_time", "speed_request", "emergency_stop", "acknowledge")))
+            fill(self.store, channel, rows)
         return bool(waiting)
 
 

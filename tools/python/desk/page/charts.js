@@ -2,7 +2,9 @@
 // value of every column of pixels, so that no peak is lost and drawing costs what the screen has, not what the log has.
 "use strict";
 
-const CHART_HEIGHT = 150;  // [px] as .plot in desk.css
+const CHART_HEIGHT = 150, SPECTRUM_HEIGHT = 210;  // [px] as .plot in desk.css
+const DECADES = [3.2, 1.5];  // of a spectrum that are shown below and above its peak; the modes' names stand above it
+const MARK_SPACING = 12;  // [px] that the names of two modes need
 
 function colour(name) {
   return getComputedStyle(document.documentElement).getPropertyValue(`--${typeof name === "number" ? "c" + (name % 8) : name}`).trim();
@@ -22,7 +24,8 @@ class Chart {
     this.lines = lines;
     this.hooks = hooks;
     this.element = document.createElement("div");
-    this.element.className = "chart";
+    this.element.className = description.isSpectrum ? "chart spectrum" : "chart";
+    this.height = description.isSpectrum ? SPECTRUM_HEIGHT : CHART_HEIGHT;
     const heading = document.createElement("h2");
     heading.textContent = description.title + " ";
     const unit = document.createElement("small");
@@ -51,8 +54,8 @@ class Chart {
   begin() {
     const axis = {stroke: () => colour("faint"), grid: {stroke: () => colour("grid"), width: 1}, ticks: {stroke: () => colour("line"), width: 1}, font: "11px system-ui, Arial, sans-serif"};
     const options = {
-      width: this.width(), height: CHART_HEIGHT, legend: {show: false}, cursor: {drag: {x: true, y: false, setScale: false}, points: {show: false}, sync: {key: "desk"}},
-      scales: {x: this.description.isSpectrum ? {distr: 3} : {time: false}, y: this.description.isSpectrum ? {distr: 3} : {range: (plot, low, high) => this.range(low, high)}},
+      width: this.width(), height: this.height, legend: {show: false}, cursor: {drag: {x: true, y: false, setScale: false}, points: {show: false}, sync: {key: "desk"}},
+      scales: {x: this.description.isSpectrum ? {distr: 3} : {time: false}, y: this.description.isSpectrum ? {distr: 3, range: (plot, low, high) => high > 0 ? [high / 10 ** DECADES[0], high * 10 ** DECADES[1]] : [1e-3, 1]} : {range: (plot, low, high) => this.range(low, high)}},
       axes: [{...axis, size: 28, values: (plot, ticks) => ticks.map((tick) => tick === null ? "" : String(+tick.toPrecision(9)))},
              {...axis, size: 58, values: (plot, ticks) => ticks.map((tick) => tick === null ? "" : String(+tick.toPrecision(4)))}],
       series: [{}, ...this.lines.map((line) => ({stroke: () => colour(line.colour), width: line.thin ? 1 : 1.3, dash: line.dash ? [5, 4] : undefined, spanGaps: true, points: {show: false},
@@ -72,7 +75,7 @@ class Chart {
 
   width() { return Math.max(120, Math.floor(this.place.clientWidth || 300)); }
 
-  resize() { if (this.plot.width !== this.width()) this.plot.setSize({width: this.width(), height: CHART_HEIGHT}); }
+  resize() { if (this.plot.width !== this.width()) this.plot.setSize({width: this.width(), height: this.height}); }
 
   clicked(plot, event) {
     if (!this.description.isSpectrum) this.hooks.seek(plot.posToVal(event.clientX - plot.over.getBoundingClientRect().left, "x"));
@@ -89,13 +92,19 @@ class Chart {
     const context = plot.ctx, box = plot.bbox;
     context.save();
     context.beginPath(); context.rect(box.left, box.top, box.width, box.height); context.clip();
+    context.textAlign = "right";
+    context.textBaseline = "alphabetic";
+    let named = -Infinity;
     for (const mark of this.description.marks ?? []) {
       const x = plot.valToPos(mark.at, "x", true);
+      if (x < box.left || x > box.left + box.width) continue;
       context.strokeStyle = colour("grey"); context.setLineDash([4, 4]); context.lineWidth = devicePixelRatio;
       context.beginPath(); context.moveTo(x, box.top); context.lineTo(x, box.top + box.height); context.stroke();
       context.setLineDash([]);
+      if (x - named < MARK_SPACING * devicePixelRatio) continue;
+      named = x;
       context.fillStyle = colour("faint"); context.font = `${10 * devicePixelRatio}px system-ui, Arial, sans-serif`;
-      context.save(); context.translate(x - 3 * devicePixelRatio, box.top + box.height - 4 * devicePixelRatio); context.rotate(-Math.PI / 2); context.fillText(mark.label, 0, 0); context.restore();
+      context.save(); context.translate(x - 3 * devicePixelRatio, box.top + 3 * devicePixelRatio); context.rotate(-Math.PI / 2); context.fillText(mark.label, 0, 0); context.restore();
     }
     if (this.cursor !== null) {
       const x = plot.valToPos(this.cursor, "x", true);

@@ -125,8 +125,12 @@ class CranePicture {
       context.fillRect(middle + place - tooth / 2, top, tooth, size);
       context.fillStyle = colour("text");
       const torque = crane.pose.gear_torques[group];
-      context.fillText(`gearbox ${group + 1}: ${touching ? "on its " + (deflection > 0 ? "driving" : "other") + " flank" : "free"}`, 6, top - 4);
-      if (torque !== null && torque !== undefined) context.fillText(`${(torque * 1e-6).toFixed(3)} MN m`, width - 78, top - 4);
+      context.fillText(`${group + 1}: ${touching ? (deflection > 0 ? "+" : "−") + " flank" : "free"}`, 6, top - 4);
+      if (torque !== null && torque !== undefined) {
+        context.textAlign = "right";
+        context.fillText(`${(torque * 1e-6).toFixed(3)} MN m`, width - 6, top - 4);
+        context.textAlign = "left";
+      }
     });
   }
 }

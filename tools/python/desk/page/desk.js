@@ -62,7 +62,7 @@ class Desk {
     else if (message.type === "refused") this.notice(message.why);
     else if (message.type === "told") this.notice(message.text);
     else if (message.type === "nothing yet") {
-      this.steering.update(message.run ?? null, this.layout?.may_steer);
+      this.showRun(message.run);
       this.asked = false;
       setTimeout(() => this.ask(), 200);
     }
@@ -74,7 +74,7 @@ class Desk {
     const sources = layout.sources, first = sources[0];
     by("name").textContent = sources.map((source) => source.name).join(" against ");
     document.title = `slewlab desk: ${by("name").textContent}`;
-    this.badge("connection", layout.live ? "live" : "recorded", "good");
+    if (!layout.steered) this.badge("connection", layout.live ? "live" : "recorded", "good");
     by("live").hidden = !layout.live;
     by("comparison").hidden = sources.length < 2;
     by("play").hidden = layout.live;
@@ -197,7 +197,7 @@ class Desk {
     this.showState(header);
     by("scrub").value = this.at;
     by("clock").textContent = `${header.at.toFixed(3)} s of ${this.last.toFixed(1)} s`;
-    this.steering.update(header.run ?? null, this.layout.may_steer);
+    this.showRun(header.run);
     this.drawn += 1;
     if (this.playing) {
       const now = performance.now();
@@ -206,6 +206,14 @@ class Desk {
       if (this.at >= this.last) { this.at = this.last; this.play(false); }
     }
     if (this.playing || this.following || this.again) this.ask();
+  }
+
+  showRun(run) {
+    this.steering.update(run ?? null, this.layout.may_steer);
+    if (!run) return;
+    this.badge("connection", run.ended ? "run ended" : run.paused ? "paused" : "live", run.ended || run.paused ? "warn" : "good");
+    const words = [run.why, run.lost && `The lever was let go: ${run.lost}; the crane ramps down.`].filter(Boolean).join(" · ");
+    if (words !== this.runWords) { this.runWords = words; this.notice(words); }
   }
 
   showState(header) {

@@ -42,7 +42,7 @@ class Steering {
     addEventListener("keydown", (event) => this.key(event, true));
     addEventListener("keyup", (event) => this.key(event, false));
     addEventListener("blur", () => this.letGo());
-    document.addEventListener("visibilitychange", () => { if (document.hidden) { this.letGo(); if (this.mine) this.send({type: "give"}); } });
+    document.addEventListener("visibilitychange", () => { if (document.hidden) { this.letGo(); if (this.mine) this.send({type: "give", hidden: true}); } });
     setInterval(() => this.beat(), BEAT);
   }
 
@@ -120,6 +120,7 @@ class Steering {
   update(run, maySteer) {
     const section = document.getElementById("steering");
     section.hidden = !run;
+    document.getElementById("stop").hidden = !run;
     if (!run) return;
     const had = this.mine;
     this.mine = run.joystick === "yours";
@@ -138,5 +139,32 @@ class Steering {
     by("cycle").disabled ||= !run.paused;
     if (document.activeElement !== by("pace")) by("pace").value = String(run.speed);
     this.lever.classList.toggle("off", !this.mine);
+    for (const id of ["pause", "cycle"]) by(id).hidden = !run.lockstep;
+    by("pace").parentElement.hidden = !run.lockstep;
+    this.updateFaults(run.faults, maySteer && !run.ended);
+  }
+
+  updateFaults(faults, enabled) {
+    const place = document.getElementById("switches"), names = faults.map((fault) => fault.name).join();
+    if (names !== this.faultNames) {
+      this.faultNames = names;
+      const set = document.createElement("fieldset"), legend = document.createElement("legend");
+      legend.textContent = "faults";
+      set.append(legend, ...faults.map((fault) => {
+        const label = document.createElement("label"), box = document.createElement("input");
+        box.type = "checkbox";
+        box.id = `fault_${fault.name}`;
+        box.addEventListener("change", () => this.send({type: "fault", name: fault.name, on: box.checked}));
+        label.append(box, fault.label);
+        return label;
+      }));
+      place.replaceChildren(set);
+    }
+    for (const fault of faults) {
+      const box = document.getElementById(`fault_${fault.name}`);
+      box.disabled = !enabled;
+      if (box.checked !== fault.on && this.faultsOn?.[fault.name] !== fault.on) box.checked = fault.on;
+    }
+    this.faultsOn = Object.fromEntries(faults.map((fault) => [fault.name, fault.on]));
   }
 }
