@@ -2,6 +2,8 @@
 
     slewlab desk SCENARIO            runs it; who opens the page has the joystick in place of the scenario's operator
     slewlab desk LOG [OTHER_LOG]     a recorded log, or two against each other
+    slewlab desk LOG --follow        a log that is still being written
+    slewlab desk --bus URL           whatever is said on a bus
 """
 
 import argparse
@@ -14,7 +16,7 @@ from pathlib import Path
 from run_log import LogProblem
 from desk.access import Access
 from desk.server import Desk
-from desk.source import Recorded
+from desk.source import Bus, Difference, Growing, Recorded
 from desk.steered_run import SteeredRun
 
 DEFAULT_PORT = 0  # any that is free
@@ -42,8 +44,11 @@ async def serve_until_told(desk, host, port):
 
 def parsed(arguments):
     parser = argparse.ArgumentParser(prog="slewlab desk", description="Watch, steer and scrub: a page of a running scenario or a log")
-    parser.add_argument("subject", metavar="SCENARIO|LOG", nargs="+",
+    parser.add_argument("subject", metavar="SCENARIO|LOG", nargs="*",
                         help="scenario (.yaml) to run and steer, or log or folder of a run; two logs are drawn over each other")
+    parser.add_argument("--bus", metavar="URL", help="LCM address of a bus to listen to, e.g. udpm://239.255.76.67:7667?ttl=0")
+    parser.add_argument("--run", type=Path, metavar="FOLDER", help="with --bus: a run's folder, whose run.json tells ratios, ratings and geometry")
+    parser.add_argument("--follow", action="store_true", help="LOG, or the run.lcmlog of a folder, is still being written")
     parser.add_argument("--host", default="127.0.0.1", help="address to serve on (127.0.0.1); elsewhere than on loopback everybody needs a token")
     parser.add_argument("--port", type=int, default=DEFAULT_PORT, help="port to serve on (any that is free)")
     parser.add_argument("--out", type=Path, help="folder for steered runs (runs/desk_<scenario>)")
@@ -52,9 +57,12 @@ def parsed(arguments):
     parser.add_argument("--realtime", action="store_true", help="against the wall clock instead of in lockstep")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="over the scenario's files, as of slewlab run")
     options = parser.parse_args(arguments)
-    options.is_scenario = Path(options.subject[0]).suffix in (".yaml", ".yml")
-    if len(options.subject) > (1 if options.is_scenario else 2):
-        parser.error("one scenario, one log, or two logs to compare")
+    options.is_scenario = bool(options.subject) and Path(options.subject[0]).suffix in (".yaml", ".yml")
+    if not (len(options.subject) == 1 or len(options.subject) == 2 and not options.is_scenario and not options.follow
+            or options.bus and not options.subject):
+        parser.error("one scenario, one log, two logs to compare, or --bus is wanted")
+    if options.subject and options.bus:
+        parser.error("--bus listens to a bus alone, without a scenario or a log")
     if not options.duration > 0:
         parser.error("--duration: a positive number of seconds is wanted")
     return options
@@ -88,7 +96,15 @@ async def open_desk(options):
             for words in run.words:
                 print(words)
         return
-    sources = [Recorded(subject) for subject in options.subject]
+    if options.bus:
+        sources = [Bus(options.bus, options.run)]
+    elif options.follow:
+        place = Path(options.subject[0])
+        sources = [Growing(place if place.suffix == ".lcmlog" else place / "run.lcmlog")]
+    else:
+        sources = [Recorded(subject) for subject in options.subject]
+    if len(sources) == 2:
+        sources.append(Difference(*sources))
     for source in sources:
         for remark in source.remarks:
             print(remark, file=sys.stderr)

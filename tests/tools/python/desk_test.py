@@ -87,6 +87,41 @@ class DeskTest(unittest.TestCase):
             page.value("document.getElementById('rate').value = '20', desk.play(true)")
             page.until("!desk.playing && Math.abs(desk.at - 20) < 0.001")
 
+    def test_two_logs_are_drawn_over_each_other_and_as_their_difference(self):
+        other = made_run.messages()
+        for channel, _, message in other:
+            if channel == "TORQUE":
+                message.motor_torque = [value + 25.0 for value in message.motor_torque]  # 10 % of T100
+        first, second = made_run.write_run(self.folder / "a"), made_run.write_run(self.folder / "b", events=other)
+        with DeskProcess(first, second) as desk:
+            page = self.open(desk.address)
+            page.value("desk.seek(15)")
+            values = ("[...[...document.querySelectorAll('.chart')].find(c => c.textContent.startsWith('motor torque'))"
+                      ".querySelectorAll('b')].map(b => Number(b.textContent))")
+            page.until(f"JSON.stringify({values}) === '[-96,12,-86,22]'")
+            page.value("document.getElementById('compare').value = 'difference', "
+                       "document.getElementById('compare').dispatchEvent(new Event('change'))")
+            page.until(f"JSON.stringify({values}) === '[-10,-10]'")
+            self.assertIn("motor torque, difference", page.value("document.body.innerText"))
+
+    def test_a_log_that_grows_is_followed_and_a_bus_is_heard(self):
+        scenario = REPOSITORY / "config" / "scenarios" / "thesis_slew.yaml"
+        # In the tests' own network: nobody else is on the bus.
+        bus = "udpm://239.255.76.67:7667?ttl=0"
+        with DeskProcess("--bus", bus) as desk:
+            page = self.browser.open(desk.address)
+            sides = [subprocess.Popen([SLEWLAB.parent / f"slewlab-{side}", *more, "--bus", bus], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
+                     for side, more in (("controller", ["--config", REPOSITORY / "config" / "controllers" / "thesis.yaml", "--period-ms", "10"]),
+                                        ("plant", ["--scenario", scenario, "--log", self.folder / "run.lcmlog"]))]
+            self.assertEqual(sides[1].wait(PATIENCE), 0)
+            sides[0].terminate()
+            sides[0].wait(PATIENCE)
+            page.until("desk.drawn > 0 && Math.abs(desk.last - 60) < 0.011")  # the scenario's end
+            page.until("document.body.innerText.includes('motor speed')")
+        with DeskProcess(self.folder / "run.lcmlog", "--follow") as desk:
+            page = self.open(desk.address)
+            page.until("Math.abs(desk.last - 60) < 0.011")
+
     def pull(self, page, share):
         """The lever by the mouse, and held there."""
         x, y, width = page.middle("#lever")

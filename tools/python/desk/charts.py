@@ -2,6 +2,8 @@
 
 import numpy as np
 
+from desk.source import HELD
+
 GROUPS = 8  # [-] the most that a machine has
 
 DRIVE_STATES = {0: "ready", 1: "running", 2: "tripped", 3: "braked"}
@@ -79,7 +81,6 @@ def is_there(signal, store):
 # Made of two signals of one channel: mean torque plus and minus half the difference that the play compensation adds.
 DERIVED = {"compensation.high": ("CONTROLLER_STATE.average_torque", "CONTROLLER_STATE.offset_torque"),
            "compensation.low": ("CONTROLLER_STATE.average_torque", "CONTROLLER_STATE.offset_torque")}
-HELD_CHANNELS = ("OPERATOR", "TORQUE", "CONTROLLER_STATE", "PLANT_STATUS")
 
 
 def envelopes(store, signals, first, last, bins):
@@ -89,7 +90,7 @@ def envelopes(store, signals, first, last, bins):
         plain.update(DERIVED.get(signal, (signal,)))
     found = store.envelopes(sorted(plain), first, last, bins)
     for signal, envelope in found.items():
-        if signal.split(".")[0] in HELD_CHANNELS:
+        if signal.split(".")[0] in HELD:
             store.hold(signal, envelope, first, last)
     for signal, sign in (("compensation.high", 1.0), ("compensation.low", -1.0)):
         if signal in signals and all(part in found for part in DERIVED[signal]):

@@ -20,6 +20,7 @@ USED = {
     "TRUTH": ("gearbox_torque", "gear_deflection", "house_speed", "tip_displacement", "rope_angle", "rod_angle"),
     "PLANT_STATUS": ("drive_state", "trip_cause", "trip_time", "stale_commands", "missed_deadlines"),
 }
+HELD = ("OPERATOR", "TORQUE", "CONTROLLER_STATE", "PLANT_STATUS")  # their values stand until the next ones
 WHOLE = 1 << 24  # [samples] of a recorded log's channel that are kept one by one: more than four hours at 1 kHz
 
 EVENT = struct.Struct(">IqqII")  # LCM's event format: sync word, number, time stamp [us], lengths of channel and data
@@ -51,6 +52,57 @@ class Recorded:
 
     def poll(self):
         return False
+
+
+class Difference:
+    """What a first recorded log has more than a second, sample by sample of the first, where both have a signal."""
+
+    is_live = False
+
+    def __init__(self, first, second):
+        self.name, self.facts, self.remarks = f"{first.name} − {second.name}", first.facts, []
+        self.store = Store(WHOLE)
+        for name, channel in first.store.channels.items():
+            other = second.store.channels.get(name)
+            if other is None or other.names != channel.names:
+                continue
+            time, values = channel.samples(*(max(first.store.first, second.store.first), min(first.store.last, second.store.last)))
+            other_time, other_values = other.samples(-np.inf, np.inf)
+            if len(time) == 0 or len(other_time) == 0:
+                continue
+            if name in HELD:
+                at = np.maximum(np.searchsorted(other_time, time, "right") - 1, 0)
+                rows = values - other_values[:, at]
+            else:
+                rows = values - np.stack([np.interp(time, other_time, row) for row in other_values])
+            self.store.append(name, time, {signal.removeprefix(f"{name}."): row for signal, row in zip(channel.names, rows)})
+
+    def poll(self):
+        return False
+
+
+class Bus:
+    """What is said on a bus, as this process hears it (docs/wire.md)."""
+
+    is_live = True
+
+    def __init__(self, address, facts_folder=None):
+        import lcm
+
+        self.name, self.facts, self.remarks = address, {}, []
+        self.store, self.events = Store(), []
+        self.incoming = Incoming(self.store)
+        self.bus = lcm.LCM(address)
+        self.subscription = self.bus.subscribe("|".join(USED), lambda channel, data: self.events.append((channel, data)))
+        self.subscription.set_queue_capacity(0)  # unlimited: by default the newest are dropped
+        if facts_folder is not None:
+            self.facts = json.loads((Path(facts_folder) / "run.json").read_text())
+
+    def poll(self):
+        while self.bus.handle_timeout(0):
+            pass
+        events, self.events = self.events, []
+        return self.incoming.take(events)
 
 
 KINDS = {"boolean": "?", "int8_t": "i1", "int16_t": ">i2", "int32_t": ">i4", "int64_t": ">i8", "float": ">f4", "double": ">f8"}

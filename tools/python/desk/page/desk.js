@@ -72,7 +72,7 @@ class Desk {
     const before = this.layout;
     this.layout = layout;
     const sources = layout.sources, first = sources[0];
-    by("name").textContent = sources.map((source) => source.name).join(" against ");
+    by("name").textContent = sources.slice(0, 2).map((source) => source.name).join(" against ");
     document.title = `slewlab desk: ${by("name").textContent}`;
     if (!layout.steered) this.badge("connection", layout.live ? "live" : "recorded", "good");
     by("live").hidden = !layout.live;
