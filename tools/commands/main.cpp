@@ -315,6 +315,7 @@ int main(const std::vector<std::string>& command_line, int argc, char** argv) {
   add_withhold(app, action);
   add_python(app, "report", "report.py", "Draw a run: a page with pictures and numbers beside its log", action);
   add_python(app, "desk", "desk_command.py", "Watch, steer and scrub: a page of a running scenario or a log", action);
+  add_python(app, "bridge", "bridge.py", "Serve a run's messages to Foxglove, Lichtblick and PlotJuggler while it goes on", action);
   add_python(app, "export", "export.py", "Turn a log into Parquet, CSV or MCAP files", action);
   add_python(app, "import", "import_data.py", "Turn measured CSV or Parquet into a log, by a map of its columns", action);
   try {

@@ -1,5 +1,6 @@
 """Where signals come from: a recorded log, a log that is still being written, or the bus. Each fills a store."""
 
+import functools
 import json
 import struct
 from pathlib import Path
@@ -86,12 +87,12 @@ class Bus:
 
     is_live = True
 
-    def __init__(self, address, facts_folder=None):
+    def __init__(self, address, facts_folder=None, receive=None):
         import lcm
 
         self.name, self.facts, self.remarks = address, {}, []
         self.store, self.events = Store(), []
-        self.incoming = Incoming(self.store)
+        self.incoming = Incoming(receive or functools.partial(fill, self.store))
         self.bus = lcm.LCM(address)
         self.subscription = self.bus.subscribe("|".join(USED), lambda channel, data: self.events.append((channel, data)))
         self.subscription.set_queue_capacity(0)  # unlimited: by default the newest are dropped
@@ -128,10 +129,10 @@ class Decoder:
 
 
 class Incoming:
-    """Events as they come, into a store: of one run, the one that was heard last."""
+    """Events as they come, of one run: the one that was heard first. `receive` gets every channel's rows."""
 
-    def __init__(self, store):
-        self.store, self.decoders, self.identity = store, {}, None
+    def __init__(self, receive):
+        self.receive, self.decoders, self.identity = receive, {}, None
         self.moves = []  # OPERATOR as it is on the wire: (time [ns], request, emergency stop, acknowledge)
         types = message_types()
         self.classes = {channel: getattr(types, f"{channel.lower()}_t") for channel in USED}
@@ -154,7 +155,8 @@ class Incoming:
             rows = rows[rows["run_identity"] == self.identity]
             if channel == "OPERATOR":
                 self.moves += zip(*(rows[field].tolist() for field in ("simulated_time", "speed_request", "emergency_stop", "acknowledge")))
-            fill(self.store, channel, rows)
+            if len(rows):
+                self.receive(channel, rows)
         return bool(waiting)
 
 
@@ -164,20 +166,27 @@ class Growing:
     is_live = True
     MOST_AT_ONCE = 1 << 22  # [bytes]
 
-    def __init__(self, path, name=None):
+    def __init__(self, path, name=None, receive=None):
         self.path, self.name, self.facts, self.remarks = Path(path), name or Path(path).resolve().parent.name, {}, []
         self.store = Store()
-        self.incoming, self.file, self.rest = Incoming(self.store), None, b""
+        self.incoming, self.file, self.rest = Incoming(receive or functools.partial(fill, self.store)), None, b""
+
+    def _open(self):
+        for path in (self.path, self.path.with_name(self.path.name + ".partial")):
+            if self.file is None and path.is_file():
+                self.file = path.open("rb")
+
+    def skip_what_is_there(self):
+        """Only what is written from now on is taken."""
+        self._open()
+        if self.file is not None:
+            self.file.seek(0, 2)
 
     def poll(self):
         """Takes what has been written since; whether there was anything."""
+        self._open()
         if self.file is None:
-            for path in (self.path, self.path.with_name(self.path.name + ".partial")):
-                if path.is_file():
-                    self.file = path.open("rb")
-                    break
-            else:
-                return False
+            return False
         if not self.facts:
             self._read_facts()
         data = self.rest + self.file.read(self.MOST_AT_ONCE)
