@@ -15,6 +15,8 @@ from pathlib import Path
 
 from run_log import LogProblem
 from desk.access import Access
+from desk.diagnosis import Diagnosis
+from desk.gap import Gap
 from desk.server import Desk
 from desk.source import Bus, Difference, Growing, Recorded
 from desk.steered_run import SteeredRun
@@ -49,6 +51,8 @@ def parsed(arguments):
     parser.add_argument("--bus", metavar="URL", help="LCM address of a bus to listen to, e.g. udpm://239.255.76.67:7667?ttl=0")
     parser.add_argument("--run", type=Path, metavar="FOLDER", help="with --bus: a run's folder, whose run.json tells ratios, ratings and geometry")
     parser.add_argument("--follow", action="store_true", help="LOG, or the run.lcmlog of a folder, is still being written")
+    parser.add_argument("--nominal", metavar="MACHINE", help="nominal machine's file: the gap to it is watched while the run goes on")
+    parser.add_argument("--nominal-controller", metavar="FILE", help="with --nominal: the controller's file, for a diagnosis")
     parser.add_argument("--host", default="127.0.0.1", help="address to serve on (127.0.0.1); elsewhere than on loopback everybody needs a token")
     parser.add_argument("--port", type=int, default=DEFAULT_PORT, help="port to serve on (any that is free)")
     parser.add_argument("--out", type=Path, help="folder for steered runs (runs/desk_<scenario>)")
@@ -63,6 +67,8 @@ def parsed(arguments):
         parser.error("one scenario, one log, two logs to compare, or --bus is wanted")
     if options.subject and options.bus:
         parser.error("--bus listens to a bus alone, without a scenario or a log")
+    if options.nominal and not (options.is_scenario or options.bus or options.follow):
+        parser.error("--nominal watches a run that goes on; of a recorded log ask slewlab diagnose")
     if not options.duration > 0:
         parser.error("--duration: a positive number of seconds is wanted")
     return options
@@ -82,17 +88,27 @@ def main(arguments):
 
 
 async def open_desk(options):
-    access = Access(options.host)
+    access, diagnosis, watch = Access(options.host), None, None
+    if options.nominal:
+        stem = Path(options.subject[0]).stem if options.subject else "bus"
+        diagnosis = Diagnosis(options.nominal, options.nominal_controller, options.out or Path("runs") / f"desk_{stem}")
+
+        async def watch(source):
+            gap = Gap(source, options.nominal, diagnosis.minute)
+            await gap.start()
+            return gap
     if options.is_scenario:
         scenario = Path(options.subject[0])
         more = [word for change in options.set for word in ("--set", change)]
         more += ["--controller", options.controller] if options.controller else []
         run = SteeredRun(scenario, options.out or Path("runs") / f"desk_{scenario.stem}", options.duration, more, options.realtime)
-        desk = Desk([await run.start()], access, run)
+        desk = Desk([await run.start()], access, run, watch)
+        desk.diagnosis = diagnosis
         try:
             await serve_until_told(desk, options.host, options.port)
         finally:
             await run.end()
+            await end_watching(desk)
             for words in run.words:
                 print(words)
         return
@@ -108,7 +124,18 @@ async def open_desk(options):
     for source in sources:
         for remark in source.remarks:
             print(remark, file=sys.stderr)
-    await serve_until_told(Desk(sources, access), options.host, options.port)
+    desk = Desk(sources, access, watch=watch)
+    desk.diagnosis = diagnosis
+    try:
+        await serve_until_told(desk, options.host, options.port)
+    finally:
+        await end_watching(desk)
+
+
+async def end_watching(desk):
+    for part in (desk.gap, desk.diagnosis):
+        if part is not None:
+            await part.end()
 
 
 if __name__ == "__main__":

@@ -63,6 +63,13 @@ def charts(facts, store):
         {"title": "angle of the axis" if is_axis else "slew angle", "unit": machine.get("position_unit", "rad") if is_axis else "°", "series": [
             series("SENSORS.slew_angle", "axis" if is_axis else "house", 1.0 if is_axis else 180.0 / np.pi, "house")]},
     ]
+    observed = [
+        {"title": "missing torque, of the machine against its nominal model", "unit": "% of T100" if rated else "N m per motor",
+         "series": [series(f"OBSERVER.missing_torque.{g}", f"group {g + 1}", share, g) for g in groups]},
+        {"title": "acceleration, measured minus observer", "unit": "m/s²", "series": [
+            series(f"OBSERVER.{place}_difference", place, 1.0, colour)
+            for place, colour in (("tip", 0), ("middle", 1), ("pivot", 3), ("house", "house"))]}]
+    found = observed + found
     for chart in found:
         chart["series"] = [each for each in chart["series"] if is_there(each["signal"], store)]
     return [chart for chart in found if chart["series"]]

@@ -42,7 +42,7 @@ MOST_PIXELS = 4096
 MOST_SIGNALS = 200
 LARGEST_REQUEST = 1 << 16  # [bytes]
 SPECTRUM_SPAN = 20.0  # [s] before the cursor that its spectrum is of
-LOWEST, HIGHEST = 0.4, 60.0  # [Hz] that are shown of it
+LOWEST, HIGHEST = 0.1, 100.0  # [Hz] that are shown of it
 
 
 def number(value, lowest, highest):
@@ -56,8 +56,9 @@ def number(value, lowest, highest):
 class Desk:
     """The sources of a page, its pages, and the run that they steer, where there is one."""
 
-    def __init__(self, sources, access, run=None):
-        self.sources, self.access, self.run = sources, access, run
+    def __init__(self, sources, access, run=None, watch=None):
+        """`watch`: makes the Gap of a source, where a nominal machine is given."""
+        self.sources, self.access, self.run, self.watch, self.gap, self.diagnosis = sources, access, run, watch, None, None
         self.joystick, self.pages = Joystick(), set()
         self.news, self.restarting = asyncio.Condition(), False
 
@@ -67,6 +68,8 @@ class Desk:
 
     async def follow(self):
         """Takes what is new of growing sources, and lets go of a joystick that nobody holds any more."""
+        if self.watch is not None:
+            self.gap = await self.watch(self.sources[0])
         while True:
             had_news = False
             for source in self.sources:
@@ -86,7 +89,11 @@ class Desk:
         self.restarting = True
         try:
             await self.run.end()
+            if self.gap is not None:
+                await self.gap.end()
             self.sources[0] = await self.run.start()
+            if self.watch is not None:
+                self.gap = await self.watch(self.sources[0])
         finally:
             self.restarting = False
 
@@ -155,6 +162,8 @@ class Page:
                 kind = request.get("type")
                 if kind in handlers:
                     await handlers[kind](request)
+                elif kind == "diagnose":
+                    await self.diagnose()
                 elif self.desk.run is not None:
                     await self.steer(kind, request)
             except (ValueError, TypeError, KeyError, AttributeError, OverflowError) as error:
@@ -203,10 +212,13 @@ class Page:
 
     def run_state(self):
         desk = self.desk
+        told = {"gap": desk.gap.state()} if desk.gap is not None else {}
+        if desk.diagnosis is not None:
+            told["diagnosis"] = desk.diagnosis.state()
         if desk.run is None:
-            return {}
+            return told
         holder = desk.joystick.holder
-        return {"run": desk.run.state() | {"joystick": "yours" if holder is self else "free" if holder is None else "another page's",
+        return told | {"run": desk.run.state() | {"joystick": "yours" if holder is self else "free" if holder is None else "another page's",
                                            "lost": desk.joystick.lost, "stop": desk.joystick.stop}}
 
     async def wait_for_news(self):
@@ -227,6 +239,13 @@ class Page:
         for source in self.desk.sources:
             lines.append(spectra(source.store, at))
         await self.say({"type": "spectrum", "at": at, "span": SPECTRUM_SPAN, "sources": lines})
+
+    async def diagnose(self):
+        """Hands the newest minute over to slewlab diagnose: who may steer may ask for it."""
+        if not self.may_steer or self.desk.diagnosis is None:
+            await self.say({"type": "refused", "why": "this page only watches" if not self.may_steer else "there is no nominal machine to diagnose against"})
+        else:
+            await self.desk.diagnosis.begin(self.desk.sources[0])
 
     async def steer(self, kind, request):
         """What changes the run: only with the steering token."""

@@ -133,12 +133,15 @@ class Incoming:
 
     def __init__(self, receive):
         self.receive, self.decoders, self.identity = receive, {}, None
+        self.tap = None  # gets all events as they are
         self.moves = []  # OPERATOR as it is on the wire: (time [ns], request, emergency stop, acknowledge)
         types = message_types()
         self.classes = {channel: getattr(types, f"{channel.lower()}_t") for channel in USED}
 
     def take(self, events):
         """`events`: (channel, data), in their order."""
+        if self.tap is not None and events:
+            self.tap(events)
         waiting = {}
         for channel, data in events:
             if channel in self.classes:

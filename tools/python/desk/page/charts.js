@@ -3,7 +3,7 @@
 "use strict";
 
 const CHART_HEIGHT = 150, SPECTRUM_HEIGHT = 210;  // [px] as .plot in desk.css
-const DECADES = [3.2, 1.5];  // of a spectrum that are shown below and above its peak; the modes' names stand above it
+const DECADES = [3, 1];  // of a spectrum that are shown below and above the decade of its peak; the modes' names stand above it
 const MARK_SPACING = 12;  // [px] that the names of two modes need
 
 function colour(name) {
@@ -55,7 +55,7 @@ class Chart {
     const axis = {stroke: () => colour("faint"), grid: {stroke: () => colour("grid"), width: 1}, ticks: {stroke: () => colour("line"), width: 1}, font: "11px system-ui, Arial, sans-serif"};
     const options = {
       width: this.width(), height: this.height, legend: {show: false}, cursor: {drag: {x: true, y: false, setScale: false}, points: {show: false}, sync: {key: "desk"}},
-      scales: {x: this.description.isSpectrum ? {distr: 3} : {time: false}, y: this.description.isSpectrum ? {distr: 3, range: (plot, low, high) => high > 0 ? [high / 10 ** DECADES[0], high * 10 ** DECADES[1]] : [1e-3, 1]} : {range: (plot, low, high) => this.range(low, high)}},
+      scales: {x: this.description.isSpectrum ? {distr: 3, range: [0.1, 100]} : {time: false}, y: this.description.isSpectrum ? {distr: 3, range: (plot, low, high) => this.decades(high)} : {range: (plot, low, high) => this.range(low, high)}},
       axes: [{...axis, size: 28, values: (plot, ticks) => ticks.map((tick) => tick === null ? "" : String(+tick.toPrecision(9)))},
              {...axis, size: 58, values: (plot, ticks) => ticks.map((tick) => tick === null ? "" : String(+tick.toPrecision(4)))}],
       series: [{}, ...this.lines.map((line) => ({stroke: () => colour(line.colour), width: line.thin ? 1 : 1.3, dash: line.dash ? [5, 4] : undefined, spanGaps: true, points: {show: false},
@@ -68,9 +68,16 @@ class Chart {
   }
 
   range(low, high) {
-    if (low === null || !(high > low)) { const middle = low ?? 0, reach = Math.abs(middle) * 0.1 || 1; return [middle - reach, middle + reach]; }
-    const margin = 0.06 * (high - low);
-    return [low - margin, high + margin];
+    if (!Number.isFinite(low) || !Number.isFinite(high)) return [-1, 1];
+    // No finer than what a picture's numbers can say.
+    const span = Math.max(high - low, 1e-3 * Math.max(Math.abs(low), Math.abs(high)), 1e-6), middle = (low + high) / 2;
+    return [middle - 0.56 * span, middle + 0.56 * span];
+  }
+
+  // Whole powers of ten: uPlot's logarithmic ticks begin at nothing else.
+  decades(high) {
+    const top = Math.ceil(Math.log10(Math.max(1e-9, high ?? 1)));
+    return [10 ** (top - DECADES[0]), 10 ** (top + DECADES[1])];
   }
 
   width() { return Math.max(120, Math.floor(this.place.clientWidth || 300)); }

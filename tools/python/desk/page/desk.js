@@ -21,6 +21,7 @@ class Desk {
     by("scrub").addEventListener("input", (event) => { this.follow(false); this.seek(Number(event.target.value)); });
     by("span").addEventListener("change", () => { this.window = null; this.ask(); });
     by("compare").addEventListener("change", () => this.build());
+    by("diagnose").addEventListener("click", () => this.send({type: "diagnose"}));
     by("true_scale").addEventListener("click", () => { by("exaggeration").value = 1; this.ask(); });
     by("exaggeration").addEventListener("change", () => this.ask());
     by("viewpoint").addEventListener("change", () => this.ask());
@@ -198,6 +199,7 @@ class Desk {
     by("scrub").value = this.at;
     by("clock").textContent = `${header.at.toFixed(3)} s of ${this.last.toFixed(1)} s`;
     this.showRun(header.run);
+    this.showGap(header.gap, header.diagnosis);
     this.drawn += 1;
     if (this.playing) {
       const now = performance.now();
@@ -214,6 +216,24 @@ class Desk {
     this.badge("connection", run.ended ? "run ended" : run.paused ? "paused" : "live", run.ended || run.paused ? "warn" : "good");
     const words = [run.why, run.lost && `The lever was let go: ${run.lost}; the crane ramps down.`].filter(Boolean).join(" · ");
     if (words !== this.runWords) { this.runWords = words; this.notice(words); }
+  }
+
+  // The observer's sizes over the last second against what is usual, and how a diagnosis stands.
+  showGap(gap, diagnosis) {
+    const place = by("gap");
+    place.hidden = !gap;
+    if (!gap) return;
+    const open = gap.signals.filter((signal) => signal.open);
+    const size = (signal) => `${signal.label} ${shown(signal.size)}${signal.signal.includes("torque") ? " N m" : " m/s²"} (usual ${shown(signal.usual)})`;
+    const rated = gap.signals.filter((signal) => signal.signal.includes("torque"));
+    let text = gap.problem ? `Gap to the nominal machine: ${gap.problem}.`
+      : open.length ? `A gap has opened at ${gap.since.toFixed(1)} s: ${open.map(size).join(", ")}.`
+      : gap.signals.length ? `No gap beyond the usual: ${rated.map(size).join(", ")}.` : "The observer has said nothing yet.";
+    if (gap.remark) text += ` ${gap.remark}.`;
+    if (diagnosis && diagnosis.state !== "ready") text += ` Diagnosis ${diagnosis.state}, ${diagnosis.folder}: ${diagnosis.words.join(" · ")}`;
+    if (text !== this.gapText) { this.gapText = text; place.lastElementChild.textContent = text; }
+    place.classList.toggle("open", open.length > 0);
+    by("diagnose").disabled = !this.layout.may_steer || diagnosis?.state === "under way";
   }
 
   showState(header) {
