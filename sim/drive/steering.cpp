@@ -37,6 +37,8 @@ void Steering::take(std::string line) {
     take_operator(rest);
   } else if (word == "fault") {
     take_fault(rest);
+  } else if (word == "effect") {
+    take_effect(rest);
   } else if (word == "pause") {
     paused_ = true;
   } else if (word == "resume") {
@@ -97,6 +99,18 @@ void Steering::take_fault(const std::string& rest) {
   }
 }
 
+void Steering::take_effect(const std::string& rest) {
+  std::istringstream words(rest);
+  std::string name, what;
+  words >> name >> what;
+  const bool is_known = std::find(settings_.effects.begin(), settings_.effects.end(), name) != settings_.effects.end();
+  if (!is_known || (what != "on" && what != "off")) {
+    refuse("effect '" + rest + "': an effect that the machine has and that changes no parameter, and on or off, are wanted");
+    return;
+  }
+  effect_wishes_.push_back({0, name, what == "on"});
+}
+
 void Steering::begin_fault(std::int64_t time, const std::string& name, const std::string& text, SteeredPeriod& period) {
   common::InputProblems problems;
   const std::string file = "faults: [{from: {value: " + in_seconds(time) + ", unit: s, source: \"the desk\"}, " + text + "}]\n";
@@ -143,6 +157,11 @@ SteeredPeriod Steering::begin_period(std::int64_t time) {
       faults_.erase(under_way);
     }
   }
+  for (EffectSwitch& change : effect_wishes_) {
+    change.time = time;
+    news_.push_back("effect " + change.effect + (change.on ? " on " : " off ") + in_seconds(time));
+  }
+  period.effects = std::exchange(effect_wishes_, {});
   if (lost_ && !lost_at_) lost_at_ = time;
   period.ends_run = ended_ || (lost_at_ && time - *lost_at_ >= kAfterLoss);
   return period;

@@ -7,6 +7,7 @@
 //   operator REQUEST STOP ACKNOWLEDGE   where lever and buttons stand: -1 ... 1, 0 or 1, 0 or 1
 //   fault begin NUMBER KEY: VALUE, ...  a fault from now on: the keys of a scenario's fault but from and until
 //   fault end NUMBER                    until now
+//   effect NAME on|off                  an effect of the machine's file
 //   pause, resume, cycle, speed FACTOR  of a lockstep run: FACTOR simulated seconds per second, 0 as fast as it goes
 //   end                                 the run is over, as if its duration had come
 //   lost                                nobody is there any more: the lever springs back, and the run ends when the crane stands
@@ -22,6 +23,7 @@
 
 #include "sim/drive/fault.h"
 #include "sim/drive/operator_move.h"
+#include "sim/integrate/machine_settings.h"
 
 namespace slewlab::sim {
 
@@ -33,6 +35,7 @@ struct FaultSwitch {
 
 struct SteeredPeriod {
   std::optional<OperatorMove> move;  // where it changes
+  std::vector<EffectSwitch> effects;
   std::vector<FaultSwitch> faults;
   bool ends_run = false;
 };
@@ -42,6 +45,7 @@ struct SteeringSettings {
   int group_count = 1;
   std::uint64_t seed = 0;              // of the scenario
   std::size_t scenario_faults = 0;     // how many there are in the scenario
+  std::vector<std::string> effects{};  // that can be switched
 };
 
 class Steering {
@@ -59,12 +63,13 @@ class Steering {
   SteeredPeriod begin_period(std::int64_t time);
 
   // What was refused and what began and ended since it was asked last, one line each:
-  //   refused WHY     fault NUMBER from SECONDS     fault NUMBER until SECONDS
+  //   refused WHY     fault NUMBER from SECONDS     fault NUMBER until SECONDS     effect NAME on|off SECONDS
   std::vector<std::string> take_news();
 
  private:
   void take_operator(const std::string& rest);
   void take_fault(const std::string& rest);
+  void take_effect(const std::string& rest);
   void begin_fault(std::int64_t time, const std::string& name, const std::string& text, SteeredPeriod& period);
   void refuse(std::string why) { news_.push_back("refused " + std::move(why)); }
 
@@ -76,6 +81,7 @@ class Steering {
     std::string name, text;
   };
   std::vector<FaultWish> fault_wishes_;
+  std::vector<EffectSwitch> effect_wishes_;
   std::vector<std::pair<std::string, std::size_t>> faults_;  // those under way: name and number
   std::size_t fault_count_ = 0;                              // begun so far, without the scenario's
   std::vector<std::string> news_;

@@ -130,8 +130,8 @@ void ask_launcher(LauncherLines& launcher, ControllerAction action) {
 // The desk's side of a steered run: lines in, periods out, at the pace that is asked for.
 class SteeredRun {
  public:
-  SteeredRun(const SteeringSettings& settings, LauncherLines& launcher, msgs::LogWriter* log)
-      : steering_(settings), launcher_(launcher), log_(log) {}
+  SteeredRun(const SteeringSettings& settings, LauncherLines& launcher, CranePlant& plant, msgs::LogWriter* log)
+      : steering_(settings), launcher_(launcher), plant_(plant), log_(log) {}
 
   // In lockstep: waits until the period at `time` is due, then begins it.
   SteeredPeriod when_due(std::int64_t time) {
@@ -157,6 +157,7 @@ class SteeredRun {
     const SteeredPeriod period = steering_.begin_period(time);
     for (const std::string& news : steering_.take_news()) std::printf("steering %s\n", news.c_str());
     std::fflush(stdout);
+    for (const EffectSwitch& change : period.effects) plant_.switch_effect(change.effect, change.on);
     return period;
   }
 
@@ -205,6 +206,7 @@ class SteeredRun {
   static constexpr std::chrono::milliseconds kShowInterval{15};  // of a picture of 60 Hz
   Steering steering_;
   LauncherLines& launcher_;
+  CranePlant& plant_;
   msgs::LogWriter* log_;
   bool lost_ = false;
   double speed_ = -1.0;
@@ -267,7 +269,7 @@ int run_in_lockstep(const LockstepSettings& settings, CranePlant& plant, msgs::B
   hooks.controller_action = [&](ControllerAction action) { ask_launcher(launcher, action); };
   std::optional<SteeredRun> steering;
   if (steered) {
-    steering.emplace(*steered, launcher, &log);
+    steering.emplace(*steered, launcher, plant, &log);
     hooks.steer = [&](std::int64_t time) { return steering->when_due(time); };
   }
 
@@ -336,7 +338,7 @@ int run_in_real_time(const Options& options, const LockstepSettings& settings, C
   LauncherLines launcher;
   std::optional<SteeredRun> steering;
   if (steered) {
-    steering.emplace(*steered, launcher, nullptr);
+    steering.emplace(*steered, launcher, plant, nullptr);
     hooks.steer = [&](std::int64_t time) { return steering->at_once(time); };
   }
 
@@ -383,7 +385,7 @@ int run(const Options& options) {
   if (options.steered) {
     settings.operator_moves.clear();  // the operator is at the desk
     steered = {settings.controller_period, scenario.crane.parameters.drive.group_count, static_cast<std::uint64_t>(scenario.seed),
-               scenario.faults.size()};
+               scenario.faults.size(), plant.machine().switchable};
   }
   return options.realtime ? run_in_real_time(options, settings, plant, *bus, log, steered)
                           : run_in_lockstep(settings, plant, *bus, log, steered);

@@ -90,10 +90,25 @@ TEST(Steering, AFaultBeginsAndEndsWithPeriods) {
   EXPECT_EQ(desk.take_news(), (News{"fault 1 until 0.090000000", "refused fault 2: it is not under way"}));
 }
 
+TEST(Steering, AnEffectOfTheMachineIsSwitchedWithAPeriod) {
+  Steering desk({.controller_period = kPeriod, .effects = {"", "gusts"}});
+  desk.take("effect gusts off");
+  desk.take("effect heel on");
+  const SteeredPeriod period = desk.begin_period(4 * kPeriod);
+  ASSERT_EQ(period.effects.size(), 1u);
+  EXPECT_EQ(period.effects[0].effect, "gusts");
+  EXPECT_FALSE(period.effects[0].on);
+  EXPECT_EQ(period.effects[0].time, 4 * kPeriod);
+  const News news = desk.take_news();
+  ASSERT_EQ(news.size(), 2u);
+  EXPECT_EQ(news[0].rfind("refused effect 'heel on'", 0), 0u) << news[0];
+  EXPECT_EQ(news[1], "effect gusts off 0.040000000");
+}
+
 TEST(Steering, WhatIsNoCommandIsRefusedAndChangesNothing) {
   Steering desk = steering();
   for (const char* line : {"operator 2 0 0", "operator nan 0 0", "operator 0.5 2 0", "operator 0.5", "speed -1", "speed x",
-                           "fault begin 1 fault: {value: no_such_fault, source: desk}", "fault begin", "dance", ""}) {
+                           "fault begin 1 fault: {value: no_such_fault, source: desk}", "fault begin", "effect gusts on", "dance", ""}) {
     desk.take(line);
     const SteeredPeriod period = desk.begin_period(0);
     EXPECT_FALSE(period.move) << line;

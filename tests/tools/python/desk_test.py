@@ -139,9 +139,14 @@ class DeskTest(unittest.TestCase):
         page.until(f"document.querySelector('header').innerText.includes({json.dumps(words)})")
 
     def test_what_the_operator_did_is_done_again_to_the_bit(self):
-        with self.steered() as desk:
+        effects = ("[{effect: bearing_viscous, coefficient: {value: 1e6, unit: N m s/rad, source: test}, "
+                   "asymmetry: {value: 0, unit: '-', source: test}}, "
+                   "{effect: boom_damping, factor: {value: 2, unit: '-', source: test}}]")
+        with self.steered("--set", f"crane.effects={effects}") as desk:
             page = self.open(desk.address)
             self.assertIn("Take the joystick", page.value("document.body.innerText"))
+            # Damping is a parameter of the machine as it is assembled.
+            self.assertFalse(page.value("document.getElementById('effect_boom_damping')"))
             page.click("#take")
             page.until("desk.steering.mine")
             self.speed_up(page)
@@ -157,11 +162,13 @@ class DeskTest(unittest.TestCase):
             self.state(page, "controller emergency stop")
             page.key("keyUp", "ArrowRight", "ArrowRight")
             page.click("#fault_some_torque")
-            page.until("document.getElementById('fault_some_torque').checked && desk.steering.faultsOn.some_torque")
+            page.until("document.getElementById('fault_some_torque').checked && desk.steering.on.fault.some_torque")
             moved = page.value("desk.at")
             page.until(f"desk.at > {moved} + 2")
             page.click("#fault_some_torque")
-            page.until("!desk.steering.faultsOn.some_torque")
+            page.until("!desk.steering.on.fault.some_torque")
+            page.click("#effect_bearing_viscous")
+            page.until("desk.steering.on.effect.bearing_viscous === false")
             page.click("#save")
             page.until("document.getElementById('notice').textContent.startsWith('written: ')")
         folder = self.folder / "runs" / "1"
@@ -189,7 +196,7 @@ class DeskTest(unittest.TestCase):
             self.state(page, "drive braked")  # tripped, and at rest at once
             self.assertIn("no command came from the controller in time", page.value("document.getElementById('trip').innerText"))
             page.click("#fault_silence")
-            page.until("!desk.steering.faultsOn.silence")
+            page.until("!desk.steering.on.fault.silence")
             x, y, _ = page.middle("#acknowledge")
             page.mouse("mousePressed", x, y)
             self.state(page, "drive running")

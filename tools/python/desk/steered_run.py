@@ -65,7 +65,7 @@ class SteeredRun:
         self.folder = self.out / str(number)
         self.folder.mkdir(parents=True)
         self.paused, self.speed, self.ended, self.why = False, 1.0, False, ""
-        self.told, self.faults, self.words = None, [], []
+        self.told, self.faults, self.effects, self.words = None, [], [], []
         program = messages_folder().parent / "bin" / "slewlab"
         self.process = await asyncio.create_subprocess_exec(
             program, "run", self.scenario, "--steered", "--out", self.folder, "--progress", "none",
@@ -81,6 +81,9 @@ class SteeredRun:
             if words.startswith("steering fault "):
                 _, _, name, which, time = words.split()
                 self._fault_switched(name, which, float(time))
+            elif words.startswith("steering effect "):
+                _, _, name, what, time = words.split()
+                self.effects.append({"name": name, "on": what == "on", "time": float(time)})
             elif words.startswith("steering refused "):
                 self.why = words.removeprefix("steering refused ")
             else:
@@ -119,7 +122,13 @@ class SteeredRun:
         on = {fault["name"] for fault in self.faults if fault["until"] is None}
         return {"paused": self.paused, "speed": self.speed, "ended": self.ended, "why": self.why, "lockstep": not self.realtime,
                 "folder": str(self.folder),
+                "effects": [{"name": name, "label": name.replace("_", " "), "on": self._acts(name)}
+                            for name in self.source.facts.get("switchable_effects", [])],
                 "faults": [{"name": name, "label": label, "on": name in on} for name, (label, _) in self.choices.items()]}
+
+    def _acts(self, name):
+        """Whether an effect is on: as it was switched last, from the beginning on as the scenario has it."""
+        return next((each["on"] for each in reversed(self.effects) if each["name"] == name), True)
 
     async def command(self, kind, request):
         """What a page asks for besides lever and buttons; what to tell it."""
@@ -144,6 +153,10 @@ class SteeredRun:
             if name not in self.choices:
                 raise ValueError("there is no such fault")
             self._say(f"fault begin {name} {flow(self.choices[name][1])}" if request["on"] else f"fault end {name}")
+        elif kind == "effect":
+            if request["name"] not in self.source.facts.get("switchable_effects", []):
+                raise ValueError("there is no such effect")
+            self._say(f"effect {request['name']} {'on' if request['on'] else 'off'}")
         elif kind == "save":
             return {"type": "told", "text": f"written: {self.save()}"}
         else:
@@ -160,9 +173,12 @@ class SteeredRun:
         for fault in self.faults:
             entry = dict(self.choices[fault["name"]][1]) | {"from": chosen(fault["from"], "s")}
             faults.append(entry | ({"until": chosen(fault["until"], "s")} if fault["until"] is not None else {}))
+        switches = list(resolved.get("effect_switches") or []) + [
+            {"time": chosen(each["time"], "s"), "effect": each["name"], "on": chosen(each["on"])} for each in self.effects]
+        switches.sort(key=lambda each: float(each["time"]["value"]))
         scenario = {"include": "scenario.yaml", "description": "What the operator did at the desk.",
                     "duration": chosen(round(max(1, round(self.source.store.last / period)) * period, 9), "s"), "operator": moves,
-                    "faults": faults or None, "expect": None}
+                    "faults": faults or None, "effect_switches": switches or None, "expect": None}
         path = self.folder / "steered.yaml"
         with growing(path) as partial:
             partial.write_text(yaml.safe_dump(scenario, sort_keys=False, default_flow_style=None, width=120))

@@ -141,30 +141,34 @@ class Steering {
     this.lever.classList.toggle("off", !this.mine);
     for (const id of ["pause", "cycle"]) by(id).hidden = !run.lockstep;
     by("pace").parentElement.hidden = !run.lockstep;
-    this.updateFaults(run.faults, maySteer && !run.ended);
+    this.updateSwitches("fault", "faults", run.faults, maySteer && !run.ended);
+    this.updateSwitches("effect", "effects", run.effects, maySteer && !run.ended);
   }
 
-  updateFaults(faults, enabled) {
-    const place = document.getElementById("switches"), names = faults.map((fault) => fault.name).join();
-    if (names !== this.faultNames) {
-      this.faultNames = names;
-      const set = document.createElement("fieldset"), legend = document.createElement("legend");
-      legend.textContent = "faults";
-      set.append(legend, ...faults.map((fault) => {
+  // Boxes for what a page may switch: of faults, or of the machine's effects.
+  updateSwitches(kind, title, switches, enabled) {
+    const place = document.getElementById(title), names = switches.map((each) => each.name).join();
+    this.names ??= {};
+    this.on ??= {};
+    if (names !== this.names[kind]) {
+      this.names[kind] = names;
+      const legend = document.createElement("legend");
+      legend.textContent = title;
+      place.replaceChildren(legend, ...switches.map((each) => {
         const label = document.createElement("label"), box = document.createElement("input");
         box.type = "checkbox";
-        box.id = `fault_${fault.name}`;
-        box.addEventListener("change", () => this.send({type: "fault", name: fault.name, on: box.checked}));
-        label.append(box, fault.label);
+        box.id = `${kind}_${each.name}`;
+        box.addEventListener("change", () => this.send({type: kind, name: each.name, on: box.checked}));
+        label.append(box, each.label);
         return label;
       }));
-      place.replaceChildren(set);
     }
-    for (const fault of faults) {
-      const box = document.getElementById(`fault_${fault.name}`);
+    place.hidden = switches.length === 0;
+    for (const each of switches) {
+      const box = document.getElementById(`${kind}_${each.name}`);
       box.disabled = !enabled;
-      if (box.checked !== fault.on && this.faultsOn?.[fault.name] !== fault.on) box.checked = fault.on;
+      if (box.checked !== each.on && this.on[kind]?.[each.name] !== each.on) box.checked = each.on;
     }
-    this.faultsOn = Object.fromEntries(faults.map((fault) => [fault.name, fault.on]));
+    this.on[kind] = Object.fromEntries(switches.map((each) => [each.name, each.on]));
   }
 }
