@@ -59,6 +59,17 @@ class StoreTest(unittest.TestCase):
         self.assertEqual(np.nanmin(low), values.min())
         self.assertTrue(np.isfinite(low).all())
 
+    def test_a_piece_larger_than_what_is_kept_loses_nothing(self):
+        capacity = 512
+        values = np.arange(40_000, dtype=np.float32)
+        channel = Channel(["a"], capacity)
+        channel.append(np.arange(7) * 1e-3, values[None, :7])
+        channel.append(np.arange(7, 40_000) * 1e-3, values[None, 7:])
+        low, high = channel.envelope(0.0, 40.0, 10)
+        self.assertEqual((low[0, 0], high[0, -1]), (0.0, 39_999.0))
+        # Every bin begins where the one before ended: items of 512 samples stand at their first one's time.
+        self.assertTrue((low[0, 1:] - high[0, :-1] == 1.0).all())
+
     def test_a_value_stands_until_the_next(self):
         store = Store()
         store.append("OPERATOR", np.array([1.0, 3.0]), {"speed_request": np.array([0.5, -1.0])})

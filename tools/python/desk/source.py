@@ -43,7 +43,9 @@ class Recorded:
 
     def __init__(self, place):
         run = read_run(place)
-        self.name, self.facts, self.remarks, self.path = run.name, run.facts, run.log.remarks, run.log.path
+        self.facts, self.remarks, self.path = run.facts, run.log.remarks, run.log.path
+        folder = self.path.resolve().parent
+        self.name = f"{folder.parent.name}/{run.name}" if run.name == folder.name and run.name.isdigit() else run.name  # of a steered run
         self.store = Store(WHOLE)
         for stretch in run.log.stretches(*[name for name in USED if run.log.has(name)]):
             for channel, messages in stretch.items():

@@ -10,7 +10,7 @@ import numpy as np
 
 FACTOR = 8
 MOST_PER_PIXEL = 16
-CAPACITY = 1 << 19  # [items] of a level: nine minutes at 1 kHz in level 0, more than an hour in level 1
+CAPACITY = 1 << 18  # [items] of a level: four minutes at 1 kHz in level 0, half an hour in level 1
 LEVELS = 7
 
 
@@ -75,7 +75,7 @@ class Channel:
 
     def append(self, time, values):
         """`values` by signal and sample. A time before the newest counts as the newest: rows of a log may swap places."""
-        step = CAPACITY // 4
+        step = self.levels[0].capacity // 4  # what is dropped has gone into the coarser levels
         for first in range(0, len(time), step):
             piece = np.maximum.accumulate(np.maximum(time[first:first + step], self.last_time))
             part = np.asarray(values[:, first:first + step], np.float32)

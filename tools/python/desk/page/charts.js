@@ -115,6 +115,7 @@ class Chart {
     }
     if (this.cursor !== null) {
       const x = plot.valToPos(this.cursor, "x", true);
+      context.setLineDash([]);
       context.strokeStyle = colour("accent"); context.lineWidth = devicePixelRatio;
       context.beginPath(); context.moveTo(x, box.top); context.lineTo(x, box.top + box.height); context.stroke();
     }

@@ -108,7 +108,7 @@ class Desk {
         const own = source.charts.find((each) => each.title === description.title);
         for (const line of own?.series ?? []) {
           this.signals[number].push(line.signal);
-          lines.push({...line, key: `${number}:${line.signal}`, label: number === 1 ? `${line.label}, ${source.name}` : line.label, dash: line.dash || number === 1, thin: number === 1});
+          lines.push({...line, key: `${number}:${line.signal}`, label: number === 1 ? `${line.label}, ${source.name}` : line.label, dash: line.dash || number === 1, thin: number === 1, band: line.band && number !== 1});
         }
       });
       if (lines.length) this.charts.push(new Chart(by("charts"), {...description, title: mode === "difference" && sources.length > 2 ? `${description.title}, difference` : description.title}, lines, hooks));
