@@ -276,6 +276,24 @@ class DeskTest(unittest.TestCase):
         return page.value(f"[...[...document.querySelectorAll('.chart')].find(c => c.textContent.startsWith({json.dumps(title)}))"
                           ".querySelectorAll('b')].map(b => Number(b.textContent))")
 
+    def test_a_run_begins_anew_without_play_compensation(self):
+        with self.steered() as desk:
+            page = self.open(desk.address)
+            self.speed_up(page)
+            page.until("desk.at > 3 && document.getElementById('compensation').checked")
+            page.click("#compensation")
+            page.click("#anew")
+            page.until("document.getElementById('name').textContent === 'thesis_slew, 2' && desk.at > 0 && desk.at < desk.last + 1")
+            page.until("document.getElementById('compensation').checked === false")
+            self.speed_up(page)
+            page.until("desk.at > 3")
+        # At rest the two groups work against each other by a tenth of T100, 25 N m, or not at all (thesis 3.5, 4.4).
+        for number, torque in (("1", 25.0), ("2", 0.0)):
+            commands = read_run_log(self.folder / "runs" / number / "run.lcmlog").channel("TORQUE")
+            at = int((seconds(commands) < 3.0).sum()) - 1
+            self.assertAlmostEqual(float(commands["motor_torque"][at][0]), torque, delta=0.5)
+            self.assertTrue((self.folder / "runs" / number / "steered.yaml").is_file())
+
     def test_who_has_no_token_watches_and_a_foreign_page_not_even_that(self):
         with self.steered() as desk:
             bare = desk.address.split("#")[0]

@@ -82,7 +82,7 @@ class Desk:
                     self.news.notify_all()
             await asyncio.sleep(POLL)
 
-    async def start_anew(self):
+    async def start_anew(self, play_compensation):
         """The run ends and another begins from rest: what is recorded from here stands in a folder of its own."""
         if self.restarting:
             return
@@ -91,7 +91,7 @@ class Desk:
             await self.run.end()
             if self.gap is not None:
                 await self.gap.end()
-            self.sources[0] = await self.run.start()
+            self.sources[0] = await self.run.start(play_compensation)
             if self.watch is not None:
                 self.gap = await self.watch(self.sources[0])
         finally:
@@ -263,7 +263,8 @@ class Page:
             if joystick.holder is self:
                 joystick.acknowledge = bool(request.get("acknowledge"))
         elif kind == "anew":
-            await self.desk.start_anew()
+            wanted = request.get("play_compensation")
+            await self.desk.start_anew(None if wanted is None else bool(wanted))
         elif kind == "stop":  # whoever may steer may stop, with or without the joystick
             joystick.stop = bool(request["pressed"])
         else:

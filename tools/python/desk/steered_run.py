@@ -57,8 +57,9 @@ class SteeredRun:
         self.options = [*options, *(["--realtime"] if realtime else [])]
         self.process = None
 
-    async def start(self):
-        """The source of its signals."""
+    async def start(self, play_compensation=None):
+        """The source of its signals. `play_compensation`: other than the controller's file has it, for this run."""
+        switched = [] if play_compensation is None else ["--set", f"controller.play_compensation.enabled={str(play_compensation).lower()}"]
         number = 1
         while (self.out / str(number)).exists():
             number += 1
@@ -69,7 +70,7 @@ class SteeredRun:
         program = messages_folder().parent / "bin" / "slewlab"
         self.process = await asyncio.create_subprocess_exec(
             program, "run", self.scenario, "--steered", "--out", self.folder, "--progress", "none",
-            "--set", f"duration={self.duration:.9g}", *self.options, stdin=asyncio.subprocess.PIPE,
+            "--set", f"duration={self.duration:.9g}", *self.options, *switched, stdin=asyncio.subprocess.PIPE,
             stdout=asyncio.subprocess.PIPE, stderr=asyncio.subprocess.STDOUT, start_new_session=True)
         self.listening = asyncio.create_task(self._listen())
         self.source = Growing(self.folder / "run.lcmlog", f"{self.scenario.stem}, {self.folder.name}")
@@ -121,7 +122,7 @@ class SteeredRun:
     def state(self):
         on = {fault["name"] for fault in self.faults if fault["until"] is None}
         return {"paused": self.paused, "speed": self.speed, "ended": self.ended, "why": self.why, "lockstep": not self.realtime,
-                "folder": str(self.folder),
+                "folder": str(self.folder), "play_compensation": self.source.facts.get("play_compensation"),
                 "effects": [{"name": name, "label": name.replace("_", " "), "on": self._acts(name)}
                             for name in self.source.facts.get("switchable_effects", [])],
                 "faults": [{"name": name, "label": label, "on": name in on} for name, (label, _) in self.choices.items()]}

@@ -38,7 +38,7 @@ class Steering {
     by("cycle").addEventListener("click", () => this.send({type: "cycle"}));
     by("pace").addEventListener("change", (event) => this.send({type: "speed", speed: Number(event.target.value)}));
     by("save").addEventListener("click", () => this.send({type: "save"}));
-    by("anew").addEventListener("click", () => this.send({type: "anew"}));
+    by("anew").addEventListener("click", () => this.send({type: "anew", play_compensation: this.compensation === null ? undefined : by("compensation").checked}));
     addEventListener("keydown", (event) => this.key(event, true));
     addEventListener("keyup", (event) => this.key(event, false));
     addEventListener("blur", () => this.letGo());
@@ -141,6 +141,10 @@ class Steering {
     this.lever.classList.toggle("off", !this.mine);
     for (const id of ["pause", "cycle"]) by(id).hidden = !run.lockstep;
     by("pace").parentElement.hidden = !run.lockstep;
+    by("compensation_label").hidden = run.play_compensation === null;
+    if (run.folder !== this.folder || run.play_compensation !== this.compensation) by("compensation").checked = run.play_compensation === true;
+    this.folder = run.folder;
+    this.compensation = run.play_compensation;
     this.updateSwitches("fault", "faults", run.faults, maySteer && !run.ended);
     this.updateSwitches("effect", "effects", run.effects, maySteer && !run.ended);
   }
