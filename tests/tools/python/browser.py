@@ -91,6 +91,9 @@ class BrowserPage:
     def mouse(self, kind, x, y):
         self.call("Input.dispatchMouseEvent", type=kind, x=x, y=y, button="left", clickCount=1, buttons=0 if kind == "mouseReleased" else 1)
 
+    def touch(self, kind, x=None, y=None):
+        self.call("Input.dispatchTouchEvent", type=kind, touchPoints=[] if x is None else [{"x": x, "y": y}])
+
     def middle(self, selector):
         """Where an element stands in the window."""
         return self.value(f"""(() => {{ const e = document.querySelector({json.dumps(selector)}); e.scrollIntoView({{block: "center"}});

@@ -276,6 +276,27 @@ class DeskTest(unittest.TestCase):
         return page.value(f"[...[...document.querySelectorAll('.chart')].find(c => c.textContent.startsWith({json.dumps(title)}))"
                           ".querySelectorAll('b')].map(b => Number(b.textContent))")
 
+    def test_the_lever_follows_a_finger_and_a_gamepad(self):
+        with self.steered() as desk:
+            page = self.open(desk.address, width=420)
+            page.click("#take")
+            page.until("desk.steering.mine")
+            x, y, width = page.middle("#lever")
+            page.touch("touchStart", x, y)
+            page.touch("touchMove", x - 0.4 * (width / 2 - 27), y)
+            page.until("document.getElementById('facts').innerText.includes('request\\n-40 %')")
+            page.touch("touchEnd")
+            page.until("document.getElementById('facts').innerText.includes('request\\n0 %')")
+            # A browser shows a gamepad as these numbers: left stick to the right, button B (1) at first not pressed.
+            page.value("window.pad = {connected: true, axes: [0.6, 0], buttons: [{pressed: false}, {pressed: false}]}, "
+                       "navigator.getGamepads = () => [window.pad]")
+            page.until("document.getElementById('facts').innerText.includes('request\\n60 %')")
+            page.value("window.pad.buttons[1].pressed = true")
+            page.until("document.getElementById('facts').innerText.includes('request\\n60 %, emergency stop')")
+            page.value("window.pad.axes[0] = 0.02")  # a stick at rest is never quite at zero
+            page.until("document.getElementById('facts').innerText.includes('request\\n0 %, emergency stop')")
+            self.assertIn("PULL TO RELEASE", page.value("document.getElementById('stop').innerText"))
+
     def test_a_run_begins_anew_without_play_compensation(self):
         with self.steered() as desk:
             page = self.open(desk.address)
