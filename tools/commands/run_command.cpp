@@ -7,6 +7,7 @@
 #include <sys/signalfd.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <csignal>
@@ -336,10 +337,24 @@ int tell_outcome(const Outcome& outcome, const std::string& name, const fs::path
   return 1;
 }
 
+// What an earlier run left, and what was drawn or exported of it: none of it may be taken for the new run's. A folder of exports goes
+// only if nothing else is in it.
+void remove_earlier_run(const fs::path& folder) {
+  for (const char* stale : {"summary.json", kRunFactsName, "run.lcmlog", "run.lcmlog.partial", "report.html", "acceptance.html", "run.mcap"}) {
+    fs::remove(folder / stale);
+  }
+  for (const char* format : {"parquet", "csv"}) {
+    const fs::path exported = folder / (std::string("run_") + format);
+    if (!fs::is_directory(exported)) continue;
+    const auto is_ours = [&](const fs::directory_entry& entry) { return entry.path().extension() == std::string(".") + format; };
+    if (std::all_of(fs::directory_iterator(exported), fs::directory_iterator(), is_ours)) fs::remove_all(exported);
+  }
+}
+
 int run_in(const fs::path& folder, const RunOptions& options, const std::string& name) {
   const FolderLock lock(folder);
   const fs::path log = folder / "run.lcmlog";
-  for (const char* stale : {"summary.json", kRunFactsName, "run.lcmlog", "run.lcmlog.partial"}) fs::remove(folder / stale);
+  remove_earlier_run(folder);
 
   const fs::path scenario_file = write_resolved_configuration(options.scenario, options.overrides, folder);
   const sim::Scenario scenario = sim::load_scenario_file(scenario_file);
