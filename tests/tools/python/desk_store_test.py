@@ -1,11 +1,14 @@
 """What a window of a store shows against the samples that it was filled with."""
 
+import functools
 import unittest
 
 import numpy as np
 
+from run_log import message_types
+
 from desk.access import PATIENCE, Access, Joystick
-from desk.source import parse_events
+from desk.source import Incoming, fill, parse_events
 from desk.store import CAPACITY, FACTOR, Channel, Store
 
 
@@ -103,6 +106,39 @@ class EventTest(unittest.TestCase):
         events, rest = parse_events(b"xyz\xed\xa1" + self.event(b"A", b"1") + b"\xed\xa1\xda\x01" + b"\xff" * 30 + self.event(b"B", b"2"))
         self.assertEqual(events, [("A", b"1"), ("B", b"2")])
         self.assertEqual(rest, b"")
+
+
+class IncomingTest(unittest.TestCase):
+    def events(self, torque_time_offset=0, run_identity=1):
+        """A second of ENCODER and TORQUE every 10 ms."""
+        types = message_types()
+        for k in range(100):
+            for kind, channel in ((types.encoder_t, "ENCODER"), (types.torque_t, "TORQUE")):
+                message = kind()
+                message.run_identity, message.simulated_time, message.group_count = run_identity, k * 10_000_000, 1
+                if channel == "ENCODER":
+                    message.shaft_speed, message.shaft_position = [float(run_identity)], [0.0]
+                else:
+                    message.motor_torque = [5.0]
+                    if k == 50:
+                        message.simulated_time += torque_time_offset
+                yield channel, message.encode()
+
+    def test_an_answer_of_an_impossible_time_is_left_out(self):
+        store = Store()
+        Incoming(functools.partial(fill, store)).take(list(self.events(torque_time_offset=1 << 61)))
+        self.assertAlmostEqual(store.last, 0.99)
+        self.assertEqual(len(store.channels["TORQUE"].samples(-1.0, 1e12)[0]), 99)
+        self.assertEqual(len(store.channels["ENCODER"].samples(-1.0, 1e12)[0]), 100)
+
+    def test_another_run_on_the_bus_is_followed_in_place_of_the_first(self):
+        store = Store()
+        incoming = Incoming(functools.partial(fill, store), store.clear)
+        incoming.take(list(self.events()))
+        self.assertEqual(store.at("ENCODER.shaft_speed.0", 0.5), 1.0)
+        incoming.take(list(self.events(run_identity=2))[:40])
+        self.assertAlmostEqual(store.last, 0.19)
+        self.assertEqual(store.at("ENCODER.shaft_speed.0", 0.1), 2.0)
 
 
 class AccessTest(unittest.TestCase):

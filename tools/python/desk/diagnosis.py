@@ -4,7 +4,7 @@ import asyncio
 from collections import deque
 from pathlib import Path
 
-from run_log import messages_folder
+from run_log import slewlab_program
 from desk.source import EVENT, SYNC
 
 SPAN = 60.0  # [s]
@@ -47,7 +47,7 @@ class Diagnosis:
         self.words.clear()
         controller = ["--controller", self.controller] if self.controller else []
         self.process = await asyncio.create_subprocess_exec(
-            messages_folder().parent / "bin" / "slewlab", "diagnose", "--crane", self.nominal, *controller, "--log", log,
+            slewlab_program(), "diagnose", "--crane", self.nominal, *controller, "--log", log,
             "--out", self.folder, stdin=asyncio.subprocess.DEVNULL, stdout=asyncio.subprocess.PIPE,
             stderr=asyncio.subprocess.STDOUT, start_new_session=True)
         self.listening = asyncio.create_task(self._listen())

@@ -94,7 +94,7 @@ class Bus:
 
         self.name, self.facts, self.remarks = address, {}, []
         self.store, self.events = Store(), []
-        self.incoming = Incoming(receive or functools.partial(fill, self.store))
+        self.incoming = Incoming(receive or functools.partial(fill, self.store), self.store.clear)
         self.bus = lcm.LCM(address)
         self.subscription = self.bus.subscribe("|".join(USED), lambda channel, data: self.events.append((channel, data)))
         self.subscription.set_queue_capacity(0)  # unlimited: by default the newest are dropped
@@ -109,6 +109,8 @@ class Bus:
 
 
 KINDS = {"boolean": "?", "int8_t": "i1", "int16_t": ">i2", "int32_t": ">i4", "int64_t": ">i8", "float": ">f4", "double": ">f8"}
+OF_CONTROLLER = ("TORQUE", "CONTROLLER_STATE")  # logged as they came, whatever that was
+LATE = 5_000_000_000  # [ns] by which an answer may lie beside the plant's messages that came with it
 FINGERPRINT = 8  # [bytes] in front of every message
 
 
@@ -131,10 +133,12 @@ class Decoder:
 
 
 class Incoming:
-    """Events as they come, of one run: the one that was heard first. `receive` gets every channel's rows."""
+    """Events as they come, of one run at a time: `receive` gets every channel's rows, `begin` is called where another run's ENCODER
+    comes and none of the one before."""
 
-    def __init__(self, receive):
-        self.receive, self.decoders, self.identity = receive, {}, None
+    def __init__(self, receive, begin=lambda: None):
+        self.receive, self.begin, self.decoders, self.identity = receive, begin, {}, None
+        self.span = None  # [ns] times of the plant's messages of this batch
         self.tap = None  # gets all events as they are
         self.moves = []  # OPERATOR as it is on the wire: (time [ns], request, emergency stop, acknowledge)
         types = message_types()
@@ -148,16 +152,28 @@ class Incoming:
         for channel, data in events:
             if channel in self.classes:
                 waiting.setdefault(channel, []).append(data)
-        for channel, messages in waiting.items():
+        self.span = None
+        # The plant's own first: by them it is known which run this is, and which times there are.
+        for channel in sorted(waiting, key=lambda name: (name in OF_CONTROLLER, name != "ENCODER")):
+            messages = waiting[channel]
             if channel not in self.decoders:
                 try:
                     self.decoders[channel] = Decoder(self.classes[channel], messages[0])
                 except (ValueError, struct.error):
                     continue  # no message: a bit turned over on its way
             rows = self.decoders[channel].decode(messages)
-            if self.identity is None and len(rows):
-                self.identity = rows["run_identity"][0]
+            if len(rows) and (self.identity is None or channel == "ENCODER" and not (rows["run_identity"] == self.identity).any()):
+                if self.identity is not None:
+                    self.begin()
+                    self.moves.clear()
+                self.identity = rows["run_identity"][-1]
             rows = rows[rows["run_identity"] == self.identity]
+            if channel in OF_CONTROLLER and self.span is not None:  # a bit that turned over may be one of the time
+                time = rows["simulated_time"]
+                rows = rows[(time >= self.span[0] - LATE) & (time <= self.span[1] + LATE)]
+            elif len(rows) and channel not in OF_CONTROLLER:
+                times = [int(rows["simulated_time"].min()), int(rows["simulated_time"].max()), *(self.span or ())]
+                self.span = min(times), max(times)
             if channel == "OPERATOR":
                 self.moves += zip(*(rows[field].tolist() for field in ("simulated_time", "speed_request", "emergency_stop", "acknowledge")))
             if len(rows):

@@ -3,11 +3,12 @@
 
 import asyncio
 import contextlib
+import sys
 from pathlib import Path
 
 import yaml
 
-from run_log import messages_folder
+from run_log import slewlab_program
 from whole_file import growing
 from desk.source import Growing
 
@@ -67,9 +68,8 @@ class SteeredRun:
         self.folder.mkdir(parents=True)
         self.paused, self.speed, self.ended, self.why = False, 1.0, False, ""
         self.told, self.faults, self.effects, self.words = None, [], [], []
-        program = messages_folder().parent / "bin" / "slewlab"
         self.process = await asyncio.create_subprocess_exec(
-            program, "run", self.scenario, "--steered", "--out", self.folder, "--progress", "none",
+            slewlab_program(), "run", self.scenario, "--steered", "--out", self.folder, "--progress", "none",
             "--set", f"duration={self.duration:.9g}", *self.options, *switched, stdin=asyncio.subprocess.PIPE,
             stdout=asyncio.subprocess.PIPE, stderr=asyncio.subprocess.STDOUT, start_new_session=True)
         self.listening = asyncio.create_task(self._listen())
@@ -93,6 +93,7 @@ class SteeredRun:
         self.ended = True
         if self.process.returncode != 0:
             self.why = "the run ended: " + " · ".join(self.words)
+            print(f"slewlab desk: {self.why}", file=sys.stderr)
 
     def _fault_switched(self, name, which, time):
         if which == "from":

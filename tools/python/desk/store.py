@@ -156,6 +156,12 @@ class Store:
         self.capacity, self.channels, self.places = capacity, {}, {}
         self.first, self.last = np.inf, -np.inf  # [s]
 
+    def clear(self):
+        """As at the beginning: of another run."""
+        self.channels.clear()
+        self.places.clear()
+        self.first, self.last = np.inf, -np.inf
+
     def append(self, name, time, columns):
         """`columns`: {field: values by sample, or by sample and entry}."""
         if len(time) == 0:
