@@ -437,7 +437,7 @@ void check_accelerometers_alive(const AdmissionSettings& settings, double moving
 
 }  // namespace
 
-Record make_record(const msgs::RunLog& run, const std::string& name, const AdmissionSettings& settings) {
+Record unchecked_record(const msgs::RunLog& run, const std::string& name, const AdmissionSettings& settings) {
   Record record;
   record.name = name;
   take_group_count(run, record);
@@ -451,11 +451,16 @@ Record make_record(const msgs::RunLog& run, const std::string& name, const Admis
     record.remarks.push_back(fmt::format("{}: no SENSORS messages; with encoders and torques alone what is said of house, boom and load is a hint", name));
   }
   take_wire(run, record);
+  return record;
+}
+
+Record make_record(const msgs::RunLog& run, const std::string& name, const AdmissionSettings& settings) {
+  Record record = unchecked_record(run, name, settings);
   double largest_speed = 0.0;
   for (const double speed : record.shaft_speed[0]) largest_speed = std::max(largest_speed, std::fabs(speed));
   if (largest_speed == 0.0) throw NotAdmitted(fmt::format("{}: the motors never turn", name));
   const double moving = kMoving * largest_speed;
-  check_motors_alive(times.encoder, settings, moving, record);
+  check_motors_alive(times_of(run.encoder), settings, moving, record);
   check_accelerometers_alive(settings, moving, record);
   check_driven(run, record, moving);
   check_units(record, settings);

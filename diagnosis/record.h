@@ -100,6 +100,9 @@ std::vector<double> cubic_slope(const std::vector<double>& values, std::size_t h
 // and after the last.
 std::vector<double> resample(const std::vector<std::int64_t>& times, const std::vector<double>& values, const Record& record, std::size_t count);
 
+// A log on the record's grid, its clocks checked and nothing else: what make_record() begins with. Throws NotAdmitted.
+Record unchecked_record(const msgs::RunLog& run, const std::string& name, const AdmissionSettings& settings);
+
 // Throws NotAdmitted. Small gaps (up to 3 missing messages in a row) are bridged and remarked.
 Record make_record(const msgs::RunLog& run, const std::string& name, const AdmissionSettings& settings);
 

@@ -19,7 +19,7 @@ bool says_tripped(const msgs::PlantStatus& status) {
 }  // namespace
 
 RecordedDrive::RecordedDrive(const Record& record, const sim::DriveProtectionSettings& protection)
-    : record_(record),
+    : record_(&record),
       protection_(protection),
       run_{record.group_count, 0, std::llround(record.encoder_period * kNanosecondsPerSecond)},
       step_(std::llround(record.step * kNanosecondsPerSecond)) {
@@ -35,9 +35,9 @@ RecordedDrive::RecordedDrive(const Record& record, const sim::DriveProtectionSet
 }
 
 bool RecordedDrive::begins_at_rest() const {
-  if (record_.torque.empty() || record_.torque.front().answered_sequence > 0) return false;
-  for (int g = 0; g < record_.group_count; ++g) {
-    const std::vector<double>& speed = record_.position_rate[static_cast<std::size_t>(g)];
+  if (record_->torque.empty() || record_->torque.front().answered_sequence > 0) return false;
+  for (int g = 0; g < record_->group_count; ++g) {
+    const std::vector<double>& speed = record_->position_rate[static_cast<std::size_t>(g)];
     double largest = 0.0;
     for (const double value : speed) largest = std::max(largest, std::fabs(value));
     if (!speed.empty() && std::fabs(speed.front()) > std::max(protection_.standstill_speed, kStanding * largest)) return false;
@@ -48,14 +48,14 @@ bool RecordedDrive::begins_at_rest() const {
 // Whether a message came since the last point.
 bool RecordedDrive::look_at_messages(std::int64_t time) {
   bool is_new = false;
-  for (; messages_ < record_.torque.size() && record_.torque[messages_].simulated_time <= time; ++messages_) {
+  for (; messages_ < record_->torque.size() && record_->torque[messages_].simulated_time <= time; ++messages_) {
     is_new = true;
     // After a trip the drive takes torque again once it is acknowledged.
-    if (record_.torque[messages_].acknowledge) tripped_ = false;
+    if (record_->torque[messages_].acknowledge) tripped_ = false;
   }
-  for (; statuses_ < record_.plant_status.size() && record_.plant_status[statuses_].simulated_time <= time; ++statuses_) {
+  for (; statuses_ < record_->plant_status.size() && record_->plant_status[statuses_].simulated_time <= time; ++statuses_) {
     const bool before = tripped_;
-    tripped_ = says_tripped(record_.plant_status[statuses_]);
+    tripped_ = says_tripped(record_->plant_status[statuses_]);
     is_new = is_new || tripped_ != before;
   }
   return is_new;
@@ -65,15 +65,15 @@ void RecordedDrive::command(std::int64_t time) {
   const std::int64_t periods = std::llround(static_cast<double>(time - last_command_) / static_cast<double>(run_.controller_period));
   message_.answered_sequence += point_ == 0 ? 1 : std::max<std::int64_t>(1, periods);
   last_command_ = time;
-  for (int g = 0; g < record_.group_count; ++g) {
-    message_.motor_torque[static_cast<std::size_t>(g)] = record_.motor_torque[static_cast<std::size_t>(g)][point_];
+  for (int g = 0; g < record_->group_count; ++g) {
+    message_.motor_torque[static_cast<std::size_t>(g)] = record_->motor_torque[static_cast<std::size_t>(g)][point_];
   }
   ++message_.alive_counter;
   message_.enable = true;
   message_.brake = false;
   if (messages_ > 0) {
-    message_.enable = record_.torque[messages_ - 1].enable;
-    message_.brake = record_.torque[messages_ - 1].brake;
+    message_.enable = record_->torque[messages_ - 1].enable;
+    message_.brake = record_->torque[messages_ - 1].brake;
   }
   if (tripped_) message_.brake = true;
   sim::begin_cycle(state_, message_.answered_sequence);
@@ -83,10 +83,10 @@ void RecordedDrive::command(std::int64_t time) {
 }
 
 sim::DriveCommand RecordedDrive::next() {
-  const auto time = static_cast<std::int64_t>(std::llround(record_.time(point_) * kNanosecondsPerSecond));
+  const auto time = static_cast<std::int64_t>(std::llround(record_->time(point_) * kNanosecondsPerSecond));
   bool is_new = look_at_messages(time) || point_ == 0;
-  for (int g = 0; g < record_.group_count && !is_new; ++g) {
-    const std::vector<double>& torque = record_.motor_torque[static_cast<std::size_t>(g)];
+  for (int g = 0; g < record_->group_count && !is_new; ++g) {
+    const std::vector<double>& torque = record_->motor_torque[static_cast<std::size_t>(g)];
     is_new = torque[point_] != torque[point_ - 1];
   }
   if (is_new) command(time);
@@ -94,6 +94,17 @@ sim::DriveCommand RecordedDrive::next() {
   sim::DriveMoment moment;
   moment.time = time;
   return sim::drive_command(protection_, run_, state_, moment, step_);
+}
+
+void RecordedDrive::go_on_in(const Record& record) {
+  const auto until = std::llround((record_->time(point_) - record_->step) * kNanosecondsPerSecond);  // what came by then has been looked at
+  point_ = static_cast<std::size_t>(std::lround((record_->time(point_) - record.start_time) / record.step));
+  const auto looked_at = [&](const auto& messages) {
+    return static_cast<std::size_t>(std::count_if(messages.begin(), messages.end(), [&](const auto& message) { return message.simulated_time <= until; }));
+  };
+  messages_ = looked_at(record.torque);
+  statuses_ = looked_at(record.plant_status);
+  record_ = &record;
 }
 
 DriveCourse drive_course(const Record& record, const sim::DriveProtectionSettings& protection) {

@@ -26,12 +26,15 @@ class RecordedDrive {
   // record's end.
   sim::DriveCommand next();
 
+  // Goes on in another record of the same machine, on the same grid, that holds the point before the next one; it must outlive this.
+  void go_on_in(const Record& record);
+
  private:
   bool begins_at_rest() const;
   bool look_at_messages(std::int64_t time);
   void command(std::int64_t time);
 
-  const Record& record_;
+  const Record* record_;
   sim::DriveProtectionSettings protection_;
   sim::DriveRun run_;
   std::int64_t step_;                // [ns]

@@ -189,11 +189,53 @@ Shadow shadow(const sim::MachineSettings& settings, const Record& record, const 
   return result;
 }
 
+Observer::Observer(Follower follower, const Record& record, const ShadowGains& gains, const Beginning& beginning)
+    : machine_(std::move(follower.machine)),
+      to_slew_axis_(follower.to_slew_axis),
+      step_(record.step),
+      gains_(gains),
+      groups_(static_cast<std::size_t>(record.group_count)),
+      leak_(std::exp(-record.step / gains.leak_time)),
+      forget_(std::exp(-record.step / gains.offset_time)),
+      first_(static_cast<std::size_t>(gains.first_offset / record.step)) {
+  start(machine_, record, beginning, gains.first_slope);
+  for (std::size_t i = 0; i < groups_; ++i) {
+    origin_[i] = record.shaft_position[i][0] - (machine_.state.motor_angle[i] + beginning.motor_offset[i]) * machine_.model.ratio;
+  }
+}
+
+Observer::Moment Observer::advance(const sim::DriveCommand& command, const Measured& measured) {
+  Moment moment;
+  const sim::MachineReadings readings = sim::read(machine_);
+  for (std::size_t i = 0; i < groups_; ++i) {
+    const double missing = gains_.speed * (measured.rate[i] - readings.shaft_speed[i]) +
+                           gains_.position * (measured.position[i] - origin_[i] - readings.shaft_position[i]);
+    moment.missing_torque[i] = missing;
+    // Past the actuators: what is missing at a motor is not limited or delayed by its drive.
+    machine_.outside.motor_torque[i] = missing * to_slew_axis_;
+    // Gears without play touch always: they change flanks without a shock.
+    if (machine_.state.contact[i] == 0 && machine_.model.gear[i].half_play > 0.0) moment.contact_lost = true;
+  }
+  moment.acceleration = {readings.house_acceleration, readings.pivot_acceleration, readings.middle_acceleration, readings.tip_acceleration};
+  if (measured.tip_acceleration != nullptr) {
+    const double difference = *measured.tip_acceleration - readings.tip_acceleration;
+    if (point_ < first_) {
+      tip_offset_ += difference / static_cast<double>(first_);
+    } else {
+      tip_offset_ = forget_ * tip_offset_ + (1.0 - forget_) * difference;
+      tip_error_ = leak_ * tip_error_ + step_ * (difference - tip_offset_);
+    }
+    machine_.outside.tip_force = gains_.tip_damping * tip_error_;
+    ++point_;
+  }
+  sim::step(machine_, command);
+  return moment;
+}
+
 void shadow(Follower follower, const Record& record, const DriveCourse& drives, const ShadowGains& gains, double encoder_latency,
             const Beginning& beginning, Shadow& result) {
-  sim::Machine& machine = follower.machine;
   const double encoder_lead = encoder_latency / record.step + follower.encoder_delay;  // [steps]
-  start(machine, record, beginning, gains.first_slope);
+  Observer observer(std::move(follower), record, gains, beginning);
 
   const std::size_t count = record.size();
   const auto groups = static_cast<std::size_t>(record.group_count);
@@ -203,53 +245,30 @@ void shadow(Follower follower, const Record& record, const DriveCourse& drives, 
     if (!record.acceleration[a].empty()) judged.push_back(a);
     result.acceleration_difference[a].resize(record.acceleration[a].empty() ? 0 : count);
   }
-  std::array<double, sim::kMaximumGroupCount> origin{};
-  for (std::size_t i = 0; i < groups; ++i) {
-    origin[i] = record.shaft_position[i][0] - (machine.state.motor_angle[i] + beginning.motor_offset[i]) * machine.model.ratio;
-  }
   const auto cycle = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(record.encoder_period / record.step)));
   const bool has_tip = !record.acceleration[kTip].empty();
-  const double leak = std::exp(-record.step / gains.leak_time);
-  double tip_error = 0.0;  // [m/s]
-  // The tip's sensor may have an offset, which must not lead the shadow: at first what differs at rest, or turning evenly.
-  const auto first = static_cast<std::size_t>(gains.first_offset / record.step);
-  const double forget = std::exp(-record.step / gains.offset_time);
-  double tip_offset = 0.0;  // [m/s^2]
   result.contact_lost.assign(count, false);
   sim::DriveCommand command;
+  Observer::Measured measured;
   for (std::size_t n = 0; n < count; ++n) {
-    const sim::MachineReadings readings = sim::read(machine);
     command.sequence = static_cast<std::int64_t>(n / cycle);
     command.enable = drives.enable[n];
     const Place read_at = place_at(static_cast<double>(n) + encoder_lead, count);
     for (std::size_t i = 0; i < groups; ++i) {
       command.motor_torque[i] = drives.motor_torque[i][n];
       command.brake_torque[i] = drives.brake_torque[i][n];
-      const double missing = gains.speed * (value_at(record.position_rate[i], read_at) - readings.shaft_speed[i]) +
-                             gains.position * (value_at(record.shaft_position[i], read_at) - origin[i] - readings.shaft_position[i]);
-      result.missing_torque[i][n] = missing;
-      // Past the actuators: what is missing at a motor is not limited or delayed by its drive.
-      machine.outside.motor_torque[i] = missing * follower.to_slew_axis;
-      // Gears without play touch always: they change flanks without a shock.
-      if (machine.state.contact[i] == 0 && machine.model.gear[i].half_play > 0.0) result.contact_lost[n] = true;
+      measured.rate[i] = value_at(record.position_rate[i], read_at);
+      measured.position[i] = value_at(record.shaft_position[i], read_at);
     }
-    const double sensed[kAccelerometerCount] = {readings.house_acceleration, readings.pivot_acceleration,
-                                                readings.middle_acceleration, readings.tip_acceleration};
+    if (has_tip) measured.tip_acceleration = &record.acceleration[kTip][n];
+    const Observer::Moment moment = observer.advance(command, measured);
+    for (std::size_t i = 0; i < groups; ++i) result.missing_torque[i][n] = moment.missing_torque[i];
+    result.contact_lost[n] = moment.contact_lost;
     for (const std::size_t a : judged) {
       // Where sensors are not sampled on the grid, at first what the shadow's would say.
-      result.acceleration_difference[a][n] = record.sampled_at.empty() ? record.acceleration[a][n] - sensed[a] : sensed[a];
+      const double sensed = moment.acceleration[a];
+      result.acceleration_difference[a][n] = record.sampled_at.empty() ? record.acceleration[a][n] - sensed : sensed;
     }
-    if (has_tip) {
-      const double difference = record.acceleration[kTip][n] - readings.tip_acceleration;
-      if (n < first) {
-        tip_offset += difference / static_cast<double>(first);
-      } else {
-        tip_offset = forget * tip_offset + (1.0 - forget) * difference;
-        tip_error = leak * tip_error + record.step * (difference - tip_offset);
-      }
-      machine.outside.tip_force = gains.tip_damping * tip_error;
-    }
-    sim::step(machine, command);
   }
   if (!record.sampled_at.empty()) {
     for (const std::size_t a : judged) sample_alike(record, a, result.acceleration_difference[a]);

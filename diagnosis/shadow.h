@@ -84,6 +84,38 @@ struct Follower {
 // Throws as shadow().
 Follower follower_of(const sim::MachineSettings& machine, double step);
 
+// The follower on its way, a grid point after the other.
+class Observer {
+ public:
+  // Begins as the record does, at its first point.
+  Observer(Follower follower, const Record& record, const ShadowGains& gains, const Beginning& beginning = {});
+
+  struct Measured {
+    GroupAngles position{};  // [rad] of the shafts
+    GroupAngles rate{};      // [rad/s]
+    const double* tip_acceleration = nullptr;  // [m/s^2]; none: not measured
+  };
+  struct Moment {
+    GroupAngles missing_torque{};                          // [Nm] per motor
+    std::array<double, kAccelerometerCount> acceleration{};  // [m/s^2] of the observer itself
+    bool contact_lost = false;
+  };
+  // To the next grid point, under what the drives make of the commands.
+  Moment advance(const sim::DriveCommand& command, const Measured& measured);
+
+ private:
+  sim::Machine machine_;
+  double to_slew_axis_, step_;
+  ShadowGains gains_;
+  std::size_t groups_;
+  GroupAngles origin_{};  // [rad] of the shafts' positions
+  double leak_, forget_;
+  // The tip's sensor may have an offset, which must not lead the shadow: at first what differs at rest, or turning evenly.
+  std::size_t point_ = 0, first_;
+  double tip_error_ = 0.0;   // [m/s]
+  double tip_offset_ = 0.0;  // [m/s^2]
+};
+
 // The same into a result whose room is used again, with what the drives make of the record, which is the same for all machines.
 void shadow(Follower follower, const Record& record, const DriveCourse& drives, const ShadowGains& gains, double encoder_latency,
             const Beginning& beginning, Shadow& result);

@@ -28,6 +28,7 @@ class CranePlant : public DrivenPlant {
   std::optional<Divergence> divergence() const override;
 
   const Machine& machine() const { return machine_; }
+  bool switch_effect(std::string_view name, bool on) { return sim::switch_effect(machine_, name, on); }
   const DriveProtectionState& drive() const { return drive_; }
 
  private:

@@ -98,11 +98,11 @@ CountRange read_range(YamlReader reader) {
 }  // namespace
 
 std::vector<Fault> read_faults(YamlReader& scenario, std::int64_t controller_period, int group_count,
-                               std::uint64_t scenario_seed) {
+                               std::uint64_t scenario_seed, std::size_t faults_before) {
   std::vector<Fault> faults;
   scenario.each("faults", [&](YamlReader& reader) {
     constexpr std::uint64_t kApart = 1'000'003;  // far enough that lists of neighbouring seeds share none
-    faults.push_back(read_fault(reader, controller_period, group_count, scenario_seed + kApart * (faults.size() + 1)));
+    faults.push_back(read_fault(reader, controller_period, group_count, scenario_seed + kApart * (faults_before + faults.size() + 1)));
   });
   return faults;
 }

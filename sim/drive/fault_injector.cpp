@@ -46,6 +46,17 @@ FaultInjector::FaultInjector(std::vector<Fault> faults, std::int64_t controller_
       frozen_(faults_.size()),
       alive_counter_(faults_.size()) {}
 
+void FaultInjector::add(const Fault& fault) {
+  faults_.push_back(fault);
+  actions_done_.emplace_back();
+  frozen_.emplace_back();
+  alive_counter_.emplace_back();
+}
+
+void FaultInjector::end(std::size_t number, std::int64_t time) {
+  faults_.at(number).until = std::min(faults_.at(number).until, time);
+}
+
 PlantConditions FaultInjector::conditions(std::int64_t time) const {
   PlantConditions conditions;
   for (const Fault& fault : faults_) {

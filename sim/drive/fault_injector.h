@@ -31,6 +31,10 @@ class FaultInjector {
 
   bool empty() const { return faults_.empty(); }
 
+  // While it runs: a fault behind all others, which acts from its `from` on; an end to the fault of that number.
+  void add(const Fault& fault);
+  void end(std::size_t number, std::int64_t time);
+
   // What has failed on the crane during a step that begins at `time`.
   PlantConditions conditions(std::int64_t time) const;
 

@@ -44,6 +44,7 @@ class Lockstep {
     output_.send_series(counts_.simulated_time);
     output_.check_plant(counts_.simulated_time);
     while (counts_.simulated_time < settings_.duration && !stop_asked()) {
+      if (hooks_.steer && !steer()) break;
       if (!talk()) break;
       for (std::int64_t i = 0; i < steps_per_period; ++i) {
         plant_.step(faults_.conditions(counts_.simulated_time));
@@ -61,6 +62,17 @@ class Lockstep {
   bool stop_asked() const { return hooks_.stop && hooks_.stop(); }
 
   void log(const char* channel, const ByteBuffer& bytes) { output_.log(channel, counts_.simulated_time, bytes); }
+
+  // False where the run ends here.
+  bool steer() {
+    const SteeredPeriod period = hooks_.steer(counts_.simulated_time);
+    if (period.ends_run || stop_asked()) {
+      counts_.ended_by_operator = period.ends_run;
+      return false;
+    }
+    take(period, counts_.simulated_time, output_, faults_);
+    return true;
+  }
 
   // What plant and controller say to each other at the start of a period; false if asked to stop meanwhile.
   bool talk() {

@@ -35,6 +35,7 @@
 #include "sim/drive/driven_plant.h"
 #include "sim/drive/fault_injector.h"
 #include "sim/drive/operator_move.h"
+#include "sim/drive/steering.h"
 
 namespace slewlab::sim {
 
@@ -64,10 +65,13 @@ struct LockstepCounts {
   std::int64_t foreign_answers = 0; // TORQUE of another run, left alone
   std::int64_t cut_answers = 0;     // on TORQUE, longer than kLargestAnswer: the rest is left out
   std::int64_t simulated_time = 0;  // [ns] reached
+  bool ended_by_operator = false;   // of a run that is steered
 };
 
 // Where the loop stands, for whoever shows progress or wants it to end.
 struct LockstepHooks {
+  // Of a run that is steered: asked before every controller period begins, at its simulated time [ns]; may wait.
+  std::function<SteeredPeriod(std::int64_t)> steer;
   std::function<bool()> stop;                                // asked in every cycle and every wait
   std::function<void(const LockstepCounts&)> after_cycle;
   std::function<void(const LockstepCounts&)> while_waiting;  // after every resend

@@ -57,4 +57,15 @@ void PlantOutput::send(const char* channel, std::int64_t simulated_time, const M
   if (simulated_time % settings_.live_period == 0) bus_.publish(channel, bytes_);
 }
 
+void take(const SteeredPeriod& period, std::int64_t simulated_time, PlantOutput& output, FaultInjector& faults) {
+  for (const FaultSwitch& change : period.faults) {
+    if (change.begins) {
+      faults.add(*change.begins);
+    } else {
+      faults.end(change.ends, simulated_time);
+    }
+  }
+  if (period.move) output.send_operator(*period.move, simulated_time);
+}
+
 }  // namespace slewlab::sim

@@ -37,6 +37,8 @@ class PlantOutput {
   // OPERATOR for every move that is due at `simulated_time` [ns] and was not sent; the first call says in any case where the joystick
   // stands.
   void send_operator_moves(std::int64_t simulated_time);
+  // OPERATOR for a move that nobody knew of before.
+  void send_operator(const OperatorMove& move, std::int64_t simulated_time);
   // The newest OPERATOR once more, on the bus alone.
   void repeat_operator() { bus_.publish(msgs::kOperatorChannel, operator_bytes_); }
   std::int64_t operator_sequence() const { return operator_sequence_; }
@@ -49,7 +51,6 @@ class PlantOutput {
   void check_plant(std::int64_t simulated_time) const;
 
  private:
-  void send_operator(const OperatorMove& move, std::int64_t simulated_time);
   template <class Message>
   void send(const char* channel, std::int64_t simulated_time, const Message& message);
 
@@ -68,5 +69,8 @@ class PlantOutput {
   std::vector<std::uint8_t> operator_bytes_;  // of the newest
   std::vector<std::uint8_t> bytes_;
 };
+
+// What a steered period brings, at its beginning.
+void take(const SteeredPeriod& period, std::int64_t simulated_time, PlantOutput& output, FaultInjector& faults);
 
 }  // namespace slewlab::sim

@@ -1,5 +1,6 @@
 #include "sim/drive/scenario_file.h"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <string_view>
@@ -78,6 +79,25 @@ std::vector<OperatorMove> read_moves(YamlReader& scenario, std::int64_t plant_st
   return moves;
 }
 
+std::vector<EffectSwitch> read_effect_switches(YamlReader& scenario, std::int64_t controller_period) {
+  std::vector<EffectSwitch> switches;
+  scenario.each("effect_switches", [&](YamlReader& reader) {
+    EffectSwitch change;
+    change.time = nanoseconds(reader.number("time", Unit::second, between(0.0, kLongest)));
+    if (controller_period > 0 && change.time % controller_period != 0) {
+      reader.report("time", in_milliseconds(change.time), "a whole multiple of the controller period, " + in_milliseconds(controller_period));
+    }
+    if (!switches.empty() && change.time < switches.back().time) {
+      reader.report("time", in_milliseconds(change.time), "no time before that of the switch before, " + in_milliseconds(switches.back().time));
+    }
+    change.effect = reader.text("effect");
+    change.on = reader.flag("on");
+    reader.finish();
+    switches.push_back(std::move(change));
+  });
+  return switches;
+}
+
 // The scenario's own part of the configuration: the contents of crane and controller stand for their names.
 std::string own_text(YamlNode&& root) {
   std::erase_if(root.entries, [](const common::YamlEntry& entry) {
@@ -111,6 +131,7 @@ void read_scenario(YamlReader& reader, Scenario& scenario) {
   telemetry.finish();
 
   scenario.moves = read_moves(reader, scenario.plant_step);
+  scenario.effect_switches = read_effect_switches(reader, scenario.controller_period);
   if (reader.has("expect")) scenario.expectation = read_expectation(reader.map("expect"));
 }
 
@@ -139,6 +160,15 @@ Scenario read_scenario_file(const std::filesystem::path& file, const std::vector
       if (scenario.crane.kind != kind) {
         reader.report(name_of(kind), "'" + scenario.crane_file.string() + "', whose kind is " + std::string(name_of(scenario.crane.kind)),
                       std::string(name_of(scenario.crane.kind)) + ": with that file's name");
+      }
+      for (const EffectSwitch& change : scenario.effect_switches) {
+        const auto is_it = [&](const YamlNode& entry) {
+          const YamlNode* name = entry.find("effect");
+          return name != nullptr && name->scalar == change.effect;
+        };
+        const std::vector<YamlNode>& effects = scenario.crane.effects.items;
+        if (std::any_of(effects.begin(), effects.end(), is_it)) continue;
+        reader.report("effect_switches", "'" + change.effect + "'", "an effect that stands under 'effects' of the machine");
       }
       if (scenario.expectation.standing_by) scenario.expectation.standing_angle = standing_angle_of(scenario.crane.parameters);
     } catch (const InputError& error) {

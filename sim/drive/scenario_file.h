@@ -21,6 +21,7 @@
 #include "sim/drive/fault.h"
 #include "sim/drive/fault_expectation.h"
 #include "sim/drive/operator_move.h"
+#include "sim/integrate/machine_settings.h"
 
 namespace slewlab::sim {
 
@@ -40,6 +41,7 @@ struct Scenario {
   std::vector<OperatorMove> moves;     // rising times; in the file a move names what changes, the rest stays
 
   std::vector<Fault> faults;
+  std::vector<EffectSwitch> effect_switches;  // rising times, several at one time as they stand in the file
   FaultExpectation expectation;  // no part of the configuration: it changes no run
   MachineFile crane;
 

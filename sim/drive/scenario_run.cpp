@@ -27,6 +27,7 @@ MachineSettings machine_settings(const Scenario& scenario) {
   MachineSettings settings = machine_settings(scenario.crane);
   settings.step = static_cast<double>(scenario.plant_step) / kNanosecondsPerSecond;
   settings.seed = static_cast<std::uint64_t>(scenario.seed);
+  settings.effect_switches = scenario.effect_switches;
   return settings;
 }
 

@@ -71,7 +71,7 @@ class WallClock {
   }
 
  private:
-  bool stop_asked() const { return hooks_.stop && hooks_.stop(); }
+  bool stop_asked() const { return report_.ended_by_operator || (hooks_.stop && hooks_.stop()); }
 
   void log(const char* channel, msgs::Bytes bytes) { output_.log(channel, report_.simulated_time, bytes); }
 
@@ -99,6 +99,11 @@ class WallClock {
     if (encoder_sequence_ >= 0) {
       faults_.end_period(FaultChannel::torque);
       hand_over();
+    }
+    if (hooks_.steer) {
+      const SteeredPeriod period = hooks_.steer(time);
+      report_.ended_by_operator = period.ends_run;
+      take(period, time, output_, faults_);
     }
     if (!faults_.empty()) {
       for (const ControllerAction action : faults_.controller_actions(time)) {

@@ -46,9 +46,11 @@ struct WallClockReport {
   std::int64_t missed_by_own_computation = 0;  // of these
   LatencyHistogram wakeup_latency;             // from due to awake
   LatencyHistogram step_time;                  // from awake to done
+  bool ended_by_operator = false;              // of a run that is steered
 };
 
 struct WallClockHooks {
+  std::function<SteeredPeriod(std::int64_t)> steer;  // as of LockstepHooks; must not wait
   std::function<bool()> stop;                              // asked in every step
   std::function<void(const WallClockReport&)> after_cycle;
   std::function<void(const WallClockReport&)> while_waiting;  // for the first answer, whenever it is asked again

@@ -1,6 +1,7 @@
 #include "sim/integrate/machine.h"
 
 #include <algorithm>
+#include <cmath>
 #include <stdexcept>
 #include <string>
 
@@ -12,6 +13,8 @@
 namespace slewlab::sim {
 
 namespace {
+
+constexpr double kNanosecond = 1e-9;  // [s]
 
 // The crane at the end of a step, in the quantities that effects see.
 void observe(const PlantModel& model, const PlantState& state, EffectMoment& moment) {
@@ -144,6 +147,9 @@ Machine make_machine(const MachineSettings& settings) {
     std::uint64_t seed = settings.seed;
     for (const char letter : instance.name) seed = mixed(seed, static_cast<std::uint64_t>(letter));
     machine.effects.emplace_back(description.start({{description.about, instance.values}, machine.model, scales, seed}));
+    machine.is_on.push_back(1);
+    const bool is_switchable = std::find(description.ports.begin(), description.ports.end(), EffectPort::parameters) == description.ports.end();
+    machine.switchable.push_back(is_switchable ? instance.name : "");
     for (const EffectPort port : description.ports) {
       switch (port) {
         case EffectPort::parameters:
@@ -170,6 +176,14 @@ Machine make_machine(const MachineSettings& settings) {
   machine.hooks_per_step =
       static_cast<std::int64_t>(machine.message.size() + machine.actuator.size() + machine.force.size() +
                                 machine.friction.size() + machine.sensor.size());
+  for (const EffectSwitch& change : settings.effect_switches) {
+    const auto found = std::find(machine.switchable.begin(), machine.switchable.end(), change.effect);
+    if (change.effect.empty() || found == machine.switchable.end()) {
+      throw std::invalid_argument("effect " + change.effect + " cannot be switched: the machine has none of that name that acts while it runs");
+    }
+    const double step = static_cast<double>(change.time) * kNanosecond / settings.step;
+    machine.switches.push_back({std::llround(step), static_cast<std::size_t>(found - machine.switchable.begin()), change.on});
+  }
   hang_load(machine);
   machine.sensed = read(machine.model, machine.state);
   return machine;
@@ -178,12 +192,16 @@ Machine make_machine(const MachineSettings& settings) {
 void step(Machine& machine, const DriveCommand& command) {
   const PlantModel& model = machine.model;
   const double time = time_of(machine);
+  while (machine.next_switch < machine.switches.size() && machine.switches[machine.next_switch].step <= machine.state.step_count) {
+    const Machine::Switch& due = machine.switches[machine.next_switch++];
+    machine.is_on[due.effect] = due.on;
+  }
 
   const DriveCommand* arrived = &command;
   DriveCommand changed;
   if (!machine.message.empty()) {
     changed = command;
-    for (const std::size_t i : machine.message) machine.effects[i]->message(time, changed);
+    for (const std::size_t i : machine.message) if (machine.is_on[i]) machine.effects[i]->message(time, changed);
     arrived = &changed;
   }
 
@@ -202,9 +220,9 @@ void step(Machine& machine, const DriveCommand& command) {
     machine.has_past = true;
     const EffectMoment moment =
         middle(machine.state, model.group_count, machine.now, machine.before, time, model.step);
-    for (const std::size_t i : machine.actuator) machine.effects[i]->actuator(moment, input.motor_torque);
-    for (const std::size_t i : machine.force) machine.effects[i]->force(moment, input.ports);
-    for (const std::size_t i : machine.friction) machine.effects[i]->friction(moment, input.friction);
+    for (const std::size_t i : machine.actuator) if (machine.is_on[i]) machine.effects[i]->actuator(moment, input.motor_torque);
+    for (const std::size_t i : machine.force) if (machine.is_on[i]) machine.effects[i]->force(moment, input.ports);
+    for (const std::size_t i : machine.friction) if (machine.is_on[i]) machine.effects[i]->friction(moment, input.friction);
   }
   machine.applied_torque = input.motor_torque;
 
@@ -216,7 +234,7 @@ void step(Machine& machine, const DriveCommand& command) {
                               .house_speed = machine.state.house_speed,
                               .truth = read(model, machine.state)};
     machine.sensed = moment.truth;
-    for (const std::size_t i : machine.sensor) machine.effects[i]->sensor(moment, machine.sensed);
+    for (const std::size_t i : machine.sensor) if (machine.is_on[i]) machine.effects[i]->sensor(moment, machine.sensed);
   }
   machine.effect_evaluations += machine.hooks_per_step;
 }
@@ -227,6 +245,13 @@ MachineReadings read(const Machine& machine) {
 
 double time_of(const Machine& machine) {
   return static_cast<double>(machine.state.step_count) * machine.model.step;
+}
+
+bool switch_effect(Machine& machine, std::string_view name, bool on) {
+  const auto found = std::find(machine.switchable.begin(), machine.switchable.end(), name);
+  if (name.empty() || found == machine.switchable.end()) return false;
+  machine.is_on[static_cast<std::size_t>(found - machine.switchable.begin())] = on;
+  return true;
 }
 
 void forget_past(Machine& machine) { machine.has_past = false; }

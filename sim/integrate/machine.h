@@ -12,6 +12,8 @@
 
 #include <cstdint>
 #include <memory>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "sim/effects/effect.h"
@@ -49,6 +51,16 @@ struct Machine {
   std::vector<EffectHandle> effects;
   // Which of them use each port, in the order of the settings.
   std::vector<std::size_t> message, actuator, force, friction, sensor;
+  // By effect: whether it acts, and its name where that can be switched while the machine runs (it changes no parameter).
+  std::vector<char> is_on;
+  std::vector<std::string> switchable;
+  struct Switch {
+    std::int64_t step;  // from which on
+    std::size_t effect;
+    bool on;
+  };
+  std::vector<Switch> switches;  // by rising step
+  std::size_t next_switch = 0;
   bool needs_moment = false;            // any of actuator, force, friction
   bool has_past = false;                // `before` is the end of the step before the last
   EffectMoment now, before;             // at the ends of the last two steps
@@ -68,6 +80,9 @@ Machine make_machine(const MachineSettings& settings);
 MachineParameters machine_parameters(const MachineSettings& settings);
 
 void step(Machine& machine, const DriveCommand& command);
+
+// From the next step on; an effect that is off keeps its memory. False where the machine has none of that name that can be switched.
+bool switch_effect(Machine& machine, std::string_view name, bool on);
 
 // What the wire says at the end of the last step.
 MachineReadings read(const Machine& machine);

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "common/effect.h"
@@ -11,6 +12,13 @@
 #include "sim/model/crane_parameters.h"
 
 namespace slewlab::sim {
+
+// An effect that begins or ends while the machine runs.
+struct EffectSwitch {
+  std::int64_t time = 0;  // [ns]
+  std::string effect;
+  bool on = true;
+};
 
 struct MachineSettings {
   CraneParameters crane;
@@ -22,6 +30,7 @@ struct MachineSettings {
   std::optional<common::EffectScales> scales = std::nullopt;
   // Of the drive between controller and machine (sim/drive/crane_plant.h). A Machine alone does what it is told.
   DriveProtectionSettings drive_protection{};
+  std::vector<EffectSwitch> effect_switches{};  // by rising time; until the first of an effect it acts
 };
 
 // What the drives are told, held until the next one. All values per motor of a group, on the fast axis.

@@ -8,14 +8,13 @@
 //   controller kill      a fault on purpose: kill the controller now and say so by a line on standard input
 //   controller start     the same for starting it anew
 //   controller stop, controller continue      the same with SIGSTOP and SIGCONT, against the wall clock only
+//   steering NEWS        of a steered run: what was refused, which fault began or ended when (sim/drive/steering.h)
 // Exit codes: 0 complete, 1 the run failed, 2 the call or the configuration is wrong, 128 + signal when stopped.
 
 #include <CLI/CLI.hpp>
 
-#include <unistd.h>
-
+#include <algorithm>
 #include <array>
-#include <cerrno>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -29,9 +28,11 @@
 #include "sim/drive/crane_plant.h"
 #include "sim/drive/lockstep_loop.h"
 #include "sim/drive/scenario_run.h"
+#include "sim/drive/steering.h"
 #include "sim/drive/system_clock.h"
 #include "sim/drive/wall_clock_loop.h"
 #include "sim/drive/scenario_file.h"
+#include "sim/plant_process/launcher_lines.h"
 
 namespace slewlab::sim {
 namespace {
@@ -48,6 +49,7 @@ struct Options {
   std::vector<std::string> overrides;
   std::string run_identity;  // 16 hexadecimal digits; empty: a fresh one
   bool realtime = false;
+  bool steered = false;
   double speed = 1.0;
 };
 
@@ -119,22 +121,103 @@ void tell_launcher(ControllerAction action) {
 }
 
 // Returns when the launcher has done it, or where there is none.
-void ask_launcher(ControllerAction action) {
+void ask_launcher(LauncherLines& launcher, ControllerAction action) {
   tell_launcher(action);
-  char letter = 0;
-  while (letter != '\n' && !common::stop_requested()) {
-    const ssize_t count = ::read(STDIN_FILENO, &letter, 1);
-    if (count < 0 && errno == EINTR) continue;
-    if (count == 1) continue;
-    std::fprintf(stderr, "slewlab-plant: nobody here to kill or start the controller; it is not asked instead\n");
-    return;
-  }
+  if (launcher.wait_for_done() || common::stop_requested()) return;
+  std::fprintf(stderr, "slewlab-plant: nobody here to kill or start the controller; it is not asked instead\n");
 }
+
+// The desk's side of a steered run: lines in, periods out, at the pace that is asked for.
+class SteeredRun {
+ public:
+  SteeredRun(const SteeringSettings& settings, LauncherLines& launcher, CranePlant& plant, msgs::LogWriter* log)
+      : steering_(settings), launcher_(launcher), plant_(plant), log_(log) {}
+
+  // In lockstep: waits until the period at `time` is due, then begins it.
+  SteeredPeriod when_due(std::int64_t time) {
+    hear(std::chrono::milliseconds{0});
+    while (!common::stop_requested()) {
+      const std::chrono::milliseconds wait = time_left(time);
+      if (wait.count() <= 0) break;
+      show();
+      hear(std::min(wait, kLongestWait));
+    }
+    show();
+    return begin(time);
+  }
+
+  // Against the wall clock.
+  SteeredPeriod at_once(std::int64_t time) {
+    hear(std::chrono::milliseconds{0});
+    return begin(time);
+  }
+
+ private:
+  SteeredPeriod begin(std::int64_t time) {
+    const SteeredPeriod period = steering_.begin_period(time);
+    for (const std::string& news : steering_.take_news()) std::printf("steering %s\n", news.c_str());
+    std::fflush(stdout);
+    for (const EffectSwitch& change : period.effects) plant_.switch_effect(change.effect, change.on);
+    return period;
+  }
+
+  void hear(std::chrono::milliseconds patience) {
+    while (auto line = launcher_.next(patience)) {
+      steering_.take(std::move(*line));
+      patience = std::chrono::milliseconds{0};
+    }
+    if (launcher_.ended() && !lost_) {
+      lost_ = true;
+      steering_.take("lost");
+    }
+  }
+
+  // Wall clock until the period at `time` is due. A run that was held, or that the machine could not keep up with, goes on from
+  // where it stands.
+  std::chrono::milliseconds time_left(std::int64_t time) {
+    const WallClock::time_point now = WallClock::now();
+    if (steering_.holds()) {
+      anchor_time_ = time;
+      anchor_ = now;
+      return kLongestWait;
+    }
+    if (steering_.speed() != speed_) {
+      speed_ = steering_.speed();
+      anchor_time_ = time;
+      anchor_ = now;
+    }
+    if (speed_ == 0.0) return std::chrono::milliseconds{0};
+    const auto due = anchor_ + std::chrono::nanoseconds(static_cast<std::int64_t>(static_cast<double>(time - anchor_time_) / speed_));
+    if (now - due > kLongestWait) {
+      anchor_time_ = time;
+      anchor_ = now;
+    }
+    return std::chrono::duration_cast<std::chrono::milliseconds>(due - now);
+  }
+
+  // What was simulated is in the log for whoever looks on.
+  void show() {
+    if (log_ == nullptr || WallClock::now() < next_show_) return;
+    next_show_ = WallClock::now() + kShowInterval;
+    log_->flush();
+  }
+
+  static constexpr std::chrono::milliseconds kLongestWait{100};
+  static constexpr std::chrono::milliseconds kShowInterval{15};  // of a picture of 60 Hz
+  Steering steering_;
+  LauncherLines& launcher_;
+  CranePlant& plant_;
+  msgs::LogWriter* log_;
+  bool lost_ = false;
+  double speed_ = -1.0;
+  std::int64_t anchor_time_ = 0;  // [ns]
+  WallClock::time_point anchor_, next_show_;
+};
 
 // Puts the log in order and says how the run went, `own` being what only this way of running has to say. The exit code.
 int end_run(const LockstepSettings& settings, const CranePlant& plant, msgs::LogWriter& log, std::int64_t simulated_time,
-            double wall_seconds, const nlohmann::ordered_json& own) {
-  const bool complete = simulated_time >= settings.duration;
+            double wall_seconds, bool ended_by_operator, const nlohmann::ordered_json& own) {
+  const bool complete = simulated_time >= settings.duration || ended_by_operator;
   if (complete) {
     log.finish();
   } else {
@@ -158,7 +241,8 @@ int end_run(const LockstepSettings& settings, const CranePlant& plant, msgs::Log
   return common::stop_exit_code();
 }
 
-int run_in_lockstep(const LockstepSettings& settings, CranePlant& plant, msgs::Bus& bus, msgs::LogWriter& log) {
+int run_in_lockstep(const LockstepSettings& settings, CranePlant& plant, msgs::Bus& bus, msgs::LogWriter& log,
+                    const std::optional<SteeringSettings>& steered) {
   const WallClock::time_point begin = WallClock::now();
   WallClock::time_point next_progress = begin;
   const auto show_progress = [&](const LockstepCounts& counts) {
@@ -181,7 +265,13 @@ int run_in_lockstep(const LockstepSettings& settings, CranePlant& plant, msgs::B
     notices.foreign(counts.foreign_answers);
     show_progress(counts);
   };
-  hooks.controller_action = ask_launcher;
+  LauncherLines launcher;
+  hooks.controller_action = [&](ControllerAction action) { ask_launcher(launcher, action); };
+  std::optional<SteeredRun> steering;
+  if (steered) {
+    steering.emplace(*steered, launcher, plant, &log);
+    hooks.steer = [&](std::int64_t time) { return steering->when_due(time); };
+  }
 
   print_progress({}, settings);
   const LockstepCounts counts = run_lockstep(settings, plant, bus, log, hooks);
@@ -189,7 +279,7 @@ int run_in_lockstep(const LockstepSettings& settings, CranePlant& plant, msgs::B
   const double wall_seconds = std::chrono::duration<double>(WallClock::now() - begin).count();
   print_progress(counts, settings);
   const double simulated_seconds = static_cast<double>(counts.simulated_time) / kNanosecondsPerSecond;
-  return end_run(settings, plant, log, counts.simulated_time, wall_seconds, {
+  return end_run(settings, plant, log, counts.simulated_time, wall_seconds, counts.ended_by_operator, {
       {"rate_against_real_time", simulated_seconds / wall_seconds},
       {"lockstep_cycles", counts.cycles},
       {"lockstep_cycles_per_second", static_cast<double>(counts.cycles) / wall_seconds},
@@ -210,7 +300,7 @@ nlohmann::ordered_json latency_summary(const LatencyHistogram& histogram) {
 }
 
 int run_in_real_time(const Options& options, const LockstepSettings& settings, CranePlant& plant, msgs::Bus& bus,
-                 msgs::LogWriter& log) {
+                 msgs::LogWriter& log, const std::optional<SteeringSettings>& steered) {
   std::string permissions;
   msgs::LogQueue queue(log);  // its thread is an ordinary one: started before real time is asked for
   for (const std::string& line : ask_for_real_time()) {
@@ -245,6 +335,12 @@ int run_in_real_time(const Options& options, const LockstepSettings& settings, C
     show_progress(report);
   };
   hooks.controller_action = tell_launcher;
+  LauncherLines launcher;
+  std::optional<SteeredRun> steering;
+  if (steered) {
+    steering.emplace(*steered, launcher, plant, nullptr);
+    hooks.steer = [&](std::int64_t time) { return steering->at_once(time); };
+  }
 
   print_progress({}, settings);
   const LogSink sink = [&](const char* channel, std::int64_t timestamp_us, msgs::Bytes bytes) {
@@ -255,7 +351,7 @@ int run_in_real_time(const Options& options, const LockstepSettings& settings, C
   const double wall_seconds = static_cast<double>(clock.now() - begin) / kNanosecondsPerSecond;
   print_progress({.simulated_time = report.simulated_time}, settings);
   queue.finish();
-  return end_run(settings, plant, log, report.simulated_time, wall_seconds, {
+  return end_run(settings, plant, log, report.simulated_time, wall_seconds, report.ended_by_operator, {
       {"realtime",
        {{"speed", options.speed},
         {"permissions", permissions},
@@ -285,8 +381,14 @@ int run(const Options& options) {
   common::catch_stop_signals();
   // A launcher that was killed reads no more of what is told here; the log is to be put in order all the same.
   std::signal(SIGPIPE, SIG_IGN);
-  return options.realtime ? run_in_real_time(options, settings, plant, *bus, log)
-                          : run_in_lockstep(settings, plant, *bus, log);
+  std::optional<SteeringSettings> steered;
+  if (options.steered) {
+    settings.operator_moves.clear();  // the operator is at the desk
+    steered = {settings.controller_period, scenario.crane.parameters.drive.group_count, static_cast<std::uint64_t>(scenario.seed),
+               scenario.faults.size(), plant.machine().switchable};
+  }
+  return options.realtime ? run_in_real_time(options, settings, plant, *bus, log, steered)
+                          : run_in_lockstep(settings, plant, *bus, log, steered);
 }
 
 }  // namespace
@@ -306,6 +408,7 @@ int main(int argc, char** argv) {
       ->check(CLI::Validator([](const std::string& text) { return msgs::is_hash_text(text) ? "" : "16 hexadecimal digits are wanted"; },
                              "HEX"));
   app.add_flag("--realtime", options.realtime, "against the wall clock instead of in lockstep");
+  app.add_flag("--steered", options.steered, "by lines on standard input, in place of the scenario's operator");
   app.add_option("--speed", options.speed, "with --realtime: simulated seconds per second")->check(CLI::PositiveNumber);
   app.add_option("--set", options.overrides, "key=value over the files, e.g. crane.load.mass=20t");
   try {

@@ -93,6 +93,7 @@ void add_run(CLI::App& app, const std::vector<std::string>& command_line, Action
   command->add_flag("--realtime", options->run.realtime, "against the wall clock instead of in lockstep");
   command->add_option("--speed", options->run.speed, "with --realtime: simulated seconds per second")
       ->check(CLI::PositiveNumber);
+  command->add_flag("--steered", options->run.steered, "by lines on standard input, as slewlab desk steers a run (docs/desk.md)");
   command->add_option("--progress", options->run.progress, "auto, lines or none")
       ->transform(CLI::CheckedTransformer(modes));
   command->callback([options, &command_line, &action] {
@@ -425,6 +426,8 @@ int main(const std::vector<std::string>& command_line, int argc, char** argv) {
   add_completion(app, action);
   add_manual(app, action);
   add_python(app, "report", "report.py", "Draw a run: a page with pictures and numbers beside its log", action);
+  add_python(app, "desk", "desk_command.py", "Watch, steer and scrub: a page of a running scenario or a log", action);
+  add_python(app, "bridge", "bridge.py", "Serve a run's messages to Foxglove, Lichtblick and PlotJuggler while it goes on", action);
   add_python(app, "export", "export.py", "Turn a log into Parquet, CSV or MCAP files", action);
   add_python(app, "import", "import_data.py", "Turn measured CSV or Parquet into a log, by a map of its columns", action);
   try {

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 
 #include "tools/commands/home.h"
 
@@ -33,6 +34,7 @@ int run_python(const std::string& script, const std::vector<std::string>& argume
   for (const std::string& argument : arguments) words.push_back(const_cast<char*>(argument.c_str()));
   words.push_back(nullptr);
   ::setenv("SLEWLAB_PYTHON_MESSAGES", python_messages().c_str(), 1);
+  ::setenv("SLEWLAB_PROGRAM", std::filesystem::read_symlink("/proc/self/exe").c_str(), 1);
   ::execv(python.c_str(), words.data());
   std::fprintf(stderr, "slewlab: %s: %s; tools/setup makes it\n", python.c_str(), std::strerror(errno));
   return 1;

@@ -1,4 +1,5 @@
-// Runs a program of tools/python with the project's own interpreter (.venv) and the messages of this build.
+// Runs a program of tools/python with the project's own interpreter (.venv) and the messages of this build. In its environment
+// SLEWLAB_PYTHON_MESSAGES names what the build made for Python, SLEWLAB_PROGRAM this program, for whoever starts it again.
 #pragma once
 
 #include <string>

@@ -7,6 +7,7 @@
 #include <sys/signalfd.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <chrono>
 #include <csignal>
@@ -142,13 +143,14 @@ struct Outcome {
 // Both sides from their start to their end.
 class Run {
  public:
-  Run(ChildProcess& plant, ChildProcess& controller, ProgressDisplay& display, const Signals& signals)
-      : plant_(plant), controller_(controller), display_(display), signals_(signals) {}
+  Run(ChildProcess& plant, ChildProcess& controller, ProgressDisplay& display, const Signals& signals, bool steered)
+      : plant_(plant), controller_(controller), display_(display), signals_(signals), listens_(steered) {}
 
   Outcome watch() {
     while (true) {
       wait(std::chrono::milliseconds{1000});
       read_output();
+      pass_steering_on();
       while (const auto number = signals_.next()) {
         if (*number != SIGCHLD) {
           outcome_.kind = Outcome::Kind::interrupted;
@@ -206,8 +208,28 @@ class Run {
     read_output();
   }
 
+  // What the desk says, to the plant; the desk's end is told, and the plant brings the crane to rest.
+  void pass_steering_on() {
+    pollfd input{STDIN_FILENO, POLLIN, 0};
+    if (!listens_ || ::poll(&input, 1, 0) <= 0) return;
+    char bytes[4096];
+    const ssize_t count = ::read(STDIN_FILENO, bytes, sizeof bytes);
+    if (count < 0) return;
+    if (count == 0) {
+      listens_ = false;
+      plant_.tell("lost");
+      return;
+    }
+    unfinished_.append(bytes, static_cast<std::size_t>(count));
+    for (std::size_t end; (end = unfinished_.find('\n')) != std::string::npos;) {
+      plant_.tell(unfinished_.substr(0, end));
+      unfinished_.erase(0, end + 1);
+    }
+  }
+
   void wait(std::chrono::milliseconds patience) {
     pollfd fds[] = {{signals_.fd(), POLLIN, 0},
+                    {listens_ ? STDIN_FILENO : -1, POLLIN, 0},
                     {plant_.output_fd(), POLLIN, 0},
                     {plant_.complaint_fd(), POLLIN, 0},
                     {controller_.output_fd(), POLLIN, 0},
@@ -219,6 +241,9 @@ class Run {
     plant_.read_output([this](const std::string& line) {
       if (line.rfind("summary ", 0) == 0) {
         plant_summary_ = Json::parse(line.substr(8), nullptr, false);
+      } else if (line.rfind("steering ", 0) == 0) {
+        std::printf("%s\n", line.c_str());
+        std::fflush(stdout);
       } else if (line == "controller kill") {
         controller_.kill();
         killed_on_purpose_ = true;
@@ -243,6 +268,8 @@ class Run {
   ChildProcess& controller_;
   ProgressDisplay& display_;
   const Signals& signals_;
+  bool listens_;            // to what a desk says on standard input
+  std::string unfinished_;  // line of it
   Outcome outcome_;
   Json plant_summary_ = nullptr;
   bool killed_on_purpose_ = false;  // the controller, by the scenario
@@ -310,10 +337,24 @@ int tell_outcome(const Outcome& outcome, const std::string& name, const fs::path
   return 1;
 }
 
+// What an earlier run left, and what was drawn or exported of it: none of it may be taken for the new run's. A folder of exports goes
+// only if nothing else is in it.
+void remove_earlier_run(const fs::path& folder) {
+  for (const char* stale : {"summary.json", kRunFactsName, "run.lcmlog", "run.lcmlog.partial", "report.html", "acceptance.html", "run.mcap"}) {
+    fs::remove(folder / stale);
+  }
+  for (const char* format : {"parquet", "csv"}) {
+    const fs::path exported = folder / (std::string("run_") + format);
+    if (!fs::is_directory(exported)) continue;
+    const auto is_ours = [&](const fs::directory_entry& entry) { return entry.path().extension() == std::string(".") + format; };
+    if (std::all_of(fs::directory_iterator(exported), fs::directory_iterator(), is_ours)) fs::remove_all(exported);
+  }
+}
+
 int run_in(const fs::path& folder, const RunOptions& options, const std::string& name) {
   const FolderLock lock(folder);
   const fs::path log = folder / "run.lcmlog";
-  for (const char* stale : {"summary.json", kRunFactsName, "run.lcmlog", "run.lcmlog.partial"}) fs::remove(folder / stale);
+  remove_earlier_run(folder);
 
   const fs::path scenario_file = write_resolved_configuration(options.scenario, options.overrides, folder);
   const sim::Scenario scenario = sim::load_scenario_file(scenario_file);
@@ -353,6 +394,13 @@ int run_in(const fs::path& folder, const RunOptions& options, const std::string&
     plant_options.command.insert(plant_options.command.end(), {"--realtime", "--speed", speed});
   }
 
+  if (options.steered) {
+    plant_options.command.push_back("--steered");
+    RunOutcome under_way;  // for whoever looks on
+    under_way.end = "under way";
+    write_run_facts(folder, scenario, controller_settings, under_way);
+  }
+
   const Signals signals;
   ChildProcess controller(controller_options);
   ChildProcess plant(plant_options);
@@ -361,7 +409,7 @@ int run_in(const fs::path& folder, const RunOptions& options, const std::string&
               controller.pid(), bus.c_str());
   std::fflush(stdout);
   ProgressDisplay display(options.progress, name);
-  Run run(plant, controller, display, signals);
+  Run run(plant, controller, display, signals, options.steered);
   const Outcome outcome = run.watch();
   display.keep();
 

@@ -5,7 +5,8 @@
 //
 // Into the folder go run.lcmlog (run.lcmlog.partial until it is complete), scenario.yaml, crane.yaml and
 // controller.yaml as they ran, summary.json, run.json (run_facts.h), and plant.txt and
-// controller.txt with what the two had to complain about.
+// controller.txt with what the two had to complain about. What an earlier run left there, and what was drawn or exported of it, is taken
+// away first.
 //
 // Whatever happens - success, an error, Ctrl-C, a killed child, this process killed - no process is left
 // behind. Exit codes: 0 complete, 1 a side failed (which, how and its last words stand on standard error)
@@ -29,6 +30,7 @@ struct RunOptions {
   std::vector<common::Override> overrides;
   bool realtime = false;                    // against the wall clock
   double speed = 1.0;                       // simulated seconds per second, with realtime
+  bool steered = false;                     // by lines on standard input (sim/drive/steering.h), in place of the scenario's operator
   Progress progress = Progress::automatic;  // on a terminal one line that changes, else a line now and then
 };
 

@@ -5,6 +5,8 @@
 
 #include "msgs/configuration_hash.h"
 #include "sim/analysis/eigen.h"
+#include "sim/drive/scenario_run.h"
+#include "sim/integrate/machine.h"
 #include "sim/machine/description.h"
 #include "tools/commands/whole_file.h"
 
@@ -16,6 +18,15 @@ sim::CraneParameters meshed(sim::CraneParameters crane) {
   constexpr int kMostElements = 64;
   crane.boom.element_count = std::min(crane.boom.element_count, kMostElements);
   return crane;
+}
+
+// Names of the machine's effects that a steered run can switch.
+nlohmann::ordered_json switchable_effects(const sim::Scenario& scenario) {
+  nlohmann::ordered_json names = nlohmann::ordered_json::array();
+  for (const std::string& name : sim::make_machine(sim::machine_settings(scenario)).switchable) {
+    if (!name.empty()) names.push_back(name);
+  }
+  return names;
 }
 
 }  // namespace
@@ -73,8 +84,16 @@ std::string run_facts(const sim::Scenario& scenario,
     facts["play_compensation"] = controller->play_compensation.enabled;
   }
   facts["machine"] = machine_facts(scenario.crane);
+  facts["switchable_effects"] = switchable_effects(scenario);
   facts["half_play"] = sim::gear_contact(crane).half_play;
-  if (crane.boom.length > 0.0) facts["tip_radius"] = crane.boom.pivot_radius + crane.boom.length * std::cos(crane.boom.angle);
+  if (crane.boom.length > 0.0) {
+    facts["tip_radius"] = crane.boom.pivot_radius + crane.boom.length * std::cos(crane.boom.angle);
+    facts["geometry"] = {{"pivot_radius", crane.boom.pivot_radius},
+                         {"boom_length", crane.boom.length},
+                         {"boom_angle", crane.boom.angle},
+                         {"rope_length", crane.load.rope_length},
+                         {"rod_length", crane.load.rod_length}};
+  }
   facts["plant_step"] = static_cast<double>(scenario.plant_step) / kNanosecondsPerSecond;
   facts["controller_period"] = static_cast<double>(scenario.controller_period) / kNanosecondsPerSecond;
   facts["duration"] = static_cast<double>(scenario.duration) / kNanosecondsPerSecond;

@@ -1,8 +1,8 @@
 // What a report must know of a run beyond its log: run.json, beside run.lcmlog. Written by whoever ran it.
 //
 // Keys, in SI units: crane or axis, controller (files), machine (description: kind, efforts, sensors),  configuration_hash (16 hex digits), rated_torque and torque_limit
-// [Nm per motor], total_ratio, top_speed [rad/s, slew axis], play_compensation, half_play [rad, slew axis],
-// tip_radius [m], plant_step, controller_period, duration [s], modes [{name, frequency [Hz], damping_ratio}] of the
+// [Nm per motor], total_ratio, top_speed [rad/s, slew axis], play_compensation, switchable_effects (names), half_play [rad, slew axis],
+// tip_radius [m], geometry {pivot_radius, boom_length, rope_length, rod_length [m], boom_angle [rad]} of a crane with a boom, plant_step, controller_period, duration [s], modes [{name, frequency [Hz], damping_ratio}] of the
 // whole crane with closed gears, simulated_time, wall_time [s], cycles, resends, controller_command, end.
 // Without controller settings (a controller of one's own with a YAML of its own) the keys that come from them
 // are left out.

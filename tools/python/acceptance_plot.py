@@ -82,7 +82,7 @@ def page(run, result):
     verdict = "accepted" if result["accepted"] else "NOT accepted"
     picture = figure(run, result).to_html(full_html=False, include_plotlyjs=False, config={"responsive": True})
     return f"""<!doctype html>
-<html lang="en"><head><meta charset="utf-8"><title>slewlab accept: {html.escape(run.name)}: {verdict}</title>
+<html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1"><title>slewlab accept: {html.escape(run.name)}: {verdict}</title>
 <style>
 body {{ font-family: Helvetica, Arial, sans-serif; color: #222; margin: 1.2em auto; max-width: 1120px; }}
 table {{ border-collapse: collapse; font-size: .92em; }}

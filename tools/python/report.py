@@ -254,19 +254,20 @@ def set_scales(fig, layout, rows, columns):
 
 
 PAGE = """<!doctype html>
-<html lang="en"><head><meta charset="utf-8"><title>{title}</title>
+<html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1"><title>{title}</title>
 <style>
-body {{ font-family: Helvetica, Arial, sans-serif; color: #222; margin: 1.2em auto; padding: 0 .8em; max-width: {width}px; }}
+body {{ font-family: Helvetica, Arial, sans-serif; color: #222; background: #fff; margin: 1.2em auto; padding: 0 .8em; max-width: {width}px; }}
 h1 {{ font-size: 1.35em; margin: 0 0 .3em 0; }}
 p {{ margin: .3em 0; color: #444; }}
 table {{ border-collapse: collapse; margin: .8em 0; font-size: .92em; }}
 th, td {{ text-align: left; padding: .16em 1.4em .16em 0; border-bottom: 1px solid #e4e4e4; }}
 th {{ font-weight: 600; }}
+.broken {{ color: #a40000; font-weight: 600; }}
 </style>
 {script}
 </head><body>
 <h1>{title}</h1>
-{remarks}
+{broken}{remarks}
 <table><tr><th></th>{heads}</tr>
 {rows}
 </table>
@@ -307,6 +308,17 @@ def picture(fig):
     return PICTURE.format(height=fig.layout.height, figure=fig.to_json().replace("<", "\\u003c"))
 
 
+def early_ends(runs):
+    """What to say first of runs that did not come to their end."""
+    lines = []
+    for run in runs:
+        end = run.facts.get("end", "complete")
+        if end != "complete" or run.log.path.suffix == ".partial":
+            why = {"complete": "", "under way": ": it was broken off"}.get(end, f": {end}")
+            lines.append(f"{run.name}: this run ended before its time{why}. What follows is of the part that was logged.")
+    return lines
+
+
 def page(runs, rows):
     """The whole page as text."""
     title = "slewlab: " + " against ".join(run.name for run in runs)
@@ -317,6 +329,7 @@ def page(runs, rows):
         title=html.escape(title),
         width=1120 if len(runs) == 1 else 1500,
         script=plotly_script(),
+        broken="".join(f'<p class="broken">{html.escape(line)}</p>\n' for line in early_ends(runs)),
         remarks=remarks,
         heads="".join(f"<th>{html.escape(text)}</th>" for text in headings(runs)),
         rows="\n".join(
@@ -350,6 +363,8 @@ def main(arguments=None):
         print(f"report: {problem}", file=sys.stderr)
         return 1
     if not options.quiet:
+        for line in early_ends(runs):
+            print(line)
         for run in runs:
             for remark in run.log.remarks:
                 print(f"{run.name}: {remark}")

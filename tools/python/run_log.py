@@ -53,6 +53,11 @@ def messages_folder():
     return Path(os.environ.get("SLEWLAB_PYTHON_MESSAGES", REPOSITORY / "build" / "release" / "python"))
 
 
+def slewlab_program():
+    """The command itself, for whoever runs it again."""
+    return Path(os.environ.get("SLEWLAB_PROGRAM", messages_folder().parent / "bin" / "slewlab"))
+
+
 def message_types():
     """The module that lcm-gen made."""
     folder = messages_folder()

@@ -43,6 +43,22 @@ TEST(ScenarioFile, OverridesReachTheFilesItNames) {
   EXPECT_EQ(scenario.controller_overrides[0].key, "ramp.curved_share");
 }
 
+TEST(ScenarioFile, SwitchesEffectsOfItsMachineAtControllerPeriods) {
+  const auto with = [](const std::string& time, const std::string& effect) {
+    return std::vector<common::Override>{
+        {"crane.effects", "[{effect: dragging_brake, torque: {value: 5, unit: N m, source: test}, unevenness: {value: 0, unit: '-', source: test}, "
+                          "give: {value: 0, unit: rad, source: test}}]"},
+        {"effect_switches", "[{time: {value: " + time + ", unit: s, source: test}, effect: " + effect + ", on: {value: false, source: test}}]"}};
+  };
+  const Scenario scenario = load_scenario_file(kThesis, with("12.5", "dragging_brake"));
+  ASSERT_EQ(scenario.effect_switches.size(), 1u);
+  EXPECT_EQ(scenario.effect_switches[0].time, 12'500'000'000);
+  EXPECT_EQ(scenario.effect_switches[0].effect, "dragging_brake");
+  EXPECT_FALSE(scenario.effect_switches[0].on);
+  EXPECT_NE(complaint(with("12.5", "gusts")).find("key 'effect_switches': found 'gusts', expected an effect that stands under 'effects'"), std::string::npos);
+  EXPECT_NE(complaint(with("12.503", "dragging_brake")).find("found 12503 ms, expected a whole multiple of the controller period, 10 ms"), std::string::npos);
+}
+
 TEST(ScenarioFile, NamesAnotherCraneFromTheCommandLine) {
   const Scenario scenario =
       load_scenario_file(kThesis, {{"crane", SLEWLAB_SOURCE_DIR "/config/cranes/no_load.yaml"}});

@@ -57,6 +57,44 @@ TEST(Machine, WithoutEffectsIsTheBarePlantToTheBit) {
   EXPECT_GT(state.contact_changes, 0) << "the run must cross the play to say anything";
 }
 
+// Brakes that drag with 5 Nm per motor, the same at both groups.
+MachineSettings dragging() { return {.crane = thesis_crane(), .effects = {{"dragging_brake", {5.0, 0.0, 0.0}}}}; }
+
+TEST(Machine, AnEffectThatIsOffChangesNoBit) {
+  Machine bare = make_machine({.crane = thesis_crane(), .effects = {}});
+  Machine machine = make_machine(dragging());
+  ASSERT_TRUE(switch_effect(machine, "dragging_brake", false));
+  for (std::int64_t k = 0; k < 2000; ++k) {
+    step(bare, command_at(k));
+    step(machine, command_at(k));
+  }
+  expect_same_bits(machine.state, bare.state);
+}
+
+TEST(Machine, AnEffectIsSwitchedWhenItsTimeComesAsByHand) {
+  MachineSettings scheduled = dragging();
+  scheduled.effect_switches = {{.time = 300'000'000, .effect = "dragging_brake", .on = false}, {.time = 900'000'000, .effect = "dragging_brake", .on = true}};
+  Machine by_time = make_machine(scheduled), by_hand = make_machine(dragging()), never = make_machine(dragging());
+  for (std::int64_t k = 0; k < 2000; ++k) {  // of 1 ms
+    if (k == 300) switch_effect(by_hand, "dragging_brake", false);
+    if (k == 900) switch_effect(by_hand, "dragging_brake", true);
+    step(by_time, command_at(k));
+    step(by_hand, command_at(k));
+    step(never, command_at(k));
+  }
+  expect_same_bits(by_time.state, by_hand.state);
+  EXPECT_NE(by_time.state.motor_speed[0], never.state.motor_speed[0]);
+}
+
+TEST(Machine, OnlyWhatActsWhileItRunsIsSwitched) {
+  Machine machine = make_machine({.crane = thesis_crane(), .effects = {{"boom_damping", {3.0}}}});  // changes a parameter
+  EXPECT_FALSE(switch_effect(machine, "boom_damping", false));
+  EXPECT_FALSE(switch_effect(machine, "", false));
+  MachineSettings wrong = dragging();
+  wrong.effect_switches = {{.time = 0, .effect = "gusts", .on = false}};
+  EXPECT_THROW(make_machine(wrong), std::invalid_argument);
+}
+
 TEST(Machine, ParameterEffectsEvaluateNothingInAStep) {
   Machine machine = make_machine({.crane = thesis_crane(), .effects = {{"load_mass", {1.2}}}});
   for (std::int64_t k = 0; k < 100; ++k) step(machine, command_at(k));

@@ -8,6 +8,7 @@
 
 #include <csignal>
 #include <filesystem>
+#include <fstream>
 #include <nlohmann/json.hpp>
 #include <numeric>
 
@@ -71,6 +72,21 @@ TEST_F(RunCommandTest, ACompleteRunLeavesItsFilesAndNoProcess) {
   EXPECT_EQ(logs.runs[0].encoder.size(), 200u);
   EXPECT_EQ(logs.runs[0].torque.size(), 200u);
   EXPECT_EQ(logs.runs[0].controller_state.size(), 200u);
+}
+
+TEST_F(RunCommandTest, NothingOfAnEarlierRunStaysBesideTheNewLog) {
+  fs::create_directories(out_ / "run_parquet");
+  fs::create_directories(out_ / "run_csv");
+  const auto write = [&](const char* name) { std::ofstream(out_ / name) << "of an earlier run"; };
+  for (const char* name : {"report.html", "acceptance.html", "run.mcap", "run.lcmlog.partial", "run_parquet/TRUTH.parquet", "notes.txt",
+                           "run_csv/TRUTH.csv", "run_csv/mine.txt"}) {
+    write(name);
+  }
+  RunningProgram run(command({"--set", "duration=1"}));
+  ASSERT_EQ(run.wait_for_end(), 0) << run.complaints();
+  for (const char* name : {"report.html", "acceptance.html", "run.mcap", "run.lcmlog.partial", "run_parquet"}) EXPECT_FALSE(fs::exists(out_ / name)) << name;
+  EXPECT_TRUE(fs::exists(out_ / "run_csv/mine.txt")) << "a folder with something else in it is the user's";
+  EXPECT_TRUE(fs::exists(out_ / "notes.txt"));
 }
 
 TEST_F(RunCommandTest, TheResolvedConfigurationRunsAgainToTheSameBytes) {

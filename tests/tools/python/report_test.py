@@ -1,5 +1,6 @@
 import contextlib
 import io
+import json
 import re
 import tempfile
 import unittest
@@ -80,6 +81,20 @@ class ReportTest(unittest.TestCase):
             self.assertIn(f"{title}\\u003cbr", text)
         for title in ("slewing speed", "gearbox torque", "house acceleration", "load angles"):
             self.assertNotIn(f"{title}\\u003cbr", text)
+
+    def test_a_run_that_ended_early_says_so_before_anything_else(self):
+        folder = made_run.write_run(self.folder / "a")
+        facts = json.loads((folder / "run.json").read_text())
+        (folder / "run.json").write_text(json.dumps(facts | {"end": "the plant ended before its time: killed by signal 9"}))
+        (folder / "run.lcmlog").rename(folder / "run.lcmlog.partial")
+        code, out, _ = self.call(folder)
+        said = "a: this run ended before its time: the plant ended before its time: killed by signal 9."
+        self.assertEqual(code, 0)
+        self.assertTrue(out.startswith(said), out[:200])
+        text = (folder / "report.html").read_text()
+        self.assertLess(text.index(said), text.index("<table>"))
+        (folder / "run.json").unlink()  # killed before it could be written
+        self.assertIn("a: this run ended before its time. ", self.call(folder)[1])
 
     def test_a_folder_without_a_log_is_an_error_and_leaves_nothing(self):
         code, _, err = self.call(self.folder)

@@ -1,0 +1,119 @@
+// The observer that goes on message by message against the one that follows the whole record.
+#include "diagnosis/live_observer.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "msgs/codec.h"
+#include "tests/diagnosis/bench.h"
+
+namespace slewlab::diagnosis {
+namespace {
+
+sim::MachineSettings nominal() {
+  sim::MachineSettings machine;
+  machine.crane = bench().crane;
+  return machine;
+}
+
+// All messages in the order of time, as a log has them: SENSORS of an instant behind ENCODER and TORQUE.
+struct Wire {
+  std::int64_t time;
+  int order;
+  std::string channel;
+  std::vector<std::uint8_t> bytes;
+};
+std::vector<Wire> wire_of(const msgs::RunLog& log) {
+  std::vector<Wire> all;
+  const auto add = [&](const char* channel, int order, const auto& messages) {
+    for (const auto& message : messages) {
+      all.push_back({message.simulated_time, order, channel, {}});
+      msgs::encode(message, all.back().bytes);
+    }
+  };
+  add(msgs::kEncoderChannel, 0, log.encoder);
+  add(msgs::kTorqueChannel, 1, log.torque);
+  add(msgs::kSensorsChannel, 2, log.sensors);
+  std::stable_sort(all.begin(), all.end(), [](const Wire& a, const Wire& b) { return std::pair(a.time, a.order) < std::pair(b.time, b.order); });
+  return all;
+}
+
+struct Told {
+  LiveGap gap;
+  std::vector<std::string> begun_again;
+};
+Told live(const std::vector<Wire>& wire) {
+  LiveObserver observer(nominal());
+  Told told;
+  for (const Wire& message : wire) {
+    observer.take(message.channel, message.bytes);
+    const auto gap = observer.look();
+    if (!gap) continue;
+    if (!gap->begins_again.empty()) told.begun_again.push_back(gap->begins_again);
+    told.gap.time.insert(told.gap.time.end(), gap->time.begin(), gap->time.end());
+    for (std::size_t g = 0; g < 2; ++g) {
+      auto& all = told.gap.missing_torque[g];
+      all.insert(all.end(), gap->missing_torque[g].begin(), gap->missing_torque[g].end());
+    }
+    auto& all = told.gap.acceleration_difference[kTip];
+    all.insert(all.end(), gap->acceleration_difference[kTip].begin(), gap->acceleration_difference[kTip].end());
+  }
+  return told;
+}
+
+double mean(const std::vector<double>& series, std::size_t from, std::size_t to) {
+  double sum = 0.0;
+  for (std::size_t n = from; n < to; ++n) sum += series[n];
+  return sum / static_cast<double>(to - from);
+}
+
+TEST(LiveObserver, SaysWhatTheObserverOfTheWholeRecordSays) {
+  const msgs::RunLog log = simulated_log(nominal(), bench().controller, kThereAndBack, kDuration, 3);
+  const Told told = live(wire_of(log));
+  EXPECT_TRUE(told.begun_again.empty()) << told.begun_again.front();
+  sim::MachineSettings machine = nominal();
+  machine.crane.boom.highest_frequency = bench().thresholds.highest_mode;
+  const Record record = make_record(log, "log", bench().admission);
+  const Shadow whole = shadow(machine, record, bench_gains());
+  ASSERT_GT(told.gap.time.size(), record.size() - 200u);
+  for (std::size_t n = 0; n < told.gap.time.size(); ++n) {
+    ASSERT_NEAR(told.gap.time[n], record.time(n), 1e-9);
+    // Apart only by the rates of the positions, taken over as many samples behind as in front: the same sums in another place.
+    ASSERT_NEAR(told.gap.missing_torque[0][n], whole.missing_torque[0][n], 1e-6) << n;
+    ASSERT_NEAR(told.gap.missing_torque[1][n], whole.missing_torque[1][n], 1e-6) << n;
+    ASSERT_NEAR(told.gap.acceleration_difference[kTip][n], whole.acceleration_difference[kTip][n], 1e-6) << n;
+  }
+}
+
+// Brakes that drag with 5 Nm per motor: the motors need that much more than the nominal machine's while they turn.
+TEST(LiveObserver, ShowsWhatIsMissingAtTheMotors) {
+  constexpr double kDrag = 5.0;  // [Nm] per motor
+  sim::MachineSettings dragging = nominal();
+  dragging.effects.push_back({"dragging_brake", {kDrag, 0.0, 0.0}});  // the same at both groups, sliding at once
+  const Told told = live(wire_of(simulated_log(dragging, bench().controller, kThereAndBack, kDuration, 3)));
+  const Told usual = live(wire_of(simulated_log(nominal(), bench().controller, kThereAndBack, kDuration, 3)));
+  for (std::size_t g = 0; g < 2; ++g) {
+    // Turning to one side from 6 to 9 s, to the other from 17 to 19 s.
+    EXPECT_NEAR(mean(told.gap.missing_torque[g], 6000, 9000), -kDrag, 0.1);
+    EXPECT_NEAR(mean(told.gap.missing_torque[g], 17000, 19000), kDrag, 0.1);
+    EXPECT_NEAR(mean(usual.gap.missing_torque[g], 6000, 9000), 0.0, 0.1);
+  }
+}
+
+TEST(LiveObserver, BeginsAgainBehindAGapAndSaysWhy) {
+  msgs::RunLog log = simulated_log(nominal(), bench().controller, kThereAndBack, kDuration, 3);
+  const auto cut = [](auto& messages, std::size_t first) { messages.erase(messages.begin() + 5000 - static_cast<long>(first), messages.begin() + 5500 - static_cast<long>(first)); };
+  cut(log.encoder, 0);
+  cut(log.torque, 0);
+  cut(log.sensors, 1);
+  const Told told = live(wire_of(log));
+  ASSERT_EQ(told.begun_again.size(), 1u);
+  EXPECT_NE(told.begun_again[0].find("gap of 0.501 s in ENCODER"), std::string::npos) << told.begun_again[0];
+  EXPECT_GT(told.gap.time.back(), kDuration - 0.5);
+  for (std::size_t n = 1; n < told.gap.time.size(); ++n) ASSERT_GT(told.gap.time[n], told.gap.time[n - 1]);
+}
+
+}  // namespace
+}  // namespace slewlab::diagnosis

@@ -1,0 +1,86 @@
+"""The bridge against a client of Foxglove's protocol: schema, units and values of what a growing log gets."""
+
+import base64
+import json
+import os
+import re
+import struct
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
+from websockets.sync.client import connect
+
+import made_run
+
+SLEWLAB = Path(os.environ["SLEWLAB_PYTHON_MESSAGES"]).parent / "bin" / "slewlab"
+PATIENCE = 60.0  # [s]
+DATA = struct.Struct("<BIQ")  # of the protocol: opcode, subscription, time [ns]
+
+
+def message_class(channel):
+    schema = channel["schema"]
+    files = descriptor_pb2.FileDescriptorSet.FromString(base64.b64decode(schema))
+    pool = descriptor_pool.DescriptorPool()
+    for file in files.file:
+        pool.Add(file)
+    return message_factory.GetMessageClass(pool.FindMessageTypeByName(channel["schemaName"]))
+
+
+class BridgeTest(unittest.TestCase):
+    def setUp(self):
+        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
+
+    def start(self, *arguments):
+        process = subprocess.Popen([SLEWLAB, "bridge", "--foxglove", "--port", "0", *map(str, arguments)], stdin=subprocess.DEVNULL,
+                                   stdout=subprocess.PIPE, text=True)
+        self.addCleanup(process.stdout.close)
+        self.addCleanup(process.wait, PATIENCE)
+        self.addCleanup(process.terminate)
+        return re.search(r"ws://\S+", process.stdout.readline()).group(0)
+
+    def test_a_log_that_grows_is_served_with_schema_units_and_values(self):
+        log = self.folder / "run.lcmlog.partial"
+        events = made_run.messages()
+        made_run.write_log(self.folder / "whole.lcmlog", events)
+        whole = (self.folder / "whole.lcmlog").read_bytes()
+        log.write_bytes(b"")
+        address = self.start(self.folder)
+        with connect(address, subprotocols=["foxglove.sdk.v1", "foxglove.websocket.v1"]) as viewer:
+            with log.open("ab") as stream:
+                stream.write(whole[:100_000])
+            channels = {}
+            while set(channels) < {"SENSORS", "TORQUE", "ENCODER", "TRUTH", "OPERATOR"}:
+                told = viewer.recv(PATIENCE)
+                if isinstance(told, str) and json.loads(told)["op"] == "advertise":
+                    channels |= {each["topic"]: each for each in json.loads(told)["channels"]}
+            viewer.send(json.dumps({"op": "subscribe", "subscriptions": [{"id": 7, "channelId": channels["SENSORS"]["id"]},
+                                                                         {"id": 8, "channelId": channels["TORQUE"]["id"]}]}))
+            types = {7: message_class(channels["SENSORS"]), 8: message_class(channels["TORQUE"])}
+            found = {7: {}, 8: {}}
+            self.assertTrue(viewer.ping().wait(PATIENCE))  # what was said before it has been heard
+            with log.open("ab") as stream:
+                stream.write(whole[100_000:])
+            while not (found[7] and found[8] and max(found[7]) == 20_000_000_000):
+                told = viewer.recv(PATIENCE)
+                if isinstance(told, bytes) and told[0] == 1:
+                    _, subscription, time = DATA.unpack_from(told)
+                    found[subscription][time] = types[subscription].FromString(told[DATA.size:])
+        for time, message in found[7].items():
+            self.assertEqual(message.simulated_time, time)
+            self.assertEqual(message.tip_acceleration, made_run.tip_acceleration(time // 1_000_000 / 5 * 0.005))
+        for time, message in found[8].items():
+            self.assertEqual(list(message.motor_torque), [100.0, -50.0] if time < 10e9 else [-240.0, 30.0])
+        self.assertEqual(channels["SENSORS"]["metadata"]["tip_acceleration"], "m/s^2")
+        self.assertEqual(channels["TORQUE"]["metadata"]["motor_torque"], "Nm")
+
+    def test_it_is_served_on_loopback_alone(self):
+        run = subprocess.run([SLEWLAB, "bridge", "--foxglove", self.folder, "--host", "0.0.0.0"], capture_output=True, text=True, timeout=PATIENCE)
+        self.assertEqual(run.returncode, 2)
+        self.assertIn("loopback alone", run.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,180 @@
+"""What a window of a store shows against the samples that it was filled with."""
+
+import functools
+import unittest
+
+import numpy as np
+
+from run_log import message_types
+
+from desk.access import PATIENCE, Access, Joystick
+from desk.source import Incoming, fill, parse_events
+from desk.store import CAPACITY, FACTOR, Channel, Store
+
+
+def direct(time, values, first, last, bins):
+    """Lowest and highest of each bin, sample by sample."""
+    low, high = np.full(bins, np.nan), np.full(bins, np.nan)
+    inside = (time >= first) & (time <= last)
+    place = np.clip(((time[inside] - first) * (bins / (last - first))).astype(int), 0, bins - 1)
+    for k in np.unique(place):
+        low[k], high[k] = values[inside][place == k].min(), values[inside][place == k].max()
+    return low, high
+
+
+class StoreTest(unittest.TestCase):
+    def filled(self, count, piece, capacity=CAPACITY):
+        time = np.arange(count) * 1e-3
+        values = np.random.default_rng(1).normal(size=count).astype(np.float32)
+        channel = Channel(["a"], capacity)
+        for first in range(0, count, piece):
+            channel.append(time[first:first + piece], values[None, first:first + piece])
+        return time, values, channel
+
+    def test_a_short_window_is_drawn_from_the_samples_themselves(self):
+        time, values, channel = self.filled(20_000, 37)
+        for first, last, bins in ((0.0, 20.0, 1900), (3.2, 4.7, 300), (19.5, 21.0, 64)):
+            low, high = channel.envelope(first, last, bins)
+            expected = direct(time, values, first, last, bins)
+            np.testing.assert_array_equal(low[0], expected[0])
+            np.testing.assert_array_equal(high[0], expected[1])
+
+    def test_no_peak_is_lost_of_a_long_window_however_few_pixels(self):
+        time, values, channel = self.filled(200_000, 1013)
+        values[123_456] = 77.0
+        channel = Channel(["a"])
+        channel.append(time, values[None])
+        low, high = channel.envelope(0.0, 200.0, 100)
+        self.assertEqual(np.nanmax(high), 77.0)
+        self.assertEqual(int(np.nanargmax(high)), 61)  # 123.456 s of 200 s in 100 parts
+        self.assertEqual(np.nanmin(low), values.min())
+        # The newest samples, which no coarser level holds yet, are there as well.
+        self.assertGreaterEqual(high[0, -1], values[-8:].max())
+
+    def test_memory_is_bounded_and_what_was_forgotten_is_drawn_more_coarsely(self):
+        capacity = 4096
+        time, values, channel = self.filled(100_000, 500, capacity)
+        for level in channel.levels:
+            self.assertLessEqual(level.count, capacity)
+            self.assertLessEqual(level.low.shape[1], 2 * capacity)
+        low, high = channel.envelope(0.0, 100.0, 50)
+        self.assertEqual(np.nanmax(high), values.max())
+        self.assertEqual(np.nanmin(low), values.min())
+        self.assertTrue(np.isfinite(low).all())
+
+    def test_a_piece_larger_than_what_is_kept_loses_nothing(self):
+        capacity = 512
+        values = np.arange(40_000, dtype=np.float32)
+        channel = Channel(["a"], capacity)
+        channel.append(np.arange(7) * 1e-3, values[None, :7])
+        channel.append(np.arange(7, 40_000) * 1e-3, values[None, 7:])
+        low, high = channel.envelope(0.0, 40.0, 10)
+        self.assertEqual((low[0, 0], high[0, -1]), (0.0, 39_999.0))
+        # Every bin begins where the one before ended: items of 512 samples stand at their first one's time.
+        self.assertTrue((low[0, 1:] - high[0, :-1] == 1.0).all())
+
+    def test_a_value_stands_until_the_next(self):
+        store = Store()
+        store.append("OPERATOR", np.array([1.0, 3.0]), {"speed_request": np.array([0.5, -1.0])})
+        self.assertTrue(np.isnan(store.at("OPERATOR.speed_request", 0.9)))
+        self.assertEqual(store.at("OPERATOR.speed_request", 2.9), 0.5)
+        envelope = store.envelopes(["OPERATOR.speed_request"], 2.0, 4.0, 4)["OPERATOR.speed_request"]
+        store.hold("OPERATOR.speed_request", envelope, 2.0, 4.0)
+        self.assertEqual(envelope[0][0], 0.5)
+        self.assertEqual(envelope[0][2], -1.0)
+        self.assertEqual(store.at("OPERATOR.speed_request", 3.5, True), -1.0)
+
+    def test_levels_hold_the_samples_of_their_items(self):
+        _, values, channel = self.filled(FACTOR * FACTOR + 3, 5)
+        self.assertEqual([level.count for level in channel.levels[:4]], [67, 8, 1, 0])
+        self.assertEqual(channel.levels[2].high[0, 0], values[:64].max())
+
+
+class EventTest(unittest.TestCase):
+    def event(self, channel, data):
+        return b"\xed\xa1\xda\x01" + bytes(16) + len(channel).to_bytes(4, "big") + len(data).to_bytes(4, "big") + channel + data
+
+    def test_a_log_that_grows_is_read_wherever_it_was_cut(self):
+        whole = self.event(b"A", b"123") + self.event(b"BC", b"") + self.event(b"A", b"4")
+        for cut in range(len(whole)):
+            first, rest = parse_events(whole[:cut])
+            second, rest = parse_events(rest + whole[cut:])
+            self.assertEqual(first + second, [("A", b"123"), ("BC", b""), ("A", b"4")])
+            self.assertEqual(rest, b"")
+
+    def test_damage_is_skipped(self):
+        events, rest = parse_events(b"xyz\xed\xa1" + self.event(b"A", b"1") + b"\xed\xa1\xda\x01" + b"\xff" * 30 + self.event(b"B", b"2"))
+        self.assertEqual(events, [("A", b"1"), ("B", b"2")])
+        self.assertEqual(rest, b"")
+
+
+class IncomingTest(unittest.TestCase):
+    def events(self, torque_time_offset=0, run_identity=1):
+        """A second of ENCODER and TORQUE every 10 ms."""
+        types = message_types()
+        for k in range(100):
+            for kind, channel in ((types.encoder_t, "ENCODER"), (types.torque_t, "TORQUE")):
+                message = kind()
+                message.run_identity, message.simulated_time, message.group_count = run_identity, k * 10_000_000, 1
+                if channel == "ENCODER":
+                    message.shaft_speed, message.shaft_position = [float(run_identity)], [0.0]
+                else:
+                    message.motor_torque = [5.0]
+                    if k == 50:
+                        message.simulated_time += torque_time_offset
+                yield channel, message.encode()
+
+    def test_an_answer_of_an_impossible_time_is_left_out(self):
+        store = Store()
+        Incoming(functools.partial(fill, store)).take(list(self.events(torque_time_offset=1 << 61)))
+        self.assertAlmostEqual(store.last, 0.99)
+        self.assertEqual(len(store.channels["TORQUE"].samples(-1.0, 1e12)[0]), 99)
+        self.assertEqual(len(store.channels["ENCODER"].samples(-1.0, 1e12)[0]), 100)
+
+    def test_another_run_on_the_bus_is_followed_in_place_of_the_first(self):
+        store = Store()
+        incoming = Incoming(functools.partial(fill, store), store.clear)
+        incoming.take(list(self.events()))
+        self.assertEqual(store.at("ENCODER.shaft_speed.0", 0.5), 1.0)
+        incoming.take(list(self.events(run_identity=2))[:40])
+        self.assertAlmostEqual(store.last, 0.19)
+        self.assertEqual(store.at("ENCODER.shaft_speed.0", 0.1), 2.0)
+
+
+class AccessTest(unittest.TestCase):
+    def test_only_its_own_pages_are_served(self):
+        local = Access("127.0.0.1")
+        self.assertIsNone(local.refuses(None, "127.0.0.1:8000"))
+        self.assertIsNone(local.refuses("http://localhost:8000", "localhost:8000"))
+        self.assertIn("evil.example", local.refuses("http://evil.example", "127.0.0.1:8000"))
+        self.assertIn("127.0.0.1:9", local.refuses("http://127.0.0.1:9", "127.0.0.1:8000"))
+        self.assertIn("evil.example", local.refuses("http://evil.example:8000", "evil.example:8000"))  # a name bent to loopback
+        self.assertIn("null", local.refuses("null", "127.0.0.1:8000"))
+
+    def test_what_a_token_allows(self):
+        local, other = Access("127.0.0.1"), Access("0.0.0.0")
+        self.assertEqual([local.may(t) for t in (None, "x", local.watching, local.steering)],
+                         [(True, False), (True, False), (True, False), (True, True)])
+        self.assertEqual([other.may(t) for t in (None, "x", local.steering, other.watching, other.steering)],
+                         [(False, False), (False, False), (False, False), (True, False), (True, True)])
+
+    def test_one_has_the_joystick_and_its_loss_lets_go(self):
+        joystick = Joystick()
+        self.assertTrue(joystick.take("a", 0.0))
+        self.assertFalse(joystick.take("b", 0.1))
+        joystick.move("b", 1.0, 0.1)
+        self.assertEqual(joystick.request, 0.0)
+        joystick.move("a", 0.7, 0.2)
+        joystick.expire(0.2 + PATIENCE)
+        self.assertEqual(joystick.request, 0.7)
+        joystick.expire(0.21 + PATIENCE)
+        self.assertEqual((joystick.request, joystick.holder), (0.0, None))
+        self.assertIn("nothing was heard", joystick.lost)
+        self.assertTrue(joystick.take("b", 1.0))
+        joystick.move("b", -0.3, 1.1)
+        joystick.give_back("b", "closed")
+        self.assertEqual((joystick.request, joystick.lost), (0.0, "closed"))
+
+
+if __name__ == "__main__":
+    unittest.main()

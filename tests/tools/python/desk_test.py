@@ -1,0 +1,349 @@
+"""The desk in a headless Chromium."""
+
+import json
+import os
+import re
+import signal
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+from websockets.exceptions import ConnectionClosed, InvalidStatus
+from websockets.sync.client import connect
+
+import made_run
+from browser import PATIENCE, Browser
+from desk.source import parse_events
+from run_log import REPOSITORY, read_run_log, seconds
+
+SLEWLAB = Path(os.environ["SLEWLAB_PYTHON_MESSAGES"]).parent / "bin" / "slewlab"
+
+
+class DeskProcess:
+    """`slewlab desk` with the address that it prints."""
+
+    def __init__(self, *arguments):
+        self.process = subprocess.Popen([SLEWLAB, "desk", *map(str, arguments)], stdin=subprocess.DEVNULL,
+                                        stdout=subprocess.PIPE, text=True)
+        line = self.process.stdout.readline()
+        self.address = re.search(r"http://\S+", line).group(0)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.process.send_signal(signal.SIGTERM)
+        self.process.wait(PATIENCE)
+        self.process.stdout.close()
+
+
+HEAD_BEFORE_HASHES, HEAD = 24, 40  # [bytes] fingerprint, sequence, time; configuration hash and run identity
+
+
+def messages(log):
+    """(channel, bytes without the two hashes of the configuration) of a log."""
+    events, rest = parse_events(Path(log).read_bytes())
+    assert rest == b""
+    return [(channel, data[:HEAD_BEFORE_HASHES] + data[HEAD:]) for channel, data in events]
+
+
+def origin_is_refused(address, origin):
+    """Whether a WebSocket from a page of that origin is turned away, with 403."""
+    try:
+        with connect(address.replace("http:", "ws:").split("#")[0] + "socket", origin=origin):
+            return False
+    except InvalidStatus as refusal:
+        return refusal.response.status_code == 403
+
+
+class DeskTest(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.browser = cls.enterClassContext(Browser())
+
+    def setUp(self):
+        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
+
+    def open(self, address, **options):
+        page = self.browser.open(address, **options)
+        self.addCleanup(lambda: self.assertEqual(page.complaints, []))
+        page.until("desk.drawn > 0")
+        return page
+
+    def test_a_recorded_log_is_scrubbed(self):
+        with DeskProcess(made_run.write_run(self.folder / "a")) as desk:
+            page = self.open(desk.address)
+            self.assertIn("slewing speed", page.value("document.body.innerText"))
+            # The run's messages say: -50 N m of 250 before the stop at 10 s in group 2, 30 N m behind it; a request of 1 from 2 s on.
+            for time, torque, request in ((1.0, -20.0, "0 %"), (5.0, -20.0, "100 %"), (15.0, 12.0, "100 %, emergency stop")):
+                page.value(f"document.getElementById('scrub').value = {time}, "
+                           "document.getElementById('scrub').dispatchEvent(new Event('input'))")
+                page.until(f"Math.abs(desk.charts[1].cursor - {time}) < 0.001")
+                page.until(f"Number([...document.querySelectorAll('.chart')].find(c => c.textContent.startsWith('motor torque'))"
+                           f".querySelectorAll('b')[1].textContent) === {torque}")
+                self.assertIn(f"request\n{request}\n", page.value("document.getElementById('facts').innerText"))
+            # Played ten times as fast from 15 s on, it comes to its end at 20 s and stops there.
+            page.value("document.getElementById('rate').value = '20', desk.play(true)")
+            page.until("!desk.playing && Math.abs(desk.at - 20) < 0.001")
+
+    def test_two_logs_are_drawn_over_each_other_and_as_their_difference(self):
+        other = made_run.messages()
+        for channel, _, message in other:
+            if channel == "TORQUE":
+                message.motor_torque = [value + 25.0 for value in message.motor_torque]  # 10 % of T100
+        first, second = made_run.write_run(self.folder / "a"), made_run.write_run(self.folder / "b", events=other)
+        with DeskProcess(first, second) as desk:
+            page = self.open(desk.address)
+            page.value("desk.seek(15)")
+            values = ("[...[...document.querySelectorAll('.chart')].find(c => c.textContent.startsWith('motor torque'))"
+                      ".querySelectorAll('b')].map(b => Number(b.textContent))")
+            page.until(f"JSON.stringify({values}) === '[-96,12,-86,22]'")
+            page.value("document.getElementById('compare').value = 'difference', "
+                       "document.getElementById('compare').dispatchEvent(new Event('change'))")
+            page.until(f"JSON.stringify({values}) === '[-10,-10]'")
+            self.assertIn("motor torque, difference", page.value("document.body.innerText"))
+
+    def test_a_log_that_grows_is_followed_and_a_bus_is_heard(self):
+        scenario = REPOSITORY / "config" / "scenarios" / "thesis_slew.yaml"
+        # In the tests' own network: nobody else is on the bus.
+        bus = "udpm://239.255.76.67:7667?ttl=0"
+        with DeskProcess("--bus", bus) as desk:
+            page = self.browser.open(desk.address)
+            sides = [subprocess.Popen([SLEWLAB.parent / f"slewlab-{side}", *more, "--bus", bus], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
+                     for side, more in (("controller", ["--config", REPOSITORY / "config" / "controllers" / "thesis.yaml", "--period-ms", "10"]),
+                                        ("plant", ["--scenario", scenario, "--log", self.folder / "run.lcmlog"]))]
+            self.assertEqual(sides[1].wait(PATIENCE), 0)
+            sides[0].terminate()
+            sides[0].wait(PATIENCE)
+            page.until("desk.drawn > 0 && Math.abs(desk.last - 60) < 0.011")  # the scenario's end
+            page.until("document.body.innerText.includes('motor speed')")
+        with DeskProcess(self.folder / "run.lcmlog", "--follow") as desk:
+            page = self.open(desk.address)
+            page.until("Math.abs(desk.last - 60) < 0.011")
+
+    def pull(self, page, share):
+        """The lever by the mouse, and held there."""
+        x, y, width = page.middle("#lever")
+        page.mouse("mousePressed", x, y)
+        page.mouse("mouseMoved", x + share * (width / 2 - 27), y)
+
+    def steered(self, *more):
+        return DeskProcess(REPOSITORY / "config" / "scenarios" / "thesis_slew.yaml", "--out", self.folder / "runs", *more)
+
+    def speed_up(self, page):
+        """Ten times as fast as the clock: what is waited for comes soon, and reactions still fall into the same second."""
+        page.value("desk.send({type: 'speed', speed: 10})")
+
+    def state(self, page, words):
+        page.until(f"document.querySelector('header').innerText.includes({json.dumps(words)})")
+
+    def test_what_the_operator_did_is_done_again_to_the_bit(self):
+        effects = ("[{effect: bearing_viscous, coefficient: {value: 1e6, unit: N m s/rad, source: test}, "
+                   "asymmetry: {value: 0, unit: '-', source: test}}, "
+                   "{effect: boom_damping, factor: {value: 2, unit: '-', source: test}}]")
+        with self.steered("--set", f"crane.effects={effects}") as desk:
+            page = self.open(desk.address)
+            self.assertIn("Take the joystick", page.value("document.body.innerText"))
+            # Damping is a parameter of the machine as it is assembled.
+            self.assertFalse(page.value("document.getElementById('effect_boom_damping')"))
+            page.click("#take")
+            page.until("desk.steering.mine")
+            self.speed_up(page)
+            self.pull(page, 0.5)
+            page.until("document.getElementById('facts').innerText.includes('request\\n50 %')")
+            self.state(page, "controller running")
+            page.mouse("mouseReleased", *page.middle("#lever")[:2])
+            page.until("document.getElementById('facts').innerText.includes('request\\n0 %')")
+            page.key("keyDown", "ArrowRight", "ArrowRight")  # the lever by a key, held until it is at its end
+            page.until("document.getElementById('request').textContent === '1.00'")
+            page.until("document.getElementById('facts').innerText.includes('request\\n100 %')")
+            page.click("#stop")
+            self.state(page, "controller emergency stop")
+            page.key("keyUp", "ArrowRight", "ArrowRight")
+            page.click("#fault_some_torque")
+            page.until("document.getElementById('fault_some_torque').checked && desk.steering.on.fault.some_torque")
+            moved = page.value("desk.at")
+            page.until(f"desk.at > {moved} + 2")
+            page.click("#fault_some_torque")
+            page.until("!desk.steering.on.fault.some_torque")
+            page.click("#effect_bearing_viscous")
+            page.until("desk.steering.on.effect.bearing_viscous === false")
+            page.click("#save")
+            page.until("document.getElementById('notice').textContent.startsWith('written: ')")
+        folder = self.folder / "runs" / "1"
+        again = self.folder / "again"
+        run = subprocess.run([SLEWLAB, "run", folder / "steered.yaml", "--out", again], stdin=subprocess.DEVNULL, capture_output=True,
+                             text=True, timeout=PATIENCE)
+        self.assertEqual(run.returncode, 0, run.stdout + run.stderr)
+        recorded, repeated = messages(folder / "run.lcmlog"), messages(again / "run.lcmlog")
+        self.assertEqual(len(recorded), len(repeated))
+        self.assertTrue(recorded == repeated, "a message differs")
+        operator = read_run_log(folder / "run.lcmlog").channel("OPERATOR")
+        self.assertIn(0.5, operator["speed_request"])
+        self.assertIn(1.0, operator["speed_request"])
+        self.assertTrue(operator["emergency_stop"].any())
+        status = read_run_log(folder / "run.lcmlog").channel("PLANT_STATUS")
+        self.assertGreater(status["stale_commands"][-1], 0)  # of the fault
+
+    def test_a_trip_is_said_in_words_and_acknowledged_at_rest(self):
+        with self.steered() as desk:
+            page = self.open(desk.address)
+            page.click("#take")
+            page.until("desk.steering.mine")
+            self.speed_up(page)
+            page.click("#fault_silence")
+            self.state(page, "drive braked")  # tripped, and at rest at once
+            self.assertIn("no command came from the controller in time", page.value("document.getElementById('trip').innerText"))
+            page.click("#fault_silence")
+            page.until("!desk.steering.on.fault.silence")
+            x, y, _ = page.middle("#acknowledge")
+            page.mouse("mousePressed", x, y)
+            self.state(page, "drive running")
+            page.mouse("mouseReleased", x, y)
+            page.until("document.getElementById('trip').hidden")
+
+    def test_one_page_has_the_joystick_and_its_end_lets_go(self):
+        with self.steered() as desk:
+            first, second = self.open(desk.address), self.open(desk.address)
+            first.click("#take")
+            second.until("document.getElementById('take').disabled")
+            self.assertIn("Another page has the joystick", second.value("document.body.innerText"))
+            self.speed_up(first)
+            self.pull(first, 1.0)
+            second.until("document.getElementById('facts').innerText.includes('request\\n100 %')")
+            self.pull(second, -1.0)  # has none
+            self.assertEqual(second.value("desk.steering.request"), 0)
+            self.state(second, "controller running")
+            self.browser.close(first)
+            second.until("document.getElementById('facts').innerText.includes('request\\n0 %')")
+            second.until("document.getElementById('notice').innerText.includes('the page that had the joystick was closed')")
+            self.state(second, "controller stopped")  # the ramp has come to its end
+            second.until("!document.getElementById('take').disabled")
+            second.click("#take")
+            second.until("desk.steering.mine")
+            # A page that is not closed but says no more: its script stands still.
+            self.pull(second, 0.4)
+            second.until("document.getElementById('facts').innerText.includes('request\\n40 %')")
+            second.value("desk.steering.beat = () => {}")
+            second.until("document.getElementById('notice').innerText.includes('nothing was heard')")
+            second.until("document.getElementById('facts').innerText.includes('request\\n0 %')")
+        operator = read_run_log(self.folder / "runs" / "1" / "run.lcmlog").channel("OPERATOR")
+        self.assertEqual(operator["speed_request"][-1], 0.0)
+        encoder = read_run_log(self.folder / "runs" / "1" / "run.lcmlog").channel("ENCODER")
+        self.assertGreater(seconds(encoder)[-1], 1.0)
+
+    def test_a_run_is_paused_and_goes_on_cycle_by_cycle(self):
+        with self.steered() as desk:
+            page = self.open(desk.address)
+            page.click("#pause")
+            self.state(page, "paused")
+            page.until("(async () => { const a = desk.at; await new Promise(r => setTimeout(r, 600)); return desk.at === a; })()")
+            before = page.value("desk.at")
+            page.click("#cycle")
+            # One controller period of the scenario is 10 ms; the log's newest message is the SENSORS at its end.
+            page.until(f"Math.abs(desk.at - {before} - 0.01) < 1e-6")
+            page.click("#pause")
+            page.until(f"desk.at > {before} + 1")
+
+    def test_a_gap_to_the_nominal_machine_opens_while_the_run_goes_on(self):
+        # The machine that runs loses a motor group of its two and goes on with the other: from then on each motor of the lost group
+        # lacks what it is commanded, and the nominal machine, which does as it is told, has to be held back by as much.
+        nominal = REPOSITORY / "config" / "cranes" / "thesis.yaml"
+        with self.steered("--nominal", nominal, "--set", "crane.drive_protection.trip_on_group_lost=false") as desk:
+            page = self.open(desk.address)
+            page.click("#take")
+            page.until("desk.steering.mine")
+            page.value("desk.send({type: 'speed', speed: 4})")
+            self.pull(page, 0.6)
+            page.until("document.getElementById('gap').innerText.includes('No gap beyond the usual') && desk.at > 14")
+            page.value("desk.send({type: 'fault', name: 'group_1', on: true})")
+            page.until("document.getElementById('gap').innerText.includes('A gap has opened')")
+            self.assertIn("missing torque of group 2", page.value("document.getElementById('gap').innerText"))
+            opened = page.value("desk.at")
+            page.until(f"desk.at > {opened} + 6")
+            page.value("desk.follow(false)")
+            missing = self.chart_values(page, "missing torque")
+            commanded = self.chart_values(page, "motor torque")
+            self.assertLess(abs(missing[1] + commanded[1]), 6.0)  # [% of T100] both at the cursor, the one a moment later
+            page.mouse("mouseReleased", *page.middle("#lever")[:2])
+            page.click("#diagnose")
+            page.until("['under way', 'done', 'failed'].some(s => document.getElementById('gap').innerText.includes('Diagnosis ' + s))")
+        log = read_run_log(self.folder / "runs" / "diagnosis_1" / "last_minute.lcmlog")
+        self.assertGreater(len(log.channel("ENCODER")), 1000)
+
+    def chart_values(self, page, title):
+        return page.value(f"[...[...document.querySelectorAll('.chart')].find(c => c.textContent.startsWith({json.dumps(title)}))"
+                          ".querySelectorAll('b')].map(b => Number(b.textContent))")
+
+    def test_the_lever_follows_a_finger_and_a_gamepad(self):
+        with self.steered() as desk:
+            page = self.open(desk.address, width=420)
+            page.click("#take")
+            page.until("desk.steering.mine")
+            x, y, width = page.middle("#lever")
+            page.touch("touchStart", x, y)
+            page.touch("touchMove", x - 0.4 * (width / 2 - 27), y)
+            page.until("document.getElementById('facts').innerText.includes('request\\n-40 %')")
+            page.touch("touchEnd")
+            page.until("document.getElementById('facts').innerText.includes('request\\n0 %')")
+            # A browser shows a gamepad as these numbers: left stick to the right, button B (1) at first not pressed.
+            page.value("window.pad = {connected: true, axes: [0.6, 0], buttons: [{pressed: false}, {pressed: false}]}, "
+                       "navigator.getGamepads = () => [window.pad]")
+            page.until("document.getElementById('facts').innerText.includes('request\\n60 %')")
+            page.value("window.pad.buttons[1].pressed = true")
+            page.until("document.getElementById('facts').innerText.includes('request\\n60 %, emergency stop')")
+            page.value("window.pad.axes[0] = 0.02")  # a stick at rest is never quite at zero
+            page.until("document.getElementById('facts').innerText.includes('request\\n0 %, emergency stop')")
+            self.assertIn("PULL TO RELEASE", page.value("document.getElementById('stop').innerText"))
+
+    def test_a_run_begins_anew_without_play_compensation(self):
+        with self.steered() as desk:
+            page = self.open(desk.address)
+            self.speed_up(page)
+            page.until("desk.at > 3 && document.getElementById('compensation').checked")
+            page.click("#compensation")
+            page.click("#anew")
+            page.until("document.getElementById('name').textContent === 'thesis_slew, 2' && desk.at > 0 && desk.at < desk.last + 1")
+            page.until("document.getElementById('compensation').checked === false")
+            self.speed_up(page)
+            page.until("desk.at > 3")
+        # At rest the two groups work against each other by a tenth of T100, 25 N m, or not at all (thesis 3.5, 4.4).
+        for number, torque in (("1", 25.0), ("2", 0.0)):
+            commands = read_run_log(self.folder / "runs" / number / "run.lcmlog").channel("TORQUE")
+            at = int((seconds(commands) < 3.0).sum()) - 1
+            self.assertAlmostEqual(float(commands["motor_torque"][at][0]), torque, delta=0.5)
+            self.assertTrue((self.folder / "runs" / number / "steered.yaml").is_file())
+
+    def test_who_has_no_token_watches_and_a_foreign_page_not_even_that(self):
+        with self.steered() as desk:
+            bare = desk.address.split("#")[0]
+            for address in (bare, bare + "#wrong"):
+                page = self.open(address)
+                self.assertTrue(page.value("document.getElementById('take').disabled && document.getElementById('stop').disabled"))
+                page.value("desk.send({type: 'take'}), desk.send({type: 'stop', pressed: true}), desk.send({type: 'joystick', request: 1})")
+                page.until("document.getElementById('notice').innerText.includes('only watches')")
+            for origin in ("http://evil.example", "null", "http://127.0.0.1:1", "https" + bare[4:-1]):
+                self.assertTrue(origin_is_refused(bare, origin), origin)
+            self.assertFalse(origin_is_refused(bare, bare[:-1]))
+        operator = read_run_log(self.folder / "runs" / "1" / "run.lcmlog").channel("OPERATOR")
+        self.assertEqual(len(operator), 1)
+        self.assertFalse(operator["emergency_stop"].any())
+
+    def test_elsewhere_than_on_loopback_even_who_watches_needs_a_token(self):
+        with DeskProcess(made_run.write_run(self.folder / "a"), "--host", "0.0.0.0") as desk:
+            port = re.search(r":(\d+)/", desk.address).group(1)
+            token = desk.address.split("#")[1]
+            for given, may in ((None, False), ("wrong", False), (token, True)):
+                with connect(f"ws://127.0.0.1:{port}/socket") as socket:
+                    socket.send(json.dumps({"token": given}))
+                    try:
+                        socket.send(json.dumps({"type": "layout"}))
+                        answer = json.loads(socket.recv(PATIENCE))["type"]
+                    except ConnectionClosed as closed:
+                        answer = closed.rcvd.code
+                self.assertEqual(answer, "layout" if may else 4401)
+
+
+if __name__ == "__main__":
+    unittest.main()

@@ -1,0 +1,86 @@
+"""Serves a run's messages to other people's viewers while it goes on.
+
+    slewlab bridge --foxglove --bus URL      what is said on a bus
+    slewlab bridge --foxglove LOG            what is written to a log from now on (a log or the folder of a run)
+
+Foxglove, Lichtblick and PlotJuggler connect to ws://127.0.0.1:PORT. Every channel is a topic of Protobuf messages with its schema;
+the unit of every field stands in the channel's metadata, as in what `slewlab export --format mcap` writes. Time is the simulated one.
+"""
+
+import argparse
+import signal
+import sys
+import threading
+from pathlib import Path
+
+import foxglove
+import numpy as np
+
+from desk.access import is_loopback
+from desk.source import Bus, Growing
+from protobuf_rows import ProtobufRows
+from run_log import LogProblem
+from signals import table
+
+DEFAULT_PORT = 8765  # that Foxglove asks for
+POLL = 0.02          # [s]
+OWN = ("fingerprint",)  # of LCM, no field of a message
+
+
+class Topics:
+    """A topic for every channel that was heard, made when it is heard first: only then the lengths of its arrays are known."""
+
+    def __init__(self):
+        self.topics = {}
+
+    def receive(self, channel, messages):
+        if channel not in self.topics:
+            names = [name for name in messages.dtype.names if name not in OWN]
+            rows = ProtobufRows(f"slewlab.{channel}", np.dtype([(name, messages.dtype[name]) for name in names]))
+            schema = foxglove.Schema(name=f"slewlab.{channel}", encoding="protobuf", data=rows.descriptor())
+            self.topics[channel] = rows, foxglove.Channel(channel, schema=schema, message_encoding="protobuf", metadata=table()[channel])
+        rows, topic = self.topics[channel]
+        encoded = rows.encoded(messages)
+        size = encoded.dtype.itemsize
+        data = encoded.tobytes()
+        for number, time in enumerate(np.maximum(messages["simulated_time"], 0).tolist()):
+            topic.log(data[number * size:(number + 1) * size], log_time=time)
+
+
+def main(arguments):
+    parser = argparse.ArgumentParser(prog="slewlab bridge", description="Serves a run's messages to other people's viewers")
+    parser.add_argument("log", metavar="LOG", nargs="?", type=Path, help="log that is being written, or the folder of a run")
+    parser.add_argument("--bus", metavar="URL", help="LCM address of a bus to listen to")
+    parser.add_argument("--foxglove", action="store_true", required=True, help="as Foxglove, Lichtblick and PlotJuggler ask for it")
+    parser.add_argument("--host", default="127.0.0.1", help="loopback address to serve on (127.0.0.1)")
+    parser.add_argument("--port", type=int, default=DEFAULT_PORT, help=f"port to serve on ({DEFAULT_PORT}); 0: any that is free")
+    options = parser.parse_args(arguments)
+    if bool(options.log) == bool(options.bus):
+        parser.error("a LOG or --bus is wanted")
+    if not is_loopback(options.host):
+        parser.error(f"--host {options.host}: this protocol knows no token, so it is served on loopback alone; "
+                     "from elsewhere take a tunnel, e.g. ssh -L")
+    end = threading.Event()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: end.set())
+    topics = Topics()
+    try:
+        if options.bus:
+            source = Bus(options.bus, receive=topics.receive)
+        else:
+            log = options.log if options.log.suffix == ".lcmlog" else options.log / "run.lcmlog"
+            source = Growing(log, receive=topics.receive)
+            source.skip_what_is_there()
+        server = foxglove.start_server(name="slewlab", host=options.host, port=options.port)
+    except (LogProblem, OSError, RuntimeError) as problem:
+        print(f"slewlab bridge: {problem}", file=sys.stderr)
+        return 1
+    print(f"bridge: ws://{options.host}:{server.port}", flush=True)
+    while not end.wait(POLL):
+        source.poll()
+    server.stop()
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

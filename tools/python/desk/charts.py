@@ -1,0 +1,141 @@
+"""What the page draws of a run: charts with their units, and what the crane's picture and the state panel need."""
+
+import numpy as np
+
+from desk.source import HELD
+
+GROUPS = 8  # [-] the most that a machine has
+
+DRIVE_STATES = {0: "ready", 1: "running", 2: "tripped", 3: "braked"}
+CONTROLLER_MODES = {0: "stopped", 1: "running", 2: "emergency stop", 3: "waiting for acknowledgement"}
+# The codes of docs/wire.md, in words.
+TRIP_CAUSES = {
+    0: "",
+    1: "a message on TORQUE was cut off",
+    2: "a message on TORQUE was of another version",
+    3: "what came on TORQUE was no message",
+    4: "TORQUE of another configuration or run",
+    5: "TORQUE answered the wrong ENCODER",
+    6: "TORQUE answered an ENCODER twice",
+    7: "TORQUE was for another number of motor groups",
+    8: "a commanded torque was not a number",
+    9: "a commanded torque was infinite",
+    10: "a commanded torque was beyond the drive's limit",
+    11: "a commanded torque changed faster than the drive allows",
+    12: "the controller's alive counter stood still",
+    13: "no command came from the controller in time",
+    14: "a motor group was lost",
+    15: "the main power was lost",
+}
+
+
+def series(signal, label, scale=1.0, colour=0, **more):
+    """`held`: stands until the next value; `dash`: drawn broken; `band`: filled between this one and the one before."""
+    return {"signal": signal, "label": label, "scale": scale, "colour": colour} | more
+
+
+def charts(facts, store):
+    """The charts of a run, those that its signals allow."""
+    is_axis = "axis" in facts
+    ratio, top, rated = facts.get("total_ratio"), facts.get("top_speed"), facts.get("rated_torque")
+    machine = facts.get("machine", {})
+    groups = range(GROUPS)
+    share = 100.0 / rated if rated else 1.0
+    speed_unit = machine.get("speed_unit", "rad/s")
+    found = [
+        {"title": "speed of the axis" if is_axis else "slewing speed" if ratio else "motor speed", "unit": speed_unit, "series": [
+            *([series("OPERATOR.speed_request", "request", top, "grey", held=True, dash=True)] if top else []),
+            *[series(f"ENCODER.shaft_speed.{g}", f"motors {g + 1}", 1.0 / (ratio or 1.0), g) for g in groups],
+            *([series("CONTROLLER_STATE.ramped_speed", "ramp", 1.0, "ramp", dash=True)] if ratio else []),
+            *([series("TRUTH.house_speed", "axis" if is_axis else "house", 1.0, "house")] if ratio else [])]},
+        {"title": "motor torque", "unit": "% of T100" if rated else "N m per motor", "series": [
+            *[series(f"TORQUE.motor_torque.{g}", f"group {g + 1}", share, g, held=True) for g in groups],
+            *([series("compensation.high", "compensation, upper", share, "band", held=True, dash=True),
+               series("compensation.low", "compensation, lower", share, "band", held=True, dash=True, band=True)]
+              if facts.get("play_compensation", True) else [])]},
+        {"title": "gearbox torque", "unit": "kN m on the axis" if is_axis else "MN m on the slew axis", "series": [
+            series(f"TRUTH.gearbox_torque.{g}", f"gearbox {g + 1}", 1e-3 if is_axis else 1e-6, g) for g in groups]},
+        {"title": "acceleration, lateral", "unit": "m/s²", "series": [
+            series("SENSORS.tip_acceleration", "tip", 1.0, 0), series("SENSORS.middle_acceleration", "middle", 1.0, 1),
+            series("SENSORS.pivot_acceleration", "pivot", 1.0, 3), series("SENSORS.house_acceleration", "house", 1.0, "house")]},
+        {"title": "sidelead (swing of the load across the boom)", "unit": "°", "series": [
+            series("TRUTH.rope_angle", "rope", 180.0 / np.pi, 0), series("TRUTH.rod_angle", "load", 180.0 / np.pi, 1)]},
+        {"title": "angle of the axis" if is_axis else "slew angle", "unit": machine.get("position_unit", "rad") if is_axis else "°", "series": [
+            series("SENSORS.slew_angle", "axis" if is_axis else "house", 1.0 if is_axis else 180.0 / np.pi, "house")]},
+    ]
+    observed = [
+        {"title": "missing torque, of the machine against its nominal model", "unit": "% of T100" if rated else "N m per motor",
+         "series": [series(f"OBSERVER.missing_torque.{g}", f"group {g + 1}", share, g) for g in groups]},
+        {"title": "acceleration, measured minus observer", "unit": "m/s²", "series": [
+            series(f"OBSERVER.{place}_difference", place, 1.0, colour)
+            for place, colour in (("tip", 0), ("middle", 1), ("pivot", 3), ("house", "house"))]}]
+    found = observed + found
+    for chart in found:
+        chart["series"] = [each for each in chart["series"] if is_there(each["signal"], store)]
+    return [chart for chart in found if chart["series"]]
+
+
+def is_there(signal, store):
+    if signal in DERIVED:
+        return all(store.has(part) for part in DERIVED[signal])
+    if not store.has(signal):
+        return False
+    name, row = store.places[signal]  # what a machine has no sensor for stands in its log as NaN
+    channel = store.channels[name].levels[0]
+    return bool(np.isfinite(channel.low[row, :min(channel.count, 64)]).any())
+
+
+# Made of two signals of one channel: mean torque plus and minus half the difference that the play compensation adds.
+DERIVED = {"compensation.high": ("CONTROLLER_STATE.average_torque", "CONTROLLER_STATE.offset_torque"),
+           "compensation.low": ("CONTROLLER_STATE.average_torque", "CONTROLLER_STATE.offset_torque")}
+
+
+def envelopes(store, signals, first, last, bins):
+    """{signal: (low, high)} with what is derived; what stands until the next value stands there."""
+    plain = set()
+    for signal in signals:
+        plain.update(DERIVED.get(signal, (signal,)))
+    found = store.envelopes(sorted(plain), first, last, bins)
+    for signal, envelope in found.items():
+        if signal.split(".")[0] in HELD:
+            store.hold(signal, envelope, first, last)
+    for signal, sign in (("compensation.high", 1.0), ("compensation.low", -1.0)):
+        if signal in signals and all(part in found for part in DERIVED[signal]):
+            (low, high), (offset_low, offset_high) = (found[part] for part in DERIVED[signal])
+            offset = 0.5 * (offset_low + offset_high)
+            found[signal] = low + sign * offset, high + sign * offset
+    return found
+
+
+def pose(facts, store, time):
+    """Where everything of the crane is at a time: SI units, None for what the log does not tell."""
+    def known(value):
+        return float(value) if np.isfinite(value) else None
+
+    ratio = facts.get("total_ratio")
+    angle = store.at("SENSORS.slew_angle", time, True)
+    if not np.isfinite(angle) and ratio:
+        angle = store.at("ENCODER.shaft_position.0", time, True) / ratio
+    tip = store.at("TRUTH.tip_displacement", time, True)
+    deflection = tip - facts["tip_radius"] * angle if "tip_radius" in facts else np.nan
+    gears = [known(store.at(f"TRUTH.gear_deflection.{g}", time, True)) for g in range(GROUPS) if store.has(f"TRUTH.gear_deflection.{g}")]
+    torques = [known(store.at(f"TRUTH.gearbox_torque.{g}", time, True)) for g in range(len(gears))]
+    return {"angle": known(angle), "deflection": known(deflection), "rope": known(store.at("TRUTH.rope_angle", time, True)),
+            "rod": known(store.at("TRUTH.rod_angle", time, True)), "gears": gears, "gear_torques": torques}
+
+
+def state(store, time):
+    """The drive, the controller and the operator at a time, in words."""
+    def number(signal):
+        value = store.at(signal, time)
+        return int(value) if np.isfinite(value) else None
+
+    drive, cause = number("PLANT_STATUS.drive_state"), number("PLANT_STATUS.trip_cause")
+    tripped = store.at("PLANT_STATUS.trip_time", time)
+    request = store.at("OPERATOR.speed_request", time)
+    return {"drive": DRIVE_STATES.get(drive), "trip": TRIP_CAUSES.get(cause, f"cause {cause}") if cause else "",
+            "trip_time": tripped * 1e-9 if np.isfinite(tripped) and tripped >= 0 else None,
+            "controller": CONTROLLER_MODES.get(number("CONTROLLER_STATE.mode")),
+            "stale": number("PLANT_STATUS.stale_commands"), "missed": number("PLANT_STATUS.missed_deadlines"),
+            "request": float(request) if np.isfinite(request) else None,
+            "emergency_stop": bool(number("OPERATOR.emergency_stop")), "acknowledge": bool(number("OPERATOR.acknowledge"))}

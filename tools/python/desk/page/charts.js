@@ -1,0 +1,147 @@
+// The charts: one uPlot per quantity, all over the same window of time. What comes for a signal is the lowest and the highest
+// value of every column of pixels, so that no peak is lost and drawing costs what the screen has, not what the log has.
+"use strict";
+
+const CHART_HEIGHT = 150, SPECTRUM_HEIGHT = 210;  // [px] as .plot in desk.css
+const DECADES = [3, 1];  // of a spectrum that are shown below and above the decade of its peak; the modes' names stand above it
+const MARK_SPACING = 12;  // [px] that the names of two modes need
+
+function colour(name) {
+  return getComputedStyle(document.documentElement).getPropertyValue(`--${typeof name === "number" ? "c" + (name % 8) : name}`).trim();
+}
+
+function shown(value) {
+  if (value === null || value === undefined || !Number.isFinite(value)) return "–";
+  const size = Math.abs(value);
+  if (size !== 0 && (size < 0.001 || size >= 100000)) return value.toExponential(2);
+  return value.toFixed(size >= 100 ? 1 : size >= 1 ? 2 : 4);
+}
+
+class Chart {
+  // `lines`: what is drawn, [{key, signal, source, label, scale, colour, held, dash, band}].
+  constructor(parent, description, lines, hooks) {
+    this.description = description;
+    this.lines = lines;
+    this.hooks = hooks;
+    this.element = document.createElement("div");
+    this.element.className = description.isSpectrum ? "chart spectrum" : "chart";
+    this.height = description.isSpectrum ? SPECTRUM_HEIGHT : CHART_HEIGHT;
+    const heading = document.createElement("h2");
+    heading.textContent = description.title + " ";
+    const unit = document.createElement("small");
+    unit.textContent = `[${description.unit}]`;
+    heading.append(unit);
+    this.legend = document.createElement("div");
+    this.legend.className = "legend";
+    this.values = lines.map((line) => {
+      const item = document.createElement("span");
+      const mark = document.createElement("i");
+      mark.style.borderTopColor = `var(--${typeof line.colour === "number" ? "c" + (line.colour % 8) : line.colour})`;
+      if (line.dash) mark.className = "dash";
+      const value = document.createElement("b");
+      item.append(mark, line.label + " ", value);
+      this.legend.append(item);
+      return value;
+    });
+    this.place = document.createElement("div");
+    this.place.className = "plot";
+    this.element.append(heading, this.legend, this.place);
+    parent.append(this.element);
+    this.cursor = null;
+    this.begin();
+  }
+
+  begin() {
+    const axis = {stroke: () => colour("faint"), grid: {stroke: () => colour("grid"), width: 1}, ticks: {stroke: () => colour("line"), width: 1}, font: "11px system-ui, Arial, sans-serif"};
+    const options = {
+      width: this.width(), height: this.height, legend: {show: false}, cursor: {drag: {x: true, y: false, setScale: false}, points: {show: false}, sync: {key: "desk"}},
+      scales: {x: this.description.isSpectrum ? {distr: 3, range: [0.1, 100]} : {time: false}, y: this.description.isSpectrum ? {distr: 3, range: (plot, low, high) => this.decades(high)} : {range: (plot, low, high) => this.range(low, high)}},
+      axes: [{...axis, size: 28, values: (plot, ticks) => ticks.map((tick) => tick === null ? "" : String(+tick.toPrecision(9)))},
+             {...axis, size: 58, values: (plot, ticks) => ticks.map((tick) => tick === null ? "" : String(+tick.toPrecision(4)))}],
+      series: [{}, ...this.lines.map((line) => ({stroke: () => colour(line.colour), width: line.thin ? 1 : 1.3, dash: line.dash ? [5, 4] : undefined, spanGaps: true, points: {show: false},
+                                                 paths: line.held ? uPlot.paths.stepped({align: 1}) : undefined}))],
+      bands: this.lines.flatMap((line, i) => line.band ? [{series: [i, i + 1], fill: () => colour("band") + "22"}] : []),
+      hooks: {draw: [(plot) => this.drawMarks(plot)], setSelect: [(plot) => this.selected(plot)],
+              ready: [(plot) => plot.over.addEventListener("click", (event) => this.clicked(plot, event))]},
+    };
+    this.plot = new uPlot(options, [[], ...this.lines.map(() => [])], this.place);
+  }
+
+  range(low, high) {
+    if (!Number.isFinite(low) || !Number.isFinite(high)) return [-1, 1];
+    // No finer than what a picture's numbers can say.
+    const span = Math.max(high - low, 1e-3 * Math.max(Math.abs(low), Math.abs(high)), 1e-6), middle = (low + high) / 2;
+    return [middle - 0.56 * span, middle + 0.56 * span];
+  }
+
+  // Whole powers of ten: uPlot's logarithmic ticks begin at nothing else.
+  decades(high) {
+    const top = Math.ceil(Math.log10(Math.max(1e-9, high ?? 1)));
+    return [10 ** (top - DECADES[0]), 10 ** (top + DECADES[1])];
+  }
+
+  width() { return Math.max(120, Math.floor(this.place.clientWidth || 300)); }
+
+  resize() { if (this.plot.width !== this.width()) this.plot.setSize({width: this.width(), height: this.height}); }
+
+  clicked(plot, event) {
+    if (!this.description.isSpectrum) this.hooks.seek(plot.posToVal(event.clientX - plot.over.getBoundingClientRect().left, "x"));
+  }
+
+  selected(plot) {
+    if (plot.select.width > 4 && !this.description.isSpectrum) {
+      this.hooks.zoom(plot.posToVal(plot.select.left, "x"), plot.posToVal(plot.select.left + plot.select.width, "x"));
+    }
+    if (plot.select.width > 0) plot.setSelect({left: 0, width: 0, top: 0, height: 0}, false);
+  }
+
+  drawMarks(plot) {
+    const context = plot.ctx, box = plot.bbox;
+    context.save();
+    context.beginPath(); context.rect(box.left, box.top, box.width, box.height); context.clip();
+    context.textAlign = "right";
+    context.textBaseline = "alphabetic";
+    let named = -Infinity;
+    for (const mark of this.description.marks ?? []) {
+      const x = plot.valToPos(mark.at, "x", true);
+      if (x < box.left || x > box.left + box.width) continue;
+      context.strokeStyle = colour("grey"); context.setLineDash([4, 4]); context.lineWidth = devicePixelRatio;
+      context.beginPath(); context.moveTo(x, box.top); context.lineTo(x, box.top + box.height); context.stroke();
+      context.setLineDash([]);
+      if (x - named < MARK_SPACING * devicePixelRatio) continue;
+      named = x;
+      context.fillStyle = colour("faint"); context.font = `${10 * devicePixelRatio}px system-ui, Arial, sans-serif`;
+      context.save(); context.translate(x - 3 * devicePixelRatio, box.top + 3 * devicePixelRatio); context.rotate(-Math.PI / 2); context.fillText(mark.label, 0, 0); context.restore();
+    }
+    if (this.cursor !== null) {
+      const x = plot.valToPos(this.cursor, "x", true);
+      context.setLineDash([]);
+      context.strokeStyle = colour("accent"); context.lineWidth = devicePixelRatio;
+      context.beginPath(); context.moveTo(x, box.top); context.lineTo(x, box.top + box.height); context.stroke();
+    }
+    context.restore();
+  }
+
+  // `found`: {key: Float32Array of (lowest, highest) by column}; the window has `bins` columns.
+  draw(times, found, from, to, at, bins) {
+    const data = [times];
+    const column = Math.min(bins - 1, Math.max(0, Math.floor((at - from) / (to - from) * bins)));
+    this.lines.forEach((line, i) => {
+      const raw = found[line.key], values = new Array(times.length).fill(null);
+      let last = null;
+      if (raw) {
+        for (let k = 0; k < values.length; ++k) if (raw[k] === raw[k]) values[k] = raw[k] * line.scale;
+        for (let k = 2 * column + 1; k >= 0; --k) if (values[k] !== null) { last = values[k]; break; }
+      }
+      this.values[i].textContent = shown(last);
+      data.push(values);
+    });
+    this.cursor = at;
+    this.plot.batch(() => {
+      this.plot.setData(data, false);
+      this.plot.setScale("x", {min: from, max: to});
+    });
+  }
+
+  remove() { this.plot.destroy(); this.element.remove(); }
+}

@@ -1,0 +1,278 @@
+// The page's main loop: asks for a window, draws it, asks again.
+"use strict";
+
+const SPECTRUM_EVERY = 500;  // [ms]
+const LAYOUT_EVERY = 1000;   // [ms] of a live run
+const by = (id) => document.getElementById(id);
+
+class Desk {
+  constructor() {
+    this.charts = [];
+    this.layout = null;
+    this.at = 0;
+    this.window = null;  // [from, to] of a zoom; null: as the window's choice says
+    this.playing = false;
+    this.following = false;
+    this.drawn = 0;  // views, for whoever measures frames
+    this.picture = new CranePicture();
+    this.steering = new Steering((message) => this.send(message));
+    by("play").addEventListener("click", () => this.play(!this.playing));
+    by("live").addEventListener("click", () => this.follow(true));
+    by("scrub").addEventListener("input", (event) => { this.follow(false); this.seek(Number(event.target.value)); });
+    by("span").addEventListener("change", () => { this.window = null; this.ask(); });
+    by("compare").addEventListener("change", () => this.build());
+    by("diagnose").addEventListener("click", () => this.send({type: "diagnose"}));
+    by("true_scale").addEventListener("click", () => { by("exaggeration").value = 1; this.ask(); });
+    by("exaggeration").addEventListener("change", () => this.ask());
+    by("viewpoint").addEventListener("change", () => this.ask());
+    addEventListener("resize", () => { for (const chart of this.charts) chart.resize(); this.ask(); });
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.ask());
+    this.connect();
+  }
+
+  connect() {
+    this.asked = false;
+    this.socket = new WebSocket(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/socket`);
+    this.socket.binaryType = "arraybuffer";
+    this.socket.addEventListener("open", () => { this.send({token: location.hash.slice(1)}); this.send({type: "layout"}); });
+    this.socket.addEventListener("message", (event) => {
+      if (typeof event.data === "string") this.told(JSON.parse(event.data)); else this.received(event.data);
+    });
+    this.socket.addEventListener("close", (event) => {
+      this.badge("connection", event.code === 4401 ? "refused" : "not connected", "bad");
+      if (event.code === 4401) { this.notice(event.reason); return; }
+      this.steering.update(null, false);
+      setTimeout(() => this.connect(), 1000);
+    });
+  }
+
+  send(message) { if (this.socket.readyState === WebSocket.OPEN) this.socket.send(JSON.stringify(message)); }
+
+  badge(id, text, kind) {
+    const badge = by(id);
+    badge.hidden = !text;
+    badge.textContent = text ?? "";
+    badge.className = "badge " + (kind ?? "");
+  }
+
+  notice(text) { by("notice").hidden = !text; by("notice").textContent = text ?? ""; }
+
+  told(message) {
+    if (message.type === "layout") this.laidOut(message);
+    else if (message.type === "spectrum") this.drawSpectrum(message);
+    else if (message.type === "refused") this.notice(message.why);
+    else if (message.type === "told") this.notice(message.text);
+    else if (message.type === "nothing yet") {
+      this.showRun(message.run);
+      this.asked = false;
+      setTimeout(() => this.ask(), 200);
+    }
+  }
+
+  laidOut(layout) {
+    const before = this.layout;
+    this.layout = layout;
+    const sources = layout.sources, first = sources[0];
+    by("name").textContent = sources.slice(0, 2).map((source) => source.name).join(" against ");
+    document.title = `slewlab desk: ${by("name").textContent}`;
+    if (!layout.steered) this.badge("connection", layout.live ? "live" : "recorded", "good");
+    by("live").hidden = !layout.live;
+    by("comparison").hidden = sources.length < 2;
+    by("play").hidden = layout.live;
+    const remarks = sources.flatMap((source) => source.remarks.map((remark) => `${source.name}: ${remark}`));
+    const ended = sources.filter((source) => source.facts.end && !["complete", "under way"].includes(source.facts.end)).map((source) => `${source.name}: ${source.facts.end}`);
+    if (ended.length || remarks.length) this.notice([...ended, ...remarks].join(" · "));
+    if (!before && layout.live) this.following = true;
+    if (!before && !layout.live) this.at = first.first ?? 0;
+    this.range();
+    const shape = JSON.stringify(sources.map((source) => source.charts));
+    if (shape !== this.shape) { this.shape = shape; this.build(); }
+    this.ask();
+    if (layout.live) setTimeout(() => this.send({type: "layout"}), LAYOUT_EVERY);  // a run's signals come one after the other
+  }
+
+  // Charts of the first source; a second one over them, or the difference in their place.
+  build() {
+    for (const chart of this.charts) chart.remove();
+    this.charts = [];
+    this.spectrumChart = null;
+    const sources = this.layout.sources, mode = by("compare").value;
+    const hooks = {seek: (time) => { this.follow(false); this.seek(time); }, zoom: (from, to) => { this.follow(false); this.window = [from, to]; this.ask(); }};
+    this.signals = sources.map(() => []);
+    for (const description of sources[0].charts) {
+      const lines = [];
+      sources.forEach((source, number) => {
+        if (number === 1 && mode !== "overlay") return;
+        if (number === 0 && sources.length > 2 && mode === "difference") return;
+        if (number === 2 && mode !== "difference") return;
+        const own = source.charts.find((each) => each.title === description.title);
+        for (const line of own?.series ?? []) {
+          this.signals[number].push(line.signal);
+          lines.push({...line, key: `${number}:${line.signal}`, label: number === 1 ? `${line.label}, ${source.name}` : line.label, dash: line.dash || number === 1, thin: number === 1, band: line.band && number !== 1});
+        }
+      });
+      if (lines.length) this.charts.push(new Chart(by("charts"), {...description, title: mode === "difference" && sources.length > 2 ? `${description.title}, difference` : description.title}, lines, hooks));
+    }
+    this.ask();
+  }
+
+  range() {
+    const firsts = this.layout.sources.map((source) => source.first).filter((time) => time !== null);
+    const lasts = this.layout.sources.map((source) => source.last).filter((time) => time !== null);
+    this.first = Math.min(...firsts); this.last = Math.max(...lasts);
+    if (!firsts.length) { this.first = 0; this.last = 1; }
+    const scrub = by("scrub");
+    scrub.min = this.first; scrub.max = this.last;
+  }
+
+  play(on) {
+    this.playing = on;
+    by("play").textContent = on ? "Pause" : "Play";
+    by("play").classList.toggle("on", on);
+    if (on && this.at >= this.last) this.at = this.first;
+    this.played = performance.now();
+    this.ask();
+  }
+
+  follow(on) {
+    this.following = on && this.layout?.live;
+    by("live").classList.toggle("on", this.following);
+    if (this.following) this.window = null;
+    this.ask();
+  }
+
+  seek(time) {
+    this.at = Math.max(this.first, Math.min(this.last, time));
+    this.ask();
+  }
+
+  span() {
+    const chosen = Number(by("span").value);
+    return chosen > 0 ? chosen : Math.max(1e-3, this.last - this.first);
+  }
+
+  // The window around the cursor: it moves when the cursor reaches its last fifth.
+  place() {
+    if (this.window) {
+      const [from, to] = this.window;
+      if (this.at >= from && this.at <= to) return this.window;
+      this.window = [this.at - (to - from) / 2, this.at + (to - from) / 2];
+      return this.window;
+    }
+    const span = this.span();
+    if (span >= this.last - this.first) return [this.first, this.first + span];
+    const from = Math.min(Math.max(this.first, this.at - 0.8 * span), this.last - span);
+    return [from, from + span];
+  }
+
+  ask() {
+    if (!this.layout || this.asked || !this.signals) { this.again = true; return; }
+    this.again = false;
+    const [from, to] = this.following ? [0, this.span()] : this.place();
+    const width = this.charts[0]?.plot.over.clientWidth || 300;
+    this.asked = true;
+    this.send({type: "view", from, to, at: this.at, live: this.following, pixels: Math.min(2000, width), signals: this.signals});
+    const now = performance.now();
+    if (now - (this.spectrumAsked ?? -1e9) > SPECTRUM_EVERY) { this.spectrumAsked = now; this.send({type: "spectrum", at: this.following ? this.last : this.at}); }
+  }
+
+  received(buffer) {
+    this.asked = false;
+    const length = new DataView(buffer).getUint32(0, true);
+    const header = JSON.parse(new TextDecoder().decode(new Uint8Array(buffer, 4, length)));
+    const values = new Float32Array(buffer, 4 + length), size = 2 * header.bins, found = {};
+    let place = 0;
+    header.signals.forEach((names, source) => names.forEach((name) => { found[`${source}:${name}`] = values.subarray(place, place + size); place += size; }));
+    requestAnimationFrame(() => this.draw(header, found));
+  }
+
+  draw(header, found) {
+    this.layout.sources.forEach((source, number) => { source.first = header.sources[number].first; source.last = header.sources[number].last; });
+    this.range();
+    if (this.following) this.at = header.at;
+    const times = new Float64Array(2 * header.bins), step = (header.to - header.from) / header.bins;
+    for (let k = 0; k < header.bins; ++k) times[2 * k] = times[2 * k + 1] = header.from + (k + 0.5) * step;
+    for (const chart of this.charts) if (!chart.description.isSpectrum) chart.draw(times, found, header.from, header.to, header.at, header.bins);
+    const cranes = header.sources.slice(0, 2).map((source, number) => ({facts: this.layout.sources[number].facts, pose: source.pose}));
+    this.picture.draw(by("compare").value === "none" ? cranes.slice(0, 1) : cranes);
+    this.showState(header);
+    by("scrub").value = this.at;
+    by("clock").textContent = `${header.at.toFixed(3)} s of ${this.last.toFixed(1)} s`;
+    this.showRun(header.run);
+    this.showGap(header.gap, header.diagnosis);
+    this.drawn += 1;
+    if (this.playing) {
+      const now = performance.now();
+      this.at += (now - this.played) / 1000 * Number(by("rate").value);
+      this.played = now;
+      if (this.at >= this.last) { this.at = this.last; this.play(false); }
+    }
+    if (this.playing || this.following || this.again) this.ask();
+  }
+
+  showRun(run) {
+    this.steering.update(run ?? null, this.layout.may_steer);
+    if (!run) return;
+    this.badge("connection", run.ended ? "run ended" : run.paused ? "paused" : "live", run.ended || run.paused ? "warn" : "good");
+    const words = [run.why, run.lost && `The lever was let go: ${run.lost}; the crane ramps down.`].filter(Boolean).join(" · ");
+    if (words !== this.runWords) { this.runWords = words; this.notice(words); }
+  }
+
+  // The observer's sizes over the last second against what is usual, and how a diagnosis stands.
+  showGap(gap, diagnosis) {
+    const place = by("gap");
+    place.hidden = !gap;
+    if (!gap) return;
+    const open = gap.signals.filter((signal) => signal.open);
+    const size = (signal) => `${signal.label} ${shown(signal.size)}${signal.signal.includes("torque") ? " N m" : " m/s²"} (usual ${shown(signal.usual)})`;
+    const rated = gap.signals.filter((signal) => signal.signal.includes("torque"));
+    let text = gap.problem ? `Gap to the nominal machine: ${gap.problem}.`
+      : open.length ? `A gap has opened at ${gap.since.toFixed(1)} s: ${open.map(size).join(", ")}.`
+      : gap.signals.length ? `No gap beyond the usual: ${rated.map(size).join(", ")}.` : "The observer has said nothing yet.";
+    if (gap.remark) text += ` ${gap.remark}.`;
+    if (diagnosis && diagnosis.state !== "ready") text += ` Diagnosis ${diagnosis.state}, ${diagnosis.folder}: ${diagnosis.words.join(" · ")}`;
+    if (text !== this.gapText) { this.gapText = text; place.lastElementChild.textContent = text; }
+    place.classList.toggle("open", open.length > 0);
+    by("diagnose").disabled = !this.layout.may_steer || diagnosis?.state === "under way";
+  }
+
+  showState(header) {
+    const {state, pose} = header.sources[0];
+    const drives = {running: "good", ready: "good", tripped: "bad", braked: "warn"};
+    this.badge("drive", state.drive && `drive ${state.drive}`, drives[state.drive]);
+    this.badge("controller", state.controller && `controller ${state.controller}`, state.controller === "running" ? "good" : state.controller === "stopped" ? "" : "warn");
+    const trip = by("trip");
+    trip.hidden = !state.trip;
+    trip.textContent = state.trip ? `Drive tripped${state.trip_time === null ? "" : ` at ${state.trip_time.toFixed(3)} s`}: ${state.trip}. It is acknowledged at rest, with the lever at zero.` : "";
+    const degrees = 180 / Math.PI, rows = [
+      ["request", state.request === null ? null : `${(100 * state.request).toFixed(0)} %${state.emergency_stop ? ", emergency stop" : ""}${state.acknowledge ? ", acknowledge" : ""}`],
+      ["slew angle", pose.angle === null ? null : `${(pose.angle * degrees).toFixed(2)}°`],
+      ["tip deflection", pose.deflection === null ? null : `${(pose.deflection * 1000).toFixed(0)} mm`],
+      ["sidelead", pose.rope === null ? null : `${(pose.rope * degrees).toFixed(2)}°`],
+      ["stale commands", state.stale], ["missed deadlines", state.missed]];
+    const list = by("facts");
+    list.replaceChildren(...rows.filter(([, value]) => value !== null).flatMap(([name, value]) => {
+      const term = document.createElement("dt"), text = document.createElement("dd");
+      term.textContent = name; text.textContent = value;
+      return [term, text];
+    }));
+  }
+
+  drawSpectrum(message) {
+    const found = message.sources[0];
+    if (!found.length) return;
+    const labels = found.map((line) => line.label).join();
+    if (!this.spectrumChart || this.spectrumLabels !== labels) {
+      this.spectrumLabels = labels;
+      if (this.spectrumChart) { this.spectrumChart.remove(); this.charts = this.charts.filter((chart) => chart !== this.spectrumChart); }
+      const marks = (this.layout.sources[0].facts.modes ?? []).map((mode) => ({at: mode.frequency, label: `${mode.name} ${mode.frequency.toPrecision(3)} Hz`}));
+      const lines = found.map((line, i) => ({key: line.label, label: line.label, scale: 1, colour: i ? "house" : 0}));
+      this.spectrumChart = new Chart(by("charts"), {title: `spectrum of the acceleration, last ${message.span} s`, unit: "m/s² over Hz", isSpectrum: true, marks}, lines, {});
+      this.charts.push(this.spectrumChart);
+    }
+    const frequency = found[0].frequency;
+    this.spectrumChart.plot.setData([frequency, ...found.map((line) => line.amplitude.length === frequency.length ? line.amplitude.map((value) => value > 0 ? value : null) : frequency.map(() => null))]);
+  }
+}
+
+const desk = new Desk();

@@ -1,0 +1,305 @@
+"""Serves the page and its data on one port: the page's files by HTTP, everything else by a WebSocket (docs/desk.md).
+
+A page asks for a window of time and gets the envelopes of its charts, the crane's pose and the state at its cursor in one answer;
+it asks again when it has drawn. So a slow page is sent less, a closed one nothing, and what is sent is bounded by its pixels.
+"""
+
+import asyncio
+import json
+import math
+import time
+from http import HTTPStatus
+from pathlib import Path
+from urllib.parse import urlsplit
+
+import numpy as np
+from websockets.asyncio.server import serve
+from websockets.datastructures import Headers
+from websockets.exceptions import ConnectionClosed
+from websockets.http11 import Response
+
+from desk import charts
+from desk.access import Joystick
+
+PAGE = Path(__file__).resolve().parent / "page"
+FILES = {  # address: (file, type)
+    "/": ("index.html", "text/html; charset=utf-8"),
+    "/desk.css": ("desk.css", "text/css"),
+    "/desk.js": ("desk.js", "text/javascript"),
+    "/crane.js": ("crane.js", "text/javascript"),
+    "/charts.js": ("charts.js", "text/javascript"),
+    "/steering.js": ("steering.js", "text/javascript"),
+    "/vendor/uPlot.iife.min.js": ("vendor/uPlot.iife.min.js", "text/javascript"),
+    "/vendor/uPlot.min.css": ("vendor/uPlot.min.css", "text/css"),
+}
+# The page may run its own files and talk to where it came from; nothing else.
+POLICY = "default-src 'none'; script-src 'self'; style-src 'self' 'unsafe-inline'; img-src 'self' data:; connect-src 'self'; frame-ancestors 'none'; base-uri 'none'"
+POLL = 0.02          # [s] between two looks at a growing log
+STILL = 0.25         # [s] after which a page that waits for something new is answered all the same
+HELLO_PATIENCE = 10  # [s] until a connection has to say who it is
+GONE = "the page that had the joystick was closed or is out of sight"
+MOST_PIXELS = 4096
+MOST_SIGNALS = 200
+LARGEST_REQUEST = 1 << 16  # [bytes]
+SPECTRUM_SPAN = 20.0  # [s] before the cursor that its spectrum is of
+LOWEST, HIGHEST = 0.1, 100.0  # [Hz] that are shown of it
+
+
+def number(value, lowest, highest):
+    """A finite number from a page, within bounds; ValueError where it is none."""
+    value = float(value)
+    if not math.isfinite(value):
+        raise ValueError("not a finite number")
+    return min(highest, max(lowest, value))
+
+
+class Desk:
+    """The sources of a page, its pages, and the run that they steer, where there is one."""
+
+    def __init__(self, sources, access, run=None, watch=None):
+        """`watch`: makes the Gap of a source, where a nominal machine is given."""
+        self.sources, self.access, self.run, self.watch, self.gap, self.diagnosis = sources, access, run, watch, None, None
+        self.joystick, self.pages = Joystick(), set()
+        self.news, self.restarting = asyncio.Condition(), False
+
+    @property
+    def is_live(self):
+        return any(source.is_live for source in self.sources)
+
+    async def follow(self):
+        """Takes what is new of growing sources, and lets go of a joystick that nobody holds any more."""
+        if self.watch is not None:
+            self.gap = await self.watch(self.sources[0])
+        while True:
+            had_news = False
+            for source in self.sources:
+                had_news = source.poll() or had_news
+            if self.run is not None and not self.restarting:
+                self.joystick.expire(time.monotonic())
+                self.run.operate(self.joystick)
+            if had_news:
+                async with self.news:
+                    self.news.notify_all()
+            await asyncio.sleep(POLL)
+
+    async def start_anew(self, play_compensation):
+        """The run ends and another begins from rest: what is recorded from here stands in a folder of its own."""
+        if self.restarting:
+            return
+        self.restarting = True
+        try:
+            await self.run.end()
+            if self.gap is not None:
+                await self.gap.end()
+            self.sources[0] = await self.run.start(play_compensation)
+            if self.watch is not None:
+                self.gap = await self.watch(self.sources[0])
+        finally:
+            self.restarting = False
+
+    def answer_http(self, connection, request):
+        """websockets' process_request: files by HTTP, None for a WebSocket that is let in."""
+        headers = request.headers
+        reason = self.access.refuses(headers.get("Origin"), headers.get("Host"))
+        if reason:
+            return respond(HTTPStatus.FORBIDDEN, reason.encode(), "text/plain; charset=utf-8")
+        path = urlsplit(request.path).path
+        if path == "/socket":
+            return None
+        if path not in FILES:
+            return respond(HTTPStatus.NOT_FOUND, b"there is no such page\n", "text/plain")
+        name, kind = FILES[path]
+        return respond(HTTPStatus.OK, (PAGE / name).read_bytes(), kind)
+
+    async def serve_page(self, socket):
+        page = Page(self, socket)
+        try:
+            if await page.greet():
+                self.pages.add(page)
+                await page.listen()
+        except ConnectionClosed:
+            pass
+        finally:
+            self.pages.discard(page)
+            self.joystick.give_back(page, GONE)
+
+    def start(self, host, port):
+        return serve(self.serve_page, host, port, process_request=self.answer_http, max_size=LARGEST_REQUEST,
+                     compression=None, ping_interval=5, ping_timeout=10)
+
+
+def respond(status, body, kind):
+    headers = Headers([("Content-Type", kind), ("Content-Length", str(len(body))), ("Cache-Control", "no-store"),
+                       ("Content-Security-Policy", POLICY), ("X-Content-Type-Options", "nosniff"),
+                       ("Referrer-Policy", "no-referrer"), ("Connection", "close")])
+    return Response(status.value, status.phrase, headers, body)
+
+
+class Page:
+    """One connection."""
+
+    def __init__(self, desk, socket):
+        self.desk, self.socket, self.may_steer, self.seen = desk, socket, False, -1.0
+
+    async def greet(self):
+        """Whether the page may watch. Its first word is {"token": ...}."""
+        try:
+            token = json.loads(await asyncio.wait_for(self.socket.recv(), HELLO_PATIENCE)).get("token")
+        except (TimeoutError, ValueError, AttributeError):
+            await self.socket.close(4400, "the first word has to be the token")
+            return False
+        may_watch, self.may_steer = self.desk.access.may(token)
+        if not may_watch:
+            await self.socket.close(4401, "wrong token: this desk is watched with the address that it printed")
+            return False
+        return True
+
+    async def listen(self):
+        handlers = {"view": self.view, "layout": self.layout, "spectrum": self.spectrum}
+        async for text in self.socket:
+            try:
+                request = json.loads(text)
+                kind = request.get("type")
+                if kind in handlers:
+                    await handlers[kind](request)
+                elif kind == "diagnose":
+                    await self.diagnose()
+                elif self.desk.run is not None:
+                    await self.steer(kind, request)
+            except (ValueError, TypeError, KeyError, AttributeError, OverflowError) as error:
+                await self.say({"type": "refused", "why": f"not understood: {error}"})
+
+    async def say(self, message):
+        await self.socket.send(json.dumps(message))
+
+    async def layout(self, _):
+        """What there is to draw; asked for again until a live run's facts and signals are there."""
+        sources = [{"name": source.name, "facts": page_facts(source.facts), "remarks": source.remarks,
+                    "charts": charts.charts(source.facts, source.store),
+                    "first": finite(source.store.first), "last": finite(source.store.last)} for source in self.desk.sources]
+        await self.say({"type": "layout", "sources": sources, "live": self.desk.is_live,
+                        "steered": self.desk.run is not None, "may_steer": self.may_steer})
+
+    async def view(self, request):
+        """{"from", "to", "at" [s], "pixels", "signals": [[name, ...] per source]}; "live": the window ends at the newest time and
+        is "to" - "from" long."""
+        sources = self.desk.sources
+        live = bool(request.get("live"))
+        if live:
+            await self.wait_for_news()
+        newest = max(source.store.last for source in sources)
+        if not np.isfinite(newest):
+            await self.say({"type": "nothing yet", **self.run_state()})
+            return
+        span = number(request["to"], -1e9, 1e9) - number(request["from"], -1e9, 1e9)
+        first = newest - span if live else float(request["from"])
+        last = first + max(span, 1e-6)
+        at = newest if live else number(request.get("at", last), -1e9, 1e9)
+        pixels = int(number(request["pixels"], 16, MOST_PIXELS))
+        header, blocks = {"type": "view", "from": first, "to": last, "at": at, "bins": pixels, "newest": newest, "signals": [],
+                          "sources": [], **self.run_state()}, []
+        for source, signals in zip(sources, request["signals"]):
+            found = charts.envelopes(source.store, signals[:MOST_SIGNALS], first, last, pixels)
+            names = [signal for signal in signals if signal in found]
+            header["signals"].append(names)
+            header["sources"].append({"pose": charts.pose(source.facts, source.store, at), "state": charts.state(source.store, at),
+                                      "first": finite(source.store.first), "last": finite(source.store.last)})
+            for name in names:
+                blocks.append(np.stack(found[name], 1).astype("<f4").tobytes())
+        text = json.dumps(header).encode()
+        text += b" " * (-len(text) % 4)
+        await self.socket.send(len(text).to_bytes(4, "little") + text + b"".join(blocks))
+
+    def run_state(self):
+        desk = self.desk
+        told = {"gap": desk.gap.state()} if desk.gap is not None else {}
+        if desk.diagnosis is not None:
+            told["diagnosis"] = desk.diagnosis.state()
+        if desk.run is None:
+            return told
+        holder = desk.joystick.holder
+        return told | {"run": desk.run.state() | {"joystick": "yours" if holder is self else "free" if holder is None else "another page's",
+                                           "lost": desk.joystick.lost, "stop": desk.joystick.stop}}
+
+    async def wait_for_news(self):
+        """A page that follows a run is answered when there is something new, or after a while."""
+        newest = max(source.store.last for source in self.desk.sources)
+        if newest == self.seen:
+            try:
+                async with self.desk.news:
+                    await asyncio.wait_for(self.desk.news.wait(), STILL)
+            except TimeoutError:
+                pass
+        self.seen = max(source.store.last for source in self.desk.sources)
+
+    async def spectrum(self, request):
+        """{"at" [s]}: amplitudes of the accelerations over the last SPECTRUM_SPAN before it, of the first source."""
+        at = number(request["at"], -1e9, 1e9)
+        lines = []
+        for source in self.desk.sources:
+            lines.append(spectra(source.store, at))
+        await self.say({"type": "spectrum", "at": at, "span": SPECTRUM_SPAN, "sources": lines})
+
+    async def diagnose(self):
+        """Hands the newest minute over to slewlab diagnose: who may steer may ask for it."""
+        if not self.may_steer or self.desk.diagnosis is None:
+            await self.say({"type": "refused", "why": "this page only watches" if not self.may_steer else "there is no nominal machine to diagnose against"})
+        else:
+            await self.desk.diagnosis.begin(self.desk.sources[0])
+
+    async def steer(self, kind, request):
+        """What changes the run: only with the steering token."""
+        if not self.may_steer:
+            await self.say({"type": "refused", "why": "this page only watches: steering needs the address with the steering token"})
+            return
+        now, joystick = time.monotonic(), self.desk.joystick
+        if kind == "take":
+            if not joystick.take(self, now):
+                await self.say({"type": "refused", "why": "another page has the joystick"})
+        elif kind == "give":
+            joystick.give_back(self, GONE if request.get("hidden") else "")
+        elif kind == "joystick":
+            joystick.move(self, round(number(request["request"], -1.0, 1.0), 3), now)
+            if joystick.holder is self:
+                joystick.acknowledge = bool(request.get("acknowledge"))
+        elif kind == "anew":
+            wanted = request.get("play_compensation")
+            await self.desk.start_anew(None if wanted is None else bool(wanted))
+        elif kind == "stop":  # whoever may steer may stop, with or without the joystick
+            joystick.stop = bool(request["pressed"])
+        else:
+            answer = await self.desk.run.command(kind, request)
+            if answer:
+                await self.say(answer)
+
+
+def finite(value):
+    return float(value) if np.isfinite(value) else None
+
+
+def page_facts(facts):
+    """What the page uses of run.json."""
+    return {key: facts[key] for key in ("geometry", "half_play", "modes", "rated_torque", "top_speed", "axis", "crane", "end",
+                                        "play_compensation", "controller_period", "plant_step") if key in facts}
+
+
+def spectra(store, at):
+    from spectrum import amplitude_spectrum
+
+    found = []
+    for name in ("tip", "house"):
+        signal = f"SENSORS.{name}_acceleration"
+        if not charts.is_there(signal, store):
+            continue
+        channel, row = store.places[signal]
+        time_, values = store.channels[channel].samples(at - SPECTRUM_SPAN, at)
+        if len(time_) < 64:
+            continue
+        step = (time_[-1] - time_[0]) / (len(time_) - 1)
+        even = np.interp(np.arange(time_[0], time_[-1], step), time_, values[row])
+        frequency, amplitude = amplitude_spectrum(even, step)
+        shown = (frequency >= LOWEST) & (frequency <= HIGHEST)
+        if shown.any():
+            found.append({"label": name, "frequency": [round(float(f), 4) for f in frequency[shown]],
+                          "amplitude": [float(f"{a:.4g}") for a in amplitude[shown]]})
+    return found

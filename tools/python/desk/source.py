@@ -1,0 +1,239 @@
+"""Where signals come from: a recorded log, a log that is still being written, or the bus. Each fills a store."""
+
+import functools
+import json
+import struct
+from pathlib import Path
+
+import numpy as np
+
+from run_log import LogProblem, message_types
+from run_numbers import read_run
+from desk.store import Store
+
+# What the desk looks at of each channel.
+USED = {
+    "OPERATOR": ("speed_request", "emergency_stop", "acknowledge"),
+    "ENCODER": ("shaft_speed", "shaft_position"),
+    "TORQUE": ("motor_torque", "enable", "brake"),
+    "CONTROLLER_STATE": ("mode", "ramped_speed", "average_torque", "offset_torque"),
+    "SENSORS": ("house_acceleration", "pivot_acceleration", "middle_acceleration", "tip_acceleration", "slew_angle"),
+    "TRUTH": ("gearbox_torque", "gear_deflection", "house_speed", "tip_displacement", "rope_angle", "rod_angle"),
+    "PLANT_STATUS": ("drive_state", "trip_cause", "trip_time", "stale_commands", "missed_deadlines"),
+}
+HELD = ("OPERATOR", "TORQUE", "CONTROLLER_STATE", "PLANT_STATUS")  # their values stand until the next ones
+WHOLE = 1 << 24  # [samples] of a recorded log's channel that are kept one by one: more than four hours at 1 kHz
+
+EVENT = struct.Struct(">IqqII")  # LCM's event format: sync word, number, time stamp [us], lengths of channel and data
+SYNC = 0xEDA1DA01
+LONGEST_CHANNEL = 63  # [bytes] that LCM allows
+LARGEST_MESSAGE = 1 << 20  # [bytes]
+
+
+def fill(store, channel, messages):
+    """Structured messages of one channel into the store."""
+    fields = [field for field in USED.get(channel, ()) if field in messages.dtype.names]
+    store.append(channel, messages["simulated_time"] / 1e9, {field: messages[field] for field in fields})
+
+
+class Recorded:
+    """A log that is complete, or was broken off."""
+
+    is_live = False
+
+    def __init__(self, place):
+        run = read_run(place)
+        self.facts, self.remarks, self.path = run.facts, run.log.remarks, run.log.path
+        folder = self.path.resolve().parent
+        self.name = f"{folder.parent.name}/{run.name}" if run.name == folder.name and run.name.isdigit() else run.name  # of a steered run
+        self.store = Store(WHOLE)
+        for stretch in run.log.stretches(*[name for name in USED if run.log.has(name)]):
+            for channel, messages in stretch.items():
+                fill(self.store, channel, messages)
+        if not np.isfinite(self.store.last):
+            raise LogProblem(f"{run.log.path}: nothing in it that could be drawn")
+
+    def poll(self):
+        return False
+
+
+class Difference:
+    """What a first recorded log has more than a second, sample by sample of the first, where both have a signal."""
+
+    is_live = False
+
+    def __init__(self, first, second):
+        self.name, self.facts, self.remarks = f"{first.name} − {second.name}", first.facts, []
+        self.store = Store(WHOLE)
+        for name, channel in first.store.channels.items():
+            other = second.store.channels.get(name)
+            if other is None or other.names != channel.names:
+                continue
+            time, values = channel.samples(*(max(first.store.first, second.store.first), min(first.store.last, second.store.last)))
+            other_time, other_values = other.samples(-np.inf, np.inf)
+            if len(time) == 0 or len(other_time) == 0:
+                continue
+            if name in HELD:
+                at = np.maximum(np.searchsorted(other_time, time, "right") - 1, 0)
+                rows = values - other_values[:, at]
+            else:
+                rows = values - np.stack([np.interp(time, other_time, row) for row in other_values])
+            self.store.append(name, time, {signal.removeprefix(f"{name}."): row for signal, row in zip(channel.names, rows)})
+
+    def poll(self):
+        return False
+
+
+class Bus:
+    """What is said on a bus, as this process hears it (docs/wire.md)."""
+
+    is_live = True
+
+    def __init__(self, address, facts_folder=None, receive=None):
+        import lcm
+
+        self.name, self.facts, self.remarks = address, {}, []
+        self.store, self.events = Store(), []
+        self.incoming = Incoming(receive or functools.partial(fill, self.store), self.store.clear)
+        self.bus = lcm.LCM(address)
+        self.subscription = self.bus.subscribe("|".join(USED), lambda channel, data: self.events.append((channel, data)))
+        self.subscription.set_queue_capacity(0)  # unlimited: by default the newest are dropped
+        if facts_folder is not None:
+            self.facts = json.loads((Path(facts_folder) / "run.json").read_text())
+
+    def poll(self):
+        while self.bus.handle_timeout(0):
+            pass
+        events, self.events = self.events, []
+        return self.incoming.take(events)
+
+
+KINDS = {"boolean": "?", "int8_t": "i1", "int16_t": ">i2", "int32_t": ">i4", "int64_t": ">i8", "float": ">f4", "double": ">f8"}
+OF_CONTROLLER = ("TORQUE", "CONTROLLER_STATE")  # logged as they came, whatever that was
+LATE = 5_000_000_000  # [ns] by which an answer may lie beside the plant's messages that came with it
+FINGERPRINT = 8  # [bytes] in front of every message
+
+
+class Decoder:
+    """Many messages of one channel at once: all that are as long as the first have its array counts."""
+
+    def __init__(self, message_class, sample):
+        message = message_class.decode(sample)
+        names, types = ["fingerprint"], [">u8"]
+        for name, kind, dimensions in zip(message.__slots__, message.__typenames__, message.__dimensions__):
+            names.append(name)
+            count = None if dimensions is None else getattr(message, dimensions[0])
+            types.append(KINDS[kind] if count is None else (KINDS[kind], (count,)))
+        self.dtype = np.dtype({"names": names, "formats": types})
+        self.size, self.fingerprint = len(sample), sample[:FINGERPRINT]
+
+    def decode(self, messages):
+        fitting = [data for data in messages if len(data) == self.size and data[:FINGERPRINT] == self.fingerprint]
+        return np.frombuffer(b"".join(fitting), self.dtype)
+
+
+class Incoming:
+    """Events as they come, of one run at a time: `receive` gets every channel's rows, `begin` is called where another run's ENCODER
+    comes and none of the one before."""
+
+    def __init__(self, receive, begin=lambda: None):
+        self.receive, self.begin, self.decoders, self.identity = receive, begin, {}, None
+        self.span = None  # [ns] times of the plant's messages of this batch
+        self.tap = None  # gets all events as they are
+        self.moves = []  # OPERATOR as it is on the wire: (time [ns], request, emergency stop, acknowledge)
+        types = message_types()
+        self.classes = {channel: getattr(types, f"{channel.lower()}_t") for channel in USED}
+
+    def take(self, events):
+        """`events`: (channel, data), in their order."""
+        if self.tap is not None and events:
+            self.tap(events)
+        waiting = {}
+        for channel, data in events:
+            if channel in self.classes:
+                waiting.setdefault(channel, []).append(data)
+        self.span = None
+        # The plant's own first: by them it is known which run this is, and which times there are.
+        for channel in sorted(waiting, key=lambda name: (name in OF_CONTROLLER, name != "ENCODER")):
+            messages = waiting[channel]
+            if channel not in self.decoders:
+                try:
+                    self.decoders[channel] = Decoder(self.classes[channel], messages[0])
+                except (ValueError, struct.error):
+                    continue  # no message: a bit turned over on its way
+            rows = self.decoders[channel].decode(messages)
+            if len(rows) and (self.identity is None or channel == "ENCODER" and not (rows["run_identity"] == self.identity).any()):
+                if self.identity is not None:
+                    self.begin()
+                    self.moves.clear()
+                self.identity = rows["run_identity"][-1]
+            rows = rows[rows["run_identity"] == self.identity]
+            if channel in OF_CONTROLLER and self.span is not None:  # a bit that turned over may be one of the time
+                time = rows["simulated_time"]
+                rows = rows[(time >= self.span[0] - LATE) & (time <= self.span[1] + LATE)]
+            elif len(rows) and channel not in OF_CONTROLLER:
+                times = [int(rows["simulated_time"].min()), int(rows["simulated_time"].max()), *(self.span or ())]
+                self.span = min(times), max(times)
+            if channel == "OPERATOR":
+                self.moves += zip(*(rows[field].tolist() for field in ("simulated_time", "speed_request", "emergency_stop", "acknowledge")))
+            if len(rows):
+                self.receive(channel, rows)
+        return bool(waiting)
+
+
+class Growing:
+    """The log of a run that is under way, PATH or PATH.partial."""
+
+    is_live = True
+    MOST_AT_ONCE = 1 << 22  # [bytes]
+
+    def __init__(self, path, name=None, receive=None):
+        self.path, self.name, self.facts, self.remarks = Path(path), name or Path(path).resolve().parent.name, {}, []
+        self.store = Store()
+        self.incoming, self.file, self.rest = Incoming(receive or functools.partial(fill, self.store)), None, b""
+
+    def _open(self):
+        for path in (self.path, self.path.with_name(self.path.name + ".partial")):
+            if self.file is None and path.is_file():
+                self.file = path.open("rb")
+
+    def skip_what_is_there(self):
+        """Only what is written from now on is taken."""
+        self._open()
+        if self.file is not None:
+            self.file.seek(0, 2)
+
+    def poll(self):
+        """Takes what has been written since; whether there was anything."""
+        self._open()
+        if self.file is None:
+            return False
+        if not self.facts:
+            self._read_facts()
+        data = self.rest + self.file.read(self.MOST_AT_ONCE)
+        events, self.rest = parse_events(data)
+        return self.incoming.take(events)
+
+    def _read_facts(self):
+        path = self.path.parent / "run.json"
+        if path.is_file():
+            self.facts = json.loads(path.read_text())
+
+
+def parse_events(data):
+    """(channel, bytes) of the whole events in `data`, and the rest that is none yet. Damage is skipped."""
+    events, place, size = [], 0, len(data)
+    while place + EVENT.size <= size:
+        sync, _, _, channel, length = EVENT.unpack_from(data, place)
+        if sync != SYNC or channel > LONGEST_CHANNEL or length > LARGEST_MESSAGE:
+            place = data.find(SYNC.to_bytes(4, "big"), place + 1)
+            if place < 0:
+                return events, data[-3:]
+            continue
+        begin = place + EVENT.size
+        end = begin + channel + length
+        if end > size:
+            break
+        events.append((data[begin:begin + channel].decode("ascii", "replace"), data[begin + channel:end]))
+        place = end
+    return events, data[place:]

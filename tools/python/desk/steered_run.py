@@ -1,0 +1,202 @@
+"""A run that pages steer: `slewlab run --steered` as a process of its own, told by lines what the operator does
+(sim/drive/steering.h), and the scenario that does the same again to the bit."""
+
+import asyncio
+import contextlib
+import sys
+from pathlib import Path
+
+import yaml
+
+from run_log import slewlab_program
+from whole_file import growing
+from desk.source import Growing
+
+SLOWEST, FASTEST = 0.01, 1000.0  # of the speeds that a page may ask for; 0 is as fast as it goes
+END_PATIENCE = 20.0  # [s] of wall clock for a run to put its log in order
+LAST_WORDS = 12
+
+
+def chosen(value, unit=None):
+    """A value as a scenario has it."""
+    given = {"value": value} | ({"unit": unit} if unit else {})
+    return given | {"source": "chosen: at the desk"}
+
+
+def fault_choices(group_count):
+    """{name: (label, keys of a scenario's fault)}: what a page may switch while the run goes on."""
+    def message(kind, channel, **more):
+        return {"fault": chosen(kind), "channel": chosen(channel), "probability": chosen(1, "-")} | more
+
+    def of_group(kind, group, **more):
+        return {"fault": chosen(kind), "group": chosen(group, "-")} | more
+
+    choices = {
+        "power": ("main power lost", {"fault": chosen("main_power_lost")}),
+        "silence": ("all TORQUE lost", message("message_lost", "TORQUE")),
+        "some_torque": ("every fifth TORQUE lost", message("message_lost", "TORQUE") | {"probability": chosen(0.2, "-")}),
+        "some_encoder": ("every fifth ENCODER lost", message("message_lost", "ENCODER") | {"probability": chosen(0.2, "-")}),
+        "late": ("TORQUE late by two cycles", message("message_delayed", "TORQUE", cycles=chosen(2, "-"))),
+        "garbage": ("TORQUE garbled", message("message_corrupted", "TORQUE", corruption=chosen("garbage"))),
+        "controller": ("controller stopped", {"fault": chosen("controller_stopped")}),
+    }
+    for group in range(group_count):
+        choices[f"group_{group}"] = (f"motor group {group + 1} lost", of_group("motor_group_lost", group))
+        choices[f"frozen_{group}"] = (f"encoder {group + 1} frozen", of_group("encoder_frozen", group))
+        choices[f"dropped_{group}"] = (f"encoder {group + 1} without signal", of_group("encoder_dropped", group))
+    return choices
+
+
+def flow(keys):
+    """One line of YAML, without the braces around it."""
+    return yaml.safe_dump(keys, default_flow_style=True, sort_keys=False, width=1 << 20).strip()[1:-1]
+
+
+class SteeredRun:
+    def __init__(self, scenario, out, duration, options=(), realtime=False):
+        self.scenario, self.out, self.duration, self.realtime = Path(scenario), Path(out), duration, realtime
+        self.options = [*options, *(["--realtime"] if realtime else [])]
+        self.process = None
+
+    async def start(self, play_compensation=None):
+        """The source of its signals. `play_compensation`: other than the controller's file has it, for this run."""
+        switched = [] if play_compensation is None else ["--set", f"controller.play_compensation.enabled={str(play_compensation).lower()}"]
+        number = 1
+        while (self.out / str(number)).exists():
+            number += 1
+        self.folder = self.out / str(number)
+        self.folder.mkdir(parents=True)
+        self.paused, self.speed, self.ended, self.why = False, 1.0, False, ""
+        self.told, self.faults, self.effects, self.words = None, [], [], []
+        self.process = await asyncio.create_subprocess_exec(
+            slewlab_program(), "run", self.scenario, "--steered", "--out", self.folder, "--progress", "none",
+            "--set", f"duration={self.duration:.9g}", *self.options, *switched, stdin=asyncio.subprocess.PIPE,
+            stdout=asyncio.subprocess.PIPE, stderr=asyncio.subprocess.STDOUT, start_new_session=True)
+        self.listening = asyncio.create_task(self._listen())
+        self.source = Growing(self.folder / "run.lcmlog", f"{self.scenario.stem}, {self.folder.name}")
+        return self.source
+
+    async def _listen(self):
+        async for line in self.process.stdout:
+            words = line.decode(errors="replace").rstrip()
+            if words.startswith("steering fault "):
+                _, _, name, which, time = words.split()
+                self._fault_switched(name, which, float(time))
+            elif words.startswith("steering effect "):
+                _, _, name, what, time = words.split()
+                self.effects.append({"name": name, "on": what == "on", "time": float(time)})
+            elif words.startswith("steering refused "):
+                self.why = words.removeprefix("steering refused ")
+            else:
+                self.words = [*self.words, words][-LAST_WORDS:]
+        await self.process.wait()
+        self.ended = True
+        if self.process.returncode != 0:
+            self.why = "the run ended: " + " · ".join(self.words)
+            print(f"slewlab desk: {self.why}", file=sys.stderr)
+
+    def _fault_switched(self, name, which, time):
+        if which == "from":
+            self.faults.append({"name": name, "from": time, "until": None})
+            return
+        for fault in self.faults:
+            if fault["name"] == name and fault["until"] is None:
+                fault["until"] = time
+
+    def _say(self, line):
+        if not self.ended and self.process.stdin is not None:
+            with contextlib.suppress(ConnectionError, RuntimeError):  # it has just ended
+                self.process.stdin.write(line.encode() + b"\n")
+
+    def operate(self, joystick):
+        """Tells the run where lever and buttons stand, where that changed."""
+        stands = (joystick.request, joystick.stop, joystick.acknowledge)
+        if stands != self.told:
+            self.told = stands
+            self._say(f"operator {stands[0]!r} {stands[1]:d} {stands[2]:d}")
+
+    @property
+    def choices(self):
+        groups = [effort for effort in self.source.facts.get("machine", {}).get("efforts", []) if effort["name"].startswith("motor")]
+        return fault_choices(len(groups))
+
+    def state(self):
+        on = {fault["name"] for fault in self.faults if fault["until"] is None}
+        return {"paused": self.paused, "speed": self.speed, "ended": self.ended, "why": self.why, "lockstep": not self.realtime,
+                "folder": str(self.folder), "play_compensation": self.source.facts.get("play_compensation"),
+                "effects": [{"name": name, "label": name.replace("_", " "), "on": self._acts(name)}
+                            for name in self.source.facts.get("switchable_effects", [])],
+                "faults": [{"name": name, "label": label, "on": name in on} for name, (label, _) in self.choices.items()]}
+
+    def _acts(self, name):
+        """Whether an effect is on: as it was switched last, from the beginning on as the scenario has it."""
+        return next((each["on"] for each in reversed(self.effects) if each["name"] == name), True)
+
+    async def command(self, kind, request):
+        """What a page asks for besides lever and buttons; what to tell it."""
+        if kind in ("pause", "resume", "cycle", "speed") and self.realtime:
+            return {"type": "refused", "why": "a run against the wall clock keeps its own time"}
+        if kind == "pause":
+            self.paused = True
+            self._say("pause")
+        elif kind == "resume":
+            self.paused = False
+            self._say("resume")
+        elif kind == "cycle":
+            self._say("cycle")
+        elif kind == "speed":
+            speed = float(request["speed"])
+            if speed != 0.0 and not SLOWEST <= speed <= FASTEST:
+                raise ValueError(f"a speed of {speed:g}: 0 or {SLOWEST:g} to {FASTEST:g} is wanted")
+            self.speed = speed
+            self._say(f"speed {speed!r}")
+        elif kind == "fault":
+            name = request["name"]
+            if name not in self.choices:
+                raise ValueError("there is no such fault")
+            self._say(f"fault begin {name} {flow(self.choices[name][1])}" if request["on"] else f"fault end {name}")
+        elif kind == "effect":
+            if request["name"] not in self.source.facts.get("switchable_effects", []):
+                raise ValueError("there is no such effect")
+            self._say(f"effect {request['name']} {'on' if request['on'] else 'off'}")
+        elif kind == "save":
+            return {"type": "told", "text": f"written: {self.save()}"}
+        else:
+            raise ValueError(f"'{kind}' is nothing that a run does")
+        return None
+
+    def save(self):
+        """Writes the scenario that does the same from the start up to now; its path."""
+        resolved = yaml.safe_load((self.folder / "scenario.yaml").read_text())
+        period = self.source.facts["controller_period"]
+        moves = [{"time": chosen(round(time * 1e-9, 9), "s"), "speed_request": chosen(request, "-"), "emergency_stop": chosen(stop),
+                  "acknowledge": chosen(acknowledge)} for time, request, stop, acknowledge in self.source.incoming.moves]
+        faults = list(resolved.get("faults") or [])
+        for fault in self.faults:
+            entry = dict(self.choices[fault["name"]][1]) | {"from": chosen(fault["from"], "s")}
+            faults.append(entry | ({"until": chosen(fault["until"], "s")} if fault["until"] is not None else {}))
+        switches = list(resolved.get("effect_switches") or []) + [
+            {"time": chosen(each["time"], "s"), "effect": each["name"], "on": chosen(each["on"])} for each in self.effects]
+        switches.sort(key=lambda each: float(each["time"]["value"]))
+        scenario = {"include": "scenario.yaml", "description": "What the operator did at the desk.",
+                    "duration": chosen(round(max(1, round(self.source.store.last / period)) * period, 9), "s"), "operator": moves,
+                    "faults": faults or None, "effect_switches": switches or None, "expect": None}
+        path = self.folder / "steered.yaml"
+        with growing(path) as partial:
+            partial.write_text(yaml.safe_dump(scenario, sort_keys=False, default_flow_style=None, width=120))
+        return path
+
+    async def end(self):
+        """The run's end, with its log in order and its scenario written."""
+        if self.process is None:
+            return
+        self._say("end")
+        try:
+            await asyncio.wait_for(asyncio.shield(self.listening), END_PATIENCE)
+        except TimeoutError:
+            self.process.terminate()
+            await self.listening
+        while self.source.poll():
+            pass
+        if self.source.incoming.moves:
+            self.save()

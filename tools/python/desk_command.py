@@ -1,0 +1,142 @@
+"""Opens the desk: a page on which a run is watched, steered and scrubbed (docs/desk.md).
+
+    slewlab desk SCENARIO            runs it; who opens the page has the joystick in place of the scenario's operator
+    slewlab desk LOG [OTHER_LOG]     a recorded log, or two against each other
+    slewlab desk LOG --follow        a log that is still being written
+    slewlab desk --bus URL           whatever is said on a bus
+"""
+
+import argparse
+import asyncio
+import contextlib
+import signal
+import sys
+from pathlib import Path
+
+from run_log import LogProblem
+from desk.access import Access
+from desk.diagnosis import Diagnosis
+from desk.gap import Gap
+from desk.server import Desk
+from desk.source import Bus, Difference, Growing, Recorded
+from desk.steered_run import SteeredRun
+
+DEFAULT_PORT = 0  # any that is free
+LONGEST = 3600.0  # [s] of simulated time that a steered run may take, where nothing else is said
+
+
+async def serve_until_told(desk, host, port):
+    end = asyncio.Event()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        asyncio.get_running_loop().add_signal_handler(number, end.set)
+    async with desk.start(host, port) as server:
+        found = server.sockets[0].getsockname()[1]
+        shown = f"[{host}]" if ":" in host else host
+        if desk.access.is_local:
+            print(f"desk: http://{shown}:{found}/#{desk.access.steering}", flush=True)
+        else:
+            print(f"desk, to watch: http://{shown}:{found}/#{desk.access.watching}", flush=True)
+            print(f"desk, to steer: http://{shown}:{found}/#{desk.access.steering}", flush=True)
+        following = asyncio.create_task(desk.follow())
+        await asyncio.wait([asyncio.create_task(end.wait()), following], return_when=asyncio.FIRST_COMPLETED)
+        following.cancel()
+        with contextlib.suppress(asyncio.CancelledError):
+            await following
+
+
+def parsed(arguments):
+    parser = argparse.ArgumentParser(prog="slewlab desk", description="Watch, steer and scrub: a page of a running scenario or a log")
+    parser.add_argument("subject", metavar="SCENARIO|LOG", nargs="*",
+                        help="scenario (.yaml) to run and steer, or log or folder of a run; two logs are drawn over each other")
+    parser.add_argument("--bus", metavar="URL", help="LCM address of a bus to listen to, e.g. udpm://239.255.76.67:7667?ttl=0")
+    parser.add_argument("--run", type=Path, metavar="FOLDER", help="with --bus: a run's folder, whose run.json tells ratios, ratings and geometry")
+    parser.add_argument("--follow", action="store_true", help="LOG, or the run.lcmlog of a folder, is still being written")
+    parser.add_argument("--nominal", metavar="MACHINE", help="nominal machine's file: the gap to it is watched while the run goes on")
+    parser.add_argument("--nominal-controller", metavar="FILE", help="with --nominal: the controller's file, for a diagnosis")
+    parser.add_argument("--host", default="127.0.0.1", help="address to serve on (127.0.0.1); elsewhere than on loopback everybody needs a token")
+    parser.add_argument("--port", type=int, default=DEFAULT_PORT, help="port to serve on (any that is free)")
+    parser.add_argument("--out", type=Path, help="folder for steered runs (runs/desk_<scenario>)")
+    parser.add_argument("--duration", type=float, default=LONGEST, help=f"[s] of simulated time that a steered run may take ({LONGEST:g})")
+    parser.add_argument("--controller", help="shell command of your own controller, as of slewlab run")
+    parser.add_argument("--realtime", action="store_true", help="against the wall clock instead of in lockstep")
+    parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="over the scenario's files, as of slewlab run")
+    options = parser.parse_args(arguments)
+    options.is_scenario = bool(options.subject) and Path(options.subject[0]).suffix in (".yaml", ".yml")
+    if not (len(options.subject) == 1 or len(options.subject) == 2 and not options.is_scenario and not options.follow
+            or options.bus and not options.subject):
+        parser.error("one scenario, one log, two logs to compare, or --bus is wanted")
+    if options.subject and options.bus:
+        parser.error("--bus listens to a bus alone, without a scenario or a log")
+    if options.nominal and not (options.is_scenario or options.bus or options.follow):
+        parser.error("--nominal watches a run that goes on; of a recorded log ask slewlab diagnose")
+    if not options.duration > 0:
+        parser.error("--duration: a positive number of seconds is wanted")
+    return options
+
+
+def main(arguments):
+    options = parsed(arguments)
+    try:
+        asyncio.run(open_desk(options))
+    except LogProblem as problem:
+        print(problem, file=sys.stderr)
+        return 1
+    except OSError as error:
+        print(f"slewlab desk: {options.host} port {options.port}: {error.strerror or error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+async def open_desk(options):
+    access, diagnosis, watch = Access(options.host), None, None
+    if options.nominal:
+        stem = Path(options.subject[0]).stem if options.subject else "bus"
+        diagnosis = Diagnosis(options.nominal, options.nominal_controller, options.out or Path("runs") / f"desk_{stem}")
+
+        async def watch(source):
+            gap = Gap(source, options.nominal, diagnosis.minute)
+            await gap.start()
+            return gap
+    if options.is_scenario:
+        scenario = Path(options.subject[0])
+        more = [word for change in options.set for word in ("--set", change)]
+        more += ["--controller", options.controller] if options.controller else []
+        run = SteeredRun(scenario, options.out or Path("runs") / f"desk_{scenario.stem}", options.duration, more, options.realtime)
+        desk = Desk([await run.start()], access, run, watch)
+        desk.diagnosis = diagnosis
+        try:
+            await serve_until_told(desk, options.host, options.port)
+        finally:
+            await run.end()
+            await end_watching(desk)
+            for words in run.words:
+                print(words)
+        return
+    if options.bus:
+        sources = [Bus(options.bus, options.run)]
+    elif options.follow:
+        place = Path(options.subject[0])
+        sources = [Growing(place if place.suffix == ".lcmlog" else place / "run.lcmlog")]
+    else:
+        sources = [Recorded(subject) for subject in options.subject]
+    if len(sources) == 2:
+        sources.append(Difference(*sources))
+    for source in sources:
+        for remark in source.remarks:
+            print(remark, file=sys.stderr)
+    desk = Desk(sources, access, watch=watch)
+    desk.diagnosis = diagnosis
+    try:
+        await serve_until_told(desk, options.host, options.port)
+    finally:
+        await end_watching(desk)
+
+
+async def end_watching(desk):
+    for part in (desk.gap, desk.diagnosis):
+        if part is not None:
+            await part.end()
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
