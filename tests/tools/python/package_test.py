@@ -92,6 +92,16 @@ class RunTest(unittest.TestCase):
         self.assertEqual(table.attrs["units"]["time"], "s")
         with self.assertRaisesRegex(KeyError, "no ENCODR here, expected 'ENCODER'"):
             run["ENCODR"]
+        with self.assertRaisesRegex(KeyError, "no channel SENSOR, expected 'SENSORS'"):
+            slewlab.Scenario(SLEW, {"duration": 1}).run(channels=["SENSOR"])
+
+    def test_a_file_that_is_no_log_is_refused(self):
+        with tempfile.TemporaryDirectory() as folder:
+            (Path(folder) / "run.lcmlog").write_text("no log")
+            with self.assertRaisesRegex(slewlab.LogError, "holds no message that slewlab can read"):
+                slewlab.open_log(folder)
+            with self.assertRaisesRegex(slewlab.LogError, "No such file or directory"):
+                slewlab.open_log(Path(folder) / "other.lcmlog")
 
 
 class InputTest(unittest.TestCase):
