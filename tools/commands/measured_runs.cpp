@@ -4,11 +4,14 @@
 
 #include <utility>
 
+#include "tools/commands/log_path.h"
+
 namespace slewlab::tools {
 
 MeasuredRuns measured_runs(const std::vector<std::filesystem::path>& logs) {
   MeasuredRuns measured;
-  for (const std::filesystem::path& log : logs) {
+  for (const std::filesystem::path& given : logs) {
+    const std::filesystem::path log = log_in(given);
     msgs::RunLogs read = msgs::read_run_logs(log);
     const std::size_t count = read.runs.size();
     for (std::size_t r = 0; r < count; ++r) {

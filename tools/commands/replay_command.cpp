@@ -21,6 +21,7 @@
 #include "msgs/run_log.h"
 #include "sim/drive/scenario_file.h"
 #include "tools/commands/child_process.h"
+#include "tools/commands/log_path.h"
 #include "tools/commands/private_network.h"
 #include "tools/replay/comparison.h"
 #include "tools/replay/controller_replay.h"
@@ -42,14 +43,6 @@ class BadCall : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
-
-fs::path log_in(const fs::path& given) {
-  if (!fs::is_directory(given)) return given;
-  for (const char* name : {"run.lcmlog", "run.lcmlog.partial"}) {
-    if (fs::exists(given / name)) return given / name;
-  }
-  throw BadCall(given.string() + ": there is no run.lcmlog in this folder");
-}
 
 struct Configuration {
   std::optional<sim::Scenario> scenario;         // without one the periods are the log's

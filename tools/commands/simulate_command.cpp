@@ -10,6 +10,7 @@
 #include "msgs/configuration_hash.h"
 #include "msgs/log_writer.h"
 #include "sim/drive/scenario_run.h"
+#include "tools/commands/log_path.h"
 #include "tools/commands/run_facts.h"
 #include "tools/commands/whole_file.h"
 #include "tools/replay/open_loop.h"
@@ -18,8 +19,6 @@ namespace slewlab::tools {
 namespace {
 
 namespace fs = std::filesystem;
-
-fs::path log_in(const fs::path& given) { return fs::is_directory(given) ? given / "run.lcmlog" : given; }
 
 // In the order of the wire: OPERATOR before the ENCODER that names it, the TORQUE that answers, SENSORS of that instant.
 void write_log(const fs::path& path, const msgs::RunLog& run) {

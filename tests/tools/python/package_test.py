@@ -92,6 +92,16 @@ class RunTest(unittest.TestCase):
         self.assertEqual(table.attrs["units"]["time"], "s")
         with self.assertRaisesRegex(KeyError, "no ENCODR here, expected 'ENCODER'"):
             run["ENCODR"]
+        with self.assertRaisesRegex(KeyError, "no channel SENSOR, expected 'SENSORS'"):
+            slewlab.Scenario(SLEW, {"duration": 1}).run(channels=["SENSOR"])
+
+    def test_a_file_that_is_no_log_is_refused(self):
+        with tempfile.TemporaryDirectory() as folder:
+            (Path(folder) / "run.lcmlog").write_text("no log")
+            with self.assertRaisesRegex(slewlab.LogError, "holds no message that slewlab can read"):
+                slewlab.open_log(folder)
+            with self.assertRaisesRegex(slewlab.LogError, "No such file or directory"):
+                slewlab.open_log(Path(folder) / "other.lcmlog")
 
 
 class InputTest(unittest.TestCase):
@@ -210,11 +220,13 @@ class DiagnosisTest(unittest.TestCase):
         friction = ('[{effect: bearing_coulomb, torque: {value: 40, unit: N m, source: test}, '
                     'asymmetry: {value: 0, unit: "-", source: test}, give: {value: 0, unit: rad, source: test}}]')
         with tempfile.TemporaryDirectory() as folder:
-            logs = [Path(folder) / f"{number}.lcmlog" for number in range(2)]
+            (Path(folder) / "a_run").mkdir()
+            logs = [Path(folder) / "a_run" / "run.lcmlog", Path(folder) / "fast.lcmlog"]
             for log, request in zip(logs, (0.3, 0.5), strict=True):
                 changes = {"axis.effects": friction, "operator.0.speed_request": request}
                 slewlab.Scenario(slewlab.config("scenarios/example_axis.yaml"), changes).run(log=log)
-            found = slewlab.diagnose(slewlab.config("axes/example_axis.yaml"), logs)
+            # A log may be named by the folder of its run.
+            found = slewlab.diagnose(slewlab.config("axes/example_axis.yaml"), [logs[0].parent, logs[1]])
         self.assertTrue(found.gap)
         self.assertIsNone(found.folder)
         self.assertIn("dry", found.causes[0].effects)
@@ -224,6 +236,24 @@ class DiagnosisTest(unittest.TestCase):
         self.assertLess(size.low, size.value)
         with self.assertRaisesRegex(slewlab.ProgramFailed, "nothing_there.lcmlog"):
             slewlab.diagnose(slewlab.config("axes/example_axis.yaml"), ["nothing_there.lcmlog"])
+
+
+class InstallTest(unittest.TestCase):
+    def test_what_a_wheel_is_made_of_stands_alone(self):
+        with tempfile.TemporaryDirectory() as folder:
+            subprocess.run(["cmake", "--install", messages_folder().parent, "--component", "python", "--prefix", folder],
+                           check=True, capture_output=True, timeout=100)
+            place = Path(folder) / "lib" / "python3" / "dist-packages"
+            for name in ("py.typed", "_core.pyi", "config/cranes/thesis.yaml"):
+                self.assertTrue((place / "slewlab" / name).is_file(), name)
+            extension = next((place / "slewlab").glob("_core*.so")).read_bytes()
+            self.assertNotIn(str(REPOSITORY).encode(), extension)
+            code = ("import slewlab; print(slewlab.__version__, slewlab.config('cranes/thesis.yaml')); "
+                    "slewlab.Scenario(slewlab.config('scenarios/thesis_slew.yaml'), {'duration': 1}).run()")
+            ended = subprocess.run([sys.executable, "-c", code], env=os.environ | {"PYTHONPATH": str(place)}, cwd=folder,
+                                   capture_output=True, text=True, check=False, timeout=100)
+            self.assertEqual(ended.returncode, 0, ended.stderr)
+            self.assertEqual(ended.stdout.split(), [slewlab.__version__, str(place / "slewlab" / "config" / "cranes" / "thesis.yaml")])
 
 
 class PageTest(unittest.TestCase):

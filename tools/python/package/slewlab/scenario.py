@@ -90,7 +90,11 @@ class Scenario:
         `controller`: a callable in place of the scenario's own controller. A fault that restarts the controller calls the
         same callable on. `channels`: whose messages are kept. `log`: a log to write, as `slewlab run` writes it.
         """
-        return Run(self, self._core.run(controller, list(channels), "" if log is None else log))
+        kept = list(channels)
+        for channel in kept:
+            if channel not in CHANNELS:
+                raise KeyError(f"no channel {channel}, expected {_core.known_names_text(channel, list(CHANNELS))}")
+        return Run(self, self._core.run(controller, kept, "" if log is None else log))
 
     def run_over_lcm(self, out: str | Path, controller: str | None = None, *, realtime: bool = False) -> Log:
         """Runs it in two processes over LCM, into the folder `out`. `controller`: shell command of a program that answers

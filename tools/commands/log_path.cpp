@@ -1,0 +1,15 @@
+#include "tools/commands/log_path.h"
+
+#include "common/input_error.h"
+
+namespace slewlab::tools {
+
+std::filesystem::path log_in(const std::filesystem::path& given) {
+  if (!std::filesystem::is_directory(given)) return given;
+  for (const char* name : {"run.lcmlog", "run.lcmlog.partial"}) {
+    if (std::filesystem::exists(given / name)) return given / name;
+  }
+  throw common::InputError({{{given.string(), 0, 0}, "", "a folder without run.lcmlog", "a log, or the folder of a run"}});
+}
+
+}  // namespace slewlab::tools
