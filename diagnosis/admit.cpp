@@ -27,6 +27,7 @@ constexpr double kOffsetShare = 0.2;
 // Of the machine's characteristic time from a record's beginning, at which its gears may have come to their flanks: drives that were switched
 // on just before take about that long to press them apart. Chosen.
 constexpr std::array<double, 6> kPressedAfter{0.0, 0.25, 0.5, 1.0, 1.5, 2.0};
+constexpr double kKeptAtFirst = 0.4;  // of that time, for which a record's beginning must last before somebody moves the joystick
 // Of the encoders' period: what was read is as old as anything between two readings, a standard deviation of 1 / sqrt(12).
 constexpr double kLatencyOfPeriod = 0.3;
 
@@ -60,17 +61,22 @@ bool are_pushed(const Play& play, const Record& record, std::size_t from) {
   return true;
 }
 
-// Whether the groups keep their places to each other from then on, within half of what motors on their way would move apart, or together.
-bool keep_their_places(const Play& play, const Record& record, std::size_t from, std::size_t window) {
-  const std::size_t to = std::min(record.size(), from + window);
+// Whether the groups keep their places to each other from then on for a share of the characteristic time, within a quarter of what these
+// torques would move free motors apart, or together.
+bool keep_their_places(const Play& play, const Record& record, std::size_t from, double time, double share) {
+  const std::size_t to = from + static_cast<std::size_t>(std::lround(share * time / record.step));
+  if (to > record.size()) return false;
   for (int g = 1; g < record.group_count; ++g) {
+    const auto i = static_cast<std::size_t>(g);
     double low = std::numeric_limits<double>::infinity(), high = -low;
     for (std::size_t n = from; n < to; ++n) {
-      const double apart = record.shaft_position[static_cast<std::size_t>(g)][n] - record.shaft_position[0][n];
+      const double apart = record.shaft_position[i][n] - record.shaft_position[0][n];
       low = std::min(low, apart);
       high = std::max(high, apart);
     }
-    if (high - low > play.half * play.ratio) return false;
+    const double torques = std::fabs(record.motor_torque[0][from]) + std::fabs(record.motor_torque[i][from]);
+    const double free_way = std::min(4.0 * play.half, share * share * play.way_per_torque * torques);
+    if (high - low > 0.25 * free_way * play.ratio) return false;
   }
   return true;
 }
@@ -88,11 +94,10 @@ std::vector<PossiblePlaces> possible_first_places(const sim::CraneParameters& no
                   0.5 * time * time * drive.motors_per_group * sim::total_ratio(drive) / sim::group_inertia(drive)};
   if (play.half <= 0.0) return {};
   std::vector<PossiblePlaces> places;
-  const auto window = static_cast<std::size_t>(std::lround(time / record.step));
-  if (are_pushed(play, record, 0)) places.push_back({{0.0, 0.0}, keep_their_places(play, record, 0, window)});
+  if (are_pushed(play, record, 0)) places.push_back({{0.0, 0.0}, keep_their_places(play, record, 0, time, kKeptAtFirst)});
   for (const double share : kPressedAfter) {
     const auto from = static_cast<std::size_t>(std::lround(share * time / record.step));
-    if (from + window > record.size() || !are_pushed(play, record, from) || !keep_their_places(play, record, from, window)) continue;
+    if (from >= record.size() || !are_pushed(play, record, from) || !keep_their_places(play, record, from, time, 1.0)) continue;
     if (from == 0) break;
     double mean = 0.0;  // [rad] slew axis, that the motors turned
     for (int g = 0; g < record.group_count; ++g) {

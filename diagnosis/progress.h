@@ -17,16 +17,16 @@ struct Stage {
 // Of the processor's time. A single diagnosis differs by a half, because how many effects are worth a fit and how long they take to
 // settle is not known before: at the end of the screening it is a quarter to a half through. So that ends in the geometric middle; the
 // rest are means over machines where many effects promise something.
-inline constexpr Stage kFitParameters{0.0, 0.05};
-inline constexpr Stage kScreen{0.05, 0.345};
-inline constexpr Stage kRefineSingles{0.345, 0.424};
-inline constexpr Stage kConvergeSingles{0.424, 0.54};
-inline constexpr Stage kScreenBeside{0.54, 0.645};
-inline constexpr Stage kRefinePairs{0.645, 0.74};
-inline constexpr Stage kConvergePairs{0.74, 0.825};
-inline constexpr Stage kGoBack{0.825, 0.937};
-inline constexpr Stage kLookForChance{0.937, 0.959};
-inline constexpr Stage kHoldOut{0.959, 1.0};
+inline constexpr Stage kFitParameters{0.0, 0.09};
+inline constexpr Stage kScreen{0.09, 0.335};
+inline constexpr Stage kRefineSingles{0.335, 0.39};
+inline constexpr Stage kConvergeSingles{0.39, 0.56};
+inline constexpr Stage kScreenBeside{0.56, 0.66};
+inline constexpr Stage kRefinePairs{0.66, 0.745};
+inline constexpr Stage kConvergePairs{0.745, 0.85};
+inline constexpr Stage kGoBack{0.85, 0.945};
+inline constexpr Stage kLookForChance{0.945, 0.962};
+inline constexpr Stage kHoldOut{0.962, 1.0};
 
 // What of the time behind the screening is left where few effects promise something and parameters alone may be the answer.
 inline constexpr double kWithFewEffects = 0.794;

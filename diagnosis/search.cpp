@@ -17,6 +17,8 @@ namespace {
 constexpr double kLeastPairGain = 40.0;         // fall of the excess below the best single effect's, forecast, to try a pair
 constexpr double kSameMotion = 1e-6;            // relative difference of two signatures below which two effects are one motion
 constexpr int kStartsPerEffect = 2;             // that are refined
+constexpr double kNearRival = 30.0;              // cost above the best fit's, below which the order may be that of convergence
+constexpr std::size_t kMostRivals = 2;
 constexpr int kFreshRounds = 5;                 // at most, for a leader
 constexpr std::size_t kPairLeaders = 3;         // single effects beside which a second one is looked for
 constexpr int kPairsPerLeader = 2;              // that are refined beside each of them but the best
@@ -70,6 +72,11 @@ void go_on(Problem& problem, const Eigen::MatrixXd& nuisance_columns, std::vecto
   });
   const auto best = std::min_element(fits.begin(), fits.end(), cheaper);
   if (best != fits.begin()) improve(problem, *best, true);
+  std::stable_sort(fits.begin(), fits.end(), cheaper);
+  // No near rival loses for want of convergence.
+  const auto is_far = [&](const FitResult& one) { return one.cost > fits.front().cost + kNearRival; };
+  const auto rivals = static_cast<std::size_t>(std::find_if(fits.begin(), fits.end(), is_far) - fits.begin()) - 1;
+  share_out(problem, std::min(rivals, kMostRivals), [&](std::size_t behind) { settle(problem, fits[behind + 1], kFreshRounds); });
   std::stable_sort(fits.begin(), fits.end(), cheaper);
 }
 

@@ -99,7 +99,7 @@ HeldOutData::HeldOutData(const Problem& problem, const WhiteningSettings& settin
   } else {
     fitted_->records.pop_back();
     fitted_->whitening.pop_back();
-    fitted_->nuisances.in_motion.pop_back();
+    fitted_->nuisances.in_motion.resize(fitted_->records.size());
   }
 }
 
