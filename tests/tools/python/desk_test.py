@@ -129,7 +129,8 @@ class DeskTest(unittest.TestCase):
         page.mouse("mouseMoved", x + share * (width / 2 - 27), y)
 
     def steered(self, *more):
-        return DeskProcess(REPOSITORY / "config" / "scenarios" / "thesis_slew.yaml", "--out", self.folder / "runs", *more)
+        return DeskProcess(REPOSITORY / "config" / "scenarios" / "thesis_slew.yaml", "--out", self.folder / "runs",
+                           "--let-go-after", "5", *more)  # a browser may stand still for a while on a machine with other work
 
     def speed_up(self, page):
         """Ten times as fast as the clock: what is waited for comes soon, and reactions still fall into the same second."""
