@@ -6,7 +6,7 @@
 #include "msgs/configuration_hash.h"
 #include "sim/analysis/eigen.h"
 #include "sim/drive/scenario_run.h"
-#include "sim/integrate/machine.h"
+#include "sim/effects/catalogue.h"
 #include "sim/machine/description.h"
 #include "tools/commands/whole_file.h"
 
@@ -23,8 +23,11 @@ sim::CraneParameters meshed(sim::CraneParameters crane) {
 // Names of the machine's effects that a steered run can switch.
 nlohmann::ordered_json switchable_effects(const sim::Scenario& scenario) {
   nlohmann::ordered_json names = nlohmann::ordered_json::array();
-  for (const std::string& name : sim::make_machine(sim::machine_settings(scenario)).switchable) {
-    if (!name.empty()) names.push_back(name);
+  for (const common::EffectInstance& effect : sim::machine_settings(scenario.crane).effects) {
+    const sim::EffectDescription* description = sim::find_effect(effect.name);
+    if (description == nullptr || description->start == nullptr) continue;
+    const auto& ports = description->ports;
+    if (std::find(ports.begin(), ports.end(), sim::EffectPort::parameters) == ports.end()) names.push_back(effect.name);
   }
   return names;
 }

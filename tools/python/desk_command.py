@@ -14,7 +14,7 @@ import sys
 from pathlib import Path
 
 from run_log import LogProblem
-from desk.access import Access
+from desk.access import PATIENCE, Access, Joystick
 from desk.diagnosis import Diagnosis
 from desk.gap import Gap
 from desk.server import Desk
@@ -57,6 +57,8 @@ def parsed(arguments):
     parser.add_argument("--port", type=int, default=DEFAULT_PORT, help="port to serve on (any that is free)")
     parser.add_argument("--out", type=Path, help="folder for steered runs (runs/desk_<scenario>)")
     parser.add_argument("--duration", type=float, default=LONGEST, help=f"[s] of simulated time that a steered run may take ({LONGEST:g})")
+    parser.add_argument("--let-go-after", type=float, default=PATIENCE, metavar="S",
+                        help=f"[s] of silence after which a page's hand is off the lever ({PATIENCE:g})")
     parser.add_argument("--controller", help="shell command of your own controller, as of slewlab run")
     parser.add_argument("--realtime", action="store_true", help="against the wall clock instead of in lockstep")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="over the scenario's files, as of slewlab run")
@@ -69,6 +71,8 @@ def parsed(arguments):
         parser.error("--bus listens to a bus alone, without a scenario or a log")
     if options.nominal and not (options.is_scenario or options.bus or options.follow):
         parser.error("--nominal watches a run that goes on; of a recorded log ask slewlab diagnose")
+    if not 0 < options.let_go_after <= 60:
+        parser.error("--let-go-after: more than 0 and at most 60 s is wanted")
     if not options.duration > 0:
         parser.error("--duration: a positive number of seconds is wanted")
     return options
@@ -103,6 +107,7 @@ async def open_desk(options):
         more += ["--controller", options.controller] if options.controller else []
         run = SteeredRun(scenario, options.out or Path("runs") / f"desk_{scenario.stem}", options.duration, more, options.realtime)
         desk = Desk([await run.start()], access, run, watch)
+        desk.joystick = Joystick(options.let_go_after)
         desk.diagnosis = diagnosis
         try:
             await serve_until_told(desk, options.host, options.port)

@@ -2,7 +2,7 @@
 
 Pages come from this server alone: a browser that says it was sent by another origin is turned away. On loopback everybody who
 reaches the port may watch; elsewhere the watcher's token is needed. Steering needs the steering token everywhere. One page at a
-time has the joystick; it has to be heard every PATIENCE at least, or it has let go.
+time has the joystick; it has to be heard within its patience (PATIENCE) at least, or it has let go.
 """
 
 import hmac
@@ -49,7 +49,8 @@ class Access:
 class Joystick:
     """Who holds it, and where it stands: what the crane gets is `wish`."""
 
-    def __init__(self):
+    def __init__(self, patience=PATIENCE):
+        self.patience = patience  # [s]
         self.holder, self.heard = None, 0.0
         self.request, self.stop, self.acknowledge = 0.0, False, False
         self.lost = ""  # why the last holder is none any more
@@ -72,5 +73,5 @@ class Joystick:
             self.heard, self.request = now, max(-1.0, min(1.0, request))
 
     def expire(self, now):
-        if self.holder is not None and now - self.heard > PATIENCE:
-            self.give_back(self.holder, f"nothing was heard of the page that had the joystick for {PATIENCE:g} s")
+        if self.holder is not None and now - self.heard > self.patience:
+            self.give_back(self.holder, f"nothing was heard of the page that had the joystick for {self.patience:g} s")
