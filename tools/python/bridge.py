@@ -25,6 +25,7 @@ from signals import table
 DEFAULT_PORT = 8765  # that Foxglove asks for
 POLL = 0.02          # [s]
 OWN = ("fingerprint",)  # of LCM, no field of a message
+BACKLOG = 200_000  # messages that wait for a slow viewer, half a minute of all channels at 1 kHz; of more it loses the oldest
 
 
 class Topics:
@@ -71,7 +72,7 @@ def main(arguments):
             log = options.log if options.log.suffix == ".lcmlog" else options.log / "run.lcmlog"
             source = Growing(log, receive=topics.receive)
             source.skip_what_is_there()
-        server = foxglove.start_server(name="slewlab", host=options.host, port=options.port)
+        server = foxglove.start_server(name="slewlab", host=options.host, port=options.port, message_backlog_size=BACKLOG)
     except (LogProblem, OSError, RuntimeError) as problem:
         print(f"slewlab bridge: {problem}", file=sys.stderr)
         return 1

@@ -26,7 +26,7 @@ SIGNALS = {
     "motor_torque": (("torque", "force"), ("torque", "moment", "drehmoment", "force", "kraft")),
     "tip_acceleration": (("acceleration",), ("tip", "spitze")),
     "middle_acceleration": (("acceleration",), ("middle", "mid", "mitte")),
-    "pivot_acceleration": (("acceleration",), ("pivot", "heel")),
+    "pivot_acceleration": (("acceleration",), ("pivot", "foot")),
     "house_acceleration": (("acceleration",), ("house", "cabin", "cab")),
     "slew_angle": (("angle",), ("slew", "gyro", "yaw", "heading")),
     "speed_request": (("number",), ("request", "joystick", "lever", "setpoint", "reference", "ref")),
