@@ -112,15 +112,17 @@ class DeskTest(unittest.TestCase):
             page = self.browser.open(desk.address)
             sides = [subprocess.Popen([SLEWLAB.parent / f"slewlab-{side}", *more, "--bus", bus], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL)
                      for side, more in (("controller", ["--config", REPOSITORY / "config" / "controllers" / "thesis.yaml", "--period-ms", "10"]),
-                                        ("plant", ["--scenario", scenario, "--log", self.folder / "run.lcmlog"]))]
+                                        # Against the wall clock: nobody waits for a listener, and in lockstep a burst is more than its
+                                        # socket holds.
+                                        ("plant", ["--scenario", scenario, "--log", self.folder / "run.lcmlog", "--realtime", "--set", "duration=4s"]))]
             self.assertEqual(sides[1].wait(PATIENCE), 0)
             sides[0].terminate()
             sides[0].wait(PATIENCE)
-            page.until("desk.drawn > 0 && Math.abs(desk.last - 60) < 0.011")  # the scenario's end
+            page.until("desk.drawn > 0 && desk.last > 3.5")  # near the run's end: a bus may lose its last word
             page.until("document.body.innerText.includes('motor speed')")
         with DeskProcess(self.folder / "run.lcmlog", "--follow") as desk:
             page = self.open(desk.address)
-            page.until("Math.abs(desk.last - 60) < 0.011")
+            page.until("Math.abs(desk.last - 4) < 0.011")
 
     def pull(self, page, share):
         """The lever by the mouse, and held there."""
