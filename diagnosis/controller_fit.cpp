@@ -42,12 +42,13 @@ constexpr double kPairPrior = 0.1;     // of two effects, against one
 
 using Effects = std::vector<common::EffectInstance>;
 
-// Of the changes over `change_time` [s]; of the torques themselves where that is 0.
-Eigen::VectorXd torque_differences(std::span<const Record> records, const controller::ControllerSettings& settings,
-                                   double change_time = 0.0) {
+// Of the changes over `change_time` [s]; of the torques themselves where that is 0. `known_from` [s] of each record.
+Eigen::VectorXd torque_differences(std::span<const Record> records, const std::vector<std::optional<double>>& known_from,
+                                   const controller::ControllerSettings& settings, double change_time) {
   std::vector<double> all;
-  for (const Record& record : records) {
-    const std::vector<double> difference = replay_controller(record, settings).difference;
+  for (std::size_t r = 0; r < records.size(); ++r) {
+    const Record& record = records[r];
+    const std::vector<double> difference = replay_controller(record, settings, known_from[r]).difference;
     // The groups' values stand in turns.
     const std::size_t lag =
         static_cast<std::size_t>(record.group_count) * static_cast<std::size_t>(std::lround(change_time / record.encoder_period));
@@ -71,10 +72,11 @@ struct Replays {
   const controller::ControllerSettings& nominal;
   const common::EffectCatalogue& catalogue;  // of the nominal controller
   const std::function<bool()>& is_stopped;
+  std::vector<std::optional<double>> known_from;  // [s] of each record, by the nominal controller: every effect is compared over the same cycles
   double change_time;  // [s] short against ramps and integral times, long enough to see a ramp that is late
   Eigen::VectorXd operator()(const Effects& effects, double time) const {
     if (is_stopped && is_stopped()) throw Interrupted{};
-    return torque_differences(records, controller::with_effects(nominal, effects), time);
+    return torque_differences(records, known_from, controller::with_effects(nominal, effects), time);
   }
 };
 
@@ -215,7 +217,9 @@ std::vector<ControllerCause> fit_controller(std::span<const Record> records,
                                             std::span<const std::string> without,
                                             const std::function<bool()>& is_stopped) {
   const common::EffectCatalogue all = controller::effects_for(nominal);
-  const Replays replays{records, nominal, all, is_stopped, change_time_of(nominal)};
+  std::vector<std::optional<double>> known_from;
+  for (const Record& record : records) known_from.push_back(controller_known_from(record, nominal));
+  const Replays replays{records, nominal, all, is_stopped, std::move(known_from), change_time_of(nominal)};
   const double gap = replays({}, 0.0).squaredNorm();
   std::vector<const common::EffectAbout*> catalogue;
   for (const common::EffectAbout& about : all.effects) {

@@ -102,14 +102,17 @@ std::optional<double> controller_known_from(const Record& record, const controll
   return still_from + settling;
 }
 
-ControllerReplay replay_controller(const Record& record, controller::ControllerSettings settings) {
+ControllerReplay replay_controller(const Record& record, const controller::ControllerSettings& settings) {
+  return replay_controller(record, settings, controller_known_from(record, settings));
+}
+
+ControllerReplay replay_controller(const Record& record, controller::ControllerSettings settings, std::optional<double> known_from) {
   if (settings.group_count != record.group_count) {
     throw NotAdmitted(fmt::format("{}: the log has {} motor groups, the controller {}", record.name,
                                   record.group_count, settings.group_count));
   }
   settings.period = record.encoder_period;
   ControllerReplay replay;
-  const std::optional<double> known_from = controller_known_from(record, settings);
   if (!known_from) return replay;
   controller::ControllerState state;
   controller::ControllerInput input;

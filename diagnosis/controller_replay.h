@@ -29,8 +29,10 @@ void check_replayable(const Record& record);
 std::optional<double> controller_known_from(const Record& record, const controller::ControllerSettings& settings);
 
 // A cycle whose ENCODER is missing from the log is computed with the speed between its neighbours. The settings' period and group count
-// are taken from the record. Where the controller is known only later, its integrals are those with which it answers that moment's
-// command, and only what follows is compared; nothing where it is never known. Throws NotAdmitted where they cannot fit.
-ControllerReplay replay_controller(const Record& record, controller::ControllerSettings settings);
+// are taken from the record. Until `known_from` [s] its integrals are those with which it answers as was recorded, and only what follows is
+// compared; nothing where it is never known. Throws NotAdmitted where they cannot fit.
+ControllerReplay replay_controller(const Record& record, controller::ControllerSettings settings, std::optional<double> known_from);
+// From when the settings themselves say that the controller is known. Other settings are compared over the same cycles from that moment.
+ControllerReplay replay_controller(const Record& record, const controller::ControllerSettings& settings);
 
 }  // namespace slewlab::diagnosis

@@ -91,6 +91,27 @@ TEST(FitController, FindsTwoEffectsOfOneController) {
   EXPECT_NEAR(sizes["speed_filter"], 0.058, 1e-3 * 0.058);
 }
 
+// Of a recorder that was started after the drives: what the controller held by then is taken up anew for every effect that is tried, and all of
+// them are compared over the same cycles, whatever they make of the filter's and the ramp's own times.
+TEST(FitController, FindsAnEffectOfAControllerThatWasOnBefore) {
+  const std::vector<common::EffectInstance> effects{{"speed_filter", {0.058}}, {"other_ramp", {1.14, -0.05}}};
+  for (const common::EffectInstance& effect : effects) {
+    sim::MachineSettings truth;
+    truth.crane = bench().crane;
+    msgs::RunLog log = simulated_log(truth, controller::with_effects(bench().controller, {effect}), kThereAndBack, kDuration, 5);
+    const auto cut = [](auto& messages) { messages.erase(messages.begin(), messages.begin() + 1500); };
+    cut(log.encoder);
+    cut(log.torque);
+    cut(log.sensors);
+    const std::vector<Record> records{make_record(log, "a", bench().admission)};
+    const ControllerCause first = fit_controller(records, bench().controller, {}).front();
+    ASSERT_EQ(first.effects.size(), 1u);
+    EXPECT_EQ(first.effects[0].name, effect.name);
+    EXPECT_LT(first.share_left, 1e-3);
+    EXPECT_NEAR(first.effects[0].values[0], effect.values[0], 1e-2 * effect.values[0]);
+  }
+}
+
 // A delay of 40 ms in the shadow's own feedback (its fastest pole is at 26 rad/s) would shake it to pieces; taken out of
 // the record it leaves what a machine without any delay leaves.
 TEST(Shadow, FollowsEncodersThatReadLate) {
