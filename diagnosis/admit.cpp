@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "diagnosis/plausibility.h"
 #include "sim/effects/catalogue.h"
@@ -139,17 +140,18 @@ Following follow(const Problem& problem, const Record& record, const WhiteningSe
 // makes no record one that can be judged.
 Following follow_from_its_beginning(const Problem& problem, Record& record, const WhiteningSettings& whitening) {
   Following best = follow(problem, record, whitening);
+  std::optional<FirstPlaces> best_places;
   for (const auto& [places, are_kept] : possible_first_places(problem.nominal.crane, record, problem.thresholds.time)) {
-    Record placed = record;
-    placed.first_places = places;
-    Following other = follow(problem, placed, whitening);
+    record.first_places = places;
+    Following other = follow(problem, record, whitening);
     const bool can_be_judged = best.share >= kLeastTrusted, other_can_be_judged = other.share >= kLeastTrusted;
     const bool is_better = can_be_judged != other_can_be_judged ? other_can_be_judged && are_kept
                                                                 : missing_power(record, other.follower) < missing_power(record, best.follower);
     if (!is_better) continue;
     best = std::move(other);
-    record.first_places = places;
+    best_places = places;
   }
+  record.first_places = best_places;
   return best;
 }
 

@@ -185,12 +185,18 @@ std::optional<Point> fitted_part(const common::EffectCatalogue& catalogue, const
   return part;
 }
 
+// The cause without effects; null where there is none.
+Cause* nothing_missing(Diagnosis& diagnosis) {
+  const auto nothing = std::find_if(diagnosis.causes.begin(), diagnosis.causes.end(), [](const Cause& one) { return one.effects.empty(); });
+  return nothing == diagnosis.causes.end() ? nullptr : &*nothing;
+}
+
 // Takes a cause's probability and gives it to what is not known, or where the machine without it leaves noise alone, to nothing missing.
 void take_away(double share, bool is_nothing_left, Cause& cause, Diagnosis& diagnosis) {
   const double taken = share * cause.probability;
   cause.probability -= taken;
-  const auto nothing = std::find_if(diagnosis.causes.begin(), diagnosis.causes.end(), [](const Cause& one) { return one.effects.empty(); });
-  (is_nothing_left && nothing != diagnosis.causes.end() ? nothing->probability : diagnosis.probability_unknown) += taken;
+  Cause* const nothing = nothing_missing(diagnosis);
+  (is_nothing_left && nothing != nullptr ? nothing->probability : diagnosis.probability_unknown) += taken;
 }
 
 // The nominal machine leaves no more than noise: what fits this better fits noise.
@@ -202,8 +208,8 @@ void settle_on_nothing(Diagnosis& diagnosis) {
 // Parameters alone leave no more than noise. That some machine would leave less still says little of a cause that nobody knows: at most it is
 // as likely as not.
 void doubt_the_unknown_below_the_noise(Diagnosis& diagnosis) {
-  const auto nothing = std::find_if(diagnosis.causes.begin(), diagnosis.causes.end(), [](const Cause& one) { return one.effects.empty(); });
-  if (nothing == diagnosis.causes.end()) return;
+  Cause* const nothing = nothing_missing(diagnosis);
+  if (nothing == nullptr) return;
   const double both = nothing->probability + diagnosis.probability_unknown;
   const double kept = std::min(diagnosis.probability_unknown, kUnknownBelowNoise * both);
   nothing->probability = both - kept;

@@ -496,6 +496,25 @@ std::vector<Eigen::VectorXd> differences(Problem& problem, std::span<const Point
 
 namespace {
 
+bool improve(Problem& problem, FitResult& result, bool fresh_nuisances, double law_freedom) {
+  const auto nuisance_count = static_cast<Eigen::Index>(result.point.nuisance.size());
+  const Eigen::VectorXd steps = steps_at(problem, result.point, result.difference, result.columns);
+  if (fresh_nuisances) {
+    result.columns.leftCols(nuisance_count) = nuisance_columns(problem, result.point, result.difference, steps);
+  }
+  result.columns.rightCols(result.columns.cols() - nuisance_count) =
+      effect_columns(problem, result.point, result.difference, steps);
+  const double fall = descend(problem, result, law_freedom);
+  return fall > problem.settings.settled + problem.settings.settled_share * std::fabs(result.cost);
+}
+
+// A round that was worth little may have stood in a narrow valley of two parameters, along which the next one goes on with fresh columns.
+void improve_until_idle(Problem& problem, FitResult& result, int rounds, double law_freedom) {
+  for (int round = 0, idle = 0; round < rounds && idle < kIdleRounds; ++round) {
+    idle = improve(problem, result, true, law_freedom) ? 0 : idle + 1;
+  }
+}
+
 // Nothing is known of the columns: the first steps.
 void forget_columns(FitResult& result) {
   result.columns = Eigen::MatrixXd::Zero(result.difference.size(), static_cast<Eigen::Index>(result.point.nuisance.size()));
@@ -504,10 +523,7 @@ void forget_columns(FitResult& result) {
 // From where it stands, with the differences there.
 void settle_nuisances(Problem& problem, FitResult& result) {
   result.cost = cost_of(problem, result.point, result.difference);
-  // A round that was worth little may have stood in a narrow valley of two parameters, along which the next one goes on with fresh columns.
-  for (int round = 0, idle = 0; round < problem.settings.rounds && idle < kIdleRounds; ++round) {
-    idle = improve(problem, result, true) ? 0 : idle + 1;
-  }
+  improve_until_idle(problem, result, problem.settings.rounds, problem.settings.law_freedom);
 }
 
 }  // namespace
@@ -576,22 +592,6 @@ void take_nuisance_columns(const Problem& problem, const Eigen::MatrixXd& column
   }
 }
 
-namespace {
-
-bool improve(Problem& problem, FitResult& result, bool fresh_nuisances, double law_freedom) {
-  const auto nuisance_count = static_cast<Eigen::Index>(result.point.nuisance.size());
-  const Eigen::VectorXd steps = steps_at(problem, result.point, result.difference, result.columns);
-  if (fresh_nuisances) {
-    result.columns.leftCols(nuisance_count) = nuisance_columns(problem, result.point, result.difference, steps);
-  }
-  result.columns.rightCols(result.columns.cols() - nuisance_count) =
-      effect_columns(problem, result.point, result.difference, steps);
-  const double fall = descend(problem, result, law_freedom);
-  return fall > problem.settings.settled + problem.settings.settled_share * std::fabs(result.cost);
-}
-
-}  // namespace
-
 bool improve(Problem& problem, FitResult& result, bool fresh_nuisances) {
   return improve(problem, result, fresh_nuisances, problem.settings.law_freedom);
 }
@@ -600,9 +600,7 @@ void settle_from_afar(Problem& problem, FitResult& result, double times, int rou
   const double law_freedom = times * problem.settings.independent_share * static_cast<double>(result.difference.size());
   if (law_freedom <= problem.settings.law_freedom) return;
   result.cost = cost_of(problem, result.point, result.difference, law_freedom);
-  for (int round = 0, idle = 0; round < rounds && idle < kIdleRounds; ++round) {
-    idle = improve(problem, result, true, law_freedom) ? 0 : idle + 1;
-  }
+  improve_until_idle(problem, result, rounds, law_freedom);
   result.cost = cost_of(problem, result.point, result.difference);
 }
 

@@ -3,13 +3,7 @@
 # Makes the Debian package, unpacks it elsewhere and uses what is in it.
 set(place ${BUILD}/debian_package)
 file(REMOVE_RECURSE ${place})
-function(run)
-  execute_process(COMMAND ${ARGV} OUTPUT_VARIABLE said ERROR_VARIABLE said RESULT_VARIABLE code)
-  if(NOT code EQUAL 0)
-    message(FATAL_ERROR "${ARGV}: ${code}\n${said}")
-  endif()
-  set(said "${said}" PARENT_SCOPE)
-endfunction()
+include(${CMAKE_CURRENT_LIST_DIR}/run.cmake)
 
 run(${CPACK} --config ${BUILD}/CPackConfig.cmake -B ${place})
 file(GLOB package ${place}/slewlab_*.deb)

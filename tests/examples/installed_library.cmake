@@ -4,13 +4,7 @@
 # runs it, and looks for the source folder's name in what was built and installed.
 set(place ${BUILD}/installed_library)
 file(REMOVE_RECURSE ${place})
-function(run)
-  execute_process(COMMAND ${ARGV} OUTPUT_VARIABLE said ERROR_VARIABLE said RESULT_VARIABLE code)
-  if(NOT code EQUAL 0)
-    message(FATAL_ERROR "${ARGV}: ${code}\n${said}")
-  endif()
-  set(said "${said}" PARENT_SCOPE)
-endfunction()
+include(${CMAKE_CURRENT_LIST_DIR}/run.cmake)
 
 run(${CMAKE_COMMAND} --install ${BUILD} --component development --prefix ${place}/first)
 file(RENAME ${place}/first ${place}/prefix)

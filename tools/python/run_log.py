@@ -58,14 +58,19 @@ def slewlab_program():
     return Path(os.environ.get("SLEWLAB_PROGRAM", messages_folder().parent / "bin" / "slewlab"))
 
 
-def message_types():
-    """The module that lcm-gen made."""
+def built_module(package, what, module=None):
+    """A module that the build made for Python: `package`, or one in it. `what` it is stands in the problem where it was not made."""
     folder = messages_folder()
-    if not (folder / "slewlab_msgs").is_dir():
-        raise LogProblem(f"{folder}: the messages are not built for Python; run tools/build")
+    if not (folder / package).is_dir():
+        raise LogProblem(f"{folder}: {what} not built; run tools/build")
     if str(folder) not in sys.path:
         sys.path.insert(0, str(folder))
-    return importlib.import_module("slewlab_msgs")
+    return importlib.import_module(module or package)
+
+
+def message_types():
+    """The module that lcm-gen made."""
+    return built_module("slewlab_msgs", "the messages for Python are")
 
 
 def _table(described):
