@@ -53,7 +53,7 @@ void add_check(CLI::App& app, Action& action) {
     std::vector<std::string> overrides;
   };
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("check", "Read cranes, axes, controllers, scenarios and import maps and say what is wrong");
+  CLI::App* command = app.add_subcommand("check", "Read cranes, axes, controllers, scenarios, import maps and PLC maps and say what is wrong");
   command->add_option("FILE", options->files, "files to check")->required();
   command->add_option("--set", options->overrides, "key=value over every file");
   command->callback([options, &action] {
@@ -284,6 +284,20 @@ void add_python(CLI::App& app, const char* name, const char* script, const char*
   });
 }
 
+// To viewers, or to a PLC: a program each.
+void add_bridge(CLI::App& app, Action& action) {
+  CLI::App* command = app.add_subcommand("bridge", "A run's messages for viewers (--foxglove), or a PLC as the controller (modbus, opcua, ads)");
+  command->prefix_command();
+  command->set_help_flag();
+  command->callback([command, &action] {
+    action = [command] {
+      const std::vector<std::string> words = command->remaining();
+      const bool is_plc = !words.empty() && (words[0] == "modbus" || words[0] == "opcua" || words[0] == "ads");
+      return run_python(is_plc ? "plc_bridge.py" : "bridge.py", words);
+    };
+  });
+}
+
 void add_modes(CLI::App& app, Action& action) {
   struct Options {
     ModesOptions modes;
@@ -386,7 +400,7 @@ void add_schema(CLI::App& app, Action& action) {
   };
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("schema", "JSON Schema of a kind of file, for completion and marks in an editor");
-  CLI::Option* kind = command->add_option("KIND", options->kind, "crane, axis, controller, scenario, acceptance or soak");
+  CLI::Option* kind = command->add_option("KIND", options->kind, "crane, axis, controller, scenario, acceptance, soak or plc_map");
   CLI::Option* out = command->add_option("--out", options->out, "folder for KIND.schema.json of every kind");
   kind->excludes(out);
   command->callback([options, kind, out, &action] {
@@ -427,7 +441,8 @@ int main(const std::vector<std::string>& command_line, int argc, char** argv) {
   add_manual(app, action);
   add_python(app, "report", "report.py", "Draw a run: a page with pictures and numbers beside its log", action);
   add_python(app, "desk", "desk_command.py", "Watch, steer and scrub: a page of a running scenario or a log", action);
-  add_python(app, "bridge", "bridge.py", "Serve a run's messages to Foxglove, Lichtblick and PlotJuggler while it goes on", action);
+  add_bridge(app, action);
+  add_python(app, "soft-plc", "soft_plc.py", "A PLC on loopback to try a map of registers, nodes or symbols with", action);
   add_python(app, "export", "export.py", "Turn a log into Parquet, CSV or MCAP files", action);
   add_python(app, "import", "import_data.py", "Turn measured CSV or Parquet into a log, by a map of its columns", action);
   try {

@@ -382,6 +382,9 @@ int run_in(const fs::path& folder, const RunOptions& options, const std::string&
                                     {"LCM_DEFAULT_URL", bus},
                                     {"SLEWLAB_CONTROLLER_CONFIG", fs::absolute(folder / "controller.yaml").string()},
                                     {"SLEWLAB_CONTROLLER_PERIOD_MS", period_ms}};
+  char speed[32];
+  std::snprintf(speed, sizeof speed, "%.9g", options.speed);
+  if (options.realtime) controller_options.environment.emplace_back("SLEWLAB_REALTIME_SPEED", speed);
   ChildOptions plant_options;
   plant_options.name = "plant";
   plant_options.listens = true;
@@ -389,8 +392,6 @@ int run_in(const fs::path& folder, const RunOptions& options, const std::string&
                            "--log", log.string(), "--run-identity",
                            msgs::hash_text(msgs::run_identity(msgs::configuration_hash(scenario.configuration_text)))};
   if (options.realtime) {
-    char speed[32];
-    std::snprintf(speed, sizeof speed, "%.9g", options.speed);
     plant_options.command.insert(plant_options.command.end(), {"--realtime", "--speed", speed});
   }
 

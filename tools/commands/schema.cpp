@@ -15,6 +15,7 @@
 #include "sim/machine/axis_file.h"
 #include "sim/machine/crane_file.h"
 #include "tools/acceptance/limits.h"
+#include "tools/plc/plc_map.h"
 #include "tools/soak/settings.h"
 
 namespace slewlab::tools {
@@ -184,6 +185,12 @@ const std::vector<std::pair<std::string, std::function<Json()>>>& makers() {
          return whole("soak", common::describe_keys([](YamlReader& reader) {
            SoakSettings settings;
            read_soak_settings(reader, settings);
+         }));
+       }},
+      {"plc_map", [] {
+         return whole("plc_map", common::describe_keys([](YamlReader& reader) {
+           PlcMap map;
+           read_plc_map(reader, map);
          }));
        }},
   };

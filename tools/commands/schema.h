@@ -11,7 +11,7 @@
 
 namespace slewlab::tools {
 
-// crane, axis, controller, scenario, acceptance, soak.
+// crane, axis, controller, scenario, acceptance, soak, plc_map.
 const std::vector<std::string>& schema_kinds();
 
 // Throws common::InputError, naming the near one, where there is no such kind.

@@ -1,4 +1,4 @@
-"""Serves a run's messages to other people's viewers while it goes on.
+"""Serves a run's messages to other people's viewers while it goes on. (A PLC is served by plc_bridge.py.)
 
     slewlab bridge --foxglove --bus URL      what is said on a bus
     slewlab bridge --foxglove LOG            what is written to a log from now on (a log or the folder of a run)
@@ -49,7 +49,8 @@ class Topics:
 
 
 def main(arguments):
-    parser = argparse.ArgumentParser(prog="slewlab bridge", description="Serves a run's messages to other people's viewers")
+    parser = argparse.ArgumentParser(prog="slewlab bridge", description="Serves a run's messages to other people's viewers",
+                                     epilog="A PLC as the controller: slewlab bridge modbus|opcua|ads --map MAP.yaml (docs/plc.md)")
     parser.add_argument("log", metavar="LOG", nargs="?", type=Path, help="log that is being written, or the folder of a run")
     parser.add_argument("--bus", metavar="URL", help="LCM address of a bus to listen to")
     parser.add_argument("--foxglove", action="store_true", required=True, help="as Foxglove, Lichtblick and PlotJuggler ask for it")

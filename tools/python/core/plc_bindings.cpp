@@ -1,0 +1,105 @@
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/string.h>
+#include <nanobind/stl/vector.h>
+
+#include <cmath>
+
+#include "controller/controller_file.h"
+#include "controller/process/computed_answer.h"
+#include "tools/plc/plc_map.h"
+#include "tools/python/core/bindings.h"
+
+namespace nb = nanobind;
+
+namespace slewlab::tools {
+namespace {
+
+// The controller of a file, a step per call: what a soft PLC computes in its cycle.
+class SteppedController {
+ public:
+  SteppedController(const std::filesystem::path& file, double period)
+      : compute_(controller::computed_answer(settings_of(file, period))) {}
+
+  // {signal of plc_map.h: value, or a list with one per motor group}
+  nb::dict step(const msgs::Encoder& encoder, const msgs::Operator& operator_move) {
+    controller::begin_answer(encoder, answers_++, torque_, state_);
+    compute_(encoder, operator_move, torque_, state_);
+    nb::dict said;
+    said["motor_torque"] = torque_.motor_torque;
+    said["enable"] = torque_.enable != 0;
+    said["brake"] = torque_.brake != 0;
+    said["acknowledge"] = torque_.acknowledge != 0;
+    said["mode"] = static_cast<int>(state_.mode);
+    said["ramped_speed"] = state_.ramped_speed;
+    said["average_torque"] = state_.average_torque;
+    said["offset_torque"] = state_.offset_torque;
+    said["proportional_torque"] = state_.proportional_torque;
+    said["integral_torque"] = state_.integral_torque;
+    return said;
+  }
+
+ private:
+  static controller::ControllerSettings settings_of(const std::filesystem::path& file, double period) {
+    controller::ControllerSettings settings = controller::load_controller_file(file).settings;
+    settings.period = period;
+    return settings;
+  }
+
+  controller::Compute compute_;
+  std::int64_t answers_ = 0;
+  msgs::Torque torque_{};
+  msgs::ControllerState state_{};
+};
+
+nb::dict step(SteppedController& controller, std::int64_t sequence, double simulated_time, const std::vector<double>& shaft_speed,
+              const std::vector<double>& shaft_position, double speed_request, bool emergency_stop, bool acknowledge) {
+  constexpr double kNanosecondsPerSecond = 1e9;
+  if (shaft_position.size() != shaft_speed.size()) throw nb::value_error("as many shaft positions as speeds are wanted");
+  msgs::Encoder encoder{};
+  encoder.sequence = sequence;
+  encoder.simulated_time = std::llround(simulated_time * kNanosecondsPerSecond);
+  encoder.group_count = static_cast<std::int32_t>(shaft_speed.size());
+  encoder.shaft_speed = shaft_speed;
+  encoder.shaft_position = shaft_position;
+  msgs::Operator operator_move{};
+  operator_move.speed_request = speed_request;
+  operator_move.emergency_stop = emergency_stop;
+  operator_move.acknowledge = acknowledge;
+  return controller.step(encoder, operator_move);
+}
+
+}  // namespace
+
+void bind_plc(nb::module_& m) {
+  nb::class_<PlcSignal>(m, "PlcSignal", "A signal of the wire and where it lies in a PLC.")
+      .def_ro("name", &PlcSignal::name)
+      .def_ro("group", &PlcSignal::group)
+      .def_ro("to_plc", &PlcSignal::to_plc)
+      .def_ro("at", &PlcSignal::at)
+      .def_ro("type", &PlcSignal::type)
+      .def_ro("scale", &PlcSignal::scale)
+      .def_ro("inverted", &PlcSignal::inverted)
+      .def_prop_ro("area", [](const PlcSignal& s) { return std::string(name_of(s.area)); })
+      .def_ro("number", &PlcSignal::number)
+      .def_ro("bit", &PlcSignal::bit);
+  nb::class_<PlcMap>(m, "PlcMap")
+      .def_prop_ro("protocol", [](const PlcMap& map) { return std::string(name_of(map.protocol)); })
+      .def_ro("address", &PlcMap::address)
+      .def_ro("modbus_unit", &PlcMap::modbus_unit)
+      .def_ro("high_word_first", &PlcMap::high_word_first)
+      .def_ro("ams_net_id", &PlcMap::ams_net_id)
+      .def_ro("ams_port", &PlcMap::ams_port)
+      .def_ro("ticked", &PlcMap::ticked)
+      .def_ro("timeout", &PlcMap::timeout)
+      .def_prop_ro("on_link_loss", [](const PlcMap& map) { return std::string(name_of(map.on_link_loss)); })
+      .def_ro("group_count", &PlcMap::group_count)
+      .def_ro("signals", &PlcMap::signals);
+  m.def("load_plc_map", &load_plc_map, nb::arg("path"), "The map of a file; InputError with every problem found.");
+  nb::class_<SteppedController>(m, "SteppedController", "The controller of a file, a step per call.")
+      .def(nb::init<const std::filesystem::path&, double>(), nb::arg("path"), nb::arg("period"))
+      .def("step", &step, nb::arg("sequence"), nb::arg("simulated_time"), nb::arg("shaft_speed"), nb::arg("shaft_position"),
+           nb::arg("speed_request"), nb::arg("emergency_stop"), nb::arg("acknowledge"), "{signal: value or values}");
+}
+
+}  // namespace slewlab::tools

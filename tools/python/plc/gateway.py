@@ -1,0 +1,255 @@
+"""The controller's side of the wire, with a PLC behind it (docs/plc.md).
+
+Against the wall clock the PLC keeps its own time: every ENCODER is written to it, and what it says at that moment is the answer. In
+lockstep, and wherever the map says `ticked`, the answer is waited for: the PLC computes one cycle for a new alive_counter and says by
+answered_counter with which one it did.
+
+A link over which nothing was exchanged for the map's `timeout` is lost. What is sent then is the map's `on_link_loss`, and
+CONTROLLER_STATE says mode 4, until the link is there again and the operator acknowledges with the lever at zero. In lockstep, where no
+clock may decide, a lost link ends the run.
+"""
+
+import statistics
+import struct
+import threading
+import time
+
+import lcm
+
+from plc.link import LinkDown, WrongMap, open_link
+from plc.values import advance
+from run_log import message_types
+
+LINK_LOST = 4  # CONTROLLER_STATE.mode
+STATES = ("mode", "ramped_speed", "average_torque", "offset_torque", "proportional_torque", "integral_torque")
+GROUP_STATES = ("proportional_torque", "integral_torque")
+WAIT = 200           # [ms] for which a signal may go unnoticed
+RETRY = 0.2          # [s] between two attempts to connect
+
+
+class Gateway:
+    def __init__(self, plc_map, address, period, is_realtime, say):
+        self.map, self.period, self.is_realtime, self.say = plc_map, period, is_realtime, say
+        self.signals = {(signal.name, signal.to_plc): signal for signal in plc_map.signals}
+        self.types = message_types()
+        self.link = open_link(plc_map)
+        self.is_connected, self.connecting, self.refusal = False, None, None
+        self.last_exchange = time.monotonic()
+        self.is_lost = False      # the link: nothing for the map's timeout
+        self.is_latched = False   # until acknowledged
+        self.run = None           # run_identity
+        self.newest = None        # ENCODER that waits for its answer
+        self.durations, self.losses, self.failures, self.unanswered = [], 0, 0, 0
+        self.bus = lcm.LCM(address)
+        self.operators = {}       # the newest OPERATOR of each run heard
+        self.subscriptions = []
+        for channel, handler in (("OPERATOR", self.on_operator), ("ENCODER", self.on_encoder)):
+            self.subscriptions.append(self.bus.subscribe(channel, handler))
+            self.subscriptions[-1].set_queue_capacity(0)  # unlimited: by default the newest are dropped
+
+    def begin_run(self, encoder):
+        if encoder.group_count != self.map.group_count:
+            raise WrongMap(f"the map has signals of {self.map.group_count} motor group(s), this run's machine has {encoder.group_count}")
+        self.run, self.answered, self.count = encoder.run_identity, -1, 0
+        self.bytes, self.alive, self.plc_alive, self.published = None, 0, None, -1
+        self.operators = {run: operator for run, operator in self.operators.items() if run == self.run}
+
+    def _decoded(self, message_class, data):
+        try:
+            return message_class.decode(data)
+        except (ValueError, struct.error):
+            return None  # a bit that turned over on its way
+
+    def on_operator(self, _, data):
+        message = self._decoded(self.types.operator_t, data)
+        held = self.operators.get(message.run_identity) if message else None
+        if message and (held is None or message.sequence > held.sequence):
+            self.operators[message.run_identity] = message
+
+    def on_encoder(self, _, data):
+        encoder = self._decoded(self.types.encoder_t, data)
+        if encoder is None:
+            return
+        if encoder.run_identity != self.run:
+            self.begin_run(encoder)
+        operator = self.operators.get(self.run)
+        if encoder.sequence == self.answered and self.bytes:
+            self.publish()
+        elif encoder.sequence > self.answered and operator is not None and operator.sequence >= encoder.operator_sequence:
+            self.newest = encoder
+
+    def publish(self):
+        state, torque = self.bytes
+        if state is not None:
+            self.bus.publish("CONTROLLER_STATE", state)
+        self.bus.publish("TORQUE", torque)
+
+    def inputs(self, encoder, operator):
+        values = {("speed_request", 0): operator.speed_request, ("emergency_stop", 0): operator.emergency_stop,
+                  ("acknowledge", 0): operator.acknowledge, ("alive_counter", 0): encoder.sequence,
+                  ("simulated_time", 0): encoder.simulated_time * 1e-9}
+        for group in range(encoder.group_count):
+            values["shaft_speed", group] = encoder.shaft_speed[group]
+            values["shaft_position", group] = encoder.shaft_position[group]
+        return values
+
+    def connect(self):
+        """In a thread of its own where the clock runs: an address that nobody has takes its time."""
+        try:
+            self.link.connect()
+            self.is_connected = True
+        except LinkDown as problem:
+            self.failures += 1
+            self.trouble = str(problem)
+        except WrongMap as problem:
+            self.refusal = problem
+
+    def keep_connected(self):
+        if self.refusal:
+            raise self.refusal
+        if self.is_connected or (self.connecting and self.connecting.is_alive()):
+            return self.is_connected
+        if not self.connecting or time.monotonic() >= self.next_attempt:
+            self.next_attempt = time.monotonic() + RETRY
+            self.connecting = threading.Thread(target=self.connect, daemon=True)
+            self.connecting.start()
+        return False
+
+    def has_answered(self, values, sequence):
+        echo = self.signals["answered_counter", False]
+        return advance(echo, values["answered_counter", 0], sequence) == 0
+
+    def exchange(self, encoder, operator):
+        """What the PLC says, after it was told; None where the PLC has not computed with it in time."""
+        begin = time.monotonic()
+        self.link.write(self.inputs(encoder, operator))
+        values = self.link.read()
+        if self.map.ticked:
+            patience = begin + (min(self.map.timeout, self.period) if self.is_realtime else self.map.timeout)
+            while not self.has_answered(values, encoder.sequence):
+                if time.monotonic() > patience:
+                    return None
+                values = self.link.read()
+        self.last_exchange = time.monotonic()
+        self.durations.append(self.last_exchange - begin)
+        return values
+
+    def answer(self, encoder):
+        operator = self.operators[self.run]
+        values = None
+        if self.keep_connected():
+            try:
+                values = self.exchange(encoder, operator)
+                if values is None:
+                    self.unanswered += 1
+            except LinkDown as problem:
+                self.failures += 1
+                self.trouble = str(problem)
+                self.is_connected = False
+                self.link.close()
+        self.judge_link(values is not None, operator)
+        if self.is_latched:
+            if self.map.on_link_loss != "trip":
+                self.compose(encoder, operator, None)
+                self.publish()
+        elif values is not None and self.is_new(values, encoder):
+            self.compose(encoder, operator, values)
+            self.publish()
+
+    def judge_link(self, is_good, operator):
+        silence = time.monotonic() - self.last_exchange
+        if not is_good and not self.is_lost and silence > self.map.timeout:
+            why = getattr(self, "trouble", "the PLC has not computed with what it was told")
+            if not self.is_realtime:
+                raise LinkDown(f"nothing was exchanged with the PLC for {silence:.2f} s ({why}); in lockstep that ends the run")
+            self.is_lost = self.is_latched = True
+            self.losses += 1
+            self.say(f"link lost: nothing was exchanged with the PLC for {silence * 1e3:.0f} ms ({why}); reaction: {self.map.on_link_loss}")
+        elif is_good and self.is_lost:
+            self.is_lost = False
+            self.say("link is there again; waiting for the operator's acknowledgement with the lever at zero")
+        if self.is_latched and not self.is_lost and operator.acknowledge and operator.speed_request == 0.0 and not operator.emergency_stop:
+            self.is_latched = False
+            self.say("link acknowledged")
+
+    def answered_by(self, values, encoder):
+        """The sequence of the ENCODER with which the PLC computed; the newest where it does not say."""
+        echo = self.signals.get(("answered_counter", False))
+        if echo is None:
+            return encoder.sequence
+        return encoder.sequence - advance(echo, values["answered_counter", 0], encoder.sequence)
+
+    def is_new(self, values, encoder):
+        """Whether the PLC has computed since the last answer that was published."""
+        return self.answered_by(values, encoder) > self.published
+
+    def compose(self, encoder, operator, values):
+        torque, state = self.types.torque_t(), self.types.controller_state_t()
+        groups = range(encoder.group_count)
+        answered = encoder.sequence if values is None else self.answered_by(values, encoder)
+        for message in (torque, state):
+            message.sequence = self.count
+            message.simulated_time = encoder.simulated_time - round((encoder.sequence - answered) * self.period * 1e9)
+            message.configuration_hash, message.run_identity = encoder.configuration_hash, encoder.run_identity
+            message.answered_sequence = answered
+            message.group_count = encoder.group_count
+        state.proportional_torque = state.integral_torque = [0.0 for _ in groups]
+        if values is None:  # on loss of the link
+            self.alive += 1
+            torque.enable, torque.brake = False, self.map.on_link_loss == "brake"
+            torque.acknowledge = False
+            torque.motor_torque = [0.0 for _ in groups]
+            torque.state_follows, state.mode = True, LINK_LOST
+        else:
+            counter = self.signals["alive_counter", False]
+            now = values["alive_counter", 0]
+            if self.plc_alive is not None:
+                self.alive += advance(counter, self.plc_alive, now)
+            self.plc_alive = now
+            torque.enable, torque.brake = values["enable", 0], values["brake", 0]
+            torque.acknowledge = values["acknowledge", 0]
+            torque.motor_torque = [values["motor_torque", group] for group in groups]
+            torque.state_follows = any((name, False) in self.signals for name in STATES)
+            for name in STATES:
+                if (name, False) in self.signals:
+                    setattr(state, name, [values[name, group] for group in groups] if name in GROUP_STATES else values[name, 0])
+        torque.alive_counter = self.alive
+        self.bytes = state.encode() if torque.state_follows else None, torque.encode()
+        self.answered, self.published = encoder.sequence, answered
+        self.count += 1
+
+    def serve(self, end):
+        """Until `end` is set. Of several ENCODER that came meanwhile the newest counts: a PLC has but one set of registers."""
+        if not self.is_realtime:
+            self.connect()
+            if self.refusal:
+                raise self.refusal
+            if not self.is_connected:
+                raise LinkDown(self.trouble)
+        else:
+            self.keep_connected()
+        while not end.is_set():
+            self.bus.handle_timeout(WAIT)
+            while self.bus.handle_timeout(0):
+                pass
+            if self.newest is not None:
+                encoder, self.newest = self.newest, None
+                self.answer(encoder)
+
+    def close(self):
+        for subscription in self.subscriptions:
+            self.bus.unsubscribe(subscription)
+        self.link.close()
+
+    def summary(self):
+        """How well it kept time, as `--report` writes it."""
+        milliseconds = sorted(1e3 * duration for duration in self.durations)
+
+        def percentile(share):
+            return round(milliseconds[min(len(milliseconds) - 1, int(share * len(milliseconds)))], 3) if milliseconds else None
+
+        return {"protocol": self.map.protocol, "period_ms": self.period * 1e3, "exchanges": len(milliseconds),
+                "exchange_ms": {"mean": round(statistics.fmean(milliseconds), 3) if milliseconds else None, "p50": percentile(0.5),
+                                "p99": percentile(0.99), "p99_9": percentile(0.999), "largest": percentile(1.0)},
+                "late_exchanges": sum(each > self.period * 1e3 for each in milliseconds), "unanswered_cycles": self.unanswered,
+                "failed_exchanges": self.failures, "link_losses": self.losses}

@@ -1,0 +1,65 @@
+"""What a soft PLC computes: the variables of a map, and in every cycle a step of a controller of slewlab with them."""
+
+import asyncio
+import time
+
+from core_module import core
+from plc.values import advance
+
+ANOTHER_RUN = 1000  # [cycles] by which the alive counter of one run does not leap
+
+
+class SoftCycle:
+    """Values are in SI, inputs and outputs by (name, group)."""
+
+    def __init__(self, plc_map, controller_file, period):
+        self.map, self.file, self.period = plc_map, controller_file, period
+        self.counter = next(signal for signal in plc_map.signals if signal.name == "alive_counter" and signal.to_plc)
+        self.inputs = {(signal.name, signal.group): 0.0 for signal in plc_map.signals if signal.to_plc}
+        self.outputs = {(signal.name, signal.group): 0.0 for signal in plc_map.signals if not signal.to_plc}
+        self.outputs["brake", 0] = True  # until it computes
+        self.outputs["answered_counter", 0] = self.outputs["alive_counter", 0] = -1
+        self.controller, self.last = None, None
+        self.was_told = False
+        self.cycles, self.late_cycles = 0, 0
+
+    def receive(self, values):
+        self.inputs |= values
+        self.was_told = self.was_told or ("alive_counter", 0) in values
+        if self.map.ticked and self.was_told and self.inputs["alive_counter", 0] != self.last:
+            self.compute()
+
+    def compute(self):
+        now = self.inputs["alive_counter", 0]
+        step = 0 if self.last is None else advance(self.counter, self.last, now)
+        if self.controller is None or step > ANOTHER_RUN:
+            self.controller = core.SteppedController(self.file, self.period)
+            self.sequence, self.alive, step = now, -1, 0
+            self.positions = [0.0] * self.map.group_count
+        self.last = now
+        self.sequence += step
+        self.alive += 1
+        self.cycles += 1
+        groups = range(self.map.group_count)
+        speeds = [self.inputs["shaft_speed", group] for group in groups]
+        if ("shaft_position", 0) in self.inputs:
+            self.positions = [self.inputs["shaft_position", group] for group in groups]
+        else:  # no second measurement to judge the speeds by
+            self.positions = [position + speed * self.period * step for position, speed in zip(self.positions, speeds)]
+        said = self.controller.step(self.sequence, self.inputs.get(("simulated_time", 0), self.sequence * self.period), speeds, self.positions,
+                                    self.inputs["speed_request", 0], bool(self.inputs["emergency_stop", 0]), bool(self.inputs["acknowledge", 0]))
+        said |= {"alive_counter": self.alive, "answered_counter": now}
+        for name, group in self.outputs:
+            self.outputs[name, group] = said[name][group] if isinstance(said[name], list) else said[name]
+
+    async def run(self):
+        """A cycle every period of the wall clock, at absolute times, from the first input on; what is missed is not made up for."""
+        due = time.monotonic()
+        while True:
+            due += self.period
+            await asyncio.sleep(max(0.0, due - time.monotonic()))
+            if time.monotonic() > due + self.period:
+                self.late_cycles += 1
+                due = time.monotonic()
+            if self.was_told:
+                self.compute()

@@ -1,0 +1,74 @@
+"""A PLC as the controller of a run.
+
+    slewlab run SCENARIO.yaml --realtime --controller "slewlab bridge modbus --map MAP.yaml"
+
+The bus and the controller's period come by the environment, as every controller gets them (docs/wire.md).
+"""
+
+import json
+import os
+import signal
+import sys
+import threading
+from pathlib import Path
+
+from arguments import ArgumentParser
+from core_module import core
+from plc.gateway import Gateway
+from plc.link import LinkDown, WrongMap
+from whole_file import growing
+
+PROTOCOLS = ("modbus", "opcua", "ads")
+
+
+def main(arguments):
+    parser = ArgumentParser(prog="slewlab bridge", description="A PLC as the controller of a run (docs/plc.md)")
+    parser.add_argument("protocol", choices=PROTOCOLS)
+    parser.add_argument("--map", required=True, type=Path, help="which register, node or symbol holds which signal")
+    parser.add_argument("--bus", default=os.environ.get("SLEWLAB_BUS"), help="LCM address of the run ($SLEWLAB_BUS)")
+    parser.add_argument("--period-ms", type=float, default=float(os.environ.get("SLEWLAB_CONTROLLER_PERIOD_MS", "nan")),
+                        help="time between two ENCODER messages [ms] ($SLEWLAB_CONTROLLER_PERIOD_MS)")
+    parser.add_argument("--report", type=Path, help="JSON file for how well the link kept its time")
+    options = parser.parse_args(arguments)
+    if not options.bus:
+        parser.error("--bus is wanted, or SLEWLAB_BUS as slewlab run sets it")
+    if not options.period_ms > 0.0:
+        parser.error("--period-ms is wanted, or SLEWLAB_CONTROLLER_PERIOD_MS as slewlab run sets it")
+    speed = os.environ.get("SLEWLAB_REALTIME_SPEED")
+    try:
+        plc_map = core.load_plc_map(options.map)
+    except core.InputError as problem:
+        print(problem, file=sys.stderr)
+        return 2
+
+    def refuse(found, expected):
+        print(f"{options.map}: {found}; {expected}", file=sys.stderr)
+        return 2
+
+    if plc_map.protocol != options.protocol:
+        return refuse(f"a map for {plc_map.protocol}", f"slewlab bridge {plc_map.protocol} takes it, slewlab bridge {options.protocol} does not")
+    if speed is None and not plc_map.ticked:
+        return refuse("this PLC keeps a time of its own (ticked: false)", "run it with --realtime; in lockstep a PLC has to be ticked")
+    if speed is not None and float(speed) != 1.0 and not plc_map.ticked:
+        return refuse(f"this PLC keeps a time of its own, and the run goes at {speed} times real time", "run it without --speed")
+
+    end = threading.Event()
+    for number in (signal.SIGINT, signal.SIGTERM):
+        signal.signal(number, lambda *_: end.set())
+    gateway = Gateway(plc_map, options.bus, options.period_ms * 1e-3, speed is not None,
+                      lambda text: print(f"slewlab bridge: {text}", file=sys.stderr, flush=True))
+    try:
+        gateway.serve(end)
+        return 0
+    except (LinkDown, WrongMap) as problem:
+        print(f"slewlab bridge: {problem}", file=sys.stderr)
+        return 1
+    finally:
+        gateway.close()
+        if options.report:
+            with growing(options.report) as partial:
+                partial.write_text(json.dumps(gateway.summary(), indent=2) + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))
