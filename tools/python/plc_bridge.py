@@ -16,6 +16,7 @@ from arguments import ArgumentParser
 from core_module import core
 from plc.gateway import Gateway
 from plc.link import LinkDown, WrongMap
+from plc.plc_map import load_plc_map
 from whole_file import growing
 
 PROTOCOLS = ("modbus", "opcua", "ads")
@@ -36,7 +37,7 @@ def main(arguments):
         parser.error("--period-ms is wanted, or SLEWLAB_CONTROLLER_PERIOD_MS as slewlab run sets it")
     speed = os.environ.get("SLEWLAB_REALTIME_SPEED")
     try:
-        plc_map = core.load_plc_map(options.map)
+        plc_map = load_plc_map(options.map)
     except core.InputError as problem:
         print(problem, file=sys.stderr)
         return 2

@@ -12,6 +12,7 @@ from pathlib import Path
 
 from arguments import ArgumentParser
 from core_module import core
+from plc.plc_map import load_plc_map
 from plc.soft_cycle import SoftCycle
 
 
@@ -50,7 +51,7 @@ def main(arguments):
     if not options.period_ms > 0.0:
         parser.error(f"--period-ms {options.period_ms:g}: a time above 0 is wanted")
     try:
-        plc_map = core.load_plc_map(options.map)
+        plc_map = load_plc_map(options.map)
         cycle = SoftCycle(plc_map, options.controller, options.period_ms * 1e-3)
         core.SteppedController(options.controller, cycle.period)  # said now what is wrong with its file
     except core.InputError as problem:

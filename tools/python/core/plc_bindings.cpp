@@ -1,4 +1,3 @@
-#include <nanobind/stl/array.h>
 #include <nanobind/stl/filesystem.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
@@ -69,33 +68,44 @@ nb::dict step(SteppedController& controller, std::int64_t sequence, double simul
   return controller.step(encoder, operator_move);
 }
 
+nb::dict signal_of(const PlcSignal& signal) {
+  nb::dict told;
+  told["name"] = signal.name;
+  told["group"] = signal.group;
+  told["to_plc"] = signal.to_plc;
+  told["at"] = signal.at;
+  told["type"] = signal.type;
+  told["scale"] = signal.scale;
+  told["inverted"] = signal.inverted;
+  told["area"] = std::string(name_of(signal.area));
+  told["number"] = signal.number;
+  told["bit"] = signal.bit;
+  return told;
+}
+
+nb::dict map_of(const std::filesystem::path& file) {
+  const PlcMap map = load_plc_map(file);
+  nb::dict told;
+  told["protocol"] = std::string(name_of(map.protocol));
+  told["address"] = map.address;
+  told["modbus_unit"] = map.modbus_unit;
+  told["high_word_first"] = map.high_word_first;
+  told["ams_net_id"] = map.ams_net_id;
+  told["ams_port"] = map.ams_port;
+  told["ticked"] = map.ticked;
+  told["timeout"] = map.timeout;
+  told["on_link_loss"] = std::string(name_of(map.on_link_loss));
+  told["group_count"] = map.group_count;
+  nb::list signals;
+  for (const PlcSignal& signal : map.signals) signals.append(signal_of(signal));
+  told["signals"] = signals;
+  return told;
+}
+
 }  // namespace
 
 void bind_plc(nb::module_& m) {
-  nb::class_<PlcSignal>(m, "PlcSignal", "A signal of the wire and where it lies in a PLC.")
-      .def_ro("name", &PlcSignal::name)
-      .def_ro("group", &PlcSignal::group)
-      .def_ro("to_plc", &PlcSignal::to_plc)
-      .def_ro("at", &PlcSignal::at)
-      .def_ro("type", &PlcSignal::type)
-      .def_ro("scale", &PlcSignal::scale)
-      .def_ro("inverted", &PlcSignal::inverted)
-      .def_prop_ro("area", [](const PlcSignal& s) { return std::string(name_of(s.area)); })
-      .def_ro("number", &PlcSignal::number)
-      .def_ro("bit", &PlcSignal::bit);
-  nb::class_<PlcMap>(m, "PlcMap")
-      .def_prop_ro("protocol", [](const PlcMap& map) { return std::string(name_of(map.protocol)); })
-      .def_ro("address", &PlcMap::address)
-      .def_ro("modbus_unit", &PlcMap::modbus_unit)
-      .def_ro("high_word_first", &PlcMap::high_word_first)
-      .def_ro("ams_net_id", &PlcMap::ams_net_id)
-      .def_ro("ams_port", &PlcMap::ams_port)
-      .def_ro("ticked", &PlcMap::ticked)
-      .def_ro("timeout", &PlcMap::timeout)
-      .def_prop_ro("on_link_loss", [](const PlcMap& map) { return std::string(name_of(map.on_link_loss)); })
-      .def_ro("group_count", &PlcMap::group_count)
-      .def_ro("signals", &PlcMap::signals);
-  m.def("load_plc_map", &load_plc_map, nb::arg("path"), "The map of a file; InputError with every problem found.");
+  m.def("load_plc_map", &map_of, nb::arg("path"), "The map of a file as a dictionary; InputError with every problem found.");
   nb::class_<SteppedController>(m, "SteppedController", "The controller of a file, a step per call.")
       .def(nb::init<const std::filesystem::path&, double>(), nb::arg("path"), nb::arg("period"))
       .def("step", &step, nb::arg("sequence"), nb::arg("simulated_time"), nb::arg("shaft_speed"), nb::arg("shaft_position"),

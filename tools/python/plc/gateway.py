@@ -220,18 +220,24 @@ class Gateway:
 
     def serve(self, end):
         """Until `end` is set. Of several ENCODER that came meanwhile the newest counts: a PLC has but one set of registers."""
-        if not self.is_realtime:
+        patience = time.monotonic() + self.map.timeout
+        while not self.is_realtime and not self.is_connected and not end.is_set():
             self.connect()
             if self.refusal:
                 raise self.refusal
-            if not self.is_connected:
+            if not self.is_connected and time.monotonic() > patience:
                 raise LinkDown(self.trouble)
-        else:
+            end.wait(0.0 if self.is_connected else RETRY)
+        if self.is_realtime:
             self.keep_connected()
         while not end.is_set():
-            self.bus.handle_timeout(WAIT)
-            while self.bus.handle_timeout(0):
-                pass
+            try:
+                self.bus.handle_timeout(WAIT)
+                while self.bus.handle_timeout(0):
+                    pass
+            except OSError:
+                if not end.is_set():  # otherwise a signal has ended the wait
+                    raise
             if self.newest is not None:
                 encoder, self.newest = self.newest, None
                 self.answer(encoder)

@@ -1,6 +1,8 @@
 """Modbus TCP: the map's registers and coils by pymodbus. Neighbouring ones go in one request; what holds the alive counter is written
 last, so that the PLC has the whole of a cycle when the counter moves."""
 
+import logging
+
 from plc.link import LinkDown, WrongMap
 from plc.values import decode, encode, number_in, word_count, words_of
 
@@ -76,6 +78,7 @@ def is_last(block):
 class ModbusLink:
     def __init__(self, plc_map):
         from pymodbus.client import ModbusTcpClient
+        logging.getLogger("pymodbus").setLevel(logging.CRITICAL)  # what goes wrong is told by us
         host, _, port = plc_map.address.rpartition(":")
         self.client = ModbusTcpClient(host, port=int(port), timeout=plc_map.timeout, retries=0)
         self.unit, self.high_word_first, self.address = plc_map.modbus_unit, plc_map.high_word_first, plc_map.address
