@@ -1,4 +1,5 @@
-// The controllers of examples/ against ours, which they write down again in another language.
+// The controllers of examples/ against ours, which they write down again in another language. The one in Structured Text is run by
+// slewlab-st-host.
 //
 // Two comparisons, and where their tolerances come from:
 // - Replay: fed with the same recorded motion they must answer the same but for the rounding of one step. Torques are at
@@ -33,11 +34,14 @@ const std::string kPython = SLEWLAB_SOURCE_DIR "/.venv/bin/python";
 const std::string kPythonController = "PYTHONDONTWRITEBYTECODE=1 PYTHONPATH=" SLEWLAB_BINARY_DIR "/python " + kPython +
                                       " " SLEWLAB_SOURCE_DIR "/examples/controller_in_python/controller.py";
 const std::string kCController = SLEWLAB_BINARY_DIR "/examples/controller_in_c/controller";
+const std::string kStructuredTextController = SLEWLAB_BINARY_DIR "/bin/slewlab-st-host " SLEWLAB_BINARY_DIR "/tests/slewing_controller.so";
 
 class ExampleControllersTest : public testing::TestWithParam<std::string> {
  protected:
   static bool is_python() { return GetParam() == "Python"; }
-  static const std::string& its_command() { return is_python() ? kPythonController : kCController; }
+  static const std::string& its_command() {
+    return is_python() ? kPythonController : GetParam() == "C" ? kCController : kStructuredTextController;
+  }
   void SetUp() override {
     if (is_python() && !fs::exists(kPython)) GTEST_SKIP() << "no .venv here (tools/setup makes it)";
   }
@@ -128,7 +132,7 @@ TEST(OurController, OutlivesAPlantAndAnswersTheNext) {
                             folder.path());
 }
 
-INSTANTIATE_TEST_SUITE_P(, ExampleControllersTest, testing::Values("Python", "C"),
+INSTANTIATE_TEST_SUITE_P(, ExampleControllersTest, testing::Values("Python", "C", "StructuredText"),
                          [](const auto& each) { return each.param; });
 
 }  // namespace
