@@ -12,11 +12,14 @@ import sys
 import threading
 from pathlib import Path
 
+import lcm
+
 from arguments import ArgumentParser
 from core_module import core
 from plc.gateway import Gateway
-from plc.link import LinkDown, WrongMap
+from plc.link import LinkDown, WrongMap, open_link
 from plc.plc_map import load_plc_map
+from plc.real_time import ask_for_real_time
 from whole_file import growing
 
 PROTOCOLS = ("modbus", "opcua", "ads")
@@ -56,8 +59,9 @@ def main(arguments):
     end = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: end.set())
-    gateway = Gateway(plc_map, options.bus, options.period_ms * 1e-3, speed is not None,
+    gateway = Gateway(plc_map, open_link(plc_map), lcm.LCM(options.bus), options.period_ms * 1e-3, speed is not None,
                       lambda text: print(f"slewlab bridge: {text}", file=sys.stderr, flush=True))
+    scheduling = ask_for_real_time() if speed is not None else "not asked for: lockstep"
     try:
         gateway.serve(end)
         return 0
@@ -68,7 +72,7 @@ def main(arguments):
         gateway.close()
         if options.report:
             with growing(options.report) as partial:
-                partial.write_text(json.dumps(gateway.summary(), indent=2) + "\n", encoding="utf-8")
+                partial.write_text(json.dumps(gateway.summary() | {"scheduling": scheduling}, indent=2) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

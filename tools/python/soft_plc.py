@@ -13,6 +13,7 @@ from pathlib import Path
 from arguments import ArgumentParser
 from core_module import core
 from plc.plc_map import load_plc_map
+from plc.real_time import ask_for_real_time
 from plc.soft_cycle import SoftCycle
 
 
@@ -27,13 +28,15 @@ def server_of(plc_map, cycle):
     return AdsServer(plc_map, cycle)
 
 
-async def serve(plc_map, cycle):
+async def serve(plc_map, cycle, is_real_time):
     end = asyncio.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         asyncio.get_running_loop().add_signal_handler(number, end.set)
     server = server_of(plc_map, cycle)
     await server.serve()
     clock = None if plc_map.ticked else asyncio.create_task(cycle.run())
+    if is_real_time:
+        print(f"soft-plc: {ask_for_real_time()}", flush=True)
     print(f"soft-plc: {plc_map.protocol} at {plc_map.address}, " +
           ("one cycle for every new alive_counter" if plc_map.ticked else f"a cycle every {cycle.period * 1e3:g} ms"), flush=True)
     await end.wait()
@@ -47,6 +50,7 @@ def main(arguments):
     parser.add_argument("--map", required=True, type=Path, help="map of its variables (docs/plc.md)")
     parser.add_argument("--controller", required=True, type=Path, help="controller file that it computes")
     parser.add_argument("--period-ms", type=float, default=10.0, help="cycle [ms] (10)")
+    parser.add_argument("--real-time", action="store_true", help="ask for SCHED_FIFO, as for a run with --realtime")
     options = parser.parse_args(arguments)
     if not options.period_ms > 0.0:
         parser.error(f"--period-ms {options.period_ms:g}: a time above 0 is wanted")
@@ -58,7 +62,7 @@ def main(arguments):
         print(problem, file=sys.stderr)
         return 2
     try:
-        asyncio.run(serve(plc_map, cycle))
+        asyncio.run(serve(plc_map, cycle, options.real_time))
     except OSError as problem:
         print(f"slewlab soft-plc: {plc_map.address}: {problem}", file=sys.stderr)
         return 1

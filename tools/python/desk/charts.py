@@ -7,7 +7,7 @@ from desk.source import HELD
 GROUPS = 8  # [-] the most that a machine has
 
 DRIVE_STATES = {0: "ready", 1: "running", 2: "tripped", 3: "braked"}
-CONTROLLER_MODES = {0: "stopped", 1: "running", 2: "emergency stop", 3: "waiting for acknowledgement"}
+CONTROLLER_MODES = {0: "stopped", 1: "running", 2: "emergency stop", 3: "waiting for acknowledgement", 4: "link to the PLC lost"}
 # The codes of docs/wire.md, in words.
 TRIP_CAUSES = {
     0: "",

@@ -9,14 +9,13 @@ CONTROLLER_STATE says mode 4, until the link is there again and the operator ack
 clock may decide, a lost link ends the run.
 """
 
+import math
 import statistics
 import struct
 import threading
 import time
 
-import lcm
-
-from plc.link import LinkDown, WrongMap, open_link
+from plc.link import LinkDown, WrongMap
 from plc.values import advance
 from run_log import message_types
 
@@ -27,21 +26,36 @@ WAIT = 200           # [ms] for which a signal may go unnoticed
 RETRY = 0.2          # [s] between two attempts to connect
 
 
+def beside(function):
+    """In a thread of its own: an address that nobody has takes its time."""
+    thread = threading.Thread(target=function, daemon=True)
+    thread.start()
+    return thread.is_alive
+
+
 class Gateway:
-    def __init__(self, plc_map, address, period, is_realtime, say):
+    """`bus` and `link` are LCM's and plc.link's; `clock` [s] and `start`, which begins a function and answers with a function that says
+    whether it is still under way, are those of this machine."""
+
+    def __init__(self, plc_map, link, bus, period, is_realtime, say, clock=time.monotonic, start=beside):
         self.map, self.period, self.is_realtime, self.say = plc_map, period, is_realtime, say
+        self.clock, self.start = clock, start
         self.signals = {(signal.name, signal.to_plc): signal for signal in plc_map.signals}
         self.types = message_types()
-        self.link = open_link(plc_map)
-        self.is_connected, self.connecting, self.refusal = False, None, None
-        self.last_exchange = time.monotonic()
-        self.is_lost = False      # the link: nothing for the map's timeout
-        self.is_latched = False   # until acknowledged
-        self.run = None           # run_identity
-        self.newest = None        # ENCODER that waits for its answer
+        self.link = link
+        self.is_connected, self.is_connecting, self.refusal = False, lambda: False, None
+        self.begin = self.next_attempt = clock()
+        self.is_waiting = False    # for the first exchange, and it was said
+        self.is_released = True    # the operator's acknowledgement, since the link was lost
+        self.trouble = "the PLC has not computed with what it was told"
+        self.last_exchange = None  # [s] none yet: no link that could be lost
+        self.is_lost = False       # the link: nothing for the map's timeout
+        self.is_latched = False    # until acknowledged
+        self.run = self.candidate = None  # run_identity of the run answered, and of another one heard once
+        self.newest = None         # ENCODER that waits for its answer
         self.durations, self.losses, self.failures, self.unanswered = [], 0, 0, 0
-        self.bus = lcm.LCM(address)
-        self.operators = {}       # the newest OPERATOR of each run heard
+        self.bus = bus
+        self.operators = {}        # the newest OPERATOR of each run heard
         self.subscriptions = []
         for channel, handler in (("OPERATOR", self.on_operator), ("ENCODER", self.on_encoder)):
             self.subscriptions.append(self.bus.subscribe(channel, handler))
@@ -50,7 +64,7 @@ class Gateway:
     def begin_run(self, encoder):
         if encoder.group_count != self.map.group_count:
             raise WrongMap(f"the map has signals of {self.map.group_count} motor group(s), this run's machine has {encoder.group_count}")
-        self.run, self.answered, self.count = encoder.run_identity, -1, 0
+        self.run, self.candidate, self.answered, self.count = encoder.run_identity, None, -1, 0
         self.bytes, self.alive, self.plc_alive, self.published = None, 0, None, -1
         self.operators = {run: operator for run, operator in self.operators.items() if run == self.run}
 
@@ -71,6 +85,9 @@ class Gateway:
         if encoder is None:
             return
         if encoder.run_identity != self.run:
+            if self.run is not None and encoder.run_identity != self.candidate:
+                self.candidate = encoder.run_identity  # one alone may be a bit that turned over
+                return
             self.begin_run(encoder)
         operator = self.operators.get(self.run)
         if encoder.sequence == self.answered and self.bytes:
@@ -88,13 +105,13 @@ class Gateway:
         values = {("speed_request", 0): operator.speed_request, ("emergency_stop", 0): operator.emergency_stop,
                   ("acknowledge", 0): operator.acknowledge, ("alive_counter", 0): encoder.sequence,
                   ("simulated_time", 0): encoder.simulated_time * 1e-9}
-        for group in range(encoder.group_count):
-            values["shaft_speed", group] = encoder.shaft_speed[group]
-            values["shaft_position", group] = encoder.shaft_position[group]
+        for group in range(self.map.group_count):
+            is_there = group < encoder.group_count
+            values["shaft_speed", group] = encoder.shaft_speed[group] if is_there else math.nan
+            values["shaft_position", group] = encoder.shaft_position[group] if is_there else math.nan
         return values
 
     def connect(self):
-        """In a thread of its own where the clock runs: an address that nobody has takes its time."""
         try:
             self.link.connect()
             self.is_connected = True
@@ -107,13 +124,10 @@ class Gateway:
     def keep_connected(self):
         if self.refusal:
             raise self.refusal
-        if self.is_connected or (self.connecting and self.connecting.is_alive()):
-            return self.is_connected
-        if not self.connecting or time.monotonic() >= self.next_attempt:
-            self.next_attempt = time.monotonic() + RETRY
-            self.connecting = threading.Thread(target=self.connect, daemon=True)
-            self.connecting.start()
-        return False
+        if not self.is_connected and not self.is_connecting() and self.clock() >= self.next_attempt:
+            self.next_attempt = self.clock() + RETRY
+            self.is_connecting = self.start(self.connect)
+        return self.is_connected and not self.is_connecting()
 
     def has_answered(self, values, sequence):
         echo = self.signals["answered_counter", False]
@@ -121,16 +135,16 @@ class Gateway:
 
     def exchange(self, encoder, operator):
         """What the PLC says, after it was told; None where the PLC has not computed with it in time."""
-        begin = time.monotonic()
+        begin = self.clock()
         self.link.write(self.inputs(encoder, operator))
         values = self.link.read()
         if self.map.ticked:
             patience = begin + (min(self.map.timeout, self.period) if self.is_realtime else self.map.timeout)
             while not self.has_answered(values, encoder.sequence):
-                if time.monotonic() > patience:
+                if self.clock() > patience:
                     return None
                 values = self.link.read()
-        self.last_exchange = time.monotonic()
+        self.last_exchange = self.clock()
         self.durations.append(self.last_exchange - begin)
         return values
 
@@ -157,18 +171,25 @@ class Gateway:
             self.publish()
 
     def judge_link(self, is_good, operator):
-        silence = time.monotonic() - self.last_exchange
+        self.is_released = self.is_released or not operator.acknowledge
+        if self.last_exchange is None:
+            if not self.is_waiting and self.clock() - self.begin > self.map.timeout:
+                self.is_waiting = True
+                self.say(f"waiting for the PLC: {self.trouble}")
+            return
+        silence = self.clock() - self.last_exchange
         if not is_good and not self.is_lost and silence > self.map.timeout:
-            why = getattr(self, "trouble", "the PLC has not computed with what it was told")
             if not self.is_realtime:
-                raise LinkDown(f"nothing was exchanged with the PLC for {silence:.2f} s ({why}); in lockstep that ends the run")
+                raise LinkDown(f"nothing was exchanged with the PLC for {silence:.2f} s ({self.trouble}); in lockstep that ends the run")
             self.is_lost = self.is_latched = True
+            self.is_released = not operator.acknowledge
             self.losses += 1
-            self.say(f"link lost: nothing was exchanged with the PLC for {silence * 1e3:.0f} ms ({why}); reaction: {self.map.on_link_loss}")
+            self.say(f"link lost: nothing was exchanged with the PLC for {silence * 1e3:.0f} ms ({self.trouble}); reaction: {self.map.on_link_loss}")
         elif is_good and self.is_lost:
             self.is_lost = False
             self.say("link is there again; waiting for the operator's acknowledgement with the lever at zero")
-        if self.is_latched and not self.is_lost and operator.acknowledge and operator.speed_request == 0.0 and not operator.emergency_stop:
+        is_acknowledged = operator.acknowledge and self.is_released  # given anew since the loss
+        if self.is_latched and not self.is_lost and is_acknowledged and operator.speed_request == 0.0 and not operator.emergency_stop:
             self.is_latched = False
             self.say("link acknowledged")
 
@@ -185,14 +206,14 @@ class Gateway:
 
     def compose(self, encoder, operator, values):
         torque, state = self.types.torque_t(), self.types.controller_state_t()
-        groups = range(encoder.group_count)
+        groups = range(self.map.group_count)
         answered = encoder.sequence if values is None else self.answered_by(values, encoder)
         for message in (torque, state):
             message.sequence = self.count
             message.simulated_time = encoder.simulated_time - round((encoder.sequence - answered) * self.period * 1e9)
             message.configuration_hash, message.run_identity = encoder.configuration_hash, encoder.run_identity
             message.answered_sequence = answered
-            message.group_count = encoder.group_count
+            message.group_count = self.map.group_count
         state.proportional_torque = state.integral_torque = [0.0 for _ in groups]
         if values is None:  # on loss of the link
             self.alive += 1
@@ -220,16 +241,18 @@ class Gateway:
 
     def serve(self, end):
         """Until `end` is set. Of several ENCODER that came meanwhile the newest counts: a PLC has but one set of registers."""
-        patience = time.monotonic() + self.map.timeout
+        patience = self.clock() + self.map.timeout
         while not self.is_realtime and not self.is_connected and not end.is_set():
             self.connect()
             if self.refusal:
                 raise self.refusal
-            if not self.is_connected and time.monotonic() > patience:
+            if not self.is_connected and self.clock() > patience:
                 raise LinkDown(self.trouble)
             end.wait(0.0 if self.is_connected else RETRY)
         if self.is_realtime:
             self.keep_connected()
+        else:
+            self.last_exchange = self.clock()
         while not end.is_set():
             try:
                 self.bus.handle_timeout(WAIT)

@@ -5,7 +5,7 @@ import logging
 from asyncua import Server, ua
 from asyncua.common.callback import CallbackType
 
-from plc.opcua import VARIANTS, data_value
+from plc.opcua import data_value
 from plc.values import decode
 
 
