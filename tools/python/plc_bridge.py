@@ -1,8 +1,9 @@
 """A PLC as the controller of a run.
 
-    slewlab run SCENARIO.yaml --realtime --controller "slewlab bridge modbus --map MAP.yaml"
+    slewlab run SCENARIO.yaml --realtime --controller "exec slewlab bridge modbus --map MAP.yaml"
 
-The bus and the controller's period come by the environment, as every controller gets them (docs/wire.md).
+The bus and the controller's period come by the environment, as every controller gets them (docs/wire.md). `exec`: the shell that starts
+it would otherwise be told of the run's end in its place, and take it along before the report is written.
 """
 
 import json
@@ -69,10 +70,10 @@ def main(arguments):
         print(f"slewlab bridge: {problem}", file=sys.stderr)
         return 1
     finally:
-        gateway.close()
         if options.report:
             with growing(options.report) as partial:
                 partial.write_text(json.dumps(gateway.summary() | {"scheduling": scheduling}, indent=2) + "\n", encoding="utf-8")
+        gateway.close()
 
 
 if __name__ == "__main__":

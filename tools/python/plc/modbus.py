@@ -88,6 +88,7 @@ class ModbusLink:
     def connect(self):
         if not self.client.connect():
             raise LinkDown(f"no Modbus server answers at {self.address}")
+        self.read()  # an address that it does not have is told now
 
     def _ask(self, block, request, *arguments, **options):
         from pymodbus.exceptions import ModbusException
