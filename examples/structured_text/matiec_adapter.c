@@ -2,8 +2,8 @@
  * and its located variables, and st_program.h's two functions to slewlab-st-host.
  *
  *   iec2c -I matiec/lib -T generated slewing_controller.st
- *   cc -shared -fPIC -I SLEWLAB -I matiec/lib/C -I generated -o slewing.so matiec_adapter.c generated/config.c \
- *      generated/resource1.c -lm
+ *   cc -shared -fPIC -I SLEWLAB -I matiec/lib/C -I generated -o slewing.so matiec_adapter.c generated/Crane.c \
+ *      generated/Plc.c -lm
  *   slewlab run SCENARIO.yaml --controller "slewlab-st-host slewing.so"
  *
  * A variable of the program gets its signal by its place (AT %IL8), in either size: %IL8 as LREAL or LINT, %ID8 as REAL or DINT.
