@@ -14,6 +14,7 @@
 #include <string.h>
 
 #include "controller/structured_text/st_program.h"
+#include "examples/structured_text/places.h"
 #include "iec_std_lib.h" /* MatIEC's: the types of IEC 61131-3, IEC_TIME */
 
 /* What the generated code has. */
@@ -97,13 +98,6 @@ static int32_t taken_bit(int byte, int bit) {
   const struct place* place = bit_at('Q', byte, bit);
   return place && *(BOOL*)place->memory != 0;
 }
-
-/* Places in bytes: eight of a number, so that they do not overlap where a PLC counts bytes nor where it counts numbers. */
-enum {
-  SPEED_REQUEST = 0, SHAFT_SPEED = 8, SHAFT_POSITION = 72, READING_COUNT = 136, READING_TIME = 144, READING_GROUPS = 152,
-  MOTOR_TORQUE = 0, RAMPED_SPEED = 64, AVERAGE_TORQUE = 72, OFFSET_TORQUE = 80, PROPORTIONAL = 88, INTEGRAL = 152, MODE = 216,
-  FLAGS = 2000, NUMBER = 8
-};
 
 static char problem[160];
 

@@ -60,9 +60,10 @@ def main(arguments):
     end = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: end.set())
+    # Before the bus and the link are opened: their threads inherit it.
+    scheduling = ask_for_real_time() if speed is not None else "not asked for: lockstep"
     gateway = Gateway(plc_map, open_link(plc_map), lcm.LCM(options.bus), options.period_ms * 1e-3, speed is not None,
                       lambda text: print(f"slewlab bridge: {text}", file=sys.stderr, flush=True))
-    scheduling = ask_for_real_time() if speed is not None else "not asked for: lockstep"
     try:
         gateway.serve(end)
         return 0

@@ -5,6 +5,7 @@
 
 #include <math.h>
 #include <stdint.h>
+#include <string.h>
 
 typedef unsigned char BOOL;
 typedef int16_t INT;
@@ -29,7 +30,7 @@ typedef struct {
   int64_t start; /* [ns] */
 } TON;
 
-static inline void TON_init__(TON* timer) { *timer = (TON){0}; }
+static inline void TON_init__(TON* timer) { memset(timer, 0, sizeof *timer); }
 
 static inline void TON_body__(TON* timer) {
   const int64_t now = nanoseconds_of(__CURRENT_TIME);
