@@ -51,7 +51,7 @@ TEST(PlcMap, ReadsPlacesTypesAndScales) {
   EXPECT_EQ(map.address, "127.0.0.1:15020");
   EXPECT_TRUE(map.high_word_first);
   EXPECT_FALSE(map.ticked);
-  EXPECT_EQ(map.timeout, 0.1);
+  EXPECT_EQ(map.timeout, 0.05);
   EXPECT_EQ(map.on_link_loss, LinkLoss::brake);
   EXPECT_EQ(map.group_count, 2);
   const PlcSignal& speed = signal_of(map, "shaft_speed", true, 1);
@@ -118,7 +118,7 @@ TEST(PlcMap, ExplainsWhatIsMissingOrUnknown) {
             std::string::npos);
   EXPECT_NE(said_after("modbus.yaml", "127.0.0.1:15020", "127.0.0.1").find("expected HOST:PORT"), std::string::npos);
   EXPECT_NE(said_after("ads.yaml", "127.0.0.1.1.2", "127.0.0.1").find("expected six numbers with dots between"), std::string::npos);
-  EXPECT_NE(said_after("modbus.yaml", "value: 100, unit: ms", "value: 0, unit: ms").find("key 'timeout'"), std::string::npos);
+  EXPECT_NE(said_after("modbus.yaml", "value: 50, unit: ms", "value: 0, unit: ms").find("key 'timeout'"), std::string::npos);
 }
 
 }  // namespace

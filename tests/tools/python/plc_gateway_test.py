@@ -141,7 +141,7 @@ class GatewayTest(unittest.TestCase):
                 self.assertEqual(torque.alive_counter, alive + 1)  # no trip by a frozen counter
                 self.assertIn("link lost: nothing was exchanged with the PLC for 100 ms (no answer)", self.words[0])
                 self.link.is_down = False
-                for _ in range(50):
+                for _ in range(100):
                     state, torque = self.ask()
                 self.assertEqual(state.mode, LINK_LOST)  # there again, and not acknowledged
                 self.assertGreater(self.link.connections, 1)
@@ -161,7 +161,7 @@ class GatewayTest(unittest.TestCase):
         for _ in range(20):
             self.ask()
         self.link.is_down = False
-        for _ in range(50):
+        for _ in range(100):
             state, _ = self.ask()
         self.assertEqual(state.mode, LINK_LOST)
         self.operate(0.0)

@@ -2,7 +2,7 @@
 
 from pyads import ADSError, Connection
 
-from plc.link import LinkDown, WrongMap
+from plc.link import LinkDown, WrongMap, request_timeout
 from plc.values import decode, encode
 
 # IEC 61131-3 names of a type as TwinCAT gives them for a symbol.
@@ -15,7 +15,7 @@ class AdsLink:
     def __init__(self, plc_map):
         self.plc = Connection(plc_map.ams_net_id, plc_map.ams_port, plc_map.address)
         self.where = f"{plc_map.ams_net_id}:{plc_map.ams_port} at {plc_map.address}"
-        self.timeout = plc_map.timeout
+        self.timeout = request_timeout(plc_map)
         self.written = sorted((signal for signal in plc_map.signals if signal.to_plc), key=lambda each: each.name == "alive_counter")
         self.heard = [signal for signal in plc_map.signals if not signal.to_plc]
 

@@ -23,7 +23,7 @@ LINK_LOST = 4  # CONTROLLER_STATE.mode
 STATES = ("mode", "ramped_speed", "average_torque", "offset_torque", "proportional_torque", "integral_torque")
 GROUP_STATES = ("proportional_torque", "integral_torque")
 WAIT = 200           # [ms] for which a signal may go unnoticed
-RETRY = 0.2          # [s] between two attempts to connect
+RETRY = 0.5          # [s] between two attempts to connect
 
 
 def beside(function):

@@ -3,7 +3,7 @@ last, so that the PLC has the whole of a cycle when the counter moves."""
 
 import logging
 
-from plc.link import LinkDown, WrongMap
+from plc.link import LinkDown, WrongMap, request_timeout
 from plc.values import decode, encode, number_in, word_count, words_of
 
 MOST_REGISTERS = 120  # of one request; the protocol allows 123 to be written and 125 to be read
@@ -80,7 +80,7 @@ class ModbusLink:
         from pymodbus.client import ModbusTcpClient
         logging.getLogger("pymodbus").setLevel(logging.CRITICAL)  # what goes wrong is told by us
         host, _, port = plc_map.address.rpartition(":")
-        self.client = ModbusTcpClient(host, port=int(port), timeout=plc_map.timeout, retries=0)
+        self.client = ModbusTcpClient(host, port=int(port), timeout=request_timeout(plc_map), retries=0)
         self.unit, self.high_word_first, self.address = plc_map.modbus_unit, plc_map.high_word_first, plc_map.address
         self.writes = sorted(blocks_of([signal for signal in plc_map.signals if signal.to_plc]), key=is_last)
         self.reads = blocks_of([signal for signal in plc_map.signals if not signal.to_plc])

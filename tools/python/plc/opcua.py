@@ -5,12 +5,13 @@ import logging
 
 from asyncua import Client, ua
 
-from plc.link import LinkDown, WrongMap
+from plc.link import LinkDown, WrongMap, request_timeout
 from plc.values import decode, encode
 
 VARIANTS = {"bool": ua.VariantType.Boolean, "int16": ua.VariantType.Int16, "uint16": ua.VariantType.UInt16, "int32": ua.VariantType.Int32,
             "uint32": ua.VariantType.UInt32, "int64": ua.VariantType.Int64, "uint64": ua.VariantType.UInt64,
             "float32": ua.VariantType.Float, "float64": ua.VariantType.Double}
+CONNECTING = 2.0  # [s] for each request of connecting at least: channel, session and the nodes' types take longer than a cycle's exchange
 TYPES = {variant: kind for kind, variant in VARIANTS.items()}
 
 
@@ -23,7 +24,7 @@ class OpcuaLink:
 
     def __init__(self, plc_map):
         logging.getLogger("asyncua").setLevel(logging.CRITICAL)  # what goes wrong is told by us
-        self.address, self.timeout = plc_map.address, plc_map.timeout
+        self.address, self.timeout = plc_map.address, request_timeout(plc_map)
         self.loop, self.client = asyncio.new_event_loop(), None
         self.written = sorted((signal for signal in plc_map.signals if signal.to_plc), key=lambda each: each.name == "alive_counter")
         self.heard = [signal for signal in plc_map.signals if not signal.to_plc]
@@ -32,7 +33,10 @@ class OpcuaLink:
         try:
             return self.loop.run_until_complete(coroutine)
         except (OSError, asyncio.TimeoutError, ua.UaError) as problem:
-            raise LinkDown(f"OPC UA at {self.address}: {problem or type(problem).__name__}") from problem
+            raise LinkDown(f"OPC UA at {self.address}: {str(problem) or type(problem).__name__}") from problem
+
+    def _in_time(self, coroutine):
+        return asyncio.wait_for(coroutine, self.timeout)
 
     async def _check(self, signal):
         node = self.client.get_node(signal.at)
@@ -45,7 +49,7 @@ class OpcuaLink:
         return node
 
     async def _connect(self):
-        self.client = Client(self.address, timeout=self.timeout)
+        self.client = Client(self.address, timeout=max(CONNECTING, self.timeout))
         await self.client.connect()
         self.nodes_written = [await self._check(signal) for signal in self.written]
         self.nodes_heard = [await self._check(signal) for signal in self.heard]
@@ -55,13 +59,13 @@ class OpcuaLink:
 
     def write(self, values):
         content = [data_value(signal, values[signal.name, signal.group]) for signal in self.written]
-        results = self._run(self.client.write_values(self.nodes_written, content, raise_on_partial_error=False))
+        results = self._run(self._in_time(self.client.write_values(self.nodes_written, content, raise_on_partial_error=False)))
         for signal, result in zip(self.written, results):
             if not result.is_good():
                 raise WrongMap(f"the OPC UA server at {self.address} does not let {signal.name} be written to {signal.at}: {result.name}")
 
     def read(self):
-        numbers = self._run(self.client.read_values(self.nodes_heard))
+        numbers = self._run(self._in_time(self.client.read_values(self.nodes_heard)))
         for signal, number in zip(self.heard, numbers):
             if number is None:
                 raise LinkDown(f"OPC UA at {self.address}: {signal.at} has no value")
