@@ -58,14 +58,14 @@ def slewlab_program():
     return Path(os.environ.get("SLEWLAB_PROGRAM", messages_folder().parent / "bin" / "slewlab"))
 
 
-def built_module(package, what, module=None):
-    """A module that the build made for Python: `package`, or one in it. `what` it is stands in the problem where it was not made."""
+def built_module(package, what):
+    """A package that the build made for Python. `what` it is stands in the problem where it was not made."""
     folder = messages_folder()
     if not (folder / package).is_dir():
         raise LogProblem(f"{folder}: {what} not built; run tools/build")
     if str(folder) not in sys.path:
         sys.path.insert(0, str(folder))
-    return importlib.import_module(module or package)
+    return importlib.import_module(package)
 
 
 def message_types():
