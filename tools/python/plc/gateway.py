@@ -26,6 +26,11 @@ WAIT = 200           # [ms] for which a signal may go unnoticed
 RETRY = 0.5          # [s] between two attempts to connect
 
 
+def count_of(sequence):
+    """The alive counter for the ENCODER of a sequence number: from 1 on, since 0 is what a PLC has before it was told anything."""
+    return sequence + 1
+
+
 def beside(function):
     """In a thread of its own: an address that nobody has takes its time."""
     thread = threading.Thread(target=function, daemon=True)
@@ -103,7 +108,7 @@ class Gateway:
 
     def inputs(self, encoder, operator):
         values = {("speed_request", 0): operator.speed_request, ("emergency_stop", 0): operator.emergency_stop,
-                  ("acknowledge", 0): operator.acknowledge, ("alive_counter", 0): encoder.sequence,
+                  ("acknowledge", 0): operator.acknowledge, ("alive_counter", 0): count_of(encoder.sequence),
                   ("simulated_time", 0): encoder.simulated_time * 1e-9}
         for group in range(self.map.group_count):
             is_there = group < encoder.group_count
@@ -131,7 +136,7 @@ class Gateway:
 
     def has_answered(self, values, sequence):
         echo = self.signals["answered_counter", False]
-        return advance(echo, values["answered_counter", 0], sequence) == 0
+        return advance(echo, values["answered_counter", 0], count_of(sequence)) == 0
 
     def exchange(self, encoder, operator):
         """What the PLC says, after it was told; None where the PLC has not computed with it in time."""
@@ -198,7 +203,7 @@ class Gateway:
         echo = self.signals.get(("answered_counter", False))
         if echo is None:
             return encoder.sequence
-        return encoder.sequence - advance(echo, values["answered_counter", 0], encoder.sequence)
+        return encoder.sequence - advance(echo, values["answered_counter", 0], count_of(encoder.sequence))
 
     def is_new(self, values, encoder):
         """Whether the PLC has computed since the last answer that was published."""

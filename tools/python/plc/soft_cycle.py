@@ -15,23 +15,22 @@ class SoftCycle:
     def __init__(self, plc_map, controller_file, period):
         self.map, self.file, self.period = plc_map, controller_file, period
         self.counter = next(signal for signal in plc_map.signals if signal.name == "alive_counter" and signal.to_plc)
-        self.inputs = {(signal.name, signal.group): 0.0 for signal in plc_map.signals if signal.to_plc}
-        self.outputs = {(signal.name, signal.group): 0.0 for signal in plc_map.signals if not signal.to_plc}
+        self.inputs = {(signal.name, signal.group): 0 for signal in plc_map.signals if signal.to_plc}
+        self.outputs = {(signal.name, signal.group): 0 for signal in plc_map.signals if not signal.to_plc}
         self.outputs["brake", 0] = True  # until it computes
-        self.outputs["answered_counter", 0] = self.outputs["alive_counter", 0] = -1
-        self.controller, self.last = None, None
+        self.controller, self.last = None, 0
         self.was_told = False
         self.cycles, self.late_cycles = 0, 0
 
     def receive(self, values):
         self.inputs |= values
         self.was_told = self.was_told or ("alive_counter", 0) in values
-        if self.map.ticked and self.was_told and self.inputs["alive_counter", 0] != self.last:
+        if self.map.ticked and self.inputs["alive_counter", 0] != self.last:
             self.compute()
 
     def compute(self):
         now = self.inputs["alive_counter", 0]
-        step = 0 if self.last is None else advance(self.counter, self.last, now)
+        step = advance(self.counter, self.last, now)
         if self.controller is None or step > ANOTHER_RUN:
             self.controller = core.SteppedController(self.file, self.period)
             self.sequence, self.alive, step = now, -1, 0
