@@ -57,6 +57,24 @@ class LinkTest(unittest.TestCase):
             self.assertIn(key, report)
         self.assertEqual(set(report["exchange_ms"]), {"mean", "p50", "p99", "p99_9", "largest"})
 
+    def test_the_stand_in_answers_a_plain_client_of_ads(self):
+        """By name and handle, one variable at a time, as people look at a PLC; Beckhoff's own library makes the frames."""
+        import pyads
+        with soft_plc(MAPS / "ads_ticked.yaml"):
+            plc = pyads.Connection("127.0.0.1.1.2", 851, "127.0.0.1")
+            plc.open()
+            self.addCleanup(plc.close)
+            self.assertEqual(plc.read_device_info()[0], "slewlab soft-plc")
+            self.assertEqual(plc.read_state()[0], pyads.ADSSTATE_RUN)
+            plc.write_by_name("GVL_Slewing.Speed1", 1.5, pyads.PLCTYPE_LREAL)
+            self.assertEqual(plc.read_by_name("GVL_Slewing.Speed1", pyads.PLCTYPE_LREAL), 1.5)
+            self.assertIs(plc.read_by_name("GVL_Slewing.Brake", pyads.PLCTYPE_BOOL), True)  # until it computes
+            plc.write_by_name("GVL_Slewing.AliveCounter", 1, pyads.PLCTYPE_UDINT)
+            self.assertEqual(plc.read_by_name("GVL_Slewing.AnsweredCounter", pyads.PLCTYPE_UDINT), 1)
+            self.assertIs(plc.read_by_name("GVL_Slewing.Brake", pyads.PLCTYPE_BOOL), False)
+            with self.assertRaisesRegex(pyads.ADSError, "1808"):  # symbol not found
+                plc.read_by_name("GVL_Slewing.Nothing", pyads.PLCTYPE_LREAL)
+
 
 if __name__ == "__main__":
     unittest.main()
