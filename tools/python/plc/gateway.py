@@ -144,9 +144,10 @@ class Gateway:
         self.link.write(self.inputs(encoder, operator))
         values = self.link.read()
         if self.map.ticked:
-            patience = begin + (min(self.map.timeout, self.period) if self.is_realtime else self.map.timeout)
+            is_clock_running = self.is_realtime and self.last_exchange is not None  # the plant's, which begins with the first answer
+            patience = min(self.map.timeout, self.period) if is_clock_running else self.map.timeout
             while not self.has_answered(values, encoder.sequence):
-                if self.clock() > patience:
+                if self.clock() > begin + patience:
                     return None
                 values = self.link.read()
         self.last_exchange = self.clock()
