@@ -15,6 +15,7 @@
 #include "tools/commands/check_command.h"
 #include "tools/commands/command_pages.h"
 #include "tools/commands/diagnose_command.h"
+#include "tools/commands/export_fmu_command.h"
 #include "tools/commands/home.h"
 #include "tools/commands/modes_command.h"
 #include "tools/commands/new_command.h"
@@ -304,6 +305,28 @@ void add_modes(CLI::App& app, Action& action) {
   });
 }
 
+void add_export_fmu(CLI::App& app, Action& action) {
+  struct Options {
+    ExportFmuOptions fmu;
+    std::vector<std::string> overrides;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("export-fmu", "A machine as plant, or a controller, as an FMU for co-simulation");
+  command->add_option("FILE", options->fmu.file, "file of a crane, an axis or a controller")->required();
+  command->add_option("--fmi", options->fmu.fmi, "version of the standard: 2 (2.0) or 3 (3.0)")->check(CLI::IsMember({2, 3}));
+  command->add_option("--out", options->fmu.out, "FMU to write (FILE's name with .fmu, where one stands)");
+  command->add_option("--period", options->fmu.period_ms, "[ms] communication step (10); a controller takes no other")->check(CLI::PositiveNumber);
+  command->add_option("--plant-step", options->fmu.plant_step_ms, "[ms] of the plant's integration (1)")->check(CLI::PositiveNumber);
+  command->add_option("--seed", options->fmu.seed, "of the plant's effects that draw numbers (0)")->check(CLI::NonNegativeNumber);
+  command->add_option("--set", options->overrides, "key=value over the file");
+  command->callback([options, &action] {
+    action = [options] {
+      options->fmu.overrides = parse_overrides(options->overrides);
+      return export_fmu(options->fmu, std::cout);
+    };
+  });
+}
+
 void add_verify(CLI::App& app, Action& action) {
   auto options = std::make_shared<VerifyOptions>();
   CLI::App* command = app.add_subcommand("verify", "Compute every number of the thesis anew and compare");
@@ -418,6 +441,7 @@ int main(const std::vector<std::string>& command_line, int argc, char** argv) {
   add_soak(app, action);
   add_check(app, action);
   add_modes(app, action);
+  add_export_fmu(app, action);
   add_verify(app, action);
   add_diagnose(app, action);
   add_withhold(app, action);
