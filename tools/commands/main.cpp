@@ -84,8 +84,13 @@ void add_run(CLI::App& app, const std::vector<std::string>& command_line, Action
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("run", "Run a scenario: plant and controller as two processes over LCM");
   command->add_option("SCENARIO", options->run.scenario, "scenario file")->required();
-  command->add_option("--controller", options->run.controller_command,
-                      "shell command of your own controller; it finds its bus in $SLEWLAB_BUS (docs/wire.md)");
+  CLI::Option* own = command->add_option("--controller", options->run.controller_command,
+                                         "shell command of your own controller; it finds its bus in $SLEWLAB_BUS (docs/wire.md)");
+  command->add_option("--controller-fmu", options->run.controller_fmu, "controller that is an FMU 2 or 3 for co-simulation (docs/fmu.md)")
+      ->check(CLI::ExistingFile)
+      ->excludes(own);
+  command->add_option("--plant", options->run.plant_command,
+                      "shell command of your own plant; it finds its task in $SLEWLAB_PLANT_TASK (docs/wire.md)");
   command->add_option("--out", options->run.out, "folder for log and summary (runs/<scenario>)");
   command->add_option("--set", options->overrides,
                       "key=value: scenario keys as they are, crane.KEY and controller.KEY for those files");
@@ -164,7 +169,11 @@ void add_accept(CLI::App& app, const std::vector<std::string>& command_line, Act
   command->add_option("SCENARIO|RUN_DIR", options->accept.subject, "scenario to run, or a run that was made already")
       ->required()
       ->check(CLI::ExistingPath);
-  command->add_option("--controller", options->accept.controller_command, "shell command of your own controller");
+  CLI::Option* own = command->add_option("--controller", options->accept.controller_command, "shell command of your own controller");
+  command->add_option("--controller-fmu", options->accept.controller_fmu, "controller that is an FMU (docs/fmu.md)")
+      ->check(CLI::ExistingFile)
+      ->excludes(own);
+  command->add_option("--plant", options->accept.plant_command, "shell command of your own plant");
   command->add_option("--limits", options->accept.limits, "limits (config/acceptance/thesis.yaml)");
   command->add_flag("--plot,!--no-plot", options->accept.plot, "draw acceptance.html (as it is by default)");
   command->add_option("--junit", options->accept.junit, "JUnit XML to write, for CI");
