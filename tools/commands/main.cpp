@@ -121,8 +121,11 @@ void add_replay(CLI::App& app, const std::vector<std::string>& command_line, Act
   command->add_option("--scenario", options->replay.scenario, "in place of scenario.yaml beside the log");
   command->add_option("--crane,--axis", options->replay.crane, "in place of the scenario's machine");
   command->add_option("--controller-config", options->replay.controller_config, "in place of the scenario's");
-  command->add_option("--controller", options->replay.controller_command,
-                      "shell command of your own controller: what it would have answered to the recorded motion");
+  CLI::Option* own = command->add_option("--controller", options->replay.controller_command,
+                                         "shell command of your own controller: what it would have answered to the recorded motion");
+  command->add_option("--controller-fmu", options->replay.controller_fmu, "the same of a controller that is an FMU (docs/fmu.md)")
+      ->check(CLI::ExistingFile)
+      ->excludes(own);
   command->add_option("--tolerance", options->replay.tolerances,
                       "CHANNEL.FIELD=SIZE: differences up to this size do not count, e.g. TORQUE.motor_torque=0.5");
   command->add_option("--run", options->replay.run, "which of several runs in the log, from 1 (all)")

@@ -172,7 +172,7 @@ class FmuController:
         import fmpy.fmi2
         import fmpy.fmi3
 
-        self.is_2, self.period = model.fmiVersion == "2.0", period
+        self.is_2, self.period, self.steps = model.fmiVersion == "2.0", period, 0
         self.folder = fmpy.extract(path)
         made = (fmpy.fmi2.FMU2Slave if self.is_2 else fmpy.fmi3.FMU3Slave)(
             guid=model.guid, unzipDirectory=self.folder, modelIdentifier=model.coSimulation.modelIdentifier, instanceName="controller")
@@ -190,11 +190,12 @@ class FmuController:
                 parts.append(Values(made, self.is_2, verb, kind, alike))
         self.said = {}
 
-    def step(self, cycle, given):
+    def step(self, given):
         for part in self.inputs:
             part.values[:] = [given[meaning] for meaning in part.meanings]
             part.move()
-        self.fmu.doStep(cycle * self.period, self.period)
+        self.fmu.doStep(self.steps * self.period, self.period)
+        self.steps += 1
         for part in self.outputs:
             part.move()
             self.said.update(zip(part.meanings, part.values))
@@ -253,7 +254,7 @@ class Answers:
             operator = self.operators.get(self.run)
             if operator is None or operator.sequence < encoder.operator_sequence:
                 return  # that OPERATOR was lost; both will be sent again
-            if encoder.group_count != self.groups or not self.comes_in_its_time(encoder):
+            if not self.comes_in_its_time(encoder):
                 return
             self.compute(encoder, operator)
         if self.sends_state:
@@ -261,12 +262,7 @@ class Answers:
         self.bus.publish("TORQUE", self.bytes[1])
 
     def compute(self, encoder, operator):
-        given = {("speed_request", None): operator.speed_request, ("emergency_stop", None): operator.emergency_stop,
-                 ("operator_acknowledge", None): operator.acknowledge}
-        for group in range(self.groups):
-            given["shaft_speed", group] = encoder.shaft_speed[group]
-            given["shaft_position", group] = encoder.shaft_position[group]
-        said = self.controller.step(self.count, given)
+        said = self.said_to(encoder, operator) if encoder.group_count == self.groups else self.let_go()
         torque, state = self.torque, self.state
         for message in (torque, state):
             message.sequence = self.count
@@ -290,11 +286,25 @@ class Answers:
         self.answered, self.answered_time = encoder.sequence, encoder.simulated_time
         self.bytes = (state_bytes, torque.encode())
 
+    def let_go(self):
+        """An ENCODER of another number of motor groups is nothing to control by: no torque, brakes."""
+        said = {(name, None): 0 for name in STATE_SCALARS} | {("enable", None): False, ("brake", None): True}
+        return said | {(name, group): 0.0 for name in ("motor_torque", *STATE_ARRAYS) for group in range(self.groups)}
+
+    def said_to(self, encoder, operator):
+        """What the FMU's outputs say behind its next step."""
+        given = {("speed_request", None): operator.speed_request, ("emergency_stop", None): operator.emergency_stop,
+                 ("operator_acknowledge", None): operator.acknowledge}
+        for group in range(self.groups):
+            given["shaft_speed", group] = encoder.shaft_speed[group]
+            given["shaft_position", group] = encoder.shaft_position[group]
+        return self.controller.step(given)
+
 
 def main():
     parser = ArgumentParser(prog="controller_fmu.py", description=__doc__.splitlines()[0])
     parser.add_argument("fmu", metavar="FILE")
-    parser.add_argument("--groups", type=int, required=True, help="motor groups of the machine")
+    parser.add_argument("--groups", type=int, help="motor groups of the machine (as many as the FMU has)")
     parser.add_argument("--period-ms", type=float, default=float(os.environ.get("SLEWLAB_CONTROLLER_PERIOD_MS", "10")))
     parser.add_argument("--check", action="store_true", help="say whether it can be the controller, and end")
     arguments = parser.parse_args()
@@ -309,9 +319,10 @@ def main():
     except Exception as error:  # noqa: BLE001 - FMPy's errors are of many kinds
         print(f"{arguments.fmu}: it cannot be read as an FMU: {error}", file=sys.stderr)
         return 2
+    groups = arguments.groups or max(1, sum(variable.name.startswith("motor_torque[") for variable in model.modelVariables))
     try:
         check_step(model, period)
-        found, remarks = variables_of(model, arguments.groups)
+        found, remarks = variables_of(model, groups)
     except NotFit as error:
         print(f"{arguments.fmu}: it cannot be the controller of this run: {error}", file=sys.stderr)
         return 2
@@ -322,7 +333,7 @@ def main():
     import lcm
 
     sends_state = all((name, None) in found for name in STATE_SCALARS) and all(
-        (name, group) in found for name in STATE_ARRAYS for group in range(arguments.groups))
+        (name, group) in found for name in STATE_ARRAYS for group in range(groups))
     try:
         controller = FmuController(arguments.fmu, model, found, period)
     except Exception as error:  # noqa: BLE001 - FMPy's errors are of many kinds
@@ -330,7 +341,7 @@ def main():
         return 1
     try:
         bus = lcm.LCM(os.environ["SLEWLAB_BUS"])
-        answers = Answers(bus, controller, arguments.groups, sends_state)  # keep it: it holds the subscriptions' handlers
+        answers = Answers(bus, controller, groups, sends_state)  # keep it: it holds the subscriptions' handlers
         while answers:
             bus.handle_timeout(WAIT)
     except KeyboardInterrupt:

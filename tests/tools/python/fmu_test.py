@@ -168,6 +168,29 @@ class FmuTest(unittest.TestCase):
                 plant.close()
         self.assertEqual(len(torque), 6000)
 
+    def test_a_machine_with_effects_that_draw_numbers_gives_its_bits(self):
+        crane = Path(self.scratch.name) / "gusty.yaml"
+        crane.write_text(f"""include: {self.crane}
+effects:
+  - effect: gusts
+    deviation: {{value: 4, unit: m/s, source: "test"}}
+    mean_speed: {{value: 12, unit: m/s, source: "test"}}
+    direction: {{value: 90, unit: deg, source: "test"}}
+    correlation_time: {{value: 5, unit: s, source: "test"}}
+    boom_drag_area: {{value: 80, unit: m^2, source: "test"}}
+    load_drag_area: {{value: 20, unit: m^2, source: "test"}}
+  - effect: command_jitter
+    spread: {{value: 40, unit: ms, source: "test"}}
+""")
+        run = slewlab.Scenario(slewlab.config("scenarios/thesis_slew.yaml"), {"crane": str(crane), "seed": 7, "duration": 12}).run()
+        encoder, torque = run.messages("ENCODER"), run.messages("TORQUE")
+        plant = Instance(str(export(crane, self.scratch.name, "--fmi", "3", "--seed", "7"))).start()
+        for k, said in enumerate(torque):
+            self.assertEqual(plant.get("shaft_speed[2]"), encoder["shaft_speed"][k][1], k)
+            command(plant, said)
+            plant.step()
+        plant.close()
+
     def test_the_controller_gives_the_bits_of_the_demo(self):
         run = demo()
         encoder, torque, state, moves = (run.messages(channel) for channel in ("ENCODER", "TORQUE", "CONTROLLER_STATE", "OPERATOR"))
