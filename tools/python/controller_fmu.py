@@ -7,7 +7,9 @@ step is done, and the outputs behind it are the answer. What the wire asks of a 
 import ctypes
 import math
 import os
+import select
 import shutil
+import signal
 import struct
 import sys
 from dataclasses import dataclass
@@ -19,7 +21,7 @@ sys.path.insert(0, str(messages_folder()))
 
 MILLISECOND = 1e-3  # [s]
 HALF = 0.5
-WAIT = 200  # [ms] for which a signal may go unnoticed
+LONGEST_GAP = 1000  # periods that are made up for
 REALS, BOOLEANS = ("Real", "Float64", "Float32"), ("Boolean",)
 WHOLES = ("Integer", "Enumeration", "Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64")
 
@@ -218,6 +220,7 @@ class Answers:
         self.torque.state_follows = sends_state
         self.run, self.operators = None, {}  # the newest OPERATOR of each run that was heard of
         self.answered, self.answered_time, self.leaps, self.count = -1, 0, 0, 0
+        self.first_time, self.given = None, None  # [ns] at which the FMU's time begins; inputs of its newest step
         self.bytes = None
         for channel, handler in (("OPERATOR", self.on_operator), ("ENCODER", self.on_encoder)):
             bus.subscribe(channel, handler).set_queue_capacity(0)
@@ -298,7 +301,21 @@ class Answers:
         for group in range(self.groups):
             given["shaft_speed", group] = encoder.shaft_speed[group]
             given["shaft_position", group] = encoder.shaft_position[group]
+        if self.first_time is None:
+            self.first_time = encoder.simulated_time
+        due = round((encoder.simulated_time - self.first_time) * 1e-9 / self.controller.period)
+        for _ in range(min(due - self.controller.steps, LONGEST_GAP)):  # ENCODER that were lost: a cycle with the inputs before
+            self.controller.step(self.given or given)
+        self.given = given
         return self.controller.step(given)
+
+
+class Ended(BaseException):
+    """SIGTERM: the ordinary end, behind which the unpacked FMU is taken away."""
+
+
+def end(number, frame):
+    raise Ended
 
 
 def main():
@@ -334,6 +351,7 @@ def main():
 
     sends_state = all((name, None) in found for name in STATE_SCALARS) and all(
         (name, group) in found for name in STATE_ARRAYS for group in range(groups))
+    signal.signal(signal.SIGTERM, end)
     try:
         controller = FmuController(arguments.fmu, model, found, period)
     except Exception as error:  # noqa: BLE001 - FMPy's errors are of many kinds
@@ -343,8 +361,9 @@ def main():
         bus = lcm.LCM(os.environ["SLEWLAB_BUS"])
         answers = Answers(bus, controller, groups, sends_state)  # keep it: it holds the subscriptions' handlers
         while answers:
-            bus.handle_timeout(WAIT)
-    except KeyboardInterrupt:
+            select.select([bus], [], [])  # a signal ends this wait in an orderly way, LCM's own with an error
+            bus.handle()
+    except Ended:
         return 0
     except Exception as error:  # noqa: BLE001 - what the FMU refuses comes through FMPy
         print(f"{arguments.fmu}: {error}", file=sys.stderr)
@@ -354,7 +373,4 @@ def main():
 
 
 if __name__ == "__main__":
-    import signal
-
-    signal.signal(signal.SIGTERM, signal.default_int_handler)  # ends by KeyboardInterrupt, so that the unpacked FMU goes
     sys.exit(main())

@@ -1,5 +1,6 @@
 """slewlab run with a controller that is an FMU, and with a plant of one's own."""
 
+import os
 import subprocess
 import sys
 import tempfile
@@ -17,12 +18,13 @@ SLEW = slewlab.config("scenarios/thesis_slew.yaml")
 OWN_PLANT = f"PYTHONPATH={messages_folder()} {sys.executable} {REPOSITORY / 'examples' / 'plant_in_python' / 'plant.py'}"
 
 
-def call(*words):
-    return subprocess.run([str(word) for word in words], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=300)
+def call(*words, **environment):
+    return subprocess.run([str(word) for word in words], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=300,
+                          env=os.environ | environment)
 
 
-def run(folder, *words, scenario=SLEW):
-    return call(REPOSITORY / "tools" / "in-private-network", PROGRAM, "run", scenario, "--out", folder, "--progress", "none", *words)
+def run(folder, *words, scenario=SLEW, **environment):
+    return call(REPOSITORY / "tools" / "in-private-network", PROGRAM, "run", scenario, "--out", folder, "--progress", "none", *words, **environment)
 
 
 def changed(fmu, to, *replacements):
@@ -65,6 +67,16 @@ class FmuControllerTest(unittest.TestCase):
                                 "--controller-fmu", fmu)
                 self.assertEqual(replayed.returncode, 0, replayed.stdout + replayed.stderr)
                 self.assertRegex(replayed.stdout, "TORQUE +6000 compared, all identical")
+
+    def test_readings_with_flipped_bits_and_lost_ones_do_not_stop_it_and_it_leaves_nothing_behind(self):
+        unpacked = self.folder / "unpacked"
+        unpacked.mkdir()
+        ended = run(self.folder / "bits", "--controller-fmu", self.fmus["2"], scenario=slewlab.config("scenarios/faults/encoder_bits.yaml"),
+                    TMPDIR=str(unpacked))
+        self.assertEqual(ended.returncode, 0, ended.stdout + ended.stderr)
+        self.assertIn("everything under expect: of the scenario came about", ended.stdout)
+        self.assertEqual((self.folder / "bits" / "controller.txt").read_text(), "")
+        self.assertEqual(list(unpacked.iterdir()), [])
 
     def refusal(self, fmu, *, groups="2", period="10"):
         ended = call(sys.executable, REPOSITORY / "tools" / "python" / "controller_fmu.py", fmu, "--groups", groups, "--period-ms", period, "--check")
