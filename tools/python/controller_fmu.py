@@ -7,11 +7,11 @@ step is done, and the outputs behind it are the answer. What the wire asks of a 
 import ctypes
 import math
 import os
-import select
 import shutil
 import signal
 import struct
 import sys
+import threading
 from dataclasses import dataclass
 
 from arguments import ArgumentParser
@@ -310,12 +310,41 @@ class Answers:
         return self.controller.step(given)
 
 
-class Ended(BaseException):
-    """SIGTERM: the ordinary end, behind which the unpacked FMU is taken away."""
+ENDS = {signal.SIGTERM, signal.SIGINT}
 
 
-def end(number, frame):
-    raise Ended
+def answer(path, model, found, period, groups):
+    """Until a signal ends it, which it waits for in this thread: one that came into LCM's own wait would be an error there, and what
+    was unpacked of the FMU would stay."""
+    import lcm
+
+    signal.pthread_sigmask(signal.SIG_BLOCK, ENDS)
+    sends_state = all((name, None) in found for name in STATE_SCALARS) and all(
+        (name, group) in found for name in STATE_ARRAYS for group in range(groups))
+    try:
+        controller = FmuController(path, model, found, period)
+    except Exception as error:  # noqa: BLE001 - FMPy's errors are of many kinds
+        print(f"{path}: it does not start: {error}", file=sys.stderr)
+        return 1
+    failures = []
+
+    def serve():
+        try:
+            bus = lcm.LCM(os.environ["SLEWLAB_BUS"])
+            answers = Answers(bus, controller, groups, sends_state)  # keep it: it holds the subscriptions' handlers
+            while answers:
+                bus.handle()
+        except Exception as error:  # noqa: BLE001 - what the FMU refuses comes through FMPy
+            failures.append(error)
+            os.kill(os.getpid(), signal.SIGTERM)
+
+    threading.Thread(target=serve, daemon=True).start()
+    signal.sigwait(ENDS)
+    controller.close()
+    for error in failures:
+        print(f"{path}: {error}", file=sys.stderr)
+    sys.stderr.flush()
+    os._exit(1 if failures else 0)  # not through the FMU's and LCM's own ends, under the thread that still uses them
 
 
 def main():
@@ -347,29 +376,7 @@ def main():
         for remark in remarks:
             print(f"{arguments.fmu}: note: {remark}", file=sys.stderr)
         return 0
-    import lcm
-
-    sends_state = all((name, None) in found for name in STATE_SCALARS) and all(
-        (name, group) in found for name in STATE_ARRAYS for group in range(groups))
-    signal.signal(signal.SIGTERM, end)
-    try:
-        controller = FmuController(arguments.fmu, model, found, period)
-    except Exception as error:  # noqa: BLE001 - FMPy's errors are of many kinds
-        print(f"{arguments.fmu}: it does not start: {error}", file=sys.stderr)
-        return 1
-    try:
-        bus = lcm.LCM(os.environ["SLEWLAB_BUS"])
-        answers = Answers(bus, controller, groups, sends_state)  # keep it: it holds the subscriptions' handlers
-        while answers:
-            select.select([bus], [], [])  # a signal ends this wait in an orderly way, LCM's own with an error
-            bus.handle()
-    except Ended:
-        return 0
-    except Exception as error:  # noqa: BLE001 - what the FMU refuses comes through FMPy
-        print(f"{arguments.fmu}: {error}", file=sys.stderr)
-        return 1
-    finally:
-        controller.close()
+    return answer(arguments.fmu, model, found, period, groups)
 
 
 if __name__ == "__main__":
