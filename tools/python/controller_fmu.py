@@ -11,11 +11,11 @@ import shutil
 import signal
 import struct
 import sys
-import threading
 from dataclasses import dataclass
 
 from arguments import ArgumentParser
 from run_log import messages_folder
+from wire_bus import WireBus
 
 sys.path.insert(0, str(messages_folder()))
 
@@ -223,9 +223,9 @@ class Answers:
         self.first_time, self.given = None, None  # [ns] at which the FMU's time begins; inputs of its newest step
         self.bytes = None
         for channel, handler in (("OPERATOR", self.on_operator), ("ENCODER", self.on_encoder)):
-            bus.subscribe(channel, handler).set_queue_capacity(0)
+            bus.subscribe(channel, handler)
 
-    def on_operator(self, channel, data):
+    def on_operator(self, data):
         try:
             message = self.operator_t.decode(data)
         except (ValueError, struct.error):
@@ -244,7 +244,7 @@ class Answers:
         self.leaps = 0 if fits else self.leaps + 1
         return fits or self.leaps >= 2
 
-    def on_encoder(self, channel, data):
+    def on_encoder(self, data):
         try:
             encoder = self.encoder_t.decode(data)
         except (ValueError, struct.error):
@@ -310,41 +310,33 @@ class Answers:
         return self.controller.step(given)
 
 
-ENDS = {signal.SIGTERM, signal.SIGINT}
+class Ended(BaseException):
+    """SIGTERM: the ordinary end, behind which what was unpacked of the FMU is taken away."""
+
+
+def end(number, frame):
+    raise Ended
 
 
 def answer(path, model, found, period, groups):
-    """Until a signal ends it, which it waits for in this thread: one that came into LCM's own wait would be an error there, and what
-    was unpacked of the FMU would stay."""
-    import lcm
-
-    signal.pthread_sigmask(signal.SIG_BLOCK, ENDS)
     sends_state = all((name, None) in found for name in STATE_SCALARS) and all(
         (name, group) in found for name in STATE_ARRAYS for group in range(groups))
+    controller = None
     try:
+        signal.signal(signal.SIGTERM, end)
         controller = FmuController(path, model, found, period)
-    except Exception as error:  # noqa: BLE001 - FMPy's errors are of many kinds
-        print(f"{path}: it does not start: {error}", file=sys.stderr)
+        bus = WireBus(os.environ["SLEWLAB_BUS"])
+        answers = Answers(bus, controller, groups, sends_state)
+        while answers:
+            bus.handle()
+    except (Ended, KeyboardInterrupt):
+        return 0
+    except Exception as error:  # noqa: BLE001 - what the FMU refuses comes through FMPy
+        print(f"{path}: {'it does not start: ' if controller is None else ''}{error}", file=sys.stderr)
         return 1
-    failures = []
-
-    def serve():
-        try:
-            bus = lcm.LCM(os.environ["SLEWLAB_BUS"])
-            answers = Answers(bus, controller, groups, sends_state)  # keep it: it holds the subscriptions' handlers
-            while answers:
-                bus.handle()
-        except Exception as error:  # noqa: BLE001 - what the FMU refuses comes through FMPy
-            failures.append(error)
-            os.kill(os.getpid(), signal.SIGTERM)
-
-    threading.Thread(target=serve, daemon=True).start()
-    signal.sigwait(ENDS)
-    controller.close()
-    for error in failures:
-        print(f"{path}: {error}", file=sys.stderr)
-    sys.stderr.flush()
-    os._exit(1 if failures else 0)  # not through the FMU's and LCM's own ends, under the thread that still uses them
+    finally:
+        if controller is not None:
+            controller.close()
 
 
 def main():
