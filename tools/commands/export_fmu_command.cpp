@@ -85,6 +85,7 @@ int export_fmu(const ExportFmuOptions& options, std::ostream& out) {
   std::vector<fmu::PackedFile> files{{"modelDescription.xml", fmu::model_description(model, file, *unit)},
                                      {std::string("resources/") + fmu::kUnitFileName, file.text},
                                      {folder + model.identifier + ".so", content_of(parts / "unit.so"), true}};
+  files.push_back({"documentation/licenses/license.txt", content_of(parts / "license.txt")});
   if (options.fmi == 3) files.push_back({"sources/buildDescription.xml", fmu::build_description(model)});
   for (const std::string& name : sources) files.push_back({"sources/" + name, content_of(parts / "sources" / name)});
   const fs::path path = options.out.empty() ? fs::path(model.name + ".fmu") : options.out;
