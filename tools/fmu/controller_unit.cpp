@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cmath>
-#include <slewlab_msgs/fields.hpp>
 #include <stdexcept>
 
 #include "controller/controller_tree.h"
@@ -33,11 +32,6 @@ constexpr std::array<FieldText, 6> kState{{
 }};
 
 constexpr std::size_t kPeriod = 0, kSpeedRequest = 1, kEmergencyStop = 2, kOperatorAcknowledge = 3, kFirstSpeed = 4;
-
-template <class Message>
-auto fields_of(const Message& message) {
-  return [&message](auto visit) { msgs::visit_fields(message, visit); };
-}
 
 class ControllerUnit : public Unit {
  public:

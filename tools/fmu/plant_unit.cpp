@@ -3,7 +3,6 @@
 #include <array>
 #include <cmath>
 #include <optional>
-#include <slewlab_msgs/fields.hpp>
 #include <stdexcept>
 #include <string_view>
 #include <utility>
@@ -55,11 +54,6 @@ constexpr std::array<FieldText, 3> kStatus{{
 }};
 
 constexpr std::size_t kPlantStep = 0, kSeed = 1, kFirstInput = 2;
-
-template <class Message>
-auto fields_of(const Message& message) {
-  return [&message](auto visit) { msgs::visit_fields(message, visit); };
-}
 
 class PlantUnit : public Unit {
  public:

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstddef>
+#include <slewlab_msgs/fields.hpp>
 #include <span>
 #include <string>
 #include <string_view>
@@ -39,8 +40,13 @@ const FieldText* text_of(std::span<const FieldText> texts, std::string_view fiel
 
 }  // namespace detail
 
+// msgs::visit_fields of a message, bound to it: what the functions below call `fields`.
+template <class Message>
+auto fields_of(const Message& message) {
+  return [&message](auto visit) { msgs::visit_fields(message, visit); };
+}
+
 // The fields of a message that `texts` names become variables, in the message's order; of an array one for each element there is.
-// `fields` is msgs::visit_fields of the message, bound to it.
 template <class VisitFields>
 void add_variables(VisitFields fields, std::span<const FieldText> texts, Causality causality, std::vector<Variable>& variables) {
   fields([&](std::string_view name, std::string_view unit, const auto& value) {
