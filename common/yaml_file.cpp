@@ -13,6 +13,7 @@
 #include <unordered_map>
 
 #include "common/unit.h"
+#include "common/yaml_reader.h"
 
 namespace slewlab::common {
 namespace {
@@ -472,13 +473,6 @@ Override parse_override(std::string_view option) {
 
 YamlNode parse_yaml_text(std::string_view text, const std::string& file_name, InputProblems& problems) {
   return parse_text(std::string(text), file_name, problems);
-}
-
-std::filesystem::path resolve_path(const YamlNode& reference) {
-  const std::filesystem::path named = reference.scalar;
-  const bool on_command_line = reference.mark.line == 0;
-  if (named.is_absolute() || on_command_line) return named;
-  return (std::filesystem::path(reference.mark.file.text()).parent_path() / named).lexically_normal();
 }
 
 YamlNode load_yaml_file(const std::filesystem::path& file, const std::vector<Override>& overrides,

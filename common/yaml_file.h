@@ -36,8 +36,4 @@ YamlNode load_yaml_file(const std::filesystem::path& file, const std::vector<Ove
 // Parses a text as if it stood in a file of that name; no includes.
 YamlNode parse_yaml_text(std::string_view text, const std::string& file_name, InputProblems& problems);
 
-// The path that a file reference means: relative to the file in which it stands, or to the working
-// directory where it was given on the command line.
-std::filesystem::path resolve_path(const YamlNode& reference);
-
 }  // namespace slewlab::common

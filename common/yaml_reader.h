@@ -108,4 +108,8 @@ class YamlReader {
 // A share above 0 and at most 1, as "10 %" or 0.1; nothing where the node holds none.
 std::optional<double> parse_share(const YamlNode& node);
 
+// The path that a file reference means: relative to the file in which it stands, or to the working
+// directory where it was given on the command line.
+std::filesystem::path resolve_path(const YamlNode& reference);
+
 }  // namespace slewlab::common

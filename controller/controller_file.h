@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "common/yaml_file.h"
-#include "common/yaml_reader.h"
 #include "controller/controller.h"
 
 namespace slewlab::controller {
@@ -20,9 +19,6 @@ struct ControllerFile {
 // Throws common::InputError with every problem found.
 ControllerFile load_controller_file(const std::filesystem::path& file,
                                     const std::vector<common::Override>& overrides = {});
-
-// The settings of an opened file, but for finish().
-void read_controller(common::YamlReader& reader, ControllerSettings& settings);
 
 // What `to` has otherwise than `from`, as YAML to be laid over from's file by `include:`; empty where nothing differs. `source` is written
 // beside every value. Groups, ratio and the shape of ramp and map are taken to be the same.

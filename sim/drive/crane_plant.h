@@ -27,6 +27,9 @@ class CranePlant : public DrivenPlant {
   void read_status(msgs::PlantStatus& message) override;
   std::optional<Divergence> divergence() const override;
 
+  // Where the controller's period is not known before it begins: from the next answer on.
+  void set_controller_period(std::int64_t period) { run_.controller_period = period; }  // [ns]
+
   const Machine& machine() const { return machine_; }
   bool switch_effect(std::string_view name, bool on) { return sim::switch_effect(machine_, name, on); }
   const DriveProtectionState& drive() const { return drive_; }

@@ -364,6 +364,9 @@ class Checks {
       for (const msgs::Sensors& sensors : run_.sensors) {
         tip.push_back({seconds(sensors.simulated_time), sensors.tip_acceleration});
       }
+      if (std::all_of(tip.begin(), tip.end(), [](const Sample& sample) { return std::isnan(sample.value); })) {
+        return add(not_applicable("tip acceleration", "no accelerometer at the tip: no value of it in SENSORS is a number"));
+      }
       add(at_most("tip acceleration", worst(tip, view_.stop, end_of(view_), [](double v) { return std::abs(v); }),
                   *limits_.tip_acceleration, 1.0, "m/s^2", "tip after the emergency stop"));
     }

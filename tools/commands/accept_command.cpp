@@ -143,8 +143,9 @@ int accept(const AcceptOptions& options, const std::vector<std::string>& command
   try {
     const AcceptanceLimits limits = load_acceptance_limits(options.limits);
     if (fs::is_directory(options.subject)) {
-      if (!options.controller_command.empty() || !options.overrides.empty() || !options.out.empty()) {
-        std::fprintf(stderr, "slewlab accept: --controller, --set and --out are for a scenario; %s is a run that was made "
+      if (!options.controller_command.empty() || !options.controller_fmu.empty() || !options.plant_command.empty() ||
+          !options.overrides.empty() || !options.out.empty()) {
+        std::fprintf(stderr, "slewlab accept: --controller, --controller-fmu, --plant, --set and --out are for a scenario; %s is a run that was made "
                              "already\n", options.subject.c_str());
         return 2;
       }
@@ -159,6 +160,8 @@ int accept(const AcceptOptions& options, const std::vector<std::string>& command
     run.scenario = options.subject;
     run.out = options.out.empty() ? fs::path("runs") / ("accept_" + options.subject.stem().string()) : options.out;
     run.controller_command = options.controller_command;
+    run.controller_fmu = options.controller_fmu;
+    run.plant_command = options.plant_command;
     run.overrides = options.overrides;
     run.progress = Progress::none;
     const int result = run_scenario(run, command_line);

@@ -23,6 +23,8 @@ struct AcceptOptions {
   std::filesystem::path junit;      // empty: none
   std::filesystem::path out;        // of a scenario; empty: runs/accept_<name>
   std::string controller_command;   // of a scenario; empty: slewlab-controller
+  std::filesystem::path controller_fmu;  // as these of run_command.h, of a scenario
+  std::string plant_command;
   std::vector<common::Override> overrides;
   bool plot = true;
 };

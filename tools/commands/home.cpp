@@ -43,6 +43,11 @@ fs::path python_interpreter() {
   return fs::exists(own) || !is_installed ? own : fs::path("/usr/bin/python3");
 }
 
+fs::path fmu_parts() {
+  const fs::path built = prefix() / "fmu";
+  return fs::exists(built) ? built : prefix() / "lib" / "slewlab" / "fmu";
+}
+
 fs::path python_messages() {
   const fs::path built = prefix() / "python";
   return fs::exists(built) ? built : home() / "python";

@@ -18,6 +18,9 @@ std::filesystem::path home();
 // The interpreter for tools/python: .venv of the home folder, or the system's python3 of an installation without one.
 std::filesystem::path python_interpreter();
 
+// The folder with what an FMU carries, a folder each for plant and controller: unit.so, license.txt and sources/.
+std::filesystem::path fmu_parts();
+
 // The folder with the messages as Python classes (lcm-gen).
 std::filesystem::path python_messages();
 

@@ -15,6 +15,7 @@
 #include "tools/commands/check_command.h"
 #include "tools/commands/command_pages.h"
 #include "tools/commands/diagnose_command.h"
+#include "tools/commands/export_fmu_command.h"
 #include "tools/commands/home.h"
 #include "tools/commands/modes_command.h"
 #include "tools/commands/new_command.h"
@@ -83,8 +84,13 @@ void add_run(CLI::App& app, const std::vector<std::string>& command_line, Action
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("run", "Run a scenario: plant and controller as two processes over LCM");
   command->add_option("SCENARIO", options->run.scenario, "scenario file")->required();
-  command->add_option("--controller", options->run.controller_command,
-                      "shell command of your own controller; it finds its bus in $SLEWLAB_BUS (docs/wire.md)");
+  CLI::Option* own = command->add_option("--controller", options->run.controller_command,
+                                         "shell command of your own controller; it finds its bus in $SLEWLAB_BUS (docs/wire.md)");
+  command->add_option("--controller-fmu", options->run.controller_fmu, "controller that is an FMU 2 or 3 for co-simulation (docs/fmu.md)")
+      ->check(CLI::ExistingFile)
+      ->excludes(own);
+  command->add_option("--plant", options->run.plant_command,
+                      "shell command of your own plant; it finds its task in $SLEWLAB_PLANT_TASK (docs/wire.md)");
   command->add_option("--out", options->run.out, "folder for log and summary (runs/<scenario>)");
   command->add_option("--set", options->overrides,
                       "key=value: scenario keys as they are, crane.KEY and controller.KEY for those files");
@@ -115,8 +121,11 @@ void add_replay(CLI::App& app, const std::vector<std::string>& command_line, Act
   command->add_option("--scenario", options->replay.scenario, "in place of scenario.yaml beside the log");
   command->add_option("--crane,--axis", options->replay.crane, "in place of the scenario's machine");
   command->add_option("--controller-config", options->replay.controller_config, "in place of the scenario's");
-  command->add_option("--controller", options->replay.controller_command,
-                      "shell command of your own controller: what it would have answered to the recorded motion");
+  CLI::Option* own = command->add_option("--controller", options->replay.controller_command,
+                                         "shell command of your own controller: what it would have answered to the recorded motion");
+  command->add_option("--controller-fmu", options->replay.controller_fmu, "the same of a controller that is an FMU (docs/fmu.md)")
+      ->check(CLI::ExistingFile)
+      ->excludes(own);
   command->add_option("--tolerance", options->replay.tolerances,
                       "CHANNEL.FIELD=SIZE: differences up to this size do not count, e.g. TORQUE.motor_torque=0.5");
   command->add_option("--run", options->replay.run, "which of several runs in the log, from 1 (all)")
@@ -163,7 +172,11 @@ void add_accept(CLI::App& app, const std::vector<std::string>& command_line, Act
   command->add_option("SCENARIO|RUN_DIR", options->accept.subject, "scenario to run, or a run that was made already")
       ->required()
       ->check(CLI::ExistingPath);
-  command->add_option("--controller", options->accept.controller_command, "shell command of your own controller");
+  CLI::Option* own = command->add_option("--controller", options->accept.controller_command, "shell command of your own controller");
+  command->add_option("--controller-fmu", options->accept.controller_fmu, "controller that is an FMU (docs/fmu.md)")
+      ->check(CLI::ExistingFile)
+      ->excludes(own);
+  command->add_option("--plant", options->accept.plant_command, "shell command of your own plant");
   command->add_option("--limits", options->accept.limits, "limits (config/acceptance/thesis.yaml)");
   command->add_flag("--plot,!--no-plot", options->accept.plot, "draw acceptance.html (as it is by default)");
   command->add_option("--junit", options->accept.junit, "JUnit XML to write, for CI");
@@ -318,6 +331,28 @@ void add_modes(CLI::App& app, Action& action) {
   });
 }
 
+void add_export_fmu(CLI::App& app, Action& action) {
+  struct Options {
+    ExportFmuOptions fmu;
+    std::vector<std::string> overrides;
+  };
+  auto options = std::make_shared<Options>();
+  CLI::App* command = app.add_subcommand("export-fmu", "A machine as plant, or a controller, as an FMU for co-simulation");
+  command->add_option("FILE", options->fmu.file, "file of a crane, an axis or a controller")->required();
+  command->add_option("--fmi", options->fmu.fmi, "version of the standard: 2 (2.0) or 3 (3.0)")->check(CLI::IsMember({2, 3}));
+  command->add_option("--out", options->fmu.out, "FMU to write (FILE's name with .fmu, where one stands)");
+  command->add_option("--period", options->fmu.period_ms, "[ms] communication step (10); a controller takes no other")->check(CLI::PositiveNumber);
+  command->add_option("--plant-step", options->fmu.plant_step_ms, "[ms] of the plant's integration (1)")->check(CLI::PositiveNumber);
+  command->add_option("--seed", options->fmu.seed, "of the plant's effects that draw numbers (0)")->check(CLI::NonNegativeNumber);
+  command->add_option("--set", options->overrides, "key=value over the file");
+  command->callback([options, &action] {
+    action = [options] {
+      options->fmu.overrides = parse_overrides(options->overrides);
+      return export_fmu(options->fmu, std::cout);
+    };
+  });
+}
+
 void add_verify(CLI::App& app, Action& action) {
   auto options = std::make_shared<VerifyOptions>();
   CLI::App* command = app.add_subcommand("verify", "Compute every number of the thesis anew and compare");
@@ -432,6 +467,7 @@ int main(const std::vector<std::string>& command_line, int argc, char** argv) {
   add_soak(app, action);
   add_check(app, action);
   add_modes(app, action);
+  add_export_fmu(app, action);
   add_verify(app, action);
   add_diagnose(app, action);
   add_withhold(app, action);

@@ -21,7 +21,9 @@
 #include "msgs/run_log.h"
 #include "sim/drive/scenario_file.h"
 #include "tools/commands/child_process.h"
+#include "tools/commands/home.h"
 #include "tools/commands/log_path.h"
+#include "tools/commands/plant_task.h"
 #include "tools/commands/private_network.h"
 #include "tools/replay/comparison.h"
 #include "tools/replay/controller_replay.h"
@@ -43,6 +45,8 @@ class BadCall : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
+
+bool is_ours(const ReplayOptions& options) { return options.controller_command.empty() && options.controller_fmu.empty(); }
 
 struct Configuration {
   std::optional<sim::Scenario> scenario;         // without one the periods are the log's
@@ -74,10 +78,10 @@ Configuration configuration(const ReplayOptions& options, const fs::path& log) {
   } else if (!options.crane.empty()) {
     result.crane = sim::load_machine_file(options.crane, changes);
   }
-  if (!controller_file.empty() && options.controller_command.empty()) {
+  if (!controller_file.empty() && is_ours(options)) {
     result.controller = controller::load_controller_file(controller_file, controller_changes).settings;
   }
-  if (!options.controller_command.empty()) return result;
+  if (!is_ours(options)) return result;
   if (!result.crane && !result.controller) {
     throw BadCall("there is no scenario.yaml beside " + log.string() +
                   "; give --crane CRANE.yaml for the plant's half, --controller-config CONTROLLER.yaml for the "
@@ -143,8 +147,12 @@ void ask_process(const ReplayOptions& options, const fs::path& controller_file, 
   ChildOptions child;
   child.name = "controller";
   child.command = {"/bin/sh", "-c", options.controller_command};
+  if (!options.controller_fmu.empty()) {
+    child.command = {python_interpreter().string(), (home() / "tools" / "python" / "controller_fmu.py").string(), options.controller_fmu.string()};
+  }
   child.environment = {{"SLEWLAB_BUS", url},
                        {"LCM_DEFAULT_URL", url},
+                       {"SLEWLAB_PYTHON_MESSAGES", python_messages().string()},
                        {"SLEWLAB_CONTROLLER_PERIOD_MS", fmt::format("{:.9g}", static_cast<double>(period) / 1e6)}};
   if (!controller_file.empty()) {
     child.environment.emplace_back("SLEWLAB_CONTROLLER_CONFIG", fs::absolute(controller_file).string());
@@ -186,7 +194,7 @@ Comparison compare_controller(const ReplayOptions& options, const Configuration&
   if (period == 0) throw BadCall("the log has fewer than two ENCODER: no controller period");
   ControllerReplay replay;
   for (const auto& start : questions.starts) {
-    if (options.controller_command.empty()) {
+    if (is_ours(options)) {
       controller::ControllerSettings settings = *configuration.controller;
       settings.period = static_cast<double>(period) / 1e6 * 1e-3;  // as slewlab-controller works it out from [ms]
       ask_ours(settings, record, start, replay);
@@ -199,7 +207,7 @@ Comparison compare_controller(const ReplayOptions& options, const Configuration&
   }
   Comparison comparison{compare(record.torque, replay.torque)};
   // A controller need not send its state.
-  if (!replay.controller_state.empty() || options.controller_command.empty()) {
+  if (!replay.controller_state.empty() || is_ours(options)) {
     comparison.push_back(compare(record.controller_state, replay.controller_state));
   }
   return comparison;
@@ -258,6 +266,8 @@ int replay_log(const ReplayOptions& options, std::ostream& out, std::ostream& er
         return run.configuration_hash == *files.hash;
       });
 
+  // What such a plant does under recorded torques is not slewlab's to say.
+  const bool by_another_plant = options.crane.empty() && fs::exists(log.parent_path() / kPlantTaskName);
   bool good = true;
   for (int i = 0; i < run_count; ++i) {
     const msgs::RunLog& record = logs.runs[static_cast<std::size_t>(i)];
@@ -274,8 +284,10 @@ int replay_log(const ReplayOptions& options, std::ostream& out, std::ostream& er
       out << fmt::format("  note: the files at hand have the configuration {}: not those of this run\n",
                          msgs::hash_text(*files.hash));
     }
-    if (options.controller_command.empty()) {
-      if (files.crane) {
+    if (is_ours(options)) {
+      if (by_another_plant) {
+        out << "  plant: not replayed, it was one of your own (--crane compares it with a machine of slewlab's)\n";
+      } else if (files.crane) {
         out << "  plant, fed with the recorded TORQUE\n";
         if (!files.scenario) out << "    note: no scenario at hand: steps and periods are taken from the log\n";
         const sim::Scenario scenario = files.scenario ? *files.scenario : scenario_of(record, *files.crane);
@@ -284,7 +296,7 @@ int replay_log(const ReplayOptions& options, std::ostream& out, std::ostream& er
         out << "  plant: not replayed, there is no crane at hand (--crane)\n";
       }
     }
-    if (!options.controller_command.empty() || files.controller) {
+    if (!is_ours(options) || files.controller) {
       out << "  controller, fed with the recorded ENCODER and OPERATOR\n";
       good = judge(compare_controller(options, files, record, out, err), tolerances, out) && good;
     } else {
@@ -299,7 +311,7 @@ int replay_log(const ReplayOptions& options, std::ostream& out, std::ostream& er
 int replay(const ReplayOptions& options, const std::vector<std::string>& command_line, std::ostream& out,
            std::ostream& err) {
   try {
-    if (!options.controller_command.empty()) need_multicast(command_line);
+    if (!is_ours(options)) need_multicast(command_line);
     return replay_log(options, out, err);
   } catch (const common::InputError& error) {
     err << error.what() << '\n';

@@ -31,6 +31,7 @@ struct ReplayOptions {
   std::filesystem::path crane;              // empty: the scenario's
   std::filesystem::path controller_config;  // empty: the scenario's
   std::string controller_command;           // empty: ours, in this process
+  std::filesystem::path controller_fmu;     // empty, or the controller in place of both
   std::vector<common::Override> overrides;  // as of `slewlab run`
   // "TORQUE.motor_torque=0.5": differences up to this size [SI] are shown, but do not count.
   std::vector<std::string> tolerances;

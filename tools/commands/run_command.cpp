@@ -29,7 +29,10 @@
 #include "sim/drive/scenario_file.h"
 #include "tools/commands/check_command.h"
 #include "tools/commands/child_process.h"
+#include "tools/commands/home.h"
+#include "tools/commands/plant_task.h"
 #include "tools/commands/private_network.h"
+#include "tools/commands/python_command.h"
 #include "tools/commands/resolved_configuration.h"
 #include "tools/commands/run_facts.h"
 #include "tools/commands/status_line.h"
@@ -340,7 +343,7 @@ int tell_outcome(const Outcome& outcome, const std::string& name, const fs::path
 // What an earlier run left, and what was drawn or exported of it: none of it may be taken for the new run's. A folder of exports goes
 // only if nothing else is in it.
 void remove_earlier_run(const fs::path& folder) {
-  for (const char* stale : {"summary.json", kRunFactsName, "run.lcmlog", "run.lcmlog.partial", "report.html", "acceptance.html", "run.mcap"}) {
+  for (const char* stale : {"summary.json", kRunFactsName, kPlantTaskName, "run.lcmlog", "run.lcmlog.partial", "report.html", "acceptance.html", "run.mcap"}) {
     fs::remove(folder / stale);
   }
   for (const char* format : {"parquet", "csv"}) {
@@ -348,6 +351,52 @@ void remove_earlier_run(const fs::path& folder) {
     if (!fs::is_directory(exported)) continue;
     const auto is_ours = [&](const fs::directory_entry& entry) { return entry.path().extension() == std::string(".") + format; };
     if (std::all_of(fs::directory_iterator(exported), fs::directory_iterator(), is_ours)) fs::remove_all(exported);
+  }
+}
+
+// The controller in people's words, as summary.json and run.json have it; empty where it is slewlab's own.
+std::string controller_words(const RunOptions& options) {
+  return options.controller_fmu.empty() ? options.controller_command : "FMU " + options.controller_fmu.string();
+}
+
+std::string milliseconds_text(std::int64_t time) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.9g", static_cast<double>(time) / 1e6);
+  return text;
+}
+
+// What controller_fmu.py is called with.
+std::vector<std::string> fmu_arguments(const RunOptions& options, const sim::Scenario& scenario) {
+  return {options.controller_fmu.string(), "--groups", std::to_string(scenario.crane.parameters.drive.group_count), "--period-ms",
+          milliseconds_text(scenario.controller_period)};
+}
+
+constexpr const char* kFmuController = "controller_fmu.py";
+
+std::vector<std::string> controller_program(const RunOptions& options, const sim::Scenario& scenario, const fs::path& programs) {
+  if (!options.controller_fmu.empty()) {
+    std::vector<std::string> command{python_interpreter().string(), (home() / "tools" / "python" / kFmuController).string()};
+    const std::vector<std::string> arguments = fmu_arguments(options, scenario);
+    command.insert(command.end(), arguments.begin(), arguments.end());
+    return command;
+  }
+  if (!options.controller_command.empty()) return {"/bin/sh", "-c", options.controller_command};
+  return {(programs / "slewlab-controller").string()};
+}
+
+// The log of a plant of one's own becomes the run's, or the run has failed. Answers with the summary.
+Json take_over_log(const fs::path& log, const sim::Scenario& scenario, double wall_seconds, const ChildProcess& plant, Outcome& outcome) {
+  const fs::path unfinished = log.string() + ".partial";
+  try {
+    Json summary = own_plant_summary(unfinished, scenario);
+    summary["wall_seconds"] = wall_seconds;
+    fs::rename(unfinished, log);
+    return summary;
+  } catch (const std::runtime_error& error) {
+    outcome.kind = Outcome::Kind::failed;
+    outcome.failed_side = &plant;
+    outcome.reason = error.what();
+    return nullptr;
   }
 }
 
@@ -363,10 +412,8 @@ int run_in(const fs::path& folder, const RunOptions& options, const std::string&
     controller_settings = controller::load_controller_file(folder / "controller.yaml").settings;
     controller_settings->period = static_cast<double>(scenario.controller_period) / 1e9;
   } catch (const common::InputError&) {
-    if (options.controller_command.empty()) throw;  // a controller of one's own may have a file of its own kind
+    if (controller_words(options).empty()) throw;  // a controller of one's own may have a file of its own kind
   }
-  char period_ms[32];
-  std::snprintf(period_ms, sizeof period_ms, "%.9g", static_cast<double>(scenario.controller_period) / 1e6);
 
   const msgs::ReservedPort port;
   const std::string bus = msgs::bus_url(port.number());
@@ -374,14 +421,12 @@ int run_in(const fs::path& folder, const RunOptions& options, const std::string&
 
   ChildOptions controller_options;
   controller_options.name = "controller";
-  controller_options.command =
-      options.controller_command.empty()
-          ? std::vector<std::string>{(programs / "slewlab-controller").string()}
-          : std::vector<std::string>{"/bin/sh", "-c", options.controller_command};
+  controller_options.command = controller_program(options, scenario, programs);
   controller_options.environment = {{"SLEWLAB_BUS", bus},
                                     {"LCM_DEFAULT_URL", bus},
                                     {"SLEWLAB_CONTROLLER_CONFIG", fs::absolute(folder / "controller.yaml").string()},
-                                    {"SLEWLAB_CONTROLLER_PERIOD_MS", period_ms}};
+                                    {"SLEWLAB_CONTROLLER_PERIOD_MS", milliseconds_text(scenario.controller_period)},
+                                    {"SLEWLAB_PYTHON_MESSAGES", python_messages().string()}};
   char speed[32];
   std::snprintf(speed, sizeof speed, "%.9g", options.speed);
   if (options.realtime) controller_options.environment.emplace_back("SLEWLAB_REALTIME_SPEED", speed);
@@ -393,6 +438,15 @@ int run_in(const fs::path& folder, const RunOptions& options, const std::string&
                            msgs::hash_text(msgs::run_identity(msgs::configuration_hash(scenario.configuration_text)))};
   if (options.realtime) {
     plant_options.command.insert(plant_options.command.end(), {"--realtime", "--speed", speed});
+  }
+
+  if (!options.plant_command.empty()) {
+    plant_options.command = {"/bin/sh", "-c", options.plant_command};
+    plant_options.listens = false;
+    plant_options.environment = {{"SLEWLAB_BUS", bus},
+                                 {"LCM_DEFAULT_URL", bus},
+                                 {"SLEWLAB_PLANT_TASK", fs::absolute(write_plant_task(folder, scenario, bus, log.string() + ".partial")).string()},
+                                 {"SLEWLAB_PYTHON_MESSAGES", python_messages().string()}};
   }
 
   if (options.steered) {
@@ -411,8 +465,14 @@ int run_in(const fs::path& folder, const RunOptions& options, const std::string&
   std::fflush(stdout);
   ProgressDisplay display(options.progress, name);
   Run run(plant, controller, display, signals, options.steered);
-  const Outcome outcome = run.watch();
+  const WallClock::time_point begin = WallClock::now();
+  Outcome outcome = run.watch();
   display.keep();
+  Json plant_summary = run.plant_summary();
+  if (!options.plant_command.empty() && outcome.kind == Outcome::Kind::complete) {
+    const double wall_seconds = std::chrono::duration<double>(WallClock::now() - begin).count();
+    plant_summary = take_over_log(log, scenario, wall_seconds, plant, outcome);
+  }
 
   const fs::path kept = fs::exists(log) ? log : fs::path(log.string() + ".partial");
   std::optional<std::vector<std::string>> broken;
@@ -422,20 +482,21 @@ int run_in(const fs::path& folder, const RunOptions& options, const std::string&
       {"outcome", to_string(outcome.kind)},
       {"reason", outcome.reason},
       {"controller_command",
-       options.controller_command.empty() ? "slewlab-controller" : options.controller_command},
+       controller_words(options).empty() ? "slewlab-controller" : controller_words(options)},
       {"network", in_private_network() ? "private" : "as found"},
       {"log", fs::exists(kept) ? kept.filename().string() : ""},
-      {"run", run.plant_summary()},
+      {"run", plant_summary},
       {"plant_end", plant.how_it_ended()},
       {"controller_end", controller.how_it_ended()}};
+  if (!options.plant_command.empty()) summary["plant_command"] = options.plant_command;
   if (broken) summary["broken_expectations"] = *broken;
   std::string unwritten;  // a disk that is full for the log is full for these, too; the run's own end is told first
   try {
     write_whole_file(folder / "plant.txt", plant.complaints());
     write_whole_file(folder / "controller.txt", controller.complaints());
     write_whole_file(folder / "summary.json", summary.dump(2) + "\n");
-    RunOutcome facts = run_outcome(outcome, run.plant_summary());
-    if (!options.controller_command.empty()) facts.controller_command = options.controller_command;
+    RunOutcome facts = run_outcome(outcome, plant_summary);
+    if (!controller_words(options).empty()) facts.controller_command = controller_words(options);
     write_run_facts(folder, scenario, controller_settings, facts);
   } catch (const std::exception& error) {
     unwritten = error.what();
@@ -443,7 +504,7 @@ int run_in(const fs::path& folder, const RunOptions& options, const std::string&
 
   int code = tell_outcome(outcome, name, log, kept);
   if (outcome.kind == Outcome::Kind::complete) {
-    if (options.realtime) print_timing(run.plant_summary());
+    if (options.realtime) print_timing(plant_summary);
     if (broken && broken->empty()) std::printf("%s: everything under expect: of the scenario came about\n", name.c_str());
     if (broken) {
       for (const std::string& line : *broken) {
@@ -458,18 +519,38 @@ int run_in(const fs::path& folder, const RunOptions& options, const std::string&
   return code == 0 ? 1 : code;
 }
 
+// Whether the FMU can be the controller, and a plant of one's own the plant; says why not.
+bool can_be_run_by_others(const RunOptions& options) {
+  if (options.controller_fmu.empty() && options.plant_command.empty()) return true;
+  const sim::Scenario scenario = sim::load_scenario_file(options.scenario, options.overrides);
+  if (!options.plant_command.empty()) {
+    std::string why = why_not_by_another_plant(scenario);
+    if (options.realtime) why = "it keeps lockstep's time alone: --realtime is for slewlab's own plant";
+    if (options.steered) why = "--steered is for slewlab's own plant";
+    if (!why.empty()) {
+      std::fprintf(stderr, "%s: not by a plant of one's own (--plant): %s\n", options.scenario.c_str(), why.c_str());
+      return false;
+    }
+  }
+  if (options.controller_fmu.empty()) return true;
+  std::vector<std::string> arguments = fmu_arguments(options, scenario);
+  arguments.push_back("--check");
+  return call_python(kFmuController, arguments) == 0;
+}
+
 }  // namespace
 
 int run_scenario(const RunOptions& options, const std::vector<std::string>& command_line) {
   const std::string name = options.scenario.stem().string();
   const fs::path folder = options.out.empty() ? fs::path("runs") / name : options.out;
   try {
-    const ControllerBy by = options.controller_command.empty() ? ControllerBy::slewlab : ControllerBy::user;
+    const ControllerBy by = controller_words(options).empty() ? ControllerBy::slewlab : ControllerBy::user;
     const Findings found = examine(options.scenario, options.overrides, by);
     if (!found.problems.empty()) {
       complain(found.problems, std::cerr);
       return 2;
     }
+    if (!can_be_run_by_others(options)) return 2;
     need_multicast(command_line);
     warn(found.warnings, std::cerr);
     fs::create_directories(folder);

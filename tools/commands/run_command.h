@@ -27,6 +27,8 @@ struct RunOptions {
   std::filesystem::path scenario;
   std::filesystem::path out;       // empty: runs/<name of the scenario's file>
   std::string controller_command;  // empty: slewlab-controller; else a shell command
+  std::filesystem::path controller_fmu;  // empty, or the controller in place of both
+  std::string plant_command;       // empty: slewlab-plant; else a shell command
   std::vector<common::Override> overrides;
   bool realtime = false;                    // against the wall clock
   double speed = 1.0;                       // simulated seconds per second, with realtime

@@ -8,7 +8,7 @@
 #include "common/input_error.h"
 #include "common/near_name.h"
 #include "common/yaml_inquiry.h"
-#include "controller/controller_file.h"
+#include "controller/controller_tree.h"
 #include "sim/drive/fault_file.h"
 #include "sim/drive/scenario_file.h"
 #include "sim/effects/catalogue.h"

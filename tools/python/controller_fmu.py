@@ -1,0 +1,375 @@
+"""A controller that is an FMU, as a process on the bus: slewlab run --controller-fmu FILE starts it.
+
+In lockstep: every ENCODER is one communication step from its simulated time on. Inputs are set to what ENCODER and OPERATOR say, the
+step is done, and the outputs behind it are the answer. What the wire asks of a controller: docs/wire.md; the variables: docs/fmu.md.
+"""
+
+import ctypes
+import math
+import os
+import shutil
+import signal
+import struct
+import sys
+from dataclasses import dataclass
+
+from arguments import ArgumentParser
+from run_log import messages_folder
+from wire_bus import WireBus
+
+sys.path.insert(0, str(messages_folder()))
+
+MILLISECOND = 1e-3  # [s]
+HALF = 0.5
+LONGEST_GAP = 1000  # periods that are made up for
+REALS, BOOLEANS = ("Real", "Float64", "Float32"), ("Boolean",)
+WHOLES = ("Integer", "Enumeration", "Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64")
+
+# Exponents of the SI units, and how a unit is spelled where the FMU does not define it.
+UNITS = {"rad/s": ({"rad": 1, "s": -1}, ("rad/s",)), "rad": ({"rad": 1}, ("rad",)),
+         "N.m": ({"kg": 1, "m": 2, "s": -2}, ("N.m", "Nm", "N m", "N*m")), "1": ({}, ("1", "-"))}
+STATE_SCALARS, STATE_ARRAYS = ("mode", "ramped_speed", "average_torque", "offset_torque"), ("proportional_torque", "integral_torque")
+
+
+class NotFit(Exception):
+    """The FMU cannot be this run's controller: what it has, and what would be right."""
+
+
+@dataclass
+class Wanted:
+    """A variable that the controller must or may have."""
+
+    name: str
+    causality: str
+    unit: str = ""  # "" of one that is no physical quantity
+    needed: bool = True
+
+
+def wanted(groups):
+    """All that a run knows of, by what it stands for: (message's field, group from 0 or None)."""
+    found = {("speed_request", None): Wanted("speed_request", "input", "1"),
+             ("emergency_stop", None): Wanted("emergency_stop", "input", needed=False),
+             ("operator_acknowledge", None): Wanted("operator_acknowledge", "input", needed=False)}
+    for group in range(groups):
+        found["shaft_speed", group] = Wanted(f"shaft_speed[{group + 1}]", "input", "rad/s")
+        found["shaft_position", group] = Wanted(f"shaft_position[{group + 1}]", "input", "rad", needed=False)
+        found["motor_torque", group] = Wanted(f"motor_torque[{group + 1}]", "output", "N.m")
+        for name in STATE_ARRAYS:
+            found[name, group] = Wanted(f"{name}[{group + 1}]", "output", "N.m", needed=False)
+    for name in ("enable", "brake", "acknowledge", "mode"):
+        found[name, None] = Wanted(name, "output", needed=False)
+    found["ramped_speed", None] = Wanted("ramped_speed", "output", "rad/s", needed=False)
+    for name in ("average_torque", "offset_torque"):
+        found[name, None] = Wanted(name, "output", "N.m", needed=False)
+    return found
+
+
+def unit_problem(model, variable, unit):
+    """Why the variable's unit is not the one of the wire; empty where it is. None where it has none."""
+    name = variable.unit or (variable.declaredType.unit if variable.declaredType else None)
+    if not name:
+        return None if unit != "1" else ""
+    exponents, spellings = UNITS[unit]
+    base = next((known.baseUnit for known in model.unitDefinitions if known.name == name), None)
+    if base is None:
+        return "" if name in spellings else f"its unit is {name}"
+    for key in ("kg", "m", "s", "A", "K", "mol", "cd", "rad"):
+        has, wants = getattr(base, key), exponents.get(key, 0)
+        if has != wants and not (key == "rad" and has == 0):  # many tools take rad for 1
+            return f"its unit is {name}"
+    if base.factor != 1.0 or base.offset != 0.0:
+        return f"its unit is {name}, which is {base.factor:g} {unit}" + (f" and an offset of {base.offset:g}" if base.offset else "")
+    return ""
+
+
+def variables_of(model, groups):
+    """{what it stands for: variable}, and remarks. Throws NotFit with every reason."""
+    by_name = {variable.name: variable for variable in model.modelVariables}
+    found, problems, remarks = {}, [], []
+    for meaning, want in wanted(groups).items():
+        variable = by_name.get(want.name)
+        if variable is None and groups == 1:
+            variable = by_name.get(want.name.removesuffix("[1]"))
+        if variable is None:
+            if want.needed:
+                near = [name for name, other in by_name.items() if other.causality == want.causality]
+                problems.append(f"it has no {want.causality} {want.name}" + (f" [{want.unit}]" if want.unit not in ("", "1") else "") +
+                                f"; its {want.causality}s are {', '.join(near) or 'none'}")
+            continue
+        if variable.causality != want.causality:
+            if want.needed:
+                problems.append(f"{variable.name} is of causality {variable.causality}, expected {want.causality}")
+            continue
+        if variable.type not in REALS + BOOLEANS + WHOLES:
+            problems.append(f"{variable.name} is of type {variable.type}, expected a number or a Boolean")
+            continue
+        if want.unit and variable.type in REALS:
+            problem = unit_problem(model, variable, want.unit)
+            if problem:
+                problems.append(f"{variable.name}: {problem}, expected {want.unit}")
+            elif problem is None:
+                remarks.append(f"{variable.name} has no unit and is taken to be in {want.unit}")
+        found[meaning] = variable
+    beyond = f"motor_torque[{groups + 1}]"
+    if beyond in by_name:
+        problems.append(f"it has an output {beyond}; the machine has {groups} motor group{'s' if groups > 1 else ''}")
+    if problems:
+        raise NotFit("; ".join(problems))
+    for name in ("emergency_stop", "enable"):
+        if (name, None) not in found:
+            said = "is never told of an emergency stop" if name == "emergency_stop" else "is taken to enable the drives all the time"
+            remarks.append(f"it has no {name}, and {said}")
+    return found, remarks
+
+
+def check_step(model, period):
+    """Throws NotFit where the FMU cannot be asked every `period` [s]."""
+    co_simulation, experiment = model.coSimulation, model.defaultExperiment
+    if co_simulation is None:
+        raise NotFit("it is not for co-simulation")
+    own = experiment.stepSize if experiment is not None else None
+    own = float(own) if own else None
+    said = f"the run asks every {period / MILLISECOND:g} ms (controller_period of the scenario)"
+    if not co_simulation.canHandleVariableCommunicationStepSize and own and not math.isclose(own, period, rel_tol=1e-9):
+        raise NotFit(f"its communication step is {own / MILLISECOND:g} ms, and it takes no other; {said}: "
+                     f'--set controller_period="{own / MILLISECOND:g} ms", or export it with that step')
+    inner = co_simulation.fixedInternalStepSize
+    inner = float(inner) if inner else None
+    if inner and not math.isclose(period / inner, round(period / inner), rel_tol=1e-9):
+        raise NotFit(f"its own step is {inner / MILLISECOND:g} ms, and a communication step a whole multiple of it; {said}")
+
+
+class Values:
+    """Variables of one type that are set or got together, without a new array each time."""
+
+    TYPES = {"Real": ctypes.c_double, "Float64": ctypes.c_double, "Float32": ctypes.c_float, "Integer": ctypes.c_int,
+             "Enumeration": ctypes.c_int, "Int8": ctypes.c_int8, "UInt8": ctypes.c_uint8, "Int16": ctypes.c_int16,
+             "UInt16": ctypes.c_uint16, "Int32": ctypes.c_int32, "UInt32": ctypes.c_uint32, "Int64": ctypes.c_int64,
+             "UInt64": ctypes.c_uint64}
+
+    def __init__(self, fmu, is_2, verb, kind, variables):
+        boolean = ctypes.c_int if is_2 else ctypes.c_bool
+        number = ctypes.c_int64 if kind == "Enumeration" and not is_2 else self.TYPES.get(kind, boolean)
+        self.meanings = list(variables)
+        self.references = (ctypes.c_uint * len(variables))(*[variable.valueReference for variable in variables.values()])
+        self.values = (number * len(variables))()
+        name = {"Enumeration": "Integer"}.get(kind, kind) if is_2 else {"Enumeration": "Int64"}.get(kind, kind)
+        self.call = getattr(fmu, f"fmi{2 if is_2 else 3}{verb}{name}")
+        self.counts = (len(variables),) if is_2 else (len(variables), len(variables))
+        self.component = fmu.component
+        self.is_2 = is_2
+
+    def move(self):
+        if self.is_2:
+            self.call(self.component, self.references, self.counts[0], self.values)
+        else:
+            self.call(self.component, self.references, self.counts[0], self.values, self.counts[1])
+
+
+class FmuController:
+    """The FMU, begun, with the outputs of its newest step in `said`."""
+
+    def __init__(self, path, model, found, period):
+        import fmpy
+        import fmpy.fmi2
+        import fmpy.fmi3
+
+        self.is_2, self.period, self.steps = model.fmiVersion == "2.0", period, 0
+        self.folder = fmpy.extract(path)
+        made = (fmpy.fmi2.FMU2Slave if self.is_2 else fmpy.fmi3.FMU3Slave)(
+            guid=model.guid, unzipDirectory=self.folder, modelIdentifier=model.coSimulation.modelIdentifier, instanceName="controller")
+        self.fmu = made
+        made.instantiate()
+        if self.is_2:
+            made.setupExperiment(startTime=0.0)
+        made.enterInitializationMode()
+        made.exitInitializationMode()
+        self.inputs, self.outputs = [], []
+        for causality, verb, parts in (("input", "Set", self.inputs), ("output", "Get", self.outputs)):
+            chosen = {meaning: variable for meaning, variable in found.items() if variable.causality == causality}
+            for kind in sorted({variable.type for variable in chosen.values()}):
+                alike = {meaning: variable for meaning, variable in chosen.items() if variable.type == kind}
+                parts.append(Values(made, self.is_2, verb, kind, alike))
+        self.said = {}
+
+    def step(self, given):
+        for part in self.inputs:
+            part.values[:] = [given[meaning] for meaning in part.meanings]
+            part.move()
+        self.fmu.doStep(self.steps * self.period, self.period)
+        self.steps += 1
+        for part in self.outputs:
+            part.move()
+            self.said.update(zip(part.meanings, part.values))
+        return self.said
+
+    def close(self):
+        shutil.rmtree(self.folder, ignore_errors=True)
+
+
+class Answers:
+    """The wire: every ENCODER gets one answer, a repeated one the same bytes again; of one run alone, as slewlab run has it."""
+
+    def __init__(self, bus, controller, groups, sends_state):
+        from slewlab_msgs import controller_state_t, encoder_t, operator_t, torque_t
+
+        self.bus, self.controller, self.groups, self.sends_state = bus, controller, groups, sends_state
+        self.encoder_t, self.operator_t = encoder_t, operator_t
+        self.torque, self.state = torque_t(), controller_state_t()
+        self.torque.group_count = self.state.group_count = groups
+        self.torque.state_follows = sends_state
+        self.run, self.operators = None, {}  # the newest OPERATOR of each run that was heard of
+        self.answered, self.answered_time, self.leaps, self.count = -1, 0, 0, 0
+        self.first_time, self.given = None, None  # [ns] at which the FMU's time begins; inputs of its newest step
+        self.bytes = None
+        for channel, handler in (("OPERATOR", self.on_operator), ("ENCODER", self.on_encoder)):
+            bus.subscribe(channel, handler)
+
+    def on_operator(self, data):
+        try:
+            message = self.operator_t.decode(data)
+        except (ValueError, struct.error):
+            return
+        held = self.operators.get(message.run_identity)
+        if held is None or message.sequence > held.sequence:
+            self.operators = {self.run: self.operators.get(self.run)} if len(self.operators) > 8 else self.operators
+            self.operators[message.run_identity] = message
+
+    def comes_in_its_time(self, encoder):
+        """A sequence that leaps while the time does not may be a bit that turned over; the second in a row counts."""
+        cycles = encoder.sequence - self.answered
+        elapsed = (encoder.simulated_time - self.answered_time) * 1e-9
+        period = self.controller.period
+        fits = self.answered < 0 or cycles == 1 or abs(elapsed - cycles * period) <= HALF * period
+        self.leaps = 0 if fits else self.leaps + 1
+        return fits or self.leaps >= 2
+
+    def on_encoder(self, data):
+        try:
+            encoder = self.encoder_t.decode(data)
+        except (ValueError, struct.error):
+            return
+        if self.run is None:
+            self.run = encoder.run_identity
+        if encoder.run_identity != self.run or encoder.sequence < self.answered:
+            return
+        if encoder.sequence > self.answered:
+            operator = self.operators.get(self.run)
+            if operator is None or operator.sequence < encoder.operator_sequence:
+                return  # that OPERATOR was lost; both will be sent again
+            if not self.comes_in_its_time(encoder):
+                return
+            self.compute(encoder, operator)
+        if self.sends_state:
+            self.bus.publish("CONTROLLER_STATE", self.bytes[0])
+        self.bus.publish("TORQUE", self.bytes[1])
+
+    def compute(self, encoder, operator):
+        said = self.said_to(encoder, operator) if encoder.group_count == self.groups else self.let_go()
+        torque, state = self.torque, self.state
+        for message in (torque, state):
+            message.sequence = self.count
+            message.simulated_time = encoder.simulated_time
+            message.configuration_hash = encoder.configuration_hash
+            message.run_identity = encoder.run_identity
+            message.answered_sequence = encoder.sequence
+        torque.alive_counter = self.count
+        torque.enable = bool(said.get(("enable", None), True))
+        torque.brake = bool(said.get(("brake", None), False))
+        torque.acknowledge = bool(said.get(("acknowledge", None), operator.acknowledge and operator.speed_request == 0.0))
+        torque.motor_torque = [said["motor_torque", group] for group in range(self.groups)]
+        state_bytes = None
+        if self.sends_state:
+            for name in STATE_SCALARS:
+                setattr(state, name, said[name, None])
+            for name in STATE_ARRAYS:
+                setattr(state, name, [said[name, group] for group in range(self.groups)])
+            state_bytes = state.encode()
+        self.count += 1
+        self.answered, self.answered_time = encoder.sequence, encoder.simulated_time
+        self.bytes = (state_bytes, torque.encode())
+
+    def let_go(self):
+        """An ENCODER of another number of motor groups is nothing to control by: no torque, brakes."""
+        said = {(name, None): 0 for name in STATE_SCALARS} | {("enable", None): False, ("brake", None): True}
+        return said | {(name, group): 0.0 for name in ("motor_torque", *STATE_ARRAYS) for group in range(self.groups)}
+
+    def said_to(self, encoder, operator):
+        """What the FMU's outputs say behind its next step."""
+        given = {("speed_request", None): operator.speed_request, ("emergency_stop", None): operator.emergency_stop,
+                 ("operator_acknowledge", None): operator.acknowledge}
+        for group in range(self.groups):
+            given["shaft_speed", group] = encoder.shaft_speed[group]
+            given["shaft_position", group] = encoder.shaft_position[group]
+        if self.first_time is None:
+            self.first_time = encoder.simulated_time
+        due = round((encoder.simulated_time - self.first_time) * 1e-9 / self.controller.period)
+        for _ in range(min(due - self.controller.steps, LONGEST_GAP)):  # ENCODER that were lost: a cycle with the inputs before
+            self.controller.step(self.given or given)
+        self.given = given
+        return self.controller.step(given)
+
+
+class Ended(BaseException):
+    """SIGTERM: the ordinary end, behind which what was unpacked of the FMU is taken away."""
+
+
+def end(number, frame):
+    raise Ended
+
+
+def answer(path, model, found, period, groups):
+    sends_state = all((name, None) in found for name in STATE_SCALARS) and all(
+        (name, group) in found for name in STATE_ARRAYS for group in range(groups))
+    controller = None
+    try:
+        signal.signal(signal.SIGTERM, end)
+        controller = FmuController(path, model, found, period)
+        bus = WireBus(os.environ["SLEWLAB_BUS"])
+        answers = Answers(bus, controller, groups, sends_state)
+        while answers:
+            bus.handle()
+    except (Ended, KeyboardInterrupt):
+        return 0
+    except Exception as error:  # noqa: BLE001 - what the FMU refuses comes through FMPy
+        print(f"{path}: {'it does not start: ' if controller is None else ''}{error}", file=sys.stderr)
+        return 1
+    finally:
+        if controller is not None:
+            controller.close()
+
+
+def main():
+    parser = ArgumentParser(prog="controller_fmu.py", description=__doc__.splitlines()[0])
+    parser.add_argument("fmu", metavar="FILE")
+    parser.add_argument("--groups", type=int, help="motor groups of the machine (as many as the FMU has)")
+    parser.add_argument("--period-ms", type=float, default=float(os.environ.get("SLEWLAB_CONTROLLER_PERIOD_MS", "10")))
+    parser.add_argument("--check", action="store_true", help="say whether it can be the controller, and end")
+    arguments = parser.parse_args()
+    period = arguments.period_ms * MILLISECOND
+    try:
+        import fmpy
+    except ImportError:
+        print(f"{arguments.fmu}: an FMU is run by FMPy, which is not here; tools/setup installs it", file=sys.stderr)
+        return 2
+    try:
+        model = fmpy.read_model_description(arguments.fmu)
+    except Exception as error:  # noqa: BLE001 - FMPy's errors are of many kinds
+        print(f"{arguments.fmu}: it cannot be read as an FMU: {error}", file=sys.stderr)
+        return 2
+    groups = arguments.groups or max(1, sum(variable.name.startswith("motor_torque[") for variable in model.modelVariables))
+    try:
+        check_step(model, period)
+        found, remarks = variables_of(model, groups)
+    except NotFit as error:
+        print(f"{arguments.fmu}: it cannot be the controller of this run: {error}", file=sys.stderr)
+        return 2
+    if arguments.check:
+        for remark in remarks:
+            print(f"{arguments.fmu}: note: {remark}", file=sys.stderr)
+        return 0
+    return answer(arguments.fmu, model, found, period, groups)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
