@@ -436,6 +436,15 @@ const char* to_string(Verdict verdict) {
 
 }  // namespace
 
+const char* verdict_name(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::pass: return "pass";
+    case Verdict::fail: return "fail";
+    case Verdict::not_applicable: return "not applicable";
+  }
+  return "";
+}
+
 std::vector<CheckResult> acceptance_checks(const msgs::RunLog& run, const AcceptanceLimits& limits,
                                            const AcceptedMachine& machine) {
   return Checks(run, limits, machine).all();
@@ -507,9 +516,7 @@ std::string checks_json(const std::vector<CheckResult>& results, const Acceptanc
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const CheckResult& result : results) {
     list.push_back({{"name", result.name},
-                    {"verdict", result.verdict == Verdict::not_applicable ? "not applicable"
-                                : result.verdict == Verdict::pass         ? "pass"
-                                                                          : "fail"},
+                    {"verdict", verdict_name(result.verdict)},
                     {"measured", std::isfinite(result.measured) ? nlohmann::ordered_json(result.measured)
                                                                 : nlohmann::ordered_json(nullptr)},
                     {"limit", result.limit},

@@ -42,6 +42,9 @@ struct AcceptedMachine {
 
 enum class Verdict { pass, fail, not_applicable };
 
+// "pass", "fail", "not applicable"
+const char* verdict_name(Verdict verdict);
+
 struct CheckResult {
   std::string name;      // "overshoot"
   Verdict verdict = Verdict::not_applicable;

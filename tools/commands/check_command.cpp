@@ -15,6 +15,7 @@
 #include "sim/integrate/machine.h"
 #include "sim/machine/machine_file.h"
 #include "sim/machine/plausibility.h"
+#include "tools/campaign/study.h"
 
 namespace slewlab::tools {
 namespace {
@@ -23,7 +24,7 @@ using common::InputError;
 using common::InputProblems;
 using common::YamlNode;
 
-constexpr const char* kKinds = "crane, axis, controller, scenario or import_map";
+constexpr const char* kKinds = "crane, axis, controller, scenario, campaign or import_map";
 
 // Where the scenario names its controller, for problems that lie between two files.
 common::SourceMark mark_of(const std::filesystem::path& file, const std::vector<common::Override>& overrides,
@@ -163,6 +164,8 @@ Findings examine(const std::filesystem::path& file, const std::vector<common::Ov
       controller::load_controller_file(file, overrides);
     } else if (kind->scalar == "scenario") {
       check_scenario(file, overrides, by, found);
+    } else if (kind->scalar == "campaign") {
+      read_study_file(file, overrides, found.problems);
     } else {
       found.problems.push_back({kind->mark, "kind", common::excerpt(*kind), kKinds});
     }

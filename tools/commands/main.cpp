@@ -53,7 +53,7 @@ void add_check(CLI::App& app, Action& action) {
     std::vector<std::string> overrides;
   };
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("check", "Read cranes, axes, controllers, scenarios and import maps and say what is wrong");
+  CLI::App* command = app.add_subcommand("check", "Read cranes, axes, controllers, scenarios, campaigns and import maps and say what is wrong");
   command->add_option("FILE", options->files, "files to check")->required();
   command->add_option("--set", options->overrides, "key=value over every file");
   command->callback([options, &action] {
@@ -386,7 +386,7 @@ void add_schema(CLI::App& app, Action& action) {
   };
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("schema", "JSON Schema of a kind of file, for completion and marks in an editor");
-  CLI::Option* kind = command->add_option("KIND", options->kind, "crane, axis, controller, scenario, acceptance or soak");
+  CLI::Option* kind = command->add_option("KIND", options->kind, "crane, axis, controller, scenario, acceptance, campaign or soak");
   CLI::Option* out = command->add_option("--out", options->out, "folder for KIND.schema.json of every kind");
   kind->excludes(out);
   command->callback([options, kind, out, &action] {
@@ -426,6 +426,7 @@ int main(const std::vector<std::string>& command_line, int argc, char** argv) {
   add_completion(app, action);
   add_manual(app, action);
   add_python(app, "report", "report.py", "Draw a run: a page with pictures and numbers beside its log", action);
+  add_python(app, "campaign", "campaign_command.py", "Run a study: scenarios over a grid or a draw of values, one table of results", action);
   add_python(app, "desk", "desk_command.py", "Watch, steer and scrub: a page of a running scenario or a log", action);
   add_python(app, "bridge", "bridge.py", "Serve a run's messages to Foxglove, Lichtblick and PlotJuggler while it goes on", action);
   add_python(app, "export", "export.py", "Turn a log into Parquet, CSV or MCAP files", action);

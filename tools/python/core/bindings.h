@@ -15,6 +15,7 @@ void bind_machine(nanobind::module_& m);
 void bind_run(nanobind::module_& m);
 void bind_log(nanobind::module_& m);
 void bind_yaml(nanobind::module_& m);
+void bind_campaign(nanobind::module_& m);
 
 // Keys with the text of their values, as of `--set`.
 using Changes = std::vector<std::pair<std::string, std::string>>;

@@ -19,4 +19,5 @@ NB_MODULE(_core, m) {
   tools::bind_run(m);
   tools::bind_log(m);
   tools::bind_yaml(m);
+  tools::bind_campaign(m);
 }
