@@ -205,15 +205,15 @@ class PageTest(unittest.TestCase):
     def test_the_page_names_what_broke_and_the_value_that_tells_it_most(self):
         with tempfile.TemporaryDirectory() as name:
             folder = Path(name)
-            study = write_study(folder, 6, lambda text: text.replace("range: {value: [10, 60]", "range: {value: [10, 200]"))
-            limits = (slewlab.config() / "acceptance" / "thesis.yaml").read_text().replace("value: 5.5, unit: deg", "value: 0.5, unit: deg")
+            study = write_study(folder, 6)
+            limits = (slewlab.config() / "acceptance" / "thesis.yaml").read_text().replace("value: 5.5, unit: deg", "value: 0.2, unit: deg")
             (folder / "limits.yaml").write_text(limits)
             study.write_text(study.read_text().replace(str(slewlab.config()) + "/acceptance/thesis.yaml", "limits.yaml"))
             frame = slewlab.campaign(study, folder / "out", workers=1, progress=False)
             page = campaign_page.draw(frame)
             broken = int((frame["verdict.sidelead"] == "fail").sum())
             self.assertGreater(broken, 0)
-            self.assertIn(f"{broken} of 6 runs broke it; limit 0.5 deg", page)
+            self.assertIn(f"{broken} of 6 runs broke it; limit 0.2 deg", page)
             self.assertIn("crane.boom.angle", page)
             self.assertEqual(page.count('class="fail"') % broken, 0)
 
