@@ -1,20 +1,25 @@
 #include "tools/commands/accept_command.h"
 
-#include <fmt/format.h>
 #include <poll.h>
 
 #include <cstdio>
+#include <ctime>
 #include <nlohmann/json.hpp>
 #include <fstream>
 #include <stdexcept>
 
 #include "common/input_error.h"
+#include "msgs/configuration_hash.h"
+#include "msgs/log_reader.h"
 #include "sim/drive/scenario_file.h"
 #include "tools/acceptance/judgement.h"
 #include "tools/acceptance/limits.h"
+#include "tools/acceptance/plan.h"
+#include "tools/acceptance/record.h"
 #include "tools/commands/child_process.h"
 #include "tools/commands/home.h"
 #include "tools/commands/run_command.h"
+#include "tools/commands/version.h"
 #include "tools/commands/whole_file.h"
 
 namespace slewlab::tools {
@@ -41,41 +46,51 @@ std::string written_digest(const fs::path& folder) {
   return summary["run"].value("log_digest", "");
 }
 
-void draw(const fs::path& folder) {
+void draw(const char* script, const fs::path& folder) {
   const fs::path python = python_interpreter();
   if (!fs::exists(python)) {
-    std::printf("no plot: there is no %s (tools/setup makes it)\n", python.c_str());
+    std::printf("no page: there is no %s (tools/setup makes it)\n", python.c_str());
     return;
   }
   ChildOptions options;
-  options.name = "plot";
-  options.command = {python.string(), (home() / "tools" / "python" / "acceptance_plot.py").string(), folder.string()};
+  options.name = "page";
+  options.command = {python.string(), (home() / "tools" / "python" / script).string(), folder.string()};
   options.environment = {{"SLEWLAB_PYTHON_MESSAGES", python_messages().string()}};
-  ChildProcess plot(options);
+  ChildProcess page(options);
   const auto show = [](const std::string& line) { std::printf("%s\n", line.c_str()); };
-  while (!plot.ended()) {
-    pollfd fds[] = {{plot.output_fd(), POLLIN, 0}, {plot.complaint_fd(), POLLIN, 0}};
+  while (!page.ended()) {
+    pollfd fds[] = {{page.output_fd(), POLLIN, 0}, {page.complaint_fd(), POLLIN, 0}};
     ::poll(fds, 2, kPollMilliseconds);
-    plot.read_output(show);
+    page.read_output(show);
   }
-  plot.read_output(show);
-  if (!plot.succeeded()) std::fprintf(stderr, "no plot: %s\n%s", plot.how_it_ended().c_str(), plot.complaints().c_str());
+  page.read_output(show);
+  if (!page.succeeded()) std::fprintf(stderr, "no page: %s\n%s", page.how_it_ended().c_str(), page.complaints().c_str());
 }
 
-int judge(const fs::path& folder, const AcceptOptions& options, const AcceptanceLimits& limits) {
-  const sim::Scenario scenario = sim::load_scenario_file(folder / "scenario.yaml");
+// The log of a run's folder; empty where there is none.
+fs::path log_of(const fs::path& folder) {
+  const fs::path log = fs::exists(folder / "run.lcmlog") ? folder / "run.lcmlog" : folder / "run.lcmlog.partial";
+  return fs::exists(log) && fs::file_size(log) > 0 ? log : fs::path();
+}
+
+Judgement judge_folder(const fs::path& folder, const sim::Scenario& scenario, const AcceptanceLimits& limits) {
   Judgement judgement;
   judgement.machine = accepted_machine(scenario);
   judgement.no_verdict = why_incomplete(folder);
   fs::remove(folder / "acceptance.json");  // of an earlier time
-  const fs::path log = fs::exists(folder / "run.lcmlog") ? folder / "run.lcmlog" : folder / "run.lcmlog.partial";
-  const bool any_log = fs::exists(log) && fs::file_size(log) > 0;
   if (judgement.no_verdict.empty()) {
-    judgement = judge_log(scenario, log, limits, written_digest(folder));
-    for (const std::string& remark : judgement.remarks) std::printf("note: %s\n", remark.c_str());
+    const fs::path log = log_of(folder);
+    judgement = judge_log(scenario, log.empty() ? folder / "run.lcmlog" : log, limits, written_digest(folder));
   } else {
     judgement.checks.push_back(failed_check("run", judgement.no_verdict));
   }
+  return judgement;
+}
+
+int judge(const fs::path& folder, const AcceptOptions& options, const AcceptanceLimits& limits) {
+  const sim::Scenario scenario = sim::load_scenario_file(folder / "scenario.yaml");
+  const Judgement judgement = judge_folder(folder, scenario, limits);
+  for (const std::string& remark : judgement.remarks) std::printf("note: %s\n", remark.c_str());
   const std::vector<CheckResult>& results = judgement.checks;
   const std::string& no_verdict = judgement.no_verdict;
 
@@ -83,7 +98,7 @@ int judge(const fs::path& folder, const AcceptOptions& options, const Acceptance
   std::printf("%s", check_table(results).c_str());
   write_whole_file(folder / "acceptance.json", checks_json(results, limits, judgement.machine));
   if (!options.junit.empty()) write_whole_file(options.junit, junit_xml(name, results));
-  if (any_log && options.plot) draw(folder);
+  if (!log_of(folder).empty() && options.plot) draw("acceptance_plot.py", folder);
   const bool good = accepted(results);
   if (no_verdict.empty()) {
     std::printf("%s: %s\n", name.c_str(), good ? "accepted" : "NOT accepted");
@@ -93,10 +108,96 @@ int judge(const fs::path& folder, const AcceptOptions& options, const Acceptance
   return good ? 0 : 1;
 }
 
+std::string shell_word(const std::string& word) {
+  constexpr const char* kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./=:,%+@";
+  if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
+  std::string quoted = "'";
+  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
+std::string run_fact(const fs::path& folder, const char* key) {
+  std::ifstream file(folder / "summary.json");
+  const auto summary = nlohmann::json::parse(file, nullptr, false);
+  if (!summary.is_object() || !summary.contains("run") || !summary["run"].is_object()) return {};
+  return summary["run"].value(key, "");
+}
+
+std::string utc_now() {
+  const std::time_t now = std::time(nullptr);
+  std::tm parts{};
+  ::gmtime_r(&now, &parts);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &parts);
+  return text;
+}
+
+// The run of one test of the plan, made and judged. Throws what run and judgement throw; answers with the exit code of a run
+// that was called wrongly or stopped by a signal, 0 otherwise.
+int make_recorded_run(const PlannedTest& test, const AcceptOptions& options, const AcceptanceLimits& limits, const fs::path& limits_file,
+                      const std::vector<std::string>& command_line, RecordedTest& recorded) {
+  RunOptions run;
+  run.scenario = test.scenario;
+  run.out = options.out / test.name;
+  run.controller_command = options.controller_command;
+  run.progress = Progress::none;
+  const int result = run_scenario(run, command_line);
+  if (result > 1) return result;
+  const sim::Scenario scenario = sim::load_scenario_file(run.out / "scenario.yaml");
+  const Judgement judgement = judge_folder(run.out, scenario, limits);
+  write_whole_file(run.out / "acceptance.json", checks_json(judgement.checks, limits, judgement.machine));
+  recorded.test = test;
+  recorded.test.scenario = test.scenario.lexically_normal();
+  recorded.is_failure_case = !scenario.faults.empty();
+  recorded.checks = judgement.checks;
+  recorded.no_verdict = judgement.no_verdict;
+  recorded.configuration_hash = run_fact(run.out, "configuration_hash");
+  recorded.log_digest = run_fact(run.out, "log_digest");
+  recorded.seed = scenario.seed;
+  recorded.folder = test.name;
+  recorded.command = "slewlab accept " + shell_word(recorded.test.scenario.string()) + " --limits " + shell_word(limits_file.string());
+  if (!options.controller_command.empty()) recorded.command += " --controller " + shell_word(options.controller_command);
+  return 0;
+}
+
+int record(const AcceptOptions& options, const std::vector<std::string>& command_line) {
+  const AcceptancePlan plan = load_acceptance_plan(options.subject);
+  AcceptOptions own = options;
+  if (own.out.empty()) own.out = fs::path("runs") / ("record_" + options.subject.stem().string());
+  fs::create_directories(own.out);
+  for (const char* old : {"record.json", "record.html", "record.xml"}) fs::remove(own.out / old);
+  const fs::path limits_file = plan.limits.lexically_normal();
+  const AcceptanceLimits limits = load_acceptance_limits(limits_file);
+  std::vector<RecordedTest> tests;
+  for (const PlannedTest& test : plan.tests) {
+    if (const int code = make_recorded_run(test, own, limits, limits_file, command_line, tests.emplace_back()); code != 0) return code;
+  }
+  const AcceptanceRecord result = trace(plan, tests);
+  RecordFacts facts;
+  facts.plan_file = options.subject.string();
+  facts.plan_digest = msgs::hash_text(msgs::log_digest(options.subject));
+  facts.limits_file = limits_file.string();
+  facts.limits_digest = msgs::hash_text(msgs::log_digest(limits_file));
+  facts.controller_command = options.controller_command.empty() ? "slewlab-controller" : options.controller_command;
+  facts.versions = version_text();
+  facts.time = utc_now();
+  facts.command = "slewlab accept --record " + shell_word(options.subject.string());
+  if (!options.controller_command.empty()) facts.command += " --controller " + shell_word(options.controller_command);
+  write_whole_file(own.out / "record.json", record_json(plan, result, tests, facts).dump(2) + "\n");
+  const std::string junit = record_junit(plan, result, tests);
+  write_whole_file(own.out / "record.xml", junit);
+  if (!options.junit.empty()) write_whole_file(options.junit, junit);
+  std::printf("%s", record_table(result).c_str());
+  if (options.plot) draw("acceptance_record.py", own.out);
+  std::printf("%s: %s\n", options.subject.stem().c_str(), result.accepted ? "accepted" : "NOT accepted");
+  return result.accepted ? 0 : 1;
+}
+
 }  // namespace
 
 int accept(const AcceptOptions& options, const std::vector<std::string>& command_line) {
   try {
+    if (options.record) return record(options, command_line);
     const AcceptanceLimits limits = load_acceptance_limits(options.limits);
     if (fs::is_directory(options.subject)) {
       if (!options.controller_command.empty() || !options.overrides.empty() || !options.out.empty()) {

@@ -15,6 +15,7 @@
 #include "sim/integrate/machine.h"
 #include "sim/machine/machine_file.h"
 #include "sim/machine/plausibility.h"
+#include "tools/acceptance/plan.h"
 #include "tools/campaign/study.h"
 
 namespace slewlab::tools {
@@ -24,7 +25,7 @@ using common::InputError;
 using common::InputProblems;
 using common::YamlNode;
 
-constexpr const char* kKinds = "crane, axis, controller, scenario, campaign or import_map";
+constexpr const char* kKinds = "crane, axis, controller, scenario, acceptance_plan, campaign or import_map";
 
 // Where the scenario names its controller, for problems that lie between two files.
 common::SourceMark mark_of(const std::filesystem::path& file, const std::vector<common::Override>& overrides,
@@ -164,6 +165,8 @@ Findings examine(const std::filesystem::path& file, const std::vector<common::Ov
       controller::load_controller_file(file, overrides);
     } else if (kind->scalar == "scenario") {
       check_scenario(file, overrides, by, found);
+    } else if (kind->scalar == "acceptance_plan") {
+      read_acceptance_plan_file(file, found.problems);
     } else if (kind->scalar == "campaign") {
       read_study_file(file, overrides, found.problems);
     } else {

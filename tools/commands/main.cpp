@@ -53,7 +53,7 @@ void add_check(CLI::App& app, Action& action) {
     std::vector<std::string> overrides;
   };
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("check", "Read cranes, axes, controllers, scenarios, campaigns and import maps and say what is wrong");
+  CLI::App* command = app.add_subcommand("check", "Read cranes, axes, controllers, scenarios, test plans, campaigns and import maps and say what is wrong");
   command->add_option("FILE", options->files, "files to check")->required();
   command->add_option("--set", options->overrides, "key=value over every file");
   command->callback([options, &action] {
@@ -160,16 +160,24 @@ void add_accept(CLI::App& app, const std::vector<std::string>& command_line, Act
   };
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("accept", "Check a controller's run against limits: pass or fail, and why");
-  command->add_option("SCENARIO|RUN_DIR", options->accept.subject, "scenario to run, or a run that was made already")
-      ->required()
-      ->check(CLI::ExistingPath);
+  CLI::Option* subject = command->add_option("SCENARIO|RUN_DIR", options->accept.subject, "scenario to run, or a run that was made already")
+                             ->check(CLI::ExistingPath);
+  auto plan = std::make_shared<std::filesystem::path>();
+  CLI::Option* record = command->add_option("--record", *plan, "test plan: make every run of it, and the record that traces requirements to them")
+                            ->check(CLI::ExistingFile)
+                            ->excludes(subject);
   command->add_option("--controller", options->accept.controller_command, "shell command of your own controller");
-  command->add_option("--limits", options->accept.limits, "limits (config/acceptance/thesis.yaml)");
+  command->add_option("--limits", options->accept.limits, "limits (config/acceptance/thesis.yaml)")->excludes(record);
   command->add_flag("--plot,!--no-plot", options->accept.plot, "draw acceptance.html (as it is by default)");
   command->add_option("--junit", options->accept.junit, "JUnit XML to write, for CI");
-  command->add_option("--out", options->accept.out, "folder for the run (runs/accept_<scenario>)");
-  command->add_option("--set", options->overrides, "key=value, as of slewlab run");
-  command->callback([options, &command_line, &action] {
+  command->add_option("--out", options->accept.out, "folder for the run (runs/accept_<scenario>), or for the record (runs/record_<plan>)");
+  command->add_option("--set", options->overrides, "key=value, as of slewlab run")->excludes(record);
+  command->callback([options, plan, subject, record, &command_line, &action] {
+    if (subject->count() + record->count() == 0) throw CLI::RequiredError("SCENARIO|RUN_DIR or --record");
+    if (record->count() > 0) {
+      options->accept.record = true;
+      options->accept.subject = *plan;
+    }
     action = [options, &command_line] {
       fill(options->accept.limits, "config/acceptance/thesis.yaml");
       options->accept.overrides = parse_overrides(options->overrides);
@@ -386,7 +394,7 @@ void add_schema(CLI::App& app, Action& action) {
   };
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("schema", "JSON Schema of a kind of file, for completion and marks in an editor");
-  CLI::Option* kind = command->add_option("KIND", options->kind, "crane, axis, controller, scenario, acceptance, campaign or soak");
+  CLI::Option* kind = command->add_option("KIND", options->kind, "crane, axis, controller, scenario, acceptance, acceptance_plan, campaign or soak");
   CLI::Option* out = command->add_option("--out", options->out, "folder for KIND.schema.json of every kind");
   kind->excludes(out);
   command->callback([options, kind, out, &action] {

@@ -16,6 +16,7 @@
 #include "sim/machine/axis_file.h"
 #include "sim/machine/crane_file.h"
 #include "tools/acceptance/limits.h"
+#include "tools/acceptance/plan.h"
 #include "tools/campaign/study.h"
 #include "tools/soak/settings.h"
 
@@ -200,6 +201,7 @@ const std::vector<std::pair<std::string, std::function<Json()>>>& makers() {
        }},
       {"scenario", scenario},
       {"acceptance", [] { return whole("acceptance", common::describe_keys([](YamlReader& reader) { read_acceptance_limits(reader); })); }},
+      {"acceptance_plan", [] { return whole("acceptance_plan", common::describe_keys([](YamlReader& reader) { read_acceptance_plan(reader); })); }},
       {"campaign", campaign},
       {"soak", [] {
          return whole("soak", common::describe_keys([](YamlReader& reader) {
