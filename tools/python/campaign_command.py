@@ -8,6 +8,7 @@ Ended early by whatever, the same command goes on where it was.
 
 import contextlib
 import importlib.util
+import shutil
 import sys
 from pathlib import Path
 
@@ -38,10 +39,17 @@ def cluster(options):
         return
     if importlib.util.find_spec("dask_jobqueue") is None:
         raise Unavailable("Slurm's jobs are started by dask-jobqueue, which is not installed here: pip install dask-jobqueue")
+    if shutil.which("sbatch") is None:
+        raise Unavailable("there is no sbatch here: --slurm is for a machine from which Slurm takes jobs")
     from dask_jobqueue import SLURMCluster
 
-    with SLURMCluster() as jobs, Client(jobs) as client:  # what a job asks for stands in Dask's own jobqueue.yaml
+    try:
+        jobs = SLURMCluster()
+    except ValueError as error:
+        raise Unavailable(f"{str(error).splitlines()[0]} That stands under jobqueue: slurm: in ~/.config/dask/jobqueue.yaml") from error
+    with jobs, Client(jobs) as client:
         jobs.scale(jobs=options.slurm)
+        print(f"waiting for the first of {options.slurm} jobs of Slurm", file=sys.stderr)
         client.wait_for_workers(1)
         yield client
 

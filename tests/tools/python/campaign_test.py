@@ -1,5 +1,6 @@
 """`slewlab campaign`: draws, the same bytes from any number of workers, a kill at any moment, and the page."""
 
+import dataclasses
 import json
 import os
 import shlex
@@ -18,7 +19,7 @@ from run_log import REPOSITORY, messages_folder
 
 sys.path.insert(0, str(messages_folder()))
 import slewlab  # noqa: E402
-from slewlab import engine  # noqa: E402
+from slewlab import campaigns, engine  # noqa: E402
 from slewlab.study import Study, Varied, load_study  # noqa: E402
 
 PROGRAM = messages_folder().parent / "bin" / "slewlab"
@@ -171,6 +172,22 @@ class CampaignTest(unittest.TestCase):
         for change, why in ((("[10, 60]", "[10, 50]"), "its run 0 is not this study's"), (("limits: ", "#"), "limits differ")):
             with self.subTest(why=why), self.assertRaisesRegex(slewlab.CampaignMismatch, why):
                 slewlab.campaign(write_study(self.folder, 3, lambda text: text.replace(*change)), self.folder / "out", workers=1, progress=False)
+
+    def test_a_worker_that_works_elsewhere_finds_the_files(self):
+        study = write_study(self.folder, runs=1)
+        case = load_study(study).cases()[0]
+        relative = dataclasses.replace(case, scenario="short.yaml")
+        row = campaigns.run_case(relative, str(slewlab.config("acceptance/thesis.yaml")), str(self.folder))
+        known = campaigns.run_case(case, str(slewlab.config("acceptance/thesis.yaml")), "/")
+        self.assertEqual(row["scenario"], "short.yaml")
+        self.assertEqual({**row, "scenario": None}, {**known, "scenario": None})
+
+    def test_without_slurm_it_says_so(self):
+        ended = subprocess.run([PROGRAM, "campaign", write_study(self.folder), "--out", self.folder / "out", "--slurm", "1"],
+                               stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=100, check=False,
+                               env=os.environ | {"PATH": str(self.folder)})
+        self.assertEqual((ended.returncode, ended.stderr), (1, "slewlab campaign: there is no sbatch here: --slurm is for a machine "
+                                                               "from which Slurm takes jobs\n"))
 
     def test_a_run_that_is_refused_is_a_row(self):
         study = write_study(self.folder, change=lambda text: text.replace(

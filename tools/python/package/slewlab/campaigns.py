@@ -53,8 +53,8 @@ def check_columns(checks: Iterable[tuple]) -> dict[str, Any]:
     return columns
 
 
-def judged(scenario: Scenario, log: Path, limits: str) -> tuple[dict[str, Any], dict[str, str]]:
-    no_verdict, checks = scenario._core.judge(log, Path(limits))
+def judged(scenario: Scenario, log: Path, limits: Path) -> tuple[dict[str, Any], dict[str, str]]:
+    no_verdict, checks = scenario._core.judge(log, limits)
     broken = [(name, reason) for name, verdict, *_, reason in checks if verdict == "fail"]
     outcome = "no verdict" if no_verdict else "not accepted" if broken else "accepted"
     row = {"outcome": outcome, "broken": ", ".join(name for name, _ in broken),
@@ -63,25 +63,26 @@ def judged(scenario: Scenario, log: Path, limits: str) -> tuple[dict[str, Any], 
     return row | check_columns(checks), units
 
 
-def run_case(case: Case, limits: str | None, measure: Callable[[Run], Mapping[str, float]] = measures) -> dict[str, Any]:
-    """A row of the table: what can be known of one run, and nothing that depends on the machine that made it."""
+def run_case(case: Case, limits: str | None, folder: str, measure: Callable[[Run], Mapping[str, float]] = measures) -> dict[str, Any]:
+    """A row of the table: what can be known of one run, and nothing that depends on the machine that made it. Files are named
+    as seen from `folder`: a worker of a cluster works elsewhere."""
     row: dict[str, Any] = {"run": case.run, "scenario": case.scenario, "changes": dict(case.changes), "outcome": "complete",
                            "broken": "", "reason": "", "units": {}}
     try:
-        scenario = Scenario(case.scenario, dict(case.changes))
+        scenario = Scenario(Path(folder) / case.scenario, dict(case.changes))
         row |= {"seed": scenario.seed, "configuration_hash": scenario._core.configuration_hash}
-        with tempfile.TemporaryDirectory(prefix="slewlab-") as folder:
-            log = Path(folder) / "run.lcmlog"
+        with tempfile.TemporaryDirectory(prefix="slewlab-") as own:
+            log = Path(own) / "run.lcmlog"
             found = measure(scenario.run(channels=MEASURED, log=log))
             row["log_digest"] = _core.log_digest(log)
             if limits:
-                verdicts, units = judged(scenario, log, limits)
+                verdicts, units = judged(scenario, log, Path(folder) / limits)
                 row |= verdicts
                 row["units"] = units
         row |= {name: value if math.isfinite(value) else None for name, value in found.items()}
         row["units"] = row["units"] | {name: UNITS[name] for name in found if name in UNITS}
     except _core.InputError as error:
-        row |= {"outcome": "refused", "reason": str(error)}
+        row |= {"outcome": "refused", "reason": str(error).replace(os.path.join(folder, ""), "")}
     except Exception as error:  # whatever a run dies of is its result; the others go on
         row |= {"outcome": "failed", "reason": f"{type(error).__name__}: {error}"}
     return row
@@ -235,7 +236,7 @@ def campaign(study: str | Path | Study, out: str | Path, *, workers: int | None 
         bar = ProgressBar(len(cases), progress)
         open_cases = [case for case in cases if case.run not in journal.rows]
         bar.show(len(journal.rows))
-        function = partial(run_case, limits=study.limits)
+        function = partial(run_case, limits=study.limits, folder=os.getcwd())
         done = run_in_processes(function, open_cases, workers) if client is None else run_on_cluster(function, open_cases, client)
         for index, row in done:
             journal.add(died(open_cases[index], row) if isinstance(row, WorkerDied) else row)
