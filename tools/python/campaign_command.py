@@ -65,6 +65,7 @@ def parse(arguments):
     parser = ArgumentParser(prog="slewlab campaign", description="Run a study and judge every run (docs/campaign.md).")
     parser.add_argument("study", metavar="STUDY.yaml", help="what is run: kind: campaign")
     parser.add_argument("--out", metavar="DIR", type=Path, help="folder for journal, table and page (runs/campaign_<study>)")
+    parser.add_argument("--controller", metavar="CMD", help="shell command of your own controller, as of slewlab run; runs over LCM")
     where = parser.add_mutually_exclusive_group()
     where.add_argument("--workers", metavar="N", type=count, help="processes of this machine (as many as it has processors)")
     where.add_argument("--dask", metavar="ADDRESS", help="on a cluster: address of Dask's scheduler, tcp://HOST:PORT")
@@ -100,7 +101,7 @@ def main(arguments):
         else:
             study = load_study(options.study, dict(each.split("=", 1) for each in options.changes if "=" in each))
             with cluster(options) as client:
-                frame = slewlab.campaign(study, out, workers=options.workers, client=client)
+                frame = slewlab.campaign(study, out, controller=options.controller, workers=options.workers, client=client)
         write_page(frame, out / "campaign.html")
     except (slewlab.InputError, slewlab.CampaignMismatch) as error:
         print(error, file=sys.stderr)

@@ -182,6 +182,26 @@ class CampaignTest(unittest.TestCase):
         self.assertEqual(row["scenario"], "short.yaml")
         self.assertEqual({**row, "scenario": None}, {**known, "scenario": None})
 
+    def test_ones_own_controller_is_tried_over_lcm(self):
+        example = REPOSITORY / "examples" / "controller_in_python" / "controller.py"
+        command = f"PYTHONDONTWRITEBYTECODE=1 PYTHONPATH={shlex.quote(str(messages_folder()))} {shlex.quote(sys.executable)} {shlex.quote(str(example))}"
+        study = write_study(self.folder, runs=1)
+        for name, controller, outcome in (("own", command, "not accepted"), ("dead", "exit 3", "failed")):
+            out = self.folder / name
+            ended = subprocess.run([REPOSITORY / "tools" / "in-private-network", PROGRAM, "campaign", study, "--out", out, "--workers", "1",
+                                    "--controller", controller], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=100, check=False)
+            self.assertEqual(ended.returncode, 1, ended.stdout + ended.stderr)
+            row = slewlab.read_table(out / "campaign.parquet").loc[0]
+            self.assertEqual(row["outcome"], outcome, row["reason"])
+            self.assertEqual(shlex.split(row["command"])[-9:-6], [slewlab.config("acceptance/thesis.yaml").as_posix(), "--controller", controller])
+            if name == "dead":
+                self.assertEqual(row["reason"], "ProgramFailed: the controller ended before its time: exit code 3")
+        # The example is the thesis's controller: its table has what ours has, but for the command.
+        ours = slewlab.campaign(study, self.folder / "ours", workers=1, progress=False)
+        own = slewlab.read_table(self.folder / "own" / "campaign.parquet")
+        self.assertEqual(own["configuration_hash"][0], ours["configuration_hash"][0])
+        self.assertAlmostEqual(own["peak_tip_acceleration"][0], ours["peak_tip_acceleration"][0], places=9)
+
     def test_without_slurm_it_says_so(self):
         ended = subprocess.run([PROGRAM, "campaign", write_study(self.folder), "--out", self.folder / "out", "--slurm", "1"],
                                stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=100, check=False,

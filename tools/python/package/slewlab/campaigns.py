@@ -19,9 +19,10 @@ import pandas as pd
 from . import _core
 from .engine import WorkerDied, run_in_processes, run_on_cluster
 from .files import values
-from .scenario import Run, Scenario
+from .scenario import ProgramFailed, Scenario
 from .study import Case, Study, load_study
 from .sweep import UNITS, ProgressBar, measures
+from .tables import Channels, open_log
 
 MEASURED = ("TORQUE", "SENSORS", "TRUTH")  # what `measures` looks at
 JOURNAL, TABLE = "journal.jsonl", "campaign.parquet"
@@ -33,10 +34,11 @@ class CampaignMismatch(ValueError):
     """The folder holds another campaign."""
 
 
-def run_command(case: Case, limits: str | None) -> str:
+def run_command(case: Case, limits: str | None, controller: str | None) -> str:
     """The one command that makes this run again."""
     words = ["slewlab", "accept" if limits else "run", case.scenario]
     words += ["--limits", limits] if limits else []
+    words += ["--controller", controller] if controller else []
     for key, value in case.changes:
         words += ["--set", f"{key}={value}"]
     return shlex.join(words)
@@ -63,7 +65,24 @@ def judged(scenario: Scenario, log: Path, limits: Path) -> tuple[dict[str, Any],
     return row | check_columns(checks), units
 
 
-def run_case(case: Case, limits: str | None, folder: str, measure: Callable[[Run], Mapping[str, float]] = measures) -> dict[str, Any]:
+def made_run(scenario: Scenario, folder: Path, controller: str | None) -> tuple[Channels, Path]:
+    """A run's messages and its log: in this process, or over LCM where the controller is a program."""
+    if not controller:
+        log = folder / "run.lcmlog"
+        return scenario.run(channels=MEASURED, log=log), log
+    log = folder / "run" / "run.lcmlog"
+    try:
+        return scenario.run_over_lcm(log.parent, controller), log
+    except ProgramFailed:
+        if not log.is_file():
+            summary = log.with_name("summary.json")
+            # Without when it was noticed, which differs from time to time.
+            raise ProgramFailed(json.loads(summary.read_text())["reason"].partition(" at about ")[0] if summary.is_file() else "no run") from None
+        return open_log(log), log  # the run is whole: what it broke of `expect:` is a check
+
+
+def run_case(case: Case, limits: str | None, folder: str, controller: str | None = None,
+             measure: Callable[[Channels], Mapping[str, float]] = measures) -> dict[str, Any]:
     """A row of the table: what can be known of one run, and nothing that depends on the machine that made it. Files are named
     as seen from `folder`: a worker of a cluster works elsewhere."""
     row: dict[str, Any] = {"run": case.run, "scenario": case.scenario, "changes": dict(case.changes), "outcome": "complete",
@@ -72,8 +91,8 @@ def run_case(case: Case, limits: str | None, folder: str, measure: Callable[[Run
         scenario = Scenario(Path(folder) / case.scenario, dict(case.changes))
         row |= {"seed": scenario.seed, "configuration_hash": scenario._core.configuration_hash}
         with tempfile.TemporaryDirectory(prefix="slewlab-") as own:
-            log = Path(own) / "run.lcmlog"
-            found = measure(scenario.run(channels=MEASURED, log=log))
+            run, log = made_run(scenario, Path(own), controller)
+            found = measure(run)
             row["log_digest"] = _core.log_digest(log)
             if limits:
                 verdicts, units = judged(scenario, log, Path(folder) / limits)
@@ -99,12 +118,12 @@ def content_digest(path: str) -> str:
     return hashlib.sha256(table[["value", "unit"]].to_csv().encode()).hexdigest()[:16]
 
 
-def identity(study: Study) -> dict[str, Any]:
+def identity(study: Study, controller: str | None) -> dict[str, Any]:
     """What has to be the same for rows of an earlier session to be rows of this one. Which runs there are is compared run by
     run, so that a random draw may be made longer."""
     return {"slewlab": _core.__version__,
             "scenarios": {path: [content_digest(path), Scenario(path)._core.configuration_hash] for path in study.scenarios},
-            "limits": content_digest(study.limits) if study.limits else None}
+            "limits": content_digest(study.limits) if study.limits else None, "controller": controller}
 
 
 class Journal:
@@ -166,7 +185,7 @@ class Journal:
         self.file.close()
 
 
-def table_of(study: Study, rows: list[dict[str, Any]]) -> Any:
+def table_of(study: Study, rows: list[dict[str, Any]], controller: str | None = None) -> Any:
     """One Arrow table, a row per run in their order; units in the fields' metadata."""
     import pyarrow as pa
 
@@ -191,7 +210,7 @@ def table_of(study: Study, rows: list[dict[str, Any]]) -> Any:
     found = sorted({name for row in rows for name in row} - {"run", "scenario", "changes", "units", "seed", *columns})
     for name in sorted(found, key=lambda name: (not name.startswith(("verdict.", "measured.", "limit.")), name.partition(".")[2], name)):
         columns[name] = pa.array([row.get(name) for row in rows], pa.float64() if name in numbers else None)
-    columns["command"] = pa.array([run_command(Case(row["run"], row["scenario"], tuple(row["changes"].items())), study.limits)
+    columns["command"] = pa.array([run_command(Case(row["run"], row["scenario"], tuple(row["changes"].items())), study.limits, controller)
                                    for row in rows], pa.string())
     fields = [pa.field(name, column.type, metadata={"unit": units[name]} if name in units else None) for name, column in columns.items()]
     about = {"study": study.name, "draw": study.draw, "seed": str(study.seed), "slewlab": _core.__version__,
@@ -219,29 +238,30 @@ def read_table(path: str | Path) -> pd.DataFrame:
     return frame
 
 
-def campaign(study: str | Path | Study, out: str | Path, *, workers: int | None = None, client: Any = None,
-             progress: bool | None = None) -> pd.DataFrame:
+def campaign(study: str | Path | Study, out: str | Path, *, controller: str | None = None, workers: int | None = None,
+             client: Any = None, progress: bool | None = None) -> pd.DataFrame:
     """Runs what of the study is not yet in `out`, and writes `out`/campaign.parquet when all of it is there.
 
-    `workers`: processes of this machine, as many as there are processors. `client`: a distributed.Client in their place. The
+    `controller`: shell command of a program in place of the scenarios' controller; every run is one of two processes over LCM
+    then. `workers`: processes of this machine, as many as there are processors. `client`: a distributed.Client in their place. The
     table's bytes depend on neither. Ended early, by whatever, the same call goes on where it was. CampaignMismatch where the
     folder holds another campaign; InputError where a file is wrong.
     """
     study = study if isinstance(study, Study) else load_study(study)
     out = Path(out)
     cases = study.cases()
-    journal = Journal(out / JOURNAL, identity(study), cases)
+    journal = Journal(out / JOURNAL, identity(study, controller), cases)
     try:
         (out / TABLE).unlink(missing_ok=True)  # of an earlier time: what is there is whole
         bar = ProgressBar(len(cases), progress)
         open_cases = [case for case in cases if case.run not in journal.rows]
         bar.show(len(journal.rows))
-        function = partial(run_case, limits=study.limits, folder=os.getcwd())
+        function = partial(run_case, limits=study.limits, folder=os.getcwd(), controller=controller)
         done = run_in_processes(function, open_cases, workers) if client is None else run_on_cluster(function, open_cases, client)
         for index, row in done:
             journal.add(died(open_cases[index], row) if isinstance(row, WorkerDied) else row)
             bar.show(len(journal.rows))
-        write_table(table_of(study, [journal.rows[case.run] for case in cases]), out / TABLE)
+        write_table(table_of(study, [journal.rows[case.run] for case in cases], controller), out / TABLE)
     finally:
         journal.close()
     return read_table(out / TABLE)

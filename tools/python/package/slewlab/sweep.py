@@ -10,6 +10,7 @@ import pandas as pd
 
 from .engine import run_in_threads
 from .scenario import CHANNELS, Controller, Run, Scenario
+from .tables import Channels
 
 Measure = Callable[[Run], Mapping[str, float]]
 
@@ -17,7 +18,7 @@ UNITS = {"peak_tip_acceleration": "m/s^2", "peak_house_acceleration": "m/s^2", "
          "largest_motor_torque": "N m", "play_crossings": "-", "end_angle": "rad"}
 
 
-def measures(run: Run) -> dict[str, float]:
+def measures(run: Channels) -> dict[str, float]:
     """What is asked of a run first: peaks of the accelerations, sidelead, motor torque, crossings of the play, where it ends.
     Of a run without a channel, what that one tells is left out."""
     found: dict[str, float] = {}
