@@ -9,7 +9,7 @@ from themed_page import escaped, page, table
 from whole_file import growing
 
 WIDTH, HEIGHT = 320, 200  # of a picture, in its own units
-LEFT, RIGHT, TOP, BOTTOM = 52, 8, 10, 36
+LEFT, RIGHT, TOP, BOTTOM = 52, 8, 10, 22
 MOST_POINTS = 1500  # of a picture; of more runs every failed one and a share of the others is drawn
 MOST_ROWS = 200  # of the table of broken runs
 
@@ -80,7 +80,7 @@ def marks(low, high, most=5):
 
 def picture(x, y, broken, runs, names, limit, x_name, y_name):
     """What was measured over one key. `names`: words in place of numbers along the key; else None."""
-    x_range, y_range = stretch(x), stretch([*y, limit])
+    x_range, y_range = (-0.5, len(names) - 0.5) if names else stretch(x), stretch([*y, limit])
     if x_range is None or y_range is None:
         return ""
 
@@ -106,7 +106,6 @@ def picture(x, y, broken, runs, names, limit, x_name, y_name):
         word = names[int(x[index])] if names else three(x[index])
         parts.append(f'<circle class="{"fail" if broken[index] else "pass"}" cx="{across(x[index]):.1f}" cy="{up(y[index]):.1f}" r="3.2">'
                      f'<title>run {runs[index]}: {escaped(word)}, {three(y[index])}</title></circle>')
-    parts.append(f'<text x="{(LEFT + WIDTH - RIGHT) / 2}" y="{HEIGHT - 5}" text-anchor="middle">{escaped(x_name)}</text>')
     return (f'<figure><svg viewBox="0 0 {WIDTH} {HEIGHT}" role="img" aria-label="{escaped(y_name)} over {escaped(x_name)}">{"".join(parts)}</svg>'
             f"<figcaption>{escaped(y_name)} over {escaped(x_name)}</figcaption></figure>")
 
