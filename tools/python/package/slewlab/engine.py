@@ -106,16 +106,18 @@ class _Processes(ProcessPoolExecutor):
     def submit(self, *arguments: Any, **named: Any) -> Any:
         program = sys.modules["__main__"]
         sys.modules["__main__"] = ModuleType("__main__")
+        # A process that is started here inherits it: Ctrl-C is the parent's affair from the child's first moment on.
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
         try:
             return super().submit(*arguments, **named)
         finally:
             sys.modules["__main__"] = program
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 def _live_with(parent: int) -> None:
-    """Nobody is left behind: the kernel ends this process with its parent, however that ends. Ctrl-C is the parent's affair."""
+    """Nobody is left behind: the kernel ends this process with its parent, however that ends."""
     parent_death_signal = 1  # PR_SET_PDEATHSIG, linux/prctl.h
-    signal.signal(signal.SIGINT, signal.SIG_IGN)
     ctypes.CDLL(None, use_errno=True).prctl(parent_death_signal, signal.SIGKILL)
     if os.getppid() != parent:
         os._exit(1)
