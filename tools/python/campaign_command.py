@@ -6,6 +6,7 @@ that shows which values break which acceptance check. docs/campaign.md
 Ended early by whatever, the same command goes on where it was.
 """
 
+import argparse
 import contextlib
 import importlib.util
 import shutil
@@ -54,11 +55,25 @@ def cluster(options):
         yield client
 
 
+def at_least(lowest, text):
+    if not text.isdecimal() or int(text) < lowest:
+        raise argparse.ArgumentTypeError(f"found {text}, expected a whole number from {lowest} on")
+    return int(text)
+
+
 def count(text):
-    number = int(text)
-    if number < 1:
-        raise ValueError(text)
-    return number
+    return at_least(1, text)
+
+
+def count_or_none(text):
+    return at_least(0, text)
+
+
+def change(text):
+    key, equals, value = text.partition("=")
+    if not (key and equals):
+        raise argparse.ArgumentTypeError(f"found {text}, expected KEY=VALUE")
+    return key, value
 
 
 def parse(arguments):
@@ -67,10 +82,10 @@ def parse(arguments):
     parser.add_argument("--out", metavar="DIR", type=Path, help="folder for journal, table and page (runs/campaign_<study>)")
     parser.add_argument("--controller", metavar="CMD", help="shell command of your own controller, as of slewlab run; runs over LCM")
     where = parser.add_mutually_exclusive_group()
-    where.add_argument("--workers", metavar="N", type=count, help="processes of this machine (as many as it has processors)")
+    where.add_argument("--workers", metavar="N", type=count_or_none, help="processes of this machine (as many as it has processors); 0: in the command's own")
     where.add_argument("--dask", metavar="ADDRESS", help="on a cluster: address of Dask's scheduler, tcp://HOST:PORT")
     where.add_argument("--slurm", metavar="N", type=count, help="on a cluster: N jobs of Slurm, by dask-jobqueue and its jobqueue.yaml")
-    parser.add_argument("--set", dest="changes", metavar="KEY=VALUE", action="append", default=[], help="over the study: runs=10")
+    parser.add_argument("--set", dest="changes", metavar="KEY=VALUE", type=change, action="append", default=[], help="over the study: runs=10")
     parser.add_argument("--page", action="store_true", help="draw the page of a table that is there already, and run nothing")
     return parser.parse_args(arguments)
 
@@ -99,7 +114,7 @@ def main(arguments):
         if options.page:
             frame = slewlab.read_table(out / campaigns.TABLE)
         else:
-            study = load_study(options.study, dict(each.split("=", 1) for each in options.changes if "=" in each))
+            study = load_study(options.study, dict(options.changes))
             with cluster(options) as client:
                 frame = slewlab.campaign(study, out, controller=options.controller, workers=options.workers, client=client)
         write_page(frame, out / "campaign.html")

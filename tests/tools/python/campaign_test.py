@@ -120,15 +120,15 @@ class CampaignTest(unittest.TestCase):
         from distributed import Client, LocalCluster
 
         study = write_study(self.folder)
-        for workers in (1, 2, 8):
+        for workers in (0, 1, 2, 8):
             slewlab.campaign(study, self.folder / str(workers), workers=workers, progress=False)
         with LocalCluster(n_workers=2, threads_per_worker=1, processes=False, dashboard_address=None) as cluster, Client(cluster) as client:
             slewlab.campaign(study, self.folder / "dask", client=client, progress=False)
-        for other in ("2", "8", "dask"):
-            self.assertEqual(self.bytes_of(other), self.bytes_of("1"), other)
+        for other in ("1", "2", "8", "dask"):
+            self.assertEqual(self.bytes_of(other), self.bytes_of("0"), other)
 
     def test_rows_say_what_a_run_says_and_how_to_make_it_again(self):
-        frame = slewlab.campaign(write_study(self.folder, runs=2), self.folder / "out", workers=1, progress=False)
+        frame = slewlab.campaign(write_study(self.folder, runs=2), self.folder / "out", workers=0, progress=False)
         row = frame.loc[1]
         scenario = slewlab.Scenario(self.folder / "short.yaml", {"crane.load.mass": f"{row['crane.load.mass']} t", "seed": int(row["seed"]),
                                                                  "crane.boom.angle": f"{row['crane.boom.angle']} deg"})
@@ -147,7 +147,7 @@ class CampaignTest(unittest.TestCase):
 
     def test_killed_at_any_moment_it_goes_on_where_it_was(self):
         study = write_study(self.folder, runs=12)
-        whole = slewlab.campaign(study, self.folder / "whole", workers=2, progress=False)
+        whole = slewlab.campaign(study, self.folder / "whole", workers=0, progress=False)
         self.assertEqual(len(whole), 12)
         out = self.folder / "killed"
         journal = out / "journal.jsonl"
@@ -160,18 +160,18 @@ class CampaignTest(unittest.TestCase):
         until(lambda: not any(Path(f"/proc/{pid}/exe").exists() for pid in workers), "the workers ended with their parent")
         with open(journal, "ab") as file:
             file.write(b'{"run":11,"scena')  # as a power cut leaves it
-        slewlab.campaign(study, out, workers=2, progress=False)
+        slewlab.campaign(study, out, workers=0, progress=False)
         lines = journal.read_bytes().splitlines()
         self.assertEqual(sorted(json.loads(line)["run"] for line in lines[1:]), list(range(12)))  # each once
         self.assertEqual(self.bytes_of("killed"), self.bytes_of("whole"))
 
     def test_a_random_campaign_is_made_longer_and_another_one_refused(self):
-        slewlab.campaign(write_study(self.folder, runs=2), self.folder / "out", workers=1, progress=False)
-        longer = slewlab.campaign(write_study(self.folder, runs=3), self.folder / "out", workers=1, progress=False)
+        slewlab.campaign(write_study(self.folder, runs=2), self.folder / "out", workers=0, progress=False)
+        longer = slewlab.campaign(write_study(self.folder, runs=3), self.folder / "out", workers=0, progress=False)
         self.assertEqual(len(longer), 3)
         for change, why in ((("[10, 60]", "[10, 50]"), "its run 0 is not this study's"), (("limits: ", "#"), "limits differ")):
             with self.subTest(why=why), self.assertRaisesRegex(slewlab.CampaignMismatch, why):
-                slewlab.campaign(write_study(self.folder, 3, lambda text: text.replace(*change)), self.folder / "out", workers=1, progress=False)
+                slewlab.campaign(write_study(self.folder, 3, lambda text: text.replace(*change)), self.folder / "out", workers=0, progress=False)
 
     def test_a_worker_that_works_elsewhere_finds_the_files(self):
         study = write_study(self.folder, runs=1)
@@ -188,7 +188,7 @@ class CampaignTest(unittest.TestCase):
         study = write_study(self.folder, runs=1)
         for name, controller, outcome in (("own", command, "not accepted"), ("dead", "exit 3", "failed")):
             out = self.folder / name
-            ended = subprocess.run([REPOSITORY / "tools" / "in-private-network", PROGRAM, "campaign", study, "--out", out, "--workers", "1",
+            ended = subprocess.run([REPOSITORY / "tools" / "in-private-network", PROGRAM, "campaign", study, "--out", out, "--workers", "0",
                                     "--controller", controller], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=100, check=False)
             self.assertEqual(ended.returncode, 1, ended.stdout + ended.stderr)
             row = slewlab.read_table(out / "campaign.parquet").loc[0]
@@ -197,7 +197,7 @@ class CampaignTest(unittest.TestCase):
             if name == "dead":
                 self.assertEqual(row["reason"], "ProgramFailed: the controller ended before its time: exit code 3")
         # The example is the thesis's controller: its table has what ours has, but for the command.
-        ours = slewlab.campaign(study, self.folder / "ours", workers=1, progress=False)
+        ours = slewlab.campaign(study, self.folder / "ours", workers=0, progress=False)
         own = slewlab.read_table(self.folder / "own" / "campaign.parquet")
         self.assertEqual(own["configuration_hash"][0], ours["configuration_hash"][0])
         self.assertAlmostEqual(own["peak_tip_acceleration"][0], ours["peak_tip_acceleration"][0], places=9)
@@ -212,7 +212,7 @@ class CampaignTest(unittest.TestCase):
     def test_a_run_that_is_refused_is_a_row(self):
         study = write_study(self.folder, change=lambda text: text.replace(
             "values: {value: [30, 60], unit: deg", "values: {value: [30, 600], unit: deg").replace("runs: {value: 8", "runs: {value: 6"))
-        frame = slewlab.campaign(study, self.folder / "out", workers=1, progress=False)
+        frame = slewlab.campaign(study, self.folder / "out", workers=0, progress=False)
         refused = frame[frame["crane.boom.angle"] == 600]
         self.assertTrue(len(refused) and (refused["outcome"] == "refused").all())
         self.assertIn("boom.angle", refused["reason"].iloc[0])
@@ -246,7 +246,7 @@ class PageTest(unittest.TestCase):
             limits = (slewlab.config() / "acceptance" / "thesis.yaml").read_text().replace("value: 5.5, unit: deg", "value: 0.2, unit: deg")
             (folder / "limits.yaml").write_text(limits)
             study.write_text(study.read_text().replace(str(slewlab.config()) + "/acceptance/thesis.yaml", "limits.yaml"))
-            frame = slewlab.campaign(study, folder / "out", workers=1, progress=False)
+            frame = slewlab.campaign(study, folder / "out", workers=0, progress=False)
             page = campaign_page.draw(frame)
             broken = int((frame["verdict.sidelead"] == "fail").sum())
             self.assertGreater(broken, 0)

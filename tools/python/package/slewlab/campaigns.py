@@ -243,7 +243,7 @@ def campaign(study: str | Path | Study, out: str | Path, *, controller: str | No
     """Runs what of the study is not yet in `out`, and writes `out`/campaign.parquet when all of it is there.
 
     `controller`: shell command of a program in place of the scenarios' controller; every run is one of two processes over LCM
-    then. `workers`: processes of this machine, as many as there are processors. `client`: a distributed.Client in their place. The
+    then. `workers`: processes of this machine, as many as there are processors; 0: in this one. `client`: a distributed.Client in their place. The
     table's bytes depend on neither. Ended early, by whatever, the same call goes on where it was. CampaignMismatch where the
     folder holds another campaign; InputError where a file is wrong.
     """

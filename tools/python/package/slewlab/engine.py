@@ -38,7 +38,11 @@ def run_in_threads(function: Callable[[Any], Any], tasks: Sequence[Any], threads
 
 def run_in_processes(function: Callable[[Any], Any], tasks: Sequence[Any], workers: int | None = None) -> Done:
     """`function` and tasks can be pickled. A worker that dies takes only its task with it: tasks that were under way then are
-    tried again, one at a time in a process of its own, and the one that kills its process again has WorkerDied as its result."""
+    tried again, one at a time in a process of its own, and the one that kills its process again has WorkerDied as its result.
+    No workers: all in this process, which a debugger can hold."""
+    if workers == 0:
+        yield from ((index, function(task)) for index, task in enumerate(tasks))
+        return
     pending = dict(enumerate(tasks))
     while pending:  # again where a worker died
         suspects: dict[int, Any] = {}
