@@ -439,6 +439,15 @@ const char* to_string(Verdict verdict) {
 
 }  // namespace
 
+const char* verdict_name(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::pass: return "pass";
+    case Verdict::fail: return "fail";
+    case Verdict::not_applicable: return "not applicable";
+  }
+  return "";
+}
+
 std::vector<CheckResult> acceptance_checks(const msgs::RunLog& run, const AcceptanceLimits& limits,
                                            const AcceptedMachine& machine) {
   return Checks(run, limits, machine).all();
@@ -480,13 +489,29 @@ std::string why_no_verdict(const msgs::RunLogs& logs, const ExpectedRun& expecte
   return {};
 }
 
+const std::vector<std::string>& acceptance_check_names() {
+  static const std::vector<std::string> kNames{"direction", "overshoot", "settling", "play crossings", "play offset", "sidelead",
+                                               "torque share", "stop distance", "stop time", "stop overshoot", "tip acceleration",
+                                               "trips", "reaction", "expectation", "run", "log"};
+  return kNames;
+}
+
 std::string junit_xml(const std::string& suite, const std::vector<CheckResult>& results) {
+  return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n" + junit_suite(suite, results, {});
+}
+
+std::string junit_suite(const std::string& suite, const std::vector<CheckResult>& results,
+                        const std::vector<std::pair<std::string, std::string>>& properties) {
   const auto count = [&](Verdict verdict) {
     return std::count_if(results.begin(), results.end(), [&](const CheckResult& r) { return r.verdict == verdict; });
   };
-  std::string text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n";
-  text += fmt::format("<testsuite name=\"{}\" tests=\"{}\" failures=\"{}\" errors=\"0\" skipped=\"{}\">\n", xml(suite),
+  std::string text = fmt::format("<testsuite name=\"{}\" tests=\"{}\" failures=\"{}\" errors=\"0\" skipped=\"{}\">\n", xml(suite),
                       results.size(), count(Verdict::fail), count(Verdict::not_applicable));
+  if (!properties.empty()) {
+    text += "  <properties>";
+    for (const auto& [name, value] : properties) text += fmt::format("<property name=\"{}\" value=\"{}\"/>", xml(name), xml(value));
+    text += "</properties>\n";
+  }
   for (const CheckResult& result : results) {
     text += fmt::format("  <testcase classname=\"{}\" name=\"{}\">", xml(suite), xml(result.name));
     if (result.verdict == Verdict::fail) text += fmt::format("<failure message=\"{}\"/>", xml(result.reason));
@@ -510,9 +535,7 @@ std::string checks_json(const std::vector<CheckResult>& results, const Acceptanc
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const CheckResult& result : results) {
     list.push_back({{"name", result.name},
-                    {"verdict", result.verdict == Verdict::not_applicable ? "not applicable"
-                                : result.verdict == Verdict::pass         ? "pass"
-                                                                          : "fail"},
+                    {"verdict", verdict_name(result.verdict)},
                     {"measured", std::isfinite(result.measured) ? nlohmann::ordered_json(result.measured)
                                                                 : nlohmann::ordered_json(nullptr)},
                     {"limit", result.limit},

@@ -28,6 +28,7 @@
 
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "msgs/run_log.h"
@@ -41,6 +42,9 @@ struct AcceptedMachine {
 };
 
 enum class Verdict { pass, fail, not_applicable };
+
+// "pass", "fail", "not applicable"
+const char* verdict_name(Verdict verdict);
 
 struct CheckResult {
   std::string name;      // "overshoot"
@@ -66,6 +70,13 @@ struct ExpectedRun {
   std::int64_t sensors_period = 0;
 };
 std::string why_no_verdict(const msgs::RunLogs& logs, const ExpectedRun& expected);
+
+// Every name that a check of acceptance_checks() may have, and those that judge_log() (judgement.h) adds.
+const std::vector<std::string>& acceptance_check_names();
+
+// A suite of a JUnit file, without the file's head.
+std::string junit_suite(const std::string& suite, const std::vector<CheckResult>& results,
+                        const std::vector<std::pair<std::string, std::string>>& properties);
 
 // JUnit XML: one test suite, a test case per check; what is not applicable counts as skipped.
 std::string junit_xml(const std::string& suite, const std::vector<CheckResult>& results);

@@ -1,10 +1,9 @@
 #include "tools/commands/accept_command.h"
 
-#include <fmt/format.h>
 #include <poll.h>
 
-#include <algorithm>
 #include <cstdio>
+#include <ctime>
 #include <nlohmann/json.hpp>
 #include <fstream>
 #include <stdexcept>
@@ -12,15 +11,15 @@
 #include "common/input_error.h"
 #include "msgs/configuration_hash.h"
 #include "msgs/log_reader.h"
-#include "msgs/run_log.h"
-#include "sim/drive/fault_expectation.h"
-#include "sim/model/drive_line.h"
 #include "sim/drive/scenario_file.h"
-#include "tools/acceptance/checks.h"
+#include "tools/acceptance/judgement.h"
 #include "tools/acceptance/limits.h"
+#include "tools/acceptance/plan.h"
+#include "tools/acceptance/record.h"
 #include "tools/commands/child_process.h"
 #include "tools/commands/home.h"
 #include "tools/commands/run_command.h"
+#include "tools/commands/version.h"
 #include "tools/commands/whole_file.h"
 
 namespace slewlab::tools {
@@ -29,7 +28,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kPollMilliseconds = 200;
-constexpr double kNanosecondsPerSecond = 1e9;
 
 // Why the run did not come to its end; empty where it did, or where nothing tells.
 std::string why_incomplete(const fs::path& folder) {
@@ -40,94 +38,67 @@ std::string why_incomplete(const fs::path& folder) {
   return reason.empty() ? summary.value("outcome", "") : reason;
 }
 
-CheckResult failed_check(const char* name, const std::string& reason) {
-  CheckResult result;
-  result.name = name;
-  result.verdict = Verdict::fail;
-  result.reason = reason;
-  return result;
-}
-
-// Why the log is not the one that the run wrote; empty where it is, or where nothing tells.
-std::string why_another_log(const fs::path& folder, const fs::path& log) {
+// What the run told of the log that it wrote; empty where nothing tells.
+std::string written_digest(const fs::path& folder) {
   std::ifstream file(folder / "summary.json");
   const auto summary = nlohmann::json::parse(file, nullptr, false);
   if (!summary.is_object() || !summary.contains("run") || !summary["run"].is_object()) return {};
-  const std::string written = summary["run"].value("log_digest", "");
-  if (written.empty()) return {};
-  const std::string found = msgs::hash_text(msgs::log_digest(log));
-  if (found == written) return {};
-  return fmt::format("{} is not as the run wrote it: {} bytes with digest {}, summary.json says {} bytes with digest {}",
-                     log.filename().string(), fs::file_size(log), found, summary["run"].value("log_bytes", 0LL), written);
+  return summary["run"].value("log_digest", "");
 }
 
-// What the scenario itself says must happen.
-CheckResult expected_reaction(const sim::FaultExpectation& expectation, const msgs::RunLog& run) {
-  CheckResult result;
-  result.name = "expectation";
-  const std::vector<std::string> broken = sim::broken_expectations(expectation, run);
-  result.verdict = broken.empty() ? Verdict::pass : Verdict::fail;
-  result.reason = broken.empty() ? "everything under expect: of the scenario came about" : "";
-  for (const std::string& line : broken) result.reason += (result.reason.empty() ? "" : "; ") + line;
-  return result;
-}
-
-void draw(const fs::path& folder) {
+void draw(const char* script, const fs::path& folder) {
   const fs::path python = python_interpreter();
   if (!fs::exists(python)) {
-    std::printf("no plot: there is no %s (tools/setup makes it)\n", python.c_str());
+    std::printf("no page: there is no %s (tools/setup makes it)\n", python.c_str());
     return;
   }
   ChildOptions options;
-  options.name = "plot";
-  options.command = {python.string(), (home() / "tools" / "python" / "acceptance_plot.py").string(), folder.string()};
+  options.name = "page";
+  options.command = {python.string(), (home() / "tools" / "python" / script).string(), folder.string()};
   options.environment = {{"SLEWLAB_PYTHON_MESSAGES", python_messages().string()}};
-  ChildProcess plot(options);
+  ChildProcess page(options);
   const auto show = [](const std::string& line) { std::printf("%s\n", line.c_str()); };
-  while (!plot.ended()) {
-    pollfd fds[] = {{plot.output_fd(), POLLIN, 0}, {plot.complaint_fd(), POLLIN, 0}};
+  while (!page.ended()) {
+    pollfd fds[] = {{page.output_fd(), POLLIN, 0}, {page.complaint_fd(), POLLIN, 0}};
     ::poll(fds, 2, kPollMilliseconds);
-    plot.read_output(show);
+    page.read_output(show);
   }
-  plot.read_output(show);
-  if (!plot.succeeded()) std::fprintf(stderr, "no plot: %s\n%s", plot.how_it_ended().c_str(), plot.complaints().c_str());
+  page.read_output(show);
+  if (!page.succeeded()) std::fprintf(stderr, "no page: %s\n%s", page.how_it_ended().c_str(), page.complaints().c_str());
+}
+
+// The log of a run's folder; empty where there is none.
+fs::path log_of(const fs::path& folder) {
+  const fs::path log = fs::exists(folder / "run.lcmlog") ? folder / "run.lcmlog" : folder / "run.lcmlog.partial";
+  return fs::exists(log) && fs::file_size(log) > 0 ? log : fs::path();
+}
+
+Judgement judge_folder(const fs::path& folder, const sim::Scenario& scenario, const AcceptanceLimits& limits) {
+  Judgement judgement;
+  judgement.machine = accepted_machine(scenario);
+  judgement.no_verdict = why_incomplete(folder);
+  fs::remove(folder / "acceptance.json");  // of an earlier time
+  if (judgement.no_verdict.empty()) {
+    const fs::path log = log_of(folder);
+    judgement = judge_log(scenario, log.empty() ? folder / "run.lcmlog" : log, limits, written_digest(folder));
+  } else {
+    judgement.checks.push_back(failed_check("run", judgement.no_verdict));
+  }
+  return judgement;
 }
 
 int judge(const fs::path& folder, const AcceptOptions& options, const AcceptanceLimits& limits) {
   const sim::Scenario scenario = sim::load_scenario_file(folder / "scenario.yaml");
-  AcceptedMachine machine;
-  machine.total_ratio = sim::total_ratio(scenario.crane.parameters.drive);
-  for (const sim::Fault& fault : scenario.faults) {
-    const double from = static_cast<double>(fault.from) / kNanosecondsPerSecond;
-    machine.first_fault = std::min(machine.first_fault.value_or(from), from);
-  }
-  std::vector<CheckResult> results;
-  std::string no_verdict = why_incomplete(folder);
-  if (!no_verdict.empty()) results.push_back(failed_check("run", no_verdict));
-  fs::remove(folder / "acceptance.json");  // of an earlier time
-  const fs::path log = fs::exists(folder / "run.lcmlog") ? folder / "run.lcmlog" : folder / "run.lcmlog.partial";
-  const bool any_log = fs::exists(log) && fs::file_size(log) > 0;
-  if (results.empty()) {
-    const msgs::RunLogs logs = msgs::read_run_logs(log);
-    for (const std::string& remark : logs.remarks) std::printf("note: %s\n", remark.c_str());
-    no_verdict = why_no_verdict(logs, {scenario.duration, scenario.controller_period, scenario.sensors_period});
-    if (no_verdict.empty()) no_verdict = why_another_log(folder, log);
-    if (!no_verdict.empty()) {
-      results.push_back(failed_check("log", no_verdict));
-    } else {
-      results = acceptance_checks(logs.runs.front(), limits, machine);
-      if (machine.first_fault) results.push_back(expected_reaction(scenario.expectation, logs.runs.front()));
-      const bool any_judged = std::any_of(results.begin(), results.end(),
-                                          [](const CheckResult& result) { return result.verdict != Verdict::not_applicable; });
-      if (!any_judged) no_verdict = "no check applies to this run";
-    }
-  }
+  const Judgement judgement = judge_folder(folder, scenario, limits);
+  for (const std::string& remark : judgement.remarks) std::printf("note: %s\n", remark.c_str());
+  const std::vector<CheckResult>& results = judgement.checks;
+  const std::string& no_verdict = judgement.no_verdict;
 
   const std::string name = options.subject.stem().string();
   std::printf("%s", check_table(results).c_str());
-  write_whole_file(folder / "acceptance.json", checks_json(results, limits, machine));
+  write_whole_file(folder / "acceptance.json", checks_json(results, limits, judgement.machine));
   if (!options.junit.empty()) write_whole_file(options.junit, junit_xml(name, results));
-  if (any_log && options.plot) draw(folder);
+  if (!log_of(folder).empty() && options.plot) draw("acceptance_plot.py", folder);
   const bool good = accepted(results);
   if (no_verdict.empty()) {
     std::printf("%s: %s\n", name.c_str(), good ? "accepted" : "NOT accepted");
@@ -137,10 +108,96 @@ int judge(const fs::path& folder, const AcceptOptions& options, const Acceptance
   return good ? 0 : 1;
 }
 
+std::string shell_word(const std::string& word) {
+  constexpr const char* kPlain = "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-./=:,%+@";
+  if (!word.empty() && word.find_first_not_of(kPlain) == std::string::npos) return word;
+  std::string quoted = "'";
+  for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return quoted + "'";
+}
+
+std::string run_fact(const fs::path& folder, const char* key) {
+  std::ifstream file(folder / "summary.json");
+  const auto summary = nlohmann::json::parse(file, nullptr, false);
+  if (!summary.is_object() || !summary.contains("run") || !summary["run"].is_object()) return {};
+  return summary["run"].value(key, "");
+}
+
+std::string utc_now() {
+  const std::time_t now = std::time(nullptr);
+  std::tm parts{};
+  ::gmtime_r(&now, &parts);
+  char text[32];
+  std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%SZ", &parts);
+  return text;
+}
+
+// The run of one test of the plan, made and judged. Throws what run and judgement throw; answers with the exit code of a run
+// that was called wrongly or stopped by a signal, 0 otherwise.
+int make_recorded_run(const PlannedTest& test, const AcceptOptions& options, const AcceptanceLimits& limits, const fs::path& limits_file,
+                      const std::vector<std::string>& command_line, RecordedTest& recorded) {
+  RunOptions run;
+  run.scenario = test.scenario;
+  run.out = options.out / test.name;
+  run.controller_command = options.controller_command;
+  run.progress = Progress::none;
+  const int result = run_scenario(run, command_line);
+  if (result > 1) return result;
+  const sim::Scenario scenario = sim::load_scenario_file(run.out / "scenario.yaml");
+  const Judgement judgement = judge_folder(run.out, scenario, limits);
+  write_whole_file(run.out / "acceptance.json", checks_json(judgement.checks, limits, judgement.machine));
+  recorded.test = test;
+  recorded.test.scenario = test.scenario.lexically_normal();
+  recorded.is_failure_case = !scenario.faults.empty();
+  recorded.checks = judgement.checks;
+  recorded.no_verdict = judgement.no_verdict;
+  recorded.configuration_hash = run_fact(run.out, "configuration_hash");
+  recorded.log_digest = run_fact(run.out, "log_digest");
+  recorded.seed = scenario.seed;
+  recorded.folder = test.name;
+  recorded.command = "slewlab accept " + shell_word(recorded.test.scenario.string()) + " --limits " + shell_word(limits_file.string());
+  if (!options.controller_command.empty()) recorded.command += " --controller " + shell_word(options.controller_command);
+  return 0;
+}
+
+int record(const AcceptOptions& options, const std::vector<std::string>& command_line) {
+  const AcceptancePlan plan = load_acceptance_plan(options.subject);
+  AcceptOptions own = options;
+  if (own.out.empty()) own.out = fs::path("runs") / ("record_" + options.subject.stem().string());
+  fs::create_directories(own.out);
+  for (const char* old : {"record.json", "record.html", "record.xml"}) fs::remove(own.out / old);
+  const fs::path limits_file = plan.limits.lexically_normal();
+  const AcceptanceLimits limits = load_acceptance_limits(limits_file);
+  std::vector<RecordedTest> tests;
+  for (const PlannedTest& test : plan.tests) {
+    if (const int code = make_recorded_run(test, own, limits, limits_file, command_line, tests.emplace_back()); code != 0) return code;
+  }
+  const AcceptanceRecord result = trace(plan, tests);
+  RecordFacts facts;
+  facts.plan_file = options.subject.string();
+  facts.plan_digest = msgs::hash_text(msgs::log_digest(options.subject));
+  facts.limits_file = limits_file.string();
+  facts.limits_digest = msgs::hash_text(msgs::log_digest(limits_file));
+  facts.controller_command = options.controller_command.empty() ? "slewlab-controller" : options.controller_command;
+  facts.versions = version_text();
+  facts.time = utc_now();
+  facts.command = "slewlab accept --record " + shell_word(options.subject.string());
+  if (!options.controller_command.empty()) facts.command += " --controller " + shell_word(options.controller_command);
+  write_whole_file(own.out / "record.json", record_json(plan, result, tests, facts).dump(2) + "\n");
+  const std::string junit = record_junit(plan, result, tests);
+  write_whole_file(own.out / "record.xml", junit);
+  if (!options.junit.empty()) write_whole_file(options.junit, junit);
+  std::printf("%s", record_table(result).c_str());
+  if (options.plot) draw("acceptance_record.py", own.out);
+  std::printf("%s: %s\n", options.subject.stem().c_str(), result.accepted ? "accepted" : "NOT accepted");
+  return result.accepted ? 0 : 1;
+}
+
 }  // namespace
 
 int accept(const AcceptOptions& options, const std::vector<std::string>& command_line) {
   try {
+    if (options.record) return record(options, command_line);
     const AcceptanceLimits limits = load_acceptance_limits(options.limits);
     if (fs::is_directory(options.subject)) {
       if (!options.controller_command.empty() || !options.controller_fmu.empty() || !options.plant_command.empty() ||

@@ -17,6 +17,11 @@
 
 namespace slewlab::tools {
 
+//
+// With `record` the subject is a test plan (acceptance/plan.h): every run of it is made and judged, and the folder gets
+// record.json, record.xml (JUnit) and, where the Python side is set up, record.html; each run in a folder of its name. Exit
+// code 0 where every requirement is met or deviates as was agreed, and nothing else was found.
+
 struct AcceptOptions {
   std::filesystem::path subject;    // scenario or folder of a run
   std::filesystem::path limits;
@@ -27,6 +32,7 @@ struct AcceptOptions {
   std::string plant_command;
   std::vector<common::Override> overrides;
   bool plot = true;
+  bool record = false;              // subject is a test plan
 };
 
 int accept(const AcceptOptions& options, const std::vector<std::string>& command_line);

@@ -15,6 +15,8 @@
 #include "sim/integrate/machine.h"
 #include "sim/machine/machine_file.h"
 #include "sim/machine/plausibility.h"
+#include "tools/acceptance/plan.h"
+#include "tools/campaign/study.h"
 #include "tools/plc/plc_map.h"
 
 namespace slewlab::tools {
@@ -24,7 +26,7 @@ using common::InputError;
 using common::InputProblems;
 using common::YamlNode;
 
-constexpr const char* kKinds = "crane, axis, controller, scenario, import_map or plc_map";
+constexpr const char* kKinds = "crane, axis, controller, scenario, acceptance_plan, campaign, import_map or plc_map";
 
 // Where the scenario names its controller, for problems that lie between two files.
 common::SourceMark mark_of(const std::filesystem::path& file, const std::vector<common::Override>& overrides,
@@ -166,6 +168,10 @@ Findings examine(const std::filesystem::path& file, const std::vector<common::Ov
       check_scenario(file, overrides, by, found);
     } else if (kind->scalar == "plc_map") {
       load_plc_map(file);
+    } else if (kind->scalar == "acceptance_plan") {
+      read_acceptance_plan_file(file, found.problems);
+    } else if (kind->scalar == "campaign") {
+      read_study_file(file, overrides, found.problems);
     } else {
       found.problems.push_back({kind->mark, "kind", common::excerpt(*kind), kKinds});
     }

@@ -54,7 +54,7 @@ void add_check(CLI::App& app, Action& action) {
     std::vector<std::string> overrides;
   };
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("check", "Read cranes, axes, controllers, scenarios, import maps and PLC maps and say what is wrong");
+  CLI::App* command = app.add_subcommand("check", "Read cranes, axes, controllers, scenarios, test plans, campaigns, import maps and PLC maps and say what is wrong");
   command->add_option("FILE", options->files, "files to check")->required();
   command->add_option("--set", options->overrides, "key=value over every file");
   command->callback([options, &action] {
@@ -169,20 +169,28 @@ void add_accept(CLI::App& app, const std::vector<std::string>& command_line, Act
   };
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("accept", "Check a controller's run against limits: pass or fail, and why");
-  command->add_option("SCENARIO|RUN_DIR", options->accept.subject, "scenario to run, or a run that was made already")
-      ->required()
-      ->check(CLI::ExistingPath);
+  CLI::Option* subject = command->add_option("SCENARIO|RUN_DIR", options->accept.subject, "scenario to run, or a run that was made already")
+                             ->check(CLI::ExistingPath);
+  auto plan = std::make_shared<std::filesystem::path>();
+  CLI::Option* record = command->add_option("--record", *plan, "test plan: make every run of it, and the record that traces requirements to them")
+                            ->check(CLI::ExistingFile)
+                            ->excludes(subject);
   CLI::Option* own = command->add_option("--controller", options->accept.controller_command, "shell command of your own controller");
   command->add_option("--controller-fmu", options->accept.controller_fmu, "controller that is an FMU (docs/fmu.md)")
       ->check(CLI::ExistingFile)
       ->excludes(own);
   command->add_option("--plant", options->accept.plant_command, "shell command of your own plant");
-  command->add_option("--limits", options->accept.limits, "limits (config/acceptance/thesis.yaml)");
+  command->add_option("--limits", options->accept.limits, "limits (config/acceptance/thesis.yaml)")->excludes(record);
   command->add_flag("--plot,!--no-plot", options->accept.plot, "draw acceptance.html (as it is by default)");
   command->add_option("--junit", options->accept.junit, "JUnit XML to write, for CI");
-  command->add_option("--out", options->accept.out, "folder for the run (runs/accept_<scenario>)");
-  command->add_option("--set", options->overrides, "key=value, as of slewlab run");
-  command->callback([options, &command_line, &action] {
+  command->add_option("--out", options->accept.out, "folder for the run (runs/accept_<scenario>), or for the record (runs/record_<plan>)");
+  command->add_option("--set", options->overrides, "key=value, as of slewlab run")->excludes(record);
+  command->callback([options, plan, subject, record, &command_line, &action] {
+    if (subject->count() + record->count() == 0) throw CLI::RequiredError("SCENARIO|RUN_DIR or --record");
+    if (record->count() > 0) {
+      options->accept.record = true;
+      options->accept.subject = *plan;
+    }
     action = [options, &command_line] {
       fill(options->accept.limits, "config/acceptance/thesis.yaml");
       options->accept.overrides = parse_overrides(options->overrides);
@@ -435,7 +443,7 @@ void add_schema(CLI::App& app, Action& action) {
   };
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("schema", "JSON Schema of a kind of file, for completion and marks in an editor");
-  CLI::Option* kind = command->add_option("KIND", options->kind, "crane, axis, controller, scenario, acceptance, soak or plc_map");
+  CLI::Option* kind = command->add_option("KIND", options->kind, "crane, axis, controller, scenario, acceptance, acceptance_plan, campaign, soak or plc_map");
   CLI::Option* out = command->add_option("--out", options->out, "folder for KIND.schema.json of every kind");
   kind->excludes(out);
   command->callback([options, kind, out, &action] {
@@ -476,6 +484,7 @@ int main(const std::vector<std::string>& command_line, int argc, char** argv) {
   add_completion(app, action);
   add_manual(app, action);
   add_python(app, "report", "report.py", "Draw a run: a page with pictures and numbers beside its log", action);
+  add_python(app, "campaign", "campaign_command.py", "Run a study: scenarios over a grid or a draw of values, one table of results", action);
   add_python(app, "desk", "desk_command.py", "Watch, steer and scrub: a page of a running scenario or a log", action);
   add_bridge(app, action);
   add_python(app, "soft-plc", "soft_plc.py", "A PLC on loopback to try a map of registers, nodes or symbols with", action);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <optional>
 #include <utility>
 
 #include "common/input_error.h"
@@ -15,6 +16,8 @@
 #include "sim/machine/axis_file.h"
 #include "sim/machine/crane_file.h"
 #include "tools/acceptance/limits.h"
+#include "tools/acceptance/plan.h"
+#include "tools/campaign/study.h"
 #include "tools/plc/plc_map.h"
 #include "tools/soak/settings.h"
 
@@ -169,6 +172,24 @@ Json scenario() {
   return schema;
 }
 
+// Values of a key whose unit is the key's own affair.
+Json campaign() {
+  Json schema = whole("campaign", common::describe_keys([](YamlReader& reader) {
+    Study study;
+    read_study(reader, study);
+  }));
+  const Json item{{"type", Json::array({"number", "string", "boolean"})}};
+  const auto list = [](Json items, int fewest, std::optional<int> most) {
+    Json values{{"type", "array"}, {"items", std::move(items)}, {"minItems", fewest}};
+    if (most) values["maxItems"] = *most;
+    return closed_object({{"value", values}, {"unit", text_schema()}, {"source", text_schema()}}, {"value", "source"});
+  };
+  Json& varied = schema["properties"]["vary"]["items"]["properties"];
+  varied["values"] = list(item, 1, std::nullopt);
+  for (const char* name : {"range", "log_range", "normal"}) varied[name] = list({{"type", "number"}}, 2, 2);
+  return schema;
+}
+
 const std::vector<std::pair<std::string, std::function<Json()>>>& makers() {
   static const std::vector<std::pair<std::string, std::function<Json()>>> kMakers{
       {"crane", [] { return machine("crane", sim::read_crane); }},
@@ -181,6 +202,8 @@ const std::vector<std::pair<std::string, std::function<Json()>>>& makers() {
        }},
       {"scenario", scenario},
       {"acceptance", [] { return whole("acceptance", common::describe_keys([](YamlReader& reader) { read_acceptance_limits(reader); })); }},
+      {"acceptance_plan", [] { return whole("acceptance_plan", common::describe_keys([](YamlReader& reader) { read_acceptance_plan(reader); })); }},
+      {"campaign", campaign},
       {"soak", [] {
          return whole("soak", common::describe_keys([](YamlReader& reader) {
            SoakSettings settings;

@@ -127,6 +127,44 @@ TEST_F(AcceptTest, TheReactionToAFaultIsJudged) {
   EXPECT_NE(other.output().find("FAIL expectation"), std::string::npos) << other.output();
 }
 
+// Two runs, a requirement that is met and one that is not, and the same plan with the deviation agreed.
+TEST_F(AcceptTest, ARecordTracesRequirementsToRunsThatCanBeMadeAgain) {
+  const fs::path plan = folder_.path() / "plan.yaml";
+  const auto record = [&](const std::string& deviations, int exit_code) {
+    std::ofstream(plan) << "kind: acceptance_plan\ntitle: Two runs\nsystem: slewlab-controller\nlimits: " SLEWLAB_SOURCE_DIR "/config/acceptance/thesis.yaml\n"
+                        << "tests:\n  - {name: killed, purpose: dies, scenario: " << kScenarios << "faults/controller_killed.yaml}\n"
+                        << "  - {name: open, purpose: play, scenario: " << kScenarios << "thesis_slew_without_play_compensation.yaml}\n"
+                        << "requirements:\n  - {name: rest, text: Comes to rest., source: chosen, shown_by: [{test: killed, check: reaction}]}\n"
+                        << "  - {name: play, text: Keeps its flanks., source: chosen, shown_by: [{test: open, check: play crossings}, {test: open, check: play offset}]}\n"
+                        << deviations;
+    std::vector<std::string> line{kSlewlab, "accept", "--record", plan.string(), "--out", out_.string()};
+    if (no_python()) line.push_back("--no-plot");
+    RunningProgram accept(line);
+    EXPECT_EQ(accept.wait_for_end(), exit_code) << accept.output() << accept.complaints();
+    return accept.output();
+  };
+  const std::string said = record("", 1);
+  EXPECT_NE(said.find("met       rest"), std::string::npos) << said;
+  EXPECT_NE(said.find("not met   play"), std::string::npos) << said;
+  const auto told = nlohmann::json::parse(contents(out_ / "record.json"));
+  EXPECT_FALSE(told["accepted"].get<bool>());
+  EXPECT_EQ(told["tests"][0]["case"], "failure");
+  EXPECT_EQ(told["tests"][1]["case"], "normal operation");
+  const auto summary = nlohmann::json::parse(contents(out_ / "open" / "summary.json"));
+  EXPECT_EQ(told["tests"][1]["log_digest"], summary["run"]["log_digest"]);
+  EXPECT_EQ(told["tests"][1]["configuration_hash"], summary["run"]["configuration_hash"]);
+  EXPECT_NE(contents(out_ / "record.xml").find("<testsuite name=\"killed\""), std::string::npos);
+  if (!no_python()) {
+    const std::string page = contents(out_ / "record.html");
+    EXPECT_NE(page.find("Keeps its flanks."), std::string::npos);
+    EXPECT_NE(page.find(summary["run"]["log_digest"].get<std::string>()), std::string::npos);
+  }
+  record("deviations: [{requirement: play, text: compensation comes later, agreed_by: the owner}]\n", 1);  // tip acceleration is a finding
+  const auto agreed = nlohmann::json::parse(contents(out_ / "record.json"));
+  EXPECT_EQ(agreed["requirements"][1]["deviation"], "compensation comes later");
+  EXPECT_FALSE(agreed["findings"].empty());
+}
+
 TEST_F(AcceptTest, AControllerThatDiesIsNotAccepted) {
   EXPECT_EQ(failures("thesis_slew.yaml", "echo out of licences >&2; exit 3", 1).count("run"), 1u) << output_;
   EXPECT_NE(output_.find("exit code 3"), std::string::npos) << output_;

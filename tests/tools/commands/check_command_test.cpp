@@ -127,11 +127,11 @@ TEST_F(CheckCommand, CyclicInclude) {
 }
 
 TEST_F(CheckCommand, MissingKind) {
-  expect_line(said_after("kind: crane\n", ""), "kind", "nothing: the key is missing", "crane, axis, controller, scenario, import_map or plc_map");
+  expect_line(said_after("kind: crane\n", ""), "kind", "nothing: the key is missing", "crane, axis, controller, scenario, acceptance_plan, campaign, import_map or plc_map");
 }
 
 TEST_F(CheckCommand, UnknownKind) {
-  expect_line(said_after("kind: crane", "kind: ship"), "kind", "ship", "crane, axis, controller, scenario, import_map or plc_map");
+  expect_line(said_after("kind: crane", "kind: ship"), "kind", "ship", "crane, axis, controller, scenario, acceptance_plan, campaign, import_map or plc_map");
 }
 
 TEST_F(CheckCommand, ControllerThatDoesNotFitTheCrane) {

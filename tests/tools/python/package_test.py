@@ -66,6 +66,25 @@ class RunTest(unittest.TestCase):
             self.assertEqual(again.messages(channel).tobytes(), own.messages(channel).tobytes())
         self.assertNotIn("CONTROLLER_STATE", again)
 
+    def test_a_class_is_made_anew_at_every_start_and_says_whether_it_acknowledges(self):
+        made = []
+
+        class Still:
+            def __init__(self):
+                made.append(0)
+
+            def __call__(self, encoder, operator):
+                made[-1] += 1
+                return slewlab.Answer([0.0] * encoder.group_count, acknowledge=encoder.time > 0.5)
+
+        scenario = slewlab.Scenario(slewlab.config("scenarios/faults/controller_restarted.yaml"))  # dead from 10 s to 12 s of 30 s
+        run = scenario.run(Still, channels=["TORQUE"])
+        self.assertEqual(len(made), 2)
+        self.assertEqual(made[0], 1000)  # a question every 10 ms
+        self.assertGreater(made[1], 1700)
+        torque = run.messages("TORQUE")
+        np.testing.assert_array_equal(torque["acknowledge"].astype(bool), torque["simulated_time"] > 500_000_000)
+
     def test_what_a_callable_raises_comes_out(self):
         def broken(encoder, operator):
             if encoder.time >= 0.5:

@@ -34,7 +34,7 @@ class SchemaTest(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
         cls.validators = {kind: jsonschema.Draft202012Validator(schema_of(kind))
-                          for kind in ("crane", "axis", "controller", "scenario", "acceptance", "soak", "plc_map")}
+                          for kind in ("crane", "axis", "controller", "scenario", "acceptance", "acceptance_plan", "campaign", "soak", "plc_map")}
 
     def complaints(self, tree):
         return [error.json_path + ": " + error.message for error in self.validators[tree["kind"]].iter_errors(tree)]

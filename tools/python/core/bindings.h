@@ -16,6 +16,7 @@ void bind_run(nanobind::module_& m);
 void bind_log(nanobind::module_& m);
 void bind_yaml(nanobind::module_& m);
 void bind_plc(nanobind::module_& m);
+void bind_campaign(nanobind::module_& m);
 
 // Keys with the text of their values, as of `--set`.
 using Changes = std::vector<std::pair<std::string, std::string>>;

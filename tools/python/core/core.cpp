@@ -20,4 +20,5 @@ NB_MODULE(_core, m) {
   tools::bind_log(m);
   tools::bind_yaml(m);
   tools::bind_plc(m);
+  tools::bind_campaign(m);
 }

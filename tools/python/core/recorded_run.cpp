@@ -6,7 +6,6 @@
 #include "common/input_error.h"
 #include "controller/controller_file.h"
 #include "controller/process/computed_answer.h"
-#include "diagnosis/loop/wire_loop.h"
 #include "msgs/log_writer.h"
 #include "sim/drive/crane_plant.h"
 #include "sim/drive/scenario_run.h"
@@ -46,7 +45,7 @@ controller::Compute scenario_controller(const sim::Scenario& scenario) {
   return controller::computed_answer(settings);
 }
 
-RecordedRun record_run(const sim::Scenario& scenario, const controller::Compute& compute, const RecordedRunOptions& options) {
+RecordedRun record_run(const sim::Scenario& scenario, const diagnosis::NewController& controller, const RecordedRunOptions& options) {
   RecordedRun run;
   const sim::LockstepSettings settings = sim::lockstep_settings(scenario);
   sim::CranePlant plant(sim::machine_settings(scenario), sim::drive_run(scenario));
@@ -60,7 +59,7 @@ RecordedRun record_run(const sim::Scenario& scenario, const controller::Compute&
   bool stopped = false;
   sim::LockstepHooks hooks;
   hooks.stop = [&] { return stopped = stopped || (options.stop && options.stop()); };
-  const diagnosis::WireLoopResult result = diagnosis::run_wire_loop(settings, [&] { return compute; }, plant, sink, hooks);
+  const diagnosis::WireLoopResult result = diagnosis::run_wire_loop(settings, controller, plant, sink, hooks);
   if (log && !stopped && !result.controller_is_dead) log->finish();
   run.counts = result.counts;
   run.controller_is_dead = result.controller_is_dead;

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "controller/process/answer_loop.h"
+#include "diagnosis/loop/wire_loop.h"
 #include "msgs/row_layout.h"
 #include "sim/drive/lockstep_loop.h"
 #include "sim/drive/scenario_file.h"
@@ -40,7 +41,7 @@ struct RecordedRunOptions {
 // The scenario's own controller. Throws common::InputError where its file is wrong or made for another number of groups.
 controller::Compute scenario_controller(const sim::Scenario& scenario);
 
-// `compute` is copied for every start of the controller: a fault that kills it takes its state.
-RecordedRun record_run(const sim::Scenario& scenario, const controller::Compute& compute, const RecordedRunOptions& options);
+// `controller` makes one anew at every start: a fault that kills the controller takes its state.
+RecordedRun record_run(const sim::Scenario& scenario, const diagnosis::NewController& controller, const RecordedRunOptions& options);
 
 }  // namespace slewlab::tools

@@ -4,6 +4,7 @@
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
+#include <cmath>
 #include <functional>
 #include <memory>
 #include <stdexcept>
@@ -11,6 +12,7 @@
 #include "controller/controller_file.h"
 #include "msgs/configuration_hash.h"
 #include "sim/drive/scenario_file.h"
+#include "tools/acceptance/judgement.h"
 #include "tools/python/core/bindings.h"
 #include "tools/python/core/recorded_run.h"
 #include "tools/python/core/tables.h"
@@ -36,6 +38,7 @@ struct Answer {
   std::vector<double> motor_torque;  // [Nm] per motor of each group
   bool enable = true;
   bool brake = false;
+  std::optional<bool> acknowledge;  // of a tripped drive; as the operator says it where the controller says nothing
 };
 
 Answer answer_of(const nb::object& said, int group_count) {
@@ -53,7 +56,7 @@ Answer answer_of(const nb::object& said, int group_count) {
 }
 
 // A callable as the controller: asked once a controller period, with the interpreter's lock taken for as long. It sends no
-// CONTROLLER_STATE.
+// CONTROLLER_STATE. A class is made anew at every start of the controller; what stands in for all starts is called on.
 controller::Compute called(const nb::callable& callable) {
   // The callable's reference is counted under the lock alone, wherever copies of the function go.
   auto* kept = new nb::callable(callable);
@@ -66,7 +69,7 @@ controller::Compute called(const nb::callable& callable) {
     const Answer answer = answer_of((*shared)(encoder, operator_move), encoder.group_count);
     torque.enable = answer.enable;
     torque.brake = answer.brake;
-    torque.acknowledge = operator_move.acknowledge;
+    torque.acknowledge = answer.acknowledge.value_or(operator_move.acknowledge != 0);
     torque.state_follows = false;
     torque.group_count = encoder.group_count;
     torque.motor_torque = answer.motor_torque;
@@ -103,15 +106,42 @@ nb::dict run(const Scenario& scenario, const std::optional<nb::callable>& contro
     if (!index) throw nb::key_error(name.c_str());
     options.keep[*index] = true;
   }
-  const controller::Compute compute = controller ? called(*controller) : scenario_controller(scenario.scenario);
+  diagnosis::NewController start;
+  if (!controller) {
+    start = [compute = scenario_controller(scenario.scenario)] { return compute; };
+  } else if (PyType_Check(controller->ptr()) != 0) {
+    start = [&controller] {
+      const nb::gil_scoped_acquire lock;
+      return called(nb::cast<nb::callable>((*controller)()));
+    };
+  } else {
+    start = [compute = called(*controller)] { return compute; };
+  }
   RecordedRun recorded;
   {
     const nb::gil_scoped_release release;
-    recorded = record_run(scenario.scenario, compute, options);
+    recorded = record_run(scenario.scenario, start, options);
   }
   if (PyErr_Occurred() != nullptr) throw nb::python_error();
   if (recorded.controller_is_dead) throw std::runtime_error("the controller was ended by a fault of the scenario and did not come back");
   return tables_of(recorded);
+}
+
+// (why there is no verdict, [(check, verdict, measured, limit, unit, time, reason)])
+nb::tuple judge(const Scenario& scenario, const std::filesystem::path& log, const std::filesystem::path& limits) {
+  Judgement judgement;
+  {
+    const nb::gil_scoped_release release;
+    judgement = judge_log(scenario.scenario, log, load_acceptance_limits(limits));
+  }
+  nb::list checks;
+  for (const CheckResult& check : judgement.checks) {
+    const bool is_number = std::isfinite(check.measured) && !check.unit.empty();
+    checks.append(nb::make_tuple(check.name, std::string(verdict_name(check.verdict)), is_number ? nb::cast(check.measured) : nb::none(),
+                                 check.unit.empty() ? nb::none() : nb::cast(check.limit), check.unit,
+                                 check.time < 0.0 ? nb::none() : nb::cast(check.time), check.reason));
+  }
+  return nb::make_tuple(judgement.no_verdict, checks);
 }
 
 double seconds(std::int64_t time) { return static_cast<double>(time) * kNanosecond; }
@@ -130,10 +160,12 @@ void bind_run(nb::module_& m) {
       .def_prop_ro("emergency_stop", [](const msgs::Operator& o) { return o.emergency_stop != 0; })
       .def_prop_ro("acknowledge", [](const msgs::Operator& o) { return o.acknowledge != 0; });
   nb::class_<Answer>(m, "Answer", "What a controller answers, where motor torques alone do not say it.")
-      .def(nb::init<std::vector<double>, bool, bool>(), nb::arg("motor_torque"), nb::arg("enable") = true, nb::arg("brake") = false)
+      .def(nb::init<std::vector<double>, bool, bool, std::optional<bool>>(), nb::arg("motor_torque"), nb::arg("enable") = true,
+           nb::arg("brake") = false, nb::arg("acknowledge") = nb::none())
       .def_rw("motor_torque", &Answer::motor_torque, "[Nm] per motor of each group, on the motor's shaft")
       .def_rw("enable", &Answer::enable, "the drives may deliver torque")
-      .def_rw("brake", &Answer::brake, "apply the disk brakes");
+      .def_rw("brake", &Answer::brake, "apply the disk brakes")
+      .def_rw("acknowledge", &Answer::acknowledge, "of a tripped drive; None: as the operator says it");
 
   nb::class_<Scenario>(m, "Scenario")
       .def(nb::init<const std::filesystem::path&, const Changes&>(), nb::arg("path"), nb::arg("changes"))
@@ -154,7 +186,9 @@ void bind_run(nb::module_& m) {
                    },
                    "Proportional gain [Nm s/rad] per motor and integral time [s].")
       .def("run", &run, nb::arg("controller").none(), nb::arg("channels"), nb::arg("log"),
-           "{channel: ((fields, row bytes), rows)}; the interpreter's lock is free meanwhile.");
+           "{channel: ((fields, row bytes), rows)}; the interpreter's lock is free meanwhile.")
+      .def("judge", &judge, nb::arg("log"), nb::arg("limits"),
+           "(why there is no verdict, [(check, verdict, measured, limit, unit, time, reason)]) of a log of this scenario.");
 }
 
 }  // namespace slewlab::tools

@@ -9,6 +9,7 @@ SI units throughout. A table carries its units in `table.attrs["units"]`, {colum
 """
 
 from ._core import Answer, Encoder, InputError, LogError, Mode, Operator, __version__
+from .campaigns import CampaignMismatch, campaign, read_table
 from .control import Margins, StateSpace, margins
 from .figures import overview
 from .files import check, config, values
@@ -18,6 +19,6 @@ from .scenario import Controller, ProgramFailed, Run, Scenario
 from .sweep import measures, monte_carlo, sweep
 from .tables import Log, factor, open_log
 
-__all__ = ["Answer", "Cause", "Controller", "Diagnosis", "Encoder", "InputError", "Log", "LogError", "Machine", "Margins",
-           "Mode", "Operator", "ProgramFailed", "Run", "Scenario", "StateSpace", "__version__", "check", "config", "diagnose",
-           "factor", "margins", "measures", "monte_carlo", "open_log", "overview", "sweep", "values"]
+__all__ = ["Answer", "CampaignMismatch", "Cause", "Controller", "Diagnosis", "Encoder", "InputError", "Log", "LogError", "Machine", "Margins",
+           "Mode", "Operator", "ProgramFailed", "Run", "Scenario", "StateSpace", "__version__", "campaign", "check", "config", "diagnose",
+           "factor", "margins", "measures", "monte_carlo", "open_log", "overview", "read_table", "sweep", "values"]

@@ -1,16 +1,16 @@
 """Many runs of one scenario, side by side, as one table with a row per run."""
 
 import itertools
-import os
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from concurrent.futures import ThreadPoolExecutor
 from typing import Any
 
 import numpy as np
 import pandas as pd
 
+from .engine import run_in_threads
 from .scenario import CHANNELS, Controller, Run, Scenario
+from .tables import Channels
 
 Measure = Callable[[Run], Mapping[str, float]]
 
@@ -18,7 +18,7 @@ UNITS = {"peak_tip_acceleration": "m/s^2", "peak_house_acceleration": "m/s^2", "
          "largest_motor_torque": "N m", "play_crossings": "-", "end_angle": "rad"}
 
 
-def measures(run: Run) -> dict[str, float]:
+def measures(run: Channels) -> dict[str, float]:
     """What is asked of a run first: peaks of the accelerations, sidelead, motor torque, crossings of the play, where it ends.
     Of a run without a channel, what that one tells is left out."""
     found: dict[str, float] = {}
@@ -58,17 +58,12 @@ def run_all(scenario: Scenario, cases: Sequence[Mapping[str, Any]], measure: Mea
     def one(case: Mapping[str, Any]) -> Mapping[str, float]:
         return measure(scenario.changed(case).run(None if controller is None else controller(), channels=channels))
 
-    found = []
-    with ThreadPoolExecutor(threads or os.cpu_count() or 1) as pool:
-        try:
-            bar.show(0)
-            for number, result in enumerate(pool.map(one, cases), 1):
-                found.append(result)
-                bar.show(number)
-        except BaseException:
-            pool.shutdown(cancel_futures=True)
-            raise
-    table = pd.DataFrame([dict(case) | dict(result) for case, result in zip(cases, found, strict=True)])
+    found: dict[int, Mapping[str, float]] = {}
+    bar.show(0)
+    for number, result in run_in_threads(one, cases, threads):
+        found[number] = result
+        bar.show(len(found))
+    table = pd.DataFrame([dict(case) | dict(found[number]) for number, case in enumerate(cases)])
     table.index.name = "run"
     table.attrs["units"] = {name: unit for name, unit in UNITS.items() if name in table}
     return table

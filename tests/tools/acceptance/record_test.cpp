@@ -1,0 +1,150 @@
+// A record says of each requirement what its checks said, and forgets no failed check.
+
+#include "tools/acceptance/record.h"
+
+#include <gtest/gtest.h>
+
+#include <fstream>
+
+#include "common/input_error.h"
+#include "tests/msgs/temporary_folder.h"
+
+namespace slewlab::tools {
+namespace {
+
+CheckResult check(const char* name, Verdict verdict) {
+  CheckResult result;
+  result.name = name;
+  result.verdict = verdict;
+  result.reason = std::string("reason of ") + name;
+  result.measured = 2.0;
+  result.limit = 1.0;
+  result.unit = "s";
+  return result;
+}
+
+AcceptancePlan plan_of(std::vector<ShownBy> shown_by) {
+  AcceptancePlan plan;
+  plan.title = "Test <of> a controller";
+  plan.tests = {{"slew", "", "slew.yaml"}, {"stop", "", "stop.yaml"}};
+  plan.requirements = {{"R1", "It turns.", "chosen", std::move(shown_by)}};
+  return plan;
+}
+
+std::vector<RecordedTest> runs(std::vector<CheckResult> slew, std::vector<CheckResult> stop) {
+  RecordedTest first, second;
+  first.test.name = "slew";
+  first.checks = std::move(slew);
+  second.test.name = "stop";
+  second.checks = std::move(stop);
+  return {first, second};
+}
+
+TEST(AcceptanceRecord, IsMetWhereEveryCheckThatShowsItPassed) {
+  const AcceptancePlan plan = plan_of({{"slew", "direction"}, {"stop", "stop time"}});
+  const auto tests = runs({check("direction", Verdict::pass)}, {check("stop time", Verdict::pass), check("sidelead", Verdict::not_applicable)});
+  const AcceptanceRecord record = trace(plan, tests);
+  EXPECT_EQ(record.requirements.at(0).state, RequirementState::met);
+  EXPECT_TRUE(record.requirements[0].reasons.empty());
+  EXPECT_TRUE(record.findings.empty());
+  EXPECT_TRUE(record.accepted);
+}
+
+TEST(AcceptanceRecord, WhatDoesNotApplyOrWasNotAskedForShowsNothing) {
+  const AcceptancePlan plan = plan_of({{"slew", "direction"}, {"stop", "stop time"}});
+  for (const auto& stop : {std::vector<CheckResult>{check("stop time", Verdict::not_applicable)}, std::vector<CheckResult>{}}) {
+    const AcceptanceRecord record = trace(plan, runs({check("direction", Verdict::pass)}, stop));
+    EXPECT_EQ(record.requirements.at(0).state, RequirementState::not_shown);
+    EXPECT_EQ(record.requirements[0].reasons.size(), 1u);
+    EXPECT_FALSE(record.accepted);
+  }
+}
+
+TEST(AcceptanceRecord, AFailureWeighsMoreThanWhatIsNotShownInWhateverOrder) {
+  const AcceptancePlan plan = plan_of({{"slew", "direction"}, {"stop", "stop time"}});
+  for (const auto& [first, second] : {std::pair{Verdict::fail, Verdict::not_applicable}, std::pair{Verdict::not_applicable, Verdict::fail}}) {
+    const AcceptanceRecord record = trace(plan, runs({check("direction", first)}, {check("stop time", second)}));
+    EXPECT_EQ(record.requirements.at(0).state, RequirementState::not_met);
+    EXPECT_FALSE(record.accepted);
+  }
+}
+
+TEST(AcceptanceRecord, AFailedCheckThatNoRequirementNamesIsAFinding) {
+  const AcceptancePlan plan = plan_of({{"slew", "direction"}});
+  const AcceptanceRecord record = trace(plan, runs({check("direction", Verdict::pass)}, {check("stop time", Verdict::fail)}));
+  EXPECT_EQ(record.requirements.at(0).state, RequirementState::met);
+  ASSERT_EQ(record.findings.size(), 1u);
+  EXPECT_EQ(record.findings[0].test, "stop");
+  EXPECT_FALSE(record.accepted);
+}
+
+TEST(AcceptanceRecord, AnAgreedDeviationIsAcceptedAndTold) {
+  AcceptancePlan plan = plan_of({{"slew", "direction"}});
+  plan.deviations = {{"R1", "a spare part is on its way", "the owner"}};
+  const auto tests = runs({check("direction", Verdict::fail)}, {});
+  const AcceptanceRecord record = trace(plan, tests);
+  EXPECT_EQ(record.requirements.at(0).state, RequirementState::not_met);
+  EXPECT_TRUE(record.accepted);
+  EXPECT_NE(record_table(record).find("a spare part is on its way"), std::string::npos);
+  const std::string junit = record_junit(plan, record, tests);
+  EXPECT_NE(junit.find("<skipped message=\"not met; slew, direction: reason of direction; agreed deviation: a spare part"), std::string::npos) << junit;
+  EXPECT_NE(junit.find("Test &lt;of&gt; a controller"), std::string::npos);
+}
+
+TEST(AcceptanceRecord, JunitAndJsonNameRunHashSeedAndCommand) {
+  const AcceptancePlan plan = plan_of({{"slew", "direction"}});
+  auto tests = runs({check("direction", Verdict::pass)}, {});
+  tests[0].configuration_hash = "0123456789abcdef";
+  tests[0].log_digest = "fedcba9876543210";
+  tests[0].seed = 7;
+  tests[0].command = "slewlab accept slew.yaml";
+  const AcceptanceRecord record = trace(plan, tests);
+  const std::string junit = record_junit(plan, record, tests);
+  for (const char* text : {"\"0123456789abcdef\"", "\"fedcba9876543210\"", "name=\"seed\" value=\"7\"", "\"slewlab accept slew.yaml\""}) {
+    EXPECT_NE(junit.find(text), std::string::npos) << text << " in " << junit;
+  }
+  const auto json = record_json(plan, record, tests, {});
+  EXPECT_EQ(json["tests"][0]["log_digest"], "fedcba9876543210");
+  EXPECT_EQ(json["requirements"][0]["shown_by"][0]["check"], "direction");
+}
+
+TEST(AcceptancePlan, TheShippedOneUsesEveryShippedRunForARequirement) {
+  const AcceptancePlan plan = load_acceptance_plan(SLEWLAB_SOURCE_DIR "/config/acceptance_plans/thesis.yaml");
+  std::size_t faults = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(SLEWLAB_SOURCE_DIR "/config/scenarios/faults")) {
+    faults += entry.path().extension() == ".yaml" ? 1 : 0;
+  }
+  EXPECT_EQ(plan.tests.size(), 4 + faults);
+  for (const PlannedTest& test : plan.tests) {
+    bool used = false;
+    for (const Requirement& requirement : plan.requirements) {
+      for (const ShownBy& shown : requirement.shown_by) used = used || shown.test == test.name;
+    }
+    EXPECT_TRUE(used) << test.name << " shows nothing";
+  }
+}
+
+TEST(AcceptancePlan, WhatIsWrongIsToldAtItsLine) {
+  const TemporaryFolder folder;
+  const auto file = folder.path() / "plan.yaml";
+  const auto said = [&](const std::string& shown_by, const std::string& more) {
+    std::ofstream(file) << "kind: acceptance_plan\ntitle: t\nsystem: s\nlimits: " SLEWLAB_SOURCE_DIR "/config/acceptance/thesis.yaml\n"
+                        << "tests:\n  - {name: slew, purpose: p, scenario: " SLEWLAB_SOURCE_DIR "/config/scenarios/thesis_slew.yaml}\n"
+                        << "requirements:\n  - name: R1\n    text: t\n    source: s\n    shown_by: [" << shown_by << "]\n" << more;
+    try {
+      load_acceptance_plan(file);
+    } catch (const common::InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string();
+  };
+  EXPECT_EQ(said("{test: slew, check: direction}", ""), "");
+  EXPECT_NE(said("{test: slow, check: direction}", "").find("plan.yaml:11:23: key 'requirements.0.shown_by.0.test': found slow, expected 'slew'"), std::string::npos)
+      << said("{test: slow, check: direction}", "");
+  EXPECT_NE(said("{test: slew, check: sidelad}", "").find("'sidelead'"), std::string::npos);
+  EXPECT_NE(said("", "").find("found nothing, expected at least one"), std::string::npos);
+  EXPECT_NE(said("{test: slew, check: direction}", "deviations: [{requirement: R2, text: t, agreed_by: a}]\n").find("'R1'"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace slewlab::tools

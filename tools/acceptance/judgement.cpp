@@ -1,0 +1,80 @@
+#include "tools/acceptance/judgement.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "msgs/configuration_hash.h"
+#include "msgs/log_reader.h"
+#include "msgs/run_log.h"
+#include "sim/drive/fault_expectation.h"
+#include "sim/model/drive_line.h"
+
+namespace slewlab::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kNanosecondsPerSecond = 1e9;
+
+// Why the log is not the one that the run wrote; empty where it is, or where nothing tells.
+std::string why_another_log(const fs::path& log, const std::string& written) {
+  if (written.empty()) return {};
+  const std::string found = msgs::hash_text(msgs::log_digest(log));
+  if (found == written) return {};
+  return fmt::format("{} is not as the run wrote it: {} bytes with digest {}, summary.json says digest {}", log.filename().string(),
+                     fs::file_size(log), found, written);
+}
+
+// What the scenario itself says must happen.
+CheckResult expected_reaction(const sim::FaultExpectation& expectation, const msgs::RunLog& run) {
+  CheckResult result;
+  result.name = "expectation";
+  const std::vector<std::string> broken = sim::broken_expectations(expectation, run);
+  result.verdict = broken.empty() ? Verdict::pass : Verdict::fail;
+  result.reason = broken.empty() ? "everything under expect: of the scenario came about" : "";
+  for (const std::string& line : broken) result.reason += (result.reason.empty() ? "" : "; ") + line;
+  return result;
+}
+
+}  // namespace
+
+CheckResult failed_check(const char* name, const std::string& reason) {
+  CheckResult result;
+  result.name = name;
+  result.verdict = Verdict::fail;
+  result.reason = reason;
+  return result;
+}
+
+AcceptedMachine accepted_machine(const sim::Scenario& scenario) {
+  AcceptedMachine machine;
+  machine.total_ratio = sim::total_ratio(scenario.crane.parameters.drive);
+  for (const sim::Fault& fault : scenario.faults) {
+    const double from = static_cast<double>(fault.from) / kNanosecondsPerSecond;
+    machine.first_fault = std::min(machine.first_fault.value_or(from), from);
+  }
+  return machine;
+}
+
+Judgement judge_log(const sim::Scenario& scenario, const fs::path& log, const AcceptanceLimits& limits,
+                    const std::string& written_digest) {
+  Judgement judgement;
+  judgement.machine = accepted_machine(scenario);
+  const msgs::RunLogs logs = msgs::read_run_logs(log);
+  judgement.remarks = logs.remarks;
+  judgement.no_verdict = why_no_verdict(logs, {scenario.duration, scenario.controller_period, scenario.sensors_period});
+  if (judgement.no_verdict.empty()) judgement.no_verdict = why_another_log(log, written_digest);
+  if (!judgement.no_verdict.empty()) {
+    judgement.checks.push_back(failed_check("log", judgement.no_verdict));
+    return judgement;
+  }
+  judgement.checks = acceptance_checks(logs.runs.front(), limits, judgement.machine);
+  if (judgement.machine.first_fault) judgement.checks.push_back(expected_reaction(scenario.expectation, logs.runs.front()));
+  const bool any_judged = std::any_of(judgement.checks.begin(), judgement.checks.end(),
+                                      [](const CheckResult& result) { return result.verdict != Verdict::not_applicable; });
+  if (!any_judged) judgement.no_verdict = "no check applies to this run";
+  return judgement;
+}
+
+}  // namespace slewlab::tools

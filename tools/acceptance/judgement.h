@@ -1,0 +1,32 @@
+#pragma once
+
+// The verdict on a run's log: may it be judged, the checks (checks.h), and what the scenario itself says under `expect:`.
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "sim/drive/scenario_file.h"
+#include "tools/acceptance/checks.h"
+#include "tools/acceptance/limits.h"
+
+namespace slewlab::tools {
+
+struct Judgement {
+  std::vector<CheckResult> checks;
+  AcceptedMachine machine;
+  std::string no_verdict;            // why there is none; empty where there is one
+  std::vector<std::string> remarks;  // what of the log could not be used
+};
+
+AcceptedMachine accepted_machine(const sim::Scenario& scenario);
+
+// A check that fails by itself, without a limit: "run", "log".
+CheckResult failed_check(const char* name, const std::string& reason);
+
+// `written_digest`: the digest that the run told of the log that it wrote, empty where nothing tells; another log is no
+// evidence. Throws msgs::LogError where the log cannot be read.
+Judgement judge_log(const sim::Scenario& scenario, const std::filesystem::path& log, const AcceptanceLimits& limits,
+                    const std::string& written_digest = {});
+
+}  // namespace slewlab::tools
