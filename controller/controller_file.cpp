@@ -132,13 +132,13 @@ ControllerFile load_controller_file(const std::filesystem::path& file,
                                     const std::vector<common::Override>& overrides) {
   common::InputProblems problems;
   const common::YamlNode root = common::load_yaml_file(file, overrides, problems);
-  if (root.kind != common::YamlNode::Kind::map) throw common::InputError(problems);
+  if (root.kind != common::YamlNode::Kind::map) throw common::InputError(as_given(problems, overrides));
 
   ControllerFile result;
   YamlReader reader(root, "", problems);
   read_controller(reader, result.settings);
   reader.finish();
-  if (!problems.empty()) throw common::InputError(problems);
+  if (!problems.empty()) throw common::InputError(as_given(problems, overrides));
   result.canonical_text = common::canonical_text(root);
   return result;
 }

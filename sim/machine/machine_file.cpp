@@ -26,7 +26,7 @@ std::string_view name_of(MachineKind kind) { return kind == MachineKind::crane ?
 MachineFile load_machine_file(const std::filesystem::path& file, const std::vector<common::Override>& overrides) {
   common::InputProblems problems;
   const common::YamlNode root = common::load_yaml_file(file, overrides, problems);
-  if (root.kind != common::YamlNode::Kind::map) throw common::InputError(problems);
+  if (root.kind != common::YamlNode::Kind::map) throw common::InputError(as_given(problems, overrides));
 
   MachineFile result;
   common::YamlReader reader(root, "", problems);
@@ -38,11 +38,11 @@ MachineFile load_machine_file(const std::filesystem::path& file, const std::vect
     read_crane(reader, result);
   } else {
     problems.push_back({kind->mark, "kind", common::excerpt(*kind), "crane or axis"});
-    throw common::InputError(problems);
+    throw common::InputError(as_given(problems, overrides));
   }
   if (const common::YamlNode* effects = reader.raw("effects")) result.effects = *effects;
   reader.finish();
-  if (!problems.empty()) throw common::InputError(problems);
+  if (!problems.empty()) throw common::InputError(as_given(problems, overrides));
   collect_spreads(root, "", result.spreads);
   result.canonical_text = common::canonical_text(root);
   return result;
