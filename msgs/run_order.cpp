@@ -8,6 +8,8 @@
 #include <set>
 #include <utility>
 
+#include "msgs/configuration_hash.h"
+
 namespace slewlab::msgs {
 namespace {
 
@@ -408,6 +410,12 @@ RunOrder order_runs(const std::filesystem::path& path, const AskedCounts& asked)
   std::vector<OrderedRun> runs;
   for (const std::size_t i : places_in_file) runs.push_back(std::move(order.runs[i]));
   order.runs = std::move(runs);
+  for (std::size_t r = 1; r < order.runs.size(); ++r) {
+    if (order.runs[r].configuration_hash == order.runs[0].configuration_hash) continue;
+    order.remarks.push_back("run " + std::to_string(r + 1) + " of the file has configuration " + hash_text(order.runs[r].configuration_hash) +
+                            ", run 1 has " + hash_text(order.runs[0].configuration_hash) +
+                            ": another machine, controller or scenario; runs of different machines belong in files of their own");
+  }
   return order;
 }
 
