@@ -9,6 +9,15 @@ function(slewlab_flags target)
                                               $<INSTALL_INTERFACE:include/slewlab>)
 endfunction()
 
+# The runtime of the sanitizer that is built with; empty without one. An interpreter, which has none, has to load it before it
+# loads our extension. Programs that are fuzzed load no extension.
+set(SLEWLAB_SANITIZER_RUNTIME "")
+if(CMAKE_CXX_FLAGS MATCHES "-fsanitize=(address|thread)" AND NOT CMAKE_CXX_FLAGS MATCHES "fuzzer")
+  string(REGEX REPLACE ".*-fsanitize=([at]).*" "\\1" letter "${CMAKE_CXX_FLAGS}")
+  execute_process(COMMAND ${CMAKE_CXX_COMPILER} -print-file-name=lib${letter}san.so OUTPUT_VARIABLE SLEWLAB_SANITIZER_RUNTIME
+                  OUTPUT_STRIP_TRAILING_WHITESPACE)
+endif()
+
 # slewlab_library(NAME SOURCES a.cpp b.cpp LINK PUBLIC x PRIVATE y). All but those of tools/ are installed, for programs of
 # others (cmake/SlewlabInstall.cmake).
 function(slewlab_library target)

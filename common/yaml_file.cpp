@@ -398,10 +398,12 @@ void put_value(YamlNode& node, YamlNode&& value, const Override& change, const S
   put_source(node, mark);
 }
 
+std::string option_text(const Override& change) { return "--set " + change.way + change.key + '=' + change.value; }
+
 void apply_override(YamlNode& root, const Override& change, InputProblems& problems) {
-  const SourceMark mark{"--set " + change.key + '=' + change.value, 0, 0};
+  const SourceMark mark{option_text(change), 0, 0};
   InputProblems value_problems;
-  YamlNode value = parse_yaml_text(change.value, mark.file, value_problems);
+  YamlNode value = parse_text(change.value, mark.file, value_problems);
   if (!value_problems.empty()) {
     problems.push_back({mark, change.key, "'" + change.value + "'", "a value written as YAML"});
     return;
@@ -469,6 +471,30 @@ Override parse_override(std::string_view option) {
     throw InputError({{{"--set", 0, 0}, "", "'" + std::string(option) + "'", "key.path=value"}});
   }
   return {std::string(option.substr(0, equals)), std::string(option.substr(equals + 1))};
+}
+
+std::vector<Override> take_overrides(std::string_view way, std::vector<Override>& overrides) {
+  std::vector<Override> taken;
+  std::vector<Override> rest;
+  for (Override& change : overrides) {
+    if (change.key.starts_with(way)) {
+      taken.push_back({change.key.substr(way.size()), std::move(change.value), change.way + std::string(way)});
+    } else {
+      rest.push_back(std::move(change));
+    }
+  }
+  overrides = std::move(rest);
+  return taken;
+}
+
+InputProblems as_given(InputProblems problems, const std::vector<Override>& overrides) {
+  for (InputProblem& problem : problems) {
+    const auto given = std::find_if(overrides.begin(), overrides.end(), [&](const Override& change) {
+      return problem.where.line == 0 && problem.where.file.text() == option_text(change);
+    });
+    if (given != overrides.end() && !problem.key.starts_with(given->way)) problem.key = given->way + problem.key;
+  }
+  return problems;
 }
 
 YamlNode parse_yaml_text(std::string_view text, const std::string& file_name, InputProblems& problems) {

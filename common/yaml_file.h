@@ -24,10 +24,18 @@ namespace slewlab::common {
 struct Override {
   std::string key;
   std::string value;
+  std::string way = {};  // what stood before the key where the option was given: "crane." of a crane's key in a scenario's options
 };
 
 // Splits "key.path=value". Throws InputError where there is no '=' or no key.
 Override parse_override(std::string_view option);
+
+// Takes those whose keys begin with `way` out of `overrides`; it moves from their key to their `way`.
+std::vector<Override> take_overrides(std::string_view way, std::vector<Override>& overrides);
+
+// Problems of a file under these overrides, each with the key as the user knows it: that of an override with its way before it.
+// Keys that have it already stay as they are.
+InputProblems as_given(InputProblems problems, const std::vector<Override>& overrides);
 
 // Loads the file. Problems are added to `problems`; the tree holds what could be read.
 YamlNode load_yaml_file(const std::filesystem::path& file, const std::vector<Override>& overrides,

@@ -21,7 +21,11 @@ ControllerFile load_controller_file(const std::filesystem::path& file,
                                     const std::vector<common::Override>& overrides) {
   common::InputProblems problems;
   const common::YamlNode root = common::load_yaml_file(file, overrides, problems);
-  return controller_of(root, std::move(problems));
+  try {
+    return controller_of(root, std::move(problems));
+  } catch (const common::InputError& error) {
+    throw common::InputError(as_given(error.problems(), overrides));
+  }
 }
 
 std::string changes_text(const ControllerSettings& from, const ControllerSettings& to, std::string_view source) {

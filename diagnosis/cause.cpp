@@ -7,7 +7,7 @@
 #include <optional>
 
 #include "common/unit.h"
-#include "diagnosis/chance.h"
+#include "diagnosis/stochastic.h"
 
 namespace slewlab::diagnosis {
 
@@ -117,7 +117,7 @@ void find_groups(const Problem& problem, const FitResult& base, const Projector&
     for (std::size_t i = 0; i < fits.size(); ++i) {
       const std::vector<common::EffectInstance>& effects = fits[i].point.effects;
       const bool is_pair = effects.size() == 2 && probability[i] > kWorthAGroup && has_effect(effects, shared);
-      if (!is_pair || comes_by_chance(problem.catalogue.at(effects[0].name)) || comes_by_chance(problem.catalogue.at(effects[1].name))) continue;
+      if (!is_pair || is_stochastic(problem.catalogue.at(effects[0].name)) || is_stochastic(problem.catalogue.at(effects[1].name))) continue;
       if (!beside) beside.emplace(fits[k].columns, prior_rows(problem, fits[k].point), data_weight(fits[k].difference, problem.settings));
       signatures.push_back({i, shared, (*beside)(fits[i].difference - fits[k].difference)});
     }

@@ -12,7 +12,7 @@
 
 #include "controller/effects/catalogue.h"
 #include "diagnosis/admit.h"
-#include "diagnosis/chance.h"
+#include "diagnosis/stochastic.h"
 #include "diagnosis/screen.h"
 
 namespace slewlab::diagnosis {
@@ -29,7 +29,7 @@ constexpr double kBetterAsCut = 20.0;  // fall of the cost, several times what c
 constexpr int kMostValidated = 4;      // causes that are asked to predict before none is believed
 // On a log of the wire both sides are exact; a thousandth leaves room for logs that were rounded.
 constexpr double kSameTorque = 1e-3;
-// Sum of squares V of the most visible size below which the effect could not be named: s V pays neither price and Occam's share (some 13) nor the
+// Sum of squares V of the most visible size below which the effect could not be named: s V outweighs neither the effect's cost and Occam's factor (some 13) nor the
 // prior of one among forty effects against nothing missing (2 T times 4.3).
 constexpr double kVisible = 130.0;
 
@@ -268,7 +268,7 @@ void validate_lead(Problem& problem, const WhiteningSettings& whitening, const s
     if (with) with = controller::with_effects(*controller, lead.controller_effects);
     validation.cause = held_out->error(fitted.point, with);
     if (!stochastic_part(problem.catalogue, *part).empty()) {
-      const Point rest = without_chance(problem.catalogue, fitted.point);
+      const Point rest = without_stochastic(problem.catalogue, fitted.point);
       validation.unknown_cost = std::min(held_out->unknown_cost(rest), held_out->unknown_cost(parameters_point));
     }
     validation.holds = holds(validation);
@@ -277,13 +277,13 @@ void validate_lead(Problem& problem, const WhiteningSettings& whitening, const s
       diagnosis.held_out = std::move(fitted);
       break;
     }
-    const bool is_better_without_chance = validation.unknown_cost && !is_nothing_left;
-    if (is_better_without_chance) {
-      const auto is_by_chance = [&](const std::string& one) {
+    const bool is_better_without_stochastic = validation.unknown_cost && !is_nothing_left;
+    if (is_better_without_stochastic) {
+      const auto is_stochastic_effect = [&](const std::string& one) {
         const common::EffectAbout* about = problem.catalogue.find(one);
-        return about != nullptr && comes_by_chance(*about);
+        return about != nullptr && is_stochastic(*about);
       };
-      hand_on(1.0, is_by_chance, lead, diagnosis);
+      hand_on(1.0, is_stochastic_effect, lead, diagnosis);
     } else {
       take_away(1.0, is_nothing_left, lead, diagnosis);
     }
@@ -403,7 +403,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   Weighed weighed = weigh_fits(problem, found, screening.names.size(), settings.evidence);
   // The gap lies where the most probable cause takes something away; where none does, where more than noise is left.
   const FitResult* const answer_fit = weighed.answer(found.fits);
-  const bool is_taken = answer_fit != nullptr && !comes_by_chance(problem.catalogue.at(answer_fit->point.effects[0].name));
+  const bool is_taken = answer_fit != nullptr && !is_stochastic(problem.catalogue.at(answer_fit->point.effects[0].name));
   diagnosis.bands = bands_of_gap(problem, base.difference, is_taken ? answer_fit->difference : Eigen::VectorXd::Ones(base.difference.size()));
   find_groups(problem, base, project, found.fits, std::span(weighed.probabilities.candidate).subspan(1), std::span(weighed.causes).subspan(1));
 

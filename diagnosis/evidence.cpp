@@ -46,7 +46,7 @@ Probabilities weigh(const std::vector<Candidate>& candidates, int single_count, 
   const auto likelihood = [&](double left, const Candidate& candidate, double effects) {
     const double weight = settings.independent_share * misfit_cost.law_slope(left);
     const double occam = (1.0 + weight * candidate.information.array()).log().sum();
-    return -0.5 / settings.temper * (misfit_cost(left) + candidate.prior + occam + settings.price * effects);
+    return -0.5 / settings.temper * (misfit_cost(left) + candidate.prior + occam + settings.effect_cost * effects);
   };
   const double singles = std::max(1, single_count);
   std::vector<double> score;

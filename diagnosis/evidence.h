@@ -1,6 +1,6 @@
 // From how well each hypothesis fits to how probable it is.
 //
-//   ln P(hypothesis | records) = ln prior - (M(c) + p + sum(ln(1 + w lambda)) + price * effects) / (2 T) + constant
+//   ln P(hypothesis | records) = ln prior - (M(c) + p + sum(ln(1 + w lambda)) + c_e * effects) / (2 T) + constant
 //   M(c) = k ln(1 + c / (k + r G)) + m ln(1 + c / (n + q G)),    w = s k / (k + r G + c)
 //
 // c is what the hypothesis leaves above the best one (above what the noise explains, where even the best leaves more), G
@@ -29,7 +29,7 @@ struct EvidenceSettings {
   double unknown_prior = 17.0;   // p of its parameters: what the nuisances of a machine have on the average
   double temper = 3.0;           // T
   double independent_share = 0.3;  // s, as in fit.h
-  double price = 8.0;            // of an effect: what mesh and step alone let one take away where nothing is missing
+  double effect_cost = 8.0;      // c_e: what mesh and step alone let one take away where nothing is missing
   double prior_nothing = 0.4;
   double prior_single = 0.24;
   double prior_pair = 0.28;

@@ -13,7 +13,7 @@
 #include <stdexcept>
 #include <thread>
 
-#include "diagnosis/chance.h"
+#include "diagnosis/stochastic.h"
 #include "sim/effects/catalogue.h"
 #include "sim/machine/effect_scales.h"
 #include "sim/model/cannot_be_built.h"
@@ -33,7 +33,7 @@ constexpr double kNearTheNoise = 10.0;  // mean square, beyond which parameters 
 constexpr int kIdleRounds = 2;         // in a row, that end a fit of the nuisances alone
 constexpr std::array<double, 4> kShortenings{0.0, 1.0, 3.0, 7.0};  // dampings that halve a step along an axis of the curvature, and again
 constexpr double kVeryFarOff = 1e3;    // whitened difference of a machine that cannot follow at all
-constexpr double kAtTheWall = 1.9;     // [standard deviations]
+constexpr double kAtTheBound = 1.9;     // [standard deviations]
 constexpr double kEffectStep = 0.05;   // [standard deviations] the same for effects, around a fitted size
 constexpr double kSpellStep = 0.05;    // of the time in which a spell fades: its beginning and end are as sharp as that
 constexpr double kStepDeviations = 2.0;  // the step where it is known how well the records tell the parameter, in what they leave open
@@ -483,9 +483,9 @@ Eigen::VectorXd differences(Problem& problem, const Point& point) {
   });
   // A machine that is not stable at an odd point counts as very far off as well, not as a number that spreads.
   if (!result.allFinite()) result.setConstant(kVeryFarOff);
-  if (problem.chance == nullptr) return result;
-  if (problem.chance->mean.size() > 0) result += problem.chance->mean;
-  return divided(*problem.chance, result);
+  if (problem.added_power == nullptr) return result;
+  if (problem.added_power->mean.size() > 0) result += problem.added_power->mean;
+  return divided(*problem.added_power, result);
 }
 
 std::vector<Eigen::VectorXd> differences(Problem& problem, std::span<const Point> points) {
@@ -537,7 +537,7 @@ FitResult nominal_fit(Problem& problem) {
 }
 
 FitResult fit_nuisances(Problem& problem, const FitResult& nominal) {
-  // From the nominal machine directly as well: beside an effect that no parameter follows, what is led from afar is led astray.
+  // From the nominal machine directly as well: beside an effect that no parameter follows, a way from far parameters ends at a wrong one.
   std::optional<FitResult> best_yet;
   const auto try_from_afar = [&](std::optional<double> times) {
     if (best_yet && mean_square(best_yet->difference) <= 1.0) return;
@@ -552,11 +552,11 @@ FitResult fit_nuisances(Problem& problem, const FitResult& nominal) {
   }
   try_from_afar(std::nullopt);
   FitResult& best = *best_yet;
-  // Parameters that ended at the walls may have gone there on the way and not come back.
+  // Parameters that ended at the bounds of their spread may have gone there on the way and not come back.
   FitResult again;
   again.point = best.point;
   for (std::size_t k = 0; k < problem.nuisances.parameters.size(); ++k) {
-    if (std::fabs(again.point.nuisance[k]) > kAtTheWall) again.point.nuisance[k] = 0.0;
+    if (std::fabs(again.point.nuisance[k]) > kAtTheBound) again.point.nuisance[k] = 0.0;
   }
   if (again.point.nuisance != best.point.nuisance) {
     again.difference = differences(problem, again.point);

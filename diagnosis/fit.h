@@ -59,7 +59,7 @@ sim::MachineSettings with_boom_elements(sim::MachineSettings machine, int least)
 // The nominal machine moved to a point.
 sim::MachineSettings machine_at(const sim::MachineSettings& nominal, const Nuisances& nuisances, const Point& point);
 
-struct Chance;  // chance.h
+struct AddedPower;  // stochastic.h
 
 // What one simulation works in, used again by the next one.
 struct SimulationRoom {
@@ -98,7 +98,7 @@ struct Problem {
   std::atomic<std::int64_t> simulations{0};
   std::atomic<std::int64_t> simulation_time{0};  // [ns] in them, summed over the threads
   mutable SimulationStock stock;
-  const Chance* chance = nullptr;           // by whose power the differences are divided
+  const AddedPower* added_power = nullptr;         // by whose power the differences are divided
   std::function<bool()> is_stopped = [] { return false; };  // asked before every simulation: where true, unwind with Interrupted
 };
 
@@ -174,7 +174,7 @@ void conclude(const Problem& problem, FitResult& result);
 // What a fit leaves and what its point costs where misfits count less than in the fit: where the parameters would stand if
 //   M(excess - floor) + prior
 // were what is made small, by the fit's columns. A fit takes every unlikely value that noise or a law's misfit asks for; an evidence that
-// forgives the misfit must not charge for the value.
+// discounts the misfit must not count the value in full.
 struct Relaxed {
   double excess = 0.0, prior = 0.0;
 };

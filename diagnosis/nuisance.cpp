@@ -13,8 +13,8 @@ namespace slewlab::diagnosis {
 namespace {
 
 // 1.73 standard deviations are the 5 %; a little more for what mesh and step make wrong.
-constexpr double kWall = 2.0;        // [standard deviations]
-constexpr double kSteepness = 30.0;  // [-] of a wall, in units of the normal prior's curvature
+constexpr double kBound = 2.0;        // [standard deviations]
+constexpr double kSteepness = 30.0;  // [-] of the cost beyond the bound, in units of the normal prior's curvature
 
 constexpr double kStudent = 3.0;  // one more than the degrees of freedom
 
@@ -67,7 +67,7 @@ double swing_reach(const Nuisances& nuisances, const std::vector<double>& amount
 
 PriorTerm nuisance_prior(const Nuisances& nuisances, std::size_t k, double z) {
   PriorTerm term{z * z, z, 1.0};
-  const double beyond = std::fabs(z) - kWall;
+  const double beyond = std::fabs(z) - kBound;
   if (k < nuisances.parameters.size() && beyond > 0.0) {
     term.cost += kSteepness * beyond * beyond;
     term.slope += std::copysign(kSteepness * beyond, z);

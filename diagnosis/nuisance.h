@@ -62,7 +62,7 @@ struct PriorTerm {
   double cost, slope, curvature;
 };
 
-// Of amount `z` of nuisance `k`: normal; of a parameter within its spread from unit to unit, with steep walls where that ends.
+// Of amount `z` of nuisance `k`: normal; of a parameter within its spread from unit to unit, with a steep cost where that ends.
 PriorTerm nuisance_prior(const Nuisances& nuisances, std::size_t k, double z);
 
 // Whether nuisance `k` is what the effect itself says of the machine: beside "the rope is longer", the rope's length is not

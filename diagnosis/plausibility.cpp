@@ -199,7 +199,7 @@ void check_units(const Record& record, const AdmissionSettings& settings) {
     const double factor = fit.slope / settings.radius[i];
     // A flexible boom swings about the level value, so only gross factors and signs are told from it. What stands on the stiff house
     // must follow closely before it is refused: near the axis a rolling vessel's gravity is larger than any slewing.
-    const double close = a == kHouse || a == kPivot ? 0.97 : 0.7;
+    const double close = a == accelerometer_at("house") || a == accelerometer_at("pivot") ? 0.97 : 0.7;
     if (std::fabs(fit.correlation) > close && (factor < 1.0 / kGross || factor > kGross)) {
       const std::string words = explain_factor(factor, kAccelerationFactors);
       throw NotAdmitted(fmt::format("{}: acceleration at the {} is {:.3g} times what the motors' speed and its radius "

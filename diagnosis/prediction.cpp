@@ -81,10 +81,7 @@ Record simulated(const LoopSettings& settings, const Record& record) {
       series.shaft_speed[g].push_back(readings.shaft_speed[g]);
       series.shaft_position[g].push_back(readings.shaft_position[g]);
     }
-    series.acceleration[kHouse].push_back(readings.house_acceleration);
-    series.acceleration[kPivot].push_back(readings.pivot_acceleration);
-    series.acceleration[kMiddle].push_back(readings.middle_acceleration);
-    series.acceleration[kTip].push_back(readings.tip_acceleration);
+    for (std::size_t a = 0; a < kAccelerometerCount; ++a) series.acceleration[a].push_back(readings.*kAccelerometers<sim::PlantReadings>[a].value);
     series.slew_angle.push_back(readings.slew_angle);
   };
   loop.run(hooks);

@@ -196,14 +196,9 @@ double find_quantum(const std::vector<msgs::Encoder>& encoder) {
 }  // namespace
 
 int accelerometer_at(const sim::Sensor& sensor) {
-  if (sensor.unit != common::Unit::metre_per_second_squared) return -1;
-  switch (sensor.place) {
-    case sim::SensorPlace::house: return kHouse;
-    case sim::SensorPlace::pivot: return kPivot;
-    case sim::SensorPlace::middle: return kMiddle;
-    case sim::SensorPlace::tip: return kTip;
-    default: return -1;
-  }
+  const auto& all = kAccelerometers<msgs::Sensors>;
+  const auto at = std::find_if(all.begin(), all.end(), [&](const auto& field) { return sensor.channel == msgs::kSensorsChannel && field.field == sensor.field; });
+  return at == all.end() ? -1 : static_cast<int>(at - all.begin());
 }
 
 std::vector<double> cubic_slope(const std::vector<double>& values, std::size_t half_width, double step) {
@@ -245,9 +240,8 @@ std::vector<double> resample(const std::vector<std::int64_t>& times, const std::
   return result;
 }
 
-const char* accelerometer_name(int accelerometer) {
-  static constexpr std::array<const char*, kAccelerometerCount> kNames{"house", "pivot", "middle", "tip"};
-  return kNames.at(static_cast<std::size_t>(accelerometer));
+std::string accelerometer_name(int accelerometer) {
+  return std::string(kAccelerometers<msgs::Sensors>.at(static_cast<std::size_t>(accelerometer)).place);
 }
 
 namespace {
@@ -365,14 +359,12 @@ void take_sensors(const msgs::RunLog& run, const std::vector<std::int64_t>& time
     into = resample(times, values, record, count);
     if (raw != nullptr && !on_grid) *raw = std::move(values);
   };
+  std::size_t accelerometer = 0;
   for (const auto& field : msgs::kSensorFields<msgs::Sensors>) {
     std::string signal(field.field);
     std::replace(signal.begin(), signal.end(), '_', ' ');
-    sim::Sensor sensor;
-    sensor.unit = common::unit_of(field.unit).value();
-    sensor.place = sim::place_named(field.place);
-    if (const int a = accelerometer_at(sensor); a >= 0) {
-      const auto i = static_cast<std::size_t>(a);
+    if (is_acceleration(field.unit)) {
+      const std::size_t i = accelerometer++;
       take(field.value, record.acceleration[i], signal, &record.sampled_acceleration[i]);
     } else if (field.value == &msgs::Sensors::slew_angle) {
       take(field.value, record.slew_angle, signal, nullptr);

@@ -2,21 +2,41 @@
 // admit it: what is missing, frozen, clipped, torn, in the wrong sign or unit is said and not guessed.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <optional>
 #include <stdexcept>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "msgs/run_log.h"
+#include "slewlab_msgs/signals.hpp"
 #include "sim/machine/description.h"
 
 namespace slewlab::diagnosis {
 
-enum Accelerometer { kHouse = 0, kPivot = 1, kMiddle = 2, kTip = 3 };
-inline constexpr int kAccelerometerCount = 4;
-const char* accelerometer_name(int accelerometer);
+// The accelerometers: those readings of SENSORS that are accelerations, in the message's order.
+constexpr bool is_acceleration(std::string_view unit) { return unit == "m/s^2"; }
+inline constexpr int kAccelerometerCount = static_cast<int>(std::count_if(
+    msgs::kSensorFields<msgs::Sensors>.begin(), msgs::kSensorFields<msgs::Sensors>.end(), [](const auto& field) { return is_acceleration(field.unit); }));
+template <class Readings>
+inline constexpr std::array<msgs::SensorField<Readings>, kAccelerometerCount> kAccelerometers = [] {
+  std::array<msgs::SensorField<Readings>, kAccelerometerCount> fields{};
+  std::copy_if(msgs::kSensorFields<Readings>.begin(), msgs::kSensorFields<Readings>.end(), fields.begin(), [](const auto& field) { return is_acceleration(field.unit); });
+  return fields;
+}();
+// The accelerometer at a place, as msgs/sensors_t.lcm names it; -1: none.
+constexpr int accelerometer_at(std::string_view place) {
+  for (int a = 0; a < kAccelerometerCount; ++a) {
+    if (kAccelerometers<msgs::Sensors>[static_cast<std::size_t>(a)].place == place) return a;
+  }
+  return -1;
+}
+inline constexpr int kTip = accelerometer_at("tip");  // by which the observer damps its boom
+static_assert(kTip >= 0);
+std::string accelerometer_name(int accelerometer);    // its place
 
 // A moment at which the operator's wish changes.
 struct OperatorMove {

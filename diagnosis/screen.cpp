@@ -7,7 +7,7 @@
 #include <numbers>
 
 #include "common/unit.h"
-#include "diagnosis/chance.h"
+#include "diagnosis/stochastic.h"
 
 namespace slewlab::diagnosis {
 
@@ -338,7 +338,7 @@ Screening screen(Problem& problem, const FitResult& from, const Projector& proje
     for (std::size_t i = known; i < tried.size(); ++i) looks.push_back(&tried[i]);
   }
   for (const Screened& screened : tried) {
-    if (comes_by_chance(problem.catalogue.at(screened.start.name))) continue;
+    if (is_stochastic(problem.catalogue.at(screened.start.name))) continue;
     double& largest = screening.visibility[screened.start.name];
     largest = std::max(largest, screened.visibility);
   }

@@ -7,8 +7,8 @@
 #include <set>
 #include <string>
 
-#include "diagnosis/chance.h"
-#include "diagnosis/chance_fit.h"
+#include "diagnosis/stochastic.h"
+#include "diagnosis/stochastic_fit.h"
 
 namespace slewlab::diagnosis {
 
@@ -23,7 +23,7 @@ constexpr int kFreshRounds = 5;                 // at most, for a leader
 constexpr std::size_t kPairLeaders = 3;         // single effects beside which a second one is looked for
 constexpr int kPairsPerLeader = 2;              // that are refined beside each of them but the best
 constexpr double kDoubtful = 1000.0;            // excess of parameters alone below which they may be the answer
-constexpr std::size_t kMeeting = 4;             // fits that try the best one's machine
+constexpr std::size_t kFromBest = 4;             // fits that try the best one's machine
 constexpr std::size_t kFewSingles = 5;          // starts that are refined, up to which a search is short
 constexpr double kParallel = 0.02;              // 1 - cosine^2 of two signatures below which they are not tried as a pair
 
@@ -81,7 +81,7 @@ void go_on(Problem& problem, const Eigen::MatrixXd& nuisance_columns, std::vecto
 }
 
 // From the best fit of `effects` effects to those with one less; they take their places where they are cheaper. Parameters alone, where
-// they may be the answer, go on until they settle: their first fit may have stopped at the walls.
+// they may be the answer, go on until they settle: their first fit may have stopped at the bounds of their spread.
 void go_back(Problem& problem, const Eigen::MatrixXd& nuisance_columns, std::size_t effects, std::vector<FitResult>& fits) {
   const auto best =
       std::find_if(fits.begin(), fits.end(), [&](const FitResult& result) { return result.point.effects.size() == effects; });
@@ -111,14 +111,14 @@ void go_back(Problem& problem, const Eigen::MatrixXd& nuisance_columns, std::siz
   std::stable_sort(fits.begin(), fits.end(), cheaper);
 }
 
-// The best fit's machine, with another one's effects: of two laws of one motion the better end may only be the luckier one. The next
+// The best fit's machine, with another one's effects: of two laws of one motion the one that ended lower need not be the better law. The next
 // best fits with as many effects try it; what both have starts where the best one has it.
-void meet(Problem& problem, std::vector<FitResult>& fits) {
+void start_from_best_machine(Problem& problem, std::vector<FitResult>& fits) {
   if (fits.empty() || fits.front().point.effects.empty()) return;
   const Point& best = fits.front().point;
   const Eigen::MatrixXd nuisance_columns = fits.front().columns.leftCols(static_cast<Eigen::Index>(best.nuisance.size()));
   std::vector<FitResult*> others;
-  for (std::size_t i = 1; i < fits.size() && others.size() < kMeeting; ++i) {
+  for (std::size_t i = 1; i < fits.size() && others.size() < kFromBest; ++i) {
     if (fits[i].point.effects.size() == best.effects.size()) others.push_back(&fits[i]);
   }
   share_out(problem, others.size(), [&](std::size_t i) {
@@ -136,7 +136,7 @@ void meet(Problem& problem, std::vector<FitResult>& fits) {
 }
 
 // Where a pair is fitted from, and the fit of whose columns it begins with: those of a machine without the pair's larger effect
-// lead it astray.
+// lead elsewhere.
 struct PairStart {
   Point point;
   const FitResult* from;
@@ -188,7 +188,7 @@ std::vector<PairStart> pair_starts(Problem& problem, const FitResult& base, cons
     if (is_best) {
       std::vector<common::EffectInstance> starts_here = best_starts(problem, screening);
       std::erase_if(starts_here, [&](const common::EffectInstance& start) {
-        return same_as.contains(start.name) || comes_by_chance(problem.catalogue.at(start.name));
+        return same_as.contains(start.name) || is_stochastic(problem.catalogue.at(start.name));
       });
       beside = screen(problem, single, project, starts_here, tell).tried;
     } else {
@@ -220,7 +220,7 @@ Found search(Problem& problem, const FitResult& base, const Screening& screening
   // All starts by what they leave, and of them the best of each effect.
   std::vector<const Screened*> ranked;
   for (const Screened& screened : screening.tried) {
-    if (!comes_by_chance(problem.catalogue.at(screened.start.name))) ranked.push_back(&screened);
+    if (!is_stochastic(problem.catalogue.at(screened.start.name))) ranked.push_back(&screened);
   }
   std::stable_sort(ranked.begin(), ranked.end(), [](const Screened* a, const Screened* b) { return a->left < b->left; });
   std::vector<const Screened*> best = best_of_each(ranked);
@@ -281,7 +281,7 @@ Found search(Problem& problem, const FitResult& base, const Screening& screening
   const Progress going_back = within(tell, kGoBack);
   going_back(0.0, "meeting at the best fit");
   std::stable_sort(fits.begin(), fits.end(), cheaper);
-  meet(problem, fits);
+  start_from_best_machine(problem, fits);
   // What fits with one effect more may show the way to those with less: a descent that stopped short elsewhere goes on from there.
   going_back(0.4, "going back to one effect");
   go_back(problem, base.columns, 2, fits);
@@ -296,21 +296,21 @@ Found search(Problem& problem, const FitResult& base, const Screening& screening
     if (without_effects->cost < nothing.cost) nothing = *without_effects;
     fits.erase(without_effects);
   }
-  std::vector<FitResult> by_chance = chance_fits(problem, screening, nothing, fits, within(tell, kLookForChance));
-  fits.insert(fits.end(), std::make_move_iterator(by_chance.begin()), std::make_move_iterator(by_chance.end()));
+  std::vector<FitResult> with_stochastic = stochastic_fits(problem, screening, nothing, fits, within(tell, kLookForStochastic));
+  fits.insert(fits.end(), std::make_move_iterator(with_stochastic.begin()), std::make_move_iterator(with_stochastic.end()));
   for (const auto& [name, other] : same_as) {
     for (std::size_t i = 0; i < fits.size(); ++i) {
       for (std::size_t e = 0; e < fits[i].point.effects.size(); ++e) {
         if (fits[i].point.effects[e].name != other) continue;
-        FitResult twin = fits[i];
-        twin.point.effects[e].name = name;
-        fits.push_back(std::move(twin));
+        FitResult other = fits[i];
+        other.point.effects[e].name = name;
+        fits.push_back(std::move(other));
         break;
       }
     }
   }
 
-  // A fit that was shaken to pieces is no candidate.
+  // A fit whose machine could not follow the record at all is no candidate.
   std::erase_if(fits, [](const FitResult& result) { return !std::isfinite(result.cost + result.information.sum()); });
   return found;
 }

@@ -1,4 +1,4 @@
-// From what the screening promises to fitted hypotheses: single effects, pairs, effects by chance, and nothing missing.
+// From what the screening promises to fitted hypotheses: single effects, pairs, stochastic effects, and nothing missing.
 #pragma once
 
 #include <vector>

@@ -216,9 +216,9 @@ Observer::Moment Observer::advance(const sim::DriveCommand& command, const Measu
     // Gears without play touch always: they change flanks without a shock.
     if (machine_.state.contact[i] == 0 && machine_.model.gear[i].half_play > 0.0) moment.contact_lost = true;
   }
-  moment.acceleration = {readings.house_acceleration, readings.pivot_acceleration, readings.middle_acceleration, readings.tip_acceleration};
+  for (std::size_t a = 0; a < kAccelerometerCount; ++a) moment.acceleration[a] = readings.*kAccelerometers<sim::PlantReadings>[a].value;
   if (measured.tip_acceleration != nullptr) {
-    const double difference = *measured.tip_acceleration - readings.tip_acceleration;
+    const double difference = *measured.tip_acceleration - moment.acceleration[kTip];
     if (point_ < first_) {
       tip_offset_ += difference / static_cast<double>(first_);
     } else {

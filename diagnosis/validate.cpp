@@ -6,7 +6,7 @@
 #include <iterator>
 #include <utility>
 
-#include "diagnosis/chance.h"
+#include "diagnosis/stochastic.h"
 #include "diagnosis/prediction.h"
 
 namespace slewlab::diagnosis {
@@ -16,13 +16,13 @@ namespace {
 constexpr int kHeldOutRounds = 3;       // at most, with fresh columns
 constexpr int kBeginningSteps = 2;      // Gauss-Newton steps; what begins differently is small, and linear nearly
 constexpr double kBeginningStep = 0.1;  // [standard deviations] of a difference quotient
-constexpr int kChanceRounds = 2;        // of draws and a fit under their power
+constexpr int kDrawRounds = 2;        // of draws and a fit under their power
 // Relative deviation of a stochastic effect's size from one record to the next, each being one draw; of the logarithm of a power that nobody
 // knows, which goes with what the manoeuvre does.
 constexpr double kSizeDeviation = 0.3, kUnknownDeviation = 0.5;
 constexpr double kBetter = 4.6;         // -2 ln of odds of one to ten: what chance takes off a residual that was not fitted
 // Relative closed-loop error beyond which two runs are no longer the same motion (two independent ones differ by 1.4), and the share
-// by which one may be worse by chance.
+// by which one may be worse though it is the truth.
 constexpr double kDecorrelated = 0.7, kWorse = 1.05;
 
 std::unique_ptr<Problem> same_machine(const Problem& problem) {
@@ -81,7 +81,7 @@ Eigen::VectorXd differences_from_its_beginning(Problem& problem, Point point) {
 
 }  // namespace
 
-bool has_fit(const common::EffectAbout& effect) { return effect.read_off == common::ReadOff::none && !comes_by_chance(effect); }
+bool has_fit(const common::EffectAbout& effect) { return effect.read_off == common::ReadOff::none && !is_stochastic(effect); }
 
 HeldOutData::HeldOutData(const Problem& problem, const WhiteningSettings& settings, const Shadow& follower)
     : fitted_(same_machine(problem)), predicted_(same_machine(problem)), is_half_(problem.records.size() == 1) {
@@ -106,50 +106,50 @@ HeldOutData::HeldOutData(const Problem& problem, const WhiteningSettings& settin
 std::vector<common::EffectInstance> stochastic_part(const common::EffectCatalogue& catalogue, const Point& point) {
   std::vector<common::EffectInstance> part;
   std::copy_if(point.effects.begin(), point.effects.end(), std::back_inserter(part),
-               [&](const common::EffectInstance& effect) { return comes_by_chance(catalogue.at(effect.name)); });
+               [&](const common::EffectInstance& effect) { return is_stochastic(catalogue.at(effect.name)); });
   return part;
 }
 
-Point without_chance(const common::EffectCatalogue& catalogue, Point point) {
-  std::erase_if(point.effects, [&](const common::EffectInstance& effect) { return comes_by_chance(catalogue.at(effect.name)); });
+Point without_stochastic(const common::EffectCatalogue& catalogue, Point point) {
+  std::erase_if(point.effects, [&](const common::EffectInstance& effect) { return is_stochastic(catalogue.at(effect.name)); });
   return point;
 }
 
-HeldOut HeldOutData::fit_with_chance(const Point& answer) {
-  const std::vector<common::EffectInstance> chances = stochastic_part(fitted_->catalogue, answer);
+HeldOut HeldOutData::fit_with_stochastic(const Point& answer) {
+  const std::vector<common::EffectInstance> stochastic = stochastic_part(fitted_->catalogue, answer);
   HeldOut held{answer, predicted_->records.back().name, from_time_, is_half_};
-  Point rest = without_chance(fitted_->catalogue, answer);
+  Point rest = without_stochastic(fitted_->catalogue, answer);
   rest.nuisance.resize(nuisance_count(*fitted_), 0.0);
   held.point.nuisance = rest.nuisance;
-  for (int round = 0; round < kChanceRounds; ++round) {
+  for (int round = 0; round < kDrawRounds; ++round) {
     Drawn drawn = draw(*fitted_, held.point);
     const Eigen::VectorXd mean = drawn.mean - differences(*fitted_, rest);
-    const Chance chance{std::move(drawn.power), 1.0, mean};
+    const AddedPower added{std::move(drawn.power), 1.0, mean};
     Point start = rest;
     if (round == 0) std::fill(start.nuisance.begin(), start.nuisance.end(), 0.0);
     Eigen::VectorXd left;
     {
-      const UnderChance under_chance(*fitted_, chance);
+      const UnderPower under_power(*fitted_, added);
       const auto nuisances = static_cast<Eigen::Index>(start.nuisance.size());
       FitResult result = diagnosis::fit(*fitted_, Eigen::MatrixXd::Zero(difference_count(*fitted_), nuisances), start);
       settle(*fitted_, result, kHeldOutRounds);
       rest = result.point;
-      left = undivided(chance, result.difference);
+      left = undivided(added, result.difference);
     }
-    const ChanceFit found = fit_chance(left, chance.power);
+    const PowerFit found = fit_power(left, added.power);
     held.point = rest;
-    held.point.effects.insert(held.point.effects.end(), chances.begin(), chances.end());
+    held.point.effects.insert(held.point.effects.end(), stochastic.begin(), stochastic.end());
     if (found.scale == 0.0) continue;
     for (common::EffectInstance& effect : held.point.effects) {
       const common::EffectAbout& about = fitted_->catalogue.at(effect.name);
-      if (comes_by_chance(about)) effect = with_power(about, effect, found.scale);
+      if (is_stochastic(about)) effect = with_power(about, effect, found.scale);
     }
   }
   return held;
 }
 
 HeldOut HeldOutData::fit(const Point& answer) {
-  if (!stochastic_part(fitted_->catalogue, answer).empty()) return fit_with_chance(answer);
+  if (!stochastic_part(fitted_->catalogue, answer).empty()) return fit_with_stochastic(answer);
   HeldOut held{answer, predicted_->records.back().name, from_time_, is_half_};
   held.point.nuisance.assign(nuisance_count(*fitted_), 0.0);
   const auto nuisances = static_cast<Eigen::Index>(held.point.nuisance.size());
@@ -168,10 +168,10 @@ Point HeldOutData::at_held_out(const Point& point) const {
 
 ValidationError HeldOutData::error(const Point& point, const std::optional<controller::ControllerSettings>& controller) {
   const Point there = at_held_out(point);
-  const std::vector<common::EffectInstance> chances = stochastic_part(predicted_->catalogue, there);
+  const std::vector<common::EffectInstance> stochastic = stochastic_part(predicted_->catalogue, there);
   const double share = predicted_->settings.independent_share;
   ValidationError error;
-  if (chances.empty()) {
+  if (stochastic.empty()) {
     const Eigen::VectorXd difference = differences_from_its_beginning(*predicted_, there);
     error.residual_ratio = mean_square(difference);
     error.cost = share * difference.squaredNorm();
@@ -181,18 +181,18 @@ ValidationError HeldOutData::error(const Point& point, const std::optional<contr
     }
     return error;
   }
-  const Point rest = without_chance(predicted_->catalogue, there);
+  const Point rest = without_stochastic(predicted_->catalogue, there);
   Drawn drawn = draw(*predicted_, there);
   const Eigen::VectorXd mean = drawn.mean - differences(*predicted_, rest);
-  const Chance chance{std::move(drawn.power), 1.0, mean};
-  const UnderChance under_chance(*predicted_, chance);
+  const AddedPower added{std::move(drawn.power), 1.0, mean};
+  const UnderPower under_power(*predicted_, added);
   const Eigen::VectorXd difference = differences_from_its_beginning(*predicted_, rest);
   error.residual_ratio = mean_square(difference);
   double deviation = 0.0;  // of the logarithm of the power
-  for (const common::EffectInstance& effect : chances) {
+  for (const common::EffectInstance& effect : stochastic) {
     deviation = std::hypot(deviation, kSizeDeviation * predicted_->catalogue.at(effect.name).stochastic->power_exponent);
   }
-  error.cost = share * predictive_cost(undivided(chance, difference), chance.power, deviation);
+  error.cost = share * predictive_cost(undivided(added, difference), added.power, deviation);
   return error;
 }
 

@@ -5,9 +5,9 @@
 //   relative closed-loop error   of the simulation from the operator's commands alone, where the controller is known
 //
 // against the nominal machine and against parameters alone. Of a hypothesis with stochastic effects the ratio is that of what its draws leave
-// on the average, to noise and what one draw adds; it must also predict the held-out part better than the same hypothesis in which what is by
-// chance is replaced by a power that nobody knows, learned in each third of an octave from the part that was fitted, in
-// each channel or where one of its other effects acts. (A smooth power forgives
+// on the average, to noise and what one draw adds; it must also predict the held-out part better than the same hypothesis in which what is
+// stochastic is replaced by a power that nobody knows, learned in each third of an octave from the part that was fitted, in
+// each channel or where one of its other effects acts. (A smooth power explains
 // nearly any difference, so against the nominal machine alone it would always win.) Its closed loop is another draw's and is not
 // compared. What is peculiar to the beginning of the held-out record (the load's swing, where
 // the motors stand) is no property of the machine: it is fitted there, for every hypothesis alike.
@@ -54,7 +54,7 @@ bool has_fit(const common::EffectAbout& effect);
 
 // The effects of a point that are stochastic, and the point without them.
 std::vector<common::EffectInstance> stochastic_part(const common::EffectCatalogue& catalogue, const Point& point);
-Point without_chance(const common::EffectCatalogue& catalogue, Point point);
+Point without_stochastic(const common::EffectCatalogue& catalogue, Point point);
 
 // Whether the cause's residual falls by more than chance lets it, and its closed loop does not get worse.
 bool is_better(const ValidationError& cause, const ValidationError& than);
@@ -78,7 +78,7 @@ class HeldOutData {
   std::int64_t simulation_time() const { return fitted_->simulation_time + predicted_->simulation_time; }  // [ns]
 
  private:
-  HeldOut fit_with_chance(const Point& answer);
+  HeldOut fit_with_stochastic(const Point& answer);
   Point at_held_out(const Point& point) const;
 
   std::unique_ptr<Problem> fitted_, predicted_;

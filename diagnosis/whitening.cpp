@@ -208,8 +208,8 @@ Whitening make_whitening(const Record& record, const std::vector<bool>& trusted,
     const double variance = channel.is_torque ? encoder_variance(record, i) : accelerometer_variance(record, i);
     const bool is_coarse = channel.is_torque && record.encoder_quantum >= kCoarseCount;
     const std::vector<double> counting = is_coarse ? counting_power(record, i, whitening, settings.count_smoothing) : std::vector<double>{};
-    const bool is_shaken = !channel.is_torque && record.encoder_quantum >= kCoarseCount;
-    const std::vector<double> shaken = is_shaken ? running_power({&nominal.acceleration_difference[i]}, whitening) : std::vector<double>{};
+    const bool is_of_counts = !channel.is_torque && record.encoder_quantum >= kCoarseCount;
+    const std::vector<double> of_counts = is_of_counts ? running_power({&nominal.acceleration_difference[i]}, whitening) : std::vector<double>{};
     // A torque channel's noise is its encoder's, seen through the shadow's gains.
     const auto noise_at = [&](std::size_t k) {
       const double frequency = static_cast<double>(k) * whitening.bin_width;
@@ -224,9 +224,9 @@ Whitening make_whitening(const Record& record, const std::vector<bool>& trusted,
                                     static_cast<double>(high - low));
       }
       double noise = gain * gain * power + rounding;
-      if (is_shaken && frequency >= settings.shaken_from) {
+      if (is_of_counts && frequency >= settings.counts_from) {
         const std::size_t low = k - std::min(k, kCountBins), high = std::min(k + kCountBins + 1, spectrum_size);
-        noise = std::max(noise, (shaken[high] - shaken[low]) / static_cast<double>(high - low));
+        noise = std::max(noise, (of_counts[high] - of_counts[low]) / static_cast<double>(high - low));
       }
       return noise;
     };

@@ -29,7 +29,7 @@ struct WhiteningSettings {
   double lowest_frequency = 0.0;     // [Hz] below which a record knows nothing
   double noise_corner = 0.0;         // [Hz] below which an accelerometer's noise rises as 1/f (its data sheet)
   double encoder_noise_from = 0.0;   // [Hz] from which torque channels hold the encoders' noise alone
-  double shaken_from = 0.0;          // [Hz] from which coarse counts, through the observer's torque, shake its accelerometers more than their noise
+  double counts_from = 0.0;          // [Hz] from which coarse counts, through the observer's torque, add more to its accelerations than their noise
   double before_impact = 0.0;        // [s] a real machine may let go a little before its model
   double after_impact = 0.0;         // [s] in which the observer forgets an impact, three of its slowest time constants
   double soft_edge = 0.0;            // [s] over which the window falls beside a stretch that is taken out

@@ -8,6 +8,8 @@
 #include <set>
 #include <utility>
 
+#include "msgs/configuration_hash.h"
+
 namespace slewlab::msgs {
 namespace {
 
@@ -286,6 +288,16 @@ std::vector<std::size_t> by_name() {
   return channels;
 }
 
+// A machine, a controller or a scenario of its own makes a run's configuration another one; which of them, the hash does not tell.
+void tell_configurations(RunOrder& order) {
+  for (std::size_t r = 1; r < order.runs.size(); ++r) {
+    if (order.runs[r].configuration_hash == order.runs[0].configuration_hash) continue;
+    order.remarks.push_back("run " + std::to_string(r + 1) + " of the file has configuration " + hash_text(order.runs[r].configuration_hash) +
+                            ", run 1 has " + hash_text(order.runs[0].configuration_hash) +
+                            ": another machine, controller or scenario; runs of different machines belong in files of their own");
+  }
+}
+
 }  // namespace
 
 void Unused::add_foreign(std::string_view channel) {
@@ -408,6 +420,7 @@ RunOrder order_runs(const std::filesystem::path& path, const AskedCounts& asked)
   std::vector<OrderedRun> runs;
   for (const std::size_t i : places_in_file) runs.push_back(std::move(order.runs[i]));
   order.runs = std::move(runs);
+  tell_configurations(order);
   return order;
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <stdexcept>
@@ -310,7 +311,7 @@ std::vector<double> forward_speed(const AxisRecord& record, const BalanceMotion&
         end.speed = speed;
         return model.inertia * (speed - before) / step + resistance(acting, end) - record.effort[n];
       };
-      double reach = std::max(1e-12, std::fabs(step / model.inertia * rest(before)));
+      double reach = std::max(std::numeric_limits<double>::min(), std::fabs(step / model.inertia * rest(before)));  // doubled, it must grow
       while (rest(before - reach) > 0.0 && std::isfinite(reach)) reach *= 2.0;
       double low = before - reach, high = before + reach;
       while (rest(high) < 0.0 && std::isfinite(high)) high += reach *= 2.0;

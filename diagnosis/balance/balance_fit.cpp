@@ -634,12 +634,12 @@ BalanceAnswer fit_balance(const std::vector<BalanceRecord>& records, const std::
   const Validated alone = validate(regression, laws, {}, records.size());
   const double floor = kLeastShare * alone.of_blocks;
   const std::vector<Validated> candidates = candidates_of(regression, laws, alone, records.size());
-  // Against that which leaves least, each law more at its price.
+  // Against that which leaves least, each law more with its prior cost.
   const Validated& least = *std::min_element(candidates.begin(), candidates.end(), [](const Validated& a, const Validated& b) { return a.of_blocks < b.of_blocks; });
   const double independent = regression.count / correlation_length(regression, least);
   // Every machine has friction, many a constant torque as well; the others share what one of them has.
   const auto others = static_cast<double>(std::count_if(laws.begin(), laws.end(), [](const BalanceLaw& law) { return !law.is_ordinary; }));
-  const auto price = [&](const Validated& one) {
+  const auto prior_cost = [&](const Validated& one) {
     double sum = 0.0;
     for (const auto& [law, shape] : one.choice.laws) {
       const BalanceLaw& chosen = laws[static_cast<std::size_t>(law)];
@@ -647,17 +647,17 @@ BalanceAnswer fit_balance(const std::vector<BalanceRecord>& records, const std::
     }
     return sum;
   };
-  const auto cost = [&](const Validated& one) { return 0.5 * independent * std::log(one.of_blocks + floor) - price(one); };
+  const auto cost = [&](const Validated& one) { return 0.5 * independent * std::log(one.of_blocks + floor) - prior_cost(one); };
   const Validated& reference = *std::min_element(candidates.begin(), candidates.end(), [&](const Validated& a, const Validated& b) { return cost(a) < cost(b); });
   std::vector<double> odds;  // ln
   for (const Validated& one : candidates) {
-    odds.push_back(log_odds(one, reference, floor) + price(one));
+    odds.push_back(log_odds(one, reference, floor) + prior_cost(one));
   }
   const LeftOut smooth = smooth_validation(
       regression, {variable_of(records, regression, &BalanceRecord::speed), variable_of(records, regression, &BalanceRecord::position),
                    variable_of(records, regression, &BalanceRecord::time)},
       regression.efforts, true);
-  const double odds_unknown = std::log(kUnknownPrior) + price(reference) + log_odds(smooth, reference, kRestShare * alone.of_blocks);
+  const double odds_unknown = std::log(kUnknownPrior) + prior_cost(reference) + log_odds(smooth, reference, kRestShare * alone.of_blocks);
   const double top_odds = std::max(odds_unknown, *std::max_element(odds.begin(), odds.end()));
   double sum = std::exp(odds_unknown - top_odds);
   for (const double one : odds) sum += std::exp(one - top_odds);

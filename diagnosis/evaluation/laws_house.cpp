@@ -100,7 +100,7 @@ std::vector<TrueSize> heel(TruthMachine& machine, double size, Random& random) {
   }});
   machine.sensors.emplace_back([=](double, const SensorValues& truth, SensorValues& seen) {
     const double f = sideways(truth.slew_angle);
-    for (double* value : {&seen.house, &seen.pivot, &seen.middle, &seen.tip}) *value -= f;
+    for (const auto& sensor : kAccelerometers<SensorValues>) seen.*sensor.value -= f;
   });
   return {{"angle", size}, {"direction", direction, false}};
 }

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <deque>
 #include <numbers>
+#include <string_view>
 
 #include "diagnosis/evaluation/body.h"
 #include "diagnosis/evaluation/law.h"
@@ -35,10 +36,8 @@ std::vector<TrueSize> vessel_roll(TruthMachine& machine, double size, Random& ra
   }});
   machine.sensors.emplace_back([=](double t, const SensorValues& truth, SensorValues& seen) {
     const double angle = truth.slew_angle;
-    seen.house -= lateral(t, height, angle);
-    seen.pivot -= lateral(t, height, angle);
-    seen.middle -= lateral(t, height + 0.5 * rise, angle);
-    seen.tip -= lateral(t, height + rise, angle);
+    const auto share = [](std::string_view place) { return place == "middle" ? 0.5 : place == "tip" ? 1.0 : 0.0; };  // of the boom's rise
+    for (const auto& sensor : kAccelerometers<SensorValues>) seen.*sensor.value -= lateral(t, height + share(sensor.place) * rise, angle);
   });
   return {{"amplitude", size}, {"period", period}, {"phase", phase, false}, {"direction", direction, false},
           {"height", height, false}};
@@ -167,11 +166,9 @@ std::vector<TrueSize> clock_drift(TruthMachine& machine, double size, Random& ra
       const auto whole = static_cast<std::size_t>(steps);
       const double share = steps - std::floor(steps);
       const SensorValues &newer = past.at(whole), &older = past.at(whole + 1);
-      seen.house = newer.house + share * (older.house - newer.house);
-      seen.pivot = newer.pivot + share * (older.pivot - newer.pivot);
-      seen.middle = newer.middle + share * (older.middle - newer.middle);
-      seen.tip = newer.tip + share * (older.tip - newer.tip);
-      seen.slew_angle = newer.slew_angle + share * (older.slew_angle - newer.slew_angle);
+      for (const auto& sensor : msgs::kSensorFields<SensorValues>) {
+        seen.*sensor.value = newer.*sensor.value + share * (older.*sensor.value - newer.*sensor.value);
+      }
     }
   };
   machine.sensors.emplace_back(Drift{.drift = size, .phase = phase, .stretch = machine.scales.stretch});

@@ -33,7 +33,7 @@ std::string case_name(int number) {
 namespace {
 
 constexpr std::array<const char*, 3> kLogNames{"a.lcmlog", "b.lcmlog", "unseen.lcmlog"};
-constexpr double kImpactTime = 2.0;  // [s] that visibility leaves out from a contact change on
+constexpr double kImpactTime = 2.0;  // [s] that visibility leaves out from a contact change on, stretched as the manoeuvres are
 
 std::vector<double> column(const TruthRun& run, double SensorValues::*value) {
   std::vector<double> values;
@@ -61,7 +61,7 @@ Visibility visibility(const TruthRun& with, const TruthRun& without, const Truth
   for (const TruthRun* run : {&with, &without}) {
     for (const double time : run->contact_change_times) {
       const auto from = static_cast<std::size_t>(std::lround(time / kBaseStep));
-      const auto to = std::min(steps, from + static_cast<std::size_t>(std::lround(kImpactTime / kBaseStep)));
+      const auto to = std::min(steps, from + static_cast<std::size_t>(std::lround(kImpactTime * machine.scales.stretch / kBaseStep)));
       for (std::size_t n = from; n < to; ++n) counts[n] = false;
     }
   }
@@ -85,13 +85,8 @@ Visibility visibility(const TruthRun& with, const TruthRun& without, const Truth
     consider("motor torque" + group, rms(with.motor_torque[i], without.motor_torque[i], cycle),
              floor * machine.controller.speed_control.proportional_gain);
   }
-  const std::pair<const char*, double SensorValues::*> kAccelerometers[] = {
-      {"house acceleration", &SensorValues::house},
-      {"pivot acceleration", &SensorValues::pivot},
-      {"middle acceleration", &SensorValues::middle},
-      {"tip acceleration", &SensorValues::tip}};
-  for (const auto& [name, value] : kAccelerometers) {
-    consider(name, rms(column(with, value), column(without, value), 1), machine.noise.accelerometer);
+  for (const auto& sensor : kAccelerometers<SensorValues>) {
+    consider(std::string(sensor.place) + " acceleration", rms(column(with, sensor.value), column(without, sensor.value), 1), machine.noise.accelerometer);
   }
   return best;
 }
@@ -157,11 +152,10 @@ void write_log(const TruthRun& run, const LogSettings& settings, const fs::path&
     const bool all = settings.sensors == Sensors::kAll;
     sensors.sequence = n / settings.sensor_steps;
     sensors.simulated_time = n * kBaseStepNs;
-    sensors.house_acceleration = all ? values.house : kAbsent;
-    sensors.pivot_acceleration = all ? values.pivot : kAbsent;
-    sensors.middle_acceleration = all ? values.middle : kAbsent;
-    sensors.tip_acceleration = values.tip;
-    sensors.slew_angle = all ? values.slew_angle : kAbsent;
+    for (std::size_t s = 0; s < msgs::kSensorFields<msgs::Sensors>.size(); ++s) {
+      const auto& field = msgs::kSensorFields<msgs::Sensors>[s];
+      sensors.*field.value = all || field.place == "tip" ? values.*msgs::kSensorFields<SensorValues>[s].value : kAbsent;
+    }
     append(msgs::kSensorsChannel, sensors);
   }
   writer.finish();

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "sim/machine/description.h"
 #include "sim/model/boom.h"
 
 namespace slewlab::diagnosis::withheld {
@@ -146,11 +147,18 @@ Structure make_structure(const sim::CraneParameters& crane, const StructureChang
     modes.tip_twist.push_back(at(tip + 2));
     modes.uniform_load.push_back(integral);
     const double sideways = has_pedestal ? shape(pedestal) : 0.0;
-    result.house_sensor.push_back(crane.house.sensor_radius * shape(house) + sideways);
-    result.pivot_sensor.push_back(boom.pivot_radius * shape(house) + sideways);
-    result.middle_sensor.push_back(at(middle));
-    result.tip_sensor.push_back(at(tip));
-    result.slew_sensor.push_back(shape(house));
+    const auto felt_at = [&](sim::SensorPlace place) {
+      switch (place) {
+        case sim::SensorPlace::house: return crane.house.sensor_radius * shape(house) + sideways;
+        case sim::SensorPlace::pivot: return boom.pivot_radius * shape(house) + sideways;
+        case sim::SensorPlace::middle: return at(middle);
+        case sim::SensorPlace::tip: return at(tip);
+        default: return shape(house);  // what turns
+      }
+    };
+    for (std::size_t s = 0; s < result.sensors.size(); ++s) {
+      result.sensors[s].push_back(felt_at(sim::place_named(msgs::kSensorFields<msgs::SensorReadings>[s].place)));
+    }
   }
   return result;
 }

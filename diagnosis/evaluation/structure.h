@@ -11,10 +11,12 @@
 // - Damping: mode k loses phi_k' C phi_k, C = a_1 K of the steel (3.15) plus the pedestal's.
 #pragma once
 
+#include <array>
 #include <limits>
 #include <vector>
 
 #include "sim/model/crane.h"
+#include "slewlab_msgs/signals.hpp"
 
 namespace slewlab::diagnosis::withheld {
 
@@ -34,8 +36,8 @@ struct StructureChange {
 
 struct Structure {
   sim::FreeHouseModes modes;  // house: the ring that the pinions push; tip: where the rope leaves
-  // What the sensors feel of each mode: [m] lateral, [rad] slew angle.
-  std::vector<double> house_sensor, pivot_sensor, middle_sensor, tip_sensor, slew_sensor;
+  // What each field of SENSORS feels of each mode: [m] lateral of an acceleration, [rad] of an angle.
+  std::array<std::vector<double>, msgs::kSensorFields<msgs::SensorReadings>.size()> sensors;
 };
 
 // Throws std::invalid_argument where the crane cannot be built or the axial force buckles the boom.

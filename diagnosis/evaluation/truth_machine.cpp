@@ -88,8 +88,8 @@ class TruthPlant : public sim::DrivenPlant {
         structure_(make_structure(machine.crane, machine.structure)),
         reference_(sim::make_reference(reference_machine(machine, structure_), options.reference, make_extra(machine))),
         acceleration_(structure_.modes.frequency.size()),
-        noise_{accelerometer(0, options), accelerometer(1, options), accelerometer(2, options), accelerometer(3, options)},
         run_(run) {
+    for (int a = 0; a < kAccelerometerCount; ++a) noise_.emplace_back(machine.noise, Random(options.noise_seed, "accelerometer", a));
     sim::hang_load(*reference_);
     Random phases(options.noise_seed, "encoder phase");
     for (int i = 0; i < groups_; ++i) encoders_.emplace_back(machine.counting, phases.uniform());
@@ -126,11 +126,7 @@ class TruthPlant : public sim::DrivenPlant {
   }
 
   void read_sensors(msgs::Sensors& message) override {
-    message.house_acceleration = seen_.house;
-    message.pivot_acceleration = seen_.pivot;
-    message.middle_acceleration = seen_.middle;
-    message.tip_acceleration = seen_.tip;
-    message.slew_angle = seen_.slew_angle;
+    for (std::size_t s = 0; s < kFields.size(); ++s) message.*msgs::kSensorFields<msgs::Sensors>[s].value = seen_.*kFields[s].value;
   }
   void read_truth(msgs::Truth&) override {}
   void read_status(msgs::PlantStatus&) override {}
@@ -140,6 +136,8 @@ class TruthPlant : public sim::DrivenPlant {
   sim::ReferenceCounts counts() const { return sim::counts(*reference_); }
 
  private:
+  static constexpr auto& kFields = msgs::kSensorFields<SensorValues>;
+
   double now() const { return static_cast<double>(steps_) * kBaseStep; }
 
   sim::DriveMoment moment() const {
@@ -149,25 +147,17 @@ class TruthPlant : public sim::DrivenPlant {
     return moment;
   }
 
-  ColouredNoise accelerometer(int number, const RunOptions& options) const {
-    return ColouredNoise(machine_.noise, Random(options.noise_seed, "accelerometer", number));
-  }
-
   // What the sensors say at the end of a step.
   void measure() {
     readings_ = sim::read(*reference_);
     sim::modal_accelerations(*reference_, acceleration_.data());
-    const SensorValues truth{.house = times(structure_.house_sensor, acceleration_.data()),
-                             .pivot = times(structure_.pivot_sensor, acceleration_.data()),
-                             .middle = times(structure_.middle_sensor, acceleration_.data()),
-                             .tip = times(structure_.tip_sensor, acceleration_.data()),
-                             .slew_angle = times(structure_.slew_sensor, sim::modal_coordinates(*reference_))};
+    SensorValues truth;
+    for (std::size_t s = 0; s < kFields.size(); ++s) {
+      truth.*kFields[s].value = times(structure_.sensors[s], is_acceleration(kFields[s].unit) ? acceleration_.data() : sim::modal_coordinates(*reference_));
+    }
     seen_ = truth;
     for (const SensorLaw& law : machine_.sensors) law(now(), truth, seen_);
-    seen_.house += noise_[0].next();
-    seen_.pivot += noise_[1].next();
-    seen_.middle += noise_[2].next();
-    seen_.tip += noise_[3].next();
+    for (std::size_t a = 0; a < noise_.size(); ++a) seen_.*kAccelerometers<SensorValues>[a].value += noise_[a].next();
     seen_.slew_angle = machine_.noise.slew_resolution * std::round(seen_.slew_angle / machine_.noise.slew_resolution);
     GroupArray position = readings_.shaft_position;
     for (const EncoderLaw& law : machine_.encoder) law(now(), position);
@@ -181,7 +171,7 @@ class TruthPlant : public sim::DrivenPlant {
   Structure structure_;
   sim::ReferencePointer reference_;
   std::vector<double> acceleration_;  // [m/s^2] modal
-  std::array<ColouredNoise, 4> noise_;
+  std::vector<ColouredNoise> noise_;  // of the accelerometers
   std::vector<CountingEncoder> encoders_;
   std::int64_t steps_ = 0;
   std::int64_t contact_changes_ = 0;

@@ -17,6 +17,7 @@
 #include "controller/controller.h"
 #include "diagnosis/evaluation/law_scales.h"
 #include "diagnosis/evaluation/structure.h"
+#include "diagnosis/record.h"
 #include "sim/drive/drive_protection_settings.h"
 #include "sim/integrate/reference.h"
 
@@ -51,10 +52,7 @@ using WireLaw = std::function<void(double time, std::int64_t sequence, GroupArra
 // Shaft positions [rad] before they are counted.
 using EncoderLaw = std::function<void(double time, GroupArray& shaft_position)>;
 
-struct SensorValues {
-  double house = 0.0, pivot = 0.0, middle = 0.0, tip = 0.0;  // [m/s^2]
-  double slew_angle = 0.0;                                    // [rad]
-};
+using SensorValues = msgs::SensorReadings;
 // `truth` lets a sensor law feel more than the motion: tilt, for one.
 using SensorLaw = std::function<void(double time, const SensorValues& truth, SensorValues& seen)>;
 

@@ -31,21 +31,6 @@ std::string in_milliseconds(std::int64_t time) {
   return common::shortest(static_cast<double>(time) / 1e6) + " ms";
 }
 
-// Takes the overrides for one of the files out of `overrides`, without their prefix.
-std::vector<Override> take(std::string_view prefix, std::vector<Override>& overrides) {
-  std::vector<Override> taken;
-  std::vector<Override> rest;
-  for (Override& change : overrides) {
-    if (change.key.starts_with(prefix)) {
-      taken.push_back({change.key.substr(prefix.size()), change.value});
-    } else {
-      rest.push_back(std::move(change));
-    }
-  }
-  overrides = std::move(rest);
-  return taken;
-}
-
 std::int64_t read_time(YamlReader& reader, std::string_view key) {
   return nanoseconds(reader.number(key, Unit::second, {1e-9, kLongest, true}));
 }
@@ -139,8 +124,8 @@ Scenario read_scenario_file(const std::filesystem::path& file, const std::vector
                             InputProblems& problems) {
   Scenario scenario;
   std::vector<Override> own = overrides;
-  std::vector<Override> of_crane = take("crane.", own), of_axis = take("axis.", own);
-  scenario.controller_overrides = take("controller.", own);
+  std::vector<Override> of_crane = common::take_overrides("crane.", own), of_axis = common::take_overrides("axis.", own);
+  scenario.controller_overrides = common::take_overrides("controller.", own);
 
   YamlNode root = common::load_yaml_file(file, own, problems);
   if (root.kind != YamlNode::Kind::map) return scenario;

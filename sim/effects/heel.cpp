@@ -7,6 +7,7 @@
 // Source: textbook; thesis 1.1 names "static heel of the crane" as part of the current calculations.
 #include "sim/effects/effect.h"
 
+#include "sim/effects/accelerometers.h"
 #include <cmath>
 #include <numbers>
 
@@ -30,10 +31,7 @@ class Heel : public Running<Heel> {
 
   void sensor(const SensorMoment& moment, PlantReadings& readings) override {
     const double lateral = gravity_ * std::sin(direction_ - moment.house_angle);
-    readings.house_acceleration -= lateral;
-    readings.pivot_acceleration -= lateral;
-    readings.middle_acceleration -= lateral;
-    readings.tip_acceleration -= lateral;
+    add_to_accelerometers(readings, [&](std::string_view) { return -lateral; });
   }
 
  private:

@@ -1,5 +1,6 @@
 #include "sim/effects/mesh_variation.h"
 
+#include "sim/effects/accelerometers.h"
 #include "sim/effects/mesh_torque.h"
 #include "sim/integrate/plant.h"
 
@@ -49,10 +50,9 @@ class MeshVariation : public Running<MeshVariation> {
       missing += mesh_torque(gear_[i], share(angle_ == MeshAngle::house ? moment.house_angle : motor, 0.0),
                              motor - moment.house_angle, motor_speed - moment.house_speed);
     }
-    readings.house_acceleration += house_ * missing;
-    readings.pivot_acceleration += pivot_ * missing;
-    readings.middle_acceleration += middle_ * missing;
-    readings.tip_acceleration += tip_ * missing;
+    add_to_accelerometers(readings, [&](std::string_view place) {
+      return (place == "house" ? house_ : place == "pivot" ? pivot_ : place == "middle" ? middle_ : tip_) * missing;
+    });
   }
 
  private:

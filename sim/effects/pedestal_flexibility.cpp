@@ -7,6 +7,7 @@
 // Source: textbook; the thesis founds the crane rigidly.
 #include "sim/effects/effect.h"
 
+#include "sim/effects/accelerometers.h"
 #include <cmath>
 #include <limits>
 
@@ -49,10 +50,7 @@ class PedestalFlexibility : public Running<PedestalFlexibility> {
 
   void sensor(const SensorMoment&, PlantReadings& readings) override {
     const double end = 1.5 * acceleration_ - 0.5 * acceleration_before_;
-    readings.house_acceleration += end;
-    readings.pivot_acceleration += end;
-    readings.middle_acceleration += end;
-    readings.tip_acceleration += end;
+    add_to_accelerometers(readings, [&](std::string_view) { return end; });
   }
 
  private:

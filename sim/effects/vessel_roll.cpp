@@ -6,6 +6,7 @@
 // Source: textbook; thesis 1.1 names the period, 6 to 15 s, and leaves the motion out.
 #include "sim/effects/effect.h"
 
+#include "sim/effects/accelerometers.h"
 #include <cmath>
 #include <numbers>
 
@@ -41,11 +42,9 @@ class VesselRoll : public Running<VesselRoll> {
 
   void sensor(const SensorMoment& moment, PlantReadings& readings) override {
     const double across = std::sin(direction_ - moment.house_angle);
-    const double pivot = lateral(moment.time, pivot_height_) * across;
-    readings.house_acceleration -= pivot;
-    readings.pivot_acceleration -= pivot;
-    readings.middle_acceleration -= lateral(moment.time, pivot_height_ + 0.5 * rise_) * across;
-    readings.tip_acceleration -= lateral(moment.time, pivot_height_ + rise_) * across;
+    add_to_accelerometers(readings, [&](std::string_view place) {
+      return -lateral(moment.time, pivot_height_ + share_of_boom(place) * rise_) * across;
+    });
   }
 
  private:

@@ -23,7 +23,7 @@ namespace {
 
 constexpr double kScaleSpeed = 0.2;           // of the top speed: the motion that tolerances are a share of; inching
 constexpr double kArithmetic = 1e-14;         // relative accuracy that the arithmetic can hold
-constexpr double kContactNoise = 1e-13;       // [rad] depth that rounding alone can make: 450 times that of an angle of 1
+constexpr double kContactNoise = 1e-13;       // [-] what rounding alone can make of an angle: 450 times that of 1
 constexpr long kMostSteps = 50'000'000;       // in one call of advance()
 constexpr int kChannels = kMaximumGroupCount + 3;
 
@@ -65,6 +65,7 @@ struct Reference {
   GroupArray held_angle{}, held_speed{};
   double held_since = 0.0;
   double now = 0.0;
+  double small_angle = 0.0;  // [rad] that the fastest speed turns in the time of the fastest vibration
 
   std::array<int, kMaximumGroupCount> contact{}, last_flank{};
   std::array<std::int64_t, kMaximumGroupCount> crossings{};
@@ -444,6 +445,7 @@ void fill_weights(Reference& r) {
   const double speed = unit * kScaleSpeed * r.machine.crane.drive.top_speed;
   const double modal_speed = speed * std::sqrt(inertia);
   const double slowest = angle_frequency(r);
+  r.small_angle = r.machine.crane.drive.top_speed / slowest;
   for (int i = 0; i < r.group_count; ++i) {
     values[i] = speed / slowest;
     values[r.speeds() + i] = speed;
@@ -542,6 +544,13 @@ void change_contact(Reference& r, int group, int contact) {
   r.last_flank[group] = contact;
 }
 
+// [rad] Depth that rounding alone can make of the angles, and of the moment to which a root is found: 100 roundings of the time
+// (CVODE's documentation, root finding).
+double contact_noise(const Reference& r, const Motion& motion, int group, double rate) {
+  const double turned = std::fabs(motion.motor_angle[group]) + std::fabs(motion.motor_angle[group] - deflection_of(r, motion, group));
+  return kContactNoise * (r.small_angle + turned + std::fabs(rate) * r.now);
+}
+
 // Sets every contact that differs from the law; true when one did. Teeth that touch and approach each other count
 // as closed: a root function that starts at zero would not be seen to rise.
 bool put_contacts_right(Reference& r) {
@@ -551,11 +560,12 @@ bool put_contacts_right(Reference& r) {
   for (int i = 0; i < r.group_count; ++i) {
     const GearContact gear = gear_now(r, motion, i);
     const double deflection = deflection_of(r, motion, i), rate = deflection_rate_of(r, motion, i);
+    const double noise = contact_noise(r, motion, i, rate);
     int contact = 0;
     for (const int side : {1, -1}) {
       const bool stays = r.contact[i] == side || side * rate > 0.0;
       const double value = contact_function(gear, side, deflection, rate);
-      if (value > (stays ? -kContactNoise : kContactNoise)) contact = side;
+      if (value > (stays ? -noise : noise)) contact = side;
     }
     if (contact == r.contact[i]) continue;
     change_contact(r, i, contact);

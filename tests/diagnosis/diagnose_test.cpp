@@ -15,7 +15,7 @@
 #include <string_view>
 
 #include "controller/effects/catalogue.h"
-#include "diagnosis/chance_fit.h"
+#include "diagnosis/stochastic_fit.h"
 #include "diagnosis/nuisance.h"
 #include "diagnosis/loop/loop_log.h"
 #include "diagnosis/prediction.h"
@@ -140,7 +140,7 @@ TEST(Shadow, FollowsEncodersThatReadLate) {
   EXPECT_GT(missing(truth, late), 2.0 * missing(truth, on_time));
 }
 
-// A ripple's phase grows over many turns, so full steps with the first columns go astray: with them alone this fit stops at 9 935 above
+// A ripple's phase grows over many turns, so full steps with the first columns diverge: with them alone this fit stops at 9 935 above
 // the noise. Held back it leaves nothing above it. The machine has other parameters than the nominal one.
 TEST(Fit, ArrivesWhereAFullStepIsTooBold) {
   sim::MachineSettings truth;
@@ -207,7 +207,7 @@ TEST(Fit, FindsTheSwingThatALoadHasWhenTheRecordBegins) {
     problem.add(make_record(simulated_log(machine, bench().controller, kThereAndBack, kDuration, 3), "a", bench().admission));
   }
   const FitResult nominal = nominal_fit(problem), fitted = fit_nuisances(problem, nominal);
-  // Taken for a load that hangs still it is a gap many times an effect's price.
+  // Taken for a load that hangs still it is a gap many times an effect's cost.
   EXPECT_GT(excess(nominal.difference, problem.settings), fitted.excess + 1000.0);
   for (std::size_t r = 0; r < swings.size(); ++r) {
     const Beginning found = beginning_of(problem.nuisances, fitted.point.nuisance, r);
@@ -216,8 +216,8 @@ TEST(Fit, FindsTheSwingThatALoadHasWhenTheRecordBegins) {
   }
 }
 
-// Nothing stands for the jitter's mean here; the effect found beside it was once taken for that, and left out.
-TEST(ChanceFits, NameTheSecondEffectWhereNoDelayWasFitted) {
+// Nothing stands for the jitter's mean here; the effect found beside it is not taken for that.
+TEST(StochasticFits, NameTheSecondEffectWhereNoDelayWasFitted) {
   const std::vector<common::EffectInstance> both{{"command_jitter", {0.03}}, {"bearing_coulomb", {1e5, 0.0, 3e-5}}};
   sim::MachineSettings truth;
   truth.crane = spread_crane(18);
@@ -230,7 +230,7 @@ TEST(ChanceFits, NameTheSecondEffectWhereNoDelayWasFitted) {
   const Progress quiet = [](double, const std::string&) {};
   const Screening screening = screen(problem, nothing, project, both, quiet);
   std::set<std::vector<std::string>> named;
-  for (const FitResult& result : chance_fits(problem, screening, nothing, {}, quiet)) {
+  for (const FitResult& result : stochastic_fits(problem, screening, nothing, {}, quiet)) {
     std::vector<std::string> names;
     for (const common::EffectInstance& effect : result.point.effects) names.push_back(effect.name);
     named.insert(names);
@@ -328,9 +328,9 @@ TEST(HeldOutData, TellsWhatPredictsFromWhatDoesNot) {
   EXPECT_FALSE(is_better(worse_loop, parameters)) << "a closed loop that gets worse";
 }
 
-// Late messages by chance, and a bearing that sticks: the chance predicts the power of the record that it did not see where it is the truth,
-// and better than a power that nobody knows; where friction is the truth it does not, though it forgives what it fits.
-TEST(HeldOutData, TellsAChanceThatPredictsFromOneThatForgives) {
+// Messages late at random, and a bearing that sticks: the stochastic effect predicts the power of the record that it did not see where it is the truth,
+// and better than a power that nobody knows; where friction is the truth it does not, though it explains what it fits.
+TEST(HeldOutData, TellsAPowerThatPredictsFromOneThatOnlyExplains) {
   const auto validation_of_jitter = [](const common::EffectInstance& truth_effect) {
     sim::MachineSettings truth;
     truth.crane = spread_crane(36);
@@ -346,7 +346,7 @@ TEST(HeldOutData, TellsAChanceThatPredictsFromOneThatForgives) {
     jitter.effects = {{"command_jitter", {0.027}}};
     const HeldOut fitted = data.fit(jitter);
     Validation validation{data.error({}, controller), data.error(none.point, controller), data.error(fitted.point, controller), {}, false};
-    validation.unknown_cost = std::min(data.unknown_cost(none.point), data.unknown_cost(without_chance(problem.catalogue, fitted.point)));
+    validation.unknown_cost = std::min(data.unknown_cost(none.point), data.unknown_cost(without_stochastic(problem.catalogue, fitted.point)));
     EXPECT_FALSE(validation.cause.closed_loop.has_value()) << "its closed loop is another draw's";
     EXPECT_EQ(fitted.point.effects.size(), 1u);
     return std::pair(validation, fitted.point.effects[0].values[0]);
@@ -468,7 +468,7 @@ TEST(Diagnose, DeclaresAGroupOfPairs) {
   EXPECT_LT(other->apart, 1e-6);
 }
 
-// 1.3 Hz with 3 % damping, which no start of the catalogue meets: the nominal machine's parameters go far to stand for it, and
+// 1.3 Hz with 3 % damping, near which no start of the catalogue lies: the nominal machine's parameters go far to stand for it, and
 // beside those it cannot be seen.
 TEST(Diagnose, FindsAResonanceBetweenItsStarts) {
   const Diagnosis found = diagnose_machine({{"pedestal_flexibility", {4.4e7, 6e5, 0.033}}}, bench().controller, 19);
@@ -546,7 +546,7 @@ TEST(Diagnose, FindsALargeSecondEffectBesideJitter) {
   EXPECT_TRUE(named.contains("command_jitter") || named.contains("command_loss")) << found.verdict;  // FindsJitterWithoutItsDraw
 }
 
-// Beside the fitted gearboxes the roll is found; from where nothing is added the pair goes astray.
+// Beside the fitted gearboxes the roll is found; from where nothing is added the pair ends elsewhere.
 TEST(Diagnose, FindsARollBesideUnevenGearboxes) {
   const Diagnosis found = diagnose_machine(
       {{"uneven_gearbox_stiffness", {0.49}}, {"vessel_roll", {0.0031, 9.99, 0.87, -1.26, 20.0}}}, bench().controller, 31);

@@ -23,11 +23,11 @@ TEST(Evidence, NothingMissingIsSaidWhereEffectsGainNothing) {
   EXPECT_GT(p.candidate[0], 0.9);
 }
 
-// What mesh and step let an effect gain where nothing is missing, settings.price, is no evidence for it.
+// What mesh and step let an effect gain where nothing is missing, settings.effect_cost, is no evidence for it.
 TEST(Evidence, AnEffectMustGainItsPrice) {
   const EvidenceSettings settings;
-  EXPECT_GT(weigh({{{}, 0.0, 0.0}, {{"a"}, -settings.price, 0.0}}, 40, {}).candidate[0], 0.9);
-  EXPECT_LT(weigh({{{}, 0.0, 0.0}, {{"a"}, -10.0 * settings.temper * settings.price, 0.0}}, 40, {}).candidate[0], 0.1);
+  EXPECT_GT(weigh({{{}, 0.0, 0.0}, {{"a"}, -settings.effect_cost, 0.0}}, 40, {}).candidate[0], 0.9);
+  EXPECT_LT(weigh({{{}, 0.0, 0.0}, {{"a"}, -10.0 * settings.temper * settings.effect_cost, 0.0}}, 40, {}).candidate[0], 0.1);
 }
 
 TEST(Evidence, ASecondEffectMustEarnItsPlace) {

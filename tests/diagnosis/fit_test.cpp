@@ -121,7 +121,7 @@ TEST(Differences, OnlyAMachineThatCannotBeBuiltCountsAsFarOff) {
   EXPECT_THROW(differences(problem, point), std::invalid_argument);
 }
 
-// One nuisance (the first) moves one difference; the fit stands at z = 3, far behind the wall at 2, where nothing is left.
+// One nuisance (the first) moves one difference; the fit stands at z = 3, far beyond the bound at 2, where nothing is left.
 class Relaxation : public testing::Test {
  protected:
   // 100 ln(1 + c / usual).
@@ -133,14 +133,14 @@ class Relaxation : public testing::Test {
     return {settings, usual - 100.0};
   }
   Relaxation() {
-    problem_.nuisances.parameters.resize(16);  // with walls, and the latency behind them
+    problem_.nuisances.parameters.resize(16);  // with bounds, and the latency behind them
     result_.point.nuisance.assign(17, 0.0);
     result_.point.nuisance[0] = 3.0;
     result_.difference = Eigen::VectorXd::Zero(40);
     result_.columns = Eigen::MatrixXd::Zero(40, 17);
     result_.columns(0, 0) = 10.0;
     result_.excess = 0.0;
-    result_.prior = 9.0 + 30.0;  // z^2 and the wall's 30 (z - 2)^2, nuisance.h
+    result_.prior = 9.0 + 30.0;  // z^2 and beyond the bound 30 (z - 2)^2, nuisance.h
   }
   Problem problem_;
   FitResult result_;
@@ -148,15 +148,15 @@ class Relaxation : public testing::Test {
 
 // Limits: where misfits cost nothing the parameter goes back to 0 and leaves s (10 * 3)^2; where they cost all it stays.
 TEST_F(Relaxation, TradesMisfitForLikelyValues) {
-  const Relaxed forgiven = relax(problem_, result_, misfit_cost(1e12), 0.0);
-  EXPECT_NEAR(forgiven.prior, 0.0, 1e-6);
-  EXPECT_NEAR(forgiven.excess, problem_.settings.independent_share * 900.0, 1e-3);
+  const Relaxed discounted = relax(problem_, result_, misfit_cost(1e12), 0.0);
+  EXPECT_NEAR(discounted.prior, 0.0, 1e-6);
+  EXPECT_NEAR(discounted.excess, problem_.settings.independent_share * 900.0, 1e-3);
   const Relaxed charged = relax(problem_, result_, misfit_cost(1e-3), 0.0);
   EXPECT_NEAR(charged.prior, result_.prior, 0.05);
   EXPECT_NEAR(charged.excess, 0.0, 1e-3);
 }
 
-// A price that does not go with where the parameters stand is paid wherever they go.
+// A cost that does not go with where the parameters stand stays wherever they go.
 TEST_F(Relaxation, KeepsWhatIsChargedBesides) {
   result_.prior += 25.0;
   EXPECT_NEAR(relax(problem_, result_, misfit_cost(1e12), 0.0).prior, 25.0, 1e-6);

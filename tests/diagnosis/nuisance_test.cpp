@@ -38,7 +38,7 @@ TEST(Prior, NuisancesEndWhereUnitsDo) {
   EXPECT_GT(nuisance_prior(thesis_nuisances(), 3, 0.10 / sim::kUnitDeviation).cost, 75.0);
 }
 
-// The encoders' latency has no such walls.
+// The encoders' latency has no such bounds.
 TEST(Prior, LatencyIsNormal) {
   const Nuisances nuisances = thesis_nuisances();
   EXPECT_EQ(nuisance_prior(nuisances, nuisances.common_count() - 1, 4.0).cost, 16.0);

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <functional>
 #include <iterator>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -135,7 +136,7 @@ TEST_P(InAnotherSize, TheSameIsRefused) {
 }
 
 // With a few effects to choose from.
-Diagnosis diagnose_case(const Case& one) {
+Diagnosis diagnose_case(const Case& one, bool knows_controller = true) {
   DiagnosisSettings settings;
   settings.search.joint_pairs = 0;
   settings.noise_corner = 50.0 / one.scaling.root_time;  // [Hz] of a sensor of that size
@@ -146,6 +147,7 @@ Diagnosis diagnose_case(const Case& one) {
   for (const common::EffectAbout& about : all.effects) {
     if (std::find(known.begin(), known.end(), about.name) == known.end()) settings.without.emplace_back(about.name);
   }
+  if (!knows_controller) return diagnose(one.nominal, std::nullopt, {one.record}, settings);
   return diagnose(one.nominal, scaled(controller, one.scaling), {one.record}, settings);
 }
 
@@ -176,6 +178,12 @@ TEST_P(InAnotherSize, TheAnswerIsTheSame) {
   const Diagnosis found = diagnose_case(make_case(kOwnSize, friction(kOwnSize)));
   EXPECT_EQ(found.verdict, "bearing_coulomb");
   expect_same_answer(found, diagnose_case(make_case(scaling, friction(scaling))), scaling.torque(), relative);
+}
+
+TEST_P(InAnotherSize, TheAnswerIsTheSameWithoutTheController) {
+  const Diagnosis found = diagnose_case(make_case(kOwnSize, friction(kOwnSize)), false);
+  EXPECT_EQ(found.verdict, "bearing_coulomb");
+  expect_same_answer(found, diagnose_case(make_case(scaling, friction(scaling)), false), scaling.torque(), scaling.root_time == 1.0 ? 1e-6 : 1e-3);
 }
 
 const std::vector<std::string> kSizeNames{"MassesOfAMillionth", "MassesOfAThousandth", "MassesTimesAThousand", "LengthsOfATenth", "LengthsTimesFour"};

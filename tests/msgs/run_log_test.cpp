@@ -65,8 +65,9 @@ TEST_F(RunLogTest, RunsOfTwoConfigurationsAndARunThatBeginsAgainComeOutApart) {
   EXPECT_EQ(logs.runs[1].sensors.size(), 2u);
   EXPECT_EQ(logs.runs[2].sensors.size(), 3u);
   EXPECT_EQ(logs.runs[1].configuration_hash, 2);
-  EXPECT_EQ(logs.remarks.size(), 1u);
+  EXPECT_EQ(logs.remarks.size(), 2u);
   EXPECT_TRUE(mentions(logs, "2 events carry an earlier time stamp"));
+  EXPECT_TRUE(mentions(logs, "run 2 of the file has configuration 0000000000000002, run 1 has 0000000000000001: another machine, controller or scenario"));
 }
 
 // A run of a hundred cycles of 10 ms as a lockstep run logs it, with what `change` makes of each TORQUE.

@@ -66,8 +66,9 @@ void weigh_machine(const sim::MachineFile& machine, const std::filesystem::path&
   InputProblems ignored;
   const YamlNode root = common::load_yaml_file(file, overrides, ignored);
   for (const sim::ImplausibleValue& value : values) {
-    warnings.push_back(place_text(mark_at(root, value.key)) + "warning: key '" + value.key + "': " + value.found +
-                       "; usual: " + value.usual);
+    const common::SourceMark mark = mark_at(root, value.key);
+    const std::string key = as_given({{mark, value.key, "", ""}}, overrides).front().key;
+    warnings.push_back(place_text(mark) + "warning: key '" + key + "': " + value.found + "; usual: " + value.usual);
   }
 }
 
@@ -127,6 +128,7 @@ void check_scenario(const std::filesystem::path& file, const std::vector<common:
       // The machine's own values, told already, give no scales to bound an effect by.
     }
   }
+  problems = as_given(std::move(problems), scenario.crane_overrides);
   if (by == ControllerBy::user || scenario.controller_file.empty()) return;
   try {
     const controller::ControllerSettings settings =

@@ -230,7 +230,7 @@ void add_withhold(CLI::App& app, Action& action) {
   make->add_option("--controller", options->controller, "nominal controller (config/controllers/thesis.yaml)");
   make->add_option("--rate", options->rate, "[Hz] of the record: SENSORS, and the controller with ENCODER and TORQUE (1000); a whole number of milliseconds per sample");
   make->add_option("--sensors", options->sensors, "all, tip or none: what is recorded beside encoders and torques")->check(CLI::IsMember({"all", "tip", "none"}));
-  make->add_option("--begin", options->begin, "rest, on, motion or any: when the recorder is switched on; with the drives on, under way, each of the three by chance")->check(CLI::IsMember({"rest", "on", "motion", "any"}));
+  make->add_option("--begin", options->begin, "rest, on, motion or any: when the recorder is switched on; with the drives on, under way, each of the three, drawn at random")->check(CLI::IsMember({"rest", "on", "motion", "any"}));
   make->add_option("--controller-period", options->controller_period_ms, "[ms] whole milliseconds (as --rate has it)");
   make->add_option("--threads", options->threads, "cases side by side");
   make->callback([options, &action] {

@@ -35,6 +35,11 @@ int run_python(const std::string& script, const std::vector<std::string>& argume
   words.push_back(nullptr);
   ::setenv("SLEWLAB_PYTHON_MESSAGES", python_messages().c_str(), 1);
   ::setenv("SLEWLAB_PROGRAM", std::filesystem::read_symlink("/proc/self/exe").c_str(), 1);
+#ifdef SLEWLAB_SANITIZER_RUNTIME  // before our extension, and what the interpreter keeps for ever is no leak of ours
+  ::setenv("LD_PRELOAD", SLEWLAB_SANITIZER_RUNTIME, 1);
+  const char* options = std::getenv("ASAN_OPTIONS");
+  ::setenv("ASAN_OPTIONS", (std::string(options != nullptr ? options : "") + ":detect_leaks=0").c_str(), 1);
+#endif
   ::execv(python.c_str(), words.data());
   std::fprintf(stderr, "slewlab: %s: %s; tools/setup makes it\n", python.c_str(), std::strerror(errno));
   return 1;

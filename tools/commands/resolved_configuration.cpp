@@ -131,10 +131,8 @@ std::filesystem::path write_resolved_configuration(const std::filesystem::path& 
                                                    const std::vector<Override>& overrides,
                                                    const std::filesystem::path& folder) {
   const sim::Scenario scenario = sim::load_scenario_file(scenario_path, overrides);
-  std::vector<Override> own;
-  std::copy_if(overrides.begin(), overrides.end(), std::back_inserter(own), [](const Override& change) {
-    return !change.key.starts_with("crane.") && !change.key.starts_with("axis.") && !change.key.starts_with("controller.");
-  });
+  std::vector<Override> own = overrides;
+  for (const char* way : {"crane.", "axis.", "controller."}) common::take_overrides(way, own);  // laid over files of their own
   YamlNode root = load(scenario_path, own);
   const YamlNode crane = load(scenario.crane_file, scenario.crane_overrides);
   const YamlNode controller = load(scenario.controller_file, scenario.controller_overrides);

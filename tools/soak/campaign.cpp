@@ -338,7 +338,7 @@ class Campaign {
     char buffer[4096];
     const ssize_t count = ::read(worker.socket, buffer, sizeof buffer);
     if (count < 0 && errno == EINTR) return;
-    if (count <= 0) return bury(worker);
+    if (count <= 0) return take_result_of_lost(worker);
     worker.heard.append(buffer, static_cast<std::size_t>(count));
     for (std::size_t end = worker.heard.find('\n'); end != std::string::npos; end = worker.heard.find('\n')) {
       const Json answer = Json::parse(worker.heard.substr(0, end));
@@ -353,7 +353,7 @@ class Campaign {
   }
 
   // A worker that ended by itself: its task is the failure, unless it was asked to end.
-  void bury(Worker& worker) {
+  void take_result_of_lost(Worker& worker) {
     int status = 0;
     ::waitpid(worker.pid, &status, 0);
     ::close(worker.socket);

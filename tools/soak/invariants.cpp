@@ -12,7 +12,8 @@ namespace slewlab::tools {
 namespace {
 
 constexpr double kRounding = 1e-9;            // [-] relative, between two ways to compute the same double
-constexpr double kPlaceOfContact = 1e-12;     // [rad] to which the change of contact is found inside a step: rounding of an angle of 1
+constexpr double kPlaceOfContact = 2e-8;      // of a step's turn at top speed, to which the change of contact is found inside it
+constexpr double kCancellation = 1e-12;       // [-] of motor and house angle, in their difference
 constexpr double kEnergyFloor = 1e-8;         // of the axis's energy at top speed, where next to nothing has been turned over yet
 constexpr double kStickingSpeed = 2e-8;       // of the top speed: the brake's solve has converged this far
 
@@ -156,7 +157,8 @@ void check_contact(const SoakFacts& facts, const StepRecord& before, const StepR
     const double rounding =
         kRounding * (std::fabs(torque) + gear.stiffness * (gear.half_play + 1e-3 * cancellation) + gear.damping * speeds);
     // Where the flanks have just met or parted, the law jumps by the damping's share.
-    const double tie = std::fabs(depth) < kPlaceOfContact * (1.0 + cancellation) ? gear.damping * std::fabs(rate) : 0.0;
+    const double place = kPlaceOfContact * facts.top_speed * facts.step + kCancellation * cancellation;
+    const double tie = std::fabs(depth) < place ? gear.damping * std::fabs(rate) : 0.0;
     if (!(std::fabs(torque - law) <= rounding + tie)) {
       findings.add(Invariant::contact_law, record.time,
                    fmt::format("group {}: gear torque {} Nm, the law gives {} Nm at a deflection of {} rad, {} rad/s (half "
@@ -168,7 +170,7 @@ void check_contact(const SoakFacts& facts, const StepRecord& before, const StepR
                    fmt::format("group {}: teeth pull: {} Nm on flank {} at a deflection of {} rad", i, torque,
                                record.contact[i], deflection));
     }
-    if (depth < -kPlaceOfContact * (1.0 + cancellation) && std::fabs(torque) > rounding) {
+    if (depth < -place && std::fabs(torque) > rounding) {
       findings.add(Invariant::contact_law, record.time,
                    fmt::format("group {}: {} Nm inside the play, at a deflection of {} rad of {} rad", i, torque,
                                deflection, gear.half_play));

@@ -270,12 +270,9 @@ struct TaskFiles {
   std::vector<common::Override> overrides;
 };
 
-std::vector<common::Override> overrides_of(const SoakPlan& plan, std::string_view prefix) {
-  std::vector<common::Override> overrides;
-  for (const common::Override& change : plan.overrides) {
-    if (change.key.starts_with(prefix)) overrides.push_back({change.key.substr(prefix.size()), change.value});
-  }
-  return overrides;
+std::vector<common::Override> overrides_of(const SoakPlan& plan, std::string_view way) {
+  std::vector<common::Override> overrides = plan.overrides;
+  return common::take_overrides(way, overrides);
 }
 
 sim::MachineFile plain_crane(const SoakPlan& plan) {

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <fstream>
+#include <iomanip>
 #include <numbers>
 #include <string>
 
@@ -19,16 +20,23 @@ namespace {
 constexpr double kRatio = 10.0;
 constexpr double kInertia = 2.0;  // [kg m^2] on the axis
 
+// The same axis in another size: masses and forces times `mass`, times by `root_time`, lengths by its square.
+struct Size {
+  double mass = 1.0, root_time = 1.0;
+  double torque() const { return mass * root_time * root_time; }
+  double inertia() const { return torque() * root_time * root_time; }
+};
+
 // Nominal: a rigid rotary axis; `more` is laid below it.
-sim::MachineFile axis_file(const std::string& more = "", double factor = 1.0) {
+sim::MachineFile axis_file(const std::string& more = "", const Size& size = {}) {
   const TemporaryFolder folder;
   const std::filesystem::path file = folder.path() / "axis.yaml";
-  std::ofstream(file) << "kind: axis\n"
+  std::ofstream(file) << std::setprecision(17) << "kind: axis\n"
                       << "coordinate: {value: rotary, source: test}\n"
-                      << "inertia: {value: " << kInertia * factor << ", unit: kg m^2, source: test}\n"
+                      << "inertia: {value: " << kInertia * size.inertia() << ", unit: kg m^2, source: test}\n"
                       << "ratio: {value: " << kRatio << ", unit: \"-\", source: test}\n"
-                      << "rated_torque: {value: " << 2.0 * factor << ", unit: N m, source: test}\n"
-                      << "top_speed: {value: 3, unit: rad/s, source: test}\n"
+                      << "rated_torque: {value: " << 2.0 * size.torque() << ", unit: N m, source: test}\n"
+                      << "top_speed: {value: " << 3.0 / size.root_time << ", unit: rad/s, source: test}\n"
                       << more;
   return sim::load_machine_file(file);
 }
@@ -41,13 +49,13 @@ double switched(double time) {
 
 double friction(double, double, double speed) { return 1.5 * std::tanh(speed / 1e-3) + 0.8 * speed; }
 
-NamedRun logged(const SimulatedAxis& axis, const std::string& name, double factor = 1.0) {
+NamedRun logged(const SimulatedAxis& axis, const std::string& name, const Size& size = {}) {
   const AxisRecord record = record_of(axis);
   NamedRun named{name, {}};
   for (std::size_t n = 0; n < record.position.size(); ++n) {
     msgs::Encoder encoder{};
     encoder.sequence = static_cast<std::int64_t>(n);
-    encoder.simulated_time = std::llround(record.step * static_cast<double>(n) * 1e9);
+    encoder.simulated_time = std::llround(record.step * size.root_time * static_cast<double>(n) * 1e9);
     encoder.group_count = 1;
     encoder.shaft_position = {record.position[n] * kRatio};
     encoder.shaft_speed = {0.0};
@@ -56,18 +64,18 @@ NamedRun logged(const SimulatedAxis& axis, const std::string& name, double facto
     torque.sequence = torque.answered_sequence = encoder.sequence;
     torque.simulated_time = encoder.simulated_time;
     torque.group_count = 1;
-    torque.motor_torque = {record.effort[n] / kRatio * factor};
+    torque.motor_torque = {record.effort[n] / kRatio * size.torque()};
     named.run.torque.push_back(torque);
   }
   return named;
 }
 
-std::vector<NamedRun> two_runs(const SimulatedAxis& axis, double factor = 1.0) {
+std::vector<NamedRun> two_runs(const SimulatedAxis& axis, const Size& size = {}) {
   SimulatedAxis other = axis;
   other.seed = axis.seed + 1;
   const auto effort = axis.effort;
   other.effort = [effort](double time) { return -0.9 * effort(time + 2.1); };
-  return {logged(axis, "a", factor), logged(other, "b", factor)};
+  return {logged(axis, "a", size), logged(other, "b", size)};
 }
 
 SimulatedAxis noisy(std::function<double(double, double, double)> resistance) {
@@ -167,13 +175,28 @@ TEST(AxisDiagnosis, TheFileWithTheFrictionHasNoGap) {
   EXPECT_NEAR(size_of(found.answer.best, "viscous"), 0.0, 0.1);
 }
 
-TEST(AxisDiagnosis, AThousandTimesHeavierIsTheSameAnswer) {
-  const AxisDiagnosis one = diagnose_axis(axis_file(), two_runs(noisy(friction)));
-  const AxisDiagnosis heavy = diagnose_axis(axis_file("", 1000.0), two_runs(noisy(friction), 1000.0));
-  EXPECT_EQ(heavy.verdict, one.verdict);
-  EXPECT_NEAR(heavy.answer.best.probability, one.answer.best.probability, 1e-6);
-  EXPECT_NEAR(size_of(heavy.answer.best, "dry") / size_of(one.answer.best, "dry"), 1000.0, 1e-3);
+class AxisInAnotherSize : public testing::TestWithParam<Size> {};
+
+// Friction and gravity on a tilted axis: the same laws with the same probabilities, sizes multiplied alike.
+TEST_P(AxisInAnotherSize, TheAnswerIsTheSame) {
+  const Size size = GetParam();
+  const auto resistance = [](double, double position, double speed) { return friction(0.0, position, speed) + 1.2 * std::sin(position); };
+  const AxisDiagnosis one = diagnose_axis(axis_file(), two_runs(noisy(resistance)));
+  const AxisDiagnosis other = diagnose_axis(axis_file("", size), two_runs(noisy(resistance), size));
+  EXPECT_EQ(other.verdict, one.verdict);
+  EXPECT_EQ(other.is_stated, one.is_stated);
+  EXPECT_NEAR(other.answer.probability_unknown, one.answer.probability_unknown, 1e-6);
+  EXPECT_NEAR(other.answer.best.inertia / size.inertia(), one.answer.best.inertia, 1e-6 * kInertia);
+  ASSERT_EQ(other.answer.models.size(), one.answer.models.size());
+  for (std::size_t m = 0; m < one.answer.models.size(); ++m) {
+    EXPECT_EQ(other.answer.models[m].words(), one.answer.models[m].words());
+    EXPECT_NEAR(other.answer.models[m].probability, one.answer.models[m].probability, 1e-6);
+  }
+  EXPECT_NEAR(size_of(other.answer.best, "dry") / size.torque(), size_of(one.answer.best, "dry"), 1e-6);
+  EXPECT_NEAR(size_of(other.answer.best, "viscous") / (size.torque() * size.root_time), size_of(one.answer.best, "viscous"), 1e-6);
 }
+
+INSTANTIATE_TEST_SUITE_P(Sizes, AxisInAnotherSize, testing::Values(Size{1e-6, 1.0}, Size{1e-3, 1.0}, Size{1e3, 1.0}, Size{1.0, 0.5}, Size{1.0, 2.0}));
 
 // A torque that has nothing to do with the motion, another one in each record: nothing may be stated of it.
 TEST(AxisDiagnosis, StatesNothingThatDoesNotPredict) {

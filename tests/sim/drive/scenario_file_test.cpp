@@ -100,8 +100,13 @@ TEST(ScenarioFile, BadValuesAreExplained) {
   EXPECT_NE(complaint({{"crane", SLEWLAB_SOURCE_DIR "/config/controllers/thesis.yaml"}})
                 .find("config/controllers/thesis.yaml:1:7: key 'kind': found controller, expected crane"),
             std::string::npos);
-  // A crane's problem is told with the crane's own key.
-  EXPECT_NE(complaint({{"crane.load.mass", ".nan"}}).find("key 'load.mass': found .nan"), std::string::npos);
+  // A crane's problem is told with the key as it was given.
+  EXPECT_EQ(complaint({{"crane.load.mass", "-1 t"}}).find("--set crane.load.mass=-1 t: key 'crane.load.mass': found -1 t"), 0u)
+      << complaint({{"crane.load.mass", "-1 t"}});
+  EXPECT_EQ(complaint({{"crane.load.mas", "1"}}).find("--set crane.load.mas=1: key 'crane.load.mas': found "), 0u)
+      << complaint({{"crane.load.mas", "1"}});
+  EXPECT_EQ(complaint({{"crane.load.mass", "60000"}}).find("--set crane.load.mass=60000: key 'crane.load.mass': found 60000 without a unit"), 0u)
+      << complaint({{"crane.load.mass", "60000"}});
 }
 
 }  // namespace

@@ -151,7 +151,7 @@ TEST_F(CheckCommand, ScenarioIsCheckedWithItsCraneAndItsController) {
   std::string said;
   for (const auto& problem : problems) said += common::to_text(problem) + '\n';
   EXPECT_EQ(problems.size(), 3u) << said;
-  for (const char* key : {"key 'load.mass'", "key 'ramp.top_speed'", "key 'seed'"}) {
+  for (const char* key : {"key 'crane.load.mass'", "key 'controller.ramp.top_speed'", "key 'seed'"}) {
     EXPECT_NE(said.find(key), std::string::npos) << said;
   }
 }
@@ -213,13 +213,27 @@ TEST_F(CheckCommand, WhatNoMachineHasIsRefused) {
   }
 }
 
+// What is set on the command line is told with the key that stood there, whichever file it is a key of.
+TEST_F(CheckCommand, AnOptionIsToldAsItWasGiven) {
+  const fs::path scenario = folder_ / "config/scenarios/thesis_slew.yaml";
+  const std::pair<const char*, const char*> options[] = {{"crane.load.mass", "30000000 t"}, {"crane.load.mass", "60000"},
+                                                         {"crane.boom.angel", "1 deg"}, {"controller.ramp.top_speed", "-1"},
+                                                         {"crane.effects", "[{effect: gust}]"}};
+  for (const auto& [key, value] : options) {
+    const auto problems = examine(scenario, {{key, value}}).problems;
+    ASSERT_FALSE(problems.empty()) << key;
+    const std::string told = common::to_text(problems[0]);
+    EXPECT_EQ(told.rfind(std::string("--set ") + key + "=" + value + ": key '" + key, 0), 0u) << told;
+  }
+}
+
 TEST_F(CheckCommand, WhatIsUnlikelyOrTakesLongIsAWarning) {
   const fs::path scenario = folder_ / "config/scenarios/thesis_slew.yaml";
   std::ostringstream out;
   std::ostringstream complaints;
   EXPECT_EQ(check_files({scenario}, {{"crane.load.mass", "60000 t"}, {"plant_step", "1 us"}}, out, complaints), 0);
   EXPECT_EQ(out.str(), scenario.string() + ": OK\n");
-  EXPECT_EQ(complaints.str().rfind("--set load.mass=60000 t: warning: key 'load.mass': a load of 740 times the boom's mass; usual: a "
+  EXPECT_EQ(complaints.str().rfind("--set crane.load.mass=60000 t: warning: key 'crane.load.mass': a load of 740 times the boom's mass; usual: a "
                                    "hundredth to five times\n", 0), 0u) << complaints.str();
   EXPECT_EQ(examine(scenario, {{"plant_step", "1e-6 ms"}}).warnings,
             std::vector<std::string>{scenario.string() + ": warning: about 60 000 000 000 plant steps, some 4 hours of computing in "

@@ -137,7 +137,7 @@ class InputTest(unittest.TestCase):
         self.assertIn("a controller for 2 motor group(s), expected one for the crane's 1", str(raised.exception))
         warnings = slewlab.check(SLEW, {"crane.load.rope_length": "2 km"})
         self.assertEqual(len(warnings), 1)
-        self.assertIn("'load.rope_length'", warnings[0])
+        self.assertIn("'crane.load.rope_length'", warnings[0])
 
     def test_values_say_where_they_stand(self):
         crane = slewlab.Machine(slewlab.config("cranes/thesis.yaml"), {"load.mass": "60 t"})

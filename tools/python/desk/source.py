@@ -9,6 +9,7 @@ import numpy as np
 
 from run_log import LogProblem, message_types
 from run_numbers import read_run
+from signals import measured
 from desk.store import Store
 
 # What the desk looks at of each channel.
@@ -17,7 +18,7 @@ USED = {
     "ENCODER": ("shaft_speed", "shaft_position"),
     "TORQUE": ("motor_torque", "enable", "brake"),
     "CONTROLLER_STATE": ("mode", "ramped_speed", "average_torque", "offset_torque"),
-    "SENSORS": ("house_acceleration", "pivot_acceleration", "middle_acceleration", "tip_acceleration", "slew_angle"),
+    "SENSORS": tuple(measured("SENSORS")),
     "TRUTH": ("gearbox_torque", "gear_deflection", "house_speed", "tip_displacement", "rope_angle", "rod_angle"),
     "PLANT_STATUS": ("drive_state", "trip_cause", "trip_time", "stale_commands", "missed_deadlines"),
 }

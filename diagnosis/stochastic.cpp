@@ -1,4 +1,4 @@
-#include "diagnosis/chance.h"
+#include "diagnosis/stochastic.h"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -113,11 +113,11 @@ void smooth(const Whitening& whitening, std::span<const double> power, Eigen::Ve
 
 }  // namespace
 
-bool comes_by_chance(const common::EffectAbout& effect) { return effect.stochastic.has_value(); }
+bool is_stochastic(const common::EffectAbout& effect) { return effect.stochastic.has_value(); }
 
-bool delays_by_chance(const common::EffectAbout& effect) { return effect.stochastic && effect.acts_late; }
+bool is_stochastic_delay(const common::EffectAbout& effect) { return effect.stochastic && effect.acts_late; }
 
-bool is_mean_of_chance(const common::EffectAbout& effect) { return !effect.stochastic && effect.acts_late; }
+bool is_steady_delay(const common::EffectAbout& effect) { return !effect.stochastic && effect.acts_late; }
 
 std::vector<ChannelAxes> axes_of(const Problem& problem, std::span<const Eigen::VectorXd> changes) {
   std::vector<ChannelAxes> records;
@@ -169,13 +169,13 @@ Power power_of(const Problem& problem, std::span<const Eigen::VectorXd> changes)
   return result;
 }
 
-ChanceScales::ChanceScales(const Power& power) : power_(power) {
+PowerScales::PowerScales(const Power& power) : power_(power) {
   if (!power.profile.allFinite()) return;
   for (int i = 0; i < kScales; ++i) logarithms_.push_back(logarithms_of(variance_of(power.profile, std::exp(scale_tried(i)))));
 }
 
-ChanceFit ChanceScales::fit(const Eigen::VectorXd& difference) const {
-  ChanceFit best{0.0, difference.squaredNorm()};
+PowerFit PowerScales::fit(const Eigen::VectorXd& difference) const {
+  PowerFit best{0.0, difference.squaredNorm()};
   if (logarithms_.empty()) return best;
   const Eigen::VectorXd along = along_axes(power_.records, difference);
   const auto consider = [&](double logarithm, const Eigen::ArrayXd* known) {
@@ -195,7 +195,7 @@ ChanceFit ChanceScales::fit(const Eigen::VectorXd& difference) const {
   return best;
 }
 
-ChanceFit chance_at(const Eigen::VectorXd& difference, const Power& power, double scale) {
+PowerFit power_at(const Eigen::VectorXd& difference, const Power& power, double scale) {
   const Eigen::ArrayXd variance = variance_of(power.profile, scale);
   return {scale, cost_at(along_axes(power.records, difference), variance, logarithms_of(variance))};
 }
@@ -258,19 +258,19 @@ Power unknown_power(const Problem& seen, const std::vector<ChannelAxes>& seen_ax
   return power;
 }
 
-ChanceFit fit_chance(const Eigen::VectorXd& difference, const Power& power) { return ChanceScales(power).fit(difference); }
+PowerFit fit_power(const Eigen::VectorXd& difference, const Power& power) { return PowerScales(power).fit(difference); }
 
-double logarithms(const Chance& chance) { return variance_of(chance.power.profile, chance.scale).log().sum(); }
+double logarithms(const AddedPower& added) { return variance_of(added.power.profile, added.scale).log().sum(); }
 
-Eigen::VectorXd divided(const Chance& chance, const Eigen::VectorXd& values) {
-  const std::vector<ChannelAxes>& records = chance.power.records;
-  const Eigen::ArrayXd deviation = variance_of(chance.power.profile, chance.scale).sqrt();
+Eigen::VectorXd divided(const AddedPower& added, const Eigen::VectorXd& values) {
+  const std::vector<ChannelAxes>& records = added.power.records;
+  const Eigen::ArrayXd deviation = variance_of(added.power.profile, added.scale).sqrt();
   return along_channels(records, along_axes(records, values).cwiseQuotient(deviation.matrix()));
 }
 
-Eigen::VectorXd undivided(const Chance& chance, const Eigen::VectorXd& values) {
-  const std::vector<ChannelAxes>& records = chance.power.records;
-  const Eigen::ArrayXd deviation = variance_of(chance.power.profile, chance.scale).sqrt();
+Eigen::VectorXd undivided(const AddedPower& added, const Eigen::VectorXd& values) {
+  const std::vector<ChannelAxes>& records = added.power.records;
+  const Eigen::ArrayXd deviation = variance_of(added.power.profile, added.scale).sqrt();
   return along_channels(records, along_axes(records, values).cwiseProduct(deviation.matrix()));
 }
 
@@ -295,7 +295,7 @@ FreePower free_power(const Problem& problem, const Eigen::VectorXd& difference) 
   return free;
 }
 
-double above_free_power(const ChanceFit& fit, const FreePower& free, Eigen::Index count) {
+double above_free_power(const PowerFit& fit, const FreePower& free, Eigen::Index count) {
   return (fit.cost - free.cost) / (free.cost - free.noise + kLeastFound * static_cast<double>(count));
 }
 

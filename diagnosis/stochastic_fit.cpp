@@ -1,4 +1,4 @@
-#include "diagnosis/chance_fit.h"
+#include "diagnosis/stochastic_fit.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,13 +8,13 @@
 #include <optional>
 #include <set>
 
-#include "diagnosis/chance.h"
+#include "diagnosis/stochastic.h"
 
 namespace slewlab::diagnosis {
 
 namespace {
 
-constexpr double kChanceSize = 0.2;  // relative standard deviation of a size that is found from the power of one draw
+constexpr double kStochasticSize = 0.2;  // relative standard deviation of a size that is found from the power of one draw
 constexpr double kOccam = 3.2;       // 2 ln(1 / 0.2): what a parameter costs that is known so well and has no column
 constexpr int kLooks = 8;            // at the power of the size just found, at most
 constexpr double kSettledScale = 0.1, kNearScale = 0.7;  // |ln a| from which the size is the power's, and up to which it goes with it
@@ -22,12 +22,12 @@ constexpr std::uint64_t kDraws = 3;  // of which a look takes the mean power
 constexpr double kMeanSpread = 0.4;  // of the logarithm of the mean that a draw's power goes with: laws differ
 constexpr double kLeastMean = 0.02;  // of the fitted delay's, below which there is none
 constexpr double kNoPart = 1e-12;    // share of a column that another leaves, below which they are one
-constexpr double kNearForce = 0.1;   // as kNearFreePower, of a force: forgiven along one axis only, the true one comes nearer
-constexpr std::size_t kBeside = 6;   // single fits beside which chance is tried
-constexpr std::size_t kSeconds = 4;  // effects that are fitted beside the best chance
+constexpr double kNearForce = 0.1;   // as kNearFreePower, of a force: it explains differences along one axis only, the true one comes nearer
+constexpr std::size_t kBeside = 6;   // single fits beside which stochastic effects are tried
+constexpr std::size_t kSeconds = 4;  // effects that are fitted beside the best stochastic one
 constexpr double kWorthALook = 1.0;  // above the free power, before its own draws were made
 constexpr double kLeastFall = 20.0;  // of the excess, for which draws are made
-constexpr double kMuch = 1000.0;     // excess of every other fit from which a second effect is looked for beside a chance that is not near
+constexpr double kMuch = 1000.0;     // excess of every other fit from which a second effect is looked for beside a stochastic one that is not near
 constexpr double kLeastSecondGain = 40.0;  // fall of the excess, forecast, for which a second effect is fitted
 
 // The change without what is parallel to the columns.
@@ -43,20 +43,20 @@ Eigen::VectorXd without_columns(Eigen::VectorXd change, const std::vector<Eigen:
   return change;
 }
 
-// Which of the effects is only what a chance does on the average.
+// Which of the effects is only what a stochastic one does on the average.
 std::optional<std::size_t> mean_among(const common::EffectCatalogue& catalogue, const std::vector<common::EffectInstance>& effects) {
   for (std::size_t e = 0; e < effects.size(); ++e) {
-    if (is_mean_of_chance(catalogue.at(effects[e].name))) return e;
+    if (is_steady_delay(catalogue.at(effects[e].name))) return e;
   }
   return std::nullopt;
 }
 
-// An effect by chance beside a fit.
+// A stochastic effect beside a fit.
 struct Try {
   FitResult fit;             // without it
   std::optional<std::size_t> mean;  // mean_among its effects
   common::EffectInstance effect;
-  ChanceFit found;
+  PowerFit found;
   Power power;
   double mean_cost = 0.0;    // in -2 ln: that the draws' mean is not what was fitted
 
@@ -70,7 +70,7 @@ void look(Problem& problem, const std::vector<Eigen::VectorXd>& delays, Try& one
   const Eigen::VectorXd here = one.mean ? differences(problem, still) : one.fit.difference;
   const auto count = here.size();
   std::vector<Eigen::VectorXd> means;
-  if (delays_by_chance(problem.catalogue.at(one.effect.name))) {
+  if (is_stochastic_delay(problem.catalogue.at(one.effect.name))) {
     for (const Eigen::VectorXd& delay : delays) means.push_back(delay.head(count));
   }
   if (one.mean) means.push_back(one.fit.difference - here);
@@ -93,7 +93,7 @@ void look(Problem& problem, const std::vector<Eigen::VectorXd>& delays, Try& one
       change = random;
     }
     Power power = power_of(problem, changes);
-    const ChanceFit found = fit_chance(one.fit.difference, power);
+    const PowerFit found = fit_power(one.fit.difference, power);
     if (found.scale == 0.0) return;
     const double off = std::fabs(std::log(found.scale));
     if (off < nearest) {
@@ -122,18 +122,18 @@ void look(Problem& problem, const std::vector<Eigen::VectorXd>& delays, Try& one
   if (nearest < kNearScale) {
     one.effect = with_power(about, one.effect, one.found.scale);
   } else {
-    one.found = chance_at(one.fit.difference, one.power, 1.0);  // no size has that power
+    one.found = power_at(one.fit.difference, one.power, 1.0);  // no size has that power
   }
 }
 
-// The fit with the chance in the place of its mean. `difference` and `columns` are the fit's, already divided.
-FitResult with_chance(const Problem& problem, const Try& one, const FitResult& fit, const Eigen::VectorXd& difference,
+// The fit with the stochastic effect in the place of its mean. `difference` and `columns` are the fit's, already divided.
+FitResult with_stochastic_effect(const Problem& problem, const Try& one, const FitResult& fit, const Eigen::VectorXd& difference,
                       const Eigen::MatrixXd& columns, double logarithm_sum) {
   FitResult result;
   result.point.nuisance = fit.point.nuisance;
   result.point.effects = {one.effect};
   result.difference = difference;
-  // The chance's own parameters have no columns.
+  // The stochastic effect's own parameters have no columns.
   const auto nuisances = static_cast<Eigen::Index>(fit.point.nuisance.size());
   auto width = nuisances + static_cast<Eigen::Index>(one.effect.values.size());
   std::vector<std::pair<Eigen::Index, Eigen::Index>> kept;
@@ -161,23 +161,23 @@ FitResult with_chance(const Problem& problem, const Try& one, const FitResult& f
   const common::EffectAbout& about = problem.catalogue.at(one.effect.name);
   for (std::size_t p = 0; p < one.effect.values.size(); ++p) {
     result.deviation[p] =
-        p == common::kSize ? kChanceSize * one.effect.values[p] : std::fabs(value_per_deviation(about.parameters[p], one.effect.values[p]));
+        p == common::kSize ? kStochasticSize * one.effect.values[p] : std::fabs(value_per_deviation(about.parameters[p], one.effect.values[p]));
   }
   return result;
 }
 
-Eigen::MatrixXd divided_columns(const Chance& chance, const Eigen::MatrixXd& columns) {
+Eigen::MatrixXd divided_columns(const AddedPower& added, const Eigen::MatrixXd& columns) {
   Eigen::MatrixXd result(columns.rows(), columns.cols());
-  for (Eigen::Index c = 0; c < columns.cols(); ++c) result.col(c) = divided(chance, columns.col(c));
+  for (Eigen::Index c = 0; c < columns.cols(); ++c) result.col(c) = divided(added, columns.col(c));
   return result;
 }
 
-Eigen::MatrixXd divided_nuisance_columns(const Chance& chance, const FitResult& fit) {
-  return divided_columns(chance, fit.columns.leftCols(static_cast<Eigen::Index>(fit.point.nuisance.size())));
+Eigen::MatrixXd divided_nuisance_columns(const AddedPower& added, const FitResult& fit) {
+  return divided_columns(added, fit.columns.leftCols(static_cast<Eigen::Index>(fit.point.nuisance.size())));
 }
 
-// A fit under a chance: what was fitted without it knew nothing of it.
-FitResult fit_under_chance(Problem& problem, const Eigen::MatrixXd& nuisance_columns, const Point& start) {
+// A fit under an added power: what was fitted without it knew nothing of it.
+FitResult fit_under_power(Problem& problem, const Eigen::MatrixXd& nuisance_columns, const Point& start) {
   FitResult result = fit(problem, nuisance_columns, start);
   improve(problem, result, false);
   return result;
@@ -201,48 +201,48 @@ bool has_best_axes(const Problem& problem, const EffectAxes& axes, const std::st
   return std::none_of(axes.begin(), axes.end(), [&](const auto& other) { return other.first != effect && left_along(other.second) <= own; });
 }
 
-// A chance beside a fit, with what its power comes to there.
+// A stochastic effect beside a fit, with what its power comes to there.
 struct Second {
   FitResult fit;
   Try one;
 };
 
-// Where a fit stands under a chance, the chance has to add less than it had to before: draws there, and a fit with their power.
+// Where a fit stands under an added power, the effect has to add less than it had to before: draws there, and a fit with their power.
 Second fit_closer(Problem& problem, const std::vector<Eigen::VectorXd>& delays, Try one) {
-  one.found = fit_chance(one.fit.difference, one.power);
+  one.found = fit_power(one.fit.difference, one.power);
   look(problem, delays, one);
-  const Chance closer{one.power, one.found.scale};
+  const AddedPower closer{one.power, one.found.scale};
   FitResult result;
   {
-    const UnderChance under_chance(problem, closer);
-    result = fit_under_chance(problem, divided_nuisance_columns(closer, one.fit), one.fit.point);
+    const UnderPower under_power(problem, closer);
+    result = fit_under_power(problem, divided_nuisance_columns(closer, one.fit), one.fit.point);
   }
   const double logarithm_sum = logarithms(closer);
   one.fit.point = result.point;
   one.fit.difference = undivided(closer, result.difference);
   one.found.cost = result.difference.squaredNorm() + logarithm_sum;
-  FitResult with = with_chance(problem, one, result, result.difference, result.columns, logarithm_sum);
+  FitResult with = with_stochastic_effect(problem, one, result, result.difference, result.columns, logarithm_sum);
   return {std::move(with), std::move(one)};
 }
 
-// The chance alone again, and with a second effect beside it.
+// The stochastic effect alone again, and with a second effect beside it.
 std::vector<Second> seconds(Problem& problem, const Screening& catalogue, const Try& one, const std::vector<Eigen::VectorXd>& delays,
                             const Progress& tell) {
   std::vector<Second> results{fit_closer(problem, delays, one)};
   const Try alone = results.front().one;
-  const Chance chance{alone.power, alone.found.scale};
+  const AddedPower added{alone.power, alone.found.scale};
   std::vector<FitResult> under;
   {
     FitResult here = one.fit;
     here.point = alone.fit.point;
-    here.difference = divided(chance, alone.fit.difference);
-    here.columns = divided_columns(chance, one.fit.columns);
+    here.difference = divided(added, alone.fit.difference);
+    here.columns = divided_columns(added, one.fit.columns);
     const Projector project(here.columns, prior_rows(problem, here.point), data_weight(here.difference, problem.settings));
     std::vector<common::EffectInstance> starts = best_starts(problem, catalogue);
     std::erase_if(starts, [&](const common::EffectInstance& start) {
-      return comes_by_chance(problem.catalogue.at(start.name)) || (delays_by_chance(problem.catalogue.at(one.effect.name)) && is_mean_of_chance(problem.catalogue.at(start.name)));
+      return is_stochastic(problem.catalogue.at(start.name)) || (is_stochastic_delay(problem.catalogue.at(one.effect.name)) && is_steady_delay(problem.catalogue.at(start.name)));
     });
-    const UnderChance under_chance(problem, chance);
+    const UnderPower under_power(problem, added);
     const Screening screening = screen(problem, here, project, starts, tell);
     std::vector<const Screened*> ranked;
     for (const Screened& screened : screening.tried) {
@@ -250,14 +250,14 @@ std::vector<Second> seconds(Problem& problem, const Screening& catalogue, const 
       if (gain >= kLeastSecondGain) ranked.push_back(&screened);
     }
     ranked = best_of_each(std::move(ranked));
-    // The chance alone goes on as well: parameters that have gone farther are no second effect's merit.
+    // The stochastic effect alone goes on as well: what farther parameters take away is not the second effect's.
     std::vector<Point> from{here.point};
     for (std::size_t i = 0; i < std::min(kSeconds, ranked.size()); ++i) {
       from.push_back(with_amount(problem.catalogue, here.point, *ranked[i], ranked[i]->amount));
     }
-    const Eigen::MatrixXd nuisance_columns = divided_nuisance_columns(chance, one.fit);
+    const Eigen::MatrixXd nuisance_columns = divided_nuisance_columns(added, one.fit);
     under.resize(from.size());
-    share_out(problem, under.size(), [&](std::size_t i) { under[i] = fit_under_chance(problem, nuisance_columns, from[i]); });
+    share_out(problem, under.size(), [&](std::size_t i) { under[i] = fit_under_power(problem, nuisance_columns, from[i]); });
   }
   for (const FitResult& start : under) {
     Try next = alone;
@@ -270,11 +270,11 @@ std::vector<Second> seconds(Problem& problem, const Screening& catalogue, const 
 
 }  // namespace
 
-std::vector<FitResult> chance_fits(Problem& problem, const Screening& screening, const FitResult& nothing,
+std::vector<FitResult> stochastic_fits(Problem& problem, const Screening& screening, const FitResult& nothing,
                                    const std::vector<FitResult>& fits, const Progress& tell) {
   std::vector<Eigen::VectorXd> delays;
   for (const Screened& screened : screening.tried) {
-    if (is_mean_of_chance(problem.catalogue.at(screened.start.name))) delays.push_back(screened.column);
+    if (is_steady_delay(problem.catalogue.at(screened.start.name))) delays.push_back(screened.column);
   }
   FreePower free = free_power(problem, nothing.difference);
   std::vector<const FitResult*> besides{&nothing};
@@ -285,23 +285,23 @@ std::vector<FitResult> chance_fits(Problem& problem, const Screening& screening,
     const std::vector<common::EffectInstance>& effects = result.point.effects;
     if (mean_among(problem.catalogue, effects) || (effects.size() == 1 && singles++ < kBeside)) besides.push_back(&result);
   }
-  // Of each effect by chance and each fit the best power of the screening.
+  // Of each stochastic effect and each fit the best power of the screening.
   const auto count = nothing.difference.size();
   std::vector<const Screened*> drawn;
   for (const Screened& screened : screening.tried) {
-    if (comes_by_chance(problem.catalogue.at(screened.start.name))) drawn.push_back(&screened);
+    if (is_stochastic(problem.catalogue.at(screened.start.name))) drawn.push_back(&screened);
   }
   std::vector<Power> powers(drawn.size());
-  std::vector<std::vector<ChanceFit>> found(drawn.size());  // beside each fit
+  std::vector<std::vector<PowerFit>> found(drawn.size());  // beside each fit
   share_out(problem, drawn.size(), [&](std::size_t i) {
     const Eigen::VectorXd& column = drawn[i]->column;
-    const bool delays_too = delays_by_chance(problem.catalogue.at(drawn[i]->start.name));
+    const bool delays_too = is_stochastic_delay(problem.catalogue.at(drawn[i]->start.name));
     powers[i] = power_of(problem, std::vector<Eigen::VectorXd>{(delays_too ? without_columns(column, delays) : column).head(count)});
-    const ChanceScales scales(powers[i]);
+    const PowerScales scales(powers[i]);
     const double most = largest_scale(problem.catalogue.at(drawn[i]->start.name), drawn[i]->start);
     for (const FitResult* beside : besides) {
-      ChanceFit here = scales.fit(beside->difference);
-      if (here.scale > most) here = chance_at(beside->difference, powers[i], most);
+      PowerFit here = scales.fit(beside->difference);
+      if (here.scale > most) here = power_at(beside->difference, powers[i], most);
       found[i].push_back(here);
     }
   });
@@ -318,7 +318,7 @@ std::vector<FitResult> chance_fits(Problem& problem, const Screening& screening,
   EffectAxes axes;  // made where they are asked for
   // Low frequencies say of any force little more than that it turns the crane; it must be the one whose axes fit best.
   const auto keep = [&](const Try& one, FitResult result) {
-    if (!delays_by_chance(problem.catalogue.at(one.effect.name))) {
+    if (!is_stochastic_delay(problem.catalogue.at(one.effect.name))) {
       if (axes.empty()) axes = screened_axes(problem, screening, count);
       if (!has_best_axes(problem, axes, one.effect.name, one.fit.difference)) return;
     }
@@ -328,10 +328,10 @@ std::vector<FitResult> chance_fits(Problem& problem, const Screening& screening,
     if (!is_new && result.cost < entry->second.cost) entry->second = std::move(result);
   };
   const auto is_near_enough = [&](const Try& one, const FreePower& least) {
-    return above_free_power(one.found, least, count) < (delays_by_chance(problem.catalogue.at(one.effect.name)) ? kNearFreePower : kNearForce);
+    return above_free_power(one.found, least, count) < (is_stochastic_delay(problem.catalogue.at(one.effect.name)) ? kNearFreePower : kNearForce);
   };
   std::list<Try> tries;
-  std::set<std::string> near;  // effects by chance whose power comes near enough, alone or beside another
+  std::set<std::string> near;  // stochastic effects whose power comes near enough, alone or beside another
   std::size_t told = 0;
   const Progress draw = within(tell, {0.0, 0.5});
   for (const auto& [key, i] : best_drawn) {
@@ -341,7 +341,7 @@ std::vector<FitResult> chance_fits(Problem& problem, const Screening& screening,
     const double fall = problem.settings.independent_share * (beside.difference.squaredNorm() - found[i][b].cost);
     if (fall < kLeastFall || above_free_power(found[i][b], free, count) >= kWorthALook) continue;
     const common::EffectAbout& about = problem.catalogue.at(name);
-    const std::optional<std::size_t> mean = delays_by_chance(about) ? mean_among(problem.catalogue, beside.point.effects) : std::nullopt;
+    const std::optional<std::size_t> mean = is_stochastic_delay(about) ? mean_among(problem.catalogue, beside.point.effects) : std::nullopt;
     tries.push_back({beside, mean, with_power(about, drawn[i]->start, found[i][b].scale), found[i][b], powers[i]});
     Try& one = tries.back();
     look(problem, delays, one);
@@ -356,7 +356,7 @@ std::vector<FitResult> chance_fits(Problem& problem, const Screening& screening,
   const auto cheaper = [](const Try* a, const Try* b) {
     return b == nullptr || a->found.cost + a->mean_cost < b->found.cost + b->mean_cost;
   };
-  std::map<std::string, const Try*> alone_of;  // the best of each effect by chance
+  std::map<std::string, const Try*> alone_of;  // the best of each stochastic effect
   const Try* beside_another = nullptr;
   for (const Try& tried : tries) {
     const Try* const one = &tried;
@@ -368,9 +368,9 @@ std::vector<FitResult> chance_fits(Problem& problem, const Screening& screening,
     }
     if (!is_alone && !is_near && is_open && cheaper(one, beside_another)) beside_another = one;
     if (!is_near) continue;
-    const Chance chance{one->power, one->found.scale};
-    keep(*one, with_chance(problem, *one, one->fit, divided(chance, one->fit.difference), divided_columns(chance, one->fit.columns),
-                     logarithms(chance)));
+    const AddedPower added{one->power, one->found.scale};
+    keep(*one, with_stochastic_effect(problem, *one, one->fit, divided(added, one->fit.difference), divided_columns(added, one->fit.columns),
+                     logarithms(added)));
   }
   const auto keep_if_near = [&](Second second) {
     const FreePower here = free_power(problem, second.one.fit.difference);

@@ -1,4 +1,4 @@
-// Effects that come by chance (jitter, loss): no simulation meets the draw that was, but it has the draw's power. So
+// Stochastic effects (jitter, loss): no simulation meets the draw that was, but it has the draw's power. So
 // such an effect is not fitted to the differences but to their variance,
 //
 //   -2 ln P(d) = sum(ln(1 + a S) + d^2 / (1 + a S)) + constant,
@@ -10,7 +10,7 @@
 //
 // What one force adds to the channels of a record stands, at each frequency, in proportions that no draw changes. So the power is taken
 // along the axes that the draws have there among the channels, the eigenvectors of sum(c c^H) over the draws and the nearest bins, c
-// being their changes: along the main one it is forgiven, across it the differences count in full.
+// being their changes: along the main one they are explained, across it the differences count in full.
 // Assumes that what is missing adds to the differences independently of the rest, and linearly.
 #pragma once
 
@@ -24,11 +24,11 @@
 
 namespace slewlab::diagnosis {
 
-bool comes_by_chance(const common::EffectAbout& effect);
+bool is_stochastic(const common::EffectAbout& effect);
 
-// Whether the effect by chance delays on the average; and whether another effect is what such a one does on the average: a delay, or a lag.
-bool delays_by_chance(const common::EffectAbout& effect);
-bool is_mean_of_chance(const common::EffectAbout& effect);
+// Whether the stochastic effect delays on the average; and whether another effect is what such a one does on the average: a delay, or a lag.
+bool is_stochastic_delay(const common::EffectAbout& effect);
+bool is_steady_delay(const common::EffectAbout& effect);
 
 // Of one record's channels: per bin a unitary matrix, column by column; the columns are the axes.
 struct ChannelAxes {
@@ -48,47 +48,47 @@ struct Power {
 // From the changes of the differences by draws.
 Power power_of(const Problem& problem, std::span<const Eigen::VectorXd> changes);
 
-struct ChanceFit {
+struct PowerFit {
   double scale = 0.0;  // a
   double cost = 0.0;   // the sum; without the effect it is the sum of squares
 };
-ChanceFit fit_chance(const Eigen::VectorXd& difference, const Power& power);
-ChanceFit chance_at(const Eigen::VectorXd& difference, const Power& power, double scale);
+PowerFit fit_power(const Eigen::VectorXd& difference, const Power& power);
+PowerFit power_at(const Eigen::VectorXd& difference, const Power& power, double scale);
 
 // The same for many differences and one power, which must outlive it: the logarithms of the scales that are tried first are taken once.
-class ChanceScales {
+class PowerScales {
  public:
-  explicit ChanceScales(const Power& power);
-  ChanceFit fit(const Eigen::VectorXd& difference) const;
+  explicit PowerScales(const Power& power);
+  PowerFit fit(const Eigen::VectorXd& difference) const;
 
  private:
   const Power& power_;
   std::vector<Eigen::ArrayXd> logarithms_;  // per scale, of the variance in each row
 };
 
-// What the chance makes of unit variance: sum of logarithms in the cost, and differences (or columns) divided by what it adds.
-struct Chance {
+// What the added power makes of unit variance: sum of logarithms in the cost, and differences (or columns) divided by what it adds.
+struct AddedPower {
   Power power;
   double scale = 0.0;
   Eigen::VectorXd mean{};  // what it adds to the differences on the average; none: 0
 };
-double logarithms(const Chance& chance);
-Eigen::VectorXd divided(const Chance& chance, const Eigen::VectorXd& values);
-Eigen::VectorXd undivided(const Chance& chance, const Eigen::VectorXd& values);
+double logarithms(const AddedPower& added);
+Eigen::VectorXd divided(const AddedPower& added, const Eigen::VectorXd& values);
+Eigen::VectorXd undivided(const AddedPower& added, const Eigen::VectorXd& values);
 
-// All differences are divided by what a chance adds to them, as long as it lives.
-class UnderChance {
+// All differences are divided by the power that a stochastic effect adds to them, as long as it lives.
+class UnderPower {
  public:
-  UnderChance(Problem& problem, const Chance& chance) : problem_(problem) { problem_.chance = &chance; }
-  ~UnderChance() { problem_.chance = nullptr; }
-  UnderChance(const UnderChance&) = delete;
-  UnderChance& operator=(const UnderChance&) = delete;
+  UnderPower(Problem& problem, const AddedPower& added) : problem_(problem) { problem_.added_power = &added; }
+  ~UnderPower() { problem_.added_power = nullptr; }
+  UnderPower(const UnderPower&) = delete;
+  UnderPower& operator=(const UnderPower&) = delete;
 
  private:
   Problem& problem_;
 };
 
-// A machine with effects by chance as several draws show it: the mean of their differences, and the power by which one draw stands off it.
+// A machine with stochastic effects as several draws show it: the mean of their differences, and the power by which one draw stands off it.
 struct Drawn {
   Eigen::VectorXd mean;
   Power power;
@@ -114,9 +114,9 @@ FreePower free_power(const Problem& problem, const Eigen::VectorXd& difference);
 
 // How much more the fit of `count` differences costs, as a share of what the free power leaves above the noise.
 inline constexpr double kNearFreePower = 0.2;  // below which it may be the cause
-double above_free_power(const ChanceFit& fit, const FreePower& free, Eigen::Index count);
+double above_free_power(const PowerFit& fit, const FreePower& free, Eigen::Index count);
 
-// The effect by chance with its size changed so that its power is `scale` times what it was, within its bounds.
+// The stochastic effect with its size changed so that its power is `scale` times what it was, within its bounds.
 common::EffectInstance with_power(const common::EffectAbout& about, common::EffectInstance effect, double scale);
 // By what the effect's power can grow at most until its size is at its upper bound.
 double largest_scale(const common::EffectAbout& about, const common::EffectInstance& effect);

@@ -1,7 +1,7 @@
-// Candidates in which an effect by chance (chance.h) has a part. First beside the fits without it: that of parameters alone and those of
+// Candidates in which a stochastic effect (stochastic.h) has a part. First beside the fits without it: that of parameters alone and those of
 // single effects. A delay is what jitter and loss do on the average, so beside a fitted delay they are named alone. The power comes
 // from draws of its own at the fitted size. Then, beside the best of these alone, a second effect is looked for with the whole
-// catalogue, all differences divided by what the chance adds to them; where each of these fits stands, the power is drawn anew. That is
+// catalogue, all differences divided by what the effect adds to them; where each of these fits stands, the power is drawn anew. That is
 // done too where no power is near yet and all fits leave much: the second effect may be what is too much for it.
 #pragma once
 
@@ -12,10 +12,10 @@
 
 namespace slewlab::diagnosis {
 
-// One fit at most per set of effects, and only where the power comes near what a free one reaches and no fit without chance leaves less
+// One fit at most per set of effects, and only where the power comes near what a free one reaches and no fit without it leaves less
 // than that; of gusts only where along every other screened effect's axes a free power leaves more. Their differences and columns
-// are the divided ones, the effect by chance comes first. `fits` are concluded.
-std::vector<FitResult> chance_fits(Problem& problem, const Screening& screening, const FitResult& nothing,
+// are the divided ones, the stochastic effect comes first. `fits` are concluded.
+std::vector<FitResult> stochastic_fits(Problem& problem, const Screening& screening, const FitResult& nothing,
                                    const std::vector<FitResult>& fits, const Progress& tell);
 
 }  // namespace slewlab::diagnosis

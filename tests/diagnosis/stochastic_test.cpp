@@ -1,5 +1,5 @@
 // The truth is drawn: differences of unit noise plus a power of known shape and size.
-#include "diagnosis/chance.h"
+#include "diagnosis/stochastic.h"
 
 #include <gtest/gtest.h>
 
@@ -46,24 +46,24 @@ Eigen::VectorXd drawn(const Eigen::VectorXd& variance, unsigned seed) {
 }
 
 // 8000 squares of normal numbers tell their scale within sqrt(2 / 8000) = 1.6 %; five times that is allowed.
-TEST(Chance, FindsThePowerOfADraw) {
+TEST(Stochastic, FindsThePowerOfADraw) {
   const Eigen::VectorXd power = shape();
   const Eigen::VectorXd difference = drawn((1.0 + 3.0 * power.array()).matrix(), 1);
-  const ChanceFit fit = fit_chance(difference, {power});
+  const PowerFit fit = fit_power(difference, {power});
   EXPECT_NEAR(fit.scale, 3.0, 0.08 * 3.0);
   const Eigen::ArrayXd variance = 1.0 + fit.scale * power.array();
   EXPECT_NEAR(fit.cost, (variance.log() + difference.array().square() / variance).sum(), 1e-9 * fit.cost);
 }
 
-TEST(Chance, FindsNothingInNoise) {
+TEST(Stochastic, FindsNothingInNoise) {
   const Eigen::VectorXd noise = drawn(Eigen::VectorXd::Ones(2 * kBins), 2);
-  const ChanceFit fit = fit_chance(noise, {shape()});
+  const PowerFit fit = fit_power(noise, {shape()});
   EXPECT_GT(fit.cost, noise.squaredNorm() - 10.0);
 }
 
 // The profile of one draw's change, smoothed, is the power that it was drawn from: 2 * 13 squares at the lowest
 // frequencies, so 28 % there; on the average much less.
-TEST(Chance, ProfileIsTheSmoothedPower) {
+TEST(Stochastic, ProfileIsTheSmoothedPower) {
   const Eigen::VectorXd power = shape();
   const std::vector<Eigen::VectorXd> changes{drawn(power, 3)};
   const Eigen::VectorXd profile = power_of(*one_channel(), changes).profile;
@@ -73,23 +73,23 @@ TEST(Chance, ProfileIsTheSmoothedPower) {
 }
 
 // What has the profile's power comes near the free one; a few lines at one place do not.
-TEST(Chance, IsTakenOnlyForItsOwnPower) {
+TEST(Stochastic, IsTakenOnlyForItsOwnPower) {
   const auto problem = one_channel();
   const Eigen::VectorXd power = shape();
   const Eigen::VectorXd same = drawn((1.0 + 3.0 * power.array()).matrix(), 4);
-  EXPECT_LT(above_free_power(fit_chance(same, {power}), free_power(*problem, same), same.size()), kNearFreePower);
+  EXPECT_LT(above_free_power(fit_power(same, {power}), free_power(*problem, same), same.size()), kNearFreePower);
   Eigen::VectorXd lines = drawn(Eigen::VectorXd::Ones(2 * kBins), 5);
   lines.segment(3000, 200) *= 50.0;
-  EXPECT_GE(above_free_power(fit_chance(lines, {power}), free_power(*problem, lines), lines.size()), kNearFreePower);
+  EXPECT_GE(above_free_power(fit_power(lines, {power}), free_power(*problem, lines), lines.size()), kNearFreePower);
 }
 
-// Divided by what the chance adds, draws are noise again, and the cost is that of the divided differences.
-TEST(Chance, DividedDifferencesAreNoise) {
+// Divided by what the effect adds, draws are noise again, and the cost is that of the divided differences.
+TEST(Stochastic, DividedDifferencesAreNoise) {
   const Eigen::VectorXd difference = drawn((1.0 + 3.0 * shape().array()).matrix(), 7);
-  const ChanceFit fit = fit_chance(difference, {shape()});
-  const Chance chance{{shape()}, fit.scale};
-  const Eigen::VectorXd left = divided(chance, difference);
-  EXPECT_NEAR(left.squaredNorm() + logarithms(chance), fit.cost, 1e-9 * fit.cost);
+  const PowerFit fit = fit_power(difference, {shape()});
+  const AddedPower added{{shape()}, fit.scale};
+  const Eigen::VectorXd left = divided(added, difference);
+  EXPECT_NEAR(left.squaredNorm() + logarithms(added), fit.cost, 1e-9 * fit.cost);
   EXPECT_NEAR(left.squaredNorm() / static_cast<double>(left.size()), 1.0, 0.05);  // 8000 squares: 1.6 %, three times that
 }
 
@@ -127,14 +127,14 @@ TEST_F(OneForce, IsTurnedIntoOneAxisAndBack) {
   const Eigen::VectorXd along = along_axes(power_.records, draw_[0]);
   EXPECT_NEAR(along.head(2 * kBins).squaredNorm(), 0.0, 1e-9 * along.squaredNorm());
   EXPECT_NEAR(along.squaredNorm(), draw_[0].squaredNorm(), 1e-9 * along.squaredNorm());
-  const Chance chance{power_, 2.0};
-  EXPECT_LT((undivided(chance, divided(chance, draw_[0])) - draw_[0]).norm(), 1e-9 * draw_[0].norm());
+  const AddedPower added{power_, 2.0};
+  EXPECT_LT((undivided(added, divided(added, draw_[0])) - draw_[0]).norm(), 1e-9 * draw_[0].norm());
 }
 
 // 8000 squares along the force's axis and as many across tell their variance within 1.6 %; five times that is allowed.
-TEST_F(OneForce, IsForgivenAlongItsAxisOnly) {
+TEST_F(OneForce, IsExplainedAlongItsAxisOnly) {
   const Eigen::VectorXd difference = left(0.5);
-  const ChanceFit fit = fit_chance(difference, power_);
+  const PowerFit fit = fit_power(difference, power_);
   EXPECT_NEAR(fit.scale, 1.5 * 1.5, 0.08 * 1.5 * 1.5);
   const Eigen::VectorXd noise = divided({power_, fit.scale}, difference);
   EXPECT_NEAR(noise.squaredNorm() + logarithms({power_, fit.scale}), fit.cost, 1e-9 * fit.cost);
@@ -145,7 +145,7 @@ TEST_F(OneForce, IsForgivenAlongItsAxisOnly) {
 
 TEST_F(OneForce, IsNotTakenForAForceInOtherProportions) {
   const Eigen::VectorXd difference = left(-0.5);
-  const ChanceFit fit = fit_chance(difference, power_);
+  const PowerFit fit = fit_power(difference, power_);
   EXPECT_GT(above_free_power(fit, free_power(*problem_, difference), difference.size()), kNearFreePower);
 }
 
@@ -160,35 +160,35 @@ TEST_F(OneForce, UnknownPowerIsLearnedWhereItActs) {
   const double none = unseen.squaredNorm(), of_plain = predictive_cost(unseen, plain, kDeviation), of_along = predictive_cost(unseen, along, kDeviation);
   EXPECT_LT(of_plain, none);
   EXPECT_LT(of_along, of_plain);
-  EXPECT_GT(of_along, fit_chance(unseen, power_).cost);
+  EXPECT_GT(of_along, fit_power(unseen, power_).cost);
 }
 
-// A scale that is known from elsewhere may be another one here, at the price of its deviations.
+// A scale that is known from elsewhere may be another one here, at the cost of its deviations.
 TEST_F(OneForce, PredictedScaleIsPaidFor) {
   const Eigen::VectorXd difference = left(0.5);
-  const ChanceFit free = fit_chance(difference, power_);
+  const PowerFit free = fit_power(difference, power_);
   const double off = std::log(free.scale), deviation = off / 2.0;
   EXPECT_NEAR(predictive_cost(difference, power_, deviation), free.cost + 4.0, 0.5);
-  EXPECT_GE(chance_at(difference, power_, 1.0).cost, free.cost);
-  EXPECT_NEAR(chance_at(difference, power_, free.scale).cost, free.cost, 1e-9 * std::fabs(free.cost));
+  EXPECT_GE(power_at(difference, power_, 1.0).cost, free.cost);
+  EXPECT_NEAR(power_at(difference, power_, free.scale).cost, free.cost, 1e-9 * std::fabs(free.cost));
 }
 
 // By the effects' own laws: delays' torque errors go with the spread, so power with its square; a share lost twice as often
 // gives twice the power.
-TEST(Chance, SizesFollowThePower) {
+TEST(Stochastic, SizesFollowThePower) {
   const common::EffectCatalogue catalogue = sim::effects_for(sim::thesis_crane());
   EXPECT_NEAR(with_power(catalogue.at("command_jitter"), {"command_jitter", {0.01}}, 4.0).values[0], 0.02, 1e-12);
   EXPECT_NEAR(with_power(catalogue.at("command_loss"), {"command_loss", {0.1, 1.0}}, 4.0).values[0], 0.4, 1e-12);
   EXPECT_NEAR(with_power(catalogue.at("gusts"), {"gusts", {4.0, 12.0, 1.0, 5.0, 80.0, 20.0}}, 4.0).values[0], 8.0, 1e-12);
   // Up to its bound of 0.99.
   EXPECT_NEAR(largest_scale(catalogue.at("command_loss"), {"command_loss", {0.33, 1.0}}), 3.0, 1e-12);
-  EXPECT_TRUE(comes_by_chance(catalogue.at("command_loss")));
-  EXPECT_TRUE(comes_by_chance(catalogue.at("gusts")));
-  EXPECT_TRUE(delays_by_chance(catalogue.at("command_loss")));
-  EXPECT_FALSE(delays_by_chance(catalogue.at("gusts")));
-  EXPECT_FALSE(comes_by_chance(catalogue.at("command_delay")));
-  EXPECT_TRUE(is_mean_of_chance(catalogue.at("command_delay")));
-  EXPECT_FALSE(is_mean_of_chance(catalogue.at("command_loss")));
+  EXPECT_TRUE(is_stochastic(catalogue.at("command_loss")));
+  EXPECT_TRUE(is_stochastic(catalogue.at("gusts")));
+  EXPECT_TRUE(is_stochastic_delay(catalogue.at("command_loss")));
+  EXPECT_FALSE(is_stochastic_delay(catalogue.at("gusts")));
+  EXPECT_FALSE(is_stochastic(catalogue.at("command_delay")));
+  EXPECT_TRUE(is_steady_delay(catalogue.at("command_delay")));
+  EXPECT_FALSE(is_steady_delay(catalogue.at("command_loss")));
 }
 
 }  // namespace
