@@ -18,6 +18,7 @@ language = "en"
 # Pages are written for GitHub: links with a page's slugs, code without a language.
 myst_heading_anchors = 4
 highlight_language = "none"
+default_role = "code"
 suppress_warnings = ["myst.header"]  # a page may begin with a table under its title, or leave a level out
 
 autodoc_member_order = "bysource"

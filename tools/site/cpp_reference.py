@@ -84,7 +84,8 @@ def as_text(comment):
         if any(line.startswith("  ") or re.match(r"\s*[-*|] ", line) for line in lines):
             pieces.append("```none\n" + paragraph + "\n```")
         else:
-            pieces.append(re.sub(r"([\\`*_{}\[\]<>#|~$^])", r"\\\1", paragraph))
+            words = re.split(r"(`[^`]*`)", paragraph)  # what a comment quotes stays quoted
+            pieces.append("".join(word if i % 2 else re.sub(r"([\\`*_{}\[\]<>#|~$^])", r"\\\1", word) for i, word in enumerate(words)))
     return "\n\n".join(pieces)
 
 
