@@ -8,6 +8,8 @@ import json
 from pathlib import Path
 
 import numpy as np
+import plotly.graph_objects as go
+from plotly.offline import get_plotlyjs
 
 LIBRARY = Path(__file__).resolve().parent / "vendor" / "plotly-basic.min.js"  # scatter plots alone: a third of the whole
 NARROW = 700  # [px] of a picture; below it legends stand above the rows
@@ -16,7 +18,7 @@ KEPT_BITS = 14  # of a drawn value's fraction: 3e-5 of it; a screen shows a thou
 # Every colour of a picture that has to change on a dark page.
 DARK_PALETTE = {"#222222": "#e0e0e0", "#999999": "#a0a0a0", "#eeeeee": "#30363d", "#888888": "#7d8590", "#666666": "#9aa4af",
                 "#aa0000": "#ff7b72", "#C00000": "#ff7b72", "#bbbbbb": "#565d66", "#777777": "#b0b7bf", "#0072B2": "#58b0e8", "#D55E00": "#ff8f45",
-                "#009E73": "#35c99c", "#8E4B9E": "#cf9ae0", "#8C564B": "#c99186", "#7F7F7F": "#a8a8a8"}
+                "#009E73": "#35c99c", "#8E4B9E": "#cf9ae0", "#8C564B": "#c99186", "#c44e52": "#f0797d", "#2a7f9e": "#5cb8da", "#7F7F7F": "#a8a8a8"}
 
 STYLE = """
 :root { color-scheme: light dark; }
@@ -47,14 +49,9 @@ SCRIPT = """<script type="application/octet-stream" id="library">{library}</scri
     const bytes = Uint8Array.from(atob(document.getElementById(id).textContent), (c) => c.charCodeAt(0));
     return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"))).text();
   }};
-  const place = document.getElementById("picture");
-  try {{
-    const script = document.createElement("script");
-    script.textContent = await unpacked("library");
-    document.head.appendChild(script);
-    const {{series, views, palette, narrow}} = JSON.parse(await unpacked("figures"));
-    const dark = matchMedia("(prefers-color-scheme: dark)");
-    const buttons = [...document.querySelectorAll(".views button")];
+  const places = [...document.querySelectorAll(".picture")];
+  const dark = matchMedia("(prefers-color-scheme: dark)");
+  const show = (place, buttons, {{series, views, palette, narrow}}) => {{
     let chosen = Object.keys(views)[0], drawn = "";
     const draw = () => {{
       const slim = place.clientWidth < narrow;
@@ -69,10 +66,10 @@ SCRIPT = """<script type="application/octet-stream" id="library">{library}</scri
       // Where legends stand above the rows, the first run's stand for all.
       if (slim) for (const trace of traces) if (trace.meta && trace.meta.run) trace.showlegend = false;
       // Of names of modes whose lines are nearer than a line of text, the first stays; the lines stay.
-      const width = place.clientWidth - layout.margin.l - layout.margin.r;
       const last = {{}};
       layout.annotations = (layout.annotations || []).filter((each) => {{
         if (each.name !== "mode") return true;
+        const width = place.clientWidth - layout.margin.l - layout.margin.r;
         const axis = layout["xaxis" + each.xref.slice(1)];
         const at = width * (axis.domain[1] - axis.domain[0]) * (each.x - axis.range[0]) / (axis.range[1] - axis.range[0]);
         const free = !(at - last[each.xref] < 12);
@@ -91,8 +88,15 @@ SCRIPT = """<script type="application/octet-stream" id="library">{library}</scri
     dark.addEventListener("change", draw);
     addEventListener("resize", draw);
     draw();
+  }};
+  try {{
+    const script = document.createElement("script");
+    script.textContent = await unpacked("library");
+    document.head.appendChild(script);
+    const told = JSON.parse(await unpacked("figures"));
+    places.forEach((place, k) => show(place, k ? [] : [...document.querySelectorAll(".views button")], told[k]));
   }} catch (error) {{
-    place.textContent = "The picture needs a browser of 2023 or later: " + error;
+    for (const place of places) place.textContent = "The picture needs a browser of 2023 or later: " + error;
   }}
 }})();
 </script>"""
@@ -129,6 +133,9 @@ def views_of(figures):
         traces = []
         for trace in wide.data:
             style = trace.to_plotly_json()
+            if trace.type not in ("scatter", "scattergl"):
+                traces.append(json.loads(go.Figure(trace).to_json())["data"][0])
+                continue
             x, y = np.asarray(style.pop("x")), np.asarray(style.pop("y"))
             key = (x.tobytes(), y.tobytes())
             if key not in pool:
@@ -153,9 +160,26 @@ def unpacked(page, name="figures"):
     return gzip.decompress(base64.b64decode(page[begin:page.index("<", begin)])).decode()
 
 
+def drawing(told, is_basic=True):
+    """The script that draws what views_of() told into the page's elements of class `picture`, in their order."""
+    library = LIBRARY.read_text(encoding="utf-8") if is_basic else get_plotlyjs()
+    return SCRIPT.format(library=packed(library), figures=packed(json.dumps(told, allow_nan=False)))
+
+
 def picture(figures, remark=""):
-    """The pictures' part of a page: buttons where there are several views, and the drawing."""
+    """One picture that may be shown in several ways: buttons where there are, and the drawing."""
     buttons = "".join(f'<button type="button" value="{html.escape(name)}">{html.escape(name)}</button>' for name in figures)
     height = next(iter(figures.values()))[0].layout.height
-    return ((f'<div class="views">{buttons}{html.escape(remark)}</div>\n' if len(figures) > 1 else "") + f'<div id="picture" style="min-height: {height}px"></div>\n'
-            + SCRIPT.format(library=packed(LIBRARY.read_text(encoding="utf-8")), figures=packed(json.dumps(views_of(figures), allow_nan=False))))
+    return ((f'<div class="views">{buttons}{html.escape(remark)}</div>\n' if len(figures) > 1 else "")
+            + f'<div class="picture" id="picture" style="min-height: {height}px"></div>\n' + drawing([views_of(figures)]))
+
+
+def pictures(figures):
+    """Figures below each other, in the colours of the page. Clouds of points and maps of colour take the whole library."""
+    for fig in figures:
+        fig.update_layout(template="plotly_white", paper_bgcolor="rgba(0,0,0,0)", plot_bgcolor="rgba(0,0,0,0)", font={"color": "#222222"},
+                          modebar={"bgcolor": "rgba(0,0,0,0)", "color": "#999999", "activecolor": "#0072B2"})
+        fig.update_xaxes(gridcolor="#eeeeee", zerolinecolor="#666666")
+        fig.update_yaxes(gridcolor="#eeeeee", zerolinecolor="#666666")
+    places = "".join(f'<div class="picture" style="min-height: {fig.layout.height or 450}px"></div>\n' for fig in figures)
+    return places + drawing([views_of({"picture": (fig, fig, None)}) for fig in figures], all(trace.type in ("scatter", "bar") for fig in figures for trace in fig.data))

@@ -129,7 +129,7 @@ class ReportTest(unittest.TestCase):
     def views_of(self, *names):
         page = self.folder / "page.html"
         self.assertEqual(self.call(*(self.folder / name for name in names), "--out", page, "--quiet")[0], 0)
-        return json.loads(unpacked(page.read_text()))
+        return json.loads(unpacked(page.read_text()))[0]
 
     def points(self, told, view, name):
         """(x, y) of the first trace of that name in a view."""
