@@ -42,10 +42,11 @@ th { font-weight: 600; }
 """
 
 SCRIPT = """<script type="application/octet-stream" id="library">{library}</script>
-<script type="application/octet-stream" id="figures">{figures}</script>
+{figures}
 <script>
 (async () => {{
   const unpacked = async (id) => {{
+    if (document.getElementById(id).type === "application/json") return document.getElementById(id).textContent;
     const bytes = Uint8Array.from(atob(document.getElementById(id).textContent), (c) => c.charCodeAt(0));
     return new Response(new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"))).text();
   }};
@@ -157,13 +158,19 @@ def packed(text):
 def unpacked(page, name="figures"):
     """What a page holds packed, for those who look into one: `figures` or `library`."""
     begin = page.index(f'id="{name}">') + len(f'id="{name}">')
+    if page[:begin].endswith('type="application/json" id="figures">'):
+        return page[begin:page.index("<", begin)]
     return gzip.decompress(base64.b64decode(page[begin:page.index("<", begin)])).decode()
 
 
-def drawing(told, is_basic=True):
-    """The script that draws what views_of() told into the page's elements of class `picture`, in their order."""
+def drawing(told, is_basic=True, is_packed=True):
+    """The script that draws what views_of() told into the page's elements of class `picture`, in their order. Not packed, its
+    words are found by whoever searches the file."""
     library = LIBRARY.read_text(encoding="utf-8") if is_basic else get_plotlyjs()
-    return SCRIPT.format(library=packed(library), figures=packed(json.dumps(told, allow_nan=False)))
+    text = json.dumps(told, allow_nan=False, ensure_ascii=False)
+    figures = (f'<script type="application/octet-stream" id="figures">{packed(text)}</script>' if is_packed
+               else '<script type="application/json" id="figures">' + text.replace("<", "\\u003c") + "</script>")
+    return SCRIPT.format(library=packed(library), figures=figures)
 
 
 def picture(figures, remark=""):
@@ -181,5 +188,7 @@ def pictures(figures):
                           modebar={"bgcolor": "rgba(0,0,0,0)", "color": "#999999", "activecolor": "#0072B2"})
         fig.update_xaxes(gridcolor="#eeeeee", zerolinecolor="#666666")
         fig.update_yaxes(gridcolor="#eeeeee", zerolinecolor="#666666")
-    places = "".join(f'<div class="picture" style="min-height: {fig.layout.height or 450}px"></div>\n' for fig in figures)
-    return places + drawing([views_of({"picture": (fig, fig, None)}) for fig in figures], all(trace.type in ("scatter", "bar") for fig in figures for trace in fig.data))
+    # Laid out for a page's width; a narrower window scrolls them.
+    places = "".join(f'<div class="wide"><div class="picture" style="min-width: {NARROW}px; min-height: {fig.layout.height or 450}px"></div></div>\n'
+                     for fig in figures)
+    return places + drawing([views_of({"picture": (fig, fig, None)}) for fig in figures], all(trace.type in ("scatter", "bar") for fig in figures for trace in fig.data), is_packed=False)
