@@ -93,7 +93,7 @@ def page(run, result):
 </style></head><body>
 <h1>{html.escape(run.name)}: {verdict}</h1>
 <div class="wide"><table>{rows}</table></div>
-{picture({"picture": (drawn, drawn, None)})}
+{picture({"picture": (drawn, drawn, None)}, is_packed=False)}
 </body></html>
 """
 

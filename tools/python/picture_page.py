@@ -167,18 +167,18 @@ def drawing(told, is_basic=True, is_packed=True):
     """The script that draws what views_of() told into the page's elements of class `picture`, in their order. Not packed, its
     words are found by whoever searches the file."""
     library = LIBRARY.read_text(encoding="utf-8") if is_basic else get_plotlyjs()
-    text = json.dumps(told, allow_nan=False, ensure_ascii=False)
+    text = json.dumps(told, allow_nan=False, ensure_ascii=False, separators=(",", ":"))
     figures = (f'<script type="application/octet-stream" id="figures">{packed(text)}</script>' if is_packed
                else '<script type="application/json" id="figures">' + text.replace("<", "\\u003c") + "</script>")
     return SCRIPT.format(library=packed(library), figures=figures)
 
 
-def picture(figures, remark=""):
+def picture(figures, remark="", is_packed=True):
     """One picture that may be shown in several ways: buttons where there are, and the drawing."""
     buttons = "".join(f'<button type="button" value="{html.escape(name)}">{html.escape(name)}</button>' for name in figures)
     height = next(iter(figures.values()))[0].layout.height
     return ((f'<div class="views">{buttons}{html.escape(remark)}</div>\n' if len(figures) > 1 else "")
-            + f'<div class="picture" id="picture" style="min-height: {height}px"></div>\n' + drawing([views_of(figures)]))
+            + f'<div class="picture" id="picture" style="min-height: {height}px"></div>\n' + drawing([views_of(figures)], is_packed=is_packed))
 
 
 def pictures(figures):

@@ -203,7 +203,7 @@ class DocsCommandsTest(unittest.TestCase):
         wanted = next((code for words, code in EXIT_CODES.items() if words in command), 0)
         with self.subTest(page=str(page), command=command):
             ended = subprocess.run(["bash", "-c", command], cwd=folder, env=environment, stdin=subprocess.DEVNULL, capture_output=True, text=True,
-                                   timeout=100)
+                                   timeout=300)
             self.assertEqual(ended.returncode, wanted, ended.stdout[-3000:] + ended.stderr[-3000:])
 
 

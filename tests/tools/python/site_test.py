@@ -77,7 +77,7 @@ class SiteTest(unittest.TestCase):
             site = Path(folder) / "site"
             made = subprocess.run([sys.executable, REPOSITORY / "tools" / "site" / "build_site.py", "--out", site, "--work", Path(folder) / "work",
                                    "--python", os.environ["SLEWLAB_PYTHON_MESSAGES"]],
-                                  stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=110)
+                                  stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=550)
             self.assertEqual(made.returncode, 0, made.stdout + made.stderr)  # Sphinx warns of every link that leads nowhere
             for page in (REPOSITORY / "docs").rglob("*.md"):
                 self.assertTrue((site / page.relative_to(REPOSITORY / "docs")).with_suffix(".html").is_file(), page)

@@ -14,7 +14,7 @@ PROGRAMS = REPOSITORY / ".venv" / "bin"
 
 class FormatTest(unittest.TestCase):
     def test_the_sources_have_their_form(self):
-        ended = subprocess.run([REPOSITORY / "tools" / "format", "--check"], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=100)
+        ended = subprocess.run([REPOSITORY / "tools" / "format", "--check"], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=300)
         self.assertEqual((ended.returncode, ended.stdout + ended.stderr), (0, ""))
 
     def test_spaces_change_within_a_line_and_nothing_else_does(self):
@@ -30,7 +30,7 @@ class TidyTest(unittest.TestCase):
         files = sorted([*(REPOSITORY / "common").glob("*.cpp"), *(REPOSITORY / "controller").glob("*.cpp")])
         self.assertGreater(len(files), 15)
         ended = subprocess.run([PROGRAMS / "clang-tidy", "--quiet", *files, "--", "-std=c++20", f"-I{REPOSITORY}", f"-I{messages_folder().parent / 'generated'}"],
-                               cwd=REPOSITORY, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=250)
+                               cwd=REPOSITORY, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=550)
         found = [line for line in ended.stdout.splitlines() if ": error:" in line or ": warning:" in line]
         self.assertEqual((ended.returncode, found), (0, []), ended.stderr[-2000:])
 
