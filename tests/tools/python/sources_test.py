@@ -1,6 +1,7 @@
 """The form of the C++ sources (tools/format), and slips that clang-tidy finds. It takes seconds a file where a header is large,
 so that the suite looks at the two rooms that everything stands on."""
 
+import os
 import runpy
 import subprocess
 import unittest
@@ -9,12 +10,13 @@ import yaml
 
 from run_log import REPOSITORY, messages_folder
 
+ENVIRONMENT = {name: value for name, value in os.environ.items() if name != "LD_PRELOAD"}  # a sanitizer's runtime is not for them
 PROGRAMS = REPOSITORY / ".venv" / "bin"
 
 
 class FormatTest(unittest.TestCase):
     def test_the_sources_have_their_form(self):
-        ended = subprocess.run([REPOSITORY / "tools" / "format", "--check"], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=300)
+        ended = subprocess.run([REPOSITORY / "tools" / "format", "--check"], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=300, env=ENVIRONMENT)
         self.assertEqual((ended.returncode, ended.stdout + ended.stderr), (0, ""))
 
     def test_spaces_change_within_a_line_and_nothing_else_does(self):
@@ -30,7 +32,7 @@ class TidyTest(unittest.TestCase):
         files = sorted([*(REPOSITORY / "common").glob("*.cpp"), *(REPOSITORY / "controller").glob("*.cpp")])
         self.assertGreater(len(files), 15)
         ended = subprocess.run([PROGRAMS / "clang-tidy", "--quiet", *files, "--", "-std=c++20", f"-I{REPOSITORY}", f"-I{messages_folder().parent / 'generated'}"],
-                               cwd=REPOSITORY, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=550)
+                               cwd=REPOSITORY, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=550, env=ENVIRONMENT)
         found = [line for line in ended.stdout.splitlines() if ": error:" in line or ": warning:" in line]
         self.assertEqual((ended.returncode, found), (0, []), ended.stderr[-2000:])
 
