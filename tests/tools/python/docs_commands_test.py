@@ -5,10 +5,12 @@ its words are checked: the command, its options and the files of the project tha
 A page's notation is read as a shell cannot: [WHAT MAY BE LEFT OUT], ONE|OTHER.
 """
 
+import contextlib
 import functools
 import os
 import re
 import shutil
+import signal
 import subprocess
 import tempfile
 import unittest
@@ -91,30 +93,29 @@ def reason_not_here(command):
 
 
 @functools.cache
-def options_of(*words):
-    """The options that `slewlab WORDS --help` lists."""
-    told = subprocess.run([BUILD / "bin" / "slewlab", *words, "--help"], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=60)
-    if told.returncode != 0:
-        return None
-    return set(re.findall(r"(?<![\w-])--?[a-z][\w-]*", told.stdout))
+def help_of(*words):
+    told = subprocess.run([BUILD / "bin" / "slewlab", *words, "--help"], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=120)
+    assert told.returncode == 0, told.stdout + told.stderr
+    return told.stdout
 
 
 def fault_in_words(command):
     """What is wrong with a command of slewlab that is not run: an unknown command, an unknown option, a file that is not there."""
     words = re.sub(r'"[^"]*"|#.*', "x", command).split()
-    names = [word for word in words[words.index(next(w for w in words if w.endswith("slewlab"))) + 1:]]
-    if not names or names[0].startswith("-"):
-        options, sub = options_of(), []
-    else:
-        sub = names[:2] if names[0] in ("withhold", "new") and len(names) > 1 and re.fullmatch(r"make|score|report", names[1]) else names[:1]
-        options = options_of(*sub)
-    if options is None:
-        return f"there is no command {' '.join(sub)}"
-    known = options | options_of()
-    unknown = [word.split("=")[0] for word in names if re.match(r"--?[a-z]", word) and word.split("=")[0] not in known]
+    words = words[words.index(next(word for word in words if word.endswith("slewlab"))) + 1:]
+    path = []
+    for word in words:
+        below = re.findall(r"^  ([a-z-]+) {2,}", help_of(*path).partition("Subcommands:")[2], re.MULTILINE)
+        if not below or word.startswith("-"):
+            break
+        if word not in below:
+            return f"there is no command {' '.join([*path, word])}"
+        path.append(word)
+    known = set(re.findall(r"(?<![\w-])--?[a-z][\w-]*", help_of(*path)))
+    unknown = [word for word in (word.split("=")[0] for word in words) if re.match(r"--?[a-z]", word) and word not in known]
     if unknown:
-        return f"{' '.join(sub)} has no option {', '.join(unknown)}"
-    absent = [word for word in names if word.startswith(("config/", "examples/")) and not (REPOSITORY / word).exists()]
+        return f"{' '.join(path)} has no option {', '.join(unknown)}"
+    absent = [word for word in words if word.startswith(("config/", "examples/")) and not (REPOSITORY / word).exists()]
     return f"there is no {', '.join(absent)}" if absent else None
 
 
@@ -167,6 +168,12 @@ class DocsCommandsTest(unittest.TestCase):
         self.assertGreater(len(commands()), 60)
         self.assertEqual(read_as_a_shell("slewlab import --map MAP.yaml FILE.csv|FILE.parquet [--out LOG.lcmlog]"), "slewlab import --map MAP.yaml FILE.csv")
 
+    def test_a_command_that_could_not_be_called_is_noticed(self):
+        self.assertIsNone(fault_in_words("build/release/bin/slewlab run config/scenarios/thesis_slew.yaml --set duration=3 --out x"))
+        self.assertEqual(fault_in_words("slewlab run config/scenarios/thesis_slew.yaml --contoller mine"), "run has no option --contoller")
+        self.assertEqual(fault_in_words("slewlab runn config/scenarios/thesis_slew.yaml"), "there is no command runn")
+        self.assertEqual(fault_in_words("slewlab run config/scenarios/no_slew.yaml"), "there is no config/scenarios/no_slew.yaml")
+
     def test_no_reason_stands_for_nothing(self):
         self.assertEqual([beginning for beginning in NOT_HERE if not any(command.startswith(beginning) for _, command in commands())], [])
 
@@ -202,9 +209,17 @@ class DocsCommandsTest(unittest.TestCase):
     def run_one(self, folder, environment, page, command):
         wanted = next((code for words, code in EXIT_CODES.items() if words in command), 0)
         with self.subTest(page=str(page), command=command):
-            ended = subprocess.run(["bash", "-c", command], cwd=folder, env=environment, stdin=subprocess.DEVNULL, capture_output=True, text=True,
-                                   timeout=300)
-            self.assertEqual(ended.returncode, wanted, ended.stdout[-3000:] + ended.stderr[-3000:])
+            with tempfile.TemporaryFile("w+") as output:
+                shell = subprocess.Popen(["bash", "-c", command], cwd=folder, env=environment, stdin=subprocess.DEVNULL, stdout=output,
+                                         stderr=subprocess.STDOUT, start_new_session=True)
+                try:
+                    code = shell.wait(timeout=120)
+                finally:  # what it left in the background, or did not end
+                    with contextlib.suppress(ProcessLookupError):
+                        os.killpg(shell.pid, signal.SIGKILL)
+                    shell.wait()
+                output.seek(0)
+                self.assertEqual(code, wanted, output.read()[-3000:])
 
 
 if __name__ == "__main__":
