@@ -35,7 +35,7 @@ namespace {
 constexpr std::array<const char*, 3> kLogNames{"a.lcmlog", "b.lcmlog", "unseen.lcmlog"};
 constexpr double kImpactTime = 2.0;  // [s] that visibility leaves out from a contact change on, stretched as the manoeuvres are
 
-std::vector<double> column(const TruthRun& run, double SensorValues::*value) {
+std::vector<double> column(const TruthRun& run, double SensorValues::* value) {
   std::vector<double> values;
   for (const SensorValues& sensors : run.sensors) values.push_back(sensors.*value);
   return values;

@@ -416,7 +416,7 @@ void add_new(CLI::App& app, Action& action) {
   };
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("new", "Write a commented file to begin with");
-  command->add_option("KIND", options->file.kind, "crane, controller, scenario or map")->required();
+  command->add_option("KIND", options->file.kind, "crane, axis, controller, scenario or map")->required();
   command->add_option("FILE", options->file.file, "to be written; never over one that is there")->required();
   command->add_option("--crane,--axis", options->file.machine, "machine of a controller or a scenario");
   command->add_option("--controller", options->file.controller, "controller of a scenario");
@@ -443,12 +443,14 @@ void add_schema(CLI::App& app, Action& action) {
   };
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("schema", "JSON Schema of a kind of file, for completion and marks in an editor");
-  CLI::Option* kind = command->add_option("KIND", options->kind, "crane, axis, controller, scenario, acceptance, acceptance_plan, campaign, soak or plc_map");
+  CLI::Option* kind = command->add_option("KIND", options->kind, "crane, axis, controller, scenario, acceptance, acceptance_plan, campaign, soak, plc_map or import_map");
   CLI::Option* out = command->add_option("--out", options->out, "folder for KIND.schema.json of every kind");
   kind->excludes(out);
   command->callback([options, kind, out, &action] {
     if (kind->count() + out->count() == 0) throw CLI::RequiredError("KIND or --out");
     action = [options] {
+      const std::string of_maps = "map_schema.py";  // a map's reader is the import's
+      if (options->kind == "import_map") return run_python(of_maps, {});
       if (options->out.empty()) {
         std::cout << schema_of(options->kind).dump(2) << std::endl;
         return 0;
@@ -457,7 +459,7 @@ void add_schema(CLI::App& app, Action& action) {
       for (const std::string& each : schema_kinds()) {
         write_whole_file(options->out / (each + ".schema.json"), schema_of(each).dump(2) + "\n");
       }
-      return 0;
+      return run_python(of_maps, {(options->out / "import_map.schema.json").string()});
     };
   });
 }

@@ -56,7 +56,7 @@ std::string seen_from(const std::filesystem::path& file, const std::filesystem::
 }  // namespace
 
 const std::vector<std::string>& new_kinds() {
-  static const std::vector<std::string> kKinds{"crane", "controller", "scenario", "map"};
+  static const std::vector<std::string> kKinds{"crane", "axis", "controller", "scenario", "map"};
   return kKinds;
 }
 
@@ -66,7 +66,9 @@ int write_new(const NewOptions& options, std::ostream& out) {
     refuse("KIND", "'" + options.kind + "'", common::known_names_text(options.kind, kinds));
   }
   const bool is_scenario = options.kind == "scenario";
-  if (!options.machine.empty() && options.kind == "crane") refuse("--crane", "a machine beside a new crane", "it beside a controller or a scenario");
+  if (!options.machine.empty() && (options.kind == "crane" || options.kind == "axis")) {
+    refuse("--" + options.kind, "a machine beside a new " + options.kind, "it beside a controller or a scenario");
+  }
   if (!options.controller.empty() && !is_scenario) refuse("--controller", "a controller beside a new " + options.kind, "it beside a scenario");
   if (std::filesystem::exists(options.file)) refuse(options.file.string(), "a file that is there", "another name: nothing is overwritten");
   std::ifstream stream(options.templates / (options.kind + ".yaml"), std::ios::binary);

@@ -26,7 +26,7 @@ struct RunOutcome {
   std::int64_t cycles = 0;      // controller periods
   std::int64_t resends = 0;     // of an unanswered ENCODER
   std::string controller_command = "slewlab-controller";
-  std::string end = "complete"; // or why it ended early
+  std::string end = "complete";  // or why it ended early
 };
 
 inline constexpr const char* kRunFactsName = "run.json";

@@ -235,7 +235,9 @@ nlohmann::ordered_json schema_of(const std::string& kind) {
   for (const auto& [known, make] : makers()) {
     if (known == kind) return make();
   }
-  throw common::InputError({{{"KIND", 0, 0}, "", "'" + kind + "'", common::known_names_text(kind, schema_kinds())}});
+  std::vector<std::string> known = schema_kinds();
+  known.push_back("import_map");  // of which the import's own reader tells
+  throw common::InputError({{{"KIND", 0, 0}, "", "'" + kind + "'", common::known_names_text(kind, known)}});
 }
 
 }  // namespace slewlab::tools

@@ -9,10 +9,10 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from plotly.offline import get_plotlyjs
 from plotly.subplots import make_subplots
 
 from panel import DARK, GREEN, GREY, GROUP_COLOURS, PURPLE, line
+from picture_page import STYLE, picture
 from report import draw_motor_torques, write_whole
 from run_log import LogProblem, seconds
 from run_numbers import read_run, shown_path
@@ -71,26 +71,29 @@ def figure(run, result):
             fig.add_vline(x=check["time"], row=row, col=1, line=dict(color=RED, width=2), annotation_text=check["name"],
                           annotation_font_color=RED, annotation_position="top right")
     fig.update_xaxes(title_text="simulated time [s]", row=len(TITLES), col=1)
-    fig.update_layout(height=1050, template="plotly_white", margin=dict(l=60, r=20, t=30, b=50), hovermode="x")
+    fig.update_layout(height=1050, template="plotly_white", margin=dict(l=60, r=20, t=30, b=110), hovermode="x", font=dict(color="#222222"),
+                      paper_bgcolor="rgba(0,0,0,0)", plot_bgcolor="rgba(0,0,0,0)",
+                      legend=dict(orientation="h", y=-0.07, yanchor="top", bgcolor="rgba(255,255,255,0)"))
+    fig.update_xaxes(gridcolor="#eeeeee", zerolinecolor="#666666")
+    fig.update_yaxes(gridcolor="#eeeeee", zerolinecolor="#666666")
     return fig
 
 
 def page(run, result):
     rows = "".join(
-        f'<tr><td style="color:{RED if c["verdict"] == "fail" else "#222"}">{html.escape(c["verdict"])}</td>'
+        f'<tr><td class="{html.escape(c["verdict"])}">{html.escape(c["verdict"])}</td>'
         f'<td>{html.escape(c["name"])}</td><td>{html.escape(c["reason"])}</td></tr>' for c in result["checks"])
     verdict = "accepted" if result["accepted"] else "NOT accepted"
-    picture = figure(run, result).to_html(full_html=False, include_plotlyjs=False, config={"responsive": True})
+    drawn = figure(run, result)
     return f"""<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1"><title>slewlab accept: {html.escape(run.name)}: {verdict}</title>
-<style>
-body {{ font-family: Helvetica, Arial, sans-serif; color: #222; margin: 1.2em auto; max-width: 1120px; }}
-table {{ border-collapse: collapse; font-size: .92em; }}
-td {{ padding: .16em 1.4em .16em 0; border-bottom: 1px solid #e4e4e4; }}
-</style><script>{get_plotlyjs()}</script></head><body>
+<style>{STYLE}body {{ max-width: 1120px; }}
+.fail {{ color: #C00000; }}
+@media (prefers-color-scheme: dark) {{ .fail {{ color: #ff7b72; }} }}
+</style></head><body>
 <h1>{html.escape(run.name)}: {verdict}</h1>
-<table>{rows}</table>
-{picture}
+<div class="wide"><table>{rows}</table></div>
+{picture({"picture": (drawn, drawn, None)}, is_packed=False)}
 </body></html>
 """
 

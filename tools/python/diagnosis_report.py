@@ -17,6 +17,7 @@ from plotly.subplots import make_subplots
 
 import axis_diagnosis_report
 from diagnosis_colours import AFTER, BEFORE, MEASURED
+from picture_page import STYLE, pictures
 from whole_file import growing
 
 LEGEND = {"orientation": "h", "y": 1.03, "yanchor": "bottom", "x": 1.0, "xanchor": "right"}
@@ -121,11 +122,9 @@ def page(directory):
     with open(os.path.join(directory, "summary.txt"), encoding="utf-8") as file:
         summary = file.read()
     draw = axis_diagnosis_report.figures_of if found.get("kind") == "axis" else figures_of
-    body = "".join(figure.to_html(full_html=False, include_plotlyjs=index == 0, config={"responsive": True})
-                   for index, figure in enumerate(draw(found, directory)))
-    return (f"<!doctype html><meta charset='utf-8'><meta name='viewport' content='width=device-width'><title>slewlab diagnosis</title>"
-            f"<style>body{{font-family:sans-serif;max-width:1200px;margin:2em auto;padding:0 1em}}pre{{white-space:pre-wrap}}</style>"
-            f"<h1>{html.escape(found['verdict'])}</h1><pre>{html.escape(summary)}</pre>{body}")
+    return (f"<!doctype html><html lang='en'><meta charset='utf-8'><meta name='viewport' content='width=device-width, initial-scale=1'>"
+            f"<title>slewlab diagnosis</title><style>{STYLE}body{{max-width:1200px}}pre{{white-space:pre-wrap;overflow-wrap:anywhere}}</style>"
+            f"<h1>{html.escape(found['verdict'])}</h1><pre>{html.escape(summary)}</pre>{pictures(list(draw(found, directory)))}")
 
 
 def main():

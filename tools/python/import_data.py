@@ -170,11 +170,20 @@ def read_map(path):
     if not path.is_file():
         raise InputProblems([f"{path}: there is no such map"])
     root, lines = input_map.load(path)
+    machine = machine_named(root)
+    return read_root(root, lines, path, None if machine is None else read_axis(path.parent / machine))
+
+
+def machine_named(root):
+    return root.text("machine", "the axis's file") if root.has("machine") else None
+
+
+def read_root(root, lines, path, machine):
+    """The map below its root; `machine` is the axis that it names. map_schema asks it for its keys."""
     kind = root.text("kind", "import_map")
     if kind not in (None, "import_map"):
         root.report("kind", kind, "import_map")
     root.has("description")
-    machine = read_axis(path.parent / root.text("machine", "the axis's file")) if root.has("machine") else None
 
     table = root.map("csv", "") if root.has("csv") else None
     separator = table.choice("separator", (",", ";", "tab"), ",") if table else ","

@@ -2,11 +2,9 @@
 
     slewlab report RUN_DIR                   writes RUN_DIR/report.html and prints the table
     slewlab report SITE.lcmlog               the same for a log that came alone: SITE.html beside it
-    slewlab report RUN OTHER_RUN --out FILE  draws the runs side by side, on the same scales
+    slewlab report RUN OTHER_RUN --out FILE  draws the runs side by side on the same scales, over each other, and their difference
 """
 
-import base64
-import gzip
 import html
 import signal
 import sys
@@ -14,17 +12,20 @@ from pathlib import Path
 
 import numpy as np
 import plotly.graph_objects as go
-from plotly.offline import get_plotlyjs
 
 import axis_report
 from arguments import ArgumentParser
+from comparison import Difference
 from panel import DARK, GREEN, GREY, GROUP_COLOURS, PURPLE, Panel, dash_of, line, slim
+from picture_page import STYLE, picture
 from run_log import LogProblem
 from run_numbers import read_run, shown_path, table, table_text
 from whole_file import growing
 
 ROW_HEIGHT = 205  # [px]
 GAP = 34          # [px] between rows
+NARROW_GAP = 74   # [px] where legends stand above their rows
+DASHES = (("solid", "drawn through"), ("dot", "dotted"), ("dash", "dashed"), ("dashdot", "dash-dotted"))  # of runs over each other
 
 
 def draw_speeds(run):
@@ -141,36 +142,78 @@ def headings(runs):
     return texts if ours and len(set(texts)) == len(runs) else [run.name for run in runs]
 
 
-def figure(runs, rows):
-    """The picture: a column per run, a row per panel (times above spectra), the same scale along each row."""
+def letter(number):
+    return chr(ord("A") + number % 26)
+
+
+def figure(runs, rows, narrow=False):
+    """A column per run, a row per panel (times above spectra), the same scale along each row."""
+    return composed([[run] for run in runs], rows, headings(runs) if len(runs) > 1 else [], narrow)
+
+
+def overlay(runs, rows, narrow=False):
+    return composed([runs], rows, [], narrow)
+
+
+def difference(runs, rows, narrow=False):
+    """The first less the second over time; their spectra over each other."""
+    return composed([[Difference(*runs)]], rows, [], narrow, spectra=[runs])
+
+
+def views(runs):
+    """{name: (figure, figure for a narrow window, what stands in its place there)}."""
+    rows = panels(runs)
+
+    def both(make):
+        return make(runs, rows), make(runs, rows, narrow=True)
+
+    if len(runs) == 1:
+        return {"picture": (*both(figure), None)}
+    found = {"side by side": (*both(figure), "over each other"), "over each other": (*both(overlay), None)}
+    if len(runs) == 2 and not any(axis_report.is_axis(run) for run in runs):
+        found["difference, A minus B"] = (*both(difference), None)
+    return found
+
+
+def composed(columns, rows, titles, narrow=False, spectra=None):
+    """The picture of columns of runs; the runs of one column are drawn over each other. `spectra`: the columns of the spectra's
+    rows, where they are others."""
     time_rows = [r for r in range(len(rows)) if not rows[r].is_spectrum]
-    top, bottom = 46, 50
-    height = top + bottom + len(rows) * ROW_HEIGHT + (len(rows) - 1) * GAP + 26
+    gap = NARROW_GAP if narrow else GAP
+    top, bottom = (66 if narrow else 46), 50
+    height = top + bottom + len(rows) * ROW_HEIGHT + (len(rows) - 1) * gap + 26
     inner = height - top - bottom
 
     def domain(row):
         extra = 26 if rows[row].is_spectrum else 0  # room for the time axis' title above the spectra
-        upper = inner - row * (ROW_HEIGHT + GAP) - extra
+        upper = inner - row * (ROW_HEIGHT + gap) - extra
         return [max(0.0, (upper - ROW_HEIGHT) / inner), upper / inner]
 
-    columns = len(runs)
+    count = len(columns)
     column_gap = 0.035
-    width = (1 - column_gap * (columns - 1)) / columns
+    width = (1 - column_gap * (count - 1)) / count
 
     fig = go.Figure()
     layout = {}
-    for column, run in enumerate(runs):
+    for column, of_times in enumerate(columns):
         left = column * (width + column_gap)
-        end = run.overview.phases[-1][2]
-        stop = run.overview.stop
+        end = max(run.overview.phases[-1][2] for run in of_times)
+        stops = sorted({run.overview.stop for run in of_times} - {None})
         for r, panel in enumerate(rows):
-            number = r * columns + column + 1
+            number = r * count + column + 1
             suffix = "" if number == 1 else str(number)
             x_axis, y_axis = f"x{suffix}", f"y{suffix}"
-            for trace in panel.draw(run):
-                trace.update(xaxis=x_axis, yaxis=y_axis, legend=f"legend{r + 1}" if r else "legend",
-                             legendgroup=f"{r}{trace.name}", showlegend=column == 0)
-                fig.add_trace(trace)
+            members = spectra[column] if panel.is_spectrum and spectra else of_times
+            for k, run in enumerate(members):
+                for trace in panel.draw(run):
+                    if len(members) > 1:
+                        trace.name = f"{letter(k)} {trace.name}"
+                        if trace.mode == "lines" and k:  # the first keeps what tells its groups apart
+                            trace.line.dash = DASHES[k % len(DASHES)][0]
+                        trace.meta = {"run": k}
+                    trace.update(xaxis=x_axis, yaxis=y_axis, legend=f"legend{r + 1}" if r else "legend",
+                                 legendgroup=f"{r}{trace.name}", showlegend=column == 0)
+                    fig.add_trace(trace)
 
             x = dict(anchor=y_axis, domain=[left, left + width], showgrid=True, gridcolor="#eeeeee", ticks="outside",
                      zeroline=False, linecolor="#888888", mirror=True)
@@ -180,9 +223,9 @@ def figure(runs, rows):
             if column == 0:
                 y["title"] = dict(text=f"{panel.title}<br>[{panel.axis}]", standoff=6)
             else:
-                y.update(matches=f"y{r * columns + 1 if r else ''}", showticklabels=False)
+                y.update(matches=f"y{r * count + 1 if r else ''}", showticklabels=False)
             if panel.is_spectrum:
-                x.update(type="log", range=[np.log10(0.5), np.log10(50)], tickvals=[0.5, 1, 2, 5, 10, 20, 50])
+                x.update(type="log", range=[np.log10(0.5), np.log10(50)], tickvals=[0.5, 1, 2, 5, 10, 20, 50][1 if column else 0:])
                 y.update(type="log", exponentformat="power", dtick=1)
                 if r == len(rows) - 1:
                     x["title"] = dict(text="frequency [Hz]", standoff=4)
@@ -194,29 +237,36 @@ def figure(runs, rows):
                     x["title"] = dict(text="simulated time [s]", standoff=4)
                 else:
                     x["showticklabels"] = False
-                if stop is not None:
+                for stop in stops:
                     fig.add_shape(type="line", xref=x_axis, yref=f"{y_axis} domain", x0=stop, x1=stop, y0=0, y1=1,
                                   line=dict(color="#aa0000", width=1, dash="dot"))
             layout[f"xaxis{suffix}"] = x
             layout[f"yaxis{suffix}"] = y
 
             if panel.is_spectrum:
-                mark_modes(fig, run, x_axis, y_axis)
-            if r == 0 and stop is not None:
-                fig.add_annotation(xref=x_axis, yref=f"{y_axis} domain", x=stop, y=0.98, text="emergency stop",
-                                   showarrow=False, xanchor="left", yanchor="top", xshift=4,
-                                   font=dict(size=11, color="#aa0000"))
-        if columns > 1:
+                mark_modes(fig, members[0], x_axis, y_axis)
+            if r == 0 and stops:
+                fig.add_annotation(xref=x_axis, yref=f"{y_axis} domain", x=stops[0], y=0.98, text="emergency stop",
+                                   showarrow=False, xanchor="left" if stops[0] < 0.6 * end else "right", yanchor="top",
+                                   xshift=4 if stops[0] < 0.6 * end else -4, font=dict(size=11, color="#aa0000"))
+        if titles:
             fig.add_annotation(xref="paper", yref="paper", x=left + width / 2, y=1, xanchor="center", yshift=24, showarrow=False,
-                               text=f"<b>{html.escape(headings(runs)[column])}</b>", font=dict(size=14))
+                               text=f"<b>{letter(column)} {html.escape(shortened(titles[column]))}</b>", font=dict(size=14))
     for r in range(len(rows)):
-        layout["legend" if r == 0 else f"legend{r + 1}"] = dict(
-            x=1.008, xanchor="left", y=domain(r)[1], yanchor="top", font=dict(size=11), tracegroupgap=0,
-            bgcolor="rgba(255,255,255,0)")
-    set_scales(fig, layout, rows, columns)
-    fig.update_layout(height=height, margin=dict(l=84, r=150, t=top, b=bottom), template="plotly_white",
-                      font=dict(family="Helvetica, Arial, sans-serif", size=12), hovermode="x", **layout)
+        place = (dict(x=0, xanchor="left", y=domain(r)[1], yanchor="bottom", orientation="h") if narrow
+                 else dict(x=1.008, xanchor="left", y=domain(r)[1], yanchor="top"))
+        layout["legend" if r == 0 else f"legend{r + 1}"] = dict(font=dict(size=11), tracegroupgap=0, bgcolor="rgba(255,255,255,0)", **place)
+    set_scales(fig, layout, rows, count)
+    margin = dict(l=86, r=14, t=top, b=bottom) if narrow else dict(l=84, r=150, t=top, b=bottom)
+    fig.update_layout(height=height, margin=margin, template="plotly_white", paper_bgcolor="rgba(0,0,0,0)", plot_bgcolor="rgba(0,0,0,0)",
+                      modebar=dict(bgcolor="rgba(0,0,0,0)", color="#999999", activecolor="#0072B2"),
+                      font=dict(family="Helvetica, Arial, sans-serif", size=12, color="#222222"), hovermode="x", **layout)
     return fig
+
+
+def shortened(title):
+    """So that two stand beside each other."""
+    return title if len(title) <= 26 else title[:12] + " … " + title[-11:]
 
 
 def mark_modes(fig, run, x_axis, y_axis):
@@ -227,7 +277,7 @@ def mark_modes(fig, run, x_axis, y_axis):
         fig.add_shape(type="line", xref=x_axis, yref=f"{y_axis} domain", x0=mode["frequency"], x1=mode["frequency"],
                       y0=0, y1=1, line=dict(color="#bbbbbb", width=1, dash="dash"), layer="below")
         fig.add_annotation(xref=x_axis, yref=f"{y_axis} domain", x=np.log10(mode["frequency"]), y=0.98, textangle=-90,
-                           text=f"{mode['name']} · {mode['frequency']:.3g} Hz", showarrow=False, xanchor="right",
+                           name="mode", text=f"{mode['name']} · {mode['frequency']:.3g} Hz", showarrow=False, xanchor="right",
                            yanchor="top", xshift=1, font=dict(size=9, color="#777777"))
 
 
@@ -255,57 +305,16 @@ def set_scales(fig, layout, rows, columns):
 
 PAGE = """<!doctype html>
 <html lang="en"><head><meta charset="utf-8"><meta name="viewport" content="width=device-width, initial-scale=1"><title>{title}</title>
-<style>
-body {{ font-family: Helvetica, Arial, sans-serif; color: #222; background: #fff; margin: 1.2em auto; padding: 0 .8em; max-width: {width}px; }}
-h1 {{ font-size: 1.35em; margin: 0 0 .3em 0; }}
-p {{ margin: .3em 0; color: #444; }}
-table {{ border-collapse: collapse; margin: .8em 0; font-size: .92em; }}
-th, td {{ text-align: left; padding: .16em 1.4em .16em 0; border-bottom: 1px solid #e4e4e4; }}
-th {{ font-weight: 600; }}
-.broken {{ color: #a40000; font-weight: 600; }}
-</style>
-{script}
+<style>{style}body {{ max-width: {width}px; }}</style>
 </head><body>
 <h1>{title}</h1>
 {broken}{remarks}
-<table><tr><th></th>{heads}</tr>
+<div class="wide"><table><tr><th></th>{heads}</tr>
 {rows}
-</table>
+</table></div>
 {picture}
 </body></html>
 """
-
-
-# The library is two thirds smaller packed; browsers since 2023 can unpack it.
-SCRIPT = """<script type="application/octet-stream" id="packed">{packed}</script>
-<script>
-const plotly = (async () => {{
-  const bytes = Uint8Array.from(atob(document.getElementById("packed").textContent), (c) => c.charCodeAt(0));
-  const unpacked = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
-  const script = document.createElement("script");
-  script.textContent = await new Response(unpacked).text();
-  document.head.appendChild(script);
-}})();
-</script>"""
-
-PICTURE = """<div id="picture" style="min-height: {height}px"></div>
-<script>
-plotly.then(() => {{
-  const figure = {figure};
-  return Plotly.newPlot("picture", figure.data, figure.layout, {{responsive: true}});
-}}).catch((error) => {{
-  document.getElementById("picture").textContent = "The picture needs a browser of 2023 or later: " + error;
-}});
-</script>"""
-
-
-def plotly_script():
-    packed = gzip.compress(get_plotlyjs().encode(), mtime=0)
-    return SCRIPT.format(packed=base64.b64encode(packed).decode())
-
-
-def picture(fig):
-    return PICTURE.format(height=fig.layout.height, figure=fig.to_json().replace("<", "\\u003c"))
 
 
 def early_ends(runs):
@@ -328,15 +337,20 @@ def page(runs, rows):
     return PAGE.format(
         title=html.escape(title),
         width=1120 if len(runs) == 1 else 1500,
-        script=plotly_script(),
+        style=STYLE,
         broken="".join(f'<p class="broken">{html.escape(line)}</p>\n' for line in early_ends(runs)),
         remarks=remarks,
-        heads="".join(f"<th>{html.escape(text)}</th>" for text in headings(runs)),
+        heads="".join(f"<th>{html.escape(text)}</th>" for text in lettered(headings(runs))),
         rows="\n".join(
             f"<tr><td>{html.escape(label)}</td>" + "".join(f"<td>{html.escape(cell)}</td>" for cell in cells) + "</tr>"
             for label, cells in rows),
-        picture=picture(figure(runs, panels(runs))),
+        picture=picture(views(runs), "over each other: " + ", ".join(f"{letter(k)} {DASHES[k % len(DASHES)][1]}" for k in range(len(runs)))),
     )
+
+
+def lettered(texts):
+    """As the picture names runs that are compared."""
+    return [f"{letter(k)} {text}" for k, text in enumerate(texts)] if len(texts) > 1 else texts
 
 
 def write_whole(path, text):

@@ -17,7 +17,7 @@ namespace {
 constexpr double kNanosecondsPerSecond = 1e9;
 constexpr double kOffGrid = 0.25;  // [steps] by which a time stamp may miss the plant's grid, jitter of the recorder's clock aside
 
-std::vector<double> values_or_nothing(const std::vector<msgs::Sensors>& sensors, double msgs::Sensors::*field) {
+std::vector<double> values_or_nothing(const std::vector<msgs::Sensors>& sensors, double msgs::Sensors::* field) {
   std::vector<double> values;
   for (const msgs::Sensors& message : sensors) {
     if (!std::isfinite(message.*field)) return {};

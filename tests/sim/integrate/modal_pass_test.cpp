@@ -27,9 +27,12 @@ std::vector<double> drawn(std::mt19937_64& generator, int count) {
 struct Case {
   explicit Case(unsigned seed) : generator(seed) {}
   std::mt19937_64 generator;
-  std::vector<double> free = drawn(generator, kModes * free_term::count), end = drawn(generator, kModes * end_term::count),
-                      held = drawn(generator, kModes * held_term::count), shapes = drawn(generator, kModes * shape_term::count),
-                      q0 = drawn(generator, kModes), v0 = drawn(generator, kModes);
+  std::vector<double> free = drawn(generator, kModes* free_term::count);
+  std::vector<double> end = drawn(generator, kModes* end_term::count);
+  std::vector<double> held = drawn(generator, kModes* held_term::count);
+  std::vector<double> shapes = drawn(generator, kModes* shape_term::count);
+  std::vector<double> q0 = drawn(generator, kModes);
+  std::vector<double> v0 = drawn(generator, kModes);
 };
 
 struct Passed {

@@ -131,7 +131,7 @@ TEST(AcceptanceChecks, TheEmergencyStopIsMeasured) {
   // Linear to zero in 1.5 s, then 8 % past it, decaying.
   run.speed = [](double t) {
     return t < 1.0 ? 0.0 : t < 5.0 ? (t - 1.0) / 4.0 : t < 10.0 ? 1.0 : t < 11.5 ? 1.0 - (t - 10.0) / 1.5
-                                                                                  : -0.32 * (t - 11.5) * std::exp(-(t - 11.5) / 0.68) ;
+                                                                                  : -0.32 * (t - 11.5) * std::exp(-(t - 11.5) / 0.68);
   };
   // The triangle 0.05 rad/s * 1.5 s / 2 is 2.149 deg.
   EXPECT_NEAR(check(run, "stop distance").measured, 2.149, 0.005);

@@ -134,7 +134,7 @@ TEST_F(DiagnoseCommand, FindsTheEffectAndWritesACraneThatRunTakes) {
   EXPECT_EQ(diagnose.output().rfind(contents(out() / "summary.txt"), 0), 0u) << diagnose.output();
   EXPECT_NE(diagnose.complaints().find("100 %"), std::string::npos) << diagnose.complaints();
   const std::string page = contents(out() / "diagnosis.html");
-  for (const char* word : {"dragging_brake", "Is there a gap?  Yes", "Plotly.newPlot", "missing torque", "bending 2, 5.2 Hz"}) EXPECT_NE(page.find(word), std::string::npos) << word;
+  for (const char* word : {"dragging_brake", "Is there a gap?  Yes", "Plotly.react", "missing torque", "bending 2, 5.2 Hz"}) EXPECT_NE(page.find(word), std::string::npos) << word;
 
   EXPECT_NE(contents(out() / "crane_with_effect.yaml").find("elements: {value: 12,"), std::string::npos);  // kBoomElements, fit.h
   EXPECT_NE(contents(out() / "crane_with_effect.yaml").find(", 90 %: "), std::string::npos) << "sizes with their intervals";

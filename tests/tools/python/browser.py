@@ -27,9 +27,8 @@ class Browser:
              "--disable-component-update", "--disable-sync", "--disable-quic", "--hide-scrollbars", "--disable-dev-shm-usage",
              "--disable-background-timer-throttling", "--disable-renderer-backgrounding", "--disable-backgrounding-occluded-windows",
              "--remote-debugging-port=0", f"--user-data-dir={self.profile.name}", "about:blank"],
-            # A sanitizer's runtime, which the interpreter loads for our extension, is none of the browser's.
-            env={name: value for name, value in os.environ.items() if name != "LD_PRELOAD"},
-            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+            env={name: value for name, value in os.environ.items() if name != "LD_PRELOAD"})  # a sanitizer's runtime is not for it
         told = Path(self.profile.name) / "DevToolsActivePort"
         until(lambda: told.is_file() and "\n" in told.read_text(), "Chromium tells its port")
         self.port = told.read_text().split()[0]

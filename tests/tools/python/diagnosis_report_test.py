@@ -9,6 +9,7 @@ import unittest
 from pathlib import Path
 
 import diagnosis_report
+from picture_page import unpacked
 from run_log import REPOSITORY
 
 COLUMNS = ("time_s", "speed", "missing_torque", "missing_torque_after", "torque", "torque_before", "torque_after", "tip",
@@ -29,7 +30,8 @@ class DiagnosisReportTest(unittest.TestCase):
 
     def page(self):
         (self.folder / "diagnosis.json").write_text(json.dumps(self.found))
-        return diagnosis_report.page(str(self.folder))
+        page = diagnosis_report.page(str(self.folder))
+        return page + unpacked(page)
 
     def test_a_controller_that_differs_with_its_effects_left_out_has_no_cause_to_draw(self):
         page = self.page()

@@ -45,6 +45,18 @@ class NewTest(unittest.TestCase):
         self.assertEqual((code, said), (0, f"{crane}: OK\n{controller}: OK\n{scenario}: OK\n"))
         self.assertIn("\ncrane: mine/crane.yaml\ncontroller: control/controller.yaml\n", scenario.read_text())
 
+    def test_an_axis_runs_with_a_controller_and_a_scenario_of_its_own(self):
+        axis, controller, scenario = (self.folder / name for name in ("axis.yaml", "controller.yaml", "scenario.yaml"))
+        self.made("axis", axis)
+        self.made("controller", controller, "--axis", axis)
+        self.made("scenario", scenario, "--axis", axis, "--controller", controller)
+        code, said = slewlab("check", axis, controller, scenario)
+        self.assertEqual((code, said), (0, f"{axis}: OK\n{controller}: OK\n{scenario}: OK\n"))
+        self.assertIn("\naxis: axis.yaml\n", scenario.read_text())
+        code, said = slewlab("new", "axis", self.folder / "other.yaml", "--axis", axis)
+        self.assertEqual(code, 2)
+        self.assertIn("a machine beside a new axis", said)
+
     def test_a_controller_has_the_numbers_of_its_machine(self):
         offshore = REPOSITORY / "config" / "cranes" / "offshore_900t.yaml"
         self.made("controller", self.folder / "controller.yaml", "--crane", offshore)

@@ -38,6 +38,17 @@ class RunTest(unittest.TestCase):
                 slewlab.Scenario(scenario, changes).run(log=in_process)
                 self.assertEqual(in_process.read_bytes(), by_command.read_bytes())
 
+    def test_a_run_over_lcm_is_the_run_in_the_process(self):
+        scenario = slewlab.Scenario(SLEW, {"duration": 5, "crane.load.mass": "20 t"})
+        own = scenario.run()
+        with tempfile.TemporaryDirectory() as folder:
+            log = scenario.run_over_lcm(folder)
+            self.assertEqual(log.remarks, [])
+            for channel in own.channels:
+                self.assertEqual(log.messages(channel).tobytes(), own.messages(channel).tobytes())
+            with self.assertRaisesRegex(slewlab.ProgramFailed, "thesis_slew.yaml"):  # what the command said
+                slewlab.Scenario(SLEW, {"duration": 5}).run_over_lcm(Path(folder) / "other", "exit 3")
+
     def test_a_log_opened_is_the_run_that_wrote_it(self):
         with tempfile.TemporaryDirectory() as folder:
             path = Path(folder) / "run.lcmlog"
@@ -184,6 +195,18 @@ class ControlTest(unittest.TestCase):
         linear = scenario.machine.state_space().step("shaft_speed_1", speed.index.to_numpy(), 5.0)
         # Rope and rod swing by less than a degree; the fixed step's error at 1 ms is below a thousandth (docs/benchmarks.md).
         np.testing.assert_allclose(speed, linear, rtol=0, atol=2e-3 * np.abs(linear).max())
+
+    def test_python_control_gets_the_same_system_with_its_names(self):
+        import control
+
+        system = slewlab.Machine(slewlab.config("cranes/thesis.yaml")).state_space()
+        other = system.to_control()
+        self.assertEqual((other.state_labels, other.input_labels, other.output_labels),
+                         (list(system.states), list(system.inputs), list(system.outputs)))
+        frequencies = np.geomspace(0.1, 30.0, 20)
+        # Their response is (outputs, inputs, frequencies), over rad/s.
+        theirs = control.frequency_response(other, 2 * np.pi * frequencies).complex
+        np.testing.assert_allclose(np.moveaxis(theirs, 2, 0), system.response(frequencies), rtol=1e-6, atol=1e-9 * np.abs(theirs).max())
 
     def test_modes_are_the_state_matrix_eigenvalues(self):
         crane = slewlab.Machine(slewlab.config("cranes/thesis.yaml"))

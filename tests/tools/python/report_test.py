@@ -1,3 +1,4 @@
+import base64
 import contextlib
 import io
 import json
@@ -6,8 +7,12 @@ import tempfile
 import unittest
 from pathlib import Path
 
+import numpy as np
+
 import made_run
 import report
+from browser import Browser
+from picture_page import rounded, series_of, unpacked
 from run_numbers import finding, numbers, read_run, table
 
 
@@ -57,10 +62,12 @@ class ReportTest(unittest.TestCase):
         self.assertEqual((code, err), (0, ""))
         self.assertIn("crossings of the play", out)
         text = (folder / "report.html").read_text()
+        drawn = unpacked(text)
         self.assertIsNone(re.search(r"<(script|link|img)[^>]+(src|href)=", text), "the page loads something")
         for title in ("slewing speed", "motor torque", "gearbox torque", "tip acceleration", "house acceleration",
                       "load angles", "spectrum before the stop", "spectrum after the stop", "bending 1"):
-            self.assertIn(title, text)
+            self.assertIn(title, drawn)
+        self.assertIn("plotly.js", unpacked(text, "library")[:100])
         self.assertEqual(list(folder.glob("*.partial")), [])
 
     def test_a_real_cranes_log_alone_is_drawn_as_far_as_it_goes(self):
@@ -76,11 +83,11 @@ class ReportTest(unittest.TestCase):
         self.assertRegex(out, r"peak house acceleration +not in the log")
         self.assertRegex(out, r"crossings of the play, per gearbox +not in the log")
         self.assertRegex(out, r"largest motor torque +240 Nm per motor")
-        text = (self.folder / "site.html").read_text()
+        drawn = unpacked((self.folder / "site.html").read_text())
         for title in ("motor speed", "motor torque", "tip acceleration", "spectrum"):
-            self.assertIn(f"{title}\\u003cbr", text)
+            self.assertIn(f"{title}<br", drawn)
         for title in ("slewing speed", "gearbox torque", "house acceleration", "load angles"):
-            self.assertNotIn(f"{title}\\u003cbr", text)
+            self.assertNotIn(f"{title}<br", drawn)
 
     def test_a_run_that_ended_early_says_so_before_anything_else(self):
         folder = made_run.write_run(self.folder / "a")
@@ -111,6 +118,94 @@ class ReportTest(unittest.TestCase):
         other.facts["controller_command"] = "./mine"
         other.facts["play_compensation"] = False
         self.assertEqual(report.headings([on, other]), ["a", "c"])
+
+    def test_a_drawn_point_keeps_what_a_screen_can_show(self):
+        values = np.array([1.0, -3.14159265, 1e-30, 0.0, np.nan, np.inf, -7.5e8])
+        np.testing.assert_allclose(rounded(values), values, rtol=2.0**-15)
+        even = series_of(np.arange(100) * 0.01, np.zeros(100))
+        self.assertEqual((even["x0"], round(even["dx"], 9), "x" in even), (0.0, 0.01, False))
+        self.assertIn("x", series_of(np.array([0.0, 1.0, 3.0]), np.zeros(3)))
+
+    def views_of(self, *names):
+        page = self.folder / "page.html"
+        self.assertEqual(self.call(*(self.folder / name for name in names), "--out", page, "--quiet")[0], 0)
+        return json.loads(unpacked(page.read_text()))[0]
+
+    def points(self, told, view, name):
+        """(x, y) of the first trace of that name in a view."""
+        trace = next(trace for trace in told["views"][view]["traces"] if trace["name"] == name)
+        drawn = told["series"][trace["series"]]
+        y = np.frombuffer(base64.b64decode(drawn["y"]["bdata"]), "f4")
+        return drawn["x0"] + drawn["dx"] * np.arange(len(y)) if "x0" in drawn else np.frombuffer(base64.b64decode(drawn["x"]["bdata"]), "f4"), y
+
+    def test_two_runs_are_shown_side_by_side_over_each_other_and_as_their_difference(self):
+        weaker = made_run.messages()
+        for _, _, message in weaker:
+            if hasattr(message, "tip_acceleration"):
+                message.tip_acceleration *= 0.5
+        made_run.write_run(self.folder / "a")
+        made_run.write_run(self.folder / "b", events=weaker)
+        told = self.views_of("a", "b")
+        self.assertEqual(list(told["views"]), ["side by side", "over each other", "difference, A minus B"])
+        self.assertEqual(told["views"]["side by side"]["instead"], "over each other")
+        time, apart = self.points(told, "difference, A minus B", "tip")
+        np.testing.assert_allclose(apart, [0.5 * made_run.tip_acceleration(t) for t in time], atol=1e-3)
+        _, house = self.points(told, "difference, A minus B", "house")
+        np.testing.assert_array_equal(house, 0.0)
+        np.testing.assert_array_equal(self.points(told, "over each other", "A tip")[1], self.points(told, "side by side", "tip")[1])
+        # Every series once, however often it is drawn.
+        side, over = (told["views"][view]["traces"] for view in ("side by side", "over each other"))
+        self.assertEqual({trace["series"] for trace in side}, {trace["series"] for trace in over})
+
+    def test_the_difference_of_other_rates_is_taken_where_both_have_an_instant(self):
+        made_run.write_run(self.folder / "a")
+        half = made_run.messages()
+        half = [event for event in half if event[0] != "SENSORS" or (event[1] // 5_000_000 % 2 == 0 and 4_000_000_000 <= event[1] <= 9_000_000_000)]
+        made_run.write_run(self.folder / "b", events=half)
+        time, apart = self.points(self.views_of("a", "b"), "difference, A minus B", "tip")
+        self.assertAlmostEqual(float(time[0]), 4.0, places=6)
+        self.assertAlmostEqual(float(time[-1]), 9.0, places=6)
+        self.assertLess(np.max(np.abs(apart)), 0.002)  # a line through every other sample of 5.2 Hz: (w T)^2 / 8 of 0.12, with T = 10 ms
+
+    def test_a_page_is_small(self):
+        made_run.write_run(self.folder / "a")
+        self.views_of("a")
+        self.assertLess((self.folder / "page.html").stat().st_size, 1_000_000)
+
+    # Words that lie over each other: pairs of texts of the picture whose boxes have more than a pixel in common.
+    OVERLAPS = """(() => {
+        const texts = [...document.querySelectorAll("#picture text")].filter((e) => e.textContent.trim() && e.getBoundingClientRect().width > 0);
+        const boxes = texts.map((e) => e.getBoundingClientRect()), found = [];
+        for (let i = 0; i < boxes.length; ++i) for (let k = 0; k < i; ++k) {
+          const a = boxes[i], b = boxes[k];
+          if (Math.min(a.right, b.right) - Math.max(a.left, b.left) > 1 && Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 1)
+            found.push(texts[i].textContent + " | " + texts[k].textContent);
+        }
+        return found;
+    })()"""
+
+    def test_no_label_lies_over_another_at_any_width_and_all_are_readable_in_the_dark(self):
+        made_run.write_run(self.folder / "a")
+        made_run.write_run(self.folder / "b_with_a_name_as_long_as_a_name_may_be")
+        self.views_of("a", "b_with_a_name_as_long_as_a_name_may_be")
+        with Browser() as browser:
+            for width, dark in ((1400, False), (800, True), (420, True)):
+                page = browser.open((self.folder / "page.html").as_uri(), width, 900, dark)
+                page.until("document.getElementById('picture').dataset.drawn")
+                names = page.value("[...document.querySelectorAll('.views button')].filter((b) => !b.hidden).map((b) => b.value)")
+                self.assertEqual(len(names), 2 if width == 420 else 3)
+                for name in names:
+                    page.value(f"document.querySelector('button[value=\"{name}\"]').click()")
+                    page.until(f"document.getElementById('picture').dataset.drawn === '{name}'")
+                    with self.subTest(width=width, view=name):
+                        self.assertEqual(page.value(self.OVERLAPS), [])
+                        self.assertLessEqual(page.value("document.documentElement.scrollWidth"), width)
+                fill = page.value("getComputedStyle(document.querySelector('#picture .ytick text')).fill")
+                back = page.value("getComputedStyle(document.body).backgroundColor")
+                bright = [sum(map(int, re.findall(r"\d+", colour)[:3])) / 765 for colour in (fill, back)]
+                self.assertGreater(bright[0] - bright[1] if dark else bright[1] - bright[0], 0.6, (fill, back))
+                self.assertEqual(page.complaints, [])
+                browser.close(page)
 
     def test_the_finding_says_what_the_numbers_say(self):
         quiet = made_run.messages()

@@ -15,9 +15,12 @@ PROGRAM = messages_folder().parent / "bin" / "slewlab"
 
 
 class CoreLoader(yaml.SafeLoader):
-    """Numbers as YAML 1.2 has them, as common/yaml_node reads them: 1e-3 is one."""
+    """Values as YAML 1.2 has them, as common/yaml_node reads them: 1e-3 is a number, on is a word."""
 
 
+CoreLoader.yaml_implicit_resolvers = {
+    first: [(tag, form) for tag, form in resolvers if tag != "tag:yaml.org,2002:bool"] for first, resolvers in CoreLoader.yaml_implicit_resolvers.items()}
+CoreLoader.add_implicit_resolver("tag:yaml.org,2002:bool", re.compile(r"^(true|false)$"), list("tf"))
 CoreLoader.add_implicit_resolver("tag:yaml.org,2002:float", re.compile(r"^[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?$"), list("-+.0123456789"))
 
 
@@ -50,6 +53,26 @@ class SchemaTest(unittest.TestCase):
             with self.subTest(file=path.name):
                 self.assertEqual(self.complaints(tree), [])
         self.assertEqual(kinds, set(self.validators))
+
+    def test_maps_keep_to_theirs_as_their_reader_has_it(self):
+        validator = jsonschema.Draft202012Validator(schema_of("import_map"))
+        jsonschema.Draft202012Validator.check_schema(validator.schema)
+        blocks = [block for page in ("import.md", "axis.md") for block in
+                  re.findall(r"```yaml\n(.*?)```", (REPOSITORY / "docs" / page).read_text(encoding="utf-8"), re.DOTALL)
+                  if "kind: import_map" in block]
+        self.assertEqual(len(blocks), 2)
+        for block in blocks:
+            tree = yaml.load(block, Loader=CoreLoader)
+            self.assertEqual([error.json_path + ": " + error.message for error in validator.iter_errors(tree)], [])
+
+            def refused(change, tree=tree):
+                changed = copy.deepcopy(tree)
+                change(changed)
+                return " ".join(str(error) for error in validator.iter_errors(changed))
+
+            self.assertIn("'timme' was unexpected", refused(lambda t: t.update(timme=t["time"])))
+            self.assertIn("'motor_torque' is a required property", refused(lambda t: t.pop("motor_torque")))
+            self.assertIn("'lb' is not one of", refused(lambda t: t["time"].update(unit="lb")))
 
     def test_what_check_refuses_of_form_the_schema_refuses_too(self):
         crane = load(REPOSITORY / "config" / "cranes" / "thesis.yaml")

@@ -16,12 +16,13 @@ class SetupTest(unittest.TestCase):
         self.root = Path(temporary.name)
         (self.root / "tools" / "python").mkdir(parents=True)
         shutil.copy(REPOSITORY / "tools" / "setup", self.root / "tools" / "setup")
-        requirements = shutil.copy(REPOSITORY / "tools" / "python" / "requirements.txt", self.root / "tools" / "python")
+        names = ("requirements.txt", "requirements_development.txt")
+        wanted = [Path(shutil.copy(REPOSITORY / "tools" / "python" / name, self.root / "tools" / "python")) for name in names]
         # A Python side that is as the requirements want it.
         version = subprocess.run(["/usr/bin/python3", "--version"], capture_output=True, text=True).stdout.strip()
         (self.root / ".venv" / "bin").mkdir(parents=True)
         self.stand_in(".venv/bin/python", 'echo "venv python $*" >>"$CALLS"')
-        (self.root / ".venv" / "slewlab-requirements").write_text(f"{version} {Path(requirements).read_text()}")
+        (self.root / ".venv" / "slewlab-requirements").write_text(f"{version} " + "".join(path.read_text() for path in wanted))
 
     def stand_in(self, name, script):
         path = self.root / name

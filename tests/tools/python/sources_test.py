@@ -1,0 +1,49 @@
+"""The form of the C++ sources (tools/format), and slips that clang-tidy finds. It takes seconds a file where a header is large,
+so that the suite looks at the two rooms that everything stands on."""
+
+import os
+import runpy
+import subprocess
+import unittest
+
+import yaml
+
+from run_log import REPOSITORY, messages_folder
+
+ENVIRONMENT = {name: value for name, value in os.environ.items() if name != "LD_PRELOAD"}  # a sanitizer's runtime is not for them
+PROGRAMS = REPOSITORY / ".venv" / "bin"
+
+
+class FormatTest(unittest.TestCase):
+    def test_the_sources_have_their_form(self):
+        ended = subprocess.run([REPOSITORY / "tools" / "format", "--check"], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=300, env=ENVIRONMENT)
+        self.assertEqual((ended.returncode, ended.stdout + ended.stderr), (0, ""))
+
+    def test_spaces_change_within_a_line_and_nothing_else_does(self):
+        merged = runpy.run_path(str(REPOSITORY / "tools" / "format"))["merged"]
+        text = b"int  a=1; // one\nint b = f(1,\n  2);   \nint table[]{10,   2};\n"
+        # As clang-format tells it: (offset, length, blanks).
+        replacements = [(3, 2, b" "), (6, 0, b" "), (7, 0, b" "), (9, 1, b"  "), (29, 3, b" "), (55, 3, b" ")]
+        self.assertEqual(merged(text, replacements), b"int  a = 1;  // one\nint b = f(1,\n  2);\nint table[]{10,   2};\n")
+
+
+class TidyTest(unittest.TestCase):
+    def test_clang_tidy_finds_no_slip(self):
+        files = sorted([*(REPOSITORY / "common").glob("*.cpp"), *(REPOSITORY / "controller").glob("*.cpp")])
+        self.assertGreater(len(files), 15)
+        ended = subprocess.run([PROGRAMS / "clang-tidy", "--quiet", *files, "--", "-std=c++20", f"-I{REPOSITORY}", f"-I{messages_folder().parent / 'generated'}"],
+                               cwd=REPOSITORY, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=550, env=ENVIRONMENT)
+        found = [line for line in ended.stdout.splitlines() if ": error:" in line or ": warning:" in line]
+        self.assertEqual((ended.returncode, found), (0, []), ended.stderr[-2000:])
+
+
+class HostedTest(unittest.TestCase):
+    def test_a_hosted_ci_calls_scripts_that_are_there(self):
+        jobs = yaml.safe_load((REPOSITORY / ".github" / "workflows" / "test.yml").read_text(encoding="utf-8"))["jobs"]
+        called = {step["run"].split()[0] for job in jobs.values() for step in job["steps"] if step.get("run", "").startswith("tools/")}
+        self.assertLessEqual({"tools/test", "tools/sanitize", "tools/compare-compilers", "tools/docs"}, called)
+        self.assertEqual([script for script in called if not (REPOSITORY / script).is_file()], [])
+
+
+if __name__ == "__main__":
+    unittest.main()
