@@ -252,7 +252,7 @@ void validate_lead(Problem& problem, const WhiteningSettings& whitening, const s
     const std::optional<Point> part = fitted_part(problem.catalogue, lead);
     if (!part) break;
     if (parts.empty()) {
-      for (const HeldOutPart part : {HeldOutPart::last, HeldOutPart::first}) parts.emplace_back(problem, whitening, part);
+      for (const HeldOutPart held : {HeldOutPart::last, HeldOutPart::first}) parts.emplace_back(problem, whitening, held);
       nominal = of_both([&](HeldOutData& data) { return data.error({}, controller); });
       parameters = of_both([&](HeldOutData& data) {
         const HeldOut fitted = data.fit(parameters_of_all);

@@ -141,14 +141,15 @@ NextManoeuvre next_manoeuvre(const std::vector<Hypothesis>& hypotheses, const st
   return {candidates[best], tried[best].gain, entropy(probability), hypotheses[0].name, hypotheses[1].name, tried[best].separation};
 }
 
-std::string scenario_text(const NextManoeuvre& next, const std::string& crane, const std::string& controller, const controller::ControllerSettings& settings) {
+std::string scenario_text(const NextManoeuvre& next, const std::string& crane, const std::string& controller, const controller::ControllerSettings& settings, double plant_step) {
   const double ramp = settings.ramp.acceleration_time;
   const auto quantity = [](double value, const char* unit) { return fmt::format("{{value: {:.4g}, unit: {}, source: slewlab diagnose}}", value, unit); };
   std::string text = fmt::format(
       "kind: scenario\ndescription: >-\n  What tells most about the cause: {:.2f} bits of {:.2f} that are open; {} and {} differ most in the {}.\n\n"
-      "crane: {}\ncontroller: {}\n\nduration: {}\ncontroller_period: {}\nseed: {{value: 1, unit: \"-\", source: \"chosen: any\"}}\n\noperator:\n",
+      "crane: {}\ncontroller: {}\n\nduration: {}\nplant_step: {}\ncontroller_period: {}\nseed: {{value: 1, unit: \"-\", source: \"chosen: any\"}}\n\n"
+      "telemetry:\n  sensors_period: {}\n  truth_period: {}\n  status_period: {{value: 1, unit: s, source: slewlab diagnose}}\n\noperator:\n",
       next.gain, next.open, next.first, next.second, next.separation.signal, crane, controller, quantity(kManoeuvreDuration * ramp, "s"),
-      quantity(1e3 * settings.period, "ms"));
+      quantity(1e3 * plant_step, "ms"), quantity(1e3 * settings.period, "ms"), quantity(1e3 * settings.period, "ms"), quantity(1e3 * settings.period, "ms"));
   for (const SpeedRequest& request : next.manoeuvre.requests) {
     text += fmt::format("  - time: {}\n    speed_request: {}\n", quantity(request.time * ramp, "s"), quantity(request.speed, "\"-\""));
   }

@@ -51,6 +51,6 @@ double entropy(const std::vector<double>& probability);                         
 
 // The manoeuvre as a scenario that `slewlab run` takes; paths as they are written there.
 std::string scenario_text(const NextManoeuvre& next, const std::string& crane, const std::string& controller,
-                          const controller::ControllerSettings& settings);
+                          const controller::ControllerSettings& settings, double plant_step);
 
 }  // namespace slewlab::diagnosis

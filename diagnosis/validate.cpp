@@ -17,6 +17,7 @@ namespace {
 
 constexpr int kHeldOutRounds = 3;       // at most, with fresh columns
 constexpr int kHeldOutSteps = 4;       // Gauss-Newton steps; what differs there is small, and linear nearly
+constexpr double kIdleStep = 1.0;      // fall of the cost that was too small for another one: a fifth of kBetter
 constexpr double kHeldOutStep = 0.1;   // [standard deviations] of a difference quotient
 constexpr int kChanceRounds = 2;        // of draws and a fit under their power
 // Relative deviation of a stochastic effect's size from one record to the next, each being one draw; of the logarithm of a power that nobody
@@ -93,11 +94,13 @@ Predicted predicted_from(Problem& problem, Point point, const Eigen::MatrixXd& o
     const Eigen::VectorXd change = -factor.solve(weight * columns.transpose() * result.difference + amount);
     Point moved_point = moved(problem.catalogue, point, axes * change);
     Eigen::VectorXd after = differences(problem, moved_point);
-    if (!(cost(after, amount + change) < cost(result.difference, amount))) break;
+    const double fall = cost(result.difference, amount) - cost(after, amount + change);
+    if (!(fall > 0.0)) break;
     result.price += (amount + change).squaredNorm() - amount.squaredNorm();
     amount += change;
     point = std::move(moved_point);
     result.difference = std::move(after);
+    if (fall < kIdleStep) break;
   }
   return result;
 }
@@ -191,21 +194,12 @@ HeldOut HeldOutData::fit_with_chance(const Point& answer) {
 HeldOut HeldOutData::fit(const Point& answer) {
   if (!stochastic_part(fitted_->catalogue, answer).empty()) return fit_with_chance(answer);
   HeldOut held{answer, {}, predicted_->records.front().name, from_time_, is_half_};
-  const auto fitted_from = [&](const Point& start) {
-    FitResult result = diagnosis::fit(*fitted_, Eigen::MatrixXd::Zero(difference_count(*fitted_), static_cast<Eigen::Index>(start.nuisance.size())), start);
-    settle(*fitted_, result, kHeldOutRounds);
-    return result;
-  };
+  // From where a fit of all records has led, so that a valley that is hard to find from afar is not missed.
   Point start = answer;
-  start.nuisance.assign(nuisance_count(*fitted_), 0.0);
-  FitResult result = fitted_from(start);
-  if (!answer.nuisance.empty()) {
-    // What a fit of all records has found leads to the same place, or to a better one that is hard to find from afar.
-    start.nuisance = answer.nuisance;
-    start.nuisance.erase(start.nuisance.begin() + left_out_.first, start.nuisance.begin() + left_out_.second);
-    FitResult other = fitted_from(start);
-    if (other.cost < result.cost) result = std::move(other);
-  }
+  if (start.nuisance.empty()) start.nuisance.assign(nuisance_count(*fitted_), 0.0);
+  else start.nuisance.erase(start.nuisance.begin() + left_out_.first, start.nuisance.begin() + left_out_.second);
+  FitResult result = diagnosis::fit(*fitted_, Eigen::MatrixXd::Zero(difference_count(*fitted_), static_cast<Eigen::Index>(start.nuisance.size())), start);
+  settle(*fitted_, result, kHeldOutRounds);
   held.point = result.point;
   held.open = open_part(*fitted_, result);
   return held;

@@ -80,8 +80,8 @@ class HeldOutData {
  public:
   HeldOutData(const Problem& problem, const WhiteningSettings& settings, HeldOutPart part);
 
-  // The hypothesis of `answer` fitted to what is not held out, from the nominal machine and from where `answer` stands, whichever ends lower; a
-  // stochastic effect's size from where it is.
+  // The hypothesis of `answer` fitted to what is not held out, from where `answer` stands; without
+  // amounts, from the nominal machine.
   HeldOut fit(const Point& answer);
   ValidationError error(const HeldOut& fitted, const std::optional<controller::ControllerSettings>& controller);
   // The cost of `point`, which has no stochastic effect, and beside it a power that nobody knows, as large as what it leaves of the fitted

@@ -88,7 +88,8 @@ std::optional<diagnosis::NextManoeuvre> manoeuvre_after(const sim::MachineSettin
   std::vector<diagnosis::Hypothesis> hypotheses;
   for (const Cause& cause : found.causes) {
     if (cause.probability < kLive || hypotheses.size() == kMostHypotheses) break;
-    const controller::ControllerSettings with = controller::with_effects(*controller, cause.controller_effects);
+    controller::ControllerSettings with = controller::with_effects(*controller, cause.controller_effects);
+    with.period = like.encoder_period;
     hypotheses.push_back({name_of(cause), cause.probability, diagnosis::machine_at(nominal, found.nuisances, cause.point), with});
   }
   if (hypotheses.size() < 2) return {};
@@ -488,7 +489,10 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
     if (next) {
       json["next_manoeuvre"] = {{"scenario", "next_manoeuvre.yaml"}, {"expected_gain_bits", next->gain}, {"open_bits", next->open},
                                 {"signal", next->separation.signal}, {"noise_floors", next->separation.noise_floors}};
-      findings.write("next_manoeuvre.yaml", diagnosis::scenario_text(*next, seen_from(options.crane, options.out), seen_from(options.controller, options.out), *controller));
+      controller::ControllerSettings at_its_rate = *controller;
+      at_its_rate.period = records.front().encoder_period;
+      findings.write("next_manoeuvre.yaml", diagnosis::scenario_text(*next, seen_from(options.crane, options.out), seen_from(options.controller, options.out),
+                                                                     at_its_rate, nominal.step));
     }
     const Record& last = *std::find_if(records.begin(), records.end(), [&](const Record& record) { return record.name == found.followed.record; });
     const std::string place = place_of_gaps(found, first, last);
