@@ -54,6 +54,11 @@ struct Play {
   double way_per_torque = 0.0;  // [rad/Nm] slew axis, of a free motor within the machine's characteristic time
 };
 
+Play play_of(const sim::CraneParameters& nominal, double time) {
+  const sim::DriveParameters& drive = nominal.drive;
+  return {sim::gear_contact(nominal).half_play, sim::total_ratio(drive), 0.5 * time * time * drive.motors_per_group * sim::total_ratio(drive) / sim::group_inertia(drive)};
+}
+
 // Whether the torques then push every motor across its play within the characteristic time.
 bool are_pushed(const Play& play, const Record& record, std::size_t from) {
   for (int g = 0; g < record.group_count; ++g) {
@@ -90,9 +95,7 @@ struct PossiblePlaces {
 // Where the gears may stand when the record begins, beside the middle of their play: on the flanks, or on their way to them, the house being
 // held meanwhile or turning with the motors.
 std::vector<PossiblePlaces> possible_first_places(const sim::CraneParameters& nominal, const Record& record, double time) {
-  const sim::DriveParameters& drive = nominal.drive;
-  const Play play{sim::gear_contact(nominal).half_play, sim::total_ratio(drive),
-                  0.5 * time * time * drive.motors_per_group * sim::total_ratio(drive) / sim::group_inertia(drive)};
+  const Play play = play_of(nominal, time);
   if (play.half <= 0.0) return {};
   std::vector<PossiblePlaces> places;
   if (are_pushed(play, record, 0)) places.push_back({{0.0, 0.0}, keep_their_places(play, record, 0, time, kKeptAtFirst)});
@@ -111,6 +114,18 @@ std::vector<PossiblePlaces> possible_first_places(const sim::CraneParameters& no
     break;
   }
   return places;
+}
+
+// A record in motion begins where its gears can be told: where the torques press every group against a flank, and the groups keep their places
+// to each other from then on. Nothing is taken off where that is nowhere in its first third.
+void begin_where_gears_are_known(const sim::CraneParameters& nominal, double time, Record& record) {
+  const Play play = play_of(nominal, time);
+  if (!record.begins_in_motion || play.half <= 0.0) return;
+  for (std::size_t from = 0; from < record.size() / 3; ++from) {
+    if (!are_pushed(play, record, from) || !keep_their_places(play, record, from, time, from == 0 ? kKeptAtFirst : 1.0)) continue;
+    leave_out_beginning(record, from);
+    return;
+  }
 }
 
 double missing_power(const Record& record, const Shadow& follower) {
@@ -201,6 +216,7 @@ Followed admit(std::vector<Record> records, const WhiteningSettings& whitening, 
     check_same_groups(record, problem.nominal.crane);
     check_groups(record, problem.nominal.crane);
     remarks.insert(remarks.end(), record.remarks.begin(), record.remarks.end());
+    begin_where_gears_are_known(problem.nominal.crane, problem.thresholds.time, record);
     Following following = follow_from_its_beginning(problem, record, whitening);
     Shadow& follower = following.follower;
     check_followed(record, follower);

@@ -237,10 +237,13 @@ void hand_on(double share, const std::function<bool(const std::string&)>& is_dou
 }
 
 // No cause leads that does not predict data that were not fitted better than the nominal machine and than parameters alone.
+// `parameters_of_all` is where parameters alone stand, fitted to all records.
 void validate_lead(Problem& problem, const WhiteningSettings& whitening, const std::optional<controller::ControllerSettings>& controller,
-                   Diagnosis& diagnosis) {
-  std::optional<HeldOutData> held_out;  // once there is a lead to ask
-  Point parameters_point;
+                   const Point& parameters_of_all, Diagnosis& diagnosis) {
+  std::vector<HeldOutData> parts;  // held out each in its turn, once there is a lead to ask
+  // What `ask` says of both together.
+  const auto of_both = [&](const std::function<ValidationError(HeldOutData&)>& ask) { return together(ask(parts[0]), ask(parts[1])); };
+  std::vector<Point> parameters_points;  // of each part
   ValidationError nominal, parameters;
   for (int tried = 0;; ++tried) {
     sort_causes(diagnosis.causes);
@@ -248,11 +251,14 @@ void validate_lead(Problem& problem, const WhiteningSettings& whitening, const s
     if (lead.effects.empty() || lead.validation || diagnosis.probability_unknown > lead.probability) break;
     const std::optional<Point> part = fitted_part(problem.catalogue, lead);
     if (!part) break;
-    if (!held_out) {
-      held_out.emplace(problem, whitening, diagnosis.followed.nominal);
-      nominal = held_out->error({}, controller);
-      parameters_point = held_out->fit({}).point;
-      parameters = held_out->error(parameters_point, controller);
+    if (parts.empty()) {
+      for (const HeldOutPart held : {HeldOutPart::last, HeldOutPart::first}) parts.emplace_back(problem, whitening, held);
+      nominal = of_both([&](HeldOutData& data) { return data.error({}, controller); });
+      parameters = of_both([&](HeldOutData& data) {
+        const HeldOut fitted = data.fit(parameters_of_all);
+        parameters_points.push_back(fitted.point);
+        return data.error(fitted, controller);
+      });
     }
     const bool is_nothing_left = std::min(nominal.residual_ratio, parameters.residual_ratio) <= 1.0;
     if (tried == kMostValidated) {
@@ -262,19 +268,24 @@ void validate_lead(Problem& problem, const WhiteningSettings& whitening, const s
       diagnosis.remarks.push_back("no cause that was tried predicts data that were not fitted better than the nominal machine");
       continue;
     }
-    HeldOut fitted = held_out->fit(*part);
+    std::vector<HeldOut> fitted;
+    for (HeldOutData& data : parts) fitted.push_back(data.fit(*part));
     Validation validation{nominal, parameters, {}, {}, false};
     std::optional<controller::ControllerSettings> with = controller;
     if (with) with = controller::with_effects(*controller, lead.controller_effects);
-    validation.cause = held_out->error(fitted.point, with);
+    validation.cause = together(parts[0].error(fitted[0], with), parts[1].error(fitted[1], with));
     if (!stochastic_part(problem.catalogue, *part).empty()) {
-      const Point rest = without_stochastic(problem.catalogue, fitted.point);
-      validation.unknown_cost = std::min(held_out->unknown_cost(rest), held_out->unknown_cost(parameters_point));
+      double with_the_rest = 0.0, with_parameters = 0.0;
+      for (std::size_t i = 0; i < parts.size(); ++i) {
+        with_the_rest += parts[i].unknown_cost(without_stochastic(problem.catalogue, fitted[i].point));
+        with_parameters += parts[i].unknown_cost(parameters_points[i]);
+      }
+      validation.unknown_cost = std::min(with_the_rest, with_parameters);
     }
     validation.holds = holds(validation);
     lead.validation = validation;
     if (validation.holds) {
-      diagnosis.held_out = std::move(fitted);
+      diagnosis.held_out = std::move(fitted.front());
       break;
     }
     const bool is_better_without_stochastic = validation.unknown_cost && !is_nothing_left;
@@ -288,9 +299,10 @@ void validate_lead(Problem& problem, const WhiteningSettings& whitening, const s
       take_away(1.0, is_nothing_left, lead, diagnosis);
     }
   }
-  if (!held_out) return;
-  problem.simulations += held_out->simulations();
-  problem.simulation_time += held_out->simulation_time();
+  for (const HeldOutData& data : parts) {
+    problem.simulations += data.simulations();
+    problem.simulation_time += data.simulation_time();
+  }
 }
 
 // An effect that was fitted to the end of its range is at best half an answer: a larger one would fit better. Nor is one whose interval
@@ -329,6 +341,20 @@ void doubt_what_no_machine_has(const Problem& problem, Diagnosis& diagnosis) {
       hand_on(0.5, [&](const std::string& one) { return one == effect.name; }, cause, diagnosis);
     }
   }
+}
+
+// The fit whose residual nobody has explained: that of the answer, or of parameters alone where there is none. Null where only draws of its stochastic
+// effects are left, which follow nothing.
+const FitResult* unexplained_fit(const Problem& problem, const Found& found, const Diagnosis& diagnosis, const Cause& first) {
+  if (!diagnosis.gap) return nullptr;
+  if (diagnosis.is_unknown || first.point.effects.empty()) return &found.nothing;
+  if (!stochastic_part(problem.catalogue, first.point).empty()) return nullptr;
+  for (const FitResult& one : found.fits) {
+    const bool is_same = std::equal(one.point.effects.begin(), one.point.effects.end(), first.point.effects.begin(), first.point.effects.end(),
+                                    [](const common::EffectInstance& a, const common::EffectInstance& b) { return a.name == b.name; });
+    if (is_same) return &one;
+  }
+  return nullptr;
 }
 
 // What the answer's parameters say: swings of the load, and parameters that had to go farther than machines of one make differ.
@@ -421,7 +447,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   doubt_what_no_machine_has(problem, diagnosis);
   if (settings.hold_out && !diagnosis.causes.empty()) {
     tell(kHoldOut.from, "fitting without the last record");
-    validate_lead(problem, whitening, controller, diagnosis);
+    validate_lead(problem, whitening, controller, found.nothing.point, diagnosis);
   }
   sort_causes(diagnosis.causes);
   const common::EffectCatalogue known = controller ? joined(problem.catalogue, controller::effects_for(*controller)) : problem.catalogue;
@@ -429,6 +455,10 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   static const Cause kNone;
   const Cause& first = diagnosis.causes.empty() ? kNone : diagnosis.causes.front();
   name_answer(first, diagnosis);
+  if (const FitResult* const left = unexplained_fit(problem, found, diagnosis, first)) {
+    tell(kFollow.from, "looking for what the rest follows");
+    diagnosis.discrepancies = discrepancies(problem, *left);
+  }
   const Point& answer = first.point.nuisance.empty() ? base.point : first.point;
   remark_parameters(problem, answer, diagnosis);
 

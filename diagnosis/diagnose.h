@@ -11,6 +11,7 @@
 #include "diagnosis/cause.h"
 #include "diagnosis/controller_fit.h"
 #include "diagnosis/controller_replay.h"
+#include "diagnosis/discrepancy.h"
 #include "diagnosis/evidence.h"
 #include "diagnosis/fit.h"
 #include "diagnosis/search.h"
@@ -48,6 +49,7 @@ struct Diagnosis {
   int boom_elements = 0;                 // into which the boom was cut
   std::vector<BandShare> bands;
   std::vector<Moment> moments;
+  std::vector<Discrepancy> discrepancies;  // of what the answer, or parameters alone where it is unknown, leaves; empty: no more than noise
   std::vector<std::string> remarks;
   Nuisances nuisances;                   // that the points of the causes are told in
   std::vector<std::string> not_excited;  // effects of which no size that was tried, a typical one among them, changes these records enough to be named

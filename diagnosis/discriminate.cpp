@@ -12,23 +12,8 @@
 
 namespace slewlab::diagnosis {
 
-namespace {
-
-// In ramps of the controller from rest to top speed.
-constexpr double kDuration = 6.8;
-
-struct Request {
-  double time;   // [ramps]
-  double speed;  // [-]
-};
-
-struct Manoeuvre {
-  const char* name;
-  std::vector<Request> requests;
-};
-
 // Chosen: at full speed the machine turns for as long as it accelerates, and swings as long before it turns back.
-const std::vector<Manoeuvre>& manoeuvres() {
+const std::vector<Manoeuvre>& usual_manoeuvres() {
   static const std::vector<Manoeuvre> kManoeuvres{
       {"a slew there and back at half speed", {{0.23, 0.5}, {2.5, 0.0}, {3.64, -0.5}, {5.45, 0.0}}},
       {"a slew there and back at full speed", {{0.23, 1.0}, {2.5, 0.0}, {3.64, -1.0}, {5.45, 0.0}}},
@@ -44,18 +29,17 @@ Record blank_record(const Manoeuvre& manoeuvre, const controller::ControllerSett
   record.step = controller.period / std::max(1.0, std::round(controller.period / machine_step));
   record.encoder_period = controller.period;
   record.group_count = controller.group_count;
-  const auto size = static_cast<std::size_t>(std::lround(kDuration * ramp / record.step));
+  const auto size = static_cast<std::size_t>(std::lround(kManoeuvreDuration * ramp / record.step));
   for (int g = 0; g < record.group_count; ++g) {
     record.motor_torque[static_cast<std::size_t>(g)].assign(size, 0.0);
     record.shaft_speed[static_cast<std::size_t>(g)].assign(size, 0.0);
   }
-  for (const Request& request : manoeuvre.requests) {
+  for (const SpeedRequest& request : manoeuvre.requests) {
     record.operator_moves.push_back({std::llround(request.time * ramp * 1e9), request.speed, false, false});
   }
   return record;
 }
 
-// By unit: the noise of the machine's sensors, and what that of a speed becomes in a commanded torque.
 std::map<std::string, double, std::less<>> noise_floors(const sim::MachineDescription& machine, const controller::ControllerSettings& controller) {
   std::map<std::string, double, std::less<>> floors;
   for (const sim::Sensor& sensor : machine.sensors) {
@@ -66,13 +50,11 @@ std::map<std::string, double, std::less<>> noise_floors(const sim::MachineDescri
   return floors;
 }
 
-}  // namespace
-
 std::vector<Separation> separations(const sim::MachineSettings& one, const sim::MachineSettings& other,
                                     const controller::ControllerSettings& controller) {
   const auto floors = noise_floors(sim::describe(one.crane), controller);
   std::vector<Separation> all;
-  for (const Manoeuvre& manoeuvre : manoeuvres()) {
+  for (const Manoeuvre& manoeuvre : usual_manoeuvres()) {
     const Record blank = blank_record(manoeuvre, controller, one.step);
     const Record a = predict(one, controller, blank).series;
     const Record b = predict(other, controller, blank).series;

@@ -39,6 +39,8 @@ constexpr double kSpellStep = 0.05;    // of the time in which a spell fades: it
 constexpr double kStepDeviations = 2.0;  // the step where it is known how well the records tell the parameter, in what they leave open
 constexpr double kSmallestStep = 0.2;    // share of the first step, large against rounding
 
+}  // namespace
+
 Point moved(const common::EffectCatalogue& catalogue, const Point& point, const Eigen::VectorXd& change) {
   Point result = point;
   const auto nuisances = static_cast<Eigen::Index>(point.nuisance.size());
@@ -49,6 +51,8 @@ Point moved(const common::EffectCatalogue& catalogue, const Point& point, const 
   result.effects = effects_at(catalogue, point.effects, effect_coordinates(catalogue, point.effects) + change.tail(change.size() - nuisances));
   return result;
 }
+
+namespace {
 
 Eigen::VectorXd coordinates_of(const common::EffectCatalogue& catalogue, const Point& point) {
   const Eigen::VectorXd effects = effect_coordinates(catalogue, point.effects);
@@ -136,6 +140,14 @@ Eigen::MatrixXd covariance(const Problem& problem, const Point& point, const Eig
   return system.ldlt().solve(Eigen::MatrixXd::Identity(system.rows(), system.cols()));
 }
 
+}  // namespace
+
+Eigen::MatrixXd covariance(const Problem& problem, const FitResult& result) {
+  return covariance(problem, result.point, result.difference, result.columns);
+}
+
+namespace {
+
 // Steps of difference quotients where columns are known: no longer than what the records leave open, or a law's curvature is
 // taken for its slope.
 Eigen::VectorXd steps_at(const Problem& problem, const Point& point, const Eigen::VectorXd& difference, const Eigen::MatrixXd& columns) {
@@ -146,13 +158,6 @@ Eigen::VectorXd steps_at(const Problem& problem, const Point& point, const Eigen
     if (std::isfinite(open)) steps(i) *= std::clamp(open / steps(i), kSmallestStep, 1.0);
   }
   return steps;
-}
-
-// Where the differences of each record begin, and where the last ones end.
-std::vector<Eigen::Index> first_rows(const Problem& problem) {
-  std::vector<Eigen::Index> rows{0};
-  for (const Whitening& whitening : problem.whitening) rows.push_back(rows.back() + whitening.size());
-  return rows;
 }
 
 // Of nuisances that an effect holds: zero.
@@ -404,16 +409,27 @@ void SimulationStock::give_back(std::unique_ptr<SimulationRoom> room) {
 
 namespace {
 
-void shadow_at(const Problem& problem, Follower follower, const Point& point, std::size_t record, Shadow& result) {
-  shadow(std::move(follower), problem.records[record], problem.stock.drives(problem.records[record], record, problem.nominal.drive_protection),
-         problem.gains, encoder_latency(problem.nuisances, point.nuisance), beginning_of(problem.nuisances, point.nuisance, record), result);
+void shadow_at(const Problem& problem, Follower follower, const DriveCourse& drives, const Point& point, std::size_t record, Shadow& result) {
+  shadow(std::move(follower), problem.records[record], drives, problem.gains,
+         encoder_latency(problem.nuisances, point.nuisance), beginning_of(problem.nuisances, point.nuisance, record), result);
+}
+
+const DriveCourse& drives_of(const Problem& problem, std::size_t record) {
+  return problem.stock.drives(problem.records[record], record, problem.nominal.drive_protection);
 }
 
 }  // namespace
 
+std::vector<Eigen::Index> first_rows(const Problem& problem) {
+  std::vector<Eigen::Index> rows{0};
+  for (const Whitening& whitening : problem.whitening) rows.push_back(rows.back() + whitening.size());
+  return rows;
+}
+
 Shadow shadow_at(const Problem& problem, const Point& point, std::size_t record) {
   Shadow result;
-  shadow_at(problem, follower_of(machine_at(problem.nominal, problem.nuisances, point), problem.records[record].step), point, record, result);
+  shadow_at(problem, follower_of(machine_at(problem.nominal, problem.nuisances, point), problem.records[record].step), drives_of(problem, record), point,
+            record, result);
   return result;
 }
 
@@ -446,7 +462,10 @@ void share_out(Problem& problem, std::size_t count, const std::function<void(std
   if (failure) std::rethrow_exception(failure);
 }
 
-Eigen::VectorXd differences(Problem& problem, const Point& point) {
+namespace {
+
+// `courses` empty: the records'.
+Eigen::VectorXd differences_under(Problem& problem, const Point& point, std::span<const DriveCourse> courses) {
   const std::vector<Eigen::Index> first_row = first_rows(problem);
   Eigen::VectorXd result(first_row.back());
   const auto count_time = [&](std::chrono::steady_clock::time_point begun) {
@@ -472,7 +491,7 @@ Eigen::VectorXd differences(Problem& problem, const Point& point) {
     std::optional<Follower> follower = is_made ? made : machine_for(problem.records[r]);
     if (follower) {
       std::unique_ptr<SimulationRoom> room = problem.stock.take_room();
-      shadow_at(problem, std::move(*follower), point, r, room->shadow);
+      shadow_at(problem, std::move(*follower), courses.empty() ? drives_of(problem, r) : courses[r], point, r, room->shadow);
       whiten(problem.whitening[r], room->shadow, room->transform, rows);
       problem.stock.give_back(std::move(room));
     } else {
@@ -486,6 +505,14 @@ Eigen::VectorXd differences(Problem& problem, const Point& point) {
   if (problem.added_power == nullptr) return result;
   if (problem.added_power->mean.size() > 0) result += problem.added_power->mean;
   return divided(*problem.added_power, result);
+}
+
+}  // namespace
+
+Eigen::VectorXd differences(Problem& problem, const Point& point) { return differences_under(problem, point, {}); }
+
+Eigen::VectorXd differences(Problem& problem, const Point& point, std::span<const DriveCourse> courses) {
+  return differences_under(problem, point, courses);
 }
 
 std::vector<Eigen::VectorXd> differences(Problem& problem, std::span<const Point> points) {

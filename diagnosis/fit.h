@@ -124,6 +124,12 @@ Eigen::VectorXd differences(Problem& problem, const Point& point);
 // The same for many points.
 std::vector<Eigen::VectorXd> differences(Problem& problem, std::span<const Point> points);
 
+// The same at one point, under what `courses` say of the drives, one for each record, and not the records.
+Eigen::VectorXd differences(Problem& problem, const Point& point, std::span<const DriveCourse> courses);
+
+// Where the differences of each record begin, and where the last ones end.
+std::vector<Eigen::Index> first_rows(const Problem& problem);
+
 double mean_square(const Eigen::VectorXd& difference);
 
 // What of the differences noise alone does not explain: s (sum(d^2) - n).
@@ -167,6 +173,12 @@ FitResult fit(Problem& problem, const Eigen::MatrixXd& nuisance_columns, const P
 
 // Goes on with the nuisance columns of another fit, where that has any.
 void take_nuisance_columns(const Problem& problem, const Eigen::MatrixXd& columns, FitResult& result);
+
+// A point moved by `change` in coordinates, nuisances first, within all bounds.
+Point moved(const common::EffectCatalogue& catalogue, const Point& point, const Eigen::VectorXd& change);
+
+// Covariance of what the records and the priors leave open where a fit has ended, in coordinates, nuisances first.
+Eigen::MatrixXd covariance(const Problem& problem, const FitResult& result);
 
 // Where the fits have ended: prior, information, mean square and the spread of the sizes, from the curvature there.
 void conclude(const Problem& problem, FitResult& result);

@@ -26,7 +26,8 @@ inline constexpr Stage kRefinePairs{0.66, 0.745};
 inline constexpr Stage kConvergePairs{0.745, 0.85};
 inline constexpr Stage kGoBack{0.85, 0.945};
 inline constexpr Stage kLookForStochastic{0.945, 0.962};
-inline constexpr Stage kHoldOut{0.962, 1.0};
+inline constexpr Stage kHoldOut{0.962, 0.985};
+inline constexpr Stage kFollow{0.985, 1.0};
 
 // What of the time behind the screening is left where few effects promise something and parameters alone may be the answer.
 inline constexpr double kWithFewEffects = 0.794;

@@ -195,6 +195,16 @@ double find_quantum(const std::vector<msgs::Encoder>& encoder) {
 
 }  // namespace
 
+void leave_out_beginning(Record& record, std::size_t points) {
+  record.start_time = record.time(points);
+  const auto cut = [&](std::vector<double>& series) { series.erase(series.begin(), series.begin() + static_cast<std::ptrdiff_t>(std::min(points, series.size()))); };
+  for (auto* groups : {&record.motor_torque, &record.shaft_speed, &record.shaft_position, &record.position_rate}) {
+    for (std::vector<double>& series : *groups) cut(series);
+  }
+  for (std::vector<double>& series : record.acceleration) cut(series);
+  cut(record.slew_angle);
+}
+
 int accelerometer_at(const sim::Sensor& sensor) {
   const auto& all = kAccelerometers<msgs::Sensors>;
   const auto at = std::find_if(all.begin(), all.end(), [&](const auto& field) { return sensor.channel == msgs::kSensorsChannel && field.field == sensor.field; });

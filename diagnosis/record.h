@@ -95,6 +95,9 @@ class NotAdmitted : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+// Takes the first so many grid points off all series; what was said on the wire before stays known.
+void leave_out_beginning(Record& record, std::size_t points);
+
 // The accelerometer that a sensor of the description is; -1: none of them.
 int accelerometer_at(const sim::Sensor& sensor);
 

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <numbers>
+#include <numeric>
 #include <utility>
 
 #include "diagnosis/stochastic.h"
@@ -14,8 +16,9 @@ namespace slewlab::diagnosis {
 namespace {
 
 constexpr int kHeldOutRounds = 3;       // at most, with fresh columns
-constexpr int kBeginningSteps = 2;      // Gauss-Newton steps; what begins differently is small, and linear nearly
-constexpr double kBeginningStep = 0.1;  // [standard deviations] of a difference quotient
+constexpr int kHeldOutSteps = 4;       // Gauss-Newton steps; what differs there is small, and linear nearly
+constexpr double kIdleStep = 1.0;      // fall of the cost that was too small for another one: a fifth of kBetter
+constexpr double kHeldOutStep = 0.1;   // [standard deviations] of a difference quotient
 constexpr int kDrawRounds = 2;        // of draws and a fit under their power
 // Relative deviation of a stochastic effect's size from one record to the next, each being one draw; of the logarithm of a power that nobody
 // knows, which goes with what the manoeuvre does.
@@ -51,56 +54,95 @@ Whitening whitening_of_half(const Problem& problem, const WhiteningSettings& set
   return make_whitening(last, trusted, problem.gains, follower, settings);
 }
 
-// The differences of one record with what only its beginning is like (the load's swing, where the motors stand) fitted there, everything
-// else as it is.
-Eigen::VectorXd differences_from_its_beginning(Problem& problem, Point point) {
-  const std::size_t first = problem.nuisances.common_count(), count = problem.nuisances.per_record();
-  Eigen::VectorXd difference = differences(problem, point);
-  for (int step = 0; step < kBeginningSteps && count > 0; ++step) {
-    Eigen::MatrixXd columns(difference.size(), static_cast<Eigen::Index>(count));
-    Eigen::VectorXd amount(static_cast<Eigen::Index>(count));
-    for (std::size_t k = 0; k < count; ++k) {
-      Point moved = point;
-      moved.nuisance[first + k] += kBeginningStep;
-      columns.col(static_cast<Eigen::Index>(k)) = (differences(problem, moved) - difference) / kBeginningStep;
-      amount(static_cast<Eigen::Index>(k)) = point.nuisance[first + k];
-    }
-    const double weight = data_weight(difference, problem.settings);
+// One record as a hypothesis predicts it that was fitted to others: with what only its beginning is like (the load's swing, where the motors stand)
+// fitted there, and the rest free within what the other records leave open.
+struct Predicted {
+  Eigen::VectorXd difference;
+  double prior_cost = 0.0;  // of how far it moved, and Occam's
+};
+
+Predicted predicted_from(Problem& problem, Point point, const Eigen::MatrixXd& open) {
+  const auto common = static_cast<Eigen::Index>(problem.nuisances.common_count()), own = static_cast<Eigen::Index>(problem.nuisances.per_record());
+  const auto nuisances = static_cast<Eigen::Index>(point.nuisance.size());
+  const Eigen::Index effects = effect_coordinates(problem.catalogue, point.effects).size();
+  // Directions of the coordinates in which the prior is the unit ball.
+  const Eigen::Index free = open.cols();
+  Eigen::MatrixXd axes = Eigen::MatrixXd::Zero(nuisances + effects, own + free);
+  axes.block(common, 0, own, own).setIdentity();
+  if (free > 0) {
+    const Eigen::MatrixXd root = open.llt().matrixL();
+    axes.block(0, own, common, free) = root.topRows(common);
+    axes.block(nuisances, own, effects, free) = root.bottomRows(effects);
+  }
+  Eigen::VectorXd amount = Eigen::VectorXd::Zero(axes.cols());
+  for (Eigen::Index k = 0; k < own; ++k) amount(k) = point.nuisance[static_cast<std::size_t>(common + k)];
+  const auto cost = [&](const Eigen::VectorXd& difference, const Eigen::VectorXd& at) {
+    return discounted(excess(difference, problem.settings), problem.settings.law_freedom) + at.squaredNorm();
+  };
+  Predicted result{differences(problem, point), 0.0};
+  for (int step = 0; step < kHeldOutSteps && axes.cols() > 0; ++step) {
+    std::vector<Point> points;
+    for (Eigen::Index k = 0; k < axes.cols(); ++k) points.push_back(moved(problem.catalogue, point, kHeldOutStep * axes.col(k)));
+    const std::vector<Eigen::VectorXd> there = differences(problem, points);
+    Eigen::MatrixXd columns(result.difference.size(), axes.cols());
+    for (Eigen::Index k = 0; k < axes.cols(); ++k) columns.col(k) = (there[static_cast<std::size_t>(k)] - result.difference) / kHeldOutStep;
+    const double weight = data_weight(result.difference, problem.settings);
     Eigen::MatrixXd curvature = weight * columns.transpose() * columns;
     curvature.diagonal().array() += 1.0;  // the prior's
-    const Eigen::VectorXd change = -curvature.ldlt().solve(weight * columns.transpose() * difference + amount);
-    Point moved = point;
-    for (std::size_t k = 0; k < count; ++k) moved.nuisance[first + k] += change(static_cast<Eigen::Index>(k));
-    Eigen::VectorXd after = differences(problem, moved);
-    if (!(after.squaredNorm() < difference.squaredNorm())) break;
-    point = std::move(moved);
-    difference = std::move(after);
+    const Eigen::LDLT<Eigen::MatrixXd> factor(curvature);
+    result.prior_cost = amount.squaredNorm() + factor.vectorD().array().max(1.0).log().sum();
+    const Eigen::VectorXd change = -factor.solve(weight * columns.transpose() * result.difference + amount);
+    Point moved_point = moved(problem.catalogue, point, axes * change);
+    Eigen::VectorXd after = differences(problem, moved_point);
+    const double fall = cost(result.difference, amount) - cost(after, amount + change);
+    if (!(fall > 0.0)) break;
+    result.prior_cost += (amount + change).squaredNorm() - amount.squaredNorm();
+    amount += change;
+    point = std::move(moved_point);
+    result.difference = std::move(after);
+    if (fall < kIdleStep) break;
   }
-  return difference;
+  return result;
+}
+
+// What a fit leaves open of the parameters of all records together, and of its effects.
+Eigen::MatrixXd open_part(const Problem& problem, const FitResult& result) {
+  const Eigen::MatrixXd all = covariance(problem, result);
+  std::vector<Eigen::Index> kept(problem.nuisances.common_count());
+  std::iota(kept.begin(), kept.end(), Eigen::Index{0});
+  for (auto k = static_cast<Eigen::Index>(result.point.nuisance.size()); k < all.cols(); ++k) kept.push_back(k);
+  return all(kept, kept);
 }
 
 }  // namespace
 
 bool has_fit(const common::EffectAbout& effect) { return effect.read_off == common::ReadOff::none && !is_stochastic(effect); }
 
-HeldOutData::HeldOutData(const Problem& problem, const WhiteningSettings& settings, const Shadow& follower)
+HeldOutData::HeldOutData(const Problem& problem, const WhiteningSettings& settings, HeldOutPart part)
     : fitted_(same_machine(problem)), predicted_(same_machine(problem)), is_half_(problem.records.size() == 1) {
-  const Record& last = problem.records.back();
-  from_time_ = last.start_time;
+  const bool is_last = part == HeldOutPart::last;
+  const std::size_t held = is_last ? problem.records.size() - 1 : 0;
+  const Record& record = problem.records[held];
+  from_time_ = record.start_time;
   fitted_->records = problem.records;
   fitted_->whitening = problem.whitening;
-  predicted_->records = {last};
-  predicted_->whitening = {problem.whitening.back()};
-  predicted_->nuisances.in_motion = {last.begins_in_motion};
+  predicted_->records = {record};
+  predicted_->whitening = {problem.whitening[held]};
+  predicted_->nuisances.in_motion = {record.begins_in_motion};
   if (is_half_) {
-    fitted_->whitening = {whitening_of_half(problem, settings, follower, false)};
-    predicted_->whitening = {whitening_of_half(problem, settings, follower, true)};
-    from_time_ = last.time(last.size() / 2);
+    const Shadow follower = shadow_at(problem, {}, held);
+    fitted_->whitening = {whitening_of_half(problem, settings, follower, !is_last)};
+    predicted_->whitening = {whitening_of_half(problem, settings, follower, is_last)};
+    if (is_last) from_time_ = record.time(record.size() / 2);
   } else {
-    fitted_->records.pop_back();
-    fitted_->whitening.pop_back();
-    fitted_->nuisances.in_motion.resize(fitted_->records.size());
+    const auto place = static_cast<std::ptrdiff_t>(held);
+    fitted_->records.erase(fitted_->records.begin() + place);
+    fitted_->whitening.erase(fitted_->whitening.begin() + place);
+    fitted_->nuisances.in_motion.resize(problem.records.size());
+    fitted_->nuisances.in_motion.erase(fitted_->nuisances.in_motion.begin() + place);
   }
+  const auto common = static_cast<std::ptrdiff_t>(problem.nuisances.common_count()), own = static_cast<std::ptrdiff_t>(problem.nuisances.per_record());
+  if (!is_half_) left_out_ = {common + own * static_cast<std::ptrdiff_t>(held), common + own * static_cast<std::ptrdiff_t>(held + 1)};
 }
 
 std::vector<common::EffectInstance> stochastic_part(const common::EffectCatalogue& catalogue, const Point& point) {
@@ -117,7 +159,7 @@ Point without_stochastic(const common::EffectCatalogue& catalogue, Point point) 
 
 HeldOut HeldOutData::fit_with_stochastic(const Point& answer) {
   const std::vector<common::EffectInstance> stochastic = stochastic_part(fitted_->catalogue, answer);
-  HeldOut held{answer, predicted_->records.back().name, from_time_, is_half_};
+  HeldOut held{answer, {}, predicted_->records.front().name, from_time_, is_half_};
   Point rest = without_stochastic(fitted_->catalogue, answer);
   rest.nuisance.resize(nuisance_count(*fitted_), 0.0);
   held.point.nuisance = rest.nuisance;
@@ -134,6 +176,7 @@ HeldOut HeldOutData::fit_with_stochastic(const Point& answer) {
       FitResult result = diagnosis::fit(*fitted_, Eigen::MatrixXd::Zero(difference_count(*fitted_), nuisances), start);
       settle(*fitted_, result, kHeldOutRounds);
       rest = result.point;
+      held.open = open_part(*fitted_, result);
       left = undivided(added, result.difference);
     }
     const PowerFit found = fit_power(left, added.power);
@@ -150,12 +193,15 @@ HeldOut HeldOutData::fit_with_stochastic(const Point& answer) {
 
 HeldOut HeldOutData::fit(const Point& answer) {
   if (!stochastic_part(fitted_->catalogue, answer).empty()) return fit_with_stochastic(answer);
-  HeldOut held{answer, predicted_->records.back().name, from_time_, is_half_};
-  held.point.nuisance.assign(nuisance_count(*fitted_), 0.0);
-  const auto nuisances = static_cast<Eigen::Index>(held.point.nuisance.size());
-  FitResult result = diagnosis::fit(*fitted_, Eigen::MatrixXd::Zero(difference_count(*fitted_), nuisances), held.point);
+  HeldOut held{answer, {}, predicted_->records.front().name, from_time_, is_half_};
+  // From where a fit of all records has led, so that a valley that is hard to find from afar is not missed.
+  Point start = answer;
+  if (start.nuisance.empty()) start.nuisance.assign(nuisance_count(*fitted_), 0.0);
+  else start.nuisance.erase(start.nuisance.begin() + left_out_.first, start.nuisance.begin() + left_out_.second);
+  FitResult result = diagnosis::fit(*fitted_, Eigen::MatrixXd::Zero(difference_count(*fitted_), static_cast<Eigen::Index>(start.nuisance.size())), start);
   settle(*fitted_, result, kHeldOutRounds);
   held.point = result.point;
+  held.open = open_part(*fitted_, result);
   return held;
 }
 
@@ -166,18 +212,19 @@ Point HeldOutData::at_held_out(const Point& point) const {
   return there;
 }
 
-ValidationError HeldOutData::error(const Point& point, const std::optional<controller::ControllerSettings>& controller) {
-  const Point there = at_held_out(point);
+ValidationError HeldOutData::error(const HeldOut& fitted, const std::optional<controller::ControllerSettings>& controller) {
+  const Point there = at_held_out(fitted.point);
   const std::vector<common::EffectInstance> stochastic = stochastic_part(predicted_->catalogue, there);
   const double share = predicted_->settings.independent_share;
   ValidationError error;
+  error.differences = static_cast<double>(difference_count(*predicted_));
   if (stochastic.empty()) {
-    const Eigen::VectorXd difference = differences_from_its_beginning(*predicted_, there);
-    error.residual_ratio = mean_square(difference);
-    error.cost = share * difference.squaredNorm();
-    if (controller && !predicted_->records.back().begins_in_motion) {
+    const Predicted predicted = predicted_from(*predicted_, there, fitted.open);
+    error.residual_ratio = mean_square(predicted.difference);
+    error.cost = share * predicted.difference.squaredNorm() + predicted.prior_cost;
+    if (controller && !predicted_->records.front().begins_in_motion) {
       error.closed_loop =
-          predict(machine_at(predicted_->nominal, predicted_->nuisances, there), *controller, predicted_->records.back(), from_time_).relative_gap;
+          predict(machine_at(predicted_->nominal, predicted_->nuisances, there), *controller, predicted_->records.front(), from_time_).relative_gap;
     }
     return error;
   }
@@ -186,19 +233,21 @@ ValidationError HeldOutData::error(const Point& point, const std::optional<contr
   const Eigen::VectorXd mean = drawn.mean - differences(*predicted_, rest);
   const AddedPower added{std::move(drawn.power), 1.0, mean};
   const UnderPower under_power(*predicted_, added);
-  const Eigen::VectorXd difference = differences_from_its_beginning(*predicted_, rest);
+  const Predicted predicted = predicted_from(*predicted_, rest, fitted.open);
+  const Eigen::VectorXd& difference = predicted.difference;
   error.residual_ratio = mean_square(difference);
   double deviation = 0.0;  // of the logarithm of the power
   for (const common::EffectInstance& effect : stochastic) {
     deviation = std::hypot(deviation, kSizeDeviation * predicted_->catalogue.at(effect.name).stochastic->power_exponent);
   }
-  error.cost = share * predictive_cost(undivided(added, difference), added.power, deviation);
+  error.cost = share * predictive_cost(undivided(added, difference), added.power, deviation) + predicted.prior_cost;
   return error;
 }
 
 double HeldOutData::unknown_cost(const Point& point) {
   const Point there = at_held_out(point);
-  const Eigen::VectorXd seen = differences(*fitted_, point), unseen = differences_from_its_beginning(*predicted_, there);
+  const Predicted beginning = predicted_from(*predicted_, there, {});
+  const Eigen::VectorXd seen = differences(*fitted_, point), unseen = beginning.difference;
   const auto cost_along = [&](const std::vector<ChannelAxes>& seen_axes, std::vector<ChannelAxes> unseen_axes) {
     return predictive_cost(unseen, unknown_power(*fitted_, seen_axes, seen, *predicted_, std::move(unseen_axes)), kUnknownDeviation);
   };
@@ -211,7 +260,17 @@ double HeldOutData::unknown_cost(const Point& point) {
   for (std::size_t e = 0; e < point.effects.size(); ++e) {
     least = std::min(least, cost_along(axes_without(*fitted_, point, e, seen), axes_without(*predicted_, there, e, unseen)));
   }
-  return predicted_->settings.independent_share * least;
+  return predicted_->settings.independent_share * least + beginning.prior_cost;
+}
+
+ValidationError together(const ValidationError& one, const ValidationError& other) {
+  ValidationError both;
+  both.differences = one.differences + other.differences;
+  both.residual_ratio = (one.residual_ratio * one.differences + other.residual_ratio * other.differences) / both.differences;
+  both.cost = one.cost + other.cost;
+  both.closed_loop = one.closed_loop ? one.closed_loop : other.closed_loop;
+  if (one.closed_loop && other.closed_loop) both.closed_loop = std::hypot(*one.closed_loop, *other.closed_loop) / std::numbers::sqrt2;
+  return both;
 }
 
 bool is_better(const ValidationError& cause, const ValidationError& than) {

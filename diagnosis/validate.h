@@ -1,5 +1,5 @@
-// Prediction of data that were not fitted. The last record, or of a single one its second half, is held out; a hypothesis is fitted to
-// the rest from the nominal machine, and judged by what it leaves of the part held out:
+// Prediction of data that were not fitted. The last record, or of a single one its second half, is held out, and in its turn the first one (half); a
+// hypothesis is fitted to the rest, and judged by what it leaves of the parts held out:
 //
 //   residual variance ratio      of the observer's missing torques and accelerations there, 1 = noise only
 //   relative closed-loop error   of the simulation from the operator's commands alone, where the controller is known
@@ -9,13 +9,18 @@
 // stochastic is replaced by a power that nobody knows, learned in each third of an octave from the part that was fitted, in
 // each channel or where one of its other effects acts. (A smooth power explains
 // nearly any difference, so against the nominal machine alone it would always win.) Its closed loop is another draw's and is not
-// compared. What is peculiar to the beginning of the held-out record (the load's swing, where
+// compared. A size that the fitted part leaves open predicts as widely: sizes and parameters may move, at the cost of leaving where the fitted part has them,
+//
+//   cost = min over x of (s |d(x)|^2 + x' C^-1 x) + ln det(1 + s D C D'),    C their covariance there, D = dd / dx
+//
+// which is -2 ln P(part held out | part fitted). What is peculiar to the beginning of the held-out record (the load's swing, where
 // the motors stand) is no property of the machine: it is fitted there, for every hypothesis alike.
 #pragma once
 
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "controller/controller.h"
@@ -25,6 +30,9 @@ namespace slewlab::diagnosis {
 
 struct HeldOut {
   Point point;
+  // Covariance of what the fitted part leaves open, in coordinates: the parameters of all records together, then those of the
+  // effects that are not stochastic. Empty: nothing was fitted.
+  Eigen::MatrixXd open;
   std::string record;      // that it did not see: the last one, or of a single one the second half
   double from_time = 0.0;  // [s] from which it did not
   bool is_half = false;
@@ -38,8 +46,9 @@ struct Followed {
 
 // What a hypothesis leaves of the data held out.
 struct ValidationError {
+  double differences = 0.0;     // how many
   double residual_ratio = 0.0;
-  double cost = 0.0;  // -2 ln P of the independent ones among the differences, but for a constant
+  double cost = 0.0;  // -2 ln P of the independent ones among the differences, given the fitted part, but for a constant
   std::optional<double> closed_loop;
 };
 
@@ -61,15 +70,20 @@ bool is_better(const ValidationError& cause, const ValidationError& than);
 // Whether it is better than the nominal machine and parameters alone, and than an unknown power.
 bool holds(const Validation& validation);
 
+// Of two parts held out: the ratio over all differences, the sum of the costs, the root of the mean square of the closed loops.
+ValidationError together(const ValidationError& one, const ValidationError& other);
+
+enum class HeldOutPart { first, last };  // record, or half of a single one
+
 // The records of a problem in two parts.
 class HeldOutData {
  public:
-  // `follower` is the nominal machine's shadow of the last record.
-  HeldOutData(const Problem& problem, const WhiteningSettings& settings, const Shadow& follower);
+  HeldOutData(const Problem& problem, const WhiteningSettings& settings, HeldOutPart part);
 
-  // The hypothesis of `answer` fitted to what is not held out, from the nominal machine; a stochastic effect's size from where it is.
+  // The hypothesis of `answer` fitted to what is not held out, from where `answer` stands; without
+  // amounts, from the nominal machine.
   HeldOut fit(const Point& answer);
-  ValidationError error(const Point& point, const std::optional<controller::ControllerSettings>& controller);
+  ValidationError error(const HeldOut& fitted, const std::optional<controller::ControllerSettings>& controller);
   // The cost of `point`, which has no stochastic effect, and beside it a power that nobody knows, as large as what it leaves of the fitted
   // part: in each channel on its own, or along the axes of one of its effects, as what that effect's law leaves would act. The least of them.
   double unknown_cost(const Point& point);
@@ -84,6 +98,7 @@ class HeldOutData {
   std::unique_ptr<Problem> fitted_, predicted_;
   double from_time_ = 0.0;  // [s]
   bool is_half_ = false;
+  std::pair<std::ptrdiff_t, std::ptrdiff_t> left_out_{0, 0};  // of a point's amounts: the first and the one behind the last of the record held out
 };
 
 }  // namespace slewlab::diagnosis

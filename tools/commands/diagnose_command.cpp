@@ -24,6 +24,7 @@
 #include "diagnosis/decimation.h"
 #include "diagnosis/diagnose.h"
 #include "diagnosis/discriminate.h"
+#include "diagnosis/next_manoeuvre.h"
 #include "diagnosis/nuisance.h"
 #include "diagnosis/prediction.h"
 #include "sim/analysis/eigen.h"
@@ -42,6 +43,11 @@ namespace {
 
 constexpr double kSure = 0.9;          // probability from which an answer is stated without a doubt
 constexpr double kWorthNaming = 0.05;  // probability that an effect acts, from which the page says so
+constexpr double kWorthFollowing = 0.02;  // share of the gap that is left, from which it is said what it follows
+// Causes that a next manoeuvre should tell apart, and from how many that are drawn it is chosen.
+constexpr double kLive = 0.02;  // probability
+constexpr std::size_t kMostHypotheses = 4;
+constexpr int kDrawnManoeuvres = 12;
 constexpr double kLineInterval = 2.0;  // [s] between progress lines where there is no terminal
 constexpr int kThreads = 2;            // of a crane, where nothing else is said
 // The page's spectrogram: up to half the highest frequency that is judged, over windows of two characteristic times.
@@ -70,6 +76,24 @@ ToldApartBy told_apart_by(const sim::MachineSettings& nominal, const std::option
             .front());
   }
   return best;
+}
+
+// What to run next where the answer is not sure; nothing where it is, where there is no controller to run with, or no two known causes are left.
+std::optional<diagnosis::NextManoeuvre> manoeuvre_after(const sim::MachineSettings& nominal, const std::optional<controller::ControllerSettings>& controller,
+                                                        const Diagnosis& found, const Record& like) {
+  if (!controller || found.causes.empty()) return {};
+  const Cause& first = found.causes.front();
+  const bool is_sure = found.gap ? !found.is_unknown && first.probability >= kSure && first.group.empty() : found.probability_nothing >= kSure;
+  if (is_sure) return {};
+  std::vector<diagnosis::Hypothesis> hypotheses;
+  for (const Cause& cause : found.causes) {
+    if (cause.probability < kLive || hypotheses.size() == kMostHypotheses) break;
+    controller::ControllerSettings with = controller::with_effects(*controller, cause.controller_effects);
+    with.period = like.encoder_period;
+    hypotheses.push_back({name_of(cause), cause.probability, diagnosis::machine_at(nominal, found.nuisances, cause.point), with});
+  }
+  if (hypotheses.size() < 2) return {};
+  return diagnosis::next_manoeuvre(hypotheses, diagnosis::candidate_manoeuvres(kDrawnManoeuvres, 1), like, common::stop_requested);
 }
 
 nlohmann::json to_json(const Cause& cause, const std::vector<sim::Parameter>& parameters) {
@@ -104,6 +128,16 @@ nlohmann::json to_json(const Cause& cause, const std::vector<sim::Parameter>& pa
   return json;
 }
 
+// "speed (71 % of it)", "speed or time, which these records cannot tell apart (71 % of it)"; empty where nothing is followed.
+std::string followed_text(const Diagnosis& diagnosis) {
+  const std::vector<std::string> variables = diagnosis::followed_variables(diagnosis.discrepancies);
+  if (variables.empty()) return "";
+  const double share = 100 * diagnosis.discrepancies.front().share;
+  const bool is_one = variables.size() == 1;
+  return fmt::format("{}{} ({:.0f} % of what is slower than the structure)", variables.front() == "constant" ? "is constant" : "follows the " + fmt::format("{}", fmt::join(variables, " or the ")),
+                     is_one ? "" : ", which these records cannot tell apart", share);
+}
+
 // What a person acts on, in one sentence.
 std::string answer_sentence(const Diagnosis& diagnosis) {
   if (!diagnosis.gap) {
@@ -111,9 +145,10 @@ std::string answer_sentence(const Diagnosis& diagnosis) {
                                                 : "No effect is missing: parameters within their spread explain the records.";
   }
   if (diagnosis.is_unknown || diagnosis.causes.empty()) {
-    return fmt::format("Outside the catalogue (unknown), {:.0f} %: no known effect explains the gap on data that were not fitted; look at the missing "
-                       "torque over speed, angle and time.",
-                       100 * diagnosis.probability_unknown);
+    const std::string followed = followed_text(diagnosis);
+    return fmt::format("Outside the catalogue (unknown), {:.0f} %: no known effect explains the gap on data that were not fitted; the missing torque {}.",
+                       100 * diagnosis.probability_unknown,
+                       followed.empty() ? "follows neither speed nor angle, time or torque: look behind the motors, and at what is faster" : followed);
   }
   const Cause& first = diagnosis.causes.front();
   std::string text = fmt::format("{}{}, {:.0f} %", first.probability < kSure ? "Not sure: " : "", name_of(first), 100 * first.probability);
@@ -127,6 +162,8 @@ std::string answer_sentence(const Diagnosis& diagnosis) {
     // Down to the noise, which nothing explains.
     const double left = std::max(0.0, validation.cause.residual_ratio - 1.0) / (validation.nominal.residual_ratio - 1.0);
     text += fmt::format("; it explains {:.1f} % of the gap on data that were not fitted", 100 * std::clamp(1.0 - left, 0.0, 1.0));
+    const std::string followed = followed_text(diagnosis);
+    if (left > kWorthFollowing && !followed.empty()) text += "; the rest " + followed;
   }
   if (!first.group.empty()) text += "; these records cannot tell it from " + first.group.front().name + (first.group.size() > 1 ? " and others" : "");
   return text + ".";
@@ -156,6 +193,13 @@ nlohmann::json to_json(const Diagnosis& diagnosis) {
   for (const diagnosis::Moment& moment : diagnosis.moments) {
     json["moments"].push_back({{"log", moment.record}, {"time_s", moment.time}, {"phase", moment.phase},
                                {"missing_torque_nm", moment.missing_torque}});
+  }
+  for (const diagnosis::Discrepancy& one : diagnosis.discrepancies) {
+    nlohmann::json curves = nlohmann::json::array();
+    for (const diagnosis::DiscrepancyCurve& curve : one.curves) {
+      curves.push_back({{"part", curve.part}, {"at", curve.at}, {"missing_torque_nm", curve.torque}, {"deviation_nm", curve.deviation}});
+    }
+    json["discrepancies"].push_back({{"follows", one.variable}, {"unit", one.unit}, {"share", one.share}, {"log_evidence", one.evidence}, {"curves", curves}});
   }
   for (const diagnosis::ControllerReplay& replay : diagnosis.controller_replay) {
     json["controller_replay"].push_back({{"torque_rms_nm", replay.torque_rms}, {"difference_rms_nm", replay.difference_rms},
@@ -234,7 +278,8 @@ std::string in_per_cent(std::span<const std::pair<std::string, double>> probabil
 }
 
 // The page that the terminal, summary.txt and diagnosis.html show.
-std::string summary_text(const Diagnosis& diagnosis, const ToldApartBy& apart, const std::optional<Predicted>& predicted, const std::string& place) {
+std::string summary_text(const Diagnosis& diagnosis, const ToldApartBy& apart, const std::optional<Predicted>& predicted, const std::string& place,
+                         const std::optional<diagnosis::NextManoeuvre>& next) {
   std::ostringstream out;
   out << answer_sentence(diagnosis) << "\n\n";
   out << fmt::format("Is there a gap?  {}. Residual variance ratio (1 = noise only): nominal {:.4g}, best parameters {:.4g}",
@@ -291,6 +336,11 @@ std::string summary_text(const Diagnosis& diagnosis, const ToldApartBy& apart, c
                                      [](const auto& effect) { return effect.second < kWorthNaming; });
   const std::string acting = in_per_cent({diagnosis.effects.begin(), unlikely});
   if (!acting.empty()) out << "  each effect, alone or beside another: " << acting << "\n";
+  if (next) {
+    out << fmt::format("\nNext manoeuvre    next_manoeuvre.yaml ({}): {:.2f} of the {:.2f} bits that are open are expected of it; {} and {} differ most in the {}, by {:.0f} "
+                       "times its noise. Run it, and give its log on top of these.\n",
+                       next->manoeuvre.name, next->gain, next->open, next->first, next->second, next->separation.signal, next->separation.noise_floors);
+  }
   if (predicted) out << "\nValidation on " << place << ": RMS error, nominal -> with the cause, simulated from the operator's commands alone\n";
   for (std::size_t i = 0; predicted && i < predicted->before.gaps.size(); ++i) {
     const diagnosis::SignalGap &before = predicted->before.gaps[i], &after = predicted->after.gaps[i];
@@ -434,6 +484,16 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
                                        {"difference_rms", apart[k].difference}, {"unit", apart[k].unit},
                                        {"noise_floors", apart[k].noise_floors}, {"advice", advice(apart[k])}});
     }
+    const std::optional<diagnosis::NextManoeuvre> next = manoeuvre_after(cut, controller, found, records.front());
+    std::filesystem::remove(options.out / "next_manoeuvre.yaml");  // of a diagnosis before, which was not sure
+    if (next) {
+      json["next_manoeuvre"] = {{"scenario", "next_manoeuvre.yaml"}, {"expected_gain_bits", next->gain}, {"open_bits", next->open},
+                                {"signal", next->separation.signal}, {"noise_floors", next->separation.noise_floors}};
+      controller::ControllerSettings at_its_rate = *controller;
+      at_its_rate.period = records.front().encoder_period;
+      findings.write("next_manoeuvre.yaml", diagnosis::scenario_text(*next, seen_from(options.crane, options.out), seen_from(options.controller, options.out),
+                                                                     at_its_rate, nominal.step));
+    }
     const Record& last = *std::find_if(records.begin(), records.end(), [&](const Record& record) { return record.name == found.followed.record; });
     const std::string place = place_of_gaps(found, first, last);
     std::optional<Predicted> predicted;
@@ -480,7 +540,7 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
                            controller::changes_text(*controller, controller::with_effects(*controller, answer.controller_effects),
                                                     "slewlab diagnose, " + found.verdict));
     }
-    const std::string summary = summary_text(found, apart, predicted, place);
+    const std::string summary = summary_text(found, apart, predicted, place, next);
     findings.write("summary.txt", summary);
     findings.keep();
     out << summary << "files: " << options.out.string() << std::endl;

@@ -16,7 +16,7 @@ import plotly.graph_objects as graph
 from plotly.subplots import make_subplots
 
 import axis_diagnosis_report
-from diagnosis_colours import AFTER, BEFORE, MEASURED
+from diagnosis_colours import AFTER, BEFORE, CURVES, MEASURED
 from picture_page import STYLE, pictures
 from whole_file import growing
 
@@ -79,6 +79,26 @@ def missing_figure(series, after):
     return figure
 
 
+def discrepancy_figure(found):
+    """The torque that the answer leaves missing, as a smooth function of each variable: with two standard deviations either side."""
+    variables = [one for one in found["discrepancies"] if one["curves"]]
+    figure = make_subplots(rows=1, cols=len(variables), shared_yaxes=True, subplot_titles=[
+        f"{one['follows']}: {100 * one['share']:.0f} %" for one in variables])
+    for column, one in enumerate(variables, start=1):
+        for number, curve in enumerate(one["curves"]):
+            colour = CURVES[number % len(CURVES)]
+            at, torque, wide = (numpy.array(curve[name]) for name in ("at", "missing_torque_nm", "deviation_nm"))
+            figure.add_trace(graph.Scatter(x=numpy.concatenate([at, at[::-1]]), y=numpy.concatenate([torque - 2 * wide, (torque + 2 * wide)[::-1]]),
+                                           fill="toself", fillcolor=colour, opacity=0.15, line={"width": 0}, hoverinfo="skip",
+                                           showlegend=False), row=1, col=column)
+            figure.add_trace(graph.Scatter(x=at, y=torque, mode="lines", name=f"{one['follows']}, {curve['part']}",
+                                           line={"color": colour, "width": 1.5}), row=1, col=column)
+        figure.update_xaxes(title_text=f"{one['follows']} [{one['unit']}]", row=1, col=column)
+    figure.update_yaxes(title_text="missing torque [Nm per motor]", row=1, col=1)
+    figure.update_layout(title="What the rest follows: share of what is slower than the structure", height=420, legend={"orientation": "h", "y": -0.25})
+    return figure
+
+
 def spectrogram_figure(series, modes, shown):
     if "tip_before" in series:
         signal, unit, title = series["tip"] - series["tip_before"], "m/s²", "Where and when the tip differs from the nominal crane"
@@ -113,6 +133,8 @@ def figures_of(found, directory):
     figures = [probability_figure(found)]
     if "torque_before" in series:  # a controller was given, so that there is a closed loop to predict
         figures.append(series_figure(series, after))
+    if found.get("discrepancies"):
+        figures.append(discrepancy_figure(found))
     return figures + [spectrogram_figure(series, found["modes"], found["spectrogram"]), missing_figure(series, after)]
 
 

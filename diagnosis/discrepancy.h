@@ -1,0 +1,51 @@
+// What a hypothesis leaves unexplained, as a torque at the motors that is a smooth function of one variable v and of the direction of motion:
+//
+//   T(t) = sum over i of s_i(t) f_i(v(t)),    f_i(v) = sum over j of a_ij B_j(v),    a ~ N(0, rho P^-1)
+//
+// v is the speed or the angle of the axis, the time since a record's beginning or the motors' torque, the mean of its amounts. The s_i are
+// the two directions of motion, and of the time the motors' mean torque over its largest as well. B_j are cubic B-splines on even knots,
+// P = D'D + 0.1 with D the second differences (Eilers, Marx 1996: P-splines). Parameters, what the hypothesis has, a constant torque, and whatever holds the machine at
+// standstill are projected out, so that the function stands for none of them. rho is that of the largest evidence,
+//
+//   ln E(rho) = -1/2 sum ln(1 + rho lambda) - nu / 2 h(Q(rho) / nu),    h(q) = ln q where q > 1, else q - 1,
+//
+// lambda the eigenvalues of the columns' products in P's coordinates, nu the independent differences, Q what they leave with a's own price: a noise of unknown size, but not
+// below the sensors'. Of the differences those count that are slower than the machine's characteristic time T: in what is faster, laws show how they
+// begin and end, and the structure its modes. Assumption: the torque is small beside what moves the machine, so that its traces add up.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "diagnosis/fit.h"
+
+namespace slewlab::diagnosis {
+
+// f_i over the values that the records have of v.
+struct DiscrepancyCurve {
+  std::string part;               // forward, backward, with the torque; of the time with the record's number
+  std::vector<double> at;         // in the variable's unit
+  std::vector<double> torque;     // [Nm per motor] that the machine has and the model has not
+  std::vector<double> deviation;  // [Nm per motor] one standard deviation
+};
+
+struct Discrepancy {
+  std::string variable;  // constant, speed, angle, time, torque
+  std::string unit;
+  double share = 0.0;     // of what is left above the noise, that the function takes away
+  double evidence = 0.0;  // ln E(rho) - ln E(0)
+  std::vector<DiscrepancyCurve> curves;  // none of the constant
+};
+
+// Below this share nothing is said to be followed.
+inline constexpr double kFollowed = 0.3;
+// A variable with so much of the evidence that the first one has cannot be told from it.
+inline constexpr double kFollowsAsWell = 0.9;
+
+// Of the fit's residual, largest evidence first; empty where it leaves no more than noise. A hundred to two hundred simulations. Throws Interrupted.
+std::vector<Discrepancy> discrepancies(Problem& problem, const FitResult& fit);
+
+// The names of those that the residual follows, the first one and what cannot be told from it; empty: none.
+std::vector<std::string> followed_variables(const std::vector<Discrepancy>& discrepancies);
+
+}  // namespace slewlab::diagnosis
