@@ -117,15 +117,16 @@ std::vector<PossiblePlaces> possible_first_places(const sim::CraneParameters& no
 }
 
 // A record in motion begins where its gears can be told: where the torques press every group against a flank, and the groups keep their places
-// to each other from then on. Nothing is taken off where that is nowhere in its first third.
-void begin_where_gears_are_known(const sim::CraneParameters& nominal, double time, Record& record) {
+// to each other from then on. Nothing is taken off, and false, where that is nowhere in its first third.
+bool begin_where_gears_are_known(const sim::CraneParameters& nominal, double time, Record& record) {
   const Play play = play_of(nominal, time);
-  if (!record.begins_in_motion || play.half <= 0.0) return;
+  if (!record.begins_in_motion || play.half <= 0.0) return false;
   for (std::size_t from = 0; from < record.size() / 3; ++from) {
     if (!are_pushed(play, record, from) || !keep_their_places(play, record, from, time, from == 0 ? kKeptAtFirst : 1.0)) continue;
     leave_out_beginning(record, from);
-    return;
+    return true;
   }
+  return false;
 }
 
 double missing_power(const Record& record, const Shadow& follower) {
@@ -150,10 +151,14 @@ Following follow(const Problem& problem, const Record& record, const WhiteningSe
   return following;
 }
 
-// From the middle of the play, or where the record may begin elsewhere and is followed better from there, from there: one that begins
+// In motion on the flanks, as soon as they can be told. Else from the middle of the play, or where the record may begin elsewhere and is followed better from there, from there: one that begins
 // elsewhere than the machine did knocks on, or is held off by a torque that never ends. Where the groups do not keep their places, that alone
 // makes no record one that can be judged.
 Following follow_from_its_beginning(const Problem& problem, Record& record, const WhiteningSettings& whitening) {
+  if (begin_where_gears_are_known(problem.nominal.crane, problem.thresholds.time, record)) {
+    record.first_places = FirstPlaces{};
+    return follow(problem, record, whitening);
+  }
   Following best = follow(problem, record, whitening);
   std::optional<FirstPlaces> best_places;
   for (const auto& [places, are_kept] : possible_first_places(problem.nominal.crane, record, problem.thresholds.time)) {
@@ -216,7 +221,6 @@ Followed admit(std::vector<Record> records, const WhiteningSettings& whitening, 
     check_same_groups(record, problem.nominal.crane);
     check_groups(record, problem.nominal.crane);
     remarks.insert(remarks.end(), record.remarks.begin(), record.remarks.end());
-    begin_where_gears_are_known(problem.nominal.crane, problem.thresholds.time, record);
     Following following = follow_from_its_beginning(problem, record, whitening);
     Shadow& follower = following.follower;
     check_followed(record, follower);

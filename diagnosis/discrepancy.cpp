@@ -202,9 +202,9 @@ Eigen::MatrixXd roughness() {
 
 Weighed weigh(const Eigen::MatrixXd& columns, const Eigen::VectorXd& gap, double independent_share, double count) {
   const Eigen::Index size = columns.cols();
-  Eigen::MatrixXd price = Eigen::MatrixXd::Zero(size, size);
-  for (Eigen::Index b = 0; b < size; b += kSplines) price.block(b, b, kSplines, kSplines) = roughness();
-  const Eigen::LLT<Eigen::MatrixXd> root(price);  // P = L L'
+  Eigen::MatrixXd precision = Eigen::MatrixXd::Zero(size, size);
+  for (Eigen::Index b = 0; b < size; b += kSplines) precision.block(b, b, kSplines, kSplines) = roughness();
+  const Eigen::LLT<Eigen::MatrixXd> root(precision);  // P = L L'
   // In the coordinates L' a the prior is the unit ball.
   const Eigen::MatrixXd white = root.matrixL().solve(columns.transpose()).transpose();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(independent_share * white.transpose() * white);

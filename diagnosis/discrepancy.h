@@ -9,7 +9,7 @@
 //
 //   ln E(rho) = -1/2 sum ln(1 + rho lambda) - nu / 2 h(Q(rho) / nu),    h(q) = ln q where q > 1, else q - 1,
 //
-// lambda the eigenvalues of the columns' products in P's coordinates, nu the independent differences, Q what they leave with a's own price: a noise of unknown size, but not
+// lambda the eigenvalues of the columns' products in P's coordinates, nu the independent differences, Q what they leave together with a' P a / rho: a noise of unknown size, but not
 // below the sensors'. Of the differences those count that are slower than the machine's characteristic time T: in what is faster, laws show how they
 // begin and end, and the structure its modes. Assumption: the torque is small beside what moves the machine, so that its traces add up.
 #pragma once

@@ -302,9 +302,9 @@ Found search(Problem& problem, const FitResult& base, const Screening& screening
     for (std::size_t i = 0; i < fits.size(); ++i) {
       for (std::size_t e = 0; e < fits[i].point.effects.size(); ++e) {
         if (fits[i].point.effects[e].name != other) continue;
-        FitResult other = fits[i];
-        other.point.effects[e].name = name;
-        fits.push_back(std::move(other));
+        FitResult renamed = fits[i];
+        renamed.point.effects[e].name = name;
+        fits.push_back(std::move(renamed));
         break;
       }
     }
