@@ -356,7 +356,7 @@ void YamlReader::finish() {
 }
 
 std::filesystem::path resolve_path(const YamlNode& reference) {
-  const std::filesystem::path named = reference.scalar;
+  std::filesystem::path named = reference.scalar;
   const bool on_command_line = reference.mark.line == 0;
   if (named.is_absolute() || on_command_line) return named;
   return (std::filesystem::path(reference.mark.file.text()).parent_path() / named).lexically_normal();

@@ -241,10 +241,9 @@ void hand_on(double share, const std::function<bool(const std::string&)>& is_dou
 void validate_lead(Problem& problem, const WhiteningSettings& whitening, const std::optional<controller::ControllerSettings>& controller,
                    const Point& parameters_of_all, Diagnosis& diagnosis) {
   std::vector<HeldOutData> parts;  // held out each in its turn, once there is a lead to ask
-  // What `ask` says of both together.
-  const auto of_both = [&](const std::function<ValidationError(HeldOutData&)>& ask) { return together(ask(parts[0]), ask(parts[1])); };
-  std::vector<Point> parameters_points;  // of each part
-  ValidationError nominal, parameters;
+  std::vector<Point> parameters_points;               // of each part
+  std::vector<ValidationError> nominal, parameters;  // on each part
+  const auto on_both = [](const std::vector<ValidationError>& errors) { return together(errors[0], errors[1]); };
   for (int tried = 0;; ++tried) {
     sort_causes(diagnosis.causes);
     Cause& lead = diagnosis.causes.front();
@@ -253,14 +252,14 @@ void validate_lead(Problem& problem, const WhiteningSettings& whitening, const s
     if (!part) break;
     if (parts.empty()) {
       for (const HeldOutPart held : {HeldOutPart::last, HeldOutPart::first}) parts.emplace_back(problem, whitening, held);
-      nominal = of_both([&](HeldOutData& data) { return data.error({}, controller); });
-      parameters = of_both([&](HeldOutData& data) {
+      for (HeldOutData& data : parts) {
         const HeldOut fitted = data.fit(parameters_of_all);
+        nominal.push_back(data.error({}, controller));
+        parameters.push_back(data.error(fitted, controller));
         parameters_points.push_back(fitted.point);
-        return data.error(fitted, controller);
-      });
+      }
     }
-    const bool is_nothing_left = std::min(nominal.residual_ratio, parameters.residual_ratio) <= 1.0;
+    const bool is_nothing_left = std::min(on_both(nominal).residual_ratio, on_both(parameters).residual_ratio) <= 1.0;
     if (tried == kMostValidated) {
       for (Cause& cause : diagnosis.causes) {
         if (!cause.effects.empty()) take_away(1.0, is_nothing_left, cause, diagnosis);
@@ -268,19 +267,21 @@ void validate_lead(Problem& problem, const WhiteningSettings& whitening, const s
       diagnosis.remarks.push_back("no cause that was tried predicts data that were not fitted better than the nominal machine");
       continue;
     }
+    // Of a draw only the power is fitted again, not its shape (how long a burst lasts): the last part alone is asked.
+    const bool has_draws = !stochastic_part(problem.catalogue, *part).empty();
     std::vector<HeldOut> fitted;
-    for (HeldOutData& data : parts) fitted.push_back(data.fit(*part));
-    Validation validation{nominal, parameters, {}, {}, false};
+    for (HeldOutData& data : parts) {
+      if (fitted.empty() || !has_draws) fitted.push_back(data.fit(*part));
+    }
+    Validation validation{has_draws ? nominal[0] : on_both(nominal), has_draws ? parameters[0] : on_both(parameters), {}, {}, false};
     std::optional<controller::ControllerSettings> with = controller;
     if (with) with = controller::with_effects(*controller, lead.controller_effects);
-    validation.cause = together(parts[0].error(fitted[0], with), parts[1].error(fitted[1], with));
-    if (!stochastic_part(problem.catalogue, *part).empty()) {
-      double with_the_rest = 0.0, with_parameters = 0.0;
-      for (std::size_t i = 0; i < parts.size(); ++i) {
-        with_the_rest += parts[i].unknown_cost(without_stochastic(problem.catalogue, fitted[i].point));
-        with_parameters += parts[i].unknown_cost(parameters_points[i]);
-      }
-      validation.unknown_cost = std::min(with_the_rest, with_parameters);
+    validation.cause = parts[0].error(fitted[0], with);
+    if (has_draws) {
+      const Point rest = without_stochastic(problem.catalogue, fitted[0].point);
+      validation.unknown_cost = std::min(parts[0].unknown_cost(rest), parts[0].unknown_cost(parameters_points[0]));
+    } else {
+      validation.cause = together(validation.cause, parts[1].error(fitted[1], with));
     }
     validation.holds = holds(validation);
     lead.validation = validation;

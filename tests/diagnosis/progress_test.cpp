@@ -21,7 +21,8 @@ TEST(Progress, TellsAStagesShareAsOneOfTheWhole) {
 // Nothing is left out and nothing counted twice.
 TEST(Progress, StagesFollowEachOtherFromNothingToAll) {
   constexpr std::array kStages{kFitParameters, kScreen,          kRefineSingles, kConvergeSingles, kScreenBeside,
-                               kRefinePairs,   kConvergePairs, kGoBack,        kLookForStochastic,   kHoldOut};
+                               kRefinePairs,   kConvergePairs, kGoBack,        kLookForStochastic,   kHoldOut,
+                               kFollow};
   double until = 0.0;
   for (const Stage& stage : kStages) {
     EXPECT_EQ(stage.from, until);
