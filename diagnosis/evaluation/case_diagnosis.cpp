@@ -4,6 +4,8 @@
 
 #include "controller/controller_file.h"
 #include "controller/effects/catalogue.h"
+#include "diagnosis/evaluation/random.h"
+#include "diagnosis/live_hypotheses.h"
 #include "diagnosis/prediction.h"
 #include "msgs/run_log.h"
 #include "sim/drive/scenario_run.h"
@@ -19,6 +21,13 @@ Record load_record(const std::filesystem::path& log, const AdmissionSettings& ad
   msgs::RunLog run = logs.runs.at(0);
   if (!accelerometers) run.sensors.clear();
   return make_record(run, log.filename().string(), admission);
+}
+
+// In ramps, as candidate_manoeuvres() has them.
+withheld::Manoeuvre planned(const Manoeuvre& manoeuvre) {
+  withheld::Manoeuvre plan{{}, kManoeuvreDuration};
+  for (const SpeedRequest& request : manoeuvre.requests) plan.requests.push_back({request.time, request.speed});
+  return plan;
 }
 
 }  // namespace
@@ -59,13 +68,18 @@ withheld::CaseResult diagnose_case(const withheld::CaseInput& input, const CaseS
       }
       result.causes.push_back(named);
     }
+    result.follows = followed_variables(diagnosis.discrepancies);
+    const sim::MachineSettings cut = with_boom_elements(data.nominal, diagnosis.boom_elements);
+    if (const auto next = manoeuvre_after(cut, data.controller, diagnosis, data.records.front(), is_stopped)) {
+      result.next = planned(next->manoeuvre);
+      result.drawn = planned(candidate_manoeuvres(1, withheld::Random(1, input.name).bits()).back());
+    }
     result.unseen_before = predict(data.nominal, data.controller, data.unseen).relative_gap;
     result.unseen_after = result.unseen_before;
     if (!diagnosis.causes.empty()) {
       const Cause& first = diagnosis.causes.front();
       result.unseen_after =
-          predict(machine_at(with_boom_elements(data.nominal, diagnosis.boom_elements), diagnosis.nuisances, first.point),
-                  controller::with_effects(data.controller, first.controller_effects), data.unseen)
+          predict(machine_at(cut, diagnosis.nuisances, first.point), controller::with_effects(data.controller, first.controller_effects), data.unseen)
               .relative_gap;
     }
   } catch (const NotAdmitted& problem) {

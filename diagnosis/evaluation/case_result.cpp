@@ -7,6 +7,25 @@ namespace slewlab::diagnosis::withheld {
 
 using nlohmann::json;
 
+namespace {
+
+// null where there is none.
+json planned(const std::optional<Manoeuvre>& manoeuvre) {
+  if (!manoeuvre) return nullptr;
+  json requests = json::array();
+  for (const Request& request : manoeuvre->requests) requests.push_back({{"time_ramps", request.time}, {"speed_request", request.speed_request}});
+  return {{"duration_ramps", manoeuvre->duration}, {"requests", requests}};
+}
+
+std::optional<Manoeuvre> planned_from(const json& j) {
+  if (j.is_null()) return {};
+  Manoeuvre manoeuvre{{}, j.at("duration_ramps")};
+  for (const json& request : j.at("requests")) manoeuvre.requests.push_back({request.at("time_ramps"), request.at("speed_request")});
+  return manoeuvre;
+}
+
+}  // namespace
+
 json to_json(const CaseResult& result) {
   json causes = json::array(), subsystems = json::array();
   for (const NamedCause& cause : result.causes) {
@@ -30,6 +49,9 @@ json to_json(const CaseResult& result) {
     subsystems.push_back({{"subsystem", name}, {"probability", probability}});
   }
   return {{"case", result.name},
+          {"follows", result.follows},
+          {"next_manoeuvre", planned(result.next)},
+          {"drawn_manoeuvre", planned(result.drawn)},
           {"refusal", result.refusal},
           {"gap", result.gap},
           {"probability_unknown", result.probability_unknown},
@@ -61,6 +83,9 @@ CaseResult result_from(const json& j) {
     result.causes.push_back(std::move(cause));
   }
   for (const json& s : j.at("subsystems")) result.subsystems.emplace_back(s.at("subsystem"), s.at("probability"));
+  result.follows = j.at("follows");
+  result.next = planned_from(j.at("next_manoeuvre"));
+  result.drawn = planned_from(j.at("drawn_manoeuvre"));
   result.unseen_before = j.at("unseen_before");
   result.unseen_after = j.at("unseen_after");
   result.seconds = j.at("seconds");
@@ -75,7 +100,7 @@ CaseAnswer answer_from(const json& j) {
   answer.visibility = j.at("visibility");
   answer.most_visible = j.at("most_visible");
   for (const json& e : j.at("effects")) {
-    TrueEffect effect{e.at("law"), e.at("effect"), e.at("subsystem"), {}, e.at("visibility")};
+    TrueEffect effect{e.at("law"), e.at("effect"), e.at("subsystem"), {}, e.at("visibility"), e.at("follows")};
     for (const json& s : e.at("sizes")) {
       effect.sizes.push_back({s.at("parameter"), s.at("value"), s.at("comparable")});
     }

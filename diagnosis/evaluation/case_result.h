@@ -3,6 +3,7 @@
 #pragma once
 
 #include <nlohmann/json_fwd.hpp>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -37,6 +38,10 @@ struct CaseResult {
   std::vector<std::pair<std::string, double>> subsystems;  // falling probability
   // Size of the gap in the unseen manoeuvre, one number in any unit: the nominal crane, then with what was found.
   double unseen_before = 0.0, unseen_after = 0.0;
+  std::vector<std::string> follows;  // variables that what is left follows and that cannot be told apart; empty: none
+  // To drive next, times in the controller's ramps: the manoeuvre that would tell most, and one that is drawn, to compare it with; nothing where
+  // the answer is sure.
+  std::optional<Manoeuvre> next, drawn;
   double seconds = 0.0;  // wall clock
   long long simulations = 0;
 };
@@ -47,6 +52,7 @@ struct TrueEffect {
   std::string subsystem;
   std::vector<TrueSize> sizes;
   double visibility = 0.0;  // [-] noise floors, beside the case's other effect
+  std::string follows;      // the variable that its missing torque follows; empty: of none alone, or the effect is in the catalogue
 };
 
 struct CaseAnswer {

@@ -228,6 +228,14 @@ std::vector<DrawnCase> draw_cases(int count, std::uint64_t seed, const NominalMa
   return cases;
 }
 
+DrawnCase halved(DrawnCase drawn, int times) {
+  for (DrawnLaw& one : drawn.laws) {
+    const Law& law = law_named(one.law);
+    if (law.low != law.high) one.size = std::ldexp(one.size, -times);
+  }
+  return drawn;
+}
+
 TruthMachine build(const DrawnCase& drawn, const NominalMachine& nominal, const std::vector<bool>& on,
                    std::vector<std::vector<TrueSize>>* sizes) {
   sim::CraneParameters crane = nominal.description.machine;

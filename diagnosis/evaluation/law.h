@@ -32,6 +32,8 @@ struct Law {
   std::vector<TrueSize> (*apply)(TruthMachine&, double size, Random&);  // size in SI
   std::vector<std::string> own = {};  // parameters of the description (sim/machine) that the law is about: they do not spread then
   Needs needs = Needs::nothing;
+  // The variable that its missing torque is a function of, as the diagnosis names it (discrepancy.h); empty: of none alone, or the law is in the catalogue.
+  std::string follows = {};
 };
 
 bool suits(const Law& law, const sim::CraneParameters& nominal, const controller::ControllerSettings& controller);

@@ -43,6 +43,8 @@ std::vector<double> column(const TruthRun& run, double SensorValues::* value) {
 
 constexpr std::array<const char*, 3> kSensorNames{"all", "tip", "none"};
 
+bool is_recorded(Sensors sensors, std::string_view place) { return sensors == Sensors::kAll || (sensors == Sensors::kTip && place == "tip"); }
+
 }  // namespace
 
 const char* name_of(Sensors sensors) { return kSensorNames[static_cast<std::size_t>(sensors)]; }
@@ -54,15 +56,16 @@ Sensors sensors_named(const std::string& name) {
   throw std::invalid_argument("sensors are \"all\", \"tip\" or \"none\", not \"" + name + "\"");
 }
 
-Visibility visibility(const TruthRun& with, const TruthRun& without, const TruthMachine& machine) {
+Visibility visibility(const TruthRun& with, const TruthRun& without, const TruthMachine& machine, Sensors sensors, double from) {
   Visibility best;
   const auto steps = std::min(with.sensors.size(), without.sensors.size());
   std::vector<bool> counts(steps, true);
+  std::fill_n(counts.begin(), std::min(steps, static_cast<std::size_t>(std::lround(from / kBaseStep))), false);
   for (const TruthRun* run : {&with, &without}) {
     for (const double time : run->contact_change_times) {
-      const auto from = static_cast<std::size_t>(std::lround(time / kBaseStep));
-      const auto to = std::min(steps, from + static_cast<std::size_t>(std::lround(kImpactTime * machine.scales.stretch / kBaseStep)));
-      for (std::size_t n = from; n < to; ++n) counts[n] = false;
+      const auto begin = static_cast<std::size_t>(std::lround(time / kBaseStep));
+      const auto end = std::min(steps, begin + static_cast<std::size_t>(std::lround(kImpactTime * machine.scales.stretch / kBaseStep)));
+      for (std::size_t n = begin; n < end; ++n) counts[n] = false;
     }
   }
   const auto cycle = static_cast<std::size_t>(with.cycle_steps);
@@ -86,6 +89,7 @@ Visibility visibility(const TruthRun& with, const TruthRun& without, const Truth
              floor * machine.controller.speed_control.proportional_gain);
   }
   for (const auto& sensor : kAccelerometers<SensorValues>) {
+    if (!is_recorded(sensors, sensor.place)) continue;
     consider(std::string(sensor.place) + " acceleration", rms(column(with, sensor.value), column(without, sensor.value), 1), machine.noise.accelerometer);
   }
   return best;
@@ -149,12 +153,11 @@ void write_log(const TruthRun& run, const LogSettings& settings, const fs::path&
     }
     if (settings.sensors == Sensors::kNone || n % settings.sensor_steps != 0) continue;
     const SensorValues& values = run.sensors[static_cast<std::size_t>(n)];
-    const bool all = settings.sensors == Sensors::kAll;
     sensors.sequence = n / settings.sensor_steps;
     sensors.simulated_time = n * kBaseStepNs;
     for (std::size_t s = 0; s < msgs::kSensorFields<msgs::Sensors>.size(); ++s) {
       const auto& field = msgs::kSensorFields<msgs::Sensors>[s];
-      sensors.*field.value = all || field.place == "tip" ? values.*msgs::kSensorFields<SensorValues>[s].value : kAbsent;
+      sensors.*field.value = is_recorded(settings.sensors, field.place) ? values.*msgs::kSensorFields<SensorValues>[s].value : kAbsent;
     }
     append(msgs::kSensorsChannel, sensors);
   }
@@ -212,55 +215,81 @@ TruthMachine machine_of(const DrawnCase& drawn, const Nominal& nominal, const st
   return machine;
 }
 
-json make_case(const MakeSettings& settings, const Nominal& nominal, const DrawnCase& drawn) {
-  const fs::path folder = settings.directory / case_name(drawn.number);
-  fs::create_directories(folder);
-  std::vector<std::vector<TrueSize>> sizes;
-  const std::size_t laws = drawn.laws.size();
-  const TruthMachine machine = machine_of(drawn, nominal, std::vector<bool>(laws, true), &sizes);
-  const RunOptions options{.noise_seed = 0,
-                           .reference = {.method = sim::ReferenceMethod::kDirk, .tolerance = 1e-5, .order = 3}};
-  // What the machine is compared with in the manoeuvres to diagnose: itself without any law, and without each of several.
-  struct Comparison {
-    std::vector<bool> on;
-    Visibility seen{};
-  };
+RunOptions run_options(std::uint64_t noise_seed) {
+  return {.noise_seed = noise_seed, .reference = {.method = sim::ReferenceMethod::kDirk, .tolerance = 1e-5, .order = 3}};
+}
+
+// What the machine is compared with in the manoeuvres to diagnose: itself without any law, and without each of several.
+struct Comparison {
+  std::vector<bool> on;
+  Visibility seen{};
+};
+
+std::vector<Comparison> comparisons_of(std::size_t laws) {
   std::vector<Comparison> comparisons;
   if (laws > 0) comparisons.push_back({std::vector<bool>(laws, false)});
   for (std::size_t k = 0; laws > 1 && k < laws; ++k) {
     comparisons.push_back({std::vector<bool>(laws, true)});
     comparisons.back().on[k] = false;
   }
-  for (std::size_t m = 0; m < kLogNames.size(); ++m) {
-    RunOptions here = options;
-    here.noise_seed = drawn.noise_seeds[m];
-    const TruthRun run = run_truth(machine, drawn.manoeuvres[m], here);
-    write_log(run, {nominal.hash, whole_steps(settings.record_period), settings.sensors, drawn.record_from[m]}, folder / kLogNames[m]);
-    if (m >= kDiagnosedManoeuvres) continue;
-    for (Comparison& other : comparisons) {
-      const TruthMachine without = machine_of(drawn, nominal, other.on);
-      const Visibility one = visibility(run, run_truth(without, drawn.manoeuvres[m], here), without);
-      if (one.largest > other.seen.largest) other.seen = one;
-    }
-  }
-  const Visibility seen = comparisons.empty() ? Visibility{} : comparisons.front().seen;
-  write_whole(folder / "given.json", json{{"without", drawn.without}}.dump() + "\n");
+  return comparisons;
+}
+
+json effects_json(const DrawnCase& drawn, const std::vector<std::vector<TrueSize>>& sizes, const std::vector<Comparison>& comparisons) {
   json effects = json::array();
+  const std::size_t laws = drawn.laws.size();
   for (std::size_t k = 0; k < laws; ++k) {
     const Law& law = law_named(drawn.laws[k].law);
     json values = json::array();
     for (const TrueSize& size : sizes[k]) {
       values.push_back({{"parameter", size.parameter}, {"value", size.value}, {"comparable", size.comparable}});
     }
-    effects.push_back({{"law", law.name}, {"effect", law.effect}, {"subsystem", law.subsystem},
+    effects.push_back({{"law", law.name}, {"effect", law.effect}, {"subsystem", law.subsystem}, {"follows", law.follows},
                        {"visibility", comparisons[laws == 1 ? 0 : k + 1].seen.largest}, {"sizes", values}});
   }
+  return effects;
+}
+
+// Throws DriveStopped.
+json run_case(const MakeSettings& settings, const Nominal& nominal, const DrawnCase& drawn) {
+  const fs::path folder = settings.directory / case_name(drawn.number);
+  fs::create_directories(folder);
+  std::vector<std::vector<TrueSize>> sizes;
+  const TruthMachine machine = machine_of(drawn, nominal, std::vector<bool>(drawn.laws.size(), true), &sizes);
+  std::vector<Comparison> comparisons = comparisons_of(drawn.laws.size());
+  for (std::size_t m = 0; m < kLogNames.size(); ++m) {
+    const RunOptions options = run_options(drawn.noise_seeds[m]);
+    const TruthRun run = run_truth(machine, drawn.manoeuvres[m], options);
+    write_log(run, {nominal.hash, whole_steps(settings.record_period), settings.sensors, drawn.record_from[m]}, folder / kLogNames[m]);
+    if (m >= kDiagnosedManoeuvres) continue;
+    for (Comparison& other : comparisons) {
+      const TruthMachine without = machine_of(drawn, nominal, other.on);
+      const Visibility one = visibility(run, run_truth(without, drawn.manoeuvres[m], options), without, settings.sensors, drawn.record_from[m]);
+      if (one.largest > other.seen.largest) other.seen = one;
+    }
+  }
+  const Visibility seen = comparisons.empty() ? Visibility{} : comparisons.front().seen;
+  write_whole(folder / "given.json", json{{"without", drawn.without}}.dump() + "\n");
   json spread = json::object();
   for (std::size_t k = 0; k < drawn.spread.size(); ++k) {
     spread[std::string(nominal.machine.description.parameters[k].name)] = drawn.spread[k];
   }
-  return {{"case", case_name(drawn.number)},   {"kind", name_of(drawn.kind)},  {"effects", effects},
+  return {{"case", case_name(drawn.number)},   {"kind", name_of(drawn.kind)},  {"effects", effects_json(drawn, sizes, comparisons)},
           {"visibility", seen.largest},        {"most_visible", seen.signal},  {"spread", spread}};
+}
+
+// With a law too large for the loop, which then does not hold, no machine is in use: it is halved until it does.
+json make_case(const MakeSettings& settings, const Nominal& nominal, const DrawnCase& drawn) {
+  constexpr int kMostHalvings = 10;
+  for (int times = 0;; ++times) {
+    try {
+      json answer = run_case(settings, nominal, halved(drawn, times));
+      answer["halved"] = times;
+      return answer;
+    } catch (const DriveStopped&) {
+      if (times == kMostHalvings) throw;
+    }
+  }
 }
 
 void seal(const MakeSettings& settings) {
@@ -316,6 +345,37 @@ bool make_cases(const MakeSettings& settings, const MakeProgress& progress, cons
   if (!side_by_side(cases.size(), settings.threads, is_stopped, work)) return false;
   seal(settings);
   return true;
+}
+
+MakeSettings settings_of(const fs::path& directory) {
+  const json about = json::parse(read_whole(directory / "about.json"));
+  MakeSettings settings;
+  settings.cases = about.at("cases");
+  settings.seed = about.at("seed");
+  settings.purpose = about.at("purpose") == name_of(Purpose::kTune) ? Purpose::kTune : Purpose::kScore;
+  settings.directory = directory;
+  settings.crane = directory / about.at("crane").get<std::string>();
+  settings.controller = directory / about.at("controller").get<std::string>();
+  settings.controller_period = about.at("controller_period_s");
+  settings.record_period = about.at("record_period_s");
+  settings.sensors = sensors_named(about.at("sensors"));
+  settings.begin = begin_named(about.at("begin"));
+  return settings;
+}
+
+void measure_again(const MakeSettings& settings, int number, const Manoeuvre& in_ramps, const std::string& purpose, const fs::path& log) {
+  const Nominal nominal = load_nominal(settings);
+  const json sealed = json::parse(read_whole(settings.directory / "sealed" / (case_name(number) + ".json")));
+  const DrawnCase drawn = halved(draw_cases(settings.cases, settings.seed, nominal.machine, settings.begin).at(static_cast<std::size_t>(number - 1)),
+                                 sealed.at("halved"));
+  const double ramp = nominal.machine.controller.ramp.acceleration_time;
+  Manoeuvre manoeuvre = in_ramps;
+  manoeuvre.duration *= ramp;
+  for (Request& request : manoeuvre.requests) request.time *= ramp;
+  Random noise(settings.seed, "again: " + purpose, static_cast<std::uint64_t>(number));
+  const TruthRun run =
+      run_truth(machine_of(drawn, nominal, std::vector<bool>(drawn.laws.size(), true)), manoeuvre, run_options(noise.bits()));
+  write_log(run, {nominal.hash, whole_steps(settings.record_period), settings.sensors, 0.0}, log);
 }
 
 }  // namespace slewlab::diagnosis::withheld

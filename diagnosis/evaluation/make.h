@@ -9,7 +9,7 @@
 //   DIR/digest.txt              SHA-256 of answers.json
 //
 // Visibility of an effect: the same machine with the same noise runs without it; the largest of all signals' RMS
-// difference in the manoeuvres a and b over the signal's noise floor; of a case, without all its effects; of each of two,
+// difference in the manoeuvres a and b over the signal's noise floor, of the signals and the time that are recorded; of a case, without all its effects; of each of two,
 // without that one. Two seconds from every meeting or parting of
 // teeth in either run are left out: an impact a little earlier or later is a large difference that means little. Floors: accelerometers their noise; encoder
 // speeds what counting does to them (counting_noise()); torques that times the proportional gain.
@@ -47,7 +47,8 @@ struct Visibility {
   double largest = 0.0;  // [-] noise floors
   std::string signal;
 };
-Visibility visibility(const TruthRun& with, const TruthRun& without, const TruthMachine& machine);
+// `from` [s]: when the recorder is switched on.
+Visibility visibility(const TruthRun& with, const TruthRun& without, const TruthMachine& machine, Sensors sensors = Sensors::kAll, double from = 0.0);
 
 // The log as a run's: messages in the order of the wire, from `from` [s] on, as a recorder writes it that is switched on
 // then: it begins with the operator's request of that moment; times and numbers are those of the run.
@@ -70,5 +71,12 @@ using MakeProgress = std::function<void(int done, int all, const std::string& li
 // common::InputError.
 bool make_cases(const MakeSettings& settings, const MakeProgress& progress = {},
                 const std::function<bool()>& is_stopped = {});
+
+// The set's settings, and its crane and controller, as its about.json has them. Throws std::runtime_error, nlohmann's exceptions.
+MakeSettings settings_of(const std::filesystem::path& directory);
+
+// A case's machine drives one more manoeuvre, its times in the controller's ramps, and is recorded from rest as its other logs are, with noise of its own
+// for each `purpose`. Throws as make_cases().
+void measure_again(const MakeSettings& settings, int number, const Manoeuvre& in_ramps, const std::string& purpose, const std::filesystem::path& log);
 
 }  // namespace slewlab::diagnosis::withheld

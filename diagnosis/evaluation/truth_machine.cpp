@@ -1,5 +1,7 @@
 #include "diagnosis/evaluation/truth_machine.h"
 
+#include <fmt/format.h>
+
 #include <array>
 #include <cmath>
 #include <functional>
@@ -113,7 +115,10 @@ class TruthPlant : public sim::DrivenPlant {
   // By one base step. What has failed on a crane is no part of a withheld case.
   void step(const sim::PlantConditions&) override {
     const sim::DriveCommand command = sim::drive_command(machine_.drive_protection, drive_run_, drive_, moment(), kBaseStepNs);
-    if (command.brake_torque[0] > 0.0) throw std::runtime_error("a withheld machine has no brakes, and its drive asks for them");
+    if (command.brake_torque[0] > 0.0) {
+      throw DriveStopped(fmt::format("at {:.3f} s its drive is {} ({}), and a withheld machine has no brakes", now(), sim::name_of(drive_.state),
+                                     sim::name_of(drive_.trip_cause)));
+    }
     GroupArray torque = command.motor_torque;
     for (const WireLaw& law : machine_.wire) law(now(), command.sequence, torque);
     for (const TorqueLaw& law : machine_.torque) law(now(), readings_.shaft_position, readings_.shaft_speed, torque);

@@ -12,6 +12,7 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <stdexcept>
 #include <vector>
 
 #include "controller/controller.h"
@@ -115,7 +116,12 @@ struct TruthRun {
   sim::ReferenceCounts counts;
 };
 
-// The machine is copied: its laws start anew in each run. Throws std::invalid_argument, std::runtime_error.
+// The drive stops the machine, or the controller lets go of it: its loop does not hold.
+struct DriveStopped : std::runtime_error {
+  using std::runtime_error::runtime_error;
+};
+
+// The machine is copied: its laws start anew in each run. Throws DriveStopped, std::invalid_argument, std::runtime_error.
 TruthRun run_truth(TruthMachine machine, const Manoeuvre& manoeuvre, const RunOptions& options);
 
 }  // namespace slewlab::diagnosis::withheld

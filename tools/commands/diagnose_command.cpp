@@ -24,6 +24,7 @@
 #include "diagnosis/decimation.h"
 #include "diagnosis/diagnose.h"
 #include "diagnosis/discriminate.h"
+#include "diagnosis/live_hypotheses.h"
 #include "diagnosis/next_manoeuvre.h"
 #include "diagnosis/nuisance.h"
 #include "diagnosis/prediction.h"
@@ -41,13 +42,8 @@ namespace slewlab::tools {
 
 namespace {
 
-constexpr double kSure = 0.9;          // probability from which an answer is stated without a doubt
 constexpr double kWorthNaming = 0.05;  // probability that an effect acts, from which the page says so
 constexpr double kWorthFollowing = 0.02;  // share of the gap that is left, from which it is said what it follows
-// Causes that a next manoeuvre should tell apart, and from how many that are drawn it is chosen.
-constexpr double kLive = 0.02;  // probability
-constexpr std::size_t kMostHypotheses = 4;
-constexpr int kDrawnManoeuvres = 12;
 constexpr double kLineInterval = 2.0;  // [s] between progress lines where there is no terminal
 constexpr int kThreads = 2;            // of a crane, where nothing else is said
 // The page's spectrogram: up to half the highest frequency that is judged, over windows of two characteristic times.
@@ -76,24 +72,6 @@ ToldApartBy told_apart_by(const sim::MachineSettings& nominal, const std::option
             .front());
   }
   return best;
-}
-
-// What to run next where the answer is not sure; nothing where it is, where there is no controller to run with, or no two known causes are left.
-std::optional<diagnosis::NextManoeuvre> manoeuvre_after(const sim::MachineSettings& nominal, const std::optional<controller::ControllerSettings>& controller,
-                                                        const Diagnosis& found, const Record& like) {
-  if (!controller || found.causes.empty()) return {};
-  const Cause& first = found.causes.front();
-  const bool is_sure = found.gap ? !found.is_unknown && first.probability >= kSure && first.group.empty() : found.probability_nothing >= kSure;
-  if (is_sure) return {};
-  std::vector<diagnosis::Hypothesis> hypotheses;
-  for (const Cause& cause : found.causes) {
-    if (cause.probability < kLive || hypotheses.size() == kMostHypotheses) break;
-    controller::ControllerSettings with = controller::with_effects(*controller, cause.controller_effects);
-    with.period = like.encoder_period;
-    hypotheses.push_back({name_of(cause), cause.probability, diagnosis::machine_at(nominal, found.nuisances, cause.point), with});
-  }
-  if (hypotheses.size() < 2) return {};
-  return diagnosis::next_manoeuvre(hypotheses, diagnosis::candidate_manoeuvres(kDrawnManoeuvres, 1), like, common::stop_requested);
 }
 
 nlohmann::json to_json(const Cause& cause, const std::vector<sim::Parameter>& parameters) {
@@ -151,7 +129,7 @@ std::string answer_sentence(const Diagnosis& diagnosis) {
                        followed.empty() ? "follows neither speed nor angle, time or torque: look behind the motors, and at what is faster" : followed);
   }
   const Cause& first = diagnosis.causes.front();
-  std::string text = fmt::format("{}{}, {:.0f} %", first.probability < kSure ? "Not sure: " : "", name_of(first), 100 * first.probability);
+  std::string text = fmt::format("{}{}, {:.0f} %", first.probability < diagnosis::kSure ? "Not sure: " : "", name_of(first), 100 * first.probability);
   if (!first.validation && !first.point.effects.empty()) {
     text += "; not tested on data that were not fitted, because its sizes are read off the records";
   }
@@ -484,7 +462,8 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
                                        {"difference_rms", apart[k].difference}, {"unit", apart[k].unit},
                                        {"noise_floors", apart[k].noise_floors}, {"advice", advice(apart[k])}});
     }
-    const std::optional<diagnosis::NextManoeuvre> next = manoeuvre_after(cut, controller, found, records.front());
+    std::optional<diagnosis::NextManoeuvre> next;
+    if (controller) next = diagnosis::manoeuvre_after(cut, *controller, found, records.front(), common::stop_requested);
     std::filesystem::remove(options.out / "next_manoeuvre.yaml");  // of a diagnosis before, which was not sure
     if (next) {
       json["next_manoeuvre"] = {{"scenario", "next_manoeuvre.yaml"}, {"expected_gain_bits", next->gain}, {"open_bits", next->open},

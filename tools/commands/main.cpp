@@ -251,6 +251,7 @@ void add_withhold_score(CLI::App& withhold, Action& action) {
   score->add_flag("--no-accelerometers", options->no_accelerometers, "encoders and torques alone");
   score->add_option("--threads", options->threads, "cases side by side")->check(CLI::PositiveNumber);
   score->add_option("--first", options->first, "only so many cases, from the beginning of the set")->check(CLI::PositiveNumber);
+  score->add_flag("--second-round", options->second_round, "where an answer is not sure, the machine drives the manoeuvre that it proposes, and one that is drawn, and is diagnosed again");
   score->add_flag("--no-informed-fits", options->no_informed_fits, "no fits that are told the effects: the share of the gap closed is of those there already");
   score->callback([options, &action] {
     action = [options] { return withhold_judge(*options, std::cout, std::cerr); };

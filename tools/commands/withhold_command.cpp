@@ -112,6 +112,7 @@ int withhold_judge(const WithholdScoreOptions& options, std::ostream& out, std::
   score.threads = options.threads;
   score.first = options.first;
   score.informed_fits = !options.no_informed_fits;
+  score.second_round = options.second_round;
   return withhold_score(
       score,
       [settings](const diagnosis::withheld::CaseInput& input) { return diagnosis::diagnose_case(input, settings, common::stop_requested); },

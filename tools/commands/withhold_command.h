@@ -39,6 +39,7 @@ struct WithholdScoreOptions {
   int threads = 2;
   int first = 0;  // cases of the set; 0: all
   bool no_informed_fits = false;
+  bool second_round = false;
 };
 
 // Scores this project's own diagnosis.

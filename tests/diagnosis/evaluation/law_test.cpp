@@ -243,6 +243,84 @@ TEST(Law, AirDragHasItsAreaAtTheReferenceSpeed) {
   EXPECT_NEAR(still.forces(machine, {}).load_force, -0.5 * 1.225 * 200.0 * 1.5 * 1.5, 0.01);
 }
 
+// Half a unit each of x and x^3 at the angle of two ramps.
+TEST(Law, AWoundCableHasItsTorqueAtTheAngleOfTwoRamps) {
+  const TruthMachine machine = machine_with("wound_cable", 700.0);
+  Still still(0.0);
+  still.motion.house_angle = machine.scales.machine.top_speed * machine.scales.ramp_time;
+  EXPECT_NEAR(still.forces(machine, {}).house_torque, -700.0, 1e-9);
+  still.motion.house_angle *= -0.5;
+  EXPECT_NEAR(still.forces(machine, {}).house_torque, 0.5 * 700.0 * (0.5 + 0.125), 1e-9);
+}
+
+// Two groups at the rated torque: each loses the whole share; one alone loses nothing.
+TEST(Law, ASharedSupplyTakesFromEachWhatTheOtherDraws) {
+  TruthMachine machine = machine_with("shared_supply", 0.2);
+  const double rated = machine.scales.machine.motor_torque;
+  GroupArray torque{};
+  torque[0] = rated;
+  torque[1] = -0.5 * rated;
+  machine.torque.at(0)(0.0, {}, {}, torque);
+  EXPECT_NEAR(torque[0], 0.9 * rated, 1e-9);
+  EXPECT_NEAR(torque[1], -0.5 * 0.8 * rated, 1e-9);
+}
+
+TEST(Law, OneSidedMotorsPullHarderToOneSide) {
+  TruthMachine machine = machine_with("one_sided_motors", 0.1);
+  GroupArray torque{};
+  torque[0] = 50.0;
+  torque[1] = -50.0;
+  machine.torque.at(0)(0.0, {}, {}, torque);
+  EXPECT_NEAR(std::fabs(torque[0] - 50.0), 5.0, 1e-12);
+  EXPECT_NEAR(torque[1] + 50.0, torque[0] - 50.0, 1e-12);
+}
+
+TEST(Law, ADriftingOffsetGrowsToItsSize) {
+  TruthMachine machine = machine_with("drifting_offset", 3.0);
+  GroupArray torque{};
+  machine.torque.at(0)(0.0, {}, {}, torque);
+  EXPECT_EQ(torque[0], 0.0);
+  machine.torque.at(0)(1e4, {}, {}, torque);
+  EXPECT_NEAR(std::fabs(torque[0]), 3.0, 1e-12);
+}
+
+// Still in space while the house turns, it is pulled by its spring and its damper; what it feels the house gives.
+TEST(Law, ALooseCounterweightPullsTheHouseAsTheHousePullsIt) {
+  const TruthMachine machine = machine_with("loose_counterweight", 0.02);
+  Still still(0.0);
+  still.motion.house_angle = 1e-3;
+  sim::ReferenceForces forces;
+  const double states[] = {0.0, 0.0};
+  double rates[] = {0.0, 0.0};
+  machine.forces.at(0).act(still.scene(), states, forces, rates);
+  EXPECT_EQ(rates[0], 0.0);
+  EXPECT_GT(rates[1], 0.0);
+  EXPECT_NEAR(forces.house_torque, -0.02 * machine.scales.machine.axis_inertia * rates[1], 1e-9 * std::fabs(forces.house_torque));
+}
+
+// Slack within a third of what the rated torque bends the boom by, (tip force) / (guy's unit)^(1/3) of it; then a spring, with its moment on the house.
+TEST(Law, ASlackGuyTakesHoldBehindItsSlack) {
+  const TruthMachine machine = machine_with("slack_guy", 5e3);
+  const double slack = std::cbrt(machine.scales.tip_force / machine.scales.guy) / 3.0;
+  Still still(0.0);
+  still.motion.tip_displacement = 0.99 * slack;
+  EXPECT_EQ(still.forces(machine, {}).tip_force, 0.0);
+  still.motion.tip_displacement = -slack - 0.01;
+  EXPECT_NEAR(still.forces(machine, {}).tip_force, 50.0, 1e-6);
+  EXPECT_NEAR(still.forces(machine, {}).house_torque, -50.0 * still.scene().tip_radius, 1e-3);
+}
+
+TEST(Law, FieldWeakeningBeginsAtHalfTheTopSpeed) {
+  TruthMachine machine = machine_with("field_weakening", 0.3);
+  GroupArray torque{}, speed{};
+  torque.fill(100.0);
+  speed[0] = 0.5 * machine.scales.top_shaft_speed;
+  speed[1] = -machine.scales.top_shaft_speed;
+  machine.torque.at(0)(0.0, {}, speed, torque);
+  EXPECT_NEAR(torque[0], 100.0, 1e-9);
+  EXPECT_NEAR(torque[1], 70.0, 1e-9);
+}
+
 // Exponents of a quantity under masses and forces times f, and under lengths times lambda with times by sqrt(lambda).
 struct Exponents {
   double of_masses, of_lengths;
@@ -320,7 +398,10 @@ TEST(Law, SizesOutsideTheCatalogueFollowMassesAndLengths) {
   const std::pair<const char*, Exponents> kExpected[] = {
       {"stiffening_gears", {0.0, 0.0}}, {"slew_cogging", {1.0, 1.0}},   {"tight_spot", {1.0, 1.0}},
       {"creeping_rope", {0.0, 0.5}},    {"warming_motors", {0.0, 0.0}}, {"flat_roller", {1.0, 1.0}},
-      {"stiffening_guy", {1.0, -3.0}}};  // N/m^3
+      {"stiffening_guy", {1.0, -3.0}},  // N/m^3
+      {"wound_cable", {1.0, 1.0}},      {"shared_supply", {0.0, 0.0}},  {"one_sided_motors", {0.0, 0.0}},
+      {"drifting_offset", {1.0, 1.0}},  {"loose_counterweight", {0.0, 0.0}},
+      {"slack_guy", {1.0, -1.0}},       {"field_weakening", {0.0, 0.0}}};
   const ScaledMachines machines;
   for (const auto& [name, expected] : kExpected) {
     const Law& law = law_named(name);

@@ -175,6 +175,34 @@ TEST_F(MakeTest, InformedFitsAreMadeOnceForNamedEffectsAndNotWhereTheyAreDecline
   EXPECT_EQ(fits, named);
 }
 
+// The machine drives what the result proposes and what is drawn, each log goes with the others, and a case that is sure has no second round.
+TEST_F(MakeTest, ASecondRoundDrivesWhatIsProposed) {
+  std::vector<std::string> diagnosed;
+  const Manoeuvre in_ramps{{{0.3, 0.5}, {0.8, 0.0}}, 1.5};
+  const auto diagnose = [&](const CaseInput& input) {
+    diagnosed.push_back(input.name + ":" + std::to_string(input.logs.size()));
+    CaseResult result;
+    result.causes = {{{}, 0.6, {}, {}, 0.0, 0.0, {}}};
+    if (input.name == "case_0001") result.next = result.drawn = in_ramps;
+    return result;
+  };
+  const ScoreSettings score{.directory = set_, .results = "rounds", .threads = 1, .second_round = true, .informed_fits = false};
+  ASSERT_TRUE(score_cases(score, diagnose, {}).has_value());
+  EXPECT_EQ(diagnosed, (std::vector<std::string>{"case_0001:2", "case_0002:2", "case_0001:3", "case_0001:3"}));
+  ASSERT_TRUE(score_cases(score, diagnose, {}).has_value());
+  EXPECT_EQ(diagnosed.size(), 4u);  // all there already
+  const msgs::RunLogs log = msgs::read_run_logs(set_ / "rounds" / "case_0001.proposed.lcmlog");
+  ASSERT_EQ(log.runs.size(), 1u);
+  const double ramp = controller::load_controller_file(settings(set_).controller).settings.ramp.acceleration_time;
+  EXPECT_EQ(log.runs[0].torque.size(), static_cast<std::size_t>(std::lround(1.5 * ramp / kBaseStep)) + 1);
+  // The lever at rest, then the two requests, at their times in ramps.
+  ASSERT_EQ(log.runs[0].operator_moves.size(), 3u);
+  EXPECT_NEAR(1e-9 * static_cast<double>(log.runs[0].operator_moves[1].simulated_time), 0.3 * ramp, kBaseStep);
+  EXPECT_EQ(log.runs[0].operator_moves[1].speed_request, 0.5);
+  // Measured once more with noise of its own.
+  EXPECT_NE(read_whole(set_ / "rounds" / "case_0001.proposed.lcmlog"), read_whole(set_ / "rounds" / "case_0001.drawn.lcmlog"));
+}
+
 TEST_F(MakeTest, TheFirstCasesCanBeScoredAloneAndAnImpossibleNumberIsRefused) {
   std::vector<std::string> diagnosed;
   const auto diagnose = [&](const CaseInput& input) {

@@ -1,5 +1,5 @@
 // Scores of results written by hand, counted by hand.
-#include "diagnosis/evaluation/score.h"
+#include "diagnosis/evaluation/score_table.h"
 
 #include <gtest/gtest.h>
 
@@ -15,7 +15,7 @@ Judged judged(Kind kind, const std::vector<std::string>& effects, double visibil
   one.answer.kind = kind;
   one.answer.visibility = visibility;
   for (const std::string& effect : effects) {
-    one.answer.effects.push_back({"a law", effect, "drive", {{"size", 2.0, true}, {"shape", 1.0, false}}, visibility});
+    one.answer.effects.push_back({"a law", effect, "drive", {{"size", 2.0, true}, {"shape", 1.0, false}}, visibility, ""});
   }
   one.result.causes = std::move(causes);
   one.result.probability_unknown = unknown;
@@ -50,22 +50,66 @@ TEST(Score, FalseAlarmsCountNothingAndParametersAlone) {
   EXPECT_DOUBLE_EQ(score_named(table, "detection").value, 1.0);
 }
 
-TEST(Score, OnlyEffectsAboveThreeNoiseFloorsMustBeDetected) {
+// Above six floors an effect is plain to see, above three it is visible.
+TEST(Score, OnlyEffectsThatArePlainToSeeMustBeDetected) {
   const ScoreTable table = tabulate({judged(Kind::kOneEffect, {"lag"}, 2.9, {cause({}, 1.0)}, 0, false),
-                                     judged(Kind::kOneEffect, {"lag"}, 3.1, {cause({"lag"}, 1.0)}, 0, true)});
+                                     judged(Kind::kOneEffect, {"lag"}, 5.9, {cause({}, 1.0)}, 0, false),
+                                     judged(Kind::kOneEffect, {"lag"}, 6.1, {cause({"lag"}, 1.0)}, 0, true)});
   EXPECT_DOUBLE_EQ(score_named(table, "detection").value, 1.0);
-  EXPECT_DOUBLE_EQ(score_named(table, "detection, all effects").value, 0.5);
+  EXPECT_EQ(score_named(table, "detection").cases, 1);
+  EXPECT_DOUBLE_EQ(score_named(table, "detection, visible effects").value, 0.5);
+  EXPECT_DOUBLE_EQ(score_named(table, "detection, all effects").value, 1.0 / 3.0);
 }
 
-TEST(Score, ADeclaredGroupCountsOneOverItsSize) {
+// Of the three answers above 0.9 whose truth can be known one is wrong; 0.85 is not sure, and nobody can know what 2.9 floors show.
+TEST(Score, OfTheSureAnswersTheWrongOnesAreCounted) {
+  const ScoreTable table = tabulate({judged(Kind::kOneEffect, {"lag"}, 9, {cause({"lag"}, 0.95)}, 0, true),
+                                     judged(Kind::kOneEffect, {"lag"}, 9, {cause({"wind"}, 0.95)}, 0, true),
+                                     judged(Kind::kOneEffect, {"lag"}, 9, {cause({"wind"}, 0.85)}, 0, true),
+                                     judged(Kind::kOneEffect, {"lag"}, 2.9, {cause({}, 0.95)}, 0, false),
+                                     judged(Kind::kParameters, {}, 0, {cause({}, 0.95)}, 0, false)});
+  const Score score = score_named(table, "stated above 0.9 and wrong");
+  EXPECT_EQ(score.cases, 3);
+  EXPECT_DOUBLE_EQ(score.value, 1.0 / 3.0);
+}
+
+TEST(Score, ADeclaredGroupIsOneAnswer) {
   const ScoreTable table =
-      tabulate({judged(Kind::kOneEffect, {"lag"}, 9, {cause({"lag"}, 0.9)}, 0, true),                    // 1
+      tabulate({judged(Kind::kOneEffect, {"lag"}, 9, {cause({"lag"}, 0.9)}, 0, true),                    // by its share 1
                 judged(Kind::kOneEffect, {"lag"}, 9, {cause({"delay"}, 0.9, {"lag", "loss"})}, 0, true),  // 1/3
                 judged(Kind::kOneEffect, {"lag"}, 9, {cause({"lag"}, 0.9, {"delay"})}, 0, true),          // 1/2
                 judged(Kind::kOneEffect, {"lag"}, 9, {cause({"wind"}, 0.9), cause({"lag"}, 0.1)}, 0, true)});  // 0, in three
-  EXPECT_DOUBLE_EQ(score_named(table, "first cause right").value, (1.0 + 1.0 / 3.0 + 0.5) / 4.0);
-  EXPECT_DOUBLE_EQ(score_named(table, "true cause in the first three").value, (1.0 + 1.0 / 3.0 + 0.5 + 1.0) / 4.0);
+  EXPECT_DOUBLE_EQ(score_named(table, "first cause right").value, 0.75);
+  EXPECT_DOUBLE_EQ(score_named(table, "first cause right, by the group's size").value, (1.0 + 1.0 / 3.0 + 0.5) / 4.0);
+  EXPECT_DOUBLE_EQ(score_named(table, "true cause in the first three").value, 1.0);
   EXPECT_DOUBLE_EQ(score_named(table, "mean probability on the true cause").value, (0.9 + 0.0 + 0.9 + 0.1) / 4.0);
+}
+
+// An answer that was right stays right; one that was not is what it has become with one more manoeuvre.
+TEST(Score, TheSecondRoundIsCountedBesides) {
+  std::vector<Judged> cases(3, judged(Kind::kOneEffect, {"lag"}, 9, {cause({"lag"}, 0.95)}, 0, true));
+  for (Judged& one : cases) one.proposed = one.drawn = one.result;
+  cases[1].result.causes = {cause({"wind"}, 0.5), cause({"lag"}, 0.4)};
+  cases[2].result.causes = cases[2].proposed->causes = cases[2].drawn->causes = cases[1].drawn->causes = cases[1].result.causes;
+  const ScoreTable table = tabulate(cases);
+  EXPECT_DOUBLE_EQ(score_named(table, "first cause right").value, 1.0 / 3.0);
+  EXPECT_DOUBLE_EQ(score_named(table, "first cause right after one proposed manoeuvre").value, 2.0 / 3.0);
+  EXPECT_DOUBLE_EQ(score_named(table, "first cause right after one drawn manoeuvre").value, 1.0 / 3.0);
+  EXPECT_EQ(score_named(tabulate({judged(Kind::kOneEffect, {"lag"}, 9, {}, 1, true)}), "first cause right after one proposed manoeuvre").cases, 0);
+}
+
+// Of the unknown the variable counts where the law follows one and the unknown was answered; one of several that cannot be told apart is enough.
+TEST(Score, TheUnknownsVariableIsCounted) {
+  std::vector<Judged> cases(5, judged(Kind::kNoCatalogue, {""}, 9, {}, 0.9, true));
+  for (Judged& one : cases) one.answer.effects[0].follows = "angle";
+  cases[0].result.follows = {"angle"};
+  cases[1].result.follows = {"time", "angle"};
+  cases[2].result.follows = {"speed"};
+  cases[3].result.causes = {cause({"wind"}, 0.95)};  // not answered as unknown
+  cases[4].answer.effects[0].follows = "";
+  const Score score = score_named(tabulate(cases), "its variable right");
+  EXPECT_EQ(score.cases, 3);
+  EXPECT_DOUBLE_EQ(score.value, 2.0 / 3.0);
 }
 
 // One effect and two of which it is one say together that it acts: 0.9 is right of a single effect, and of a pair of which the other
@@ -175,12 +219,21 @@ TEST(Score, ResultsSurviveTheirJson) {
   CaseResult result = judged(Kind::kOneEffect, {"lag"}, 9, {cause({"lag"}, 0.9, {"delay"})}, 0.1, true).result;
   result.unseen_before = 3.0;
   result.causes[0].sizes[0].high = std::numeric_limits<double>::infinity();
+  result.follows = {"speed", "time"};
+  result.next = Manoeuvre{{{0.5, 0.3}, {2.0, -1.0}}, 6.8};
   const CaseResult back = result_from(nlohmann::json::parse(to_json(result).dump()));
   EXPECT_EQ(back.causes[0].effects, result.causes[0].effects);
   EXPECT_EQ(back.causes[0].group, result.causes[0].group);
   EXPECT_EQ(back.causes[0].sizes[0].high, result.causes[0].sizes[0].high);
   EXPECT_EQ(back.subsystems, result.subsystems);
   EXPECT_EQ(back.unseen_before, 3.0);
+  EXPECT_EQ(back.follows, result.follows);
+  EXPECT_FALSE(back.drawn);
+  ASSERT_TRUE(back.next);
+  EXPECT_EQ(back.next->duration, 6.8);
+  ASSERT_EQ(back.next->requests.size(), 2u);
+  EXPECT_EQ(back.next->requests[1].time, 2.0);
+  EXPECT_EQ(back.next->requests[1].speed_request, -1.0);
 }
 
 }  // namespace
