@@ -247,14 +247,15 @@ void check_drive(const SoakFacts& facts, const StepRecord& before, const StepRec
 
 EnergyBalance::EnergyBalance(const SoakFacts& facts, const SoakLimits& limits, const StepRecord& first)
     : facts_(facts),
-      limit_(facts.faults ? limits.energy_error_with_faults : limits.energy_error),
+      limit_(limits.energy_error),
       first_energy_(first.mechanical_energy),
       first_work_(first.supplied_work),
       before_(first),
       turned_over_(first.mechanical_energy + kEnergyFloor * facts.axis_energy) {}
 
 void EnergyBalance::check(const StepRecord& record, Findings& findings) {
-  const double lost = 0.5 * facts_.step * (before_.dissipated_power + record.dissipated_power);
+  const double lost = 0.5 * facts_.step * (before_.dissipated_power + record.dissipated_power) +
+                      record.dissipated_by_modes - before_.dissipated_by_modes;
   dissipated_ += lost;
   turned_over_ += std::fabs(record.supplied_work - before_.supplied_work) + lost;
   if (record.contact_changes != before_.contact_changes) {

@@ -107,7 +107,8 @@ struct StepRecord {
   double house_angle = 0.0, house_speed = 0.0;
   double rope_angle = 0.0, rod_angle = 0.0;
   double mechanical_energy = 0.0, supplied_work = 0.0;  // [J]
-  double dissipated_power = 0.0;                        // [W] in gears, boom and rope at this instant
+  double dissipated_power = 0.0;                        // [W] in gears and rope at this instant
+  double dissipated_by_modes = 0.0;                     // [J] in boom and house since the start
 
   sim::GroupArray applied_torque{};    // [Nm] per motor on the fast axis, during the step
   sim::GroupArray commanded_torque{};  // [Nm] the same, as the drive holds it

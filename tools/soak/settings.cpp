@@ -80,7 +80,6 @@ SoakLimits read_limits(YamlReader reader) {
   limits.sidelead = reader.number("sidelead", Unit::radian, positive());
   limits.rod_angle = reader.number("rod_angle", Unit::radian, positive());
   limits.energy_error = reader.number("energy_error", Unit::none, positive());
-  limits.energy_error_with_faults = reader.number("energy_error_with_faults", Unit::none, positive());
   limits.heap_growth = reader.integer("heap_growth", 0, kMany);
   limits.resident_growth = reader.integer("resident_growth", 0, kMany);
   reader.finish();

@@ -40,7 +40,6 @@ struct SoakLimits {
   double sidelead = 0.0;               // [rad]
   double rod_angle = 0.0;              // [rad]
   double energy_error = 0.0;           // [-] of the energy turned over
-  double energy_error_with_faults = 0.0;
   std::int64_t heap_growth = 0;        // [kB]
   std::int64_t resident_growth = 0;    // [kB]
 };

@@ -16,6 +16,7 @@
 #include "sim/integrate/plant.h"
 #include "tools/commands/resolved_configuration.h"
 #include "tools/commands/whole_file.h"
+#include "tools/soak/dissipation.h"
 
 namespace slewlab::tools {
 namespace {
@@ -41,26 +42,6 @@ class Digest {
  private:
   std::uint64_t value_ = 0xcbf29ce484222325ULL;
 };
-
-// What gears, boom and rope turn into heat at this instant [W]: each damper's force times its own speed.
-double dissipated_power(const sim::PlantModel& model, const sim::PlantState& state) {
-  double power = 0.0;
-  for (std::size_t k = 0; k < static_cast<std::size_t>(model.mode_count); ++k) {
-    power += model.damping_rate[k] * state.v[k] * state.v[k];
-  }
-  for (int i = 0; i < model.group_count; ++i) {
-    if (state.contact[i] == 0) continue;
-    const double rate = state.motor_speed[i] - state.house_speed;
-    power += model.gear[i].damping * rate * rate;
-  }
-  if (model.has_load) {
-    const auto& load = model.load;
-    const double y = load.modes(0, 0) * state.load_v[0] + load.modes(0, 1) * state.load_v[1] - state.tip_velocity;
-    const double rod = load.modes(1, 0) * state.load_v[0] + load.modes(1, 1) * state.load_v[1];
-    power += load.damping(0, 0) * y * y + 2.0 * load.damping(0, 1) * y * rod + load.damping(1, 1) * rod * rod;
-  }
-  return power;
-}
 
 void take_drive(const sim::CranePlant& plant, StepRecord& record) {
   const sim::DriveProtectionState& drive = plant.drive();
@@ -93,7 +74,7 @@ void take_record(const sim::CranePlant& plant, const SoakFacts& facts, const sim
   record.rod_angle = sim::rod_angle(model, state);
   record.mechanical_energy = sim::mechanical_energy(model, state);
   record.supplied_work = state.supplied_work;
-  record.dissipated_power = dissipated_power(model, state);
+  record.dissipated_power = gear_and_rope_dissipation(model, state);
   record.applied_torque = plant.machine().applied_torque;
   record.conditions = conditions;
   take_drive(plant, record);
@@ -109,6 +90,7 @@ class WatchedPlant : public sim::DrivenPlant {
         findings_(findings),
         now_(record_of(plant, facts)),
         before_(now_),
+        modal_dissipation_(plant.machine().model, plant.machine().state),
         energy_(facts, limits, now_) {}
 
   void read_encoder(msgs::Encoder& message) override { plant_.read_encoder(message); }
@@ -124,6 +106,7 @@ class WatchedPlant : public sim::DrivenPlant {
     const sim::DriveState state = now_.drive_state;  // behind the last message
     plant_.step(conditions);
     take_record(plant_, facts_, conditions, now_);
+    now_.dissipated_by_modes += modal_dissipation_.over_step(plant_.machine().state);
     StepRecord behind_message;
     behind_message.drive_state = state;
     check_finite(facts_, now_, findings_);
@@ -160,6 +143,7 @@ class WatchedPlant : public sim::DrivenPlant {
   Findings& findings_;
   StepRecord now_;
   StepRecord before_;  // the step before
+  ModalDissipation modal_dissipation_;
   EnergyBalance energy_;
   double house_speed_ = 0.0;
   double sidelead_ = 0.0;

@@ -42,7 +42,6 @@ SoakLimits limits() {
   limits.sidelead = 0.7;
   limits.rod_angle = 1.0;
   limits.energy_error = 1e-3;
-  limits.energy_error_with_faults = 1e-2;
   limits.heap_growth = 256;
   limits.resident_growth = 16384;
   return limits;
