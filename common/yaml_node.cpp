@@ -92,7 +92,7 @@ std::string excerpt(const YamlNode& node) {
 
 namespace {
 
-std::string quoted(std::string_view text) {
+std::string in_quotes(std::string_view text) {
   std::string result = "\"";
   for (const char character : text) {
     if (character == '"' || character == '\\') result += '\\';
@@ -115,7 +115,7 @@ void append_canonical(const YamlNode& node, std::string& text) {
       if (!node.quoted && parse_number(node.scalar, number)) {
         text += shortest(number);
       } else {
-        text += quoted(node.scalar);
+        text += in_quotes(node.scalar);
       }
       return;
     }
@@ -140,7 +140,7 @@ void append_canonical(const YamlNode& node, std::string& text) {
       text += '{';
       for (std::size_t i = 0; i < sorted.size(); ++i) {
         if (i > 0) text += ',';
-        text += quoted(sorted[i]->key) + ':';
+        text += in_quotes(sorted[i]->key) + ':';
         append_canonical(sorted[i]->value, text);
       }
       text += '}';

@@ -1,0 +1,6 @@
+// The same for the tests.
+#pragma once
+
+#include "cmake/precompiled.h"
+
+#include <gtest/gtest.h>
