@@ -18,6 +18,7 @@ constexpr int kTripped = 2, kBraked = 3;  // drive_state of PLANT_STATUS
 constexpr int kLongestBridge = 3;     // missing messages in a row that are bridged
 constexpr double kOnGrid = 0.01;         // [steps] by which a sensor's instant may miss the grid and still be on it
 constexpr double kMoving = 0.2;          // of the record's largest speed, above which a motor turns
+constexpr double kPushing = 0.05;  // of the record's largest torque, above which the motors are on their way
 // Speeds that a swinging load may make of a crane at rest: shares of the largest speed of the record, and of the machine's top speed; and
 // the time over which the first speed is taken, as a share of the machine's.
 constexpr double kStanding = 0.05, kCreeping = 2e-3, kFirstStretch = 0.2;
@@ -382,6 +383,21 @@ void take_sensors(const msgs::RunLog& run, const std::vector<std::int64_t>& time
   }
 }
 
+// The recorder was switched on while the lever asked for a speed and the motors pushed on their way to it, however slow they still were. A
+// run that begins with such a request pushes with nothing yet.
+bool begins_under_way(const msgs::RunLog& run, const Record& record) {
+  if (run.operator_moves.empty() || run.operator_moves.front().speed_request == 0.0) return false;
+  if (1e-9 * static_cast<double>(run.operator_moves.front().simulated_time) > record.start_time) return false;
+  double first = 0.0, largest = 0.0;
+  for (std::size_t n = 0; n < record.size(); ++n) {
+    double mean = 0.0;
+    for (int g = 0; g < record.group_count; ++g) mean += record.motor_torque[static_cast<std::size_t>(g)][n] / record.group_count;
+    if (n == 0) first = std::fabs(mean);
+    largest = std::max(largest, std::fabs(mean));
+  }
+  return first > kPushing * largest;
+}
+
 // Of all groups together: play compensation turns them against each other first.
 bool begins_in_motion(const Record& record, const AdmissionSettings& settings) {
   const auto stretch = std::min(record.size(), static_cast<std::size_t>(kFirstStretch * settings.time / record.step) + 1);
@@ -446,7 +462,7 @@ Record unchecked_record(const msgs::RunLog& run, const std::string& name, const 
   const ChannelTimes times{times_of(run.encoder), times_of(run.torque), times_of(run.sensors)};
   const std::size_t count = lay_grid(times, settings, record);
   take_motors(run, times.encoder, settings, count, record);
-  record.begins_in_motion = begins_in_motion(record, settings);
+  record.begins_in_motion = begins_in_motion(record, settings) || begins_under_way(run, record);
   if (times.has_sensors()) {
     take_sensors(run, times.sensors, count, record);
   } else {

@@ -242,6 +242,29 @@ TEST_F(Admission, TakesALimitForNoFrozenCommand) {
   EXPECT_EQ(refusal().find("frozen at 260"), std::string::npos) << refusal();
 }
 
+// A recorder that is switched on a moment after the lever was moved finds the machine still slow, but its ramp on the way and its boom bent: it begins
+// in motion. One that runs from the beginning of a run whose lever is moved at once does not: nothing pushes yet.
+TEST_F(Admission, ARecordThatBeginsOnTheWayToASpeedBeginsInMotion) {
+  sim::MachineSettings truth;
+  truth.crane = bench().crane;
+  const msgs::RunLog from_the_start = simulated_log(truth, bench().controller, {{0.0, 0.6}}, 6.0, 3);
+  EXPECT_FALSE(make_record(from_the_start, "log", bench().admission).begins_in_motion);
+  log_ = from_the_start;
+  const auto cut = [](auto& messages) { messages.erase(messages.begin(), messages.begin() + 200); };
+  cut(log_.encoder);
+  cut(log_.torque);
+  cut(log_.sensors);
+  log_.operator_moves.resize(1);
+  log_.operator_moves[0].simulated_time = log_.encoder[0].simulated_time;
+  const Record record = make_record(log_, "log", bench().admission);
+  double first = 0.0, largest = 0.0;
+  for (const double rate : record.position_rate[0]) largest = std::max(largest, std::fabs(rate));
+  for (int n = 0; n < 50; ++n) first += record.position_rate[0][static_cast<std::size_t>(n)] / 50.0;
+  EXPECT_LT(std::fabs(first), 0.05 * largest);  // nearly at rest
+  EXPECT_TRUE(record.begins_in_motion);
+  EXPECT_FALSE(controller_known_from(record, bench().controller));
+}
+
 TEST_F(Admission, AControllerThatWasOnBeforeIsKnownAfterAFewCycles) {
   const auto cut = [](auto& messages) { messages.erase(messages.begin(), messages.begin() + 1500); };
   cut(log_.encoder);
