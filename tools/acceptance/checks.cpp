@@ -9,6 +9,7 @@
 #include <numbers>
 #include <optional>
 
+#include "common/xml_text.h"
 #include "sim/drive/drive_fault.h"
 
 namespace slewlab::tools {
@@ -414,20 +415,6 @@ class Checks {
   std::vector<CheckResult> results_;
 };
 
-std::string xml(const std::string& text) {
-  std::string result;
-  for (const char c : text) {
-    switch (c) {
-      case '&': result += "&amp;"; break;
-      case '<': result += "&lt;"; break;
-      case '>': result += "&gt;"; break;
-      case '"': result += "&quot;"; break;
-      default: result += static_cast<unsigned char>(c) < 0x20 && c != '\n' ? ' ' : c;
-    }
-  }
-  return result;
-}
-
 const char* to_string(Verdict verdict) {
   switch (verdict) {
     case Verdict::pass: return "pass";
@@ -505,18 +492,18 @@ std::string junit_suite(const std::string& suite, const std::vector<CheckResult>
   const auto count = [&](Verdict verdict) {
     return std::count_if(results.begin(), results.end(), [&](const CheckResult& r) { return r.verdict == verdict; });
   };
-  std::string text = fmt::format("<testsuite name=\"{}\" tests=\"{}\" failures=\"{}\" errors=\"0\" skipped=\"{}\">\n", xml(suite),
+  std::string text = fmt::format("<testsuite name=\"{}\" tests=\"{}\" failures=\"{}\" errors=\"0\" skipped=\"{}\">\n", common::xml_text(suite),
                       results.size(), count(Verdict::fail), count(Verdict::not_applicable));
   if (!properties.empty()) {
     text += "  <properties>";
-    for (const auto& [name, value] : properties) text += fmt::format("<property name=\"{}\" value=\"{}\"/>", xml(name), xml(value));
+    for (const auto& [name, value] : properties) text += fmt::format("<property name=\"{}\" value=\"{}\"/>", common::xml_text(name), common::xml_text(value));
     text += "</properties>\n";
   }
   for (const CheckResult& result : results) {
-    text += fmt::format("  <testcase classname=\"{}\" name=\"{}\">", xml(suite), xml(result.name));
-    if (result.verdict == Verdict::fail) text += fmt::format("<failure message=\"{}\"/>", xml(result.reason));
-    if (result.verdict == Verdict::not_applicable) text += fmt::format("<skipped message=\"{}\"/>", xml(result.reason));
-    if (result.verdict == Verdict::pass) text += fmt::format("<system-out>{}</system-out>", xml(result.reason));
+    text += fmt::format("  <testcase classname=\"{}\" name=\"{}\">", common::xml_text(suite), common::xml_text(result.name));
+    if (result.verdict == Verdict::fail) text += fmt::format("<failure message=\"{}\"/>", common::xml_text(result.reason));
+    if (result.verdict == Verdict::not_applicable) text += fmt::format("<skipped message=\"{}\"/>", common::xml_text(result.reason));
+    if (result.verdict == Verdict::pass) text += fmt::format("<system-out>{}</system-out>", common::xml_text(result.reason));
     text += "</testcase>\n";
   }
   return text + "</testsuite>\n";

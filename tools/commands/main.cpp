@@ -497,7 +497,8 @@ int main(const std::vector<std::string>& command_line, int argc, char** argv) {
     app.parse(argc, argv);
     return action();
   } catch (const CLI::ParseError& error) {
-    if (const auto unknown = error.get_exit_code() == 0 ? std::nullopt : unknown_word(app, command_line)) {
+    const bool is_asked = error.get_exit_code() == 0 && !names_no_command(app, command_line);  // for help or the version
+    if (const auto unknown = is_asked ? std::nullopt : unknown_word(app, command_line)) {
       std::fprintf(stderr, "%s\n", unknown->c_str());
       return 2;
     }

@@ -58,4 +58,10 @@ std::optional<std::string> unknown_word(const CLI::App& app, const std::vector<s
   return std::nullopt;
 }
 
+bool names_no_command(const CLI::App& app, const std::vector<std::string>& words) {
+  if (words.size() < 2 || words[1].empty() || words[1][0] == '-') return false;
+  const std::vector<std::string> names = command_names(app);
+  return std::find(names.begin(), names.end(), words[1]) == names.end();
+}
+
 }  // namespace slewlab::tools

@@ -13,4 +13,7 @@ namespace slewlab::tools {
 // option is known. `words` begin with the program's own name.
 std::optional<std::string> unknown_word(const CLI::App& app, const std::vector<std::string>& words);
 
+// The first of the words behind the program's name is meant for a command, and there is none of that name.
+bool names_no_command(const CLI::App& app, const std::vector<std::string>& words);
+
 }  // namespace slewlab::tools

@@ -8,6 +8,8 @@
 #include <stdexcept>
 #include <string_view>
 
+#include "common/xml_text.h"
+
 namespace slewlab::tools::fmu {
 namespace {
 
@@ -34,20 +36,6 @@ const UnitDefinition& definition_of(const std::string& unit) {
   const auto found = std::find_if(kUnits.begin(), kUnits.end(), [&](const UnitDefinition& known) { return known.message == unit; });
   if (found == kUnits.end()) throw std::invalid_argument("no definition of the unit " + unit + " for an FMU");
   return *found;
-}
-
-std::string escaped(std::string_view text) {
-  std::string result;
-  for (const char c : text) {
-    switch (c) {
-      case '&': result += "&amp;"; break;
-      case '<': result += "&lt;"; break;
-      case '>': result += "&gt;"; break;
-      case '"': result += "&quot;"; break;
-      default: result += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
-    }
-  }
-  return result;
 }
 
 std::string unit_definitions(const std::vector<Variable>& variables) {
@@ -96,8 +84,8 @@ std::string unit_of(const Variable& variable) {
 
 // What both versions say of a variable alike.
 std::string attributes(const Variable& variable, std::size_t reference, UnitKind kind) {
-  return fmt::format("name=\"{}\" valueReference=\"{}\" causality=\"{}\" variability=\"{}\" description=\"{}\"", escaped(variable.name),
-                     reference, name_of(variable.causality), variability_of(variable, kind), escaped(variable.description));
+  return fmt::format("name=\"{}\" valueReference=\"{}\" causality=\"{}\" variability=\"{}\" description=\"{}\"", common::xml_text(variable.name),
+                     reference, name_of(variable.causality), variability_of(variable, kind), common::xml_text(variable.description));
 }
 
 std::string fmi2(const ModelDescription& model, const UnitFile& file, const Unit& unit) {
@@ -107,11 +95,11 @@ std::string fmi2(const ModelDescription& model, const UnitFile& file, const Unit
       "variableNamingConvention=\"structured\" numberOfEventIndicators=\"0\">\n"
       "  <CoSimulation modelIdentifier=\"{}\" canHandleVariableCommunicationStepSize=\"{}\" canNotUseMemoryManagementFunctions=\"true\" "
       "canGetAndSetFMUstate=\"true\">\n",
-      escaped(model.name), token_of(file), escaped(model.description), SLEWLAB_VERSION, model.identifier,
+      common::xml_text(model.name), token_of(file), common::xml_text(model.description), SLEWLAB_VERSION, model.identifier,
       file.kind == UnitKind::plant ? "true" : "false");
   if (!model.sources.empty()) {
     text += "    <SourceFiles>\n";
-    for (const std::string& source : model.sources) text += fmt::format("      <File name=\"{}\"/>\n", escaped(source));
+    for (const std::string& source : model.sources) text += fmt::format("      <File name=\"{}\"/>\n", common::xml_text(source));
     text += "    </SourceFiles>\n";
   }
   text += "  </CoSimulation>\n" + unit_definitions(unit.variables());
@@ -138,7 +126,7 @@ std::string fmi3(const ModelDescription& model, const UnitFile& file, const Unit
       "variableNamingConvention=\"structured\">\n"
       "  <CoSimulation modelIdentifier=\"{}\" canHandleVariableCommunicationStepSize=\"{}\" fixedInternalStepSize=\"{}\" "
       "canGetAndSetFMUState=\"true\"/>\n",
-      escaped(model.name), token_of(file), escaped(model.description), SLEWLAB_VERSION, model.identifier, is_plant ? "true" : "false",
+      common::xml_text(model.name), token_of(file), common::xml_text(model.description), SLEWLAB_VERSION, model.identifier, is_plant ? "true" : "false",
       inner_step);
   text += unit_definitions(unit.variables());
   text += kLogCategories;
@@ -172,7 +160,7 @@ std::string build_description(const ModelDescription& model) {
   for (const auto& [suffix, language] : {std::pair{".c", "C11"}, std::pair{".cpp", "C++20"}}) {
     text += fmt::format("    <SourceFileSet language=\"{}\" compilerOptions=\"-O2 -ffp-contract=off\">\n", language);
     for (const std::string& source : model.sources) {
-      if (source.ends_with(suffix)) text += fmt::format("      <SourceFile name=\"{}\"/>\n", escaped(source));
+      if (source.ends_with(suffix)) text += fmt::format("      <SourceFile name=\"{}\"/>\n", common::xml_text(source));
     }
     text += fmt::format("      <PreprocessorDefinition name=\"SLEWLAB_VERSION\" value=\"&quot;{}&quot;\"/>\n", SLEWLAB_VERSION);
     text += "      <IncludeDirectory name=\".\"/>\n    </SourceFileSet>\n";

@@ -43,6 +43,14 @@ TEST_F(UnknownWord, IsAnOptionWithTheNearOne) {
   EXPECT_EQ(found({"run", "--contoller=x", "a.yaml"}), of_run);
 }
 
+// With which help is asked for of no command.
+TEST_F(UnknownWord, OfTheFirstPlaceNamesNoCommand) {
+  EXPECT_TRUE(names_no_command(app_, {"slewlab", "rnu", "--help"}));
+  EXPECT_FALSE(names_no_command(app_, {"slewlab", "run", "rnu", "--help"}));
+  EXPECT_FALSE(names_no_command(app_, {"slewlab", "--help"}));
+  EXPECT_FALSE(names_no_command(app_, {"slewlab"}));
+}
+
 TEST_F(UnknownWord, IsNoValueAndNoWordOfAnotherProgram) {
   EXPECT_EQ(found({"run", "a.yaml", "--controller", "--whatever", "--realtime"}), "");
   EXPECT_EQ(found({"run", "rnu"}), "");  // a scenario of that name
