@@ -12,8 +12,6 @@ namespace slewlab::diagnosis {
 
 namespace {
 
-// 1.73 standard deviations are the 5 %; a little more for what mesh and step make wrong.
-constexpr double kBound = 2.0;        // [standard deviations]
 constexpr double kSteepness = 30.0;  // [-] of the cost beyond the bound, in units of the normal prior's curvature
 
 constexpr double kStudent = 3.0;  // one more than the degrees of freedom
@@ -67,7 +65,7 @@ double swing_reach(const Nuisances& nuisances, const std::vector<double>& amount
 
 PriorTerm nuisance_prior(const Nuisances& nuisances, std::size_t k, double z) {
   PriorTerm term{z * z, z, 1.0};
-  const double beyond = std::fabs(z) - kBound;
+  const double beyond = std::fabs(z) - kSpreadEnds;
   if (k < nuisances.parameters.size() && beyond > 0.0) {
     term.cost += kSteepness * beyond * beyond;
     term.slope += std::copysign(kSteepness * beyond, z);
@@ -79,6 +77,13 @@ PriorTerm nuisance_prior(const Nuisances& nuisances, std::size_t k, double z) {
 bool is_said_by(const Nuisances& nuisances, const common::EffectAbout& effect, std::size_t k) {
   if (k >= nuisances.parameters.size()) return false;
   return std::find(effect.stands_for.begin(), effect.stands_for.end(), nuisances.parameters[k].name) != effect.stands_for.end();
+}
+
+bool says_what_is_beyond(const Nuisances& nuisances, const common::EffectAbout& effect, const std::vector<double>& amount) {
+  for (std::size_t k = 0; k < std::min(nuisances.parameters.size(), amount.size()); ++k) {
+    if (std::fabs(amount[k]) > kSpreadEnds && is_said_by(nuisances, effect, k)) return true;
+  }
+  return false;
 }
 
 PriorTerm effect_prior(double x) {

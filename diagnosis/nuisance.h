@@ -62,12 +62,18 @@ struct PriorTerm {
   double cost, slope, curvature;
 };
 
+// Where a parameter's spread from unit to unit ends: 1.73 standard deviations are the 5 %; a little more for what mesh and step make wrong.
+inline constexpr double kSpreadEnds = 2.0;  // [standard deviations]
+
 // Of amount `z` of nuisance `k`: normal; of a parameter within its spread from unit to unit, with a steep cost where that ends.
 PriorTerm nuisance_prior(const Nuisances& nuisances, std::size_t k, double z);
 
 // Whether nuisance `k` is what the effect itself says of the machine: beside "the rope is longer", the rope's length is not
 // free as well.
 bool is_said_by(const Nuisances& nuisances, const common::EffectAbout& effect, std::size_t k);
+
+// Whether the effect says of the machine what some parameter stands for that has gone beyond its spread.
+bool says_what_is_beyond(const Nuisances& nuisances, const common::EffectAbout& effect, const std::vector<double>& amount);
 
 // Of an effect's parameter, `x` standard deviations from its centre: Student's with 2 degrees of freedom. How large an effect is
 // on a machine is known by orders of magnitude at best.

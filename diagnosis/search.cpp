@@ -208,6 +208,15 @@ std::vector<PairStart> pair_starts(Problem& problem, const FitResult& base, cons
       take(with_amount(problem.catalogue, single.point, *ranked[k], ranked[k]->amount), single);
     }
   }
+  // Beside an effect a parameter that stands where the spread of machines of one make ends may be another one's: what the parameter was is handed over.
+  for (std::size_t leader = 0; leader < std::min<std::size_t>(kPairLeaders, singles.size()); ++leader) {
+    const Point& single = singles[leader].point;
+    for (const Screened* screened : best) {
+      const common::EffectAbout& about = problem.catalogue.at(screened->start.name);
+      if (about.name == single.effects[0].name || !says_what_is_beyond(problem.nuisances, about, single.nuisance)) continue;
+      take(with_amount(problem.catalogue, single, *screened, 0.0), singles[leader]);
+    }
+  }
   const std::size_t most_of_all = starts.size() + static_cast<std::size_t>(settings.joint_pairs);
   for (std::size_t i = 0; i < joint.size() && starts.size() < most_of_all; ++i) take(joint[i].start, base);
   return starts;

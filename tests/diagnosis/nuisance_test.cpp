@@ -51,6 +51,21 @@ TEST(Prior, LargeSizesStayPossible) {
   EXPECT_LT(effect_prior(20.0).cost, 15.0);
 }
 
+// A load 6 % too heavy is beyond the 5 % by which machines of one make differ, and the load's own effect says so; one of 4 % is not, and no other effect does.
+TEST(Nuisance, WhatIsBeyondItsSpreadIsSaidByItsEffect) {
+  const Nuisances nuisances = thesis_nuisances();
+  const common::EffectAbout& load_mass = sim::find_effect("load_mass")->about;
+  std::vector<double> amount(nuisances.count(1), 0.0);
+  std::size_t load = 0;
+  while (nuisances.parameters.at(load).name != "load mass") ++load;
+  amount[load] = -0.06 / sim::kUnitDeviation;
+  EXPECT_TRUE(says_what_is_beyond(nuisances, load_mass, amount));
+  EXPECT_FALSE(says_what_is_beyond(nuisances, sim::find_effect("boom_stiffness")->about, amount));
+  EXPECT_FALSE(says_what_is_beyond(nuisances, sim::find_effect("bearing_viscous")->about, amount));
+  amount[load] = -0.04 / sim::kUnitDeviation;
+  EXPECT_FALSE(says_what_is_beyond(nuisances, load_mass, amount));
+}
+
 TEST(Nuisance, EffectsSayWhatParametersSay) {
   int said = 0;
   const Nuisances nuisances = thesis_nuisances();
