@@ -236,7 +236,8 @@ Followed admit(std::vector<Record> records, const WhiteningSettings& whitening, 
       remarks.push_back(fmt::format("{}: {:.0f} % of the record lie near impacts of the gears and are not judged", record.name,
                                     100.0 * (1.0 - share)));
     }
-    problem.whitening.push_back(make_whitening(record, trusted, problem.gains, follower, whitening));
+    const NoiseResponse response = noise_response(problem.nominal, record, problem.gains, transform_length(record.size()));
+    problem.whitening.push_back(make_whitening(record, trusted, response, follower, whitening));
     followed = {record.name, std::move(follower), {}};  // the last one stays
     problem.nuisances.in_motion.push_back(record.begins_in_motion);
     problem.nuisances.has_motion |= record.begins_in_motion;

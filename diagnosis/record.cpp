@@ -196,6 +196,10 @@ double find_quantum(const std::vector<msgs::Encoder>& encoder) {
 
 }  // namespace
 
+std::size_t reading_stride(const Record& record) {
+  return std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(record.encoder_period / record.step)));
+}
+
 void leave_out_beginning(Record& record, std::size_t points) {
   record.start_time = record.time(points);
   const auto cut = [&](std::vector<double>& series) { series.erase(series.begin(), series.begin() + static_cast<std::ptrdiff_t>(std::min(points, series.size()))); };
@@ -318,6 +322,7 @@ std::size_t lay_grid(const ChannelTimes& times, const AdmissionSettings& setting
 void take_motors(const msgs::RunLog& run, const std::vector<std::int64_t>& encoder_times, const AdmissionSettings& settings, std::size_t count,
                  Record& record) {
   const double half_width = std::max(settings.rate_half_width, record.encoder_period) / record.step;
+  record.slope_half_width = std::max<std::size_t>(2, static_cast<std::size_t>(std::lround(half_width)));
   for (int g = 0; g < record.group_count; ++g) {
     const auto i = static_cast<std::size_t>(g);
     std::vector<double> speed, position;
@@ -335,8 +340,7 @@ void take_motors(const msgs::RunLog& run, const std::vector<std::int64_t>& encod
     }
     record.shaft_speed[i] = resample(encoder_times, speed, record, count);
     record.shaft_position[i] = resample_position(encoder_times, position, speed, record, count);
-    record.position_rate[i] =
-        cubic_slope(record.shaft_position[i], std::max<std::size_t>(2, static_cast<std::size_t>(std::lround(half_width))), record.step);
+    record.position_rate[i] = cubic_slope(record.shaft_position[i], record.slope_half_width, record.step);
     // A command holds until the next one.
     record.motor_torque[i].assign(count, 0.0);
     std::size_t k = 0;

@@ -66,6 +66,7 @@ struct Record {
   std::array<std::vector<double>, sim::kMaximumGroupCount> shaft_position;  // [rad]
   // [rad/s] Rate of the positions, without delay: what a drive reports as its speed comes out of a filter that lags.
   std::array<std::vector<double>, sim::kMaximumGroupCount> position_rate;
+  std::size_t slope_half_width = 2;  // [grid points] either side, over which that rate is a cubic's slope
   std::array<std::vector<double>, kAccelerometerCount> acceleration;        // [m/s^2]; empty: not measured
   // Where the sensors are not sampled on the grid: when [ns] and what they said. The series above are lines between these.
   std::vector<std::int64_t> sampled_at;
@@ -85,6 +86,9 @@ struct Record {
   std::size_t size() const { return motor_torque[0].size(); }
   double time(std::size_t n) const { return start_time + step * static_cast<double>(n); }
 };
+
+// [grid points] from one reading of the encoders to the next.
+std::size_t reading_stride(const Record& record);
 
 // [rad] Just above 2 pi / 4096: drives count 12 bits at least, 14 as a rule.
 inline constexpr double kCoarseCount = 1.6e-3;

@@ -245,7 +245,7 @@ void shadow(Follower follower, const Record& record, const DriveCourse& drives, 
     if (!record.acceleration[a].empty()) judged.push_back(a);
     result.acceleration_difference[a].resize(record.acceleration[a].empty() ? 0 : count);
   }
-  const auto cycle = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(record.encoder_period / record.step)));
+  const std::size_t cycle = reading_stride(record);
   const bool has_tip = !record.acceleration[kTip].empty();
   result.contact_lost.assign(count, false);
   sim::DriveCommand command;

@@ -64,7 +64,6 @@ WhiteningSettings whitening_settings(const sim::MachineDescription& machine, dou
   settings.lowest_frequency = 0.02 / time;
   settings.highest_frequency = highest;
   settings.encoder_noise_from = 0.5 * highest;
-  settings.counts_from = 0.2 * highest;
   settings.before_impact = 0.3 * time;
   settings.after_impact = 2.5 * time;
   settings.soft_edge = 0.4 * time;

@@ -51,7 +51,8 @@ Whitening whitening_of_half(const Problem& problem, const WhiteningSettings& set
   } else {
     std::fill(middle, trusted.end(), false);
   }
-  return make_whitening(last, trusted, problem.gains, follower, settings);
+  const NoiseResponse response = noise_response(problem.nominal, last, problem.gains, transform_length(last.size()));
+  return make_whitening(last, trusted, response, follower, settings);
 }
 
 // One record as a hypothesis predicts it that was fitted to others: with what only its beginning is like (the load's swing, where the motors stand)

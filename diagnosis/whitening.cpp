@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
+#include <limits>
 #include <numeric>
 #include <numbers>
 #include <unsupported/Eigen/FFT>
@@ -17,17 +19,6 @@ constexpr double kLeastNoise = 0.02;   // of the noise that counts may make
 constexpr std::size_t kCountBins = 8;    // either side, over which the power of the counting error is smoothed
 constexpr int kCountPlaces = 4;          // between two counts, at which a motion may have begun
 constexpr double kTaper = 0.02;  // share of the record over which the window rises and falls
-
-// The next length that 2, 3 and 5 divide down to 1: where the transform is fast.
-std::size_t fast_length(std::size_t count) {
-  for (;; ++count) {
-    std::size_t rest = count;
-    for (const std::size_t factor : {2U, 3U, 5U}) {
-      while (rest % factor == 0) rest /= factor;
-    }
-    if (rest == 1 && count % 2 == 0) return count;
-  }
-}
 
 // Many series of one record, one after the other.
 class Transform {
@@ -62,18 +53,26 @@ double window_energy(const std::vector<double>& window) {
   return energy;
 }
 
-// Variance of a white sensor noise, from the median size of second differences: motion is smooth over a sample, noise
-// is not. For white noise the second difference has 6 times its variance.
-double noise_variance(const std::vector<double>& values) {
-  std::vector<double> differences;
-  for (std::size_t n = 2; n < values.size(); ++n) {
-    differences.push_back(std::fabs(values[n] - 2.0 * values[n - 1] + values[n - 2]));
+// Variance of a white sensor noise, from the median size of differences of some order: motion is smooth over a few samples, noise is not.
+// What motion adds falls with the order, the more slowly the fewer samples it is given, so the least of several orders is taken. White
+// noise has sum of the squared binomial coefficients, C(2 m, m), times its variance in differences of order m.
+double noise_variance(std::vector<double> values) {
+  constexpr std::size_t kOrders = 6;
+  double least = std::numeric_limits<double>::infinity(), gain = 1.0;
+  std::vector<double> sizes;
+  for (std::size_t order = 1; order <= kOrders && values.size() > 1; ++order) {
+    for (std::size_t n = 1; n < values.size(); ++n) values[n - 1] = values[n] - values[n - 1];
+    values.pop_back();
+    gain *= 2.0 * static_cast<double>(2 * order - 1) / static_cast<double>(order);
+    if (order < 2) continue;
+    sizes.clear();
+    for (const double value : values) sizes.push_back(std::fabs(value));
+    const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+    std::nth_element(sizes.begin(), middle, sizes.end());
+    const double deviation = *middle / 0.6745;  // of a normal distribution, by its median size
+    least = std::min(least, deviation * deviation / gain);
   }
-  if (differences.empty()) return 0.0;
-  std::nth_element(differences.begin(), differences.begin() + static_cast<std::ptrdiff_t>(differences.size() / 2),
-                   differences.end());
-  const double deviation = differences[differences.size() / 2] / 0.6745 / std::sqrt(6.0);
-  return deviation * deviation;
+  return std::isfinite(least) ? least : 0.0;
 }
 
 // Of an accelerometer, as if white on the grid. One that is sampled less often has its noise in fewer, longer pieces.
@@ -82,11 +81,12 @@ double accelerometer_variance(const Record& record, std::size_t accelerometer) {
   return noise_variance(record.sampled_acceleration[accelerometer]) * record.sensor_period / record.step;
 }
 
-// Variance of an encoder's positions: counts are off by anything between two of them. A position that is sampled less
-// often than the grid has its noise in fewer, longer pieces.
+// Variance of a reading of an encoder's position: counts are off by anything between two of them.
 double encoder_variance(const Record& record, std::size_t group) {
-  const double counted = record.encoder_quantum * record.encoder_quantum / 12.0;
-  return std::max(counted, noise_variance(record.shaft_position[group])) * record.encoder_period / record.step;
+  const std::vector<double>& position = record.shaft_position[group];
+  std::vector<double> read;
+  for (std::size_t n = 0; n < position.size(); n += reading_stride(record)) read.push_back(position[n]);
+  return std::max(record.encoder_quantum * record.encoder_quantum / 12.0, noise_variance(read));
 }
 
 // Power of the counting error itself, where counts are so coarse that it is not white: slow motion stays between two counts for
@@ -131,7 +131,68 @@ std::vector<double> running_power(const std::vector<const std::vector<double>*>&
   return sum;
 }
 
+// Mean of running sums over so many values either side of one of them, the first left out.
+double mean_around(const std::vector<double>& sum, std::size_t k, std::size_t half) {
+  const std::size_t low = k > half ? k - half : 1, high = std::min(k + half + 1, sum.size() - 1);
+  return (sum[high] - sum[low]) / static_cast<double>(high - low);
+}
+
+// Of a channel that stands at zero, or as its numbers are rounded.
+double rounding_power(const std::vector<double>& sum, double least, const Whitening& whitening) {
+  return 1e-9 * sum.back() / static_cast<double>(sum.size() - 1) + least * least * window_energy(whitening.window);
+}
+
+// How much of their counts' noise the encoders have.
+using EncoderShares = std::array<double, sim::kMaximumGroupCount>;
+
+// The power at each bin that the sensors' noise has in a channel.
+class NoisePowers {
+ public:
+  NoisePowers(const Record& record, const Whitening& whitening, const NoiseResponse& response, const WhiteningSettings& settings)
+      : response_(response), corner_(settings.noise_corner), bin_width_(whitening.bin_width), groups_(static_cast<std::size_t>(record.group_count)) {
+    const double energy = window_energy(whitening.window), stride = static_cast<double>(reading_stride(record));
+    const bool is_coarse = record.encoder_quantum >= kCoarseCount;
+    for (std::size_t g = 0; g < groups_; ++g) {
+      const double white = encoder_variance(record, g) * energy / stride;
+      encoder_[g].assign(whitening.transform_length / 2 + 1, white);
+      if (!is_coarse) continue;
+      std::vector<double> sum{0.0};
+      for (const double counting : counting_power(record, g, whitening, settings.count_smoothing)) sum.push_back(sum.back() + counting / stride);
+      for (std::size_t k = 1; k < encoder_[g].size(); ++k) encoder_[g][k] = std::max(white, mean_around(sum, k, kCountBins));
+    }
+    for (std::size_t a = 0; a < kAccelerometerCount; ++a) {
+      if (!record.acceleration[a].empty()) accelerometer_[a] = accelerometer_variance(record, a) * energy;
+    }
+  }
+  double at(const Channel& channel, std::size_t k, const EncoderShares& shares) const {
+    const auto i = static_cast<std::size_t>(channel.index);
+    const auto of = [&](const SourceResponse& source) { return channel.is_torque ? source.torque[i][k] : source.acceleration[i][k]; };
+    const double flicker = 1.0 + corner_ / (static_cast<double>(k) * bin_width_);
+    double noise = channel.is_torque || i == kTip ? 0.0 : accelerometer_[i] * flicker;
+    for (std::size_t g = 0; g < groups_; ++g) noise += shares[g] * encoder_[g][k] * of(response_.encoder[g]);
+    if (accelerometer_[kTip] > 0.0) noise += accelerometer_[kTip] * flicker * of(response_.tip);
+    return noise;
+  }
+
+ private:
+  const NoiseResponse& response_;
+  double corner_, bin_width_;  // [Hz]
+  std::size_t groups_;
+  std::array<std::vector<double>, sim::kMaximumGroupCount> encoder_;   // [rad^2] per reading
+  std::array<double, kAccelerometerCount> accelerometer_{};            // [(m/s^2)^2]
+};
+
 }  // namespace
+
+std::size_t transform_length(std::size_t count) {
+  for (;; ++count) {
+    std::size_t rest = count;
+    for (const std::size_t factor : {2U, 3U, 5U}) {
+      while (rest % factor == 0) rest /= factor;
+    }
+    if (rest == 1 && count % 2 == 0) return count;
+  }
+}
 
 std::vector<bool> trusted_stretches(const Record& record, const Shadow& shadow, const WhiteningSettings& settings) {
   const std::size_t count = record.size();
@@ -149,11 +210,11 @@ std::vector<bool> trusted_stretches(const Record& record, const Shadow& shadow, 
   return trusted;
 }
 
-Whitening make_whitening(const Record& record, const std::vector<bool>& trusted, const ShadowGains& gains,
+Whitening make_whitening(const Record& record, const std::vector<bool>& trusted, const NoiseResponse& response,
                          const Shadow& nominal, const WhiteningSettings& settings) {
   Whitening whitening;
   const std::size_t count = record.size();
-  whitening.transform_length = fast_length(count);
+  whitening.transform_length = transform_length(count);
   whitening.bin_width = 1.0 / (record.step * static_cast<double>(whitening.transform_length));
   whitening.first_bin =
       std::max<std::size_t>(1, static_cast<std::size_t>(std::ceil(settings.lowest_frequency / whitening.bin_width)));
@@ -193,67 +254,39 @@ Whitening make_whitening(const Record& record, const std::vector<bool>& trusted,
   for (int a = 0; a < kAccelerometerCount; ++a) {
     if (!record.acceleration[static_cast<std::size_t>(a)].empty()) whitening.channels.push_back({false, a});
   }
-  const double energy = window_energy(whitening.window);
+  const NoisePowers noise(record, whitening, response, settings);
   // What a model misses at one motor goes with what all of them carry, so torque channels share their mean power.
   std::vector<const std::vector<double>*> torques;
   for (int g = 0; g < record.group_count; ++g) torques.push_back(&record.motor_torque[static_cast<std::size_t>(g)]);
   const std::vector<double> torque_power = running_power(torques, whitening);
+  EncoderShares shares;
+  shares.fill(1.0);
+  EncoderShares shown = shares;
   Transform transform(whitening);
+  for (int g = 0; g < record.group_count; ++g) {
+    const auto i = static_cast<std::size_t>(g);
+    const auto& missing = transform(nominal.missing_torque[i]);
+    std::vector<double> ratios;
+    for (std::size_t k = whitening.first_bin; k < whitening.first_bin + whitening.bin_count; ++k) {
+      if (static_cast<double>(k) * whitening.bin_width < settings.encoder_noise_from) continue;
+      ratios.push_back(std::norm(missing[k]) / (noise.at({true, g}, k, shares) + rounding_power(torque_power, settings.least_torque, whitening)));
+    }
+    if (ratios.empty()) continue;
+    const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
+    std::nth_element(ratios.begin(), middle, ratios.end());
+    // Power in a bin of noise has an exponential distribution, whose median is ln 2 of its mean.
+    shown[i] = std::clamp(*middle / std::numbers::ln2, kLeastNoise, 1.0);
+  }
   for (const Channel& channel : whitening.channels) {
     const auto i = static_cast<std::size_t>(channel.index);
     const std::vector<double> sum = channel.is_torque ? torque_power : running_power({&record.acceleration[i]}, whitening);
-    const std::size_t spectrum_size = sum.size() - 1;
-    const double least = channel.is_torque ? settings.least_torque : settings.least_acceleration;
-    const double rounding = 1e-9 * sum.back() / static_cast<double>(spectrum_size) + least * least * energy;
-    const double variance = channel.is_torque ? encoder_variance(record, i) : accelerometer_variance(record, i);
-    const bool is_coarse = channel.is_torque && record.encoder_quantum >= kCoarseCount;
-    const std::vector<double> counting = is_coarse ? counting_power(record, i, whitening, settings.count_smoothing) : std::vector<double>{};
-    const bool is_of_counts = !channel.is_torque && record.encoder_quantum >= kCoarseCount;
-    const std::vector<double> of_counts = is_of_counts ? running_power({&nominal.acceleration_difference[i]}, whitening) : std::vector<double>{};
-    // A torque channel's noise is its encoder's, seen through the shadow's gains.
-    const auto noise_at = [&](std::size_t k) {
-      const double frequency = static_cast<double>(k) * whitening.bin_width;
-      const double omega = 2.0 * std::numbers::pi * frequency;
-      const double gain = channel.is_torque ? std::hypot(gains.speed * omega, gains.position)
-                                            : std::sqrt(1.0 + settings.noise_corner / frequency);
-      double power = variance * energy;
-      if (is_coarse) {
-        const std::size_t low = k > kCountBins ? k - kCountBins : 1, high = std::min(k + kCountBins + 1, counting.size());
-        power = std::max(power, std::accumulate(counting.begin() + static_cast<std::ptrdiff_t>(low),
-                                                counting.begin() + static_cast<std::ptrdiff_t>(high), 0.0) /
-                                    static_cast<double>(high - low));
-      }
-      double noise = gain * gain * power + rounding;
-      if (is_of_counts && frequency >= settings.counts_from) {
-        const std::size_t low = k - std::min(k, kCountBins), high = std::min(k + kCountBins + 1, spectrum_size);
-        noise = std::max(noise, (of_counts[high] - of_counts[low]) / static_cast<double>(high - low));
-      }
-      return noise;
-    };
-    double noise_share = 1.0;
-    if (channel.is_torque) {
-      const auto& missing = transform(nominal.missing_torque[i]);
-      std::vector<double> shares;
-      for (std::size_t k = whitening.first_bin; k < whitening.first_bin + whitening.bin_count; ++k) {
-        if (static_cast<double>(k) * whitening.bin_width >= settings.encoder_noise_from) shares.push_back(std::norm(missing[k]) / noise_at(k));
-      }
-      if (!shares.empty()) {
-        const auto middle = shares.begin() + static_cast<std::ptrdiff_t>(shares.size() / 2);
-        std::nth_element(shares.begin(), middle, shares.end());
-        // Power in a bin of noise has an exponential distribution, whose median is ln 2 of its mean.
-        noise_share = std::clamp(*middle / std::numbers::ln2, kLeastNoise, 1.0);
-      }
-    }
+    const double rounding = rounding_power(sum, channel.is_torque ? settings.least_torque : settings.least_acceleration, whitening);
     Eigen::VectorXd weight(static_cast<Eigen::Index>(whitening.bin_count));
     for (std::size_t b = 0; b < whitening.bin_count; ++b) {
       const std::size_t k = whitening.first_bin + b;
       const std::size_t half = 4 + static_cast<std::size_t>(0.5 * settings.smoothing * static_cast<double>(k));
-      const std::size_t low = k > half ? k - half : 1;
-      const std::size_t high = std::min(k + half + 1, spectrum_size);
-      const double power = (sum[high] - sum[low]) / static_cast<double>(high - low);
-      const double share = settings.discrepancy_share;
-      weight(static_cast<Eigen::Index>(b)) =
-          std::numbers::sqrt2 / std::sqrt(share * share * power + noise_share * noise_at(k));
+      const double missed = settings.discrepancy_share * settings.discrepancy_share * mean_around(sum, k, half);
+      weight(static_cast<Eigen::Index>(b)) = std::numbers::sqrt2 / std::sqrt(missed + rounding + noise.at(channel, k, shown));
     }
     whitening.weight.push_back(weight);
   }

@@ -5,9 +5,9 @@
 //
 // P is the smoothed power of the measured signal itself, e the share of it that mesh, step and laws of a good
 // model still miss (learned from machines with nothing missing), the 2 because real and imaginary part share a
-// bin's power: noise alone leaves parts of variance 1, N the sensor's noise. Of an
-// accelerometer: white as the record's fastest differences show it, rising as 1/f below the corner that its data
-// sheet names. Of a torque channel: that of the encoder's counts, (K_p^2 omega^2 + K_i^2) q^2 / 12.
+// bin's power: noise alone leaves parts of variance 1, N the sensors' noise as the observer's loop has it (noise_response.h). An
+// accelerometer's is white as the record's fastest differences show it, rising as 1/f below the corner that its data sheet names;
+// an encoder's that of its counts, q^2 / 12 per reading, or what its fastest differences show.
 #pragma once
 
 #include <Eigen/Core>
@@ -16,6 +16,7 @@
 #include <unsupported/Eigen/FFT>
 #include <vector>
 
+#include "diagnosis/noise_response.h"
 #include "diagnosis/record.h"
 #include "diagnosis/shadow.h"
 
@@ -29,7 +30,6 @@ struct WhiteningSettings {
   double lowest_frequency = 0.0;     // [Hz] below which a record knows nothing
   double noise_corner = 0.0;         // [Hz] below which an accelerometer's noise rises as 1/f (its data sheet)
   double encoder_noise_from = 0.0;   // [Hz] from which torque channels hold the encoders' noise alone
-  double counts_from = 0.0;          // [Hz] from which coarse counts, through the observer's torque, add more to its accelerations than their noise
   double before_impact = 0.0;        // [s] a real machine may let go a little before its model
   double after_impact = 0.0;         // [s] in which the observer forgets an impact, three of its slowest time constants
   double soft_edge = 0.0;            // [s] over which the window falls beside a stretch that is taken out
@@ -55,11 +55,14 @@ struct Whitening {
   Eigen::Index size() const { return static_cast<Eigen::Index>(2 * bin_count * channels.size()); }
 };
 
-// `trusted` holds for each grid point whether it may be judged; the window falls to 0 where it may not. `gains` turn the
-// encoders' noise into the torque channels'. An encoder that stands makes no noise, so how much of it there is shows
+// `trusted` holds for each grid point whether it may be judged; the window falls to 0 where it may not. `response`, of a transform of
+// transform_length(), turns the sensors' noise into the channels'. An encoder that stands makes no noise, so how much of it there is shows
 // in what the `nominal` shadow misses above `encoder_noise_from`, where motors hardly move; at most what its counts may make.
-Whitening make_whitening(const Record& record, const std::vector<bool>& trusted, const ShadowGains& gains,
+Whitening make_whitening(const Record& record, const std::vector<bool>& trusted, const NoiseResponse& response,
                          const Shadow& nominal, const WhiteningSettings& settings);
+
+// The next length for so many grid points that 2, 3 and 5 divide down to 1, where the transform is fast; an even one.
+std::size_t transform_length(std::size_t count);
 
 // Where a record may be judged: away from impacts, at which every small difference grows to full size. Takes out
 // each stretch in which the shadow's gears are not all in contact, and what follows it until it is forgotten; likewise a beginning in motion.

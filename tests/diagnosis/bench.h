@@ -56,7 +56,8 @@ struct BenchProblem : Problem {
   void add(const Record& record) {
     const Shadow follower = shadow(nominal, record, gains);
     const WhiteningSettings& of_whitening = thresholds.whitening;
-    whitening.push_back(make_whitening(record, trusted_stretches(record, follower, of_whitening), gains, follower, of_whitening));
+    const NoiseResponse response = noise_response(nominal, record, gains, transform_length(record.size()));
+    whitening.push_back(make_whitening(record, trusted_stretches(record, follower, of_whitening), response, follower, of_whitening));
     records.push_back(record);
   }
 };

@@ -167,7 +167,8 @@ TEST(Fit, ModesThatAreLeftOutWouldChangeLessThanTheNoise) {
   const ShadowGains gains = bench_gains();
   const WhiteningSettings& settings = bench().thresholds.whitening;
   const Shadow follower = shadow(truth, record, gains);
-  const Whitening whitening = make_whitening(record, trusted_stretches(record, follower, settings), gains, follower, settings);
+  const NoiseResponse response = noise_response(truth, record, gains, transform_length(record.size()));
+  const Whitening whitening = make_whitening(record, trusted_stretches(record, follower, settings), response, follower, settings);
   for (const std::vector<common::EffectInstance>& effects : {std::vector<common::EffectInstance>{}, {{"flyjib_torsion", {5000.0, 3.0}}}}) {
     Point point;
     point.effects = effects;

@@ -95,7 +95,8 @@ TEST_P(InAnotherSize, TheWhitenedDifferencesAreTheSame) {
     WhiteningSettings settings = one.thresholds.whitening;
     settings.noise_corner /= one.scaling.root_time;  // a sensor of that size
     const ShadowGains gains = shadow_gains(sim::scales_of(one.nominal.crane), one.thresholds.shadow);
-    const Whitening whitening = make_whitening(one.record, trusted_stretches(one.record, follower, settings), gains, follower, settings);
+    const NoiseResponse response = noise_response(one.nominal, one.record, gains, transform_length(one.record.size()));
+    const Whitening whitening = make_whitening(one.record, trusted_stretches(one.record, follower, settings), response, follower, settings);
     const Eigen::VectorXd all = whiten(whitening, follower);
     return std::vector<double>(all.begin(), all.end());
   };

@@ -43,6 +43,15 @@ Shadow shadow_of(std::vector<double> tip_difference) {
   return shadow;
 }
 
+// Of an observer that neither the encoder nor the tip leads: what they read off is what it differs by.
+NoiseResponse as_read() {
+  const std::vector<double> one(transform_length(kCount) / 2 + 1, 1.0), none(one.size(), 0.0);
+  NoiseResponse response;
+  response.encoder[0].torque[0] = response.tip.acceleration[kTip] = one;
+  response.encoder[0].acceleration[kTip] = response.tip.torque[0] = none;
+  return response;
+}
+
 double mean_square(const Whitening& whitening, const Shadow& shadow, std::size_t channel) {
   const Eigen::VectorXd all = whiten(whitening, shadow);
   const auto rows = static_cast<Eigen::Index>(2 * whitening.bin_count);
@@ -54,7 +63,7 @@ TEST(Whitening, NoiseAloneHasVarianceOne) {
   const Record record = noisy_record();
   const WhiteningSettings settings = kSettings;
   const Whitening whitening =
-      make_whitening(record, std::vector<bool>(kCount, true), {1.0, 1.0, 0.0, 1.0}, shadow_of(record.acceleration[kTip]), settings);
+      make_whitening(record, std::vector<bool>(kCount, true), as_read(), shadow_of(record.acceleration[kTip]), settings);
   ASSERT_EQ(whitening.channels.size(), 2U);
   EXPECT_NEAR(mean_square(whitening, shadow_of(white(0.01, 2)), 1), 1.0, 0.15);
   EXPECT_NEAR(mean_square(whitening, shadow_of(white(0.02, 3)), 1), 4.0, 0.6);
@@ -66,7 +75,7 @@ TEST(Whitening, ForgetsWhatIsNotTrusted) {
   std::vector<bool> trusted(kCount, true);
   std::fill(trusted.begin() + 10000, trusted.begin() + 15000, false);
   const Whitening whitening =
-      make_whitening(record, trusted, {1.0, 1.0, 0.0, 1.0}, shadow_of(record.acceleration[kTip]), kSettings);
+      make_whitening(record, trusted, as_read(), shadow_of(record.acceleration[kTip]), kSettings);
   std::vector<double> difference = white(0.01, 4);
   const Eigen::VectorXd before = whiten(whitening, shadow_of(difference));
   std::fill(difference.begin() + 10000, difference.begin() + 15000, 100.0);

@@ -1,0 +1,93 @@
+#include "diagnosis/noise_response.h"
+
+#include <algorithm>
+#include <complex>
+#include <unsupported/Eigen/FFT>
+
+namespace slewlab::diagnosis {
+
+namespace {
+
+// The machine whose teeth never part and from which nothing is left out: what it answers grows with what it is asked.
+sim::MachineSettings linear(sim::MachineSettings machine) {
+  machine.crane.drive.gearbox_play = 0.0;
+  machine.crane.drive.pinion_play = 0.0;
+  machine.effects.clear();
+  return machine;
+}
+
+// A record of a machine that stands, on the grid of `record` and with its sensors.
+Record standing(const Record& record, std::size_t length) {
+  Record still;
+  still.step = record.step;
+  still.encoder_period = record.encoder_period;
+  still.slope_half_width = record.slope_half_width;
+  still.group_count = record.group_count;
+  for (std::size_t g = 0; g < static_cast<std::size_t>(record.group_count); ++g) {
+    for (auto* series : {&still.motor_torque[g], &still.shaft_speed[g], &still.shaft_position[g], &still.position_rate[g]}) series->assign(length, 0.0);
+  }
+  for (std::size_t a = 0; a < kAccelerometerCount; ++a) still.acceleration[a].assign(record.acceleration[a].empty() ? 0 : length, 0.0);
+  return still;
+}
+
+// Drives that are on and push with nothing.
+DriveCourse idle_drives(const Record& record) {
+  DriveCourse drives;
+  for (std::size_t g = 0; g < static_cast<std::size_t>(record.group_count); ++g) {
+    drives.motor_torque[g].assign(record.size(), 0.0);
+    drives.brake_torque[g].assign(record.size(), 0.0);
+  }
+  drives.enable.assign(record.size(), true);
+  return drives;
+}
+
+std::vector<double> power(const std::vector<double>& values) {
+  Eigen::FFT<double> fft;
+  fft.SetFlag(Eigen::FFT<double>::HalfSpectrum);
+  std::vector<std::complex<double>> spectrum;
+  fft.fwd(spectrum, values);
+  std::vector<double> result;
+  for (const std::complex<double>& value : spectrum) result.push_back(std::norm(value));
+  return result;
+}
+
+}  // namespace
+
+NoiseResponse noise_response(const sim::MachineSettings& nominal, const Record& record, const ShadowGains& gains, std::size_t length) {
+  NoiseResponse response;
+  const sim::MachineSettings machine = linear(nominal);
+  Record still = standing(record, length);
+  const DriveCourse drives = idle_drives(still);
+  const std::size_t cycle = reading_stride(record);
+  // Behind the time in which the tip sensor's offset is taken, for which a reading that is off would be taken.
+  const std::size_t place = std::min(length / 2, static_cast<std::size_t>(gains.first_offset / record.step) + still.slope_half_width + cycle + 2);
+  const auto groups = static_cast<std::size_t>(record.group_count);
+  const auto answer = [&] {
+    Shadow differences;
+    shadow(follower_of(machine, record.step), still, drives, gains, 0.0, {}, differences);
+    SourceResponse powers;
+    for (std::size_t g = 0; g < groups; ++g) powers.torque[g] = power(differences.missing_torque[g]);
+    for (std::size_t a = 0; a < kAccelerometerCount; ++a) {
+      if (!still.acceleration[a].empty()) powers.acceleration[a] = power(differences.acceleration_difference[a]);
+    }
+    return powers;
+  };
+  for (std::size_t g = 0; g < groups; ++g) {
+    // Between two readings a position is a cubic (record.h).
+    for (std::size_t k = 0; k < cycle; ++k) {
+      const double near = 1.0 - static_cast<double>(k) / static_cast<double>(cycle);
+      still.shaft_position[g][place + k] = still.shaft_position[g][place - k] = near * near * (3.0 - 2.0 * near);
+    }
+    still.position_rate[g] = cubic_slope(still.shaft_position[g], still.slope_half_width, still.step);
+    response.encoder[g] = answer();
+    std::fill(still.shaft_position[g].begin(), still.shaft_position[g].end(), 0.0);
+    std::fill(still.position_rate[g].begin(), still.position_rate[g].end(), 0.0);
+  }
+  if (!still.acceleration[kTip].empty()) {
+    still.acceleration[kTip][place] = 1.0;
+    response.tip = answer();
+  }
+  return response;
+}
+
+}  // namespace slewlab::diagnosis

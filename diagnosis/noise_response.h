@@ -1,0 +1,32 @@
+// What the sensors' noise makes of the observer's differences. The observer is a closed loop of encoders, model and, where there is one, the
+// tip's accelerometer: below its own frequency the missing torque follows an encoder's noise as the machine's inertia has it, above it as
+// the observer's gains do, and the model's accelerations shake with it. So no formula of the gains gives the noise, but the loop itself:
+//
+//   N_c(f) = sum over sources s of |H_cs(f)|^2 S_s(f),    H_cs = transform of what channel c answers to one reading of s that is off by 1
+//
+// of the nominal machine with its teeth together (no play) and without effects, which is linear.
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "diagnosis/record.h"
+#include "diagnosis/shadow.h"
+#include "sim/integrate/machine_settings.h"
+
+namespace slewlab::diagnosis {
+
+// |H|^2 at each frequency of a transform over the record's grid, from 0 on; channels that the record has not are empty.
+struct SourceResponse {
+  std::array<std::vector<double>, sim::kMaximumGroupCount> torque;       // [Nm^2] per unit^2 of the source
+  std::array<std::vector<double>, kAccelerometerCount> acceleration;    // [(m/s^2)^2] per unit^2
+};
+struct NoiseResponse {
+  std::array<SourceResponse, sim::kMaximumGroupCount> encoder;  // of one reading of the position that is off by 1 rad
+  SourceResponse tip;  // of a tip acceleration that is off by 1 m/s^2 at one grid point; empty: not measured
+};
+
+// `length` points on the record's grid, an even number. Throws std::invalid_argument where the machine cannot be built.
+NoiseResponse noise_response(const sim::MachineSettings& nominal, const Record& record, const ShadowGains& gains, std::size_t length);
+
+}  // namespace slewlab::diagnosis
