@@ -25,12 +25,11 @@ constexpr double kCoarseDiscrepancy = 5.0;  // by which mesh and step miss more 
 // Of half the play with the gears wound up by the rated torque: where a motor stands when the drives are off, or still swings just after
 // they were switched on; chosen.
 constexpr double kOffsetShare = 0.2;
-// Of the machine's characteristic time from a record's beginning, at which its gears may have come to their flanks: drives that were switched
-// on just before take about that long to press them apart. Chosen.
-constexpr std::array<double, 6> kPressedAfter{0.0, 0.25, 0.5, 1.0, 1.5, 2.0};
+constexpr double kBesideTheMiddle = 0.8;  // of half the play, chosen: within which a motor that stood beside the middle can be found from there
+constexpr double kUnloaded = 0.03, kUnloadedFor = 0.25;  // of the largest torque; of the characteristic time; chosen
 constexpr double kKeptAtFirst = 0.4;  // of that time, for which a record's beginning must last before somebody moves the joystick
-// Of the encoders' period: what was read is as old as anything between two readings, a standard deviation of 1 / sqrt(12).
-constexpr double kLatencyOfPeriod = 0.3;
+// Of the encoders' period, chosen: readings and commands of one cycle are taken to be of one instant; what a fieldbus adds beyond is a delay, and answered as one.
+constexpr double kLatencyOfPeriod = 0.1;
 
 void check_same_groups(const Record& record, const sim::CraneParameters& nominal) {
   if (record.group_count == nominal.drive.group_count) return;
@@ -67,66 +66,65 @@ bool are_pushed(const Play& play, const Record& record, std::size_t from) {
   return true;
 }
 
-// Whether the groups keep their places to each other from then on for a share of the characteristic time, within a quarter of what these
-// torques would move free motors apart, or together.
+// Whether the groups keep their places to each other from then on for a share of the characteristic time, within a quarter of where their torques would
+// have moved free motors, or of the play; torques that would not have moved each motor through it tell nothing.
 bool keep_their_places(const Play& play, const Record& record, std::size_t from, double time, double share) {
   const std::size_t to = from + static_cast<std::size_t>(std::lround(share * time / record.step));
   if (to > record.size()) return false;
-  for (int g = 1; g < record.group_count; ++g) {
-    const auto i = static_cast<std::size_t>(g);
-    double low = std::numeric_limits<double>::infinity(), high = -low;
-    for (std::size_t n = from; n < to; ++n) {
-      const double apart = record.shaft_position[i][n] - record.shaft_position[0][n];
-      low = std::min(low, apart);
-      high = std::max(high, apart);
+  const double per_torque = 2.0 * play.way_per_torque / (time * time);  // [rad/s^2/Nm] slew axis
+  const auto groups = static_cast<std::size_t>(record.group_count);
+  GroupAngles speed{}, place{}, way{}, apart_way{}, low{}, high{};  // of free motors; of the recorded ones beside the first
+  low.fill(std::numeric_limits<double>::infinity());
+  high.fill(-std::numeric_limits<double>::infinity());
+  for (std::size_t n = from; n < to; ++n) {
+    for (std::size_t i = 0; i < groups; ++i) {
+      speed[i] += record.step * per_torque * record.motor_torque[i][n];
+      place[i] += record.step * speed[i];
+      way[i] = std::max(way[i], std::fabs(place[i]));
+      apart_way[i] = std::max(apart_way[i], std::fabs(place[i] - place[0]));
+      const double apart = (record.shaft_position[i][n] - record.shaft_position[0][n]) / play.ratio;
+      low[i] = std::min(low[i], apart);
+      high[i] = std::max(high[i], apart);
     }
-    const double torques = std::fabs(record.motor_torque[0][from]) + std::fabs(record.motor_torque[i][from]);
-    const double free_way = std::min(4.0 * play.half, share * share * play.way_per_torque * torques);
-    if (high - low > 0.25 * free_way * play.ratio) return false;
+  }
+  for (std::size_t i = 0; i < groups; ++i) {
+    if (way[i] < 2.0 * play.half || high[i] - low[i] > 0.25 * std::clamp(apart_way[i], 2.0 * play.half, 4.0 * play.half)) return false;
   }
   return true;
 }
 
-struct PossiblePlaces {
-  FirstPlaces places;
-  bool are_kept = false;  // the groups keep their places to each other from then on
-};
-
-// Where the gears may stand when the record begins, beside the middle of their play: on the flanks, or on their way to them, the house being
-// held meanwhile or turning with the motors.
-std::vector<PossiblePlaces> possible_first_places(const sim::CraneParameters& nominal, const Record& record, double time) {
-  const Play play = play_of(nominal, time);
-  if (play.half <= 0.0) return {};
-  std::vector<PossiblePlaces> places;
-  if (are_pushed(play, record, 0)) places.push_back({{0.0, 0.0}, keep_their_places(play, record, 0, time, kKeptAtFirst)});
-  for (const double share : kPressedAfter) {
-    const auto from = static_cast<std::size_t>(std::lround(share * time / record.step));
-    if (from >= record.size() || !are_pushed(play, record, from) || !keep_their_places(play, record, from, time, 1.0)) continue;
-    if (from == 0) break;
-    double mean = 0.0;  // [rad] slew axis, that the motors turned
-    for (int g = 0; g < record.group_count; ++g) {
-      const std::vector<double>& position = record.shaft_position[static_cast<std::size_t>(g)];
-      mean += (position[from] - position[0]) / (play.ratio * record.group_count);
-    }
-    const double at = record.step * static_cast<double>(from);
-    if (!record.begins_in_motion) places.push_back({{at, 0.0}, true});
-    places.push_back({{at, mean}, true});
-    break;
+// The first grid point in the record's first third at which the torques press every gear against a flank, and the groups keep their places to
+// each other from then on; nothing where there is none.
+std::optional<std::size_t> pressed_from(const Play& play, const Record& record, double time) {
+  for (std::size_t from = 0; from < record.size() / 3; ++from) {
+    if (are_pushed(play, record, from) && keep_their_places(play, record, from, time, from == 0 ? kKeptAtFirst : 1.0)) return from;
   }
-  return places;
+  return {};
 }
 
-// A record in motion begins where its gears can be told: where the torques press every group against a flank, and the groups keep their places
-// to each other from then on. Nothing is taken off, and false, where that is nowhere in its first third.
-bool begin_where_gears_are_known(const sim::CraneParameters& nominal, double time, Record& record) {
-  const Play play = play_of(nominal, time);
-  if (!record.begins_in_motion || play.half <= 0.0) return false;
-  for (std::size_t from = 0; from < record.size() / 3; ++from) {
-    if (!are_pushed(play, record, from) || !keep_their_places(play, record, from, time, from == 0 ? kKeptAtFirst : 1.0)) continue;
-    leave_out_beginning(record, from);
-    return true;
+// Whether groups that are pressed at a grid point have gone as far beside each other by then as from the middle of their play, where nothing winds them up.
+bool came_from_the_middle(const Problem& problem, const Play& play, const Record& record, std::size_t pressed) {
+  const sim::Machine machine = follower_of(problem.nominal, record.step).machine;
+  const GroupAngles places = places_on_flanks(machine.model, record, pressed);
+  for (int g = 1; g < record.group_count; ++g) {
+    const auto i = static_cast<std::size_t>(g);
+    const double apart = (record.shaft_position[i][pressed] - record.shaft_position[0][pressed]) - (record.shaft_position[i][0] - record.shaft_position[0][0]);
+    if (std::fabs(apart / play.ratio - (places[i] - places[0])) > kBesideTheMiddle * play.half) return false;
   }
-  return false;
+  return true;
+}
+
+// Whether all groups together push with little when the record begins, so that nothing is bent.
+bool begins_unloaded(const Record& record, double time) {
+  const auto first = std::min(record.size(), static_cast<std::size_t>(kUnloadedFor * time / record.step) + 1);
+  double largest = 0.0, largest_first = 0.0;
+  for (std::size_t n = 0; n < record.size(); ++n) {
+    double mean = 0.0;
+    for (int g = 0; g < record.group_count; ++g) mean += record.motor_torque[static_cast<std::size_t>(g)][n] / record.group_count;
+    largest = std::max(largest, std::fabs(mean));
+    if (n < first) largest_first = std::max(largest_first, std::fabs(mean));
+  }
+  return largest_first < kUnloaded * largest;
 }
 
 double missing_power(const Record& record, const Shadow& follower) {
@@ -151,28 +149,35 @@ Following follow(const Problem& problem, const Record& record, const WhiteningSe
   return following;
 }
 
-// In motion on the flanks, as soon as they can be told. Else from the middle of the play, or where the record may begin elsewhere and is followed better from there, from there: one that begins
-// elsewhere than the machine did knocks on, or is held off by a torque that never ends. Where the groups do not keep their places, that alone
-// makes no record one that can be judged.
-Following follow_from_its_beginning(const Problem& problem, Record& record, const WhiteningSettings& whitening) {
-  if (begin_where_gears_are_known(problem.nominal.crane, problem.thresholds.time, record)) {
-    record.first_places = FirstPlaces{};
-    return follow(problem, record, whitening);
-  }
+// From the middle of the play, or where the torques push from the first moment on and the record is followed better from there, on the flanks: one
+// that begins elsewhere than the machine did knocks on, or is held off by a torque that never ends. Where the groups do not keep their
+// places, that alone makes no record one that can be judged.
+Following follow_from_rest(const Problem& problem, const Play& play, Record& record, const WhiteningSettings& whitening) {
   Following best = follow(problem, record, whitening);
-  std::optional<FirstPlaces> best_places;
-  for (const auto& [places, are_kept] : possible_first_places(problem.nominal.crane, record, problem.thresholds.time)) {
-    record.first_places = places;
-    Following other = follow(problem, record, whitening);
-    const bool can_be_judged = best.share >= kLeastTrusted, other_can_be_judged = other.share >= kLeastTrusted;
-    const bool is_better = can_be_judged != other_can_be_judged ? other_can_be_judged && are_kept
-                                                                : missing_power(record, other.follower) < missing_power(record, best.follower);
-    if (!is_better) continue;
-    best = std::move(other);
-    best_places = places;
+  if (play.half <= 0.0 || !are_pushed(play, record, 0)) return best;
+  record.begins_on_flanks = true;
+  Following other = follow(problem, record, whitening);
+  const bool can_be_judged = best.share >= kLeastTrusted, other_can_be_judged = other.share >= kLeastTrusted;
+  const bool are_kept = keep_their_places(play, record, 0, problem.thresholds.time, kKeptAtFirst);
+  record.begins_on_flanks = can_be_judged != other_can_be_judged ? other_can_be_judged && are_kept
+                                                                 : missing_power(record, other.follower) < missing_power(record, best.follower);
+  return record.begins_on_flanks ? std::move(other) : std::move(best);
+}
+
+// What several groups do beside each other tells where their gears are. A machine that stands in the middle of its play until the drives are on, or on its flanks
+// and unloaded, begins there. Any other begins where its gears are pressed, boom and load as they may then swing.
+Following follow_from_its_beginning(const Problem& problem, Record& record, const WhiteningSettings& whitening) {
+  const double time = problem.thresholds.time;
+  const Play play = play_of(problem.nominal.crane, time);
+  const bool can_be_told = play.half > 0.0 && (record.group_count > 1 || record.begins_in_motion);
+  const std::optional<std::size_t> pressed = can_be_told ? pressed_from(play, record, time) : std::nullopt;
+  if (!pressed || (!record.begins_in_motion && *pressed > 0 && came_from_the_middle(problem, play, record, *pressed))) {
+    return follow_from_rest(problem, play, record, whitening);
   }
-  record.first_places = best_places;
-  return best;
+  record.begins_bent = record.begins_in_motion || *pressed > 0 || !begins_unloaded(record, time);
+  leave_out_beginning(record, *pressed);
+  record.begins_on_flanks = true;
+  return follow(problem, record, whitening);
 }
 
 }  // namespace
@@ -239,8 +244,8 @@ Followed admit(std::vector<Record> records, const WhiteningSettings& whitening, 
     const NoiseResponse response = noise_response(problem.nominal, record, problem.gains, transform_length(record.size()));
     problem.whitening.push_back(make_whitening(record, trusted, response, follower, whitening));
     followed = {record.name, std::move(follower), {}};  // the last one stays
-    problem.nuisances.in_motion.push_back(record.begins_in_motion);
-    problem.nuisances.has_motion |= record.begins_in_motion;
+    problem.nuisances.in_motion.push_back(record.begins_bent);
+    problem.nuisances.has_motion |= record.begins_bent;
     problem.records.push_back(std::move(record));
   }
   if (problem.records.empty()) throw NotAdmitted(not_judged + "; switch play compensation on, or accelerate more gently");

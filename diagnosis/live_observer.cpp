@@ -13,7 +13,7 @@ namespace {
 constexpr double kNanosecondsPerSecond = 1e9;
 constexpr double kBetweenLooks = 0.1;  // [-] of the characteristic time, chosen: quick enough to be watched
 constexpr double kFirstStretch = 1.0;  // [-] of the characteristic time, chosen: enough messages to know their periods
-constexpr double kMargin = 4.0;        // [-] half windows of the rate that stay behind the newest point told
+constexpr double kMargin = 4.0;        // [-] half windows of a position's rate that stay behind the newest point told
 
 std::int64_t nanoseconds(double seconds) { return std::llround(seconds * kNanosecondsPerSecond); }
 
@@ -66,7 +66,7 @@ void LiveObserver::forget_until(std::int64_t time) {
 
 void LiveObserver::begin() {
   // The teeth of a machine that turns, or that play compensation holds, are pressed; one at the beginning of its run is at rest.
-  if (run_.encoder.front().sequence > 0) record_.first_places = FirstPlaces{};
+  if (run_.encoder.front().sequence > 0) record_.begins_on_flanks = true;
   observer_.emplace(follower_of(nominal_, record_.step), record_, shadow_gains(scales_, not_faster_than(thresholds_.shadow, record_.encoder_period)));
   drive_.emplace(record_, nominal_.drive_protection);
   told_ = nanoseconds(record_.start_time) - 1;
@@ -77,7 +77,6 @@ void LiveObserver::advance(std::size_t point, LiveGap& gap) {
   Observer::Measured measured;
   for (std::size_t g = 0; g < groups; ++g) {
     measured.position[g] = record_.shaft_position[g][point];
-    measured.rate[g] = record_.position_rate[g][point];
   }
   if (!record_.acceleration[kTip].empty()) measured.tip_acceleration = &record_.acceleration[kTip][point];
   const Observer::Moment moment = observer_->advance(drive_->next(), measured);
@@ -111,9 +110,7 @@ std::optional<LiveGap> LiveObserver::look() {
     return gap;
   }
   if (!observer_) begin();
-  // The rate of a position is known half a window later; sensors and commands come when they come.
-  const auto half_window = static_cast<std::int64_t>(nanoseconds(std::max(thresholds_.admission.rate_half_width, 2.0 * record_.encoder_period)));
-  std::int64_t known = std::min(newest - half_window, run_.torque.back().simulated_time);
+  std::int64_t known = std::min(newest, run_.torque.back().simulated_time);  // sensors and commands come when they come
   if (!run_.sensors.empty()) known = std::min(known, run_.sensors.back().simulated_time);
   for (std::size_t n = 0; n < record_.size(); ++n) {
     const std::int64_t time = nanoseconds(record_.time(n));
@@ -122,7 +119,7 @@ std::optional<LiveGap> LiveObserver::look() {
     advance(n, gap);
     told_ = time;
   }
-  forget_until(told_ - static_cast<std::int64_t>(kMargin * static_cast<double>(half_window)));
+  forget_until(told_ - nanoseconds(kMargin * std::max(thresholds_.admission.rate_half_width, 2.0 * record_.encoder_period)));
   if (gap.time.empty()) return std::nullopt;
   return gap;
 }

@@ -21,7 +21,6 @@ Record standing(const Record& record, std::size_t length) {
   Record still;
   still.step = record.step;
   still.encoder_period = record.encoder_period;
-  still.slope_half_width = record.slope_half_width;
   still.group_count = record.group_count;
   for (std::size_t g = 0; g < static_cast<std::size_t>(record.group_count); ++g) {
     for (auto* series : {&still.motor_torque[g], &still.shaft_speed[g], &still.shaft_position[g], &still.position_rate[g]}) series->assign(length, 0.0);
@@ -60,7 +59,7 @@ NoiseResponse noise_response(const sim::MachineSettings& nominal, const Record& 
   const DriveCourse drives = idle_drives(still);
   const std::size_t cycle = reading_stride(record);
   // Behind the time in which the tip sensor's offset is taken, for which a reading that is off would be taken.
-  const std::size_t place = std::min(length / 2, static_cast<std::size_t>(gains.first_offset / record.step) + still.slope_half_width + cycle + 2);
+  const std::size_t place = std::min(length / 2, static_cast<std::size_t>(gains.first_offset / record.step) + cycle + 1);
   const auto groups = static_cast<std::size_t>(record.group_count);
   const auto answer = [&] {
     Shadow differences;
@@ -78,10 +77,8 @@ NoiseResponse noise_response(const sim::MachineSettings& nominal, const Record& 
       const double near = 1.0 - static_cast<double>(k) / static_cast<double>(cycle);
       still.shaft_position[g][place + k] = still.shaft_position[g][place - k] = near * near * (3.0 - 2.0 * near);
     }
-    still.position_rate[g] = cubic_slope(still.shaft_position[g], still.slope_half_width, still.step);
     response.encoder[g] = answer();
     std::fill(still.shaft_position[g].begin(), still.shaft_position[g].end(), 0.0);
-    std::fill(still.position_rate[g].begin(), still.position_rate[g].end(), 0.0);
   }
   if (!still.acceleration[kTip].empty()) {
     still.acceleration[kTip][place] = 1.0;

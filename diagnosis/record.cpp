@@ -322,7 +322,6 @@ std::size_t lay_grid(const ChannelTimes& times, const AdmissionSettings& setting
 void take_motors(const msgs::RunLog& run, const std::vector<std::int64_t>& encoder_times, const AdmissionSettings& settings, std::size_t count,
                  Record& record) {
   const double half_width = std::max(settings.rate_half_width, record.encoder_period) / record.step;
-  record.slope_half_width = std::max<std::size_t>(2, static_cast<std::size_t>(std::lround(half_width)));
   for (int g = 0; g < record.group_count; ++g) {
     const auto i = static_cast<std::size_t>(g);
     std::vector<double> speed, position;
@@ -340,7 +339,8 @@ void take_motors(const msgs::RunLog& run, const std::vector<std::int64_t>& encod
     }
     record.shaft_speed[i] = resample(encoder_times, speed, record, count);
     record.shaft_position[i] = resample_position(encoder_times, position, speed, record, count);
-    record.position_rate[i] = cubic_slope(record.shaft_position[i], record.slope_half_width, record.step);
+    record.position_rate[i] =
+        cubic_slope(record.shaft_position[i], std::max<std::size_t>(2, static_cast<std::size_t>(std::lround(half_width))), record.step);
     // A command holds until the next one.
     record.motor_torque[i].assign(count, 0.0);
     std::size_t k = 0;
@@ -466,7 +466,7 @@ Record unchecked_record(const msgs::RunLog& run, const std::string& name, const 
   const ChannelTimes times{times_of(run.encoder), times_of(run.torque), times_of(run.sensors)};
   const std::size_t count = lay_grid(times, settings, record);
   take_motors(run, times.encoder, settings, count, record);
-  record.begins_in_motion = begins_in_motion(record, settings) || begins_under_way(run, record);
+  record.begins_in_motion = record.begins_bent = begins_in_motion(record, settings) || begins_under_way(run, record);
   if (times.has_sensors()) {
     take_sensors(run, times.sensors, count, record);
   } else {

@@ -46,14 +46,6 @@ struct OperatorMove {
   bool acknowledge = false;
 };
 
-// Gears that are not in the middle of their play when a record begins, as in a log that begins with the drives on: at `pressed_at` they
-// stand on the flanks to which the torques then push, and until then each motor went the way that its encoder tells, while the house turned
-// by `house_turn`.
-struct FirstPlaces {
-  double pressed_at = 0.0;  // [s] from the record's beginning
-  double house_turn = 0.0;  // [rad] slew axis
-};
-
 struct Record {
   std::string name;             // file and run, for messages
   double step = 1e-3;           // [s] grid of all series below
@@ -66,7 +58,6 @@ struct Record {
   std::array<std::vector<double>, sim::kMaximumGroupCount> shaft_position;  // [rad]
   // [rad/s] Rate of the positions, without delay: what a drive reports as its speed comes out of a filter that lags.
   std::array<std::vector<double>, sim::kMaximumGroupCount> position_rate;
-  std::size_t slope_half_width = 2;  // [grid points] either side, over which that rate is a cubic's slope
   std::array<std::vector<double>, kAccelerometerCount> acceleration;        // [m/s^2]; empty: not measured
   // Where the sensors are not sampled on the grid: when [ns] and what they said. The series above are lines between these.
   std::vector<std::int64_t> sampled_at;
@@ -78,8 +69,9 @@ struct Record {
   std::vector<msgs::Torque> torque;
   std::vector<msgs::PlantStatus> plant_status;
   bool begins_in_motion = false;  // the crane turns when the record begins
-  // Where the gears stand when the record begins; nothing: in the middle of their play. The nominal machine tells (admit.h).
-  std::optional<FirstPlaces> first_places;
+  // The two below the nominal machine tells (admit.h).
+  bool begins_bent = false;       // in motion, or where the drives have just pressed the gears: boom and load may swing
+  bool begins_on_flanks = false;  // of the gears, to which the torques push; else in the middle of their play
   double encoder_quantum = 0.0;        // [rad] smallest step that the encoder positions keep to; 0: none found
   std::vector<std::string> remarks;    // what was mended or left out, one line each
 

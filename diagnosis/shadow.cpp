@@ -1,7 +1,9 @@
 #include "diagnosis/shadow.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 
 #include "diagnosis/recorded_drive.h"
 #include "sim/effects/catalogue.h"
@@ -29,6 +31,38 @@ double value_at(const std::vector<double>& series, const Place& place) {
   const double here = series[place.point];
   return place.share == 0.0 ? here : here + place.share * (series[place.point + 1] - here);
 }
+
+// A series so many points later, or earlier, and parts of one: by the polynomial through eight points either side (Lagrange). A line
+// between two points would be their mean where it is half a point, and so half of the sensor's noise.
+class LaterReading {
+ public:
+  explicit LaterReading(double points) : points_(points), whole_(static_cast<std::ptrdiff_t>(std::floor(points))) {
+    const double part = points - std::floor(points);
+    is_whole_ = part == 0.0;
+    for (std::ptrdiff_t i = 0; i < kPoints; ++i) {
+      double weight = 1.0;
+      for (std::ptrdiff_t j = 0; j < kPoints; ++j) {
+        if (j != i) weight *= (part - static_cast<double>(j - kBefore)) / static_cast<double>(i - j);
+      }
+      weight_[static_cast<std::size_t>(i)] = weight;
+    }
+  }
+  double operator()(const std::vector<double>& series, std::size_t n) const {
+    const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(n) + whole_ - kBefore;
+    const auto size = static_cast<std::ptrdiff_t>(series.size());
+    if (is_whole_ || first < 0 || first + kPoints > size) return value_at(series, place_at(static_cast<double>(n) + points_, series.size()));
+    double sum = 0.0;
+    for (std::ptrdiff_t i = 0; i < kPoints; ++i) sum += weight_[static_cast<std::size_t>(i)] * series[static_cast<std::size_t>(first + i)];
+    return sum;
+  }
+
+ private:
+  static constexpr std::ptrdiff_t kBefore = 7, kPoints = 16;
+  double points_;
+  std::ptrdiff_t whole_;
+  bool is_whole_ = false;
+  std::array<double, static_cast<std::size_t>(kPoints)> weight_{};
+};
 
 // From what the shadow's sensor says at every step to measured - shadow, taken where the sensor was sampled and straight in between, as
 // the record is: what sampling takes away it takes from both.
@@ -111,7 +145,7 @@ void start_moving(sim::Machine& machine, const Record& record, double time) {
   if (speed == 0.0) return;
   machine.state.v[0] = speed / model.house[0];
   move_load(machine, 0.0, model.tip[0] * machine.state.v[0]);
-  if (!record.begins_in_motion) return;
+  if (!record.begins_bent) return;
   const double acceleration = first_acceleration(record, time) / model.ratio;
   const double torque = acceleration * sim::driven_inertia(model.parameters);
   for (std::size_t mode = 1; can_bend(model, mode); ++mode) bend(machine, mode, static_bend(model, mode, torque), 0.0);
@@ -119,28 +153,12 @@ void start_moving(sim::Machine& machine, const Record& record, double time) {
   incline_load(machine, {-radius * acceleration / sim::kGravity, 0.0}, Eigen::Vector2d::Zero());
 }
 
-// Each gear on the flank to which the torque of its group pushes by then, wound up by what goes through it while all turn as one body.
-void start_on_flanks(sim::Machine& machine, const Record& record, const FirstPlaces& places) {
-  const sim::PlantModel& model = machine.model;
-  const auto n = std::min(record.size() - 1, static_cast<std::size_t>(std::lround(places.pressed_at / record.step)));
-  const double driven = sim::driven_inertia(model.parameters), to_slew_axis = model.parameters.drive.motors_per_group * model.ratio;
-  double torque = 0.0, inertia = driven;
-  for (int g = 0; g < record.group_count; ++g) {
-    torque += to_slew_axis * record.motor_torque[static_cast<std::size_t>(g)][n];
-    inertia += model.group_inertia[static_cast<std::size_t>(g)];
-  }
-  for (int g = 0; g < record.group_count; ++g) {
-    const auto i = static_cast<std::size_t>(g);
-    const double through = to_slew_axis * record.motor_torque[i][n] - model.group_inertia[i] * torque / inertia;
-    if (through == 0.0) continue;
-    const double turned = (record.shaft_position[i][n] - record.shaft_position[i][0]) / model.ratio - places.house_turn;
-    machine.state.motor_angle[i] += std::copysign(model.gear[i].half_play, through) + through / model.gear[i].stiffness - turned;
-  }
-}
-
 void start(sim::Machine& machine, const Record& record, const Beginning& beginning, double time) {
   start_moving(machine, record, time);
-  if (record.first_places) start_on_flanks(machine, record, *record.first_places);
+  if (record.begins_on_flanks) {
+    const GroupAngles places = places_on_flanks(machine.model, record, 0);
+    for (std::size_t i = 0; i < places.size(); ++i) machine.state.motor_angle[i] += places[i];
+  }
   incline_load(machine, {beginning.swing, beginning.swing_rate}, {beginning.rod, beginning.rod_rate});
   const sim::DriveParameters& drive = machine.model.parameters.drive;
   const double rated = drive.group_count * drive.motors_per_group * drive.rated_torque * machine.model.ratio;
@@ -155,8 +173,24 @@ void start(sim::Machine& machine, const Record& record, const Beginning& beginni
 
 }  // namespace
 
+GroupAngles places_on_flanks(const sim::PlantModel& model, const Record& record, std::size_t point) {
+  const double driven = sim::driven_inertia(model.parameters), to_slew_axis = model.parameters.drive.motors_per_group * model.ratio;
+  double torque = 0.0, inertia = driven;
+  for (int g = 0; g < record.group_count; ++g) {
+    torque += to_slew_axis * record.motor_torque[static_cast<std::size_t>(g)][point];
+    inertia += model.group_inertia[static_cast<std::size_t>(g)];
+  }
+  GroupAngles places{};
+  for (int g = 0; g < record.group_count; ++g) {
+    const auto i = static_cast<std::size_t>(g);
+    const double through = to_slew_axis * record.motor_torque[i][point] - model.group_inertia[i] * torque / inertia;
+    if (through != 0.0) places[i] = std::copysign(model.gear[i].half_play, through) + through / model.gear[i].stiffness;
+  }
+  return places;
+}
+
 ShadowGains shadow_gains(const sim::Scales& nominal, const ShadowSettings& settings) {
-  return {settings.speed_rate * nominal.motor_inertia, settings.position_rate * nominal.motor_inertia,
+  return {settings.speed_rate * nominal.motor_inertia, settings.position_rate * nominal.motor_inertia, settings.speed_window,
           settings.tip_damping_rate * nominal.boom_mass, settings.leak_time, settings.first_offset, settings.offset_time, settings.first_slope};
 }
 
@@ -202,20 +236,25 @@ Observer::Observer(Follower follower, const Record& record, const ShadowGains& g
   for (std::size_t i = 0; i < groups_; ++i) {
     origin_[i] = record.shaft_position[i][0] - (machine_.state.motor_angle[i] + beginning.motor_offset[i]) * machine_.model.ratio;
   }
+  GroupAngles first{};
+  for (std::size_t i = 0; i < groups_; ++i) first[i] = beginning.motor_offset[i] * machine_.model.ratio;
+  past_error_.assign(std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(gains.speed_window / record.step))), first);
 }
 
 Observer::Moment Observer::advance(const sim::DriveCommand& command, const Measured& measured) {
   Moment moment;
   const sim::MachineReadings readings = sim::read(machine_);
   for (std::size_t i = 0; i < groups_; ++i) {
-    const double missing = gains_.speed * (measured.rate[i] - readings.shaft_speed[i]) +
-                           gains_.position * (measured.position[i] - origin_[i] - readings.shaft_position[i]);
+    const double error = measured.position[i] - origin_[i] - readings.shaft_position[i];
+    const double missing = gains_.speed * (error - past_error_[oldest_][i]) / (step_ * static_cast<double>(past_error_.size())) + gains_.position * error;
+    past_error_[oldest_][i] = error;
     moment.missing_torque[i] = missing;
     // Past the actuators: what is missing at a motor is not limited or delayed by its drive.
     machine_.outside.motor_torque[i] = missing * to_slew_axis_;
     // Gears without play touch always: they change flanks without a shock.
     if (machine_.state.contact[i] == 0 && machine_.model.gear[i].half_play > 0.0) moment.contact_lost = true;
   }
+  oldest_ = oldest_ + 1 < past_error_.size() ? oldest_ + 1 : 0;
   for (std::size_t a = 0; a < kAccelerometerCount; ++a) moment.acceleration[a] = readings.*kAccelerometers<sim::PlantReadings>[a].value;
   if (measured.tip_acceleration != nullptr) {
     const double difference = *measured.tip_acceleration - moment.acceleration[kTip];
@@ -234,7 +273,7 @@ Observer::Moment Observer::advance(const sim::DriveCommand& command, const Measu
 
 void shadow(Follower follower, const Record& record, const DriveCourse& drives, const ShadowGains& gains, double encoder_latency,
             const Beginning& beginning, Shadow& result) {
-  const double encoder_lead = encoder_latency / record.step + follower.encoder_delay;  // [steps]
+  const LaterReading position(encoder_latency / record.step + follower.encoder_delay);
   Observer observer(std::move(follower), record, gains, beginning);
 
   const std::size_t count = record.size();
@@ -253,12 +292,10 @@ void shadow(Follower follower, const Record& record, const DriveCourse& drives, 
   for (std::size_t n = 0; n < count; ++n) {
     command.sequence = static_cast<std::int64_t>(n / cycle);
     command.enable = drives.enable[n];
-    const Place read_at = place_at(static_cast<double>(n) + encoder_lead, count);
     for (std::size_t i = 0; i < groups; ++i) {
       command.motor_torque[i] = drives.motor_torque[i][n];
       command.brake_torque[i] = drives.brake_torque[i][n];
-      measured.rate[i] = value_at(record.position_rate[i], read_at);
-      measured.position[i] = value_at(record.shaft_position[i], read_at);
+      measured.position[i] = position(record.shaft_position[i], n);
     }
     if (has_tip) measured.tip_acceleration = &record.acceleration[kTip][n];
     const Observer::Moment moment = observer.advance(command, measured);

@@ -4,10 +4,11 @@
 // differences are what it misses behind them. Feedback that hides a gap in the speed shows it here as an
 // effort; no controller needs to be known; and what an impact got wrong is forgotten within the machine's characteristic time.
 //
-//   u = K_p (speed_measured - speed_shadow) + K_i (position_measured - position_shadow)     per motor
+//   u(n) = K_p (e(n) - e(n - m)) / (m step) + K_i e(n),    e = position_measured - position_shadow     per motor
 //   F = D e,  e' = a_measured - a_shadow - o - e / tau                                       at the tip
 //
-// o is the tip sensor's offset: the difference's mean over `first_offset`, later forgotten within `offset_time`.
+// Both speeds are thus taken over the same m steps, from readings that have been: of an encoder's noise u(n) holds none that is yet to come,
+// so that no delay of the model can make it smaller (the torque that the noise moves comes after it). o is the tip sensor's offset: the difference's mean over `first_offset`, later forgotten within `offset_time`.
 #pragma once
 
 #include <array>
@@ -27,6 +28,8 @@ struct ShadowSettings {
   // noise to stay small as a torque.
   double speed_rate = 0.0;        // [1/s] K_p per motor inertia
   double position_rate = 0.0;     // [1/s^2] K_i per motor inertia
+  // Chosen: as long as leaves little of the encoder's noise in a speed, short against the observer's own time and the fastest motion judged.
+  double speed_window = 0.0;      // [s] m steps, one at least
   // Chosen: about a fifth of critical damping for errors of a first bending mode at 1 / T.
   double tip_damping_rate = 0.0;  // [1/s] D per boom mass
   double leak_time = 0.0;         // [s] tau: an accelerometer's offset must not become a speed
@@ -40,6 +43,7 @@ struct ShadowSettings {
 struct ShadowGains {
   double speed = 0.0;        // [Nms/rad] K_p
   double position = 0.0;     // [Nm/rad] K_i
+  double speed_window = 0.0;  // [s] m steps
   double tip_damping = 0.0;  // [Ns/m] D
   double leak_time = 0.0;    // [s] tau
   double first_offset = 0.0, offset_time = 0.0, first_slope = 0.0;  // [s] as in the settings
@@ -84,6 +88,10 @@ struct Follower {
 // Throws as shadow().
 Follower follower_of(const sim::MachineSettings& machine, double step);
 
+// [rad] slew axis: how far each motor stands before the house where its gear lies on the flank to which the torque of its group pushes at a grid
+// point, wound up by what goes through it while all turn as one body.
+GroupAngles places_on_flanks(const sim::PlantModel& model, const Record& record, std::size_t point);
+
 // The follower on its way, a grid point after the other.
 class Observer {
  public:
@@ -92,7 +100,6 @@ class Observer {
 
   struct Measured {
     GroupAngles position{};  // [rad] of the shafts
-    GroupAngles rate{};      // [rad/s]
     const double* tip_acceleration = nullptr;  // [m/s^2]; none: not measured
   };
   struct Moment {
@@ -109,6 +116,8 @@ class Observer {
   ShadowGains gains_;
   std::size_t groups_;
   GroupAngles origin_{};  // [rad] of the shafts' positions
+  std::vector<GroupAngles> past_error_;  // [rad] of the last m points, in turn
+  std::size_t oldest_ = 0;
   double leak_, forget_;
   // The tip's sensor may have an offset, which must not lead the shadow: at first what differs at rest, or turning evenly.
   std::size_t point_ = 0, first_;

@@ -47,10 +47,11 @@ AdmissionSettings admission_settings(const sim::MachineDescription& machine, dou
   return settings;
 }
 
-ShadowSettings shadow_settings(double time) {
+ShadowSettings shadow_settings(double time, double highest) {
   ShadowSettings settings;
   settings.speed_rate = 52.0 / time;
   settings.position_rate = 680.0 / (time * time);
+  settings.speed_window = 0.32 / highest;
   settings.tip_damping_rate = 0.6 / time;
   settings.leak_time = time;
   settings.first_offset = 0.25 * time;
@@ -64,6 +65,7 @@ WhiteningSettings whitening_settings(const sim::MachineDescription& machine, dou
   settings.lowest_frequency = 0.02 / time;
   settings.highest_frequency = highest;
   settings.encoder_noise_from = 0.5 * highest;
+  settings.corner_from = 0.05 * highest;
   settings.before_impact = 0.3 * time;
   settings.after_impact = 2.5 * time;
   settings.soft_edge = 0.4 * time;
@@ -103,7 +105,7 @@ Thresholds thresholds_of(const sim::MachineDescription& machine) {
   if (!structural.empty()) thresholds.time = std::max(thresholds.time, kLowestModePeriods / structural.front());
   const double time = thresholds.time, highest = highest_frequency(structural, time);
   thresholds.admission = admission_settings(machine, time, highest);
-  thresholds.shadow = shadow_settings(time);
+  thresholds.shadow = shadow_settings(time, highest);
   thresholds.whitening = whitening_settings(machine, time, highest);
   thresholds.band_edges = edges_between(sim::pendulum_modes(machine.machine), structural, thresholds.whitening.lowest_frequency, highest);
   thresholds.highest_mode = 5.0 * highest;

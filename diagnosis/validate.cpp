@@ -129,7 +129,7 @@ HeldOutData::HeldOutData(const Problem& problem, const WhiteningSettings& settin
   fitted_->whitening = problem.whitening;
   predicted_->records = {record};
   predicted_->whitening = {problem.whitening[held]};
-  predicted_->nuisances.in_motion = {record.begins_in_motion};
+  predicted_->nuisances.in_motion = {record.begins_bent};
   if (is_half_) {
     const Shadow follower = shadow_at(problem, {}, held);
     fitted_->whitening = {whitening_of_half(problem, settings, follower, !is_last)};
@@ -223,7 +223,7 @@ ValidationError HeldOutData::error(const HeldOut& fitted, const std::optional<co
     const Predicted predicted = predicted_from(*predicted_, there, fitted.open);
     error.residual_ratio = mean_square(predicted.difference);
     error.cost = share * predicted.difference.squaredNorm() + predicted.prior_cost;
-    if (controller && !predicted_->records.front().begins_in_motion) {
+    if (controller && !predicted_->records.front().begins_bent) {
       error.closed_loop =
           predict(machine_at(predicted_->nominal, predicted_->nuisances, there), *controller, predicted_->records.front(), from_time_).relative_gap;
     }

@@ -16,6 +16,8 @@ namespace slewlab::diagnosis {
 namespace {
 
 constexpr double kLeastNoise = 0.02;   // of the noise that counts may make
+constexpr std::size_t kCornerBins = 40;  // at least, from whose mean power a corner is told
+constexpr double kCornerDeviations = 2.0;  // above that, or the least of several would be too low
 constexpr std::size_t kCountBins = 8;    // either side, over which the power of the counting error is smoothed
 constexpr int kCountPlaces = 4;          // between two counts, at which a motion may have begun
 constexpr double kTaper = 0.02;  // share of the record over which the window rises and falls
@@ -149,7 +151,7 @@ using EncoderShares = std::array<double, sim::kMaximumGroupCount>;
 class NoisePowers {
  public:
   NoisePowers(const Record& record, const Whitening& whitening, const NoiseResponse& response, const WhiteningSettings& settings)
-      : response_(response), corner_(settings.noise_corner), bin_width_(whitening.bin_width), groups_(static_cast<std::size_t>(record.group_count)) {
+      : response_(response), bin_width_(whitening.bin_width), groups_(static_cast<std::size_t>(record.group_count)) {
     const double energy = window_energy(whitening.window), stride = static_cast<double>(reading_stride(record));
     const bool is_coarse = record.encoder_quantum >= kCoarseCount;
     for (std::size_t g = 0; g < groups_; ++g) {
@@ -161,25 +163,56 @@ class NoisePowers {
       for (std::size_t k = 1; k < encoder_[g].size(); ++k) encoder_[g][k] = std::max(white, mean_around(sum, k, kCountBins));
     }
     for (std::size_t a = 0; a < kAccelerometerCount; ++a) {
+      corner_[a] = settings.noise_corner;
       if (!record.acceleration[a].empty()) accelerometer_[a] = accelerometer_variance(record, a) * energy;
+    }
+  }
+  // A data sheet says how noise may rise; a sensor that is sampled slowly, or a better one, is white from a lower frequency on. What the
+  // nominal machine leaves is noise and more, so in no band may there be more noise.
+  void lower_corners(const Whitening& whitening, const Shadow& nominal, const EncoderShares& shares, double from) {
+    Transform transform(whitening);
+    for (const Channel& channel : whitening.channels) {
+      const auto i = static_cast<std::size_t>(channel.index);
+      if (channel.is_torque || accelerometer_[i] == 0.0) continue;
+      std::vector<double> left = nominal.acceleration_difference[i];
+      const double mean = mean_under(whitening, left);
+      for (double& value : left) value -= mean;
+      const auto& spectrum = transform(left);
+      const double own = accelerometer_[i] * (i == kTip ? 1.0 : 0.0);
+      const std::size_t end = whitening.first_bin + whitening.bin_count;
+      for (std::size_t low = std::max(whitening.first_bin, static_cast<std::size_t>(from / bin_width_)), high; low < end; low = high) {
+        high = std::min(end, low + std::max(kCornerBins, low / 4));
+        if (high - low < kCornerBins) break;
+        double excess = 0.0, per_corner = 0.0, square = 0.0;
+        for (std::size_t k = low; k < high; ++k) {
+          const double own_response = own > 0.0 ? response_.tip.acceleration[i][k] : 1.0;
+          const double rise = accelerometer_[i] * own_response / (static_cast<double>(k) * bin_width_);
+          excess += std::norm(spectrum[k]) - (at(channel, k, shares) - corner_[i] * rise);
+          per_corner += rise;
+          square += std::norm(spectrum[k]) * std::norm(spectrum[k]);
+        }
+        // Power in a bin of noise deviates by its mean, whose square is half of the mean square.
+        const double deviation = std::sqrt(0.5 * square) / per_corner;
+        corner_[i] = std::min(corner_[i], std::max(0.0, excess / per_corner + kCornerDeviations * deviation));
+      }
     }
   }
   double at(const Channel& channel, std::size_t k, const EncoderShares& shares) const {
     const auto i = static_cast<std::size_t>(channel.index);
     const auto of = [&](const SourceResponse& source) { return channel.is_torque ? source.torque[i][k] : source.acceleration[i][k]; };
-    const double flicker = 1.0 + corner_ / (static_cast<double>(k) * bin_width_);
-    double noise = channel.is_torque || i == kTip ? 0.0 : accelerometer_[i] * flicker;
+    const auto flicker = [&](std::size_t a) { return accelerometer_[a] * (1.0 + corner_[a] / (static_cast<double>(k) * bin_width_)); };
+    double noise = channel.is_torque || i == kTip ? 0.0 : flicker(i);
     for (std::size_t g = 0; g < groups_; ++g) noise += shares[g] * encoder_[g][k] * of(response_.encoder[g]);
-    if (accelerometer_[kTip] > 0.0) noise += accelerometer_[kTip] * flicker * of(response_.tip);
+    if (accelerometer_[kTip] > 0.0) noise += flicker(kTip) * of(response_.tip);
     return noise;
   }
 
  private:
   const NoiseResponse& response_;
-  double corner_, bin_width_;  // [Hz]
+  double bin_width_;  // [Hz]
   std::size_t groups_;
   std::array<std::vector<double>, sim::kMaximumGroupCount> encoder_;   // [rad^2] per reading
-  std::array<double, kAccelerometerCount> accelerometer_{};            // [(m/s^2)^2]
+  std::array<double, kAccelerometerCount> accelerometer_{}, corner_{};  // [(m/s^2)^2], [Hz]
 };
 
 }  // namespace
@@ -205,8 +238,8 @@ std::vector<bool> trusted_stretches(const Record& record, const Shadow& shadow, 
     const std::size_t to = std::min(count, n + after);
     std::fill(trusted.begin() + static_cast<std::ptrdiff_t>(from), trusted.begin() + static_cast<std::ptrdiff_t>(to), false);
   }
-  // How a machine in motion began is known as little as an impact.
-  if (record.begins_in_motion) std::fill(trusted.begin(), trusted.begin() + static_cast<std::ptrdiff_t>(std::min(count, after)), false);
+  // How a machine began that was bent is known as little as an impact.
+  if (record.begins_bent) std::fill(trusted.begin(), trusted.begin() + static_cast<std::ptrdiff_t>(std::min(count, after)), false);
   return trusted;
 }
 
@@ -254,7 +287,7 @@ Whitening make_whitening(const Record& record, const std::vector<bool>& trusted,
   for (int a = 0; a < kAccelerometerCount; ++a) {
     if (!record.acceleration[static_cast<std::size_t>(a)].empty()) whitening.channels.push_back({false, a});
   }
-  const NoisePowers noise(record, whitening, response, settings);
+  NoisePowers noise(record, whitening, response, settings);
   // What a model misses at one motor goes with what all of them carry, so torque channels share their mean power.
   std::vector<const std::vector<double>*> torques;
   for (int g = 0; g < record.group_count; ++g) torques.push_back(&record.motor_torque[static_cast<std::size_t>(g)]);
@@ -277,6 +310,7 @@ Whitening make_whitening(const Record& record, const std::vector<bool>& trusted,
     // Power in a bin of noise has an exponential distribution, whose median is ln 2 of its mean.
     shown[i] = std::clamp(*middle / std::numbers::ln2, kLeastNoise, 1.0);
   }
+  noise.lower_corners(whitening, nominal, shown, settings.corner_from);
   for (const Channel& channel : whitening.channels) {
     const auto i = static_cast<std::size_t>(channel.index);
     const std::vector<double> sum = channel.is_torque ? torque_power : running_power({&record.acceleration[i]}, whitening);

@@ -6,7 +6,8 @@
 // P is the smoothed power of the measured signal itself, e the share of it that mesh, step and laws of a good
 // model still miss (learned from machines with nothing missing), the 2 because real and imaginary part share a
 // bin's power: noise alone leaves parts of variance 1, N the sensors' noise as the observer's loop has it (noise_response.h). An
-// accelerometer's is white as the record's fastest differences show it, rising as 1/f below the corner that its data sheet names;
+// accelerometer's is white as the record's fastest differences show it, rising as 1/f below a corner, that of its data sheet or, where
+// what the nominal machine leaves allows less, a lower one;
 // an encoder's that of its counts, q^2 / 12 per reading, or what its fastest differences show.
 #pragma once
 
@@ -28,7 +29,8 @@ struct WhiteningSettings {
   double smoothing = 0.4;            // [-] width of the smoothing of P as a share of the frequency
   double highest_frequency = 0.0;    // [Hz] of the modes that matter
   double lowest_frequency = 0.0;     // [Hz] below which a record knows nothing
-  double noise_corner = 0.0;         // [Hz] below which an accelerometer's noise rises as 1/f (its data sheet)
+  double noise_corner = 0.0;         // [Hz] below which an accelerometer's noise rises as 1/f, at most (its data sheet)
+  double corner_from = 0.0;          // [Hz] above which what the nominal machine leaves may lower that
   double encoder_noise_from = 0.0;   // [Hz] from which torque channels hold the encoders' noise alone
   double before_impact = 0.0;        // [s] a real machine may let go a little before its model
   double after_impact = 0.0;         // [s] in which the observer forgets an impact, three of its slowest time constants

@@ -93,15 +93,13 @@ TEST_P(NoiseResponseAt, SaysWhatWhiteNoiseOfASensorMakesOfEveryChannel) {
   std::vector<double>& position = noisy.record.shaft_position[0];
   for (double& value : position) value = normal(generator);
   position[0] = 0.0;  // where the motor stands
-  noisy.record.position_rate[0] = cubic_slope(position, noisy.record.slope_half_width, noisy.record.step);
-  noisy.record.position_rate[0][0] = 0.0;
   const Shadow of_encoder = follow();
   const double step = noisy.record.step;
   for (std::size_t g = 0; g < 2; ++g) {
     expect_white(of_encoder.missing_torque[g], response.encoder[0].torque[g], step, "encoder to motor " + std::to_string(g + 1));
   }
   expect_white(of_encoder.acceleration_difference[kTip], response.encoder[0].acceleration[kTip], step, "encoder to tip");
-  for (auto* series : {&position, &noisy.record.position_rate[0]}) std::fill(series->begin(), series->end(), 0.0);
+  std::fill(position.begin(), position.end(), 0.0);
   for (double& value : noisy.record.acceleration[kTip]) value = normal(generator);
   const Shadow of_tip = follow();
   expect_white(of_tip.acceleration_difference[kTip], response.tip.acceleration[kTip], step, "tip to tip");
