@@ -243,7 +243,7 @@ Followed admit(std::vector<Record> records, const WhiteningSettings& whitening, 
     }
     const NoiseResponse response = noise_response(problem.nominal, record, problem.gains, transform_length(record.size()));
     problem.whitening.push_back(make_whitening(record, trusted, response, follower, whitening));
-    followed = {record.name, std::move(follower), {}};  // the last one stays
+    followed = {record.name, record.begins_bent, std::move(follower), {}};  // the last one stays
     problem.nuisances.in_motion.push_back(record.begins_bent);
     problem.nuisances.has_motion |= record.begins_bent;
     problem.records.push_back(std::move(record));

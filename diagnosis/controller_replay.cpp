@@ -83,7 +83,7 @@ void check_replayable(const Record& record) {
 }
 
 std::optional<double> controller_known_from(const Record& record, const controller::ControllerSettings& settings) {
-  if (!record.begins_in_motion) {
+  if (!record.begins_bent) {
     if (is_fresh(record, settings)) return record.start_time;
     return record.start_time + kFilterTimes * settings.speed_filter_time + kFirstCycles * record.encoder_period;
   }

@@ -45,7 +45,7 @@ void replay(const Problem& problem, const controller::ControllerSettings& contro
     const ControllerReplay& replay = diagnosis.controller_replay.back();
     diagnosis.has_controller |= !replay.difference.empty();
     if (replay.difference.empty()) {
-      diagnosis.remarks.push_back(fmt::format("{}: begins in motion, and the joystick never stands still for as long as a ramp may take; what the controller "
+      diagnosis.remarks.push_back(fmt::format("{}: begins in motion or just behind one, and the joystick never stands still for as long as a ramp may take; what the controller "
                                               "knew is not in the record, and its answers are not compared", record.name));
       continue;
     }

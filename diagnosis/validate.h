@@ -41,6 +41,7 @@ struct HeldOut {
 // The last record that was judged, as the nominal machine follows it and as that of the first cause does, without its stochastic effects.
 struct Followed {
   std::string record;
+  bool begins_bent = false;  // so that nobody knows from where its run would be simulated
   Shadow nominal, explained;
 };
 

@@ -476,7 +476,7 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
     const Record& last = *std::find_if(records.begin(), records.end(), [&](const Record& record) { return record.name == found.followed.record; });
     const std::string place = place_of_gaps(found, first, last);
     std::optional<Predicted> predicted;
-    if (controller && !last.begins_in_motion) {
+    if (controller && !found.followed.begins_bent) {
       const controller::ControllerSettings explained_controller = controller::with_effects(*controller, first.controller_effects);
       const Point& unbiased = found.held_out ? found.held_out->point : first.point;
       const double from_time = found.held_out ? found.held_out->from_time : last.start_time;
