@@ -58,10 +58,16 @@ Play play_of(const sim::CraneParameters& nominal, double time) {
   return {sim::gear_contact(nominal).half_play, sim::total_ratio(drive), 0.5 * time * time * drive.motors_per_group * sim::total_ratio(drive) / sim::group_inertia(drive)};
 }
 
-// Whether the torques then push every motor across its play within the characteristic time.
-bool are_pushed(const Play& play, const Record& record, std::size_t from) {
+// Whether the torques then push every motor across its play within the characteristic time, as they do on the average in the time that follows: no torque that
+// is on its way to another flank, or nothing yet.
+bool are_pushed(const Play& play, const Record& record, std::size_t from, double time) {
+  const std::size_t to = std::min(record.size(), from + static_cast<std::size_t>(std::lround(time / record.step)));
   for (int g = 0; g < record.group_count; ++g) {
-    if (std::fabs(record.motor_torque[static_cast<std::size_t>(g)][from]) * play.way_per_torque < 2.0 * play.half) return false;
+    const std::vector<double>& torque = record.motor_torque[static_cast<std::size_t>(g)];
+    if (std::fabs(torque[from]) * play.way_per_torque < 2.0 * play.half) return false;
+    double mean = 0.0;
+    for (std::size_t n = from; n < to; ++n) mean += torque[n] / static_cast<double>(to - from);
+    if (torque[from] * mean < 0.5 * mean * mean) return false;
   }
   return true;
 }
@@ -97,7 +103,7 @@ bool keep_their_places(const Play& play, const Record& record, std::size_t from,
 // each other from then on; nothing where there is none.
 std::optional<std::size_t> pressed_from(const Play& play, const Record& record, double time) {
   for (std::size_t from = 0; from < record.size() / 3; ++from) {
-    if (are_pushed(play, record, from) && keep_their_places(play, record, from, time, from == 0 ? kKeptAtFirst : 1.0)) return from;
+    if (are_pushed(play, record, from, time) && keep_their_places(play, record, from, time, from == 0 ? kKeptAtFirst : 1.0)) return from;
   }
   return {};
 }
@@ -154,7 +160,7 @@ Following follow(const Problem& problem, const Record& record, const WhiteningSe
 // places, that alone makes no record one that can be judged.
 Following follow_from_rest(const Problem& problem, const Play& play, Record& record, const WhiteningSettings& whitening) {
   Following best = follow(problem, record, whitening);
-  if (play.half <= 0.0 || !are_pushed(play, record, 0)) return best;
+  if (play.half <= 0.0 || !are_pushed(play, record, 0, problem.thresholds.time)) return best;
   record.begins_on_flanks = true;
   Following other = follow(problem, record, whitening);
   const bool can_be_judged = best.share >= kLeastTrusted, other_can_be_judged = other.share >= kLeastTrusted;

@@ -15,6 +15,7 @@ namespace slewlab::diagnosis {
 namespace {
 
 constexpr double kNanosecond = 1e-9;  // [s]
+constexpr int kMostSteps = 4;         // per reading, chosen: a delay of parts of a step is then right within a sixteenth of what it is without
 constexpr double kFastest = 1.0;      // speed rate times period: half of what a feedback once per period holds stable
 
 // A place between the points of series of equal length; at their ends they stand still.
@@ -204,13 +205,20 @@ ShadowSettings not_faster_than(ShadowSettings settings, double period) {
 Follower follower_of(const sim::MachineSettings& settings, double step) {
   Follower follower;
   sim::MachineSettings with_step = settings;
-  with_step.step = step;
   std::erase_if(with_step.effects, [&](const common::EffectInstance& effect) {
     const sim::EffectDescription* description = sim::find_effect(effect.name);
     if (description == nullptr || description->about.pure_delay != common::PureDelay::encoder) return false;
     follower.encoder_delay += effect.values[common::kSize] / step;
     return true;
   });
+  const bool acts_between = std::any_of(with_step.effects.begin(), with_step.effects.end(), [](const common::EffectInstance& effect) {
+    const sim::EffectDescription* description = sim::find_effect(effect.name);
+    return description != nullptr && std::any_of(description->ports.begin(), description->ports.end(), [](sim::EffectPort port) {
+             return port == sim::EffectPort::message || port == sim::EffectPort::actuator;
+           });
+  });
+  if (acts_between) follower.steps = std::clamp(static_cast<int>(std::lround(step / settings.step)), 1, kMostSteps);
+  with_step.step = step / follower.steps;
   follower.machine = sim::make_machine(with_step);
   follower.to_slew_axis = settings.crane.drive.motors_per_group * follower.machine.model.ratio;
   return follower;
@@ -225,6 +233,7 @@ Shadow shadow(const sim::MachineSettings& settings, const Record& record, const 
 
 Observer::Observer(Follower follower, const Record& record, const ShadowGains& gains, const Beginning& beginning)
     : machine_(std::move(follower.machine)),
+      steps_(follower.steps),
       to_slew_axis_(follower.to_slew_axis),
       step_(record.step),
       gains_(gains),
@@ -267,7 +276,7 @@ Observer::Moment Observer::advance(const sim::DriveCommand& command, const Measu
     machine_.outside.tip_force = gains_.tip_damping * tip_error_;
     ++point_;
   }
-  sim::step(machine_, command);
+  for (int step = 0; step < steps_; ++step) sim::step(machine_, command);
   return moment;
 }
 

@@ -79,10 +79,12 @@ struct Beginning {
 Shadow shadow(const sim::MachineSettings& machine, const Record& record, const ShadowGains& gains,
               double encoder_latency = 0.0, const Beginning& beginning = {});
 
-// A machine that is to follow records on a grid of one step: made once for all of them.
+// A machine that is to follow records on a grid of one step: made once for all of them. Where an effect acts on commands or on what the drives make of
+// them, and so between two readings too, the machine takes steps of its own below the grid's, down to those of its settings.
 struct Follower {
   sim::Machine machine;
   double encoder_delay = 0.0;  // [steps] of its own encoders; the machine itself has none
+  int steps = 1;               // of the machine per step of the grid
   double to_slew_axis = 0.0;   // torque of a group there per torque of one motor
 };
 // Throws as shadow().
@@ -112,6 +114,7 @@ class Observer {
 
  private:
   sim::Machine machine_;
+  int steps_;
   double to_slew_axis_, step_;
   ShadowGains gains_;
   std::size_t groups_;
