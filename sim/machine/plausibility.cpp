@@ -61,23 +61,42 @@ void judge_load(const CraneParameters& machine, Judgement& judge) {
         "a hook and load as long as %.3g times the rope and the boom", "up to a tenth");
 }
 
+// Paths of the drive's numbers in the machine's file.
+struct DriveKeys {
+  const char* inertia;
+  const char* stiffness;
+  const char* play;
+};
+
+void judge_gears(const CraneParameters& machine, const Scales& scales, double plant_step, const DriveKeys& keys, Judgement& judge) {
+  judge(keys.inertia, (scales.axis_inertia - scales.driven_inertia) / scales.driven_inertia, 1e-4, 3e3,
+        "motors with %.3g times the inertia of what they drive, both on the axis", "a hundredth to a hundred times");
+  const double frequency = drive_frequency(machine);
+  if (plant_step > 0.0) {
+    judge(keys.stiffness, 1.0 / (frequency * plant_step), 12.0, HUGE_VAL, "motors that swing on their gears with %.3g plant steps to a period",
+          "twenty and more; a shorter plant_step would do as well");
+  }
+  judge(keys.stiffness, frequency * scales.acceleration_time, 0.5, HUGE_VAL,
+        "gears so soft that the motors swing %.3g times while the machine comes to its top speed", "twice and more");
+  judge(keys.play, 2.0 * half_play(machine.drive) / (scales.top_speed * scales.acceleration_time), 0.0, 0.15,
+        "a play of %.3g times what the axis moves at top speed in the time from rest to top speed", "up to a fiftieth");
+}
+
 void judge_drive(const CraneParameters& machine, const Scales& scales, double plant_step, Judgement& judge) {
   const DriveParameters& drive = machine.drive;
-  judge("drive.motor_inertia", (scales.axis_inertia - scales.driven_inertia) / scales.driven_inertia, 1e-4, 3e3,
-        "motors with %.3g times the inertia of what they drive, both on the axis", "a hundredth to a hundred times");
   const double with_load = scales.axis_inertia + machine.load.mass * scales.reach * scales.reach;
   judge("drive.rated_torque", with_load * scales.top_speed / scales.axis_torque, 1e-3, 1e3,
         "%.3g s from rest to top speed with the rated torque, the load included", "a tenth of a second to a minute");
-  const double frequency = drive_frequency(machine);
-  if (plant_step > 0.0) {
-    judge("drive.gearbox_stiffness", 1.0 / (frequency * plant_step), 12.0, HUGE_VAL,
-          "motors that swing on their gears with %.3g plant steps to a period", "twenty and more; a shorter plant_step would do as well");
-  }
-  judge("drive.gearbox_stiffness", frequency * scales.acceleration_time, 0.5, HUGE_VAL,
-        "gears so soft that the motors swing %.3g times while the machine comes to its top speed", "twice and more");
-  judge(drive.gearbox_play > drive.pinion_play ? "drive.gearbox_play" : "drive.pinion_play",
-        2.0 * half_play(drive) / (scales.top_speed * scales.acceleration_time), 0.0, 0.15,
-        "a play of %.3g times what the axis turns at top speed in the time from rest to top speed", "up to a fiftieth");
+  judge_gears(machine, scales, plant_step,
+              {"drive.motor_inertia", "drive.gearbox_stiffness", drive.gearbox_play > drive.pinion_play ? "drive.gearbox_play" : "drive.pinion_play"}, judge);
+}
+
+void judge_axis(const MachineFile& file, const Scales& scales, double plant_step, Judgement& judge) {
+  judge(file.axis.is_shaft_linear ? "rated_force" : "rated_torque", scales.acceleration_time, 1e-5, 1e3,
+        "%.3g s from rest to top speed with all that the motor is rated for", "a hundredth of a second to ten seconds");
+  if (file.parameters.drive.is_rigid) return;
+  judge_gears(file.parameters, scales, plant_step, {file.axis.is_shaft_linear ? "motor_mass" : "motor_inertia", "transmission.stiffness", "transmission.play"},
+              judge);
 }
 
 void judge_boom(const CraneParameters& machine, const Scales& scales, Judgement& judge) {
@@ -128,8 +147,7 @@ std::vector<ImplausibleValue> implausible_values(const MachineFile& file, const 
   const bool has_boom = machine.boom.length > 0.0 && machine.boom.mass > 0.0;
   Judgement judge;
   if (file.kind == MachineKind::axis) {
-    judge(file.axis.is_shaft_linear ? "rated_force" : "rated_torque", scales.acceleration_time, 1e-5, 1e3,
-          "%.3g s from rest to top speed with all that the motor is rated for", "a hundredth of a second to ten seconds");
+    judge_axis(file, scales, periods.plant_step, judge);
   } else {
     if (has_boom && machine.load.mass > 0.0) judge_load(machine, judge);
     judge_drive(machine, scales, periods.plant_step, judge);

@@ -148,8 +148,15 @@ std::string answer_sentence(const Diagnosis& diagnosis) {
   return text + ".";
 }
 
-nlohmann::json to_json(const Diagnosis& diagnosis) {
-  nlohmann::json json{{"answer", answer_sentence(diagnosis)},
+// The same, with the word that it is of what is left of a damaged log.
+std::string answer_sentence(const Diagnosis& diagnosis, bool is_damaged) {
+  std::string text = answer_sentence(diagnosis);
+  if (is_damaged) text.insert(text.size() - 1, kOfADamagedLog);  // before its full stop
+  return text;
+}
+
+nlohmann::json to_json(const Diagnosis& diagnosis, bool is_damaged) {
+  nlohmann::json json{{"answer", answer_sentence(diagnosis, is_damaged)},
                       {"gap", diagnosis.gap},
                       {"verdict", diagnosis.verdict},
                       {"controller_differs", diagnosis.controller_differs},
@@ -257,10 +264,10 @@ std::string in_per_cent(std::span<const std::pair<std::string, double>> probabil
 }
 
 // The page that the terminal, summary.txt and diagnosis.html show.
-std::string summary_text(const Diagnosis& diagnosis, const ToldApartBy& apart, const std::optional<Predicted>& predicted, const std::string& place,
-                         const std::optional<diagnosis::NextManoeuvre>& next) {
+std::string summary_text(const Diagnosis& diagnosis, bool is_damaged, const ToldApartBy& apart, const std::optional<Predicted>& predicted,
+                         const std::string& place, const std::optional<diagnosis::NextManoeuvre>& next) {
   std::ostringstream out;
-  out << answer_sentence(diagnosis) << "\n\n";
+  out << answer_sentence(diagnosis, is_damaged) << "\n\n";
   out << fmt::format("Is there a gap?  {}. Residual variance ratio (1 = noise only): nominal {:.4g}, best parameters {:.4g}",
                      diagnosis.gap ? "Yes" : "No", diagnosis.mean_square_nominal, diagnosis.mean_square_parameters);
   if (diagnosis.gap && !diagnosis.causes.empty()) {
@@ -429,6 +436,7 @@ struct Made {
   const sim::MachineSettings& nominal;
   const std::optional<controller::ControllerSettings>& controller;
   const Diagnosis& found;
+  bool is_damaged;           // a log of it
   sim::MachineSettings cut;  // nominal, its boom cut as fits cut it
   Cause first;               // the most probable one
   Cause answer;              // the same, or nothing where no known effect is the answer: the gap is shown with what comes nearest, and says so
@@ -511,7 +519,7 @@ std::string write_findings(const Made& made, const std::vector<Record>& records,
   const Diagnosis& found = made.found;
   const DiagnoseOptions& options = made.options;
   Findings findings(options.out);
-  nlohmann::json json = to_json(found);
+  nlohmann::json json = to_json(found, made.is_damaged);
   const ToldApartBy apart = told_apart_by(made.cut, made.controller, found);
   if (!apart.empty()) json["told_apart_by"] = told_apart_json(made, apart);
   std::optional<diagnosis::NextManoeuvre> next;
@@ -536,7 +544,7 @@ std::string write_findings(const Made& made, const std::vector<Record>& records,
   json["modes"] = modes_json(made.cut, highest_shown);
   findings.write("diagnosis.json", json.dump(2) + "\n");
   write_machines(made, findings);
-  std::string summary = summary_text(found, apart, predicted, place, next);
+  std::string summary = summary_text(found, made.is_damaged, apart, predicted, place, next);
   findings.write("summary.txt", summary);
   findings.keep();
   return summary;
@@ -561,7 +569,8 @@ int diagnose_crane_logs(const sim::MachineFile& crane, const DiagnoseOptions& op
   if (common::stop_requested()) throw diagnosis::Interrupted{};  // what follows takes seconds, and then it is written
 
   const Cause first = found.causes.empty() ? Cause{} : found.causes.front();
-  const Made made{options, nominal, controller, found, diagnosis::with_boom_elements(nominal, found.boom_elements), first, found.is_unknown ? Cause{} : first};
+  const Made made{options, nominal, controller, found, measured.is_damaged, diagnosis::with_boom_elements(nominal, found.boom_elements),
+                  first, found.is_unknown ? Cause{} : first};
   const std::string summary = write_findings(made, records, thresholds);
   out << summary << "files: " << options.out.string() << std::endl;
   // Becomes the program that draws; without an interpreter it says so, and the findings stand all the same.

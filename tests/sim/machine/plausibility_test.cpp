@@ -88,7 +88,7 @@ TEST(Plausibility, SlipsOfUnitAreNamedByTheirKey) {
       {"house.sensor_radius", [](CraneParameters& crane) { crane.house.sensor_radius *= 1e3; }},        // m for mm
       {"drive.gearbox_play", [](CraneParameters& crane) { crane.drive.gearbox_play *= 57.3; }},         // rad for deg
       {"drive.pinion_play", [](CraneParameters& crane) { crane.drive.pinion_play *= 57.3; }},
-      {"drive.motor_inertia", [](CraneParameters& crane) { crane.drive.motor_inertia *= 1e4; }},        // kg m^2 for kg cm^2
+      {"drive.motor_inertia", [](CraneParameters& crane) { crane.drive.gearbox_ratio = 21540.0; }},    // for 215.40
   };
   for (const auto& slip : kSlips) {
     CraneParameters crane = thesis_crane();
@@ -129,6 +129,28 @@ TEST(Plausibility, AnAxisThatNoMotorWouldMove) {
   EXPECT_EQ(keys_of(implausible_values(file, {})), "rated_torque");
   file.parameters.house.inertia = 40e-6;
   EXPECT_EQ(keys_of(implausible_values(file, {})), "rated_torque");
+}
+
+// A tilting table of 40 kg m^2 behind a gearbox that gives: 22 Hz, 0.1 s to its top speed, two arc minutes of play.
+TEST(Plausibility, AnElasticAxissSlipsAreNamedByItsOwnKeys) {
+  MachineFile table;
+  table.kind = MachineKind::axis;
+  table.parameters.boom.element_count = 0;
+  table.parameters.drive = {.group_count = 1, .motors_per_group = 1, .motor_inertia = 0.0015, .gearbox_ratio = 80.0, .gearbox_stiffness = 150e3,
+                            .gear_damping_ratio = 0.05, .gearbox_play = 6e-4, .rated_torque = 6.0, .top_speed = 1.0};
+  table.parameters.house.inertia = 40.0;
+  EXPECT_EQ(keys_of(implausible_values(table, {.plant_step = kStep})), "");
+  const struct {
+    const char* key;
+    void (*slip)(DriveParameters&);
+  } kSlips[] = {{"motor_inertia", [](DriveParameters& drive) { drive.motor_inertia *= 1e-6; }},
+                {"transmission.stiffness", [](DriveParameters& drive) { drive.gearbox_stiffness *= 1e-3; }},  // N m/rad for kN m/rad
+                {"transmission.play", [](DriveParameters& drive) { drive.gearbox_play *= 1e3; }}};            // rad for mrad
+  for (const auto& slip : kSlips) {
+    MachineFile other = table;
+    slip.slip(other.parameters.drive);
+    EXPECT_EQ(keys_of(implausible_values(other, {})), slip.key);
+  }
 }
 
 }  // namespace

@@ -176,7 +176,8 @@ TEST_F(RunCommandTest, ASignalEndsARunWhoseCraneIsStillBeingAssembled) {
 
 // Once that nobody answers, and at the end for how long nobody did; asked again it has thousands of times by then.
 TEST_F(RunCommandTest, APlantThatWaitsForAnAnswerSaysSoOnce) {
-  RunningProgram plant({"/bin/sh", "-c", "exec \"$@\" 2>&1 >/dev/null", "sh", kPlant, "--scenario", kScenario, "--log", (folder_.path() / "run.lcmlog").string()});
+  RunningProgram plant({"/bin/sh", "-c", "exec \"$@\" 2>&1 >/dev/null", "sh", kPlant, "--scenario", kScenario,
+                        "--bus", "udpm://239.255.76.67:7667?ttl=0", "--log", (folder_.path() / "run.lcmlog").string()});
   const std::string told = plant.wait_for_line("no answer to the ENCODER");
   EXPECT_NE(told.find("slewlab-plant: no answer to the ENCODER of 0.000 s since"), std::string::npos) << told;
   ::kill(plant.pid(), SIGTERM);
