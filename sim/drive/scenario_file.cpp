@@ -160,7 +160,7 @@ Scenario read_scenario_file(const std::filesystem::path& file, const std::vector
       problems.insert(problems.end(), error.problems().begin(), error.problems().end());
     }
   }
-  scenario.faults = read_faults(reader, scenario.controller_period, scenario.crane.parameters.drive.group_count,
+  scenario.faults = read_faults(reader, scenario.controller_period, scenario.crane.parameters.drive,
                                 static_cast<std::uint64_t>(scenario.seed));
   reader.finish();
   YamlNode controller;

@@ -118,7 +118,7 @@ void Steering::begin_fault(std::int64_t time, const std::string& name, const std
   std::vector<Fault> faults;
   if (problems.empty()) {
     common::YamlReader reader(root, "", problems);
-    faults = read_faults(reader, settings_.controller_period, settings_.group_count, settings_.seed,
+    faults = read_faults(reader, settings_.controller_period, settings_.drive, settings_.seed,
                          settings_.scenario_faults + fault_count_);
   }
   if (!problems.empty() || faults.size() != 1) {

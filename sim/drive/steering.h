@@ -24,6 +24,7 @@
 #include "sim/drive/fault.h"
 #include "sim/drive/operator_move.h"
 #include "sim/integrate/machine_settings.h"
+#include "sim/model/crane_parameters.h"
 
 namespace slewlab::sim {
 
@@ -42,7 +43,7 @@ struct SteeredPeriod {
 
 struct SteeringSettings {
   std::int64_t controller_period = 0;  // [ns]
-  int group_count = 1;
+  DriveParameters drive{};
   std::uint64_t seed = 0;              // of the scenario
   std::size_t scenario_faults = 0;     // how many there are in the scenario
   std::vector<std::string> effects{};  // that can be switched

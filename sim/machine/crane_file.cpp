@@ -37,6 +37,7 @@ double sized(YamlReader& reader, std::string_view key, Unit unit, common::Range 
   return value;
 }
 
+constexpr int kFewestTeeth = 3, kMostTeeth = 10'000;  // fewer do not mesh, nobody cuts more
 constexpr double kRightAngle = 0.5 * std::numbers::pi;  // [rad]
 
 DriveParameters read_drive(YamlReader reader) {
@@ -54,6 +55,11 @@ DriveParameters read_drive(YamlReader reader) {
   drive.pinion_play = reader.number("pinion_play", Unit::radian, not_negative());
   drive.rated_torque = sized(reader, "rated_torque", Unit::newton_metre, positive(), kTorque);
   drive.top_speed = sized(reader, "top_speed", Unit::radian_per_second, positive(), kSpeed);
+  if (reader.has("pinion_teeth")) drive.pinion_teeth = reader.integer("pinion_teeth", kFewestTeeth, kMostTeeth);
+  if (reader.has("gearbox_ring_teeth") || reader.has("gearbox_sun_teeth")) {
+    drive.gearbox_ring_teeth = reader.integer("gearbox_ring_teeth", kFewestTeeth, kMostTeeth);
+    drive.gearbox_sun_teeth = reader.integer("gearbox_sun_teeth", kFewestTeeth, kMostTeeth);
+  }
   reader.finish();
   return drive;
 }

@@ -26,6 +26,9 @@ struct DriveParameters {
   double pinion_play = 0.0;         // [rad] whole play between pinion and ring, as rotation of the pinion
   double rated_torque = 0.0;        // [Nm] that one motor may deliver all the time, T100
   double top_speed = 0.0;           // [rad/s] on the slew axis, that the machine is built for
+  int pinion_teeth = 0;             // of one pinion; 0 is not known
+  int gearbox_ring_teeth = 0;       // of the gearbox's first planetary stage; 0 is not known, then sun_teeth is 0 too
+  int gearbox_sun_teeth = 0;
   bool is_rigid = false;            // nothing gives between the motors and what they drive: all of it is one inertia
 };
 

@@ -384,7 +384,7 @@ int run(const Options& options) {
   std::optional<SteeringSettings> steered;
   if (options.steered) {
     settings.operator_moves.clear();  // the operator is at the desk
-    steered = {settings.controller_period, scenario.crane.parameters.drive.group_count, static_cast<std::uint64_t>(scenario.seed),
+    steered = {settings.controller_period, scenario.crane.parameters.drive, static_cast<std::uint64_t>(scenario.seed),
                scenario.faults.size(), plant.machine().switchable};
   }
   return options.realtime ? run_in_real_time(options, settings, plant, *bus, log, steered)

@@ -57,11 +57,10 @@ std::string place_text(const common::SourceMark& mark) {
   return text + ": ";
 }
 
-// What is possible and yet unlikely of a machine that is read already; of an axis nothing is usual.
+// What is possible and yet unlikely of a machine that is read already.
 void weigh_machine(const sim::MachineFile& machine, const std::filesystem::path& file,
-                 const std::vector<common::Override>& overrides, double plant_step, std::vector<std::string>& warnings) {
-  if (machine.kind != sim::MachineKind::crane) return;
-  const std::vector<sim::ImplausibleValue> values = sim::implausible_values(machine.parameters, plant_step);
+                 const std::vector<common::Override>& overrides, const sim::RunPeriods& periods, std::vector<std::string>& warnings) {
+  const std::vector<sim::ImplausibleValue> values = sim::implausible_values(machine, periods);
   if (values.empty()) return;
   InputProblems ignored;
   const YamlNode root = common::load_yaml_file(file, overrides, ignored);
@@ -108,7 +107,7 @@ void check_machine(const sim::MachineFile& crane, double plant_step, const std::
 void check_machine_file(const std::filesystem::path& file, const std::vector<common::Override>& overrides, Findings& found) {
   const sim::MachineFile crane = sim::load_machine_file(file, overrides);
   check_machine(crane, sim::MachineSettings{}.step, file, found.problems);
-  if (found.problems.empty()) weigh_machine(crane, file, overrides, 0.0, found.warnings);
+  if (found.problems.empty()) weigh_machine(crane, file, overrides, {}, found.warnings);
 }
 
 void check_scenario(const std::filesystem::path& file, const std::vector<common::Override>& overrides, ControllerBy by,
@@ -119,7 +118,7 @@ void check_scenario(const std::filesystem::path& file, const std::vector<common:
   if (whole) {
     const double plant_step = static_cast<double>(scenario.plant_step) * 1e-9;  // [s]
     check_machine(scenario.crane, plant_step, scenario.crane_file, problems);
-    weigh_machine(scenario.crane, scenario.crane_file, scenario.crane_overrides, plant_step, found.warnings);
+    weigh_machine(scenario.crane, scenario.crane_file, scenario.crane_overrides, {plant_step, scenario.controller_period}, found.warnings);
     weigh_cost(scenario, file, found.warnings);
   } else {
     try {

@@ -43,6 +43,17 @@ TEST(ScenarioFile, OverridesReachTheFilesItNames) {
   EXPECT_EQ(scenario.controller_overrides[0].key, "ramp.curved_share");
 }
 
+// Beyond any limit is 4000 times what the machine's motors are rated for: 250 N m of the thesis's, 120 N m of the harbour crane's.
+TEST(ScenarioFile, ATorqueBeyondAnyLimitGoesWithTheMachine) {
+  const auto torque_on = [](const std::string& scenario) {
+    return load_scenario_file(scenario, {{"faults", "[{fault: {value: message_corrupted, source: test}, from: {value: 6, unit: s, source: test}, "
+                                                    "channel: {value: TORQUE, source: test}, probability: {value: 1, unit: '-', source: test}, "
+                                                    "corruption: {value: torque_limit, source: test}}]"}}).faults.at(0).torque;
+  };
+  EXPECT_EQ(torque_on(kThesis), 1e6);
+  EXPECT_EQ(torque_on(SLEWLAB_SOURCE_DIR "/config/scenarios/harbour_5t_slew.yaml"), 4.8e5);
+}
+
 TEST(ScenarioFile, SwitchesEffectsOfItsMachineAtControllerPeriods) {
   const auto with = [](const std::string& time, const std::string& effect) {
     return std::vector<common::Override>{

@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::int64_t kPeriod = 10'000'000;  // [ns]
 
-Steering steering() { return Steering({.controller_period = kPeriod, .group_count = 2, .seed = 1, .scenario_faults = 3}); }
+Steering steering() { return Steering({.controller_period = kPeriod, .drive = {.group_count = 2}, .seed = 1, .scenario_faults = 3}); }
 
 using News = std::vector<std::string>;
 

@@ -36,6 +36,9 @@ TEST(CraneFile, ThesisCraneIsTheOneOfTheUnitTests) {
   EXPECT_DOUBLE_EQ(file.drive.pinion_play, crane.drive.pinion_play);
   EXPECT_DOUBLE_EQ(file.drive.rated_torque, crane.drive.rated_torque);
   EXPECT_DOUBLE_EQ(file.drive.top_speed, crane.drive.top_speed);
+  EXPECT_EQ(file.drive.pinion_teeth, crane.drive.pinion_teeth);
+  EXPECT_EQ(file.drive.gearbox_ring_teeth, crane.drive.gearbox_ring_teeth);
+  EXPECT_EQ(file.drive.gearbox_sun_teeth, crane.drive.gearbox_sun_teeth);
   EXPECT_DOUBLE_EQ(file.house.inertia, crane.house.inertia);
   EXPECT_DOUBLE_EQ(file.house.sensor_radius, crane.house.sensor_radius);
   EXPECT_EQ(file.boom.element_count, crane.boom.element_count);
@@ -71,6 +74,20 @@ TEST(CraneFile, SmallMachinesAreValid) {
   const CraneParameters bare = load_machine_file(kFolder + "no_load.yaml", {{"boom", "null"}}).parameters;
   EXPECT_EQ(bare.boom.element_count, 0);
   EXPECT_EQ(bare.boom.mass, 0.0);
+}
+
+// Whoever does not know the teeth leaves them out; half a planetary stage says nothing of its mesh.
+TEST(CraneFile, TeethMayBeLeftOut) {
+  const DriveParameters unknown = load_machine_file(kFolder + "thesis.yaml", {{"drive.pinion_teeth", "null"},
+                                                                             {"drive.gearbox_ring_teeth", "null"},
+                                                                             {"drive.gearbox_sun_teeth", "null"}}).parameters.drive;
+  EXPECT_EQ(unknown.pinion_teeth, 0);
+  EXPECT_EQ(unknown.gearbox_ring_teeth, 0);
+  EXPECT_EQ(unknown.gearbox_sun_teeth, 0);
+  EXPECT_NE(complaint({{"drive.gearbox_sun_teeth", "null"}}).find("key 'drive.gearbox_sun_teeth': found nothing: the key is missing"),
+            std::string::npos)
+      << complaint({{"drive.gearbox_sun_teeth", "null"}});
+  EXPECT_NE(complaint({{"drive.pinion_teeth", "2"}}).find("key 'drive.pinion_teeth'"), std::string::npos);
 }
 
 TEST(CraneFile, KeepsTheEffectsAsTheyAre) {
