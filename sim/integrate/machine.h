@@ -10,6 +10,7 @@
 // plant.h afterwards, then forget_past()); effects keep their memory.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -62,8 +63,13 @@ struct Machine {
   std::vector<Switch> switches;  // by rising step
   std::size_t next_switch = 0;
   bool needs_moment = false;            // any of actuator, force, friction
-  bool has_past = false;                // `before` is the end of the step before the last
-  EffectMoment now, before;             // at the ends of the last two steps
+  // Of the last two steps' ends, the newest one and the other; of the last one what effects and sensors are told of accelerations; and what
+  // effects are told of the step. Kept where `needs_moment`, and true where `has_past`: since the first step, or since forget_past().
+  bool has_past = false;
+  std::size_t newest = 0;
+  std::array<EffectMoment, 2> ends;
+  Accelerations acceleration;
+  EffectMoment middle;
   MachineReadings sensed;               // kept only where a sensor effect is on
   GroupArray applied_torque{};          // [Nm] per motor of the last step, behind the actuator path
   PortForces outside;                   // from outside the model, held over each step: how a shadow is led; zero otherwise
