@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <type_traits>
 
 #include "sim/integrate/friction.h"
 #include "sim/integrate/oscillator.h"
@@ -16,6 +17,10 @@
 namespace slewlab::sim {
 
 namespace {
+
+// The step's text lies open in step(), with loops over as many motor groups as are known when it is compiled: `groups` is an int, or a
+// constant that becomes one.
+#define SLEWLAB_INLINE [[gnu::always_inline]] inline
 
 // Share of the step below which a split would not move the state.
 constexpr double kShortestSplit = 1e-9;
@@ -216,13 +221,14 @@ struct Start {
 
 // Friction at the start counts as that of the last step, cut to this step's levels. Fills what stands there already: copying
 // what was written number by number a moment ago would wait for the writes.
-void start_of(const PlantModel& model, const PlantState& state, const Push& push, Start& start) {
+template <class Groups>
+SLEWLAB_INLINE void start_of(const PlantModel& model, Groups groups, const PlantState& state, const Push& push, Start& start) {
   double house = push.house;
   if (push.has_friction) {
     house += std::clamp(state.house_friction, -push.friction.house_positive, push.friction.house_negative);
   }
   start.torque_sum = start.rate_sum = 0.0;
-  for (int i = 0; i < model.group_count; ++i) {
+  for (int i = 0; i < groups; ++i) {
     start.torque[i] = start.rate[i] = 0.0;
     if (state.contact[i] == 0) continue;
     const GearContact& gear = model.gear[i];
@@ -236,7 +242,7 @@ void start_of(const PlantModel& model, const PlantState& state, const Push& push
       model.house_per_house_torque * (start.torque_sum + house) +
       model.house_per_tip_force * (state.rope_force + push.tip) +
       model.house_per_uniform_force * push.uniform;
-  for (int i = 0; i < model.group_count; ++i) {
+  for (int i = 0; i < groups; ++i) {
     if (state.contact[i] == 0) continue;
     const GearContact& gear = model.gear[i];
     double motor = push.motor[i];
@@ -250,13 +256,14 @@ void start_of(const PlantModel& model, const PlantState& state, const Push& push
 }
 
 // Solves the end of the step for given frictions: the gears' torques, the motors and the house.
-void solve_end(const PlantModel& model, const ModalStep& step, const PlantState& state, const Push& push,
-               const Start& start, const House& free_house, Trial& trial) {
+template <class Groups>
+SLEWLAB_INLINE void solve_end(const PlantModel& model, Groups groups, const ModalStep& step, const PlantState& state, const Push& push,
+                              const Start& start, const House& free_house, Trial& trial) {
   const double h = step.length;
   double right[kMaximumGroupCount][2];
   double torque_right = 0.0, rate_right = 0.0;
   unsigned is_in_contact = 0;
-  for (int i = 0; i < model.group_count; ++i) {
+  for (int i = 0; i < groups; ++i) {
     const GearStep& gear = step.gear[i];
     const double mobility = gear.reciprocal_inertia;
     const double motor = push.motor[i] + trial.friction[i];
@@ -282,7 +289,7 @@ void solve_end(const PlantModel& model, const ModalStep& step, const PlantState&
     house.acceleration += step.house_acceleration_to_torque * trial.house_friction;
   }
   GearSystem worked_out;
-  if (step.systems.empty()) work_out(step, model.group_count, is_in_contact, worked_out);
+  if (step.systems.empty()) work_out(step, groups, is_in_contact, worked_out);
   const GearSystem& gears = step.systems.empty() ? worked_out : step.systems[is_in_contact];
   const auto& answer = gears.answer;
   const auto& system = gears.system;
@@ -297,7 +304,7 @@ void solve_end(const PlantModel& model, const ModalStep& step, const PlantState&
   trial.house = {house.angle + step.house[0][0] * trial.torque_sum + step.house[0][1] * trial.rate_sum,
                  house.speed + step.house[1][0] * trial.torque_sum + step.house[1][1] * trial.rate_sum,
                  house.acceleration + step.house[2][0] * trial.torque_sum + step.house[2][1] * trial.rate_sum};
-  for (int i = 0; i < model.group_count; ++i) {
+  for (int i = 0; i < groups; ++i) {
     if (state.contact[i] == 0) continue;
     const GearStep& gear = step.gear[i];
     const double k = model.gear[i].stiffness, c = model.gear[i].damping;
@@ -310,12 +317,17 @@ void solve_end(const PlantModel& model, const ModalStep& step, const PlantState&
   }
 }
 
+[[gnu::noinline]] void solve_end_again(const PlantModel& model, const ModalStep& step, const PlantState& state, const Push& push,
+                                       const Start& start, const House& free_house, Trial& trial) {
+  solve_end(model, model.group_count, step, state, push, start, free_house, trial);
+}
+
 // Each friction takes what would stop its body within the step, up to its level; sweep by sweep that of the others gets
 // into it. True once nothing changes any more.
 bool sweep_frictions(const PlantModel& model, const ModalStep& step, const PlantState& state, const Push& push,
                      const Start& start, const House& free_house, Trial& trial) {
   for (int sweep = 0; sweep < kFrictionSweeps; ++sweep) {
-    solve_end(model, step, state, push, start, free_house, trial);
+    solve_end_again(model, step, state, push, start, free_house, trial);
     double change = 0.0;
     for (int i = 0; i < model.group_count; ++i) {
       const double level = push.friction.motor[i];
@@ -354,14 +366,14 @@ FrictionEnd pivot_frictions(const PlantModel& model, const ModalStep& step, cons
   const auto speed_of = [&](int body) { return body < groups ? trial.speed[body] : trial.house.speed; };
   trial.friction.fill(0.0);
   trial.house_friction = 0.0;
-  solve_end(model, step, state, push, start, free_house, trial);
+  solve_end_again(model, step, state, push, start, free_house, trial);
   for (int i = 0; i <= groups; ++i) problem.free_speed[i] = speed_of(i);
   for (int j = 0; j <= groups; ++j) {
     // What gives the body alone 1 rad/s within the step.
     const double torque = j < groups ? model.group_inertia[j] / step.length : 1.0 / step.house_speed_to_torque;
     double& on_body = j < groups ? trial.friction[j] : trial.house_friction;
     on_body = torque;
-    solve_end(model, step, state, push, start, free_house, trial);
+    solve_end_again(model, step, state, push, start, free_house, trial);
     on_body = 0.0;
     for (int i = 0; i <= groups; ++i) problem.mobility[i][j] = (speed_of(i) - problem.free_speed[i]) / torque;
   }
@@ -369,11 +381,11 @@ FrictionEnd pivot_frictions(const PlantModel& model, const ModalStep& step, cons
   const FrictionEnd end = solve_frictions(problem, friction);
   for (int i = 0; i < groups; ++i) trial.friction[i] = friction[i];
   trial.house_friction = friction[groups];
-  solve_end(model, step, state, push, start, free_house, trial);
+  solve_end_again(model, step, state, push, start, free_house, trial);
   return end;
 }
 
-void solve_with_friction(const PlantModel& model, const ModalStep& step, const PlantState& state, const Push& push,
+[[gnu::noinline]] void solve_with_friction(const PlantModel& model, const ModalStep& step, const PlantState& state, const Push& push,
                          const Start& start, const House& free_house, Trial& trial) {
   if (sweep_frictions(model, step, state, push, start, free_house, trial)) return;
   trial.friction_end = pivot_frictions(model, step, state, push, start, free_house, trial);
@@ -443,7 +455,7 @@ using Points [[gnu::vector_size(16)]] = double;  // as every 64-bit processor ha
 // Halves [before, after] towards where `is_beyond` begins and returns `after`. Three times at once: all places that may come next are asked
 // together, and the way through them is found without a branch that the processor would have to guess.
 template <class IsBeyond>
-[[gnu::always_inline]] inline double halved(double before, double after, int halvings, const IsBeyond& is_beyond) {
+SLEWLAB_INLINE double halved(double before, double after, int halvings, const IsBeyond& is_beyond) {
   for (; halvings >= 3; halvings -= 3) {
     const double middle = 0.5 * (before + after);
     if (middle == before || middle == after) return after;  // neighbouring numbers: no halving moves them
@@ -491,9 +503,10 @@ struct Change {
   int contact = 0;  // the new one
 };
 
-Change earliest_change(const PlantModel& model, const PlantState& state, const Trial& trial, double length) {
+template <class Groups>
+SLEWLAB_INLINE Change earliest_change(const PlantModel& model, Groups groups, const PlantState& state, const Trial& trial, double length) {
   Change change;
-  for (int i = 0; i < model.group_count; ++i) {
+  for (int i = 0; i < groups; ++i) {
     const GearContact& gear = model.gear[i];
     const Deflection d{state.motor_angle[i] - state.house_angle, state.motor_speed[i] - state.house_speed,
                        trial.angle[i] - trial.house.angle, trial.speed[i] - trial.house.speed, length};
@@ -536,7 +549,8 @@ void rope_forces(const PlantModel& model, double length, PlantState& state) {
 }
 
 // Takes the trial's end for the state.
-void accept(const PlantModel& model, const ModalStep& step, const LoadStep& load_step, const Push& push,
+template <class Groups>
+SLEWLAB_INLINE void accept(const PlantModel& model, Groups groups, const ModalStep& step, const LoadStep& load_step, const Push& push,
             const Trial& trial, PlantWorkspace& workspace, PlantState& state) {
   const double house_friction = push.has_friction ? trial.house_friction : 0.0;
   const EndSums sums = model.passes->end(model.padded_count / kLanes, step.end.data(), step.held.data(), model.shapes.data(),
@@ -550,7 +564,7 @@ void accept(const PlantModel& model, const ModalStep& step, const LoadStep& load
   state.q.swap(workspace.q);
   state.v.swap(workspace.v);
 
-  for (int i = 0; i < model.group_count; ++i) {
+  for (int i = 0; i < groups; ++i) {
     state.supplied_work += (push.motor[i] + trial.friction[i]) * (trial.angle[i] - state.motor_angle[i]);
     state.motor_angle[i] = trial.angle[i];
     state.motor_speed[i] = trial.speed[i];
@@ -593,9 +607,10 @@ void accept(const PlantModel& model, const ModalStep& step, const LoadStep& load
 }
 
 // Advances by step.length with the contacts as they stand; the end is left in `trial` and the workspace.
-void attempt(const PlantModel& model, const ModalStep& step, const PlantState& state, const Push& push,
+template <class Groups>
+SLEWLAB_INLINE void attempt(const PlantModel& model, Groups groups, const ModalStep& step, const PlantState& state, const Push& push,
              Start& start, PlantWorkspace& workspace, Trial& trial) {
-  start_of(model, state, push, start);
+  start_of(model, groups, state, push, start);
   const House free_house = advance_free(model, step, state, push, start, workspace);
   trial.friction.fill(0.0);
   trial.house_friction = 0.0;
@@ -605,8 +620,46 @@ void attempt(const PlantModel& model, const ModalStep& step, const PlantState& s
     trial.house_friction = state.house_friction;
     solve_with_friction(model, step, state, push, start, free_house, trial);
   } else {
-    solve_end(model, step, state, push, start, free_house, trial);
+    solve_end(model, groups, step, state, push, start, free_house, trial);
   }
+}
+
+// The step in parts between changes of contact, the first of which is known.
+[[gnu::noinline]] void step_in_parts(const PlantModel& model, PlantWorkspace& workspace, const Push& push, Change change, PlantState& state) {
+  const int groups = model.group_count;
+  Start start;
+  Trial trial;
+  double remaining = model.step;
+  const double shortest = kShortestSplit * model.step;
+  for (int split = 0; change.group >= 0 && split < kMaximumSplits; ++split) {
+    const double until = std::min(change.at, 1.0) * remaining;
+    if (until > shortest) {
+      const StepLength part(until);
+      discretise(model, part, workspace.partial);
+      attempt(model, groups, workspace.partial, state, push, start, workspace, trial);
+      accept(model, groups, workspace.partial, discretise_load(model, part), push, trial, workspace, state);
+      remaining -= until;
+    }
+    change_contact(state, change.group, change.contact);
+    if (remaining <= shortest) break;
+    discretise(model, StepLength(remaining), workspace.partial);
+    attempt(model, groups, workspace.partial, state, push, start, workspace, trial);
+    change = earliest_change(model, groups, state, trial, remaining);
+  }
+  if (remaining > shortest) {
+    accept(model, groups, workspace.partial, discretise_load(model, StepLength(remaining)), push, trial, workspace, state);
+    if (change.group >= 0) ++state.unsplit_steps;
+  }
+}
+
+template <class Groups>
+SLEWLAB_INLINE void step_whole(const PlantModel& model, Groups groups, PlantWorkspace& workspace, const Push& push, PlantState& state) {
+  Start start;
+  Trial trial;
+  attempt(model, groups, model.full, state, push, start, workspace, trial);
+  const Change change = earliest_change(model, groups, state, trial, model.step);
+  if (change.group >= 0) return step_in_parts(model, workspace, push, change, state);
+  accept(model, groups, model.full, model.load_step, push, trial, workspace, state);
 }
 
 // The whole step of a machine that is one inertia. Friction has its full level against the motion, and at rest takes
@@ -839,36 +892,15 @@ void step(const PlantModel& model, PlantWorkspace& workspace, const PlantInput& 
     return;
   }
 
-  Start start;
-  Trial trial;
-  attempt(model, model.full, state, push, start, workspace, trial);
-  Change change = earliest_change(model, state, trial, model.step);
-  if (change.group < 0) {
-    accept(model, model.full, model.load_step, push, trial, workspace, state);
-    ++state.step_count;
-    return;
-  }
-
-  double remaining = model.step;
-  const double shortest = kShortestSplit * model.step;
-  for (int split = 0; change.group >= 0 && split < kMaximumSplits; ++split) {
-    const double until = std::min(change.at, 1.0) * remaining;
-    if (until > shortest) {
-      const StepLength part(until);
-      discretise(model, part, workspace.partial);
-      attempt(model, workspace.partial, state, push, start, workspace, trial);
-      accept(model, workspace.partial, discretise_load(model, part), push, trial, workspace, state);
-      remaining -= until;
-    }
-    change_contact(state, change.group, change.contact);
-    if (remaining <= shortest) break;
-    discretise(model, StepLength(remaining), workspace.partial);
-    attempt(model, workspace.partial, state, push, start, workspace, trial);
-    change = earliest_change(model, state, trial, remaining);
-  }
-  if (remaining > shortest) {
-    accept(model, workspace.partial, discretise_load(model, StepLength(remaining)), push, trial, workspace, state);
-    if (change.group >= 0) ++state.unsplit_steps;
+  switch (model.group_count) {
+    case 1:
+      step_whole(model, std::integral_constant<int, 1>{}, workspace, push, state);
+      break;
+    case 2:
+      step_whole(model, std::integral_constant<int, 2>{}, workspace, push, state);
+      break;
+    default:
+      step_whole(model, model.group_count, workspace, push, state);
   }
   ++state.step_count;
 }
