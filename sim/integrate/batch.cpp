@@ -59,7 +59,7 @@ void for_each_number(State& state, Number&& with) {
   }
 }
 
-void from_lane(const Topology& topology, const Bundle& bundle, int lane, PlantState& state) {
+void numbers_from_lane(const Topology& topology, const Bundle& bundle, int lane, PlantState& state) {
   for_each_number(state, [&](double& number, int row) { number = bundle.state.at(row, lane); });
   for (int i = 0; i < topology.groups; ++i) {
     const auto at = [&](int row) { return bundle.group_state.at(i * group_state_row::count + row, lane); };
@@ -68,6 +68,10 @@ void from_lane(const Topology& topology, const Bundle& bundle, int lane, PlantSt
     state.gear_torque[i] = at(group_state_row::torque);
     state.motor_friction[i] = at(group_state_row::friction);
   }
+}
+
+void from_lane(const Topology& topology, const Bundle& bundle, int lane, PlantState& state) {
+  numbers_from_lane(topology, bundle, lane, state);
   for (int k = 0; k < topology.modes; ++k) {
     state.q[static_cast<std::size_t>(k)] = bundle.q.at(k, lane);
     state.v[static_cast<std::size_t>(k)] = bundle.v.at(k, lane);
@@ -231,7 +235,10 @@ bool is_supported(BatchWidth width) {
 #endif
 }
 
-BatchWidth usual_width() { return is_supported(BatchWidth::four) ? BatchWidth::four : BatchWidth::portable; }
+BatchWidth usual_width(int machines) {
+  if (machines > 4 && is_supported(BatchWidth::eight)) return BatchWidth::eight;
+  return is_supported(BatchWidth::four) ? BatchWidth::four : BatchWidth::portable;
+}
 
 void FreePlantBatch::operator()(PlantBatch* batch) const { delete batch; }
 
@@ -280,6 +287,10 @@ PlantBatchHandle make_plant_batch(const std::vector<const PlantModel*>& models, 
   }
   batch->out.resize(batch->bundles.size());
   return batch;
+}
+
+PlantBatchHandle make_plant_batch(const std::vector<const PlantModel*>& models) {
+  return make_plant_batch(models, usual_width(static_cast<int>(models.size())));
 }
 
 int machine_count(const PlantBatch& batch) { return static_cast<int>(batch.alone.size()); }
@@ -351,6 +362,31 @@ void read_batch(const PlantBatch& batch, PlantReadings* readings) {
       reading.middle_acceleration = acceleration(place_term::middle);
       reading.tip_acceleration = acceleration(place_term::tip_sensor);
       reading.slew_angle = bundle.state.at(state_row::house_angle, lane);
+    }
+  }
+}
+
+void observe_batch(const PlantBatch& batch, PlantState* const* states, Accelerations* const* accelerations) {
+  for (const Bundle& bundle : batch.bundles) {
+    LaneAccelerations of_lanes;
+    batch.functions->accelerations(batch.topology, bundle, of_lanes);
+    for (int lane = 0; lane < bundle.used; ++lane) {
+      const int machine = bundle.first + lane;
+      const PlantState& kept = batch.alone[static_cast<std::size_t>(machine)].state;
+      PlantState& state = *states[machine];
+      numbers_from_lane(batch.topology, bundle, lane, state);
+      state.step_count = kept.step_count + batch.steps;
+      if (state.contact_changes != kept.contact_changes) {
+        state.contact = kept.contact;
+        state.last_flank = kept.last_flank;
+        state.play_crossings = kept.play_crossings;
+        state.contact_changes = kept.contact_changes;
+      }
+      state.unsplit_steps = kept.unsplit_steps;
+      state.unsolved_frictions = kept.unsolved_frictions;
+      const auto at = [&](int place) { return of_lanes.rows[place].number[lane]; };
+      *accelerations[machine] = {at(place_term::house), at(place_term::tip), at(place_term::boom), at(place_term::pivot), at(place_term::middle),
+                                 at(place_term::tip_sensor)};
     }
   }
 }

@@ -177,7 +177,7 @@ Machine make_machine(const MachineSettings& settings) {
   return machine;
 }
 
-void step(Machine& machine, const DriveCommand& command) {
+PlantInput begin_step(Machine& machine, const DriveCommand& command) {
   const PlantModel& model = machine.model;
   const double time = time_of(machine);
   while (machine.next_switch < machine.switches.size() && machine.switches[machine.next_switch].step <= machine.state.step_count) {
@@ -202,7 +202,7 @@ void step(Machine& machine, const DriveCommand& command) {
   }
 
   if (machine.needs_moment) {
-    if (!machine.has_past) machine.acceleration = accelerations(model, machine.state);
+    if (!machine.has_acceleration) machine.acceleration = accelerations(model, machine.state);
     machine.newest = 1 - machine.newest;
     const EffectMoment& now = machine.ends[machine.newest];
     observe(model, machine.state, machine.acceleration, machine.ends[machine.newest]);
@@ -215,24 +215,32 @@ void step(Machine& machine, const DriveCommand& command) {
     for (const std::size_t i : machine.friction) if (machine.is_on[i]) machine.effects[i]->friction(moment, input.friction);
   }
   machine.applied_torque = input.motor_torque;
+  return input;
+}
 
-  step(model, machine.workspace, input, machine.state);
-
-  if (machine.needs_moment || !machine.sensor.empty()) machine.acceleration = accelerations(model, machine.state);
+void end_step(Machine& machine) {
   if (!machine.sensor.empty()) {
     const SensorMoment moment{.time = time_of(machine),
                               .house_angle = machine.state.house_angle,
                               .house_speed = machine.state.house_speed,
-                              .truth = read(model, machine.state, machine.acceleration)};
+                              .truth = read(machine.model, machine.state, machine.acceleration)};
     machine.sensed = moment.truth;
     for (const std::size_t i : machine.sensor) if (machine.is_on[i]) machine.effects[i]->sensor(moment, machine.sensed);
   }
   machine.effect_evaluations += machine.hooks_per_step;
 }
 
+void step(Machine& machine, const DriveCommand& command) {
+  const PlantInput input = begin_step(machine, command);
+  step(machine.model, machine.workspace, input, machine.state);
+  machine.has_acceleration = machine.needs_moment || !machine.sensor.empty();
+  if (machine.has_acceleration) machine.acceleration = accelerations(machine.model, machine.state);
+  end_step(machine);
+}
+
 MachineReadings read(const Machine& machine) {
   if (!machine.sensor.empty()) return machine.sensed;
-  return machine.has_past ? read(machine.model, machine.state, machine.acceleration) : read(machine.model, machine.state);
+  return machine.has_acceleration ? read(machine.model, machine.state, machine.acceleration) : read(machine.model, machine.state);
 }
 
 double time_of(const Machine& machine) {
@@ -246,6 +254,6 @@ bool switch_effect(Machine& machine, std::string_view name, bool on) {
   return true;
 }
 
-void forget_past(Machine& machine) { machine.has_past = false; }
+void forget_past(Machine& machine) { machine.has_past = machine.has_acceleration = false; }
 
 }  // namespace slewlab::sim
