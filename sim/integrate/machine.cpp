@@ -17,29 +17,19 @@ namespace {
 constexpr double kNanosecond = 1e-9;  // [s]
 
 // The crane at the end of a step, in the quantities that effects see.
-void observe(const PlantModel& model, const PlantState& state, EffectMoment& moment) {
-  double gear_torque = 0.0;
+void observe(const PlantModel& model, const PlantState& state, const Accelerations& acceleration, EffectMoment& moment) {
   for (int i = 0; i < model.group_count; ++i) {
     moment.motor_angle[i] = state.motor_angle[i];
     moment.motor_speed[i] = state.motor_speed[i];
     moment.gear_torque[i] = state.gear_torque[i];
-    gear_torque += state.gear_torque[i];
   }
   moment.house_angle = state.house_angle;
   moment.house_speed = state.house_speed;
   moment.tip_displacement = state.tip_displacement;
   moment.tip_velocity = state.tip_velocity;
-  const double house_torque = gear_torque + state.other_house_torque;
-  const double tip_force = state.rope_force + state.other_tip_force;
-  moment.house_acceleration = moment.tip_acceleration = moment.boom_acceleration = 0.0;
-  for (std::size_t k = 0; k < static_cast<std::size_t>(model.mode_count); ++k) {
-    const double acceleration = -model.square[k] * state.q[k] - model.damping_rate[k] * state.v[k] +
-                                model.house[k] * house_torque + model.tip[k] * tip_force +
-                                model.uniform[k] * state.other_uniform_force;
-    moment.house_acceleration += model.house[k] * acceleration;
-    moment.tip_acceleration += model.tip[k] * acceleration;
-    moment.boom_acceleration += model.uniform[k] * acceleration;
-  }
+  moment.house_acceleration = acceleration.house;
+  moment.tip_acceleration = acceleration.tip;
+  moment.boom_acceleration = acceleration.boom;
   moment.rope_force = state.rope_force;
   if (!model.has_load) return;
   moment.load_displacement =
@@ -49,10 +39,9 @@ void observe(const PlantModel& model, const PlantState& state, EffectMoment& mom
       (moment.load_displacement - moment.tip_displacement) / model.parameters.load.rope_length;
 }
 
-// Two steps' ends give the middle of the next step. Without a step before, `before` is `now`.
-EffectMoment middle(const PlantState& state, int group_count, const EffectMoment& now,
-                    const EffectMoment& before, double time, double h) {
-  EffectMoment m = now;
+// Two steps' ends give the middle of the next step; without a step before, `before` is `now`. Fills what stands there already: copying what
+// was written number by number a moment ago would wait for the writes.
+void find_middle(const PlantState& state, int group_count, const EffectMoment& now, const EffectMoment& before, double time, double h, EffectMoment& m) {
   m.time = time + 0.5 * h;
   m.step = h;
   const auto ahead = [](double present, double past) { return 1.5 * present - 0.5 * past; };
@@ -74,7 +63,6 @@ EffectMoment middle(const PlantState& state, int group_count, const EffectMoment
   m.load_displacement = now.load_displacement + 0.25 * h * (now.load_velocity + m.load_velocity);
   m.rope_angle = ahead(now.rope_angle, before.rope_angle);
   m.rope_force = ahead(now.rope_force, before.rope_force);
-  return m;
 }
 
 // Before the run starts the load hangs where steady forces (heel, wind) hold it.
@@ -189,7 +177,7 @@ Machine make_machine(const MachineSettings& settings) {
   return machine;
 }
 
-void step(Machine& machine, const DriveCommand& command) {
+PlantInput begin_step(Machine& machine, const DriveCommand& command) {
   const PlantModel& model = machine.model;
   const double time = time_of(machine);
   while (machine.next_switch < machine.switches.size() && machine.switches[machine.next_switch].step <= machine.state.step_count) {
@@ -214,33 +202,45 @@ void step(Machine& machine, const DriveCommand& command) {
   }
 
   if (machine.needs_moment) {
-    machine.before = machine.now;
-    observe(model, machine.state, machine.now);
-    if (!machine.has_past) machine.before = machine.now;
+    if (!machine.has_acceleration) machine.acceleration = accelerations(model, machine.state);
+    machine.newest = 1 - machine.newest;
+    const EffectMoment& now = machine.ends[machine.newest];
+    observe(model, machine.state, machine.acceleration, machine.ends[machine.newest]);
+    const EffectMoment& before = machine.has_past ? machine.ends[1 - machine.newest] : now;
     machine.has_past = true;
-    const EffectMoment moment =
-        middle(machine.state, model.group_count, machine.now, machine.before, time, model.step);
+    EffectMoment& moment = machine.middle;
+    find_middle(machine.state, model.group_count, now, before, time, model.step, moment);
     for (const std::size_t i : machine.actuator) if (machine.is_on[i]) machine.effects[i]->actuator(moment, input.motor_torque);
     for (const std::size_t i : machine.force) if (machine.is_on[i]) machine.effects[i]->force(moment, input.ports);
     for (const std::size_t i : machine.friction) if (machine.is_on[i]) machine.effects[i]->friction(moment, input.friction);
   }
   machine.applied_torque = input.motor_torque;
+  return input;
+}
 
-  step(model, machine.workspace, input, machine.state);
-
+void end_step(Machine& machine) {
   if (!machine.sensor.empty()) {
     const SensorMoment moment{.time = time_of(machine),
                               .house_angle = machine.state.house_angle,
                               .house_speed = machine.state.house_speed,
-                              .truth = read(model, machine.state)};
+                              .truth = read(machine.model, machine.state, machine.acceleration)};
     machine.sensed = moment.truth;
     for (const std::size_t i : machine.sensor) if (machine.is_on[i]) machine.effects[i]->sensor(moment, machine.sensed);
   }
   machine.effect_evaluations += machine.hooks_per_step;
 }
 
+void step(Machine& machine, const DriveCommand& command) {
+  const PlantInput input = begin_step(machine, command);
+  step(machine.model, machine.workspace, input, machine.state);
+  machine.has_acceleration = machine.needs_moment || !machine.sensor.empty();
+  if (machine.has_acceleration) machine.acceleration = accelerations(machine.model, machine.state);
+  end_step(machine);
+}
+
 MachineReadings read(const Machine& machine) {
-  return machine.sensor.empty() ? read(machine.model, machine.state) : machine.sensed;
+  if (!machine.sensor.empty()) return machine.sensed;
+  return machine.has_acceleration ? read(machine.model, machine.state, machine.acceleration) : read(machine.model, machine.state);
 }
 
 double time_of(const Machine& machine) {
@@ -254,6 +254,6 @@ bool switch_effect(Machine& machine, std::string_view name, bool on) {
   return true;
 }
 
-void forget_past(Machine& machine) { machine.has_past = false; }
+void forget_past(Machine& machine) { machine.has_past = machine.has_acceleration = false; }
 
 }  // namespace slewlab::sim

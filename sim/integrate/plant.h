@@ -88,15 +88,18 @@ struct PlantModel {
   // Rows that give the house's acceleration from the modal state, and its share per force.
   std::vector<double> house, pivot, tip, middle;                 // padded shapes; tip: where the rope hangs
   std::vector<double> tip_sensor;  // padded shape of the boom's own tip, where the accelerometer is: a jib reaches beyond
-  std::vector<double> square, damping_rate;               // padded w^2 and d
+  std::vector<double> square, damping_rate, fastest;      // padded w^2 and d, and the faster of w and d
   std::vector<double> house_acceleration_q, house_acceleration_v;
-  std::vector<double> shapes;  // those that the passes over the modes read, in their blocks
+  std::vector<double> shapes, sensed;  // those that the passes over the modes read, in their blocks
+  std::vector<double> places;          // the same, mode by mode
   const ModalPasses* passes = nullptr;
   std::vector<double> uniform;
   double house_per_house_torque = 0.0;  // [1/(kg m^2)] sum house^2
   double house_per_tip_force = 0.0;     // [1/(kg m)] sum house tip
   double house_per_uniform_force = 0.0; // [1/kg] sum house uniform
   LoadOnSpring load;
+  // Of the load's two modes: w^2 and d, the faster of w and d, and how they answer the damping of the rope.
+  std::array<double, kLanes> load_square{}, load_decay{}, load_fastest{}, load_damping_in{};
   bool has_load = false;
   bool has_axis_force = false;
   bool is_rigid = false;
@@ -158,10 +161,18 @@ PlantState make_plant_state(const PlantModel& model);
 // drive is rigid, the motors' angles and speeds are derived, too.
 void refresh(const PlantModel& model, PlantState& state);
 
+// Of a whole step from this state: of the gears that are in contact then.
+GearSystem gear_system(const PlantModel& model, const PlantState& state);
+
 // Advances the state by model.step.
 void step(const PlantModel& model, PlantWorkspace& workspace, const PlantInput& input, PlantState& state);
 
+// At the end of the last step, with what acted then.
+Accelerations accelerations(const PlantModel& model, const PlantState& state);
+
 PlantReadings read(const PlantModel& model, const PlantState& state);
+// The same where the accelerations are known.
+PlantReadings read(const PlantModel& model, const PlantState& state, const Accelerations& acceleration);
 
 // beta_1, beta_2 [rad].
 double rope_angle(const PlantModel& model, const PlantState& state);
