@@ -321,7 +321,7 @@ def check_columns(mapping, path):
 def pieces_of(mapping, path, columns, count):
     """The data a stretch at a time, {name: series}, from a file of `count` columns."""
     if path.suffix == ".parquet":
-        with pyarrow.parquet.ParquetFile(path) as file:
+        with pyarrow.parquet.ParquetFile(path, pre_buffer=False) as file:  # which holds the file
             for batch in file.iter_batches(batch_size=5 * ROWS_AT_ONCE, columns=columns):
                 yield {name: batch.column(name).to_pandas() for name in batch.schema.names}
         return

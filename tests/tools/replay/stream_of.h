@@ -26,7 +26,7 @@ inline msgs::RunStream stream_of(const msgs::RunLog& log) {
   const auto kept = std::make_shared<const msgs::RunLog>(log);
   msgs::RunStream run{log.configuration_hash, log.run_identity, {}, {}};
   std::array<std::function<msgs::NextBytes()>, msgs::kChannels> begin;
-  const auto add = [&]<class Message>(std::vector<Message> msgs::RunLog::*channel) {
+  const auto add = [&]<class Message>(std::vector<Message> msgs::RunLog::* channel) {
     constexpr std::size_t c = msgs::channel_of<Message>();
     run.channels[c] = extent_of_messages((*kept).*channel);
     begin[c] = [kept, channel]() -> msgs::NextBytes {
