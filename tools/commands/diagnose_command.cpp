@@ -411,10 +411,11 @@ class ProgressDisplay {
   diagnosis::Forecast forecast_;
 };
 
-// Throws diagnosis::NotAdmitted; of a damaged log with what is lost, for that may be why.
-std::vector<Record> admitted_records(const MeasuredRuns& measured, const diagnosis::AdmissionSettings& settings) {
+// Throws diagnosis::NotAdmitted; of a damaged log with what is lost, for that may be why. The runs' messages are gone then: of an
+// hour they are as large as its record.
+std::vector<Record> admitted_records(MeasuredRuns& measured, const diagnosis::AdmissionSettings& settings) {
   std::vector<Record> records;
-  for (const MeasuredRun& one : measured.runs) {
+  for (MeasuredRun& one : measured.runs) {
     try {
       records.push_back(diagnosis::make_record(one.run, one.name, settings));
     } catch (const diagnosis::NotAdmitted& problem) {
@@ -425,6 +426,7 @@ std::vector<Record> admitted_records(const MeasuredRuns& measured, const diagnos
       }
       throw diagnosis::NotAdmitted(std::string(problem.what()) + "\nThis log is damaged, and that may be why:" + losses);
     }
+    one.run = {};
     records.back().remarks.insert(records.back().remarks.end(), one.remarks.begin(), one.remarks.end());
   }
   return records;
@@ -555,19 +557,22 @@ int diagnose_crane_logs(const sim::MachineFile& crane, const DiagnoseOptions& op
   std::optional<controller::ControllerSettings> controller;
   if (!options.controller.empty()) controller = controller::load_controller_file(options.controller).settings;
   const diagnosis::Thresholds thresholds = diagnosis::thresholds_of(sim::describe(crane));
-  const MeasuredRuns measured = measured_runs(options.logs);
-  const std::vector<Record> records = admitted_records(measured, thresholds.admission);
+  MeasuredRuns measured = measured_runs(options.logs);
+  std::vector<Record> admitted = admitted_records(measured, thresholds.admission);
 
   diagnosis::DiagnosisSettings settings;
   settings.without = options.without;
   settings.threads = options.threads.value_or(kThreads);
   settings.hold_out = true;
   ProgressDisplay progress(options.terminal, complaints);
-  Diagnosis found = diagnosis::diagnose(nominal, controller, records, settings, std::ref(progress), common::stop_requested);
+  Diagnosis found = diagnosis::diagnose(nominal, controller, std::move(admitted), settings, std::ref(progress), common::stop_requested);
   progress.keep();
   if (measured.is_damaged) found.verdict += kOfADamagedLog;
   if (common::stop_requested()) throw diagnosis::Interrupted{};  // what follows takes seconds, and then it is written
 
+  // Read anew: kept beside those that the diagnosis works with they would be in memory twice.
+  MeasuredRuns again = measured_runs(options.logs);
+  const std::vector<Record> records = admitted_records(again, thresholds.admission);
   const Cause first = found.causes.empty() ? Cause{} : found.causes.front();
   const Made made{options, nominal, controller, found, measured.is_damaged, diagnosis::with_boom_elements(nominal, found.boom_elements),
                   first, found.is_unknown ? Cause{} : first};

@@ -5,14 +5,13 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <functional>
 #include <iostream>
 #include <map>
 #include <memory>
 
-#include "common/input_error.h"
 #include "tools/commands/accept_command.h"
 #include "tools/commands/check_command.h"
+#include "tools/commands/command_line.h"
 #include "tools/commands/command_pages.h"
 #include "tools/commands/diagnose_command.h"
 #include "tools/commands/export_fmu_command.h"
@@ -21,11 +20,9 @@
 #include "tools/commands/new_command.h"
 #include "tools/commands/python_command.h"
 #include "tools/commands/replay_command.h"
-#include "tools/commands/run_command.h"
 #include "tools/commands/schema.h"
 #include "tools/commands/simulate_command.h"
 #include "tools/commands/soak_command.h"
-#include "tools/commands/unknown_word.h"
 #include "tools/commands/verify_command.h"
 #include "tools/commands/version.h"
 #include "tools/commands/whole_file.h"
@@ -34,19 +31,12 @@
 namespace slewlab::tools {
 namespace {
 
-std::vector<common::Override> parse_overrides(const std::vector<std::string>& texts) {
-  std::vector<common::Override> overrides;
-  for (const std::string& text : texts) overrides.push_back(common::parse_override(text));
-  return overrides;
-}
-
 // What an option means that was not given: a file of slewlab's own.
 void fill(std::filesystem::path& file, const char* own) {
   if (file.empty()) file = home() / own;
 }
 
-// Each of these adds its subcommand; what it is to do goes into `action`, which answers with the exit code.
-using Action = std::function<int()>;
+// Each of these adds its subcommand; what it is to do goes into `action`.
 
 void add_check(CLI::App& app, Action& action) {
   struct Options {
@@ -77,37 +67,7 @@ void add_check(CLI::App& app, Action& action) {
 }
 
 void add_run(CLI::App& app, const std::vector<std::string>& command_line, Action& action) {
-  struct Options {
-    RunOptions run;
-    std::vector<std::string> overrides;
-  };
-  auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("run", "Run a scenario: plant and controller as two processes over LCM");
-  command->add_option("SCENARIO", options->run.scenario, "scenario file")->required();
-  CLI::Option* own = command->add_option("--controller", options->run.controller_command,
-                                         "shell command of your own controller; it finds its bus in $SLEWLAB_BUS (docs/wire.md)");
-  command->add_option("--controller-fmu", options->run.controller_fmu, "controller that is an FMU 2 or 3 for co-simulation (docs/fmu.md)")
-      ->check(CLI::ExistingFile)
-      ->excludes(own);
-  command->add_option("--plant", options->run.plant_command,
-                      "shell command of your own plant; it finds its task in $SLEWLAB_PLANT_TASK (docs/wire.md)");
-  command->add_option("--out", options->run.out, "folder for log and summary (runs/<scenario>)");
-  command->add_option("--set", options->overrides,
-                      "key=value: scenario keys as they are, crane.KEY and controller.KEY for those files");
-  const std::map<std::string, Progress> modes{
-      {"auto", Progress::automatic}, {"lines", Progress::lines}, {"none", Progress::none}};
-  command->add_flag("--realtime", options->run.realtime, "against the wall clock instead of in lockstep");
-  command->add_option("--speed", options->run.speed, "with --realtime: simulated seconds per second")
-      ->check(CLI::PositiveNumber);
-  command->add_flag("--steered", options->run.steered, "by lines on standard input, as slewlab desk steers a run (docs/desk.md)");
-  command->add_option("--progress", options->run.progress, "auto, lines or none")
-      ->transform(CLI::CheckedTransformer(modes));
-  command->callback([options, &command_line, &action] {
-    action = [options, &command_line] {
-      options->run.overrides = parse_overrides(options->overrides);
-      return run_scenario(options->run, command_line);
-    };
-  });
+  add_run_options(*app.add_subcommand("run", "Run a scenario: plant and controller as two processes over LCM"), command_line, action);
 }
 
 void add_replay(CLI::App& app, const std::vector<std::string>& command_line, Action& action) {
@@ -465,7 +425,7 @@ void add_schema(CLI::App& app, Action& action) {
   });
 }
 
-int main(const std::vector<std::string>& command_line, int argc, char** argv) {
+int main(const std::vector<std::string>& command_line) {
   CLI::App app{"slewlab: a simulated crane slewing drive, and what to do with it", "slewlab"};
   app.require_subcommand(1);
   app.set_version_flag("--version", version_text(), "versions of slewlab, LCM and SUNDIALS");
@@ -493,26 +453,10 @@ int main(const std::vector<std::string>& command_line, int argc, char** argv) {
   add_python(app, "soft-plc", "soft_plc.py", "A PLC on loopback to try a map of registers, nodes or symbols with", action);
   add_python(app, "export", "export.py", "Turn a log into Parquet, CSV or MCAP files", action);
   add_python(app, "import", "import_data.py", "Turn measured CSV or Parquet into a log, by a map of its columns", action);
-  try {
-    app.parse(argc, argv);
-    return action();
-  } catch (const CLI::ParseError& error) {
-    const bool is_asked = error.get_exit_code() == 0 && !names_no_command(app, command_line);  // for help or the version
-    if (const auto unknown = is_asked ? std::nullopt : unknown_word(app, command_line)) {
-      std::fprintf(stderr, "%s\n", unknown->c_str());
-      return 2;
-    }
-    return app.exit(error) == 0 ? 0 : 2;
-  } catch (const common::InputError& error) {
-    std::fprintf(stderr, "%s\n", error.what());
-    return 2;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "slewlab: %s\n", error.what());
-    return 1;
-  }
+  return act(app, command_line, action);
 }
 
 }  // namespace
 }  // namespace slewlab::tools
 
-int main(int argc, char** argv) { return slewlab::tools::main({argv, argv + argc}, argc, argv); }
+int main(int argc, char** argv) { return slewlab::tools::main({argv, argv + argc}); }

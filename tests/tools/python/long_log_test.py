@@ -10,6 +10,7 @@ import unittest
 from pathlib import Path
 
 import numpy as np
+import pyarrow.parquet
 
 import made_run
 import report
@@ -65,6 +66,23 @@ class LongLogTest(unittest.TestCase):
                 short, long = (self.most_memory(f"import {module}\nassert {module}.main({[str(log), *name]}) == 0")
                                for log in (self.short, self.long))
                 self.assertLess(long - short, 0.2 * self.longer, (short, long))
+
+    @unittest.skipIf("san.so" in os.environ.get("LD_PRELOAD", ""), "a sanitizer keeps what is freed")
+    def test_memory_does_not_grow_with_data_that_are_imported(self):
+        (self.folder / "map.yaml").write_text("kind: import_map\ntime: {column: t, unit: s}\nresample: mean\nrate: {value: 900, unit: Hz, source: test}\n"
+                                              "shaft_position: [{column: x, unit: rad}]\nshaft_speed: [{derive: central_difference}]\n"
+                                              "motor_torque: [{column: f, unit: N m}]\n")
+        most = []
+        for rows in (500_000, 1_500_000):
+            data = self.folder / f"{rows}.parquet"
+            with pyarrow.parquet.ParquetWriter(data, pyarrow.schema([(name, pyarrow.float64()) for name in "txf"])) as writer:
+                for begin in range(0, rows, 50_000):
+                    t = np.arange(begin, begin + 50_000) * 1e-3
+                    writer.write_table(pyarrow.table({"t": t, "x": np.sin(t), "f": np.cos(t)}, schema=writer.schema))
+            arguments = ["--map", str(self.folder / "map.yaml"), str(data), "--out", str(self.folder / "imported.lcmlog")]
+            most.append(self.most_memory(f"import import_data\nassert import_data.main({arguments}) == 0"))
+        longer = 1_000_000 * 3 * 8  # [bytes] of the three columns
+        self.assertLess(most[1] - most[0], 0.5 * longer, most)
 
     @unittest.skipIf("san.so" in os.environ.get("LD_PRELOAD", ""), "a sanitizer keeps what is freed")
     def test_the_readers_memory_does_not_grow_with_the_log(self):
