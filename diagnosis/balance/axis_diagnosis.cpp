@@ -338,6 +338,8 @@ AxisDiagnosis diagnose_axis(const sim::MachineFile& axis, const std::vector<Name
       const auto is_left_out = [&](const std::string& name) { return std::find(without.begin(), without.end(), name) != without.end(); };
       return is_left_out(law.name) || is_left_out(law.needs);
     });
+    diagnosis.laws = balance.laws;
+    diagnosis.half_window = balance.half_window;
     const std::vector<BalanceRecord> smooth = smoothed(records, balance);
     choose_and_validate(records, balance, diagnosis.nominal_inertia, diagnosis);
     BalanceModel& best = diagnosis.answer.best;

@@ -66,6 +66,8 @@ struct AxisDiagnosis {
   std::vector<common::EffectInstance> effects;  // of the best model, where the catalogue has its laws
   std::vector<std::string> remarks;
   std::vector<AxisSeries> series;               // per record
+  std::vector<BalanceLaw> laws;                 // that were tried, in units of the axis
+  std::size_t half_window = 0;                  // [samples] of the balance
 };
 
 // `without`: names of laws (balance_law_names()) that are not tried, nor what is a detail of them. Throws NoBalance.
