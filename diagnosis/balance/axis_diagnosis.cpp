@@ -95,10 +95,10 @@ AxisRecord part_of(const AxisRecord& record, bool second) {
   return {record.name, record.step, part(record.position), part(record.effort), record.start_time + (second ? record.step * static_cast<double>(middle) : 0.0)};
 }
 
-double resistance(const std::vector<std::pair<const LawShape*, const BalanceTerm*>>& laws, const LawMoment& moment) {
+double resistance(const std::vector<std::pair<const LawShape*, BalanceTerm>>& laws, const LawMoment& moment) {
   double sum = 0.0;
   for (const auto& [shape, term] : laws) {
-    for (std::size_t c = 0; c < shape->columns.size(); ++c) sum += term->size[c] * shape->columns[c](moment);
+    for (std::size_t c = 0; c < shape->columns.size(); ++c) sum += term.size[c] * shape->columns[c](moment);
   }
   return sum;
 }
@@ -130,7 +130,7 @@ void choose_and_validate(const std::vector<AxisRecord>& records, const Balance& 
     diagnosis.validation.place = last.name + ", second half";
   }
   const std::vector<BalanceRecord> seen = smoothed(fitted, balance);
-  const BalanceRecord unseen = make_balance_record(last, balance.half_window);
+  const BalanceRecord unseen = make_balance_record(last, balance.half_window, balance.late_times);
   diagnosis.answer = fit_balance(seen, balance.laws, nominal_inertia, balance.resolved_speed);
   diagnosis.validated = diagnosis.answer.best;
   const BalanceModel inertia_alone = fit_balance(seen, {}, nominal_inertia, balance.resolved_speed).best;
@@ -148,8 +148,11 @@ void choose_and_validate(const std::vector<AxisRecord>& records, const Balance& 
 }
 
 const BalanceTerm* term_of(const BalanceModel& model, std::string_view law) {
-  const auto found = std::find_if(model.terms.begin(), model.terms.end(), [&](const BalanceTerm& term) { return term.law == law; });
-  return found == model.terms.end() ? nullptr : &*found;
+  for (const std::vector<BalanceTerm>* terms : {&model.terms, &model.details}) {
+    const auto found = std::find_if(terms->begin(), terms->end(), [&](const BalanceTerm& term) { return term.law == law; });
+    if (found != terms->end()) return &*found;
+  }
+  return nullptr;
 }
 
 // The effects of the catalogue that are the model's laws, with their sizes; what has none, or lies out of an effect's bounds, is remarked.
@@ -164,14 +167,14 @@ void take_effects(const sim::MachineFile& axis, double first_position, AxisDiagn
     return term == nullptr ? 0.0 : term->shape;
   };
   sim::BalanceEffects found = sim::effects_of_balance(
-      {.dry = size("dry"), .viscous = size("viscous"), .viscous_difference = size("viscous_direction"), .offset = size("offset"),
+      {.dry = size("dry"), .viscous = size("viscous"), .viscous_difference = size("viscous", 1), .offset = size("offset"),
        .breakaway_excess = size("stribeck"), .stribeck_speed = shape("stribeck"), .rising = size("rising"), .rising_speed = shape("rising"),
        .gravity_sine = size("gravity", 0), .gravity_cosine = size("gravity", 1), .first_position = first_position},
       sim::effects_for(axis));
   diagnosis.effects = std::move(found.effects);
   diagnosis.remarks.insert(diagnosis.remarks.end(), found.left_out.begin(), found.left_out.end());
   for (const BalanceTerm& term : model.terms) {
-    constexpr std::string_view kWritten[] = {"dry", "viscous", "viscous_direction", "offset", "stribeck", "rising", "gravity"};
+    constexpr std::string_view kWritten[] = {"dry", "viscous", "offset", "stribeck", "rising", "gravity"};
     if (std::find(std::begin(kWritten), std::end(kWritten), term.law) != std::end(kWritten)) continue;
     diagnosis.remarks.push_back(term.words + ": no effect of the catalogue has this law with these sizes; it is not in the file");
   }
@@ -291,8 +294,8 @@ AxisRecord axis_record(const NamedRun& named, const sim::MachineFile& axis) {
 
 std::vector<double> forward_speed(const AxisRecord& record, const BalanceMotion& motion, const std::vector<BalanceLaw>& laws,
                                   const BalanceModel& model) {
-  std::vector<std::pair<const LawShape*, const BalanceTerm*>> acting;
-  for (const BalanceTerm& term : model.terms) acting.emplace_back(&shape_of(laws, term), &term);
+  std::vector<std::pair<const LawShape*, BalanceTerm>> acting;
+  for (BalanceTerm& term : model.acting()) acting.emplace_back(&shape_of(laws, term), std::move(term));
   const std::size_t first = (record.position.size() - motion.speed.size()) / 2;
   const auto along = [&](const std::vector<double>& series, std::size_t n) {
     return series[std::clamp<std::size_t>(n, first, first + series.size() - 1) - first];
@@ -303,13 +306,15 @@ std::vector<double> forward_speed(const AxisRecord& record, const BalanceMotion&
   for (std::size_t n = 0; n < speeds.size(); ++n) {
     speeds[n] = moment.speed;
     moment.effort_rate = along(motion.effort_rate, n);
+    if (motion.late_count > 0) moment.late = &motion.late[(std::clamp<std::size_t>(n, first, first + motion.speed.size() - 1) - first) * motion.late_count];
+    const double effort = record.effort[n] - model.skew * moment.effort_rate;
     for (int i = 0; i < kFiner; ++i) {
       // J (v - v0) / h + R(v) = F for the speed at the step's end: its left side rises with v, dry friction's jump included.
       const double before = moment.speed;
       const auto rest = [&](double speed) {
         LawMoment end = moment;
         end.speed = speed;
-        return model.inertia * (speed - before) / step + resistance(acting, end) - record.effort[n];
+        return model.inertia * (speed - before) / step + resistance(acting, end) - effort;
       };
       double reach = std::max(std::numeric_limits<double>::min(), std::fabs(step / model.inertia * rest(before)));  // doubled, it must grow
       while (rest(before - reach) > 0.0 && std::isfinite(reach)) reach *= 2.0;
@@ -340,6 +345,7 @@ AxisDiagnosis diagnose_axis(const sim::MachineFile& axis, const std::vector<Name
     });
     diagnosis.laws = balance.laws;
     diagnosis.half_window = balance.half_window;
+    diagnosis.late_times = balance.late_times;
     const std::vector<BalanceRecord> smooth = smoothed(records, balance);
     choose_and_validate(records, balance, diagnosis.nominal_inertia, diagnosis);
     BalanceModel& best = diagnosis.answer.best;

@@ -68,6 +68,7 @@ struct AxisDiagnosis {
   std::vector<AxisSeries> series;               // per record
   std::vector<BalanceLaw> laws;                 // that were tried, in units of the axis
   std::size_t half_window = 0;                  // [samples] of the balance
+  std::vector<double> late_times;               // [s] of the lags that were tried
 };
 
 // `without`: names of laws (balance_law_names()) that are not tried, nor what is a detail of them. Throws NoBalance.

@@ -33,6 +33,7 @@ enum class LawFamily { friction, load, drive };
 struct LawMoment {
   double time = 0.0, position = 0.0, speed = 0.0;
   double effort_rate = 0.0;  // per second
+  const double* late = nullptr;  // BalanceMotion::late
 };
 
 // One law in one shape: size * value(moment), for each of its sizes.
@@ -58,6 +59,7 @@ struct BalanceScales {
   double duration = 0.0;        // [s] of the longest record
   double middle_position = 0.0, half_range = 0.0;
   bool is_rotary = true;
+  std::vector<double> late_times;  // [s] of lags that are tried
 };
 std::vector<BalanceLaw> balance_laws(const BalanceScales& scales);
 // Names of all of them, whatever the axis.
@@ -70,6 +72,7 @@ inline constexpr double kLawDiscrepancy = 0.02;
 struct Balance {
   std::size_t half_window = 0;
   double resolved_speed = 0.0;
+  std::vector<double> late_times;
   std::vector<BalanceLaw> laws;
 };
 // `inertia` and `top_speed` are the nominal axis's. Throws std::invalid_argument where a record is too short.
@@ -87,10 +90,13 @@ struct BalanceTerm {
 
 struct BalanceModel {
   double inertia = 0.0, inertia_deviation = 0.0;
-  std::vector<BalanceTerm> terms;   // in the order in which they were added
+  double skew = 0.0;                // [s] by which the torque is recorded ahead of the motion; a recorder's channels are never quite at one time
+  std::vector<BalanceTerm> terms;   // what is named
+  std::vector<BalanceTerm> details; // ordinary laws that are not sure to be there, and with which left-out data are predicted better
   double validation = 0.0;          // mean square of the residual on blocks and records that were left out
   double probability = 0.0;
   std::string words() const;        // "dry friction and viscous friction"
+  std::vector<BalanceTerm> acting() const;  // terms and details
 };
 
 // What the residual follows, of what is left.

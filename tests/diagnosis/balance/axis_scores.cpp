@@ -70,6 +70,8 @@ void judge(const std::string& kind, unsigned seed, Tally& tally) {
     ++tally.predicted;
     tally.beyond_balance += balance > kYardstick;
     tally.beyond_forward += forward > kYardstick;
+    for (const BalanceTerm& term : found.answer.best.details) laws += fmt::format(" [{} {:.2f}]", term.law, term.probability);
+    laws += fmt::format(" | skew {:.2g} ms", 1e3 * found.answer.best.skew);
     laws += fmt::format(" | unknown {:.2f} | {}", found.answer.probability_unknown, found.verdict);
   } catch (const NoBalance& problem) {
     outcome = "refused";

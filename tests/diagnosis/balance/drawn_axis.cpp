@@ -311,6 +311,7 @@ DrawnAxis drawn_axis(const std::string& kind, unsigned seed) {
     const double stiffness = draw.uniform(0.1, 0.3) / range;
     physics.smooth = [=](double, double q, double v) { return viscous * v + stiffness * q; };
     axis.laws.insert("spring");
+    axis.alike.insert("offset");  // its middle is the axis's zero, the law's that of the range
   } else if (kind == "uneven") {
     bases();
     const double lean = draw.uniform(0.3, 0.8) * draw.sign();

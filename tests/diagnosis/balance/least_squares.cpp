@@ -171,13 +171,19 @@ Prediction predicted(const sim::MachineFile& axis, const DrawnAxis& drawn, const
     const auto reach = static_cast<std::size_t>(series.reach);
     std::vector<double> left(series.effort.size());
     for (std::size_t n = 0; n < left.size(); ++n) left[n] = series.effort[n] - model.inertia * series.acceleration[n];
-    for (const BalanceTerm& term : model.terms) {
+    const BalanceRecord smooth = make_balance_record(record, found.half_window, found.late_times);
+    const std::size_t cut = (record.position.size() - smooth.motion.speed.size()) / 2;
+    const auto motion_at = [&](std::size_t at) { return std::clamp<std::size_t>(at, cut, cut + smooth.motion.speed.size() - 1) - cut; };
+    const auto rate = [&](std::size_t n) { return smooth.motion.effort_rate[motion_at(n + reach)]; };
+    const std::vector<double> skewed = hatted(series, rate);
+    for (std::size_t n = 0; n < left.size(); ++n) left[n] -= model.skew * skewed[n];
+    for (const BalanceTerm& term : model.acting()) {
       const LawShape& shape = shape_of(found.laws, term);
       for (std::size_t c = 0; c < shape.columns.size(); ++c) {
         const std::vector<double> column = hatted(series, [&](std::size_t n) {
           const std::size_t at = n + reach;
-          const double rate = (record.effort[std::min(at + 1, record.effort.size() - 1)] - record.effort[at - 1]) / (2.0 * series.step);
-          return shape.columns[c]({record.start_time + static_cast<double>(at) * record.step, record.position[at], series.speed[n], rate});
+          const double* late = smooth.motion.late_count > 0 ? &smooth.motion.late[motion_at(at) * smooth.motion.late_count] : nullptr;
+          return shape.columns[c]({record.start_time + static_cast<double>(at) * record.step, record.position[at], series.speed[n], rate(n), late});
         });
         for (std::size_t n = 0; n < left.size(); ++n) left[n] -= term.size[c] * column[n];
       }
@@ -185,7 +191,6 @@ Prediction predicted(const sim::MachineFile& axis, const DrawnAxis& drawn, const
     for (std::size_t n = 0; n < left.size(); ++n) {
       if (moves(series, n)) balance.add(left[n]);
     }
-    const BalanceRecord smooth = make_balance_record(record, found.half_window);
     const std::vector<double> speeds = forward_speed(record, smooth.motion, found.laws, model);
     for (std::size_t n = 0; n < series.speed.size(); ++n) forward.add(series.speed[n] - speeds[n + reach]);
   }
