@@ -38,7 +38,7 @@ constexpr double kShortestLate = 1.5;      // [samples], below which a recorder'
 constexpr double kSkewPrior = 0.5;         // [samples]: a torque is held, or read at once, or the mean since the last sample; chosen
 constexpr double kDriveLag = 0.005;        // of the time in which the axis changes its speed, that a drive's current control takes; chosen
 constexpr double kLean = 0.3;              // of viscous friction, half the difference of its directions; chosen
-constexpr double kDetail = 0.1;            // of the effort, what an ordinary law that is not named may make; chosen
+constexpr double kDetail = 1.0;            // of the effort, what an ordinary law that is not named may make; chosen
 constexpr double kParallel = 1e-4;         // smallest eigenvalue of the columns' products, from which records tell the laws of a model apart
 constexpr double kNegligible = 1e-4;       // probability that is not told
 constexpr int kBumps = 20;                 // of a smooth function of one variable
@@ -51,12 +51,6 @@ constexpr int kAcceleration = -1, kSkew = -2;  // of no law
 struct Column {
   int law = kAcceleration;
   std::size_t shape = 0;
-};
-
-struct Momentum {
-  double square = 0.0;
-  Eigen::MatrixXd products;
-  Eigen::VectorXd with_effort;
 };
 
 // Sums over one block: everything that a least-squares fit and its error need.
@@ -74,8 +68,6 @@ struct Regression {
   std::vector<Eigen::MatrixXd> values;    // per record, judged samples
   std::vector<Eigen::VectorXd> efforts;
   std::vector<std::vector<std::size_t>> judged;  // indices into the record
-  // The same of the balance summed up over time, each stretch without a standstill about its mean: of the speed that effort and laws make.
-  Momentum momentum;
   double count = 0.0, all = 0.0;
   bool is_skewed = false;  // the effort changes, so that a skew shows
 };
@@ -112,28 +104,6 @@ std::vector<std::pair<Eigen::Index, Eigen::Index>> stretches_of(int block, Eigen
   return stretches;
 }
 
-// Sums up rows and targets over time, anew after each standstill.
-void add_momentum(const Eigen::MatrixXd& rows, const Eigen::VectorXd& targets, const std::vector<std::size_t>& judged, const BalanceRecord& record,
-                  Momentum& momentum) {
-  for (Eigen::Index from = 0, to = 0; from < rows.rows(); from = to) {
-    for (to = from + 1; to < rows.rows(); ++to) {
-      const auto n = static_cast<std::size_t>(to);
-      if (judged[n] - judged[n - 1] > 2 * record.half_window + 1) break;
-    }
-    Eigen::MatrixXd sums = rows.middleRows(from, to - from);
-    Eigen::VectorXd efforts = targets.segment(from, to - from);
-    for (Eigen::Index n = 1; n < sums.rows(); ++n) {
-      sums.row(n) += sums.row(n - 1);
-      efforts(n) += efforts(n - 1);
-    }
-    sums = (sums.rowwise() - sums.colwise().mean()) * record.step;
-    efforts = (efforts.array() - efforts.mean()) * record.step;
-    momentum.square += efforts.squaredNorm();
-    momentum.products += sums.transpose() * sums;
-    momentum.with_effort += sums.transpose() * efforts;
-  }
-}
-
 Regression make_regression(const std::vector<BalanceRecord>& records, const std::vector<BalanceLaw>& laws, double resolved_speed) {
   Regression regression;
   regression.columns.push_back({});
@@ -143,8 +113,6 @@ Regression make_regression(const std::vector<BalanceRecord>& records, const std:
       for (std::size_t c = 0; c < laws[l].shapes[s].columns.size(); ++c) regression.columns.push_back({static_cast<int>(l), s});
     }
   }
-  const auto width = static_cast<Eigen::Index>(regression.columns.size());
-  regression.momentum = {0.0, Eigen::MatrixXd::Zero(width, width), Eigen::VectorXd::Zero(width)};
   for (std::size_t r = 0; r < records.size(); ++r) {
     const BalanceRecord& record = records[r];
     const std::vector<std::size_t> judged = moving_samples(record, resolved_speed);
@@ -171,7 +139,6 @@ Regression make_regression(const std::vector<BalanceRecord>& records, const std:
       }
       if (block.count > 0.0) regression.blocks.push_back(std::move(block));
     }
-    add_momentum(values, effort, judged, record, regression.momentum);
     regression.count += static_cast<double>(judged.size());
     regression.all += static_cast<double>(record.speed.size());
     regression.values.push_back(std::move(values));
@@ -688,31 +655,6 @@ std::size_t median_model(const std::vector<Validated>& candidates, const std::ve
   return likeliest;
 }
 
-// Of all sizes that the balance does not tell from its best, by no more than their number in variances of its noise, those that leave least of
-// the momentum: a forward simulation adds up what the balance hardly sees.
-Eigen::VectorXd sizes_of_both(const Regression& regression, const Validated& validated) {
-  const std::vector<Eigen::Index> columns = columns_of(regression, validated.choice);
-  const Sums sums = sums_of(regression, columns, [](const Block&) { return true; });
-  const Momentum& momentum = regression.momentum;
-  const Eigen::MatrixXd products = momentum.products(columns, columns);
-  const Eigen::VectorXd with_effort = momentum.with_effort(columns);
-  double square = 0.0;
-  for (const Block& block : regression.blocks) square += block.square;
-  const auto left = [&](const Eigen::VectorXd& sizes) { return square - 2.0 * sizes.dot(sums.with_effort) + sizes.dot(sums.products * sizes); };
-  const Eigen::VectorXd best = solve(sums);
-  const double least = left(best), most = static_cast<double>(columns.size()) * std::max(0.0, least) / regression.count * correlation_length(regression, validated);
-  const double momentum_left = momentum.square - 2.0 * best.dot(with_effort) + best.dot(products * best);
-  if (!(momentum_left > 0.0) || !(least > 0.0)) return best;
-  constexpr double kRoom = 1e3, kLess = 0.3;  // of the ratio of what is left of both: where the search begins, and its steps
-  constexpr int kSteps = 12;
-  double weight = kRoom * least / momentum_left;
-  for (int step = 0; step < kSteps; ++step, weight *= kLess) {
-    const Eigen::VectorXd sizes = solve({sums.products + weight * products, sums.with_effort + weight * with_effort});
-    if (left(sizes) - least <= most) return sizes;
-  }
-  return best;
-}
-
 // With the ordinary laws that are not named: every machine has a little of them. Those go again that would push.
 Validated with_details(const Regression& regression, const std::vector<BalanceLaw>& laws, const Validated& named, std::size_t records) {
   Choice whole = named.choice;
@@ -733,8 +675,7 @@ Validated with_details(const Regression& regression, const std::vector<BalanceLa
     }
   }
   while (whole.laws.size() > named.choice.laws.size()) {
-    Validated all = validate(shrunk, laws, whole, records);
-    all.sizes = sizes_of_both(shrunk, all);
+    const Validated all = validate(shrunk, laws, whole, records);
     const std::vector<Eigen::Index> columns = columns_of(regression, whole);
     std::size_t pushes = whole.laws.size();
     for (std::size_t k = named.choice.laws.size(); k < whole.laws.size(); ++k) {
@@ -744,9 +685,7 @@ Validated with_details(const Regression& regression, const std::vector<BalanceLa
     if (pushes == whole.laws.size()) return all;
     whole.laws.erase(whole.laws.begin() + static_cast<std::ptrdiff_t>(pushes));
   }
-  Validated all = validate(regression, laws, whole, records);
-  all.sizes = sizes_of_both(regression, all);
-  return all;
+  return validate(regression, laws, whole, records);
 }
 
 // Which of the terms of `other` are details, and how sure they are, as in `model`.

@@ -64,7 +64,8 @@ void judge(const std::string& kind, unsigned seed, Tally& tally) {
     tally.every_law += is_all && (is_named || drawn.laws.empty());
     tally.family += drawn.laws.empty() ? !is_named : is_named && is_friction;
     if (is_wrong) error = "WRONG AND SURE ";
-    const Prediction ours = predicted(axis, drawn, found), theirs = least_squares(axis, drawn);
+    const Split split = split_of(axis, drawn.runs, drawn.unseen);
+    const Prediction ours = predicted(split, found), theirs = least_squares(split);
     balance = ours.balance / theirs.balance;
     forward = ours.forward / theirs.forward;
     ++tally.predicted;

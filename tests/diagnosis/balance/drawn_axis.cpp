@@ -255,7 +255,6 @@ DrawnAxis drawn_axis(const std::string& kind, unsigned seed) {
   const auto line = [viscous](double, double, double v) { return viscous * v; };
   physics.dry_asymmetry = draw.uniform(-0.05, 0.05);
   const auto bases = [&] { physics.dry = constant_dry; physics.smooth = line; axis.laws = {"dry", "viscous"}; };
-  axis.alike = {"viscous_direction"};
   if (kind == "nothing" || kind == "inertia") {
     physics.dry_asymmetry = 0.0;
   } else if (kind == "dry") {
@@ -350,6 +349,8 @@ DrawnAxis drawn_axis(const std::string& kind, unsigned seed) {
     axis.is_unknown = true;
   }
   if (kind == "dry_viscous") bases();
+  // Dry friction with a value of its own in each direction is a constant torque as well.
+  if (axis.laws.contains("dry")) axis.alike.insert("offset");
   if (kind == "shift" || kind == "cam" || kind == "cogging" || kind == "mass_shift") axis.alike.insert({"dry", "viscous"});
 
   // Drives and recorders as they are.

@@ -7,6 +7,7 @@
 #include <limits>
 
 #include "sim/machine/machine_file.h"
+#include "sim/model/crane.h"
 
 namespace slewlab::diagnosis {
 namespace {
@@ -95,19 +96,10 @@ struct Sum {
   double rms() const { return std::sqrt(square / std::max(1.0, count)); }
 };
 
-struct Data {
-  std::vector<AxisRecord> fitted, unseen;
+int reach_of(const Split& split) {
   int reach = 0;
-  double top_speed = 0.0;
-};
-
-Data data_of(const sim::MachineFile& axis, const DrawnAxis& drawn) {
-  Data data;
-  for (const NamedRun& run : drawn.runs) data.fitted.push_back(axis_record(run, axis));
-  for (const NamedRun& run : drawn.unseen) data.unseen.push_back(axis_record(run, axis));
-  for (const AxisRecord& record : data.fitted) data.reach = std::max(data.reach, reach_of(record, axis.parameters.house.inertia));
-  data.top_speed = axis.parameters.drive.top_speed;
-  return data;
+  for (const AxisRecord& record : split.fitted) reach = std::max(reach, reach_of(record, split.inertia));
+  return reach;
 }
 
 // Friction with its jump solved for in every step; a friction that pushes is a force like others.
@@ -128,12 +120,21 @@ std::vector<double> simulated(const Series& series, double inertia, double visco
 
 }  // namespace
 
-Prediction least_squares(const sim::MachineFile& axis, const DrawnAxis& drawn) {
-  const Data data = data_of(axis, drawn);
+Split split_of(const sim::MachineFile& axis, const std::vector<NamedRun>& fitted, const std::vector<NamedRun>& unseen) {
+  Split split;
+  for (const NamedRun& run : fitted) split.fitted.push_back(axis_record(run, axis));
+  for (const NamedRun& run : unseen) split.unseen.push_back(axis_record(run, axis));
+  split.inertia = sim::rigid_inertia(axis.parameters);
+  split.top_speed = axis.parameters.drive.top_speed;
+  return split;
+}
+
+Prediction least_squares(const Split& split) {
+  const int reach_of_all = reach_of(split);
   Eigen::MatrixXd products = Eigen::MatrixXd::Zero(kParts, kParts);
   Eigen::VectorXd with = Eigen::VectorXd::Zero(kParts);
-  for (const AxisRecord& record : data.fitted) {
-    const Series series = series_of(record, data.reach, data.top_speed);
+  for (const AxisRecord& record : split.fitted) {
+    const Series series = series_of(record, reach_of_all, split.top_speed);
     const auto columns = columns_of(series);
     for (std::size_t n = 0; n < series.effort.size(); ++n) {
       if (!moves(series, n)) continue;
@@ -147,8 +148,8 @@ Prediction least_squares(const sim::MachineFile& axis, const DrawnAxis& drawn) {
   const Eigen::MatrixXd scaled = scale.asDiagonal() * products * scale.asDiagonal();
   const Eigen::VectorXd sizes = scale.asDiagonal() * scaled.completeOrthogonalDecomposition().solve(scale.asDiagonal() * with);
   Sum balance, forward;
-  for (const AxisRecord& record : data.unseen) {
-    const Series series = series_of(record, data.reach, data.top_speed);
+  for (const AxisRecord& record : split.unseen) {
+    const Series series = series_of(record, reach_of_all, split.top_speed);
     const auto columns = columns_of(series);
     for (std::size_t n = 0; n < series.effort.size(); ++n) {
       if (!moves(series, n)) continue;
@@ -162,12 +163,12 @@ Prediction least_squares(const sim::MachineFile& axis, const DrawnAxis& drawn) {
   return {balance.rms(), forward.rms()};
 }
 
-Prediction predicted(const sim::MachineFile& axis, const DrawnAxis& drawn, const AxisDiagnosis& found) {
-  const Data data = data_of(axis, drawn);
+Prediction predicted(const Split& split, const AxisDiagnosis& found) {
+  const int reach_of_all = reach_of(split);
   const BalanceModel& model = found.answer.best;
   Sum balance, forward;
-  for (const AxisRecord& record : data.unseen) {
-    const Series series = series_of(record, data.reach, data.top_speed);
+  for (const AxisRecord& record : split.unseen) {
+    const Series series = series_of(record, reach_of_all, split.top_speed);
     const auto reach = static_cast<std::size_t>(series.reach);
     std::vector<double> left(series.effort.size());
     for (std::size_t n = 0; n < left.size(); ++n) left[n] = series.effort[n] - model.inertia * series.acceleration[n];

@@ -8,13 +8,20 @@
 
 namespace slewlab::diagnosis {
 
+// Records on the axis: those that are fitted, and those that never are.
+struct Split {
+  std::vector<AxisRecord> fitted, unseen;
+  double inertia = 0.0, top_speed = 0.0;  // of the nominal axis
+};
+Split split_of(const sim::MachineFile& axis, const std::vector<NamedRun>& fitted, const std::vector<NamedRun>& unseen);
+
 // RMS over all unseen records.
 struct Prediction {
   double balance = 0.0;  // of the torque balance, where the axis moves
   double forward = 0.0;  // of measured minus simulated speed
 };
 
-Prediction least_squares(const sim::MachineFile& axis, const DrawnAxis& drawn);
-Prediction predicted(const sim::MachineFile& axis, const DrawnAxis& drawn, const AxisDiagnosis& found);
+Prediction least_squares(const Split& split);
+Prediction predicted(const Split& split, const AxisDiagnosis& found);
 
 }  // namespace slewlab::diagnosis
