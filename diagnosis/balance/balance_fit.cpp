@@ -36,6 +36,7 @@ constexpr double kMedianShare = 0.2;       // of the likeliest model's probabili
 constexpr double kLateShares[] = {0.01, 0.015, 0.022, 0.033, 0.05, 0.075, 0.11, 0.16, 0.24, 0.36, 0.5};
 constexpr double kShortestLate = 1.5;      // [samples], below which a recorder's skew is as likely
 constexpr double kSkewPrior = 0.5;         // [samples]: a torque is held, or read at once, or the mean since the last sample; chosen
+constexpr double kMostSkews = 3.0;         // standard deviations of that, beyond which it is a law's
 constexpr double kDriveLag = 0.005;        // of the time in which the axis changes its speed, that a drive's current control takes; chosen
 constexpr double kLean = 0.3;              // of viscous friction, half the difference of its directions; chosen
 constexpr double kDetail = 1.0;            // of the effort, what an ordinary law that is not named may make; chosen
@@ -48,6 +49,7 @@ constexpr double kFewestJudged = 50.0;     // samples that must move
 
 // One column of the regression and where it belongs.
 constexpr int kAcceleration = -1, kSkew = -2;  // of no law
+constexpr Eigen::Index kSkewColumn = 1;        // behind the acceleration's
 struct Column {
   int law = kAcceleration;
   std::size_t shape = 0;
@@ -70,6 +72,7 @@ struct Regression {
   std::vector<std::vector<std::size_t>> judged;  // indices into the record
   double count = 0.0, all = 0.0;
   bool is_skewed = false;  // the effort changes, so that a skew shows
+  std::vector<bool> acts_late;  // of each law
 };
 
 std::vector<double> law_column(const BalanceRecord& record, const std::function<double(const LawMoment&)>& value) {
@@ -108,6 +111,7 @@ Regression make_regression(const std::vector<BalanceRecord>& records, const std:
   Regression regression;
   regression.columns.push_back({});
   regression.columns.push_back({kSkew});
+  for (const BalanceLaw& law : laws) regression.acts_late.push_back(law.family == LawFamily::drive);
   for (std::size_t l = 0; l < laws.size(); ++l) {
     for (std::size_t s = 0; s < laws[l].shapes.size(); ++s) {
       for (std::size_t c = 0; c < laws[l].shapes[s].columns.size(); ++c) regression.columns.push_back({static_cast<int>(l), s});
@@ -158,10 +162,14 @@ struct Choice {
 };
 
 std::vector<Eigen::Index> columns_of(const Regression& regression, const Choice& choice) {
+  // A drive that acts late shows as a skew does: one of them only.
+  const bool is_skewed = regression.is_skewed && std::none_of(choice.laws.begin(), choice.laws.end(), [&](const auto& law) {
+                           return regression.acts_late[static_cast<std::size_t>(law.first)];
+                         });
   std::vector<Eigen::Index> chosen;
   for (std::size_t c = 0; c < regression.columns.size(); ++c) {
     const Column& column = regression.columns[c];
-    const bool is_chosen = column.law == kAcceleration || (column.law == kSkew && regression.is_skewed) || std::any_of(choice.laws.begin(), choice.laws.end(), [&](const auto& law) {
+    const bool is_chosen = column.law == kAcceleration || (column.law == kSkew && is_skewed) || std::any_of(choice.laws.begin(), choice.laws.end(), [&](const auto& law) {
                              return law.first == column.law && law.second == column.shape;
                            });
     if (is_chosen) chosen.push_back(static_cast<Eigen::Index>(c));
@@ -258,7 +266,8 @@ Validated validate(const Regression& regression, const std::vector<BalanceLaw>& 
       const Column& column = regression.columns[static_cast<std::size_t>(c)];
       return column.law == law && column.shape == shape;
     });
-    if (result.sizes(first - columns.begin()) < 0.0) result.is_physical = false;
+    const double size = result.sizes(first - columns.begin());
+    if (size < 0.0 || size > laws[static_cast<std::size_t>(law)].shapes[shape].largest) result.is_physical = false;
   }
   return result;
 }
@@ -390,7 +399,13 @@ void add_priors(const std::vector<BalanceRecord>& records, const std::vector<Bal
   const double noise = square / regression.count * correlation_length(regression, base);
   if (regression.is_skewed) {
     const double prior = std::hypot(kSkewPrior * step, acceleration > 0.0 ? kDriveLag * std::sqrt(speed / acceleration) : 0.0);
-    regression.ridge(1) = noise / (prior * prior);
+    regression.ridge(kSkewColumn) = noise / (prior * prior);
+    // Further apart than a few of that is no recorder's doing, and a law's to explain.
+    constexpr double kTighter = 2.0;
+    constexpr int kRounds = 40;
+    for (int round = 0; round < kRounds && std::fabs(solve(sums_of(regression, columns, [](const Block&) { return true; }))(kSkewColumn)) > kMostSkews * prior; ++round) {
+      regression.ridge(kSkewColumn) *= kTighter;
+    }
   }
   const auto viscous = chosen_law(laws, "viscous");
   if (!viscous || !(speed > 0.0)) return;
@@ -718,7 +733,7 @@ BalanceModel to_model(const Regression& regression, const std::vector<BalanceLaw
   const auto deviation = [&](Eigen::Index k) { return std::sqrt(std::max(0.0, variance * inverse(k, k))) / scale(k); };
   model.inertia = validated.sizes(0);
   model.inertia_deviation = deviation(0);
-  if (regression.is_skewed) model.skew = validated.sizes(1);
+  if (columns.size() > 1 && columns[1] == kSkewColumn) model.skew = validated.sizes(1);
   model.validation = compared(validated, validated).first;
   for (const auto& [law, shape] : validated.choice.laws) {
     const BalanceLaw& description = laws[static_cast<std::size_t>(law)];
@@ -756,6 +771,17 @@ std::vector<FamilyProbability> family_probabilities(const BalanceAnswer& answer)
     }
   }
   return families;
+}
+
+std::vector<LawProbability> law_probabilities(const BalanceAnswer& answer) {
+  std::vector<LawProbability> all = answer.laws;
+  for (LawProbability& one : all) {
+    for (const BalanceTerm& term : answer.best.terms) {
+      if (term.law == one.law) one.probability = term.probability;
+    }
+  }
+  std::stable_sort(all.begin(), all.end(), [](const LawProbability& a, const LawProbability& b) { return a.probability > b.probability; });
+  return all;
 }
 
 std::string words_of(LawFamily family) {
@@ -805,9 +831,7 @@ BalanceAnswer fit_balance(const std::vector<BalanceRecord>& records, const std::
     odds.push_back(log_odds(one, reference, floor) + prior_cost(one));
   }
   const LeftOut smooth = smooth_validation(
-      regression, {variable_of(records, regression, &BalanceRecord::speed), variable_of(records, regression, &BalanceRecord::position),
-                   variable_of(records, regression, &BalanceRecord::time)},
-      regression.efforts, true);
+      regression, {variable_of(records, regression, &BalanceRecord::speed), variable_of(records, regression, &BalanceRecord::position)}, regression.efforts, true);
   const double odds_unknown = std::log(kUnknownPrior) + prior_cost(reference) + log_odds(smooth, reference, kRestShare * alone.of_blocks);
   const double top_odds = std::max(odds_unknown, *std::max_element(odds.begin(), odds.end()));
   double sum = std::exp(odds_unknown - top_odds);
@@ -850,6 +874,7 @@ BalanceAnswer fit_balance(const std::vector<BalanceRecord>& records, const std::
     return is_best(a) != is_best(b) ? is_best(a) : a.probability > b.probability;
   });
   answer.models.front() = answer.best;
+  for (std::size_t l = 0; l < laws.size(); ++l) answer.laws.push_back({laws[l].name, laws[l].words, laws[l].family, inclusion[l]});
   answer.remainder = find_remainder(records, regression, best);
   return answer;
 }

@@ -14,12 +14,13 @@
 // amplitude)^2, m its mean over n blocks and s its standard error, kRatioDeviation added,
 //   ln odds = -(n / 2) ln(1 + (m / s)^2 / (n - 1)) sign(m),
 // each law more at its prior. The answer is the model of the laws that are likelier there than not. So what counts is whether a law helps everywhere, not how often its help was sampled. "Unknown" is a smooth
-// function of speed, position and time under the same validation.
+// function of speed and position under the same validation.
 //
 // All sizes are in units of the axis; every threshold is a share of the record's own or the machine's scales.
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -40,6 +41,7 @@ struct LawMoment {
 struct LawShape {
   double shape = 0.0;  // 0 where the law has none
   std::vector<std::function<double(const LawMoment&)>> columns;
+  double largest = std::numeric_limits<double>::infinity();  // that the first size can be
 };
 
 struct BalanceLaw {
@@ -105,6 +107,12 @@ struct Remainder {
   double share = 0.0;    // of the remaining mean square, on left-out blocks
 };
 
+struct LawProbability {
+  std::string law, words;
+  LawFamily family = LawFamily::friction;
+  double probability = 0.0;  // that it is there, alone or beside any others
+};
+
 struct BalanceAnswer {
   double nominal = 0.0;              // mean square of the residual with the nominal inertia
   double parameters = 0.0;           // validation with the inertia alone
@@ -115,6 +123,7 @@ struct BalanceAnswer {
   Remainder remainder;
   double independent_count = 0.0;    // N
   double judged_share = 0.0;         // of all samples
+  std::vector<LawProbability> laws;  // of all that were tried
 };
 
 // That any law of a family is there: what may be sure where the members are not.
@@ -124,6 +133,8 @@ struct FamilyProbability {
 };
 std::vector<FamilyProbability> family_probabilities(const BalanceAnswer& answer);
 std::string words_of(LawFamily family);
+// Falling, the answer's own laws as its terms say.
+std::vector<LawProbability> law_probabilities(const BalanceAnswer& answer);
 
 // Throws std::invalid_argument where the records do not move enough for a balance.
 BalanceAnswer fit_balance(const std::vector<BalanceRecord>& records, const std::vector<BalanceLaw>& laws, double nominal_inertia,

@@ -14,6 +14,8 @@ namespace {
 constexpr double kSpeedShares[] = {0.01, 0.015, 0.022, 0.033, 0.05, 0.075, 0.11, 0.16, 0.24, 0.36};
 // Shares of the record's duration within which a machine warms.
 constexpr double kWarmingShares[] = {0.1, 0.2, 0.4, 1.0};
+// What a lag withholds is no more than there is; between two of the lags that are tried it seems so.
+constexpr double kMostWithheld = 1.3;
 // A rotary axis that turns less than this says nothing of how its load depends on the angle by sine and cosine.
 constexpr double kLeastTurn = 0.25;  // [rad] half range
 
@@ -67,7 +69,7 @@ std::vector<BalanceLaw> balance_laws(const BalanceScales& scales) {
   // What a first-order lag withholds; its size is the lag where the shape's time constant is.
   BalanceLaw lag{"lag", LawFamily::drive, "torque that comes late", {}, true, "", false};
   for (std::size_t k = 0; k < scales.late_times.size(); ++k) {
-    lag.shapes.push_back({scales.late_times[k], {[k](const LawMoment& m) { return m.late == nullptr ? 0.0 : m.late[k]; }}});
+    lag.shapes.push_back({scales.late_times[k], {[k](const LawMoment& m) { return m.late == nullptr ? 0.0 : m.late[k]; }}, kMostWithheld * scales.late_times[k]});
   }
   if (!lag.shapes.empty()) laws.push_back(std::move(lag));
   return laws;

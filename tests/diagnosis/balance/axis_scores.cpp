@@ -26,7 +26,7 @@ constexpr double kYardstick = 1.1;  // times least squares, aimed at on data tha
 
 struct Tally {
   int all = 0, refused = 0, stated = 0, nothing = 0, cannot_tell = 0, unknown = 0;
-  int wrong_and_sure = 0, every_law = 0, family = 0, beyond_balance = 0, beyond_forward = 0, predicted = 0;
+  int unknown_said = 0, wrong_and_sure = 0, every_law = 0, family = 0, beyond_balance = 0, beyond_forward = 0, predicted = 0;
 };
 
 sim::MachineFile machine_of(const DrawnAxis& drawn) {
@@ -54,6 +54,7 @@ void judge(const std::string& kind, unsigned seed, Tally& tally) {
       is_all = is_all && std::any_of(found.answer.best.terms.begin(), found.answer.best.terms.end(), [&](const BalanceTerm& term) { return term.law == law; });
     }
     const bool is_unknown = found.verdict.rfind("outside", 0) == 0;
+    tally.unknown_said += is_unknown || found.has_remainder;
     const bool is_friction = std::any_of(found.answer.best.terms.begin(), found.answer.best.terms.end(), [](const BalanceTerm& term) { return term.family == LawFamily::friction; });
     outcome = is_named ? "stated" : is_unknown ? "unknown" : found.verdict.rfind("cannot", 0) == 0 ? "cannot tell" : "nothing";
     tally.stated += outcome == "stated";
@@ -72,6 +73,7 @@ void judge(const std::string& kind, unsigned seed, Tally& tally) {
     tally.beyond_balance += balance > kYardstick;
     tally.beyond_forward += forward > kYardstick;
     for (const BalanceTerm& term : found.answer.best.details) laws += fmt::format(" [{} {:.2f}]", term.law, term.probability);
+    for (const BalanceTerm& term : found.answer.best.terms) if (term.law == "lag") laws += fmt::format(" (lag {:.3g} s)", term.size[0]);
     laws += fmt::format(" | skew {:.2g} ms", 1e3 * found.answer.best.skew);
     laws += fmt::format(" | unknown {:.2f} | {}", found.answer.probability_unknown, found.verdict);
   } catch (const NoBalance& problem) {
@@ -95,18 +97,18 @@ int run(int argc, char** argv) {
   for (const std::string& kind : kinds) {
     for (unsigned k = 0; k < count; ++k) judge(kind, first + k, tallies[kind]);
   }
-  fmt::print("\n| kind | axes | stated | nothing | cannot tell | unknown | refused | wrong and sure | every law | friction first | balance > 1.1 | forward > 1.1 |\n"
-             "|---|---|---|---|---|---|---|---|---|---|---|---|\n");
+  fmt::print("\n| kind | axes | stated | nothing | cannot tell | unknown | unknown or beside | refused | wrong and sure | every law | friction first | balance > 1.1 | forward > 1.1 |\n"
+             "|---|---|---|---|---|---|---|---|---|---|---|---|---|\n");
   Tally all;
   const auto line = [](const std::string& name, const Tally& t) {
-    fmt::print("| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n", name, t.all, t.stated, t.nothing, t.cannot_tell, t.unknown, t.refused,
+    fmt::print("| {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} | {} |\n", name, t.all, t.stated, t.nothing, t.cannot_tell, t.unknown, t.unknown_said, t.refused,
                t.wrong_and_sure, t.every_law, t.family, t.beyond_balance, t.beyond_forward);
   };
   for (const std::string& kind : kinds) {
     const Tally& t = tallies[kind];
     line(kind, t);
     all = {all.all + t.all, all.refused + t.refused, all.stated + t.stated, all.nothing + t.nothing, all.cannot_tell + t.cannot_tell, all.unknown + t.unknown,
-           all.wrong_and_sure + t.wrong_and_sure, all.every_law + t.every_law, all.family + t.family, all.beyond_balance + t.beyond_balance,
+           all.unknown_said + t.unknown_said, all.wrong_and_sure + t.wrong_and_sure, all.every_law + t.every_law, all.family + t.family, all.beyond_balance + t.beyond_balance,
            all.beyond_forward + t.beyond_forward, all.predicted + t.predicted};
   }
   line("all", all);
