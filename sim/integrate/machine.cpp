@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "sim/effects/axis_bounds.h"
 #include "sim/effects/catalogue.h"
 #include "sim/effects/random_number.h"
 #include "sim/machine/effect_scales.h"
@@ -105,7 +106,9 @@ MachineParameters machine_parameters(const MachineSettings& settings) {
     if (!missing.empty()) {
       throw std::invalid_argument("effect " + instance.name + " needs " + missing + ", which this machine has not");
     }
-    common::check_instance(common::in_units_of(description.about, scales), instance);
+    common::EffectAbout about = common::in_units_of(description.about, scales);
+    if (!parts.boom && parts.groups == 1) widen_for_a_plain_axis(description.about, about);
+    common::check_instance(about, instance);
     if (description.change != nullptr) description.change({description.about, instance.values}, parameters);
   }
   return parameters;
