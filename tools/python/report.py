@@ -160,6 +160,12 @@ def difference(runs, rows, narrow=False):
     return composed([[Difference(*runs)]], rows, [], narrow, spectra=[runs])
 
 
+def axis_difference(runs, rows, narrow=False):
+    """The same of a plain axis, which has no spectra."""
+    apart = Difference(*runs, whole=True)
+    return composed([[apart]], [panel for panel in rows if panel.draw(apart)], [], narrow)
+
+
 def views(runs):
     """{name: (figure, figure for a narrow window, what stands in its place there)}."""
     rows = panels(runs)
@@ -170,8 +176,11 @@ def views(runs):
     if len(runs) == 1:
         return {"picture": (*both(figure), None)}
     found = {"side by side": (*both(figure), "over each other"), "over each other": (*both(overlay), None)}
-    if len(runs) == 2 and not any(axis_report.is_axis(run) for run in runs):
+    of_axes = [axis_report.is_axis(run) for run in runs]
+    if len(runs) == 2 and not any(of_axes):
         found["difference, A minus B"] = (*both(difference), None)
+    if len(runs) == 2 and all(of_axes) and axis_report.is_same_scale(*runs):
+        found["difference, A minus B"] = (*both(axis_difference), None)
     return found
 
 
