@@ -484,13 +484,11 @@ int run_in(const fs::path& folder, const RunOptions& options, const std::string&
                                  {"SLEWLAB_PYTHON_MESSAGES", python_messages().string()}};
   }
 
-  if (options.steered) {
-    plant_options.command.push_back("--steered");
-    RunOutcome under_way;  // for whoever looks on
-    under_way.end = "under way";
-    if (!controller_words(options).empty()) under_way.controller_command = controller_words(options);
-    write_run_facts(folder, scenario, controller_settings, under_way);
-  }
+  if (options.steered) plant_options.command.push_back("--steered");
+  RunOutcome under_way;  // for whoever looks on
+  under_way.end = "under way";
+  if (!controller_words(options).empty()) under_way.controller_command = controller_words(options);
+  write_run_facts(folder, scenario, controller_settings, under_way);
 
   const Signals signals;
   ChildProcess controller(controller_options);
