@@ -56,7 +56,7 @@ class RunTest(unittest.TestCase):
             log = slewlab.open_log(folder)
             self.assertEqual(log.remarks, [])
             self.assertEqual(log.channels, run.channels)
-            other = read_run_log(path)  # by slewlab-log-tables
+            other = read_run_log(path)
             for channel in log:
                 for field in run.messages(channel).dtype.names:
                     np.testing.assert_array_equal(log.messages(channel)[field], run.messages(channel)[field])

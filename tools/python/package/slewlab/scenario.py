@@ -11,7 +11,7 @@ from . import _core
 from .control import StateSpace, bode_table
 from .files import Changes, check, pairs
 from .machine import Machine
-from .tables import Channels, Log, dtype_of, open_log
+from .tables import Channels, Log, open_log
 
 CHANNELS = ("ENCODER", "TORQUE", "OPERATOR", "SENSORS", "TRUTH", "CONTROLLER_STATE", "PLANT_STATUS")
 
@@ -29,7 +29,7 @@ class Run(Channels):
     def __init__(self, scenario: "Scenario", tables: dict) -> None:
         super().__init__()
         self.scenario = scenario
-        self._messages = {channel: rows.view(dtype_of(layout)) for channel, (layout, rows) in tables.items()}
+        self._messages = {channel: rows.view(np.dtype(layout)) for channel, (layout, rows) in tables.items()}
 
     @property
     def channels(self) -> list[str]:
