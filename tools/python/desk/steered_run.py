@@ -10,6 +10,7 @@ import yaml
 
 from run_log import slewlab_program
 from whole_file import growing
+from yaml_tree import read_yaml
 from desk.source import Growing
 
 SLOWEST, FASTEST = 0.01, 1000.0  # of the speeds that a page may ask for; 0 is as fast as it goes
@@ -202,7 +203,7 @@ class SteeredRun:
 
     def save(self):
         """Writes the scenario that does the same from the start up to now; its path."""
-        resolved = yaml.safe_load((self.folder / "scenario.yaml").read_text())
+        resolved = read_yaml(self.folder / "scenario.yaml")
         period = self.source.facts["controller_period"]
         moves = [{"time": chosen(round(time * 1e-9, 9), "s"), "speed_request": chosen(request, "-"), "emergency_stop": chosen(stop),
                   "acknowledge": chosen(acknowledge)} for time, request, stop, acknowledge in self.source.incoming.moves]
@@ -222,7 +223,7 @@ class SteeredRun:
 
     def _save_controller(self):
         """Writes the run's controller with what was switched; its path."""
-        resolved = yaml.safe_load((self.folder / "controller.yaml").read_text())
+        resolved = read_yaml(self.folder / "controller.yaml")
         switches = list(resolved["play_compensation"].get("switches") or []) + [
             {"time": chosen(each["time"], "s"), "enabled": chosen(each["on"])} for each in self.compensation]
         switches.sort(key=lambda each: float(each["time"]["value"]))
