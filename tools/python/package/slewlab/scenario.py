@@ -94,6 +94,8 @@ class Scenario:
         for channel in kept:
             if channel not in CHANNELS:
                 raise KeyError(f"no channel {channel}, expected {_core.known_names_text(channel, list(CHANNELS))}")
+        if not (controller is None or callable(controller)):
+            raise TypeError(f"found {controller!r} for a controller, expected a callable; a program of one's own goes with run_over_lcm()")
         return Run(self, self._core.run(controller, kept, "" if log is None else log))
 
     def run_over_lcm(self, out: str | Path, controller: str | None = None, *, realtime: bool = False) -> Log:

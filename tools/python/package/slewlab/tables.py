@@ -75,7 +75,10 @@ class Log(Channels):
         super().__init__()
         path = Path(path)
         if path.is_dir():
-            path = path / "run.lcmlog" if (path / "run.lcmlog").exists() else path / "run.lcmlog.partial"
+            names = [path / "run.lcmlog", path / "run.lcmlog.partial"]
+            path = next(filter(Path.exists, names), None) or names[0]
+            if not path.exists():
+                raise _core.LogError(f"{path.parent}: found a folder without run.lcmlog, expected a log, or the folder of a run")
         self.path = path
         self._tables = _core.LogTables(path)
         self.remarks: list[str] = self._tables.remarks
