@@ -87,7 +87,7 @@ class _WholeLogs:
         mine, others = (log.channel(name) for log in self._logs)
         instants, found = seconds(mine), {}
         for field in mine.dtype.names:
-            if mine.dtype[field].base.kind == "f" and mine.dtype[field] == others.dtype[field]:
+            if mine.dtype[field].base.kind == "f" and mine.dtype[field] == others.dtype[field] and mine[field].size:
                 theirs, within = at(instants, seconds(others), others[field], name in HELD)
                 found[field] = mine[field][within] - theirs
         return found | {"simulated_time": mine["simulated_time"][(instants >= seconds(others)[0]) & (instants <= seconds(others)[-1])]}
@@ -101,6 +101,10 @@ class _BothLogs:
         return channel != "OPERATOR" and all(log.has(channel) for log in self._logs)
 
 
+def shared(first, second):
+    return {key: value for key, value in first.items() if second.get(key) == value}
+
+
 class Difference:
     """`first` minus `second`; facts that both share, so that a unit of the one is never put on the other. `whole`: for panels that ask
     for whole channels."""
@@ -108,4 +112,6 @@ class Difference:
     def __init__(self, first, second, whole=False):
         self.name = f"{first.name} minus {second.name}"
         self.log, self.overview = (_WholeLogs if whole else _BothLogs)((first.log, second.log)), DifferenceOverview(first, second)
-        self.facts = {key: value for key, value in first.facts.items() if second.facts.get(key) == value and key != "modes"}
+        self.facts = shared(first.facts, second.facts)
+        self.facts.pop("modes", None)
+        self.facts["machine"] = shared(first.facts.get("machine", {}), second.facts.get("machine", {}))
