@@ -266,7 +266,8 @@ def composed(columns, rows, titles, narrow=False, spectra=None):
                  else dict(x=1.008, xanchor="left", y=domain(r)[1], yanchor="top"))
         layout["legend" if r == 0 else f"legend{r + 1}"] = dict(font=dict(size=11), tracegroupgap=0, bgcolor="rgba(255,255,255,0)", **place)
     set_scales(fig, layout, rows, count)
-    margin = dict(l=86, r=14, t=top, b=bottom) if narrow else dict(l=84, r=150, t=top, b=bottom)
+    # Left of a row: a title of two lines beside numbers like -0.0005.
+    margin = dict(l=98, r=14, t=top, b=bottom) if narrow else dict(l=98, r=150, t=top, b=bottom)
     fig.update_layout(height=height, margin=margin, template="plotly_white", paper_bgcolor="rgba(0,0,0,0)", plot_bgcolor="rgba(0,0,0,0)",
                       modebar=dict(bgcolor="rgba(0,0,0,0)", color="#999999", activecolor="#0072B2"),
                       font=dict(family="Helvetica, Arial, sans-serif", size=12, color="#222222"), hovermode="x", **layout)

@@ -113,8 +113,8 @@ def detection_picture(sizes):
                      f"height={share * high:.1f} style='fill:{colour}' />")
     at = left + 3 * step
     body += line(at, top, at, top + high, ORANGE, "4,3")
-    body += text(left + wide / 2, top + high + 54, "largest change of any signal, in noise floors (blue: detected, green: first cause right)")
-    return svg(width, height, body)
+    body += text(left + wide / 2, top + high + 54, "largest change of any signal, in noise floors")
+    return svg(width, height, body) + "<p class=small>Blue: detected. Green: first cause right.</p>"
 
 
 def size_picture(sizes):
@@ -145,8 +145,9 @@ def size_picture(sizes):
             body += (f"<circle cx={x_of(one['visibility']):.1f} cy={y} r=5 style='fill:{colour}' fill-opacity=0.75>"
                      f"<title>{html.escape(title)}</title></circle>")
     body += text(left + wide / 2, top + row * len(effects) + 38,
-                 "noise floors (green: right; blue: in a declared group; orange: detected, other cause; grey: not detected)")
-    return svg(left + wide + 20, height, body)
+                 "noise floors")
+    return svg(left + wide + 20, height, body) + ("<p class=small>Green: right. Blue: in a declared group. Orange: detected, other cause. "
+                                                  "Grey: not detected.</p>")
 
 
 def confusion_table(confusion):
