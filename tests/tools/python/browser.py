@@ -118,6 +118,20 @@ class BrowserPage:
         Path(path).write_bytes(base64.b64decode(data))
 
 
+def overlaps(page):
+    """Words of a page's pictures that lie over each other: pairs of texts whose boxes have more than a pixel in common."""
+    return page.value("""(() => {
+        const texts = [...document.querySelectorAll(".picture text")].filter((e) => e.textContent.trim() && e.getBoundingClientRect().width > 0);
+        const boxes = texts.map((e) => e.getBoundingClientRect()), found = [];
+        for (let i = 0; i < boxes.length; ++i) for (let k = 0; k < i; ++k) {
+          const a = boxes[i], b = boxes[k];
+          if (Math.min(a.right, b.right) - Math.max(a.left, b.left) > 1 && Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 1)
+            found.push(texts[i].textContent + " | " + texts[k].textContent);
+        }
+        return found;
+    })()""")
+
+
 def contrast_of(page, selector):
     """Contrast of the first such element's text, or of an SVG text's fill, against the page's ground (WCAG 2.2)."""
     colours = page.value(f"""(() => {{ const e = document.querySelector({json.dumps(selector)}), style = getComputedStyle(e);
