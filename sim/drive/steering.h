@@ -8,6 +8,7 @@
 //   fault begin NUMBER KEY: VALUE, ...  a fault from now on: the keys of a scenario's fault but from and until
 //   fault end NUMBER                    until now
 //   effect NAME on|off                  an effect of the machine's file
+//   play_compensation on|off            of the controller
 //   pause, resume, cycle, speed FACTOR  of a lockstep run: FACTOR simulated seconds per second, 0 as fast as it goes
 //   end                                 the run is over, as if its duration had come
 //   lost                                nobody is there any more: the lever springs back, and the run ends when the crane stands
@@ -37,6 +38,7 @@ struct FaultSwitch {
 struct SteeredPeriod {
   std::optional<OperatorMove> move;  // where it changes
   std::vector<EffectSwitch> effects;
+  std::optional<bool> play_compensation;  // where it is switched
   std::vector<FaultSwitch> faults;
   bool ends_run = false;
 };
@@ -65,12 +67,14 @@ class Steering {
 
   // What was refused and what began and ended since it was asked last, one line each:
   //   refused WHY     fault NUMBER from SECONDS     fault NUMBER until SECONDS     effect NAME on|off SECONDS
+  //   play_compensation on|off SECONDS
   std::vector<std::string> take_news();
 
  private:
   void take_operator(const std::string& rest);
   void take_fault(const std::string& rest);
   void take_effect(const std::string& rest);
+  void take_play_compensation(const std::string& rest);
   void begin_fault(std::int64_t time, const std::string& name, const std::string& text, SteeredPeriod& period);
   void refuse(std::string why) { news_.push_back("refused " + std::move(why)); }
 
@@ -83,6 +87,7 @@ class Steering {
   };
   std::vector<FaultWish> fault_wishes_;
   std::vector<EffectSwitch> effect_wishes_;
+  std::optional<bool> play_compensation_wish_;
   std::vector<std::pair<std::string, std::size_t>> faults_;  // those under way: name and number
   std::size_t fault_count_ = 0;                              // begun so far, without the scenario's
   std::vector<std::string> news_;

@@ -182,6 +182,13 @@ Findings examine(const std::filesystem::path& file, const std::vector<common::Ov
   return found;
 }
 
+common::InputProblems problems_of_another_kind(const std::filesystem::path& file, const std::string& wanted) {
+  InputProblems ignored;
+  const std::optional<YamlNode> kind = kind_of(file, ignored);
+  if (!kind || kind->scalar == wanted) return {};
+  return {{kind->mark, "kind", common::excerpt(*kind), wanted}};
+}
+
 std::string kind_in(const std::filesystem::path& file) {
   InputProblems ignored;
   const std::optional<YamlNode> kind = kind_of(file, ignored);

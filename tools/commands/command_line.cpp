@@ -2,11 +2,13 @@
 
 #include <cstdio>
 #include <exception>
-#include <map>
 #include <memory>
 #include <optional>
+#include <string>
+#include <utility>
 
 #include "common/input_error.h"
+#include "tools/commands/option_check.h"
 #include "tools/commands/run_command.h"
 #include "tools/commands/unknown_word.h"
 
@@ -28,21 +30,23 @@ void add_run_options(CLI::App& command, const std::vector<std::string>& command_
   CLI::Option* own = command.add_option("--controller", options->run.controller_command,
                                          "shell command of your own controller; it finds its bus in $SLEWLAB_BUS (docs/wire.md)");
   command.add_option("--controller-fmu", options->run.controller_fmu, "controller that is an FMU 2 or 3 for co-simulation (docs/fmu.md)")
-      ->check(CLI::ExistingFile)
+      ->check(readable_file())
       ->excludes(own);
   command.add_option("--plant", options->run.plant_command,
                       "shell command of your own plant; it finds its task in $SLEWLAB_PLANT_TASK (docs/wire.md)");
   command.add_option("--out", options->run.out, "folder for log and summary (runs/<scenario>)");
   command.add_option("--set", options->overrides,
                       "key=value: scenario keys as they are, crane.KEY and controller.KEY for those files");
-  const std::map<std::string, Progress> modes{
-      {"auto", Progress::automatic}, {"lines", Progress::lines}, {"none", Progress::none}};
-  command.add_flag("--realtime", options->run.realtime, "against the wall clock instead of in lockstep");
+  const std::vector<std::pair<std::string, int>> modes{{"auto", static_cast<int>(Progress::automatic)},
+                                                       {"lines", static_cast<int>(Progress::lines)},
+                                                       {"none", static_cast<int>(Progress::none)}};
+  CLI::Option* realtime = command.add_flag("--realtime", options->run.realtime, "against the wall clock instead of in lockstep");
   command.add_option("--speed", options->run.speed, "with --realtime: simulated seconds per second")
-      ->check(CLI::PositiveNumber);
+      ->check(positive_number())
+      ->needs(realtime);
   command.add_flag("--steered", options->run.steered, "by lines on standard input, as slewlab desk steers a run (docs/desk.md)");
   command.add_option("--progress", options->run.progress, "auto, lines or none")
-      ->transform(CLI::CheckedTransformer(modes));
+      ->transform(number_of(modes));
   command.callback([options, &command_line, &action] {
     action = [options, &command_line] {
       options->run.overrides = parse_overrides(options->overrides);

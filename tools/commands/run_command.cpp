@@ -50,6 +50,8 @@ constexpr int kNotAsExpected = 1;  // exit code
 // Wall clock that a side gets to end after it was asked to, before it is killed.
 constexpr std::chrono::seconds kEndPatience{5};
 constexpr double kStalled = 2.0;            // [s] without progress, until that is said
+constexpr std::string_view kPlayCompensation = "play_compensation ";  // what is switched, as desk, plant and controller say it
+constexpr std::string_view kToController = "controller ";
 constexpr double kLineInterval = 2.0;       // [s] between progress lines where there is no terminal
 
 fs::path own_folder() { return fs::read_symlink("/proc/self/exe").parent_path(); }
@@ -146,8 +148,8 @@ struct Outcome {
 // Both sides from their start to their end.
 class Run {
  public:
-  Run(ChildProcess& plant, ChildProcess& controller, ProgressDisplay& display, const Signals& signals, bool steered)
-      : plant_(plant), controller_(controller), display_(display), signals_(signals), listens_(steered) {}
+  Run(ChildProcess& plant, ChildProcess& controller, ProgressDisplay& display, const Signals& signals, bool steered, bool is_switchable)
+      : plant_(plant), controller_(controller), display_(display), signals_(signals), listens_(steered), is_switchable_(is_switchable) {}
 
   Outcome watch() {
     while (true) {
@@ -225,9 +227,29 @@ class Run {
     }
     unfinished_.append(bytes, static_cast<std::size_t>(count));
     for (std::size_t end; (end = unfinished_.find('\n')) != std::string::npos;) {
-      plant_.tell(unfinished_.substr(0, end));
+      pass_line_on(unfinished_.substr(0, end));
       unfinished_.erase(0, end + 1);
     }
+  }
+
+  void pass_line_on(const std::string& line) {
+    if (!line.starts_with(kPlayCompensation) || is_switchable_) {
+      plant_.tell(line);
+      return;
+    }
+    std::printf("steering refused play compensation: only slewlab's own controller can be told to switch it\n");
+    std::fflush(stdout);
+  }
+
+  // What is switched is told to the controller, to one that was started anew all of it; the plant hears that it is known.
+  void tell_switches(std::size_t from) {
+    for (std::size_t i = from; i < switches_.size(); ++i) controller_.tell(switches_[i]);
+    awaited_ = from < switches_.size() ? switches_.back() : "";
+    if (awaited_.empty()) plant_.tell("done");
+  }
+  void switch_controller(const std::string& line) {
+    switches_.push_back(line);
+    tell_switches(killed_on_purpose_ ? switches_.size() : switches_.size() - 1);
   }
 
   void wait(std::chrono::milliseconds patience) {
@@ -255,16 +277,22 @@ class Run {
         controller_.start_again();
         restarted_guards_.emplace_back(std::vector<pid_t>{controller_.pid()});
         killed_on_purpose_ = false;
-        plant_.tell("done");
+        tell_switches(0);
       } else if (line == "controller stop") {
         controller_.halt();
       } else if (line == "controller continue") {
         controller_.go_on();
+      } else if (line.starts_with(kToController) && line.substr(kToController.size()).starts_with(kPlayCompensation)) {
+        switch_controller(line.substr(kToController.size()));
       } else {
         display_.update(line);
       }
     });
-    controller_.read_output([](const std::string&) {});
+    controller_.read_output([this](const std::string& line) {
+      if (awaited_.empty() || line != awaited_) return;
+      awaited_.clear();
+      plant_.tell("done");
+    });
   }
 
   ChildProcess& plant_;
@@ -272,6 +300,9 @@ class Run {
   ProgressDisplay& display_;
   const Signals& signals_;
   bool listens_;            // to what a desk says on standard input
+  bool is_switchable_;      // the controller, while it runs
+  std::vector<std::string> switches_;  // so far, as the controller is told them
+  std::string awaited_;                // what it has to say before the plant goes on
   std::string unfinished_;  // line of it
   Outcome outcome_;
   Json plant_summary_ = nullptr;
@@ -381,7 +412,9 @@ std::vector<std::string> controller_program(const RunOptions& options, const sim
     return command;
   }
   if (!options.controller_command.empty()) return {"/bin/sh", "-c", options.controller_command};
-  return {(programs / "slewlab-controller").string()};
+  std::vector<std::string> command{(programs / "slewlab-controller").string()};
+  if (options.steered) command.emplace_back("--steered");
+  return command;
 }
 
 // The log of a plant of one's own becomes the run's, or the run has failed. Answers with the summary.
@@ -428,10 +461,14 @@ std::string speed_text(const RunOptions& options) {
   return speed;
 }
 
+// Whether play compensation can be switched while the run goes on.
+bool is_switchable(const RunOptions& options) { return options.steered && controller_words(options).empty(); }
+
 ChildOptions controller_child(const RunOptions& options, const Prepared& run, const fs::path& programs) {
   ChildOptions child;
   child.name = "controller";
   child.command = controller_program(options, run.scenario, programs);
+  child.listens = is_switchable(options);
   child.environment = {{"SLEWLAB_BUS", run.bus},
                        {"LCM_DEFAULT_URL", run.bus},
                        {"SLEWLAB_CONTROLLER_CONFIG", fs::absolute(run.folder / "controller.yaml").string()},
@@ -511,11 +548,10 @@ int run_in(const fs::path& folder, const RunOptions& options, const std::string&
   const Prepared prepared = prepare(folder, options, msgs::bus_url(port.number()));
   const ChildOptions controller_options = controller_child(options, prepared, programs);
   const ChildOptions plant_options = plant_child(options, prepared, programs);
-  if (options.steered) {
-    RunOutcome under_way;  // for whoever looks on
-    under_way.end = "under way";
-    write_run_facts(folder, prepared.scenario, prepared.controller, under_way);
-  }
+  RunOutcome under_way;  // for whoever looks on
+  under_way.end = "under way";
+  if (!controller_words(options).empty()) under_way.controller_command = controller_words(options);
+  write_run_facts(folder, prepared.scenario, prepared.controller, under_way);
 
   const Signals signals;
   ChildProcess controller(controller_options);
@@ -524,7 +560,7 @@ int run_in(const fs::path& folder, const RunOptions& options, const std::string&
   std::printf("%s: plant is process %d, controller is process %d, bus %s\n", name.c_str(), plant.pid(), controller.pid(), prepared.bus.c_str());
   std::fflush(stdout);
   ProgressDisplay display(options.progress, name);
-  Run run(plant, controller, display, signals, options.steered);
+  Run run(plant, controller, display, signals, options.steered, is_switchable(options));
   const WallClock::time_point begin = WallClock::now();
   Outcome outcome = run.watch();
   display.keep();
@@ -574,6 +610,7 @@ int run_scenario(const RunOptions& options, const std::vector<std::string>& comm
   const fs::path folder = options.out.empty() ? fs::path("runs") / name : options.out;
   try {
     const ControllerBy by = controller_words(options).empty() ? ControllerBy::slewlab : ControllerBy::user;
+    if (const common::InputProblems other = problems_of_another_kind(options.scenario, "scenario"); !other.empty()) throw common::InputError(other);
     const Findings found = examine(options.scenario, options.overrides, by);
     if (!found.problems.empty()) {
       complain(found.problems, std::cerr);

@@ -160,6 +160,12 @@ def difference(runs, rows, narrow=False):
     return composed([[Difference(*runs)]], rows, [], narrow, spectra=[runs])
 
 
+def axis_difference(runs, rows, narrow=False):
+    """The same of a plain axis, which has no spectra."""
+    apart = Difference(*runs, whole=True)
+    return composed([[apart]], [panel for panel in rows if panel.draw(apart)], [], narrow)
+
+
 def views(runs):
     """{name: (figure, figure for a narrow window, what stands in its place there)}."""
     rows = panels(runs)
@@ -170,8 +176,11 @@ def views(runs):
     if len(runs) == 1:
         return {"picture": (*both(figure), None)}
     found = {"side by side": (*both(figure), "over each other"), "over each other": (*both(overlay), None)}
-    if len(runs) == 2 and not any(axis_report.is_axis(run) for run in runs):
+    of_axes = [axis_report.is_axis(run) for run in runs]
+    if len(runs) == 2 and not any(of_axes):
         found["difference, A minus B"] = (*both(difference), None)
+    if len(runs) == 2 and all(of_axes) and axis_report.is_same_scale(*runs):
+        found["difference, A minus B"] = (*both(axis_difference), None)
     return found
 
 
@@ -258,7 +267,8 @@ def composed(columns, rows, titles, narrow=False, spectra=None):
                  else dict(x=1.008, xanchor="left", y=domain(r)[1], yanchor="top"))
         layout["legend" if r == 0 else f"legend{r + 1}"] = dict(font=dict(size=11), tracegroupgap=0, bgcolor="rgba(255,255,255,0)", **place)
     set_scales(fig, layout, rows, count)
-    margin = dict(l=86, r=14, t=top, b=bottom) if narrow else dict(l=84, r=150, t=top, b=bottom)
+    # Left of a row: a title of two lines beside numbers like -0.0005.
+    margin = dict(l=98, r=14, t=top, b=bottom) if narrow else dict(l=98, r=150, t=top, b=bottom)
     fig.update_layout(height=height, margin=margin, template="plotly_white", paper_bgcolor="rgba(0,0,0,0)", plot_bgcolor="rgba(0,0,0,0)",
                       modebar=dict(bgcolor="rgba(0,0,0,0)", color="#999999", activecolor="#0072B2"),
                       font=dict(family="Helvetica, Arial, sans-serif", size=12, color="#222222"), hovermode="x", **layout)

@@ -234,6 +234,8 @@ TEST_F(RunCommandTest, AKilledLauncherLeavesNothing) {
   EXPECT_EQ(run.wait_for_end(), -SIGKILL);
   wait_until_nothing_is_left();  // plant, controller and watcher are this test's orphans now
   expect_partial_log();
+  // What the run is was told to whoever looks on when it began, and that it is no complete one stays told.
+  EXPECT_EQ(nlohmann::json::parse(contents(out_ / "run.json")).at("end"), "under way");
 }
 
 TEST_F(RunCommandTest, WhatTheControllerStartedGoesWithIt) {

@@ -38,6 +38,7 @@ NOT_HERE = {
     "tools/setup": "sets up and builds the tree that is under test",
     "tools/build": "builds the tree that is under test",
     "tools/benchmark": "measures, for minutes, an idle machine",
+    "tools/measure-desk": "measures, for two hours, an idle machine",
     "tools/kill-test": "two hundred runs; the suite has twenty of them",
     "tools/fuzz": "a minute per target; the suite runs the corpus",
     "tools/sanitize": "builds the whole tree anew",

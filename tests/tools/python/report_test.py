@@ -12,7 +12,7 @@ import numpy as np
 
 import made_run
 import report
-from browser import Browser
+from browser import Browser, overlaps
 from panel import slim
 from picture_page import rounded, series_of, unpacked
 from report import ticks
@@ -203,18 +203,6 @@ class ReportTest(unittest.TestCase):
         self.views_of("a")
         self.assertLess((self.folder / "page.html").stat().st_size, 1_000_000)
 
-    # Words that lie over each other: pairs of texts of the picture whose boxes have more than a pixel in common.
-    OVERLAPS = """(() => {
-        const texts = [...document.querySelectorAll("#picture text")].filter((e) => e.textContent.trim() && e.getBoundingClientRect().width > 0);
-        const boxes = texts.map((e) => e.getBoundingClientRect()), found = [];
-        for (let i = 0; i < boxes.length; ++i) for (let k = 0; k < i; ++k) {
-          const a = boxes[i], b = boxes[k];
-          if (Math.min(a.right, b.right) - Math.max(a.left, b.left) > 1 && Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 1)
-            found.push(texts[i].textContent + " | " + texts[k].textContent);
-        }
-        return found;
-    })()"""
-
     def test_no_label_lies_over_another_at_any_width_and_all_are_readable_in_the_dark(self):
         made_run.write_run(self.folder / "a")
         made_run.write_run(self.folder / "b_with_a_name_as_long_as_a_name_may_be")
@@ -229,7 +217,7 @@ class ReportTest(unittest.TestCase):
                     page.value(f"document.querySelector('button[value=\"{name}\"]').click()")
                     page.until(f"document.getElementById('picture').dataset.drawn === '{name}'")
                     with self.subTest(width=width, view=name):
-                        self.assertEqual(page.value(self.OVERLAPS), [])
+                        self.assertEqual(overlaps(page), [])
                         self.assertLessEqual(page.value("document.documentElement.scrollWidth"), width)
                 fill = page.value("getComputedStyle(document.querySelector('#picture .ytick text')).fill")
                 back = page.value("getComputedStyle(document.body).backgroundColor")
