@@ -54,8 +54,26 @@ void discretise_gears(const PlantModel& model, double h, ModalStep& step) {
   }
 }
 
+// Answers to the port `luffing`, of a boom that does.
+[[gnu::noinline]] void discretise_luffing(const PlantModel& model, double h, ModalStep& step) {
+  for (double& answer : step.house_to_luffing) answer = 0.0;
+  FourResponses r;
+  for (int mode = 0; mode < model.mode_count; ++mode) {
+    const auto k = static_cast<std::size_t>(mode);
+    const int lane = mode % kLanes;
+    if (lane == 0) four_responses(&model.square[k], &model.damping_rate[k], h, r);
+    const double q = step.luffing_q[k] = model.luffing[k] * r.q[0][lane];
+    const double v = step.luffing_v[k] = model.luffing[k] * r.v[0][lane];
+    step.house_to_luffing[0] += model.house[k] * q;
+    step.house_to_luffing[1] += model.house[k] * v;
+    step.house_to_luffing[2] += model.house_acceleration_q[k] * q + model.house_acceleration_v[k] * v;
+  }
+  step.house_to_luffing[2] += model.house_per_luffing;
+}
+
 void discretise(const PlantModel& model, double h, ModalStep& step) {
   step.length = h;
+  if (!model.luffing.empty()) discretise_luffing(model, h, step);
   discretise_gears(model, h, step);
   for (auto& row : step.house) row[0] = row[1] = 0.0;
   step.house_angle_to_torque = step.house_speed_to_torque = 0.0;
@@ -171,6 +189,7 @@ struct Push {
   double house;      // ports on the house, held
   double tip;        // ports on the tip, held
   double uniform;    // ports along the boom, held
+  double luffing;    // port of a boom that luffs, held
   double load;
   double rod;
   FrictionLevels friction;
@@ -209,11 +228,12 @@ void start_of(const PlantModel& model, const PlantState& state, const Push& push
                       gear.damping * (state.motor_speed[i] - state.house_speed);
     start.torque_sum += start.torque[i];
   }
-  const double house_acceleration =
+  double house_acceleration =
       state.modal_house_acceleration +
       model.house_per_house_torque * (start.torque_sum + house) +
       model.house_per_tip_force * (state.rope_force + push.tip) +
       model.house_per_uniform_force * push.uniform;
+  if (push.luffing != 0.0) house_acceleration += model.house_per_luffing * push.luffing;
   for (int i = 0; i < model.group_count; ++i) {
     if (state.contact[i] == 0) continue;
     const GearContact& gear = model.gear[i];
@@ -355,6 +375,18 @@ void solve_with_friction(const PlantModel& model, const ModalStep& step, const P
                          const Start& start, const House& free_house, Trial& trial) {
   if (sweep_frictions(model, step, state, push, start, free_house, trial)) return;
   trial.friction_end = pivot_frictions(model, step, state, push, start, free_house, trial);
+}
+
+// The port `luffing` on modes that are elsewhere at their end without it.
+[[gnu::noinline]] void push_luffing(const PlantModel& model, const ModalStep& step, double luffing, PlantWorkspace& workspace, House& house) {
+  for (int mode = 0; mode < model.mode_count; ++mode) {
+    const auto k = static_cast<std::size_t>(mode);
+    workspace.q[k] += step.luffing_q[k] * luffing;
+    workspace.v[k] += step.luffing_v[k] * luffing;
+  }
+  house.angle += step.house_to_luffing[0] * luffing;
+  house.speed += step.house_to_luffing[1] * luffing;
+  house.acceleration += step.house_to_luffing[2] * luffing;
 }
 
 // Where the modes are at the end without the end torques. Returns the house's part.
@@ -522,6 +554,9 @@ void accept(const PlantModel& model, const ModalStep& step, const LoadStep& load
   if (push.uniform != 0.0) {
     state.supplied_work += push.uniform * (dot(model.uniform, workspace.q) - dot(model.uniform, state.q));
   }
+  if (push.luffing != 0.0) {
+    state.supplied_work += push.luffing * (dot(model.luffing, workspace.q) - dot(model.luffing, state.q));
+  }
   state.q.swap(workspace.q);
   state.v.swap(workspace.v);
 
@@ -540,6 +575,7 @@ void accept(const PlantModel& model, const ModalStep& step, const LoadStep& load
   state.house_speed = trial.house.speed;
   state.other_tip_force = push.tip;
   state.other_uniform_force = push.uniform;
+  state.luffing_force = push.luffing;
 
   state.supplied_work += push.tip * (tip - state.tip_displacement);
   if (model.has_load) {
@@ -571,7 +607,8 @@ void accept(const PlantModel& model, const ModalStep& step, const LoadStep& load
 void attempt(const PlantModel& model, const ModalStep& step, const PlantState& state, const Push& push,
              Start& start, PlantWorkspace& workspace, Trial& trial) {
   start_of(model, state, push, start);
-  const House free_house = advance_free(model, step, state, push, start, workspace);
+  House free_house = advance_free(model, step, state, push, start, workspace);
+  if (push.luffing != 0.0) push_luffing(model, step, push.luffing, workspace, free_house);
   trial.friction.fill(0.0);
   trial.house_friction = 0.0;
   trial.friction_end = FrictionEnd::solved;
@@ -666,38 +703,6 @@ PlantModel make_plant_model(const CraneParameters& crane, double step, const Gro
   model.mode_count = static_cast<int>(model.modes.frequency.size());
   model.padded_count = block_count(model.mode_count) * kLanes;
   model.passes = &modal_passes();
-  const auto padded = [&](const std::vector<double>& values) {
-    std::vector<double> result = values;
-    result.resize(static_cast<std::size_t>(model.padded_count), 0.0);
-    return result;
-  };
-  model.house = padded(model.modes.house);
-  model.pivot = padded(model.modes.pivot);
-  model.tip = padded(model.modes.tip);
-  model.tip_sensor = model.tip;
-  for (std::size_t k = 0; k < model.modes.tip_twist.size(); ++k) {
-    model.tip_sensor[k] -= crane.boom.jib_eccentricity * model.modes.tip_twist[k];
-  }
-  model.middle = padded(model.modes.middle);
-  model.uniform = padded(model.modes.uniform_load);
-  model.damping_rate = padded(model.modes.damping_rate);
-  model.square = padded(model.modes.frequency);
-  for (double& value : model.square) value *= value;
-  for (std::size_t k = 0; k < model.house.size(); ++k) {
-    model.house_acceleration_q.push_back(-model.house[k] * model.square[k]);
-    model.house_acceleration_v.push_back(-model.house[k] * model.damping_rate[k]);
-    model.house_per_house_torque += model.house[k] * model.house[k];
-    model.house_per_tip_force += model.house[k] * model.tip[k];
-    model.house_per_uniform_force += model.house[k] * model.uniform[k];
-  }
-  model.shapes.assign(model.house.size() * shape_term::count, 0.0);
-  for (int k = 0; k < model.padded_count; ++k) {
-    const auto mode = static_cast<std::size_t>(k);
-    model.shapes[place(k, shape_term::house, shape_term::count)] = model.house[mode];
-    model.shapes[place(k, shape_term::house_acceleration_q, shape_term::count)] = model.house_acceleration_q[mode];
-    model.shapes[place(k, shape_term::house_acceleration_v, shape_term::count)] = model.house_acceleration_v[mode];
-    model.shapes[place(k, shape_term::tip, shape_term::count)] = model.tip[mode];
-  }
   model.has_load = crane.load.mass > 0.0;
   model.has_axis_force = crane.axis_force.constant != 0.0 || crane.axis_force.gravity != 0.0;
   model.is_rigid = crane.drive.is_rigid;
@@ -710,20 +715,66 @@ PlantModel make_plant_model(const CraneParameters& crane, double step, const Gro
   }
   if (model.has_load) model.load = load_on_spring(crane.load);
   size_step(model.full, model.padded_count);
-  if (!model.is_rigid) {
-    discretise(model, step, model.full);
-    for (unsigned gears = 0; groups <= kTabulatedGroups && gears < 1u << groups; ++gears) {
-      model.full.systems.emplace_back();
-      work_out(model.full, groups, gears, model.full.systems.back());
-    }
-  }
+  if (!model.is_rigid && groups <= kTabulatedGroups) model.full.systems.resize(std::size_t{1} << groups);
+  take_modes(model);
   model.load_step = discretise_load(model, step);
   return model;
+}
+
+void take_modes(PlantModel& model) {
+  const FreeHouseModes& modes = model.modes;
+  const auto count = static_cast<std::size_t>(model.padded_count);
+  const auto pad = [&](const std::vector<double>& values, std::vector<double>& result) {
+    result.resize(count, 0.0);
+    std::copy(values.begin(), values.end(), result.begin());
+  };
+  pad(modes.house, model.house);
+  pad(modes.pivot, model.pivot);
+  pad(modes.tip, model.tip);
+  pad(modes.tip, model.tip_sensor);
+  for (std::size_t k = 0; k < modes.tip_twist.size(); ++k) {
+    model.tip_sensor[k] -= model.parameters.boom.jib_eccentricity * modes.tip_twist[k];
+  }
+  pad(modes.middle, model.middle);
+  pad(modes.uniform_load, model.uniform);
+  pad(modes.damping_rate, model.damping_rate);
+  pad(modes.frequency, model.square);
+  for (double& value : model.square) value *= value;
+  model.house_acceleration_q.resize(count);
+  model.house_acceleration_v.resize(count);
+  model.house_per_house_torque = model.house_per_tip_force = model.house_per_uniform_force = model.house_per_luffing = 0.0;
+  for (std::size_t k = 0; k < count; ++k) {
+    model.house_acceleration_q[k] = -model.house[k] * model.square[k];
+    model.house_acceleration_v[k] = -model.house[k] * model.damping_rate[k];
+    model.house_per_house_torque += model.house[k] * model.house[k];
+    model.house_per_tip_force += model.house[k] * model.tip[k];
+    model.house_per_uniform_force += model.house[k] * model.uniform[k];
+    if (!model.luffing.empty()) model.house_per_luffing += model.house[k] * model.luffing[k];
+  }
+  model.shapes.resize(count * shape_term::count, 0.0);
+  for (int k = 0; k < model.padded_count; ++k) {
+    const auto mode = static_cast<std::size_t>(k);
+    model.shapes[place(k, shape_term::house, shape_term::count)] = model.house[mode];
+    model.shapes[place(k, shape_term::house_acceleration_q, shape_term::count)] = model.house_acceleration_q[mode];
+    model.shapes[place(k, shape_term::house_acceleration_v, shape_term::count)] = model.house_acceleration_v[mode];
+    model.shapes[place(k, shape_term::tip, shape_term::count)] = model.tip[mode];
+  }
+  if (model.is_rigid) return;
+  if (!model.luffing.empty()) {
+    model.full.luffing_q.resize(count, 0.0);
+    model.full.luffing_v.resize(count, 0.0);
+  }
+  discretise(model, model.step, model.full);
+  for (unsigned gears = 0; gears < model.full.systems.size(); ++gears) work_out(model.full, model.group_count, gears, model.full.systems[gears]);
 }
 
 PlantWorkspace make_plant_workspace(const PlantModel& model) {
   PlantWorkspace workspace;
   size_step(workspace.partial, model.padded_count);
+  if (!model.luffing.empty()) {
+    workspace.partial.luffing_q.assign(static_cast<std::size_t>(model.padded_count), 0.0);
+    workspace.partial.luffing_v = workspace.partial.luffing_q;
+  }
   workspace.q.assign(static_cast<std::size_t>(model.padded_count), 0.0);
   workspace.v = workspace.q;
   return workspace;
@@ -772,6 +823,7 @@ void step(const PlantModel& model, PlantWorkspace& workspace, const PlantInput& 
   }
   push.tip = input.ports.tip_force;
   push.uniform = input.ports.uniform_force;
+  push.luffing = input.ports.luffing;
   push.load = input.ports.load_force;
   push.rod = input.ports.rod_moment;
 
@@ -828,7 +880,8 @@ PlantReadings read(const PlantModel& model, const PlantState& state) {
   for (std::size_t k = 0; k < static_cast<std::size_t>(model.padded_count); ++k) {
     const double acceleration = -model.square[k] * state.q[k] - model.damping_rate[k] * state.v[k] +
                                 model.house[k] * house_torque + model.tip[k] * tip_force +
-                                model.uniform[k] * state.other_uniform_force;
+                                model.uniform[k] * state.other_uniform_force +
+                                (state.luffing_force != 0.0 ? model.luffing[k] * state.luffing_force : 0.0);
     pivot += model.pivot[k] * acceleration;
     middle += model.middle[k] * acceleration;
     tip += model.tip_sensor[k] * acceleration;
