@@ -143,7 +143,9 @@ TEST(CraneMotion, TravellingSwingsTheLoad) {
     const double t = time_of(machine), a = 6.0 * t / ramp * (1.0 - t / ramp) / ramp;
     const double exact = -(a - bend / (w * w)) / (w * w) - bend / (w * w * w * w) * std::cos(w * t) + slope / (w * w * w) * std::sin(w * t);
     largest = std::max(largest, std::fabs(swing_of(machine).displacement - exact));
-    if (std::fabs(t - 75.0) < 0.5 * kStep) EXPECT_NEAR(exact / 60.0, -0.01 / kGravity, 1e-4 * 0.01 + slope / (w * w * w) / 60.0);
+    if (std::fabs(t - 75.0) < 0.5 * kStep) {
+      EXPECT_NEAR(exact / 60.0, -0.01 / kGravity, 1e-4 * 0.01 + slope / (w * w * w) / 60.0);
+    }
   }
   EXPECT_LT(largest, 1e-6);
 }
