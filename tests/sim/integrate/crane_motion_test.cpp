@@ -103,7 +103,9 @@ TEST(CraneMotion, ASlowHoistKeepsTheAdiabaticInvariant) {
     step(machine, {});
     largest = std::max(largest, std::fabs(rope_angle(machine)));
   }
-  EXPECT_NEAR(largest / 0.01, std::pow(30.0 / 60.0, -0.75), 3e-3);
+  // The invariant is kept but for the first order beyond it, L' / (2 w L) at the end, 0.3 %.
+  const double beyond = 0.1 / (2.0 * std::sqrt(kGravity / 30.0) * 30.0);
+  EXPECT_NEAR(largest / 0.01 / std::pow(30.0 / 60.0, -0.75), 1.0, beyond);
 }
 
 // The effect and the scenario's hoist are one law: with one and the same course of the winch they give one swing, rod and boom included.
@@ -180,8 +182,9 @@ TEST(CraneMotion, LuffingKeepsAngularMomentum) {
   EXPECT_NEAR(machine.motion.basis.angle, (53.5 + 18.0) * kDegree, 1e-9);
   EXPECT_LT(machine.motion.basis.inertia, 0.5 * inertia);
   EXPECT_NEAR(momentum() / at_start, 1.0, 1e-6);
-  // The motors lag behind, so that house and boom alone need not have kept theirs.
-  EXPECT_GT(machine.state.house_speed, 1.3 * speed);
+  // Faster by the whole inertia's ratio, motors and all; the gears' free vibration is what differs.
+  const double motors = machine.model.group_count * machine.model.group_inertia[0];
+  EXPECT_NEAR(machine.state.house_speed / speed, (inertia + motors) / (machine.motion.basis.inertia + motors), 0.02);
 }
 
 // Energy: what motors, ports and luffing gear put in is what is there, but for what damping takes. Without damping nothing is missing.
