@@ -1,6 +1,7 @@
 #include "sim/machine/crane_file.h"
 
 #include <cmath>
+#include <initializer_list>
 #include <numbers>
 
 #include "sim/machine/drive_protection_file.h"
@@ -179,14 +180,24 @@ BoomParameters read_boom(YamlReader reader) {
   boom.pivot_radius = sized(reader, "pivot_radius", Unit::metre, not_negative(), kLength);
   if (reader.has("type")) boom.type = static_cast<BoomType>(reader.choice("type", {"lattice", "box_girder", "a_frame", "knuckle"}));
   const bool is_box = boom.type == BoomType::box_girder || boom.type == BoomType::knuckle;
+  // What another type has: null takes an included file's away.
+  const auto not_here = [&](std::initializer_list<std::string_view> keys, const char* types) {
+    for (const std::string_view key : keys) {
+      if (reader.has(key)) reader.report(key, "a key of other boom types", std::string("no such key, or null, or boom.type ") + types);
+    }
+  };
   if (is_box) {
+    not_here({"chord_outer_diameter", "chord_inner_diameter", "torsion_constant"}, "lattice or a_frame");
     boom.side_plate = sized(reader, "side_plate", Unit::metre, positive(), kLength);
     boom.flange_plate = sized(reader, "flange_plate", Unit::metre, positive(), kLength);
   } else {
+    not_here({"side_plate", "flange_plate"}, "box_girder or knuckle");
     boom.chord_outer_diameter = sized(reader, "chord_outer_diameter", Unit::metre, positive(), kLength);
     boom.chord_inner_diameter = reader.number("chord_inner_diameter", Unit::metre, not_negative());
     boom.torsion_constant = reader.number("torsion_constant", Unit::metre_to_the_fourth, positive());
   }
+  if (boom.type != BoomType::knuckle) not_here({"knuckle"}, "knuckle");
+  if (boom.type != BoomType::a_frame) not_here({"luffing_cylinders"}, "a_frame");
   if (boom.type == BoomType::knuckle) {
     YamlReader knuckle = reader.map("knuckle");
     boom.knuckle_position = knuckle.number("position", Unit::none, between(0.05, 0.95));
