@@ -248,6 +248,7 @@ PlantBatchHandle make_plant_batch(const std::vector<const PlantModel*>& models, 
   const PlantModel& first = *models.front();
   for (const PlantModel* const model : models) {
     if (model->is_rigid) throw std::invalid_argument("a machine with a rigid drive is one inertia, which is not stepped in a batch");
+    if (!model->luffing.empty()) throw std::invalid_argument("a boom that luffs changes its modes as it goes, which the lanes of a batch do not");
     if (model->group_count != first.group_count || model->mode_count != first.mode_count || model->has_load != first.has_load) {
       throw std::invalid_argument("the machines of a batch need the same number of motor groups and modes, and all a load or none");
     }

@@ -39,7 +39,7 @@ struct FreePlantBatch {
 using PlantBatchHandle = std::unique_ptr<PlantBatch, FreePlantBatch>;
 
 // At rest, as make_plant_state(). The models must outlive the batch. Throws std::invalid_argument where they are none, not of one
-// topology or rigid (one inertia has no modes to put side by side), or where the width is not supported here.
+// topology, rigid (one inertia has no modes to put side by side) or luffing, or where the width is not supported here.
 PlantBatchHandle make_plant_batch(const std::vector<const PlantModel*>& models, BatchWidth width);
 PlantBatchHandle make_plant_batch(const std::vector<const PlantModel*>& models);  // of the usual width
 

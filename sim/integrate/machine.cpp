@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "sim/effects/accelerometers.h"
 #include "sim/effects/axis_bounds.h"
 #include "sim/effects/catalogue.h"
 #include "sim/effects/random_number.h"
@@ -18,7 +19,7 @@ namespace {
 constexpr double kNanosecond = 1e-9;  // [s]
 
 // The crane at the end of a step, in the quantities that effects see.
-void observe(const PlantModel& model, const PlantState& state, const Accelerations& acceleration, EffectMoment& moment) {
+void observe(const PlantModel& model, const PlantState& state, const Accelerations& acceleration, double rope_length, EffectMoment& moment) {
   for (int i = 0; i < model.group_count; ++i) {
     moment.motor_angle[i] = state.motor_angle[i];
     moment.motor_speed[i] = state.motor_speed[i];
@@ -36,8 +37,8 @@ void observe(const PlantModel& model, const PlantState& state, const Acceleratio
   moment.load_displacement =
       model.load.modes(0, 0) * state.load_q[0] + model.load.modes(0, 1) * state.load_q[1];
   moment.load_velocity = model.load.modes(0, 0) * state.load_v[0] + model.load.modes(0, 1) * state.load_v[1];
-  moment.rope_angle =
-      (moment.load_displacement - moment.tip_displacement) / model.parameters.load.rope_length;
+  moment.rope_angle = (moment.load_displacement - moment.tip_displacement) / rope_length;
+  moment.rod_angle = rod_angle(model, state);
 }
 
 // Two steps' ends give the middle of the next step; without a step before, `before` is `now`. Fills what stands there already: copying what
@@ -63,6 +64,7 @@ void find_middle(const PlantState& state, int group_count, const EffectMoment& n
   m.load_velocity = ahead(now.load_velocity, before.load_velocity);
   m.load_displacement = now.load_displacement + 0.25 * h * (now.load_velocity + m.load_velocity);
   m.rope_angle = ahead(now.rope_angle, before.rope_angle);
+  m.rod_angle = ahead(now.rod_angle, before.rod_angle);
   m.rope_force = ahead(now.rope_force, before.rope_force);
 }
 
@@ -163,7 +165,13 @@ Machine make_machine(const MachineSettings& settings) {
       }
     }
   }
-  machine.needs_moment = !machine.actuator.empty() || !machine.force.empty() || !machine.friction.empty();
+  machine.motion = crane_motion(parameters.crane, settings.motion_requests);
+  machine.steps_per_boom_angle = settings.steps_per_boom_angle;
+  if (!machine.motion.luffing.is_still()) {
+    prepare_luffing(machine.motion, machine.model);
+    machine.workspace = make_plant_workspace(machine.model);
+  }
+  machine.needs_moment = machine.motion.moves || !machine.actuator.empty() || !machine.force.empty() || !machine.friction.empty();
   machine.hooks_per_step =
       static_cast<std::int64_t>(machine.message.size() + machine.actuator.size() + machine.force.size() +
                                 machine.friction.size() + machine.sensor.size());
@@ -180,6 +188,20 @@ Machine make_machine(const MachineSettings& settings) {
   return machine;
 }
 
+namespace {
+
+// For the stretch that begins now, the boom angle of its middle.
+[[gnu::noinline]] void follow_boom_angle(Machine& machine) {
+  constexpr double kSmallest = 1e-12;  // [rad] below which an angle is only rounded otherwise
+  const double middle = time_of(machine) + 0.5 * machine.steps_per_boom_angle * machine.model.step;
+  const double angle = boom_angle(machine.motion, middle);
+  if (std::fabs(angle - machine.motion.basis.angle) <= kSmallest) return;
+  luff(machine.motion, angle, machine.model, machine.state);
+  machine.has_acceleration = false;  // that of the last step's end is one of other masses
+}
+
+}  // namespace
+
 PlantInput begin_step(Machine& machine, const DriveCommand& command) {
   const PlantModel& model = machine.model;
   const double time = time_of(machine);
@@ -187,6 +209,8 @@ PlantInput begin_step(Machine& machine, const DriveCommand& command) {
     const Machine::Switch& due = machine.switches[machine.next_switch++];
     machine.is_on[due.effect] = due.on;
   }
+
+  if (!machine.motion.luffing.is_still() && machine.state.step_count % machine.steps_per_boom_angle == 0) follow_boom_angle(machine);
 
   const DriveCommand* arrived = &command;
   DriveCommand changed;
@@ -208,7 +232,8 @@ PlantInput begin_step(Machine& machine, const DriveCommand& command) {
     if (!machine.has_acceleration) machine.acceleration = accelerations(model, machine.state);
     machine.newest = 1 - machine.newest;
     const EffectMoment& now = machine.ends[machine.newest];
-    observe(model, machine.state, machine.acceleration, machine.ends[machine.newest]);
+    observe(model, machine.state, machine.acceleration,
+            machine.motion.moves ? rope_length(machine.motion, time) : model.parameters.load.rope_length, machine.ends[machine.newest]);
     const EffectMoment& before = machine.has_past ? machine.ends[1 - machine.newest] : now;
     machine.has_past = true;
     EffectMoment& moment = machine.middle;
@@ -216,18 +241,30 @@ PlantInput begin_step(Machine& machine, const DriveCommand& command) {
     for (const std::size_t i : machine.actuator) if (machine.is_on[i]) machine.effects[i]->actuator(moment, input.motor_torque);
     for (const std::size_t i : machine.force) if (machine.is_on[i]) machine.effects[i]->force(moment, input.ports);
     for (const std::size_t i : machine.friction) if (machine.is_on[i]) machine.effects[i]->friction(moment, input.friction);
+    if (machine.motion.moves) {
+      add_motion_forces(machine.motion,
+                        {.time = moment.time, .house_angle = moment.house_angle, .house_speed = moment.house_speed,
+                         .rope_difference = moment.load_displacement - moment.tip_displacement, .rod_angle = moment.rod_angle},
+                        input.ports);
+      input.ports.luffing = luffing_force(machine.motion, moment.time, moment.house_speed);
+    }
   }
   machine.applied_torque = input.motor_torque;
   return input;
 }
 
 void end_step(Machine& machine) {
-  if (!machine.sensor.empty()) {
+  if (!machine.sensor.empty() || machine.motion.moves) {
     const SensorMoment moment{.time = time_of(machine),
                               .house_angle = machine.state.house_angle,
                               .house_speed = machine.state.house_speed,
                               .truth = read(machine.model, machine.state, machine.acceleration)};
     machine.sensed = moment.truth;
+    if (machine.motion.moves) {
+      add_to_accelerometers(machine.sensed, [&](std::string_view place) {
+        return motion_acceleration(machine.motion, moment.time, moment.house_angle, moment.house_speed, place);
+      });
+    }
     for (const std::size_t i : machine.sensor) if (machine.is_on[i]) machine.effects[i]->sensor(moment, machine.sensed);
   }
   machine.effect_evaluations += machine.hooks_per_step;
@@ -242,8 +279,14 @@ void step(Machine& machine, const DriveCommand& command) {
 }
 
 MachineReadings read(const Machine& machine) {
-  if (!machine.sensor.empty()) return machine.sensed;
+  if (!machine.sensor.empty() || machine.motion.moves) return machine.sensed;
   return machine.has_acceleration ? read(machine.model, machine.state, machine.acceleration) : read(machine.model, machine.state);
+}
+
+double rope_angle(const Machine& machine) {
+  const double angle = rope_angle(machine.model, machine.state);
+  if (machine.motion.hoisting.is_still()) return angle;
+  return angle * machine.model.parameters.load.rope_length / rope_length(machine.motion, time_of(machine));
 }
 
 double time_of(const Machine& machine) {

@@ -18,6 +18,7 @@
 #include <vector>
 
 #include "sim/effects/effect.h"
+#include "sim/integrate/crane_motion.h"
 #include "sim/integrate/plant.h"
 #include "sim/integrate/machine_settings.h"
 
@@ -71,8 +72,10 @@ struct Machine {
   EffectMoment middle;
   bool has_acceleration = false;        // `acceleration` is that of the last step's end
   Accelerations acceleration;
-  MachineReadings sensed;               // kept only where a sensor effect is on
+  MachineReadings sensed;               // kept only where a sensor effect is on or the crane moves otherwise than slewing
   GroupArray applied_torque{};          // [Nm] per motor of the last step, behind the actuator path
+  CraneMotion motion;                   // hoisting, luffing, travelling
+  int steps_per_boom_angle = 10;
   PortForces outside;                   // from outside the model, held over each step: how a shadow is led; zero otherwise
   std::int64_t hooks_per_step = 0;
   std::int64_t effect_evaluations = 0;  // hooks called since the start
@@ -98,6 +101,9 @@ bool switch_effect(Machine& machine, std::string_view name, bool on);
 
 // What the wire says at the end of the last step.
 MachineReadings read(const Machine& machine);
+
+// [rad] beta_1 at the rope's length of the moment.
+double rope_angle(const Machine& machine);
 
 // [s] since the start
 double time_of(const Machine& machine);

@@ -10,7 +10,9 @@ constexpr std::size_t kFewest = 3;           // machines side by side: two take 
 constexpr std::int64_t kStepsToJudge = 256;  // after which it is asked whether they are mostly out of line
 constexpr std::int64_t kMostlyOut = 4;       // a step out of line costs more than one in the lanes saves where one of so many is out
 
+// A boom that luffs has other modes from stretch to stretch, which no lane takes over.
 bool are_alike(const PlantModel& a, const PlantModel& b) {
+  if (!a.luffing.empty() || !b.luffing.empty()) return false;
   return !a.is_rigid && !b.is_rigid && a.group_count == b.group_count && a.mode_count == b.mode_count && a.has_load == b.has_load;
 }
 

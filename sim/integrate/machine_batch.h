@@ -1,8 +1,8 @@
 // Machines under one command side by side, each to the bit as step() of machine.h steps it alone: effects machine by machine, the plants of one
 // topology in the lanes of a batch. For the columns of a fit: one machine with small changes along the same record.
 //
-// A machine alone in its topology, one of a rigid drive, and machines that are mostly out of line (friction, a force along the boom) are
-// stepped one by one. While machines are in lanes, the coordinates of their modes are there alone: of `state` all but `q` and `v` is that of
+// A machine alone in its topology, one of a rigid drive, one whose boom luffs, and machines that are mostly out of line
+// (friction, a force along the boom) are stepped one by one. While machines are in lanes, the coordinates of their modes are there alone: of `state` all but `q` and `v` is that of
 // the last step's end.
 #pragma once
 

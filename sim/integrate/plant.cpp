@@ -84,9 +84,27 @@ void add_house(const PlantModel& model, int first, const FourResponses& r, const
   }
 }
 
+// Answers to the port `luffing`, of a boom that does.
+[[gnu::noinline]] void discretise_luffing(const PlantModel& model, const StepLength& of_length, ModalStep& step) {
+  for (double& answer : step.house_to_luffing) answer = 0.0;
+  FourResponses r;
+  for (int mode = 0; mode < model.mode_count; ++mode) {
+    const auto k = static_cast<std::size_t>(mode);
+    const int lane = mode % kLanes;
+    if (lane == 0) four_responses(&model.square[k], &model.damping_rate[k], &model.fastest[k], of_length, r);
+    const double q = step.luffing_q[k] = model.luffing[k] * r.q[0][lane];
+    const double v = step.luffing_v[k] = model.luffing[k] * r.v[0][lane];
+    step.house_to_luffing[0] += model.house[k] * q;
+    step.house_to_luffing[1] += model.house[k] * v;
+    step.house_to_luffing[2] += model.house_acceleration_q[k] * q + model.house_acceleration_v[k] * v;
+  }
+  step.house_to_luffing[2] += model.per_luffing.house;
+}
+
 void discretise(const PlantModel& model, const StepLength& of_length, ModalStep& step) {
   const double h = of_length.length;
   step.length = h;
+  if (!model.luffing.empty()) discretise_luffing(model, of_length, step);
   discretise_gears(model, h, step);
   for (auto& row : step.house) row[0] = row[1] = 0.0;
   step.house_angle_to_torque = step.house_speed_to_torque = 0.0;
@@ -198,6 +216,7 @@ struct Push {
   double house;      // ports on the house, held
   double tip;        // ports on the tip, held
   double uniform;    // ports along the boom, held
+  double luffing;    // port of a boom that luffs, held
   double load;
   double rod;
   FrictionLevels friction;
@@ -237,11 +256,12 @@ SLEWLAB_INLINE void start_of(const PlantModel& model, Groups groups, const Plant
                       gear.damping * (state.motor_speed[i] - state.house_speed);
     start.torque_sum += start.torque[i];
   }
-  const double house_acceleration =
+  double house_acceleration =
       state.modal_house_acceleration +
       model.house_per_house_torque * (start.torque_sum + house) +
       model.house_per_tip_force * (state.rope_force + push.tip) +
       model.house_per_uniform_force * push.uniform;
+  if (push.luffing != 0.0) house_acceleration += model.per_luffing.house * push.luffing;
   for (int i = 0; i < groups; ++i) {
     if (state.contact[i] == 0) continue;
     const GearContact& gear = model.gear[i];
@@ -389,6 +409,20 @@ FrictionEnd pivot_frictions(const PlantModel& model, const ModalStep& step, cons
                          const Start& start, const House& free_house, Trial& trial) {
   if (sweep_frictions(model, step, state, push, start, free_house, trial)) return;
   trial.friction_end = pivot_frictions(model, step, state, push, start, free_house, trial);
+}
+
+// The port `luffing` on modes and house, which are at `house` without it. The house goes by value, so that its numbers need no memory where
+// nothing luffs.
+[[gnu::noinline]] House push_luffing(const PlantModel& model, const ModalStep& step, double luffing, House house, PlantWorkspace& workspace) {
+  for (int mode = 0; mode < model.mode_count; ++mode) {
+    const auto k = static_cast<std::size_t>(mode);
+    workspace.q[k] += step.luffing_q[k] * luffing;
+    workspace.v[k] += step.luffing_v[k] * luffing;
+  }
+  house.angle += step.house_to_luffing[0] * luffing;
+  house.speed += step.house_to_luffing[1] * luffing;
+  house.acceleration += step.house_to_luffing[2] * luffing;
+  return house;
 }
 
 // Where the modes are at the end without the end torques. Returns the house's part.
@@ -561,6 +595,9 @@ SLEWLAB_INLINE void accept(const PlantModel& model, Groups groups, const ModalSt
   if (push.uniform != 0.0) {
     state.supplied_work += push.uniform * (dot(model.uniform, workspace.q) - dot(model.uniform, state.q));
   }
+  if (push.luffing != 0.0) {
+    state.supplied_work += push.luffing * (dot(model.luffing, workspace.q) - dot(model.luffing, state.q));
+  }
   state.q.swap(workspace.q);
   state.v.swap(workspace.v);
 
@@ -579,6 +616,7 @@ SLEWLAB_INLINE void accept(const PlantModel& model, Groups groups, const ModalSt
   state.house_speed = trial.house.speed;
   state.other_tip_force = push.tip;
   state.other_uniform_force = push.uniform;
+  state.luffing_force = push.luffing;
 
   state.supplied_work += push.tip * (tip - state.tip_displacement);
   if (model.has_load) {
@@ -611,7 +649,8 @@ template <class Groups>
 SLEWLAB_INLINE void attempt(const PlantModel& model, Groups groups, const ModalStep& step, const PlantState& state, const Push& push,
              Start& start, PlantWorkspace& workspace, Trial& trial) {
   start_of(model, groups, state, push, start);
-  const House free_house = advance_free(model, step, state, push, start, workspace);
+  House free_house = advance_free(model, step, state, push, start, workspace);
+  if (push.luffing != 0.0) free_house = push_luffing(model, step, push.luffing, free_house, workspace);
   trial.friction.fill(0.0);
   trial.house_friction = 0.0;
   trial.friction_end = FrictionEnd::solved;
@@ -710,6 +749,57 @@ void step_rigid(const PlantModel& model, const Push& push, PlantState& state) {
   state.v[0] = speed / model.house[0];
 }
 
+// What the passes over the modes read, in the order in which they read it.
+void put_in_blocks(PlantModel& model) {
+  const auto put = [&](std::vector<double>& blocks, int terms, int term, const std::vector<double>& values) {
+    blocks.resize(values.size() * static_cast<std::size_t>(terms));
+    for (int k = 0; k < model.padded_count; ++k) blocks[place(k, term, terms)] = values[static_cast<std::size_t>(k)];
+  };
+  const auto put_shape = [&](int term, const std::vector<double>& values) { put(model.shapes, shape_term::count, term, values); };
+  put_shape(shape_term::house, model.house);
+  put_shape(shape_term::house_acceleration_q, model.house_acceleration_q);
+  put_shape(shape_term::house_acceleration_v, model.house_acceleration_v);
+  put_shape(shape_term::tip, model.tip);
+  const auto put_sensed = [&](int term, const std::vector<double>& values) { put(model.sensed, sense_term::count, term, values); };
+  put_sensed(sense_term::square, model.square);
+  put_sensed(sense_term::damping_rate, model.damping_rate);
+  put_sensed(sense_term::house, model.house);
+  put_sensed(sense_term::tip, model.tip);
+  put_sensed(sense_term::uniform, model.uniform);
+  model.places.resize(model.house.size() * place_term::count);
+  double* next = model.places.data();
+  for (std::size_t k = 0; k < model.house.size(); ++k) {
+    for (const double shape : {model.house[k], model.tip[k], model.uniform[k], model.pivot[k], model.middle[k], model.tip_sensor[k]}) *next++ = shape;
+  }
+}
+
+// How what is measured and asked for answers the port `luffing`, of a boom that does.
+void take_luffing(PlantModel& model) {
+  Accelerations& per = model.per_luffing;
+  per = {};
+  for (std::size_t k = 0; k < model.luffing.size(); ++k) {
+    const double luffing = model.luffing[k];
+    per.house += model.house[k] * luffing;
+    per.tip += model.tip[k] * luffing;
+    per.boom += model.uniform[k] * luffing;
+    per.pivot += model.pivot[k] * luffing;
+    per.middle += model.middle[k] * luffing;
+    per.tip_sensor += model.tip_sensor[k] * luffing;
+  }
+  model.full.luffing_q.resize(model.luffing.size(), 0.0);
+  model.full.luffing_v.resize(model.luffing.size(), 0.0);
+}
+
+[[gnu::noinline]] void add_luffing(const PlantModel& model, double luffing, Accelerations& sum) {
+  const Accelerations& per = model.per_luffing;
+  sum.house += per.house * luffing;
+  sum.tip += per.tip * luffing;
+  sum.boom += per.boom * luffing;
+  sum.pivot += per.pivot * luffing;
+  sum.middle += per.middle * luffing;
+  sum.tip_sensor += per.tip_sensor * luffing;
+}
+
 }  // namespace
 
 PlantModel make_plant_model(const CraneParameters& crane, double step) {
@@ -744,51 +834,6 @@ PlantModel make_plant_model(const CraneParameters& crane, double step, const Gro
   model.mode_count = static_cast<int>(model.modes.frequency.size());
   model.padded_count = block_count(model.mode_count) * kLanes;
   model.passes = &modal_passes();
-  const auto padded = [&](const std::vector<double>& values) {
-    std::vector<double> result = values;
-    result.resize(static_cast<std::size_t>(model.padded_count), 0.0);
-    return result;
-  };
-  model.house = padded(model.modes.house);
-  model.pivot = padded(model.modes.pivot);
-  model.tip = padded(model.modes.tip);
-  model.tip_sensor = model.tip;
-  for (std::size_t k = 0; k < model.modes.tip_twist.size(); ++k) {
-    model.tip_sensor[k] -= crane.boom.jib_eccentricity * model.modes.tip_twist[k];
-  }
-  model.middle = padded(model.modes.middle);
-  model.uniform = padded(model.modes.uniform_load);
-  model.damping_rate = padded(model.modes.damping_rate);
-  model.square = padded(model.modes.frequency);
-  for (double& value : model.square) value *= value;
-  for (std::size_t k = 0; k < model.square.size(); ++k) model.fastest.push_back(fastest_rate(model.square[k], model.damping_rate[k]));
-  for (std::size_t k = 0; k < model.house.size(); ++k) {
-    model.house_acceleration_q.push_back(-model.house[k] * model.square[k]);
-    model.house_acceleration_v.push_back(-model.house[k] * model.damping_rate[k]);
-    model.house_per_house_torque += model.house[k] * model.house[k];
-    model.house_per_tip_force += model.house[k] * model.tip[k];
-    model.house_per_uniform_force += model.house[k] * model.uniform[k];
-  }
-  const auto put_blocks = [&](std::vector<double>& blocks, int terms, int term, const std::vector<double>& values) {
-    blocks.resize(values.size() * static_cast<std::size_t>(terms));
-    for (int k = 0; k < model.padded_count; ++k) blocks[place(k, term, terms)] = values[static_cast<std::size_t>(k)];
-  };
-  const auto put_shape = [&](int term, const std::vector<double>& values) { put_blocks(model.shapes, shape_term::count, term, values); };
-  put_shape(shape_term::house, model.house);
-  put_shape(shape_term::house_acceleration_q, model.house_acceleration_q);
-  put_shape(shape_term::house_acceleration_v, model.house_acceleration_v);
-  put_shape(shape_term::tip, model.tip);
-  const auto put_sensed = [&](int term, const std::vector<double>& values) { put_blocks(model.sensed, sense_term::count, term, values); };
-  put_sensed(sense_term::square, model.square);
-  put_sensed(sense_term::damping_rate, model.damping_rate);
-  put_sensed(sense_term::house, model.house);
-  put_sensed(sense_term::tip, model.tip);
-  put_sensed(sense_term::uniform, model.uniform);
-  for (std::size_t k = 0; k < model.house.size(); ++k) {
-    for (const double shape : {model.house[k], model.tip[k], model.uniform[k], model.pivot[k], model.middle[k], model.tip_sensor[k]}) {
-      model.places.push_back(shape);
-    }
-  }
   model.has_load = crane.load.mass > 0.0;
   model.has_axis_force = crane.axis_force.constant != 0.0 || crane.axis_force.gravity != 0.0;
   model.is_rigid = crane.drive.is_rigid;
@@ -812,20 +857,57 @@ PlantModel make_plant_model(const CraneParameters& crane, double step, const Gro
     }
   }
   size_step(model.full, model.padded_count);
-  if (!model.is_rigid) {
-    discretise(model, StepLength(step), model.full);
-    for (unsigned gears = 0; groups <= kTabulatedGroups && gears < 1u << groups; ++gears) {
-      model.full.systems.emplace_back();
-      work_out(model.full, groups, gears, model.full.systems.back());
-    }
-  }
+  if (!model.is_rigid && groups <= kTabulatedGroups) model.full.systems.resize(std::size_t{1} << groups);
+  take_modes(model);
   model.load_step = discretise_load(model, StepLength(step));
   return model;
+}
+
+void take_modes(PlantModel& model) {
+  const FreeHouseModes& modes = model.modes;
+  const auto count = static_cast<std::size_t>(model.padded_count);
+  const auto pad = [&](const std::vector<double>& values, std::vector<double>& result) {
+    result.resize(count, 0.0);
+    std::copy(values.begin(), values.end(), result.begin());
+  };
+  pad(modes.house, model.house);
+  pad(modes.pivot, model.pivot);
+  pad(modes.tip, model.tip);
+  pad(modes.tip, model.tip_sensor);
+  for (std::size_t k = 0; k < modes.tip_twist.size(); ++k) {
+    model.tip_sensor[k] -= model.parameters.boom.jib_eccentricity * modes.tip_twist[k];
+  }
+  pad(modes.middle, model.middle);
+  pad(modes.uniform_load, model.uniform);
+  pad(modes.damping_rate, model.damping_rate);
+  pad(modes.frequency, model.square);
+  for (double& value : model.square) value *= value;
+  model.fastest.resize(count);
+  model.house_acceleration_q.resize(count);
+  model.house_acceleration_v.resize(count);
+  model.house_per_house_torque = model.house_per_tip_force = model.house_per_uniform_force = 0.0;
+  for (std::size_t k = 0; k < count; ++k) {
+    model.fastest[k] = fastest_rate(model.square[k], model.damping_rate[k]);
+    model.house_acceleration_q[k] = -model.house[k] * model.square[k];
+    model.house_acceleration_v[k] = -model.house[k] * model.damping_rate[k];
+    model.house_per_house_torque += model.house[k] * model.house[k];
+    model.house_per_tip_force += model.house[k] * model.tip[k];
+    model.house_per_uniform_force += model.house[k] * model.uniform[k];
+  }
+  put_in_blocks(model);
+  if (model.is_rigid) return;
+  if (!model.luffing.empty()) take_luffing(model);
+  discretise(model, StepLength(model.step), model.full);
+  for (unsigned gears = 0; gears < model.full.systems.size(); ++gears) work_out(model.full, model.group_count, gears, model.full.systems[gears]);
 }
 
 PlantWorkspace make_plant_workspace(const PlantModel& model) {
   PlantWorkspace workspace;
   size_step(workspace.partial, model.padded_count);
+  if (!model.luffing.empty()) {
+    workspace.partial.luffing_q.assign(static_cast<std::size_t>(model.padded_count), 0.0);
+    workspace.partial.luffing_v = workspace.partial.luffing_q;
+  }
   workspace.q.assign(static_cast<std::size_t>(model.padded_count), 0.0);
   workspace.v = workspace.q;
   return workspace;
@@ -883,6 +965,7 @@ void step(const PlantModel& model, PlantWorkspace& workspace, const PlantInput& 
   }
   push.tip = input.ports.tip_force;
   push.uniform = input.ports.uniform_force;
+  push.luffing = input.ports.luffing;
   push.load = input.ports.load_force;
   push.rod = input.ports.rod_moment;
 
@@ -908,9 +991,11 @@ void step(const PlantModel& model, PlantWorkspace& workspace, const PlantInput& 
 Accelerations accelerations(const PlantModel& model, const PlantState& state) {
   double gear_torque = 0.0;
   for (int i = 0; i < model.group_count; ++i) gear_torque += state.gear_torque[i];
-  return model.passes->sense(
+  Accelerations result = model.passes->sense(
       model.padded_count / kLanes, model.sensed.data(), model.places.data(),
       {gear_torque + state.other_house_torque, state.rope_force + state.other_tip_force, state.other_uniform_force}, state.q.data(), state.v.data());
+  if (state.luffing_force != 0.0) add_luffing(model, state.luffing_force, result);
+  return result;
 }
 
 PlantReadings read(const PlantModel& model, const PlantState& state, const Accelerations& acceleration) {

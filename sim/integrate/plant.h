@@ -58,10 +58,12 @@ inline constexpr int kTabulatedGroups = 4;  // up to so many, the whole step's s
 // modal_pass.h.
 struct ModalStep {
   std::vector<double> free, end, held;
+  std::vector<double> luffing_q, luffing_v;  // of every mode to the port `luffing`; empty where the boom does not luff
   // House rotation, speed and acceleration (rows) at the step's end, for T and T' at the end (columns).
   double house[3][2] = {};
   // House rotation, speed and acceleration at the end for a torque held on the house.
   double house_angle_to_torque = 0.0, house_speed_to_torque = 0.0, house_acceleration_to_torque = 0.0;
+  double house_to_luffing[3] = {};  // rotation, speed, acceleration
   std::array<GearStep, kMaximumGroupCount> gear;
   std::vector<GearSystem> systems;  // by the gears in contact, group i's being bit i; empty: worked out in the step
   double length = 0.0;  // [s]
@@ -94,6 +96,8 @@ struct PlantModel {
   std::vector<double> places;          // the same, mode by mode
   const ModalPasses* passes = nullptr;
   std::vector<double> uniform;
+  std::vector<double> luffing;  // padded force on each mode per unit of the port `luffing`; empty where the boom does not luff
+  Accelerations per_luffing;    // per unit of that port
   double house_per_house_torque = 0.0;  // [1/(kg m^2)] sum house^2
   double house_per_tip_force = 0.0;     // [1/(kg m)] sum house tip
   double house_per_uniform_force = 0.0; // [1/kg] sum house uniform
@@ -129,6 +133,7 @@ struct PlantState {
   double other_house_torque = 0.0; // [Nm] friction and ports on the house during the last step
   double other_tip_force = 0.0;    // [N] ports on the tip during the last step
   double other_uniform_force = 0.0;
+  double luffing_force = 0.0;      // [1/s^2] of the port `luffing` during the last step
   GroupArray motor_friction{};     // [Nm] on each group during the last step, slew axis
   double house_friction = 0.0;     // [Nm] on the house during the last step
 
@@ -152,6 +157,9 @@ PlantModel make_plant_model(const CraneParameters& crane, double step);
 // As make_plant_model, with each group's inertia and gears given (uneven drives).
 PlantModel make_plant_model(const CraneParameters& crane, double step, const GroupArray& group_inertia,
                             const std::array<GearContact, kMaximumGroupCount>& gear);
+// For who changed model.modes or model.luffing of a model whose number of modes stands: works out anew what follows from them. Allocates
+// nothing.
+void take_modes(PlantModel& model);
 PlantWorkspace make_plant_workspace(const PlantModel& model);
 
 // At rest, gears in the middle of their play, load hanging straight.

@@ -86,7 +86,8 @@ std::vector<common::EffectInstance> check_effects(const sim::MachineFile& crane,
 }
 
 // Whether parameters that are good one by one make a machine; a boom of so many elements takes milliseconds to assemble.
-void check_machine(const sim::MachineFile& crane, double plant_step, const std::filesystem::path& file, InputProblems& problems) {
+void check_machine(const sim::MachineFile& crane, double plant_step, const sim::MotionRequests& requests, const std::filesystem::path& file,
+                   InputProblems& problems) {
   constexpr int kMostElements = 64;
   const std::vector<common::EffectInstance> effects = check_effects(crane, problems);
   if (!problems.empty() || crane.parameters.boom.element_count > kMostElements) return;
@@ -96,6 +97,7 @@ void check_machine(const sim::MachineFile& crane, double plant_step, const std::
     settings.drive_protection = crane.drive_protection;
     settings.effects = effects;
     settings.step = plant_step;
+    settings.motion_requests = requests;
     sim::make_machine(settings);
   } catch (const std::invalid_argument& error) {
     const bool by_effect = !effects.empty();
@@ -106,7 +108,7 @@ void check_machine(const sim::MachineFile& crane, double plant_step, const std::
 
 void check_machine_file(const std::filesystem::path& file, const std::vector<common::Override>& overrides, Findings& found) {
   const sim::MachineFile crane = sim::load_machine_file(file, overrides);
-  check_machine(crane, sim::MachineSettings{}.step, file, found.problems);
+  check_machine(crane, sim::MachineSettings{}.step, {}, file, found.problems);
   if (found.problems.empty()) weigh_machine(crane, file, overrides, {}, found.warnings);
 }
 
@@ -117,7 +119,7 @@ void check_scenario(const std::filesystem::path& file, const std::vector<common:
   const bool whole = problems.empty();
   if (whole) {
     const double plant_step = static_cast<double>(scenario.plant_step) * 1e-9;  // [s]
-    check_machine(scenario.crane, plant_step, scenario.crane_file, problems);
+    check_machine(scenario.crane, plant_step, scenario.motion_requests, scenario.crane_file, problems);
     weigh_machine(scenario.crane, scenario.crane_file, scenario.crane_overrides, {plant_step, scenario.controller_period}, found.warnings);
     weigh_cost(scenario, file, found.warnings);
   } else {

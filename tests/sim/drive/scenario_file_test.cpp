@@ -120,5 +120,43 @@ TEST(ScenarioFile, BadValuesAreExplained) {
       << complaint({{"crane.load.mass", "60000"}});
 }
 
+// Hoisting, luffing and travelling are asked of the crane; only what the slewing joystick does becomes an OPERATOR.
+TEST(ScenarioFile, OtherMotionsAreNoMovesOfTheJoystick) {
+  const std::string file = SLEWLAB_SOURCE_DIR "/config/scenarios/moves_while_slewing.yaml";
+  const Scenario scenario = load_scenario_file(file);
+  ASSERT_EQ(scenario.moves.size(), 2u);
+  EXPECT_EQ(scenario.moves[1].time, 40'000'000'000);
+  ASSERT_EQ(scenario.motion_requests.hoisting.size(), 2u);
+  EXPECT_EQ(scenario.motion_requests.hoisting[1].time, 22'000'000'000);
+  EXPECT_EQ(scenario.motion_requests.hoisting[1].share, 0.0);
+  EXPECT_EQ(scenario.motion_requests.luffing[0].share, -1.0);
+  EXPECT_EQ(scenario.motion_requests.travelling.size(), 2u);
+  EXPECT_TRUE(load_scenario_file(kThesis).motion_requests.empty());
+
+  // An emergency stop ends what moves, and nothing else.
+  const Scenario stopped = load_scenario_file(file, {{"operator.3.emergency_stop", "true"}});
+  EXPECT_EQ(stopped.motion_requests.hoisting.size(), 2u);
+  EXPECT_EQ(stopped.motion_requests.luffing.back().time, 22'000'000'000);
+  EXPECT_EQ(stopped.moves.size(), 3u);
+}
+
+TEST(ScenarioFile, MotionsThatTheCraneCannotDoAreExplained) {
+  const std::string file = SLEWLAB_SOURCE_DIR "/config/scenarios/moves_while_slewing.yaml";
+  const auto told = [&](const std::vector<common::Override>& overrides) -> std::string {
+    try {
+      load_scenario_file(file, overrides);
+    } catch (const common::InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_NE(told({{"crane", SLEWLAB_SOURCE_DIR "/config/cranes/thesis.yaml"}}).find("found hoisting_request, expected no such request, or a section 'hoisting'"),
+            std::string::npos);
+  EXPECT_NE(told({{"crane.load.rope_length", "15 m"}}).find("a hook hoisted until 5"), std::string::npos) << told({{"crane.load.rope_length", "15 m"}});
+  EXPECT_NE(told({{"crane.luffing.lowest_angle", "50 deg"}}).find("a boom luffed from 43.5 deg to 53.5 deg"), std::string::npos)
+      << told({{"crane.luffing.lowest_angle", "50 deg"}});
+  EXPECT_NE(told({{"operator.0.hoisting_request", "1.5"}}).find("found 1.5, expected a number from -1 to 1"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace slewlab::sim

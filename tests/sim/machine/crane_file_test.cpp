@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
 #include <string>
 
 #include "tests/sim/thesis_crane.h"
@@ -130,6 +131,40 @@ TEST(CraneFile, BadValuesAreExplained) {
   EXPECT_NE(complaint({{"house", "null"}}).find("key 'house': found nothing: the key is missing"), std::string::npos);
   EXPECT_NE(complaint({{"kind", "controller"}}).find("key 'kind': found controller, expected crane"),
             std::string::npos);
+}
+
+TEST(CraneFile, BoomTypesHaveTheirOwnKeys) {
+  const BoomParameters box = load_machine_file(kFolder + "box_girder.yaml").parameters.boom;
+  EXPECT_EQ(box.type, BoomType::box_girder);
+  EXPECT_DOUBLE_EQ(box.side_plate, 0.016);
+  const BoomParameters bent = load_machine_file(kFolder + "knuckle.yaml").parameters.boom;
+  EXPECT_EQ(bent.type, BoomType::knuckle);
+  EXPECT_DOUBLE_EQ(bent.knuckle_position, 0.55);
+  const BoomParameters frame = load_machine_file(kFolder + "a_frame.yaml").parameters.boom;
+  EXPECT_EQ(frame.type, BoomType::a_frame);
+  EXPECT_GT(frame.cylinders.force, 0.0);
+
+  EXPECT_NE(complaint({{"boom.type", "truss"}}).find("key 'boom.type': found truss, expected"), std::string::npos) << complaint({{"boom.type", "truss"}});
+  EXPECT_NE(complaint({{"boom.type", "box_girder"}}).find("key 'boom.side_plate'"), std::string::npos) << complaint({{"boom.type", "box_girder"}});
+  EXPECT_NE(complaint({{"boom.type", "box_girder"}}).find("key 'boom.torsion_constant': found a key of other boom types, expected no such key, or null, or boom.type lattice or a_frame"),
+            std::string::npos);
+  EXPECT_NE(complaint({{"boom.side_plate", "700 mm"}}, "box_girder.yaml").find("key 'boom.side_plate': found 0.7 m, expected less than half_width everywhere"),
+            std::string::npos)
+      << complaint({{"boom.side_plate", "700 mm"}}, "box_girder.yaml");
+  EXPECT_NE(complaint({{"boom.elements", "1"}}, "knuckle.yaml").find("key 'boom.elements': found 1, expected 2 or more"), std::string::npos);
+}
+
+TEST(CraneFile, MotionsAreReadWithTheirLimits) {
+  const MotionParameters motions = load_machine_file(kFolder + "thesis_moving.yaml").parameters.motions;
+  EXPECT_DOUBLE_EQ(motions.hoisting.top_speed, 0.5);
+  EXPECT_DOUBLE_EQ(motions.shortest_rope, 8.0);
+  EXPECT_DOUBLE_EQ(motions.luffing.acceleration, 0.5 * std::numbers::pi / 180.0);
+  EXPECT_EQ(load_machine_file(kFolder + "thesis.yaml").parameters.motions.travelling.top_speed, 0.0);
+
+  EXPECT_NE(complaint({{"hoisting.shortest_rope", "70 m"}}, "thesis_moving.yaml").find("found 70 m, expected not more than load.rope_length, 60 m"), std::string::npos)
+      << complaint({{"hoisting.shortest_rope", "70 m"}}, "thesis_moving.yaml");
+  EXPECT_NE(complaint({{"boom.angle", "10 deg"}}, "thesis_moving.yaml").find("a range with boom.angle in it"), std::string::npos);
+  EXPECT_NE(complaint({{"load", "null"}}, "thesis_moving.yaml").find("key 'hoisting': found a winch"), std::string::npos) << complaint({{"load", "null"}}, "thesis_moving.yaml");
 }
 
 }  // namespace

@@ -33,6 +33,7 @@ nb::dict signals() {
   add_signals<msgs::Truth>(channels, msgs::kTruthChannel);
   add_signals<msgs::ControllerState>(channels, msgs::kControllerStateChannel);
   add_signals<msgs::PlantStatus>(channels, msgs::kPlantStatusChannel);
+  add_signals<msgs::Motion>(channels, msgs::kMotionChannel);
   return channels;
 }
 

@@ -13,7 +13,7 @@ from .files import Changes, check, pairs
 from .machine import Machine
 from .tables import Channels, Log, open_log
 
-CHANNELS = ("ENCODER", "TORQUE", "OPERATOR", "SENSORS", "TRUTH", "CONTROLLER_STATE", "PLANT_STATUS")
+CHANNELS = ("ENCODER", "TORQUE", "OPERATOR", "SENSORS", "TRUTH", "CONTROLLER_STATE", "PLANT_STATUS", "MOTION")
 
 # Asked once a controller period. Answers with the motor torque [Nm] of each group, or an Answer.
 Controller = Callable[[_core.Encoder, _core.Operator], Sequence[float] | _core.Answer]
