@@ -1,8 +1,8 @@
 // The boom: section, closed forms for a homogeneous boom (thesis 2.8), beam elements in lateral bending and
 // torsion, damping and the kinematics of the pivot (thesis 3.3.2).
 //
-// Euler-Bernoulli theory, small deformations, mass spread evenly. A lattice is its four chords (2.11), an A-frame two of them, a box its plates. The node order is
-// [y, phi, psi] from the pivot to the tip: lateral displacement [m], slope dy/dx [rad], twist [rad].
+// Euler-Bernoulli theory, small deformations, mass spread evenly. A lattice is its four chords (2.11), an A-frame two
+// of them, a box its plates. The node order is [y, phi, psi] from the pivot to the tip: lateral displacement [m], slope dy/dx [rad], twist [rad].
 #pragma once
 
 #include <Eigen/Core>

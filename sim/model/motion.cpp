@@ -71,24 +71,21 @@ bool MotionProfile::moves_within(double from, double to) const {
   return false;
 }
 
-namespace {
-
-constexpr double kSampling = 0.01;  // [s] a motion of a crane does not turn faster than that
-
-}  // namespace
-
-double MotionProfile::least(double until) const {
-  double least = 0.0;
-  if (is_still()) return least;
-  for (double time = begin(); time < until; time += kSampling) least = std::min(least, at(time).way);
-  return std::min(least, at(until).way);
+double MotionProfile::furthest(double until, double side) const {
+  // Between ramps the speed stands, so that the way turns within them alone.
+  constexpr int kSamples = 1000;  // of a ramp: its way is known to a millionth of speed times ramp time
+  double furthest = 0.0;
+  const auto look = [&](double time) { furthest = std::max(furthest, side * at(time).way); };
+  for (const Ramp& ramp : ramps_) {
+    if (ramp.begin > until) break;
+    for (int i = 0; i <= kSamples; ++i) look(std::min(ramp.begin + ramp.time * i / kSamples, until));
+  }
+  look(until);
+  return side * furthest;
 }
 
-double MotionProfile::largest(double until) const {
-  double largest = 0.0;
-  if (is_still()) return largest;
-  for (double time = begin(); time < until; time += kSampling) largest = std::max(largest, at(time).way);
-  return std::max(largest, at(until).way);
-}
+double MotionProfile::least(double until) const { return furthest(until, -1.0); }
+
+double MotionProfile::largest(double until) const { return furthest(until, 1.0); }
 
 }  // namespace slewlab::sim

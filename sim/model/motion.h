@@ -62,6 +62,7 @@ class MotionProfile {
     double change;  // of the speed
   };
   static MotionState at(const Ramp& ramp, double time);
+  double furthest(double until, double side) const;  // to the side +1 or -1
 
   std::vector<Ramp> ramps_;
 };

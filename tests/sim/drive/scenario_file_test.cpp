@@ -134,7 +134,7 @@ TEST(ScenarioFile, OtherMotionsAreNoMovesOfTheJoystick) {
   EXPECT_TRUE(load_scenario_file(kThesis).motion_requests.empty());
 
   // An emergency stop ends what moves, and nothing else.
-  const Scenario stopped = load_scenario_file(file, {{"operator.3.emergency_stop", "true"}});
+  const Scenario stopped = load_scenario_file(file, {{"operator.3.emergency_stop", "{value: true, source: test}"}});
   EXPECT_EQ(stopped.motion_requests.hoisting.size(), 2u);
   EXPECT_EQ(stopped.motion_requests.luffing.back().time, 22'000'000'000);
   EXPECT_EQ(stopped.moves.size(), 3u);

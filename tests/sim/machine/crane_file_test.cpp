@@ -144,13 +144,13 @@ TEST(CraneFile, BoomTypesHaveTheirOwnKeys) {
   EXPECT_EQ(frame.type, BoomType::a_frame);
   EXPECT_GT(frame.cylinders.force, 0.0);
 
-  EXPECT_NE(complaint({{"boom.type", "truss"}}).find("key 'boom.type': found truss, expected"), std::string::npos) << complaint({{"boom.type", "truss"}});
-  EXPECT_NE(complaint({{"boom.type", "box_girder"}}).find("key 'boom.side_plate'"), std::string::npos) << complaint({{"boom.type", "box_girder"}});
-  EXPECT_NE(complaint({{"boom.type", "box_girder"}}).find("key 'boom.torsion_constant': found a key of other boom types, expected no such key, or null, or boom.type lattice or a_frame"),
+  EXPECT_NE(complaint({{"boom.type", "{value: truss, source: test}"}}).find("key 'boom.type': found truss, expected"), std::string::npos) << complaint({{"boom.type", "{value: truss, source: test}"}});
+  EXPECT_NE(complaint({{"boom.type", "{value: box_girder, source: test}"}}).find("key 'boom.side_plate'"), std::string::npos) << complaint({{"boom.type", "{value: box_girder, source: test}"}});
+  EXPECT_NE(complaint({{"boom.type", "{value: box_girder, source: test}"}}).find("key 'boom.torsion_constant': found a key of other boom types, expected no such key, or null, or boom.type lattice or a_frame"),
             std::string::npos);
-  EXPECT_NE(complaint({{"boom.side_plate", "700 mm"}}, "box_girder.yaml").find("key 'boom.side_plate': found 0.7 m, expected less than half_width everywhere"),
+  EXPECT_NE(complaint({{"boom.side_plate", "800 mm"}}, "box_girder.yaml").find("key 'boom.side_plate': found 0.8 m, expected less than half_width everywhere"),
             std::string::npos)
-      << complaint({{"boom.side_plate", "700 mm"}}, "box_girder.yaml");
+      << complaint({{"boom.side_plate", "800 mm"}}, "box_girder.yaml");
   EXPECT_NE(complaint({{"boom.elements", "1"}}, "knuckle.yaml").find("key 'boom.elements': found 1, expected 2 or more"), std::string::npos);
 }
 

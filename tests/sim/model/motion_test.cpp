@@ -39,5 +39,20 @@ TEST(Motion, ARequestWithinARampGoesOnFromIt) {
   EXPECT_NEAR(profile.at(19.0).speed, 0.0, 1e-15);
 }
 
+// There and back within ramps: 0.5 m/s for 10 s between the ramps' middles, then as long the other way at half the speed.
+TEST(Motion, KnowsHowFarItGoes) {
+  const MotionProfile profile({.top_speed = 0.5, .acceleration = 0.25}, {{2 * kSecond, 1.0}, {12 * kSecond, -0.5}, {22 * kSecond, 0.0}});
+  EXPECT_EQ(profile.least(60.0), 0.0);
+  // The turn lies in the ramp from 0.5 to -0.25 m/s, 4.5 s long: at 3 s^2 - 2 s^3 = 2/3.
+  double low = 0.0, high = 1.0;
+  for (int i = 0; i < 60; ++i) {
+    const double s = 0.5 * (low + high);
+    (3.0 * s * s - 2.0 * s * s * s < 2.0 / 3.0 ? low : high) = s;
+  }
+  const double turn = 0.5 * 8.5 + 4.5 * (0.5 * low - 0.75 * (low * low * low - 0.5 * low * low * low * low));
+  EXPECT_NEAR(profile.largest(60.0), turn, 1e-6);
+  EXPECT_NEAR(profile.largest(10.0), 0.5 * 6.5, 1e-12);
+}
+
 }  // namespace
 }  // namespace slewlab::sim
