@@ -426,8 +426,8 @@ FrictionEnd pivot_frictions(const PlantModel& model, const ModalStep& step, cons
 }
 
 // Where the modes are at the end without the end torques. Returns the house's part.
-House advance_free(const PlantModel& model, const ModalStep& step, const PlantState& state, const Push& push,
-                   const Start& start, PlantWorkspace& workspace) {
+SLEWLAB_INLINE House advance_free(const PlantModel& model, const ModalStep& step, const PlantState& state, const Push& push,
+                                  const Start& start, PlantWorkspace& workspace) {
   const double force = state.rope_force + push.tip, force_rate = state.rope_force_rate;
   const FreeSums sums = model.passes->free(model.padded_count / kLanes, step.free.data(), step.held.data(), model.shapes.data(),
                                            {start.torque_sum, start.rate_sum, force, force_rate, push.house, push.uniform}, state.q.data(),
@@ -468,7 +468,7 @@ Number change_measure(const GearContact& gear, int contact, int side, const Numb
 }
 
 // Whether the contact may change within the step: it has changed at the end, or the deflection turns on the way. Asked in every step.
-bool may_change(const GearContact& gear, int contact, int side, const Deflection& d) {
+SLEWLAB_INLINE bool may_change(const GearContact& gear, int contact, int side, const Deflection& d) {
   if (!(change_measure(gear, contact, side, d.end, d.end_rate) <= 0.0)) return true;
   const double towards = contact != 0 ? -side : side;
   return towards * d.start_rate > 0.0 && towards * d.end_rate < 0.0;
@@ -569,7 +569,7 @@ void change_contact(PlantState& state, int group, int contact) {
 
 // The rope's force on the tip and its rate. The damping's share of the rate is its change over the last
 // `length` seconds; with 0 it counts as steady.
-void rope_forces(const PlantModel& model, double length, PlantState& state) {
+SLEWLAB_INLINE void rope_forces(const PlantModel& model, double length, PlantState& state) {
   if (!model.has_load) return;
   const LoadOnSpring& load = model.load;
   const double y = load.modes(0, 0) * state.load_q[0] + load.modes(0, 1) * state.load_q[1];
@@ -585,7 +585,7 @@ void rope_forces(const PlantModel& model, double length, PlantState& state) {
 // Takes the trial's end for the state.
 template <class Groups>
 SLEWLAB_INLINE void accept(const PlantModel& model, Groups groups, const ModalStep& step, const LoadStep& load_step, const Push& push,
-            const Trial& trial, PlantWorkspace& workspace, PlantState& state) {
+                           const Trial& trial, PlantWorkspace& workspace, PlantState& state) {
   const double house_friction = push.has_friction ? trial.house_friction : 0.0;
   const EndSums sums = model.passes->end(model.padded_count / kLanes, step.end.data(), step.held.data(), model.shapes.data(),
                                          {trial.torque_sum, trial.rate_sum, house_friction}, workspace.q.data(), workspace.v.data());
@@ -647,7 +647,7 @@ SLEWLAB_INLINE void accept(const PlantModel& model, Groups groups, const ModalSt
 // Advances by step.length with the contacts as they stand; the end is left in `trial` and the workspace.
 template <class Groups>
 SLEWLAB_INLINE void attempt(const PlantModel& model, Groups groups, const ModalStep& step, const PlantState& state, const Push& push,
-             Start& start, PlantWorkspace& workspace, Trial& trial) {
+                            Start& start, PlantWorkspace& workspace, Trial& trial) {
   start_of(model, groups, state, push, start);
   House free_house = advance_free(model, step, state, push, start, workspace);
   if (push.luffing != 0.0) free_house = push_luffing(model, step, push.luffing, free_house, workspace);
