@@ -32,6 +32,8 @@ constexpr double kAboveNoise = 3.0;          // times what noise leaves, from wh
 constexpr double kSure = 0.9;                // probability from which a law is named without its family
 constexpr double kMost = 0.5;                // share of the gap on data that were not fitted, that an answer explains at least
 constexpr double kWorthSaying = 0.1;         // share of the gap that is left unexplained and named
+constexpr double kBeyondRating = 20.0;       // times the rated torque or the top speed: no motor is overloaded so far
+constexpr double kSlowestJudged = 2e-3;      // of the top speed, below which nothing is judged (balance_fit.cpp)
 constexpr double kFewMoves = 0.01;           // of a record, by which it moves in a direction
 constexpr int kFiner = 4;                    // steps of the forward simulation per sample
 constexpr int kHalvings = 40;                // of the bracket of a speed
@@ -69,6 +71,30 @@ std::vector<double> rough_speed(const std::vector<double>& position, double step
     if (to > from) speed[n] = (position[to] - position[from]) / (step * static_cast<double>(to - from));
   }
   return speed;
+}
+
+// A column in mA or degrees, or a time in ms, is far from what the axis's file says of its motor.
+void check_against_ratings(const std::string& name, double largest_torque, const AxisRecord& record, const sim::MachineFile& axis) {
+  const char *torque_unit = axis.axis.is_shaft_linear ? "N" : "N m", *speed_unit = axis.axis.is_linear ? "m/s" : "rad/s";
+  if (const double rated = axis.parameters.drive.rated_torque; largest_torque > kBeyondRating * rated) {
+    throw NoBalance(fmt::format("{}: the motor's torque reaches {:.3g} {}, {:.0f} times the rated {:.3g} {} of the axis's file: check the units of the torque (a current in "
+                                "A or mA takes `scale:` in the map) and on which side of the gears it is",
+                                name, largest_torque, torque_unit, largest_torque / rated, rated, torque_unit));
+  }
+  const std::vector<double> speeds = rough_speed(record.position, record.step);
+  double fastest = 0.0;
+  for (const double speed : speeds) fastest = std::max(fastest, std::fabs(speed));
+  const double top = axis.parameters.drive.top_speed, usual = root_mean_square(speeds);
+  if (usual > kBeyondRating * top) {
+    throw NoBalance(fmt::format("{}: the axis moves at {:.3g} {} (RMS), {:.0f} times the top speed of {:.3g} {} of its file: check the units of position (deg, mm) and time, "
+                                "and on which side of the gears the position is",
+                                name, usual, speed_unit, usual / top, top, speed_unit));
+  }
+  if (fastest > 0.0 && fastest < kSlowestJudged * top) {
+    throw NoBalance(fmt::format("{}: the axis moves at {:.3g} {} at most, {:.2g} % of the top speed of {:.3g} {} of its file: check the units of time (ms) and position; a torque "
+                                "balance needs moves at several speeds",
+                                name, fastest, speed_unit, 100.0 * fastest / top, top, speed_unit));
+  }
 }
 
 // Torques that the effects of the axis's own file give along the measured motion.
@@ -189,8 +215,11 @@ void take_effects(const sim::MachineFile& axis, double first_position, AxisDiagn
     const BalanceTerm* term = term_of(model, law);
     return term == nullptr ? 0.0 : term->shape;
   };
+  const auto is_named = [&](std::string_view law) {
+    return std::any_of(model.terms.begin(), model.terms.end(), [&](const BalanceTerm& term) { return term.law == law; });
+  };
   sim::BalanceEffects found = sim::effects_of_balance(
-      {.dry = size("dry"), .viscous = size("viscous"), .viscous_difference = size("viscous", 1), .offset = size("offset"),
+      {.dry = size("dry"), .viscous = size("viscous"), .viscous_difference = size("viscous", 1), .dry_difference = is_named("offset") ? 0.0 : size("offset"), .offset = is_named("offset") ? size("offset") : 0.0,
        .breakaway_excess = size("stribeck"), .stribeck_speed = shape("stribeck"), .rising = size("rising"), .rising_speed = shape("rising"),
        .gravity_sine = size("gravity", 0), .gravity_cosine = size("gravity", 1), .first_position = first_position},
       sim::effects_for(axis));
@@ -212,6 +241,8 @@ std::string inertia_words(const sim::MachineFile& axis, double nominal, double f
 void keep_only(double factor, BalanceAnswer& answer) {
   for (BalanceModel& model : answer.models) model.probability *= factor;
   answer.best.probability *= factor;
+  for (LawProbability& law : answer.laws) law.probability *= factor;
+  for (BalanceTerm& term : answer.best.terms) term.probability *= factor;
   answer.probability_unknown = 1.0 - factor * (1.0 - answer.probability_unknown);
 }
 
@@ -278,6 +309,10 @@ void name_answer(const sim::MachineFile& axis, double inertia_spread, AxisDiagno
       if (!members.empty()) words += fmt::format("{}{} ({:.0f} %), most likely {}", words.empty() ? "" : "; ", words_of(family.family), 100.0 * family.probability, members);
     }
   }
+  if (is_inertia_off) {
+    diagnosis.remarks.push_back(fmt::format("a torque constant that is {:.0f} % off would show the same; all other sizes then change by as much",
+                                            100.0 * std::fabs(nominal / best.inertia - 1.0)));
+  }
   if (is_inertia_off) words += (best.terms.empty() ? "" : ", beside ") + inertia_words(axis, nominal, best.inertia);
   diagnosis.verdict = fmt::format("{}: {:.1f} % of the gap on data that were not fitted", words, 100.0 * share);
   const std::string follows = rest.empty() ? "follows neither speed, position, time nor torque" : "follows the " + rest;
@@ -314,6 +349,7 @@ AxisRecord axis_record(const NamedRun& named, const sim::MachineFile& axis) {
   record.step = static_cast<double>(run.encoder.back().simulated_time - run.encoder.front().simulated_time) * kNanosecond / count;
   if (!(record.step > 0.0)) throw NoBalance(named.name + ": the time of ENCODER does not rise");
   const msgs::Torque* held = &run.torque.front();
+  double largest = 0.0;  // torque of a motor
   for (std::size_t n = 0; n < run.encoder.size(); ++n) {
     const msgs::Encoder& encoder = run.encoder[n];
     const double time = static_cast<double>(encoder.simulated_time - run.encoder.front().simulated_time) * kNanosecond;
@@ -329,9 +365,11 @@ AxisRecord axis_record(const NamedRun& named, const sim::MachineFile& axis) {
     if (!std::isfinite(position) || !std::isfinite(torque)) {
       throw NoBalance(fmt::format("{}: a position or torque at {:.4f} s is no number", named.name, static_cast<double>(encoder.simulated_time) * kNanosecond));
     }
+    largest = std::max(largest, std::fabs(torque));
     record.position.push_back(position);
     record.effort.push_back(ratio * motors * std::clamp(torque, -limit, limit) + sim::axis_force_at(axis.parameters.axis_force, position));
   }
+  check_against_ratings(record.name, largest, record, axis);
   if (root_mean_square(record.effort) == 0.0) throw NoBalance(named.name + ": the torque is zero throughout; there is nothing to balance the motion with");
   add_own_effects(axis, record);
   return record;

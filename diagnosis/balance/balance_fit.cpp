@@ -228,6 +228,20 @@ struct Validated : LeftOut {
   bool is_physical = true;  // no size has a sign that it cannot have, and all of them are determined
 };
 
+// Whether a law's sizes are such as its physics allows.
+bool has_possible_sizes(const Regression& regression, const std::vector<BalanceLaw>& laws, const std::vector<Eigen::Index>& columns,
+                        const std::pair<int, std::size_t>& chosen, const Eigen::VectorXd& sizes) {
+  const BalanceLaw& law = laws[static_cast<std::size_t>(chosen.first)];
+  if (!law.is_dissipative) return true;
+  const auto first = std::find_if(columns.begin(), columns.end(), [&](Eigen::Index c) {
+    const Column& column = regression.columns[static_cast<std::size_t>(c)];
+    return column.law == chosen.first && column.shape == chosen.second;
+  });
+  const LawShape& shape = law.shapes[chosen.second];
+  const double size = sizes(first - columns.begin());
+  return size >= 0.0 && size <= shape.largest && !(shape.is_leaning && std::fabs(sizes(first - columns.begin() + 1)) > size);
+}
+
 Validated validate(const Regression& regression, const std::vector<BalanceLaw>& laws, const Choice& choice, std::size_t records) {
   Validated result;
   result.choice = choice;
@@ -260,15 +274,7 @@ Validated validate(const Regression& regression, const std::vector<BalanceLaw>& 
     result.of_records += error / regression.count;
   }
   result.is_physical = result.sizes(0) > 0.0 && (choice.laws.empty() || determined > kParallel);
-  for (const auto& [law, shape] : choice.laws) {
-    if (!laws[static_cast<std::size_t>(law)].is_dissipative) continue;
-    const auto first = std::find_if(columns.begin(), columns.end(), [&, law = law, shape = shape](Eigen::Index c) {
-      const Column& column = regression.columns[static_cast<std::size_t>(c)];
-      return column.law == law && column.shape == shape;
-    });
-    const double size = result.sizes(first - columns.begin());
-    if (size < 0.0 || size > laws[static_cast<std::size_t>(law)].shapes[shape].largest) result.is_physical = false;
-  }
+  for (const auto& law : choice.laws) result.is_physical = result.is_physical && has_possible_sizes(regression, laws, columns, law, result.sizes);
   return result;
 }
 
@@ -694,8 +700,7 @@ Validated with_details(const Regression& regression, const std::vector<BalanceLa
     const std::vector<Eigen::Index> columns = columns_of(regression, whole);
     std::size_t pushes = whole.laws.size();
     for (std::size_t k = named.choice.laws.size(); k < whole.laws.size(); ++k) {
-      const auto first = std::find_if(columns.begin(), columns.end(), [&](Eigen::Index c) { return regression.columns[static_cast<std::size_t>(c)].law == whole.laws[k].first; });
-      if (laws[static_cast<std::size_t>(whole.laws[k].first)].is_dissipative && all.sizes(first - columns.begin()) < 0.0) pushes = k;
+      if (!has_possible_sizes(regression, laws, columns, whole.laws[k], all.sizes)) pushes = k;
     }
     if (pushes == whole.laws.size()) return all;
     whole.laws.erase(whole.laws.begin() + static_cast<std::ptrdiff_t>(pushes));

@@ -42,6 +42,7 @@ struct LawShape {
   double shape = 0.0;  // 0 where the law has none
   std::vector<std::function<double(const LawMoment&)>> columns;
   double largest = std::numeric_limits<double>::infinity();  // that the first size can be
+  bool is_leaning = false;                                   // the second size is half a difference of the directions: no more than the first
 };
 
 struct BalanceLaw {

@@ -1,6 +1,7 @@
 // The laws of balance_fit.h.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "diagnosis/balance/balance_fit.h"
@@ -28,7 +29,8 @@ std::vector<BalanceLaw> balance_laws(const BalanceScales& scales) {
   laws.push_back({"dry", LawFamily::friction, "dry friction", {{0.0, {direction}}}, true, "", true});
   // No two directions are quite alike: half their difference goes with |v|.
   laws.push_back({"viscous", LawFamily::friction, "viscous friction",
-                  {{0.0, {[](const LawMoment& m) { return m.speed; }, [](const LawMoment& m) { return std::fabs(m.speed); }}}}, true, "", true});
+                  {{0.0, {[](const LawMoment& m) { return m.speed; }, [](const LawMoment& m) { return std::fabs(m.speed); }},
+                    std::numeric_limits<double>::infinity(), true}}, true, "", true});
   // With dry friction this is dry friction with a value of its own in each direction: the same motion.
   laws.push_back({"offset", LawFamily::load, "constant torque", {{0.0, {[](const LawMoment&) { return 1.0; }}}}, false, "", true});
   BalanceLaw stribeck{"stribeck", LawFamily::friction, "friction that falls from its breakaway value", {}, true, "", false};
