@@ -138,6 +138,14 @@ void check_motions(YamlReader& reader, const Scenario& scenario) {
   missing(asked.travelling, crane.motions.travelling, "travelling");
 }
 
+// Whether the file that stands under the key is there.
+bool is_there(YamlReader& reader, std::string_view key, const std::filesystem::path& file) {
+  if (file.empty()) return false;  // told already
+  if (std::filesystem::is_regular_file(file)) return true;
+  reader.report(key, "'" + file.string() + "', which cannot be read", "the name of a readable file");
+  return false;
+}
+
 // The scenario's own part of the configuration: the contents of crane and controller stand for their names.
 std::string own_text(YamlNode&& root) {
   std::erase_if(root.entries, [](const common::YamlEntry& entry) {
@@ -193,8 +201,9 @@ Scenario read_scenario_file(const std::filesystem::path& file, const std::vector
                   std::string(name_of(kind)) + "." + stray.key + ": the machine of this scenario is " + (has_axis ? "an axis" : "a crane"));
   }
   read_scenario(reader, scenario);
+  const std::string_view key_of_machine = name_of(kind);
 
-  if (!scenario.crane_file.empty()) {
+  if (is_there(reader, key_of_machine, scenario.crane_file)) {
     try {
       scenario.crane = load_machine_file(scenario.crane_file, scenario.crane_overrides);
       if (scenario.crane.kind != kind) {
@@ -220,7 +229,7 @@ Scenario read_scenario_file(const std::filesystem::path& file, const std::vector
                                 static_cast<std::uint64_t>(scenario.seed));
   reader.finish();
   YamlNode controller;
-  if (!scenario.controller_file.empty()) {
+  if (is_there(reader, "controller", scenario.controller_file)) {
     // What is wrong in it is for the controller's own reader to tell; only that it is there matters here.
     InputProblems told_elsewhere;
     controller =

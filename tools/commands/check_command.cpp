@@ -130,7 +130,7 @@ void check_scenario(const std::filesystem::path& file, const std::vector<common:
     }
   }
   problems = as_given(std::move(problems), scenario.crane_overrides);
-  if (by == ControllerBy::user || scenario.controller_file.empty()) return;
+  if (by == ControllerBy::user || !std::filesystem::exists(scenario.controller_file)) return;  // that it is not there is told
   try {
     const controller::ControllerSettings settings =
         controller::load_controller_file(scenario.controller_file, scenario.controller_overrides).settings;

@@ -107,7 +107,10 @@ TEST(ScenarioFile, BadValuesAreExplained) {
   EXPECT_EQ(complaint({{"operator.0.speed_request", "1.5"}}),
             "--set operator.0.speed_request=1.5: key 'operator.0.speed_request': found 1.5, "
             "expected a number from -1 to 1");
-  EXPECT_NE(complaint({{"crane", "nowhere.yaml"}}).find("'nowhere.yaml', which cannot be read"), std::string::npos);
+  EXPECT_EQ(complaint({{"crane", "nowhere.yaml"}, {"crane.load.mass", "3 t"}}),
+            "--set crane=nowhere.yaml: key 'crane': found 'nowhere.yaml', which cannot be read, expected the name of a readable file");
+  EXPECT_EQ(complaint({{"controller", "nowhere.yaml"}}),
+            "--set controller=nowhere.yaml: key 'controller': found 'nowhere.yaml', which cannot be read, expected the name of a readable file");
   EXPECT_NE(complaint({{"crane", SLEWLAB_SOURCE_DIR "/config/controllers/thesis.yaml"}})
                 .find("config/controllers/thesis.yaml:1:7: key 'kind': found controller, expected crane"),
             std::string::npos);
