@@ -2,19 +2,23 @@
 //
 //   F - (nominal load) = J q'' + sum over laws of size * law(q', q, t)
 //
-// Sizes by linear least squares; shapes (a Stribeck speed, a warming time) from a grid. Two kinds of validation judge: blocks of every
-// record that were left out, and whole records that were left out. Candidates are no law, each law alone, each pair, and what grows from
-// them one law at a time while the mean fall of the squared residual over the left-out blocks is more than kSignificance of its standard
-// errors and no left-out record gets worse by more than it gains elsewhere. A law whose size has a sign that its physics forbids (friction
-// that pushes) is no candidate.
+// Sizes by linear least squares; shapes (a Stribeck speed, a warming time, a lag) from a grid. Two kinds of validation judge: blocks of every
+// record that were left out, each of several stretches spread over it, and whole records that were left out. Candidates are no law, each law
+// alone, each pair, and what grows from them one law at a time while the mean fall of the squared residual over the left-out blocks is more
+// than kSignificance of its standard errors and no left-out record gets worse by more than it gains elsewhere. A law whose size has a sign
+// that its physics forbids (friction that pushes) is no candidate.
+//
+// Part of every fit, under priors of their own: a skew between the channels of the recorder, and viscous friction's difference of the
+// directions. The answer's sizes are fitted beside those ordinary laws that are not named (`details`): every machine has a little of them,
+// and what predicts must not do worse than least squares with all of them.
 //
 // Samples slower than the speed that the positions resolve are left out: what dry friction holds at rest is not determined.
 //
 // Probabilities: with x_b the logarithm of the ratio of what two models leave of block b, both above (kLawDiscrepancy of the gap's
 // amplitude)^2, m its mean over n blocks and s its standard error, kRatioDeviation added,
 //   ln odds = -(n / 2) ln(1 + (m / s)^2 / (n - 1)) sign(m),
-// each law more at its prior. The answer is the model of the laws that are likelier there than not. So what counts is whether a law helps everywhere, not how often its help was sampled. "Unknown" is a smooth
-// function of speed and position under the same validation.
+// each law more at its prior. The answer is the model of the laws that are likelier there than not. So what counts is whether a law helps
+// everywhere, not how often its help was sampled. "Unknown" is a smooth function of speed and position under the same validation.
 //
 // All sizes are in units of the axis; every threshold is a share of the record's own or the machine's scales.
 #pragma once

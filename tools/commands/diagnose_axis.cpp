@@ -146,7 +146,8 @@ std::string summary_text(const AxisDiagnosis& found, const Words& words) {
     for (const BalanceTerm& term : found.answer.best.terms) {
       for (std::size_t k = 0; k < term.size.size(); ++k) {
         const double reach = kNinetyPercent * term.deviation[k];
-        text += fmt::format("            {} = {:.4g} {} (90 %: {:.4g} to {:.4g}; there with {:.0f} %; without it {:.1f} % more of the gap are left)\n", term.words, term.size[k],
+        text += fmt::format("            {}{} = {:.4g} {} (90 %: {:.4g} to {:.4g}; there with {:.0f} %; without it {:.1f} % more of the gap are left)\n", term.words,
+                            k == 1 && term.law == "viscous" ? ", half the difference of the directions" : "", term.size[k],
                             unit_of(term, words), term.size[k] - reach, term.size[k] + reach, 100 * term.probability, 100 * term.share);
       }
     }

@@ -110,7 +110,7 @@ TEST(BalanceFit, FrictionThatPushesIsNoAnswer) {
   axis.resistance = [](double, double, double speed) { return -0.1 * speed; };
   const BalanceAnswer answer = answer_of(axis).answer;
   for (const BalanceTerm& term : answer.best.terms) {
-    if (term.family == LawFamily::friction && term.law != "position_friction" && term.law != "viscous_direction") {
+    if (term.family == LawFamily::friction && term.law != "position_friction") {
       EXPECT_GE(term.size[0], 0.0) << term.words;
     }
   }
