@@ -200,6 +200,59 @@ TEST(CraneMotion, LuffingBooksItsWork) {
   EXPECT_NEAR(machine.state.supplied_work / gained, 1.0, 2e-3);
 }
 
+// What effects and accelerometers are told has the luffing's part: on a rigid boom it is what the slewing speed's difference over two steps
+// says, but for the gears' vibration within them.
+TEST(CraneMotion, AccelerationsHaveTheLuffingsPart) {
+  CraneParameters crane = thesis_crane(0);
+  crane.load = {};
+  Machine machine = moving(crane, {.hoisting = {}, .luffing = {{0, 1.0}}, .travelling = {}});
+  const double speed = 0.03;  // [rad/s]
+  machine.state.v[0] = speed / machine.model.house[0];
+  machine.state.motor_speed.fill(speed);
+  refresh(machine.model, machine.state);
+  run_until(machine, 8.004);  // amid a stretch of one boom angle
+  const double before = machine.state.house_speed;
+  step(machine, {});
+  const Accelerations now = accelerations(machine.model, machine.state);
+  step(machine, {});
+  const double luffings = machine.model.per_luffing.house * machine.state.luffing_force;
+  EXPECT_GT(std::fabs(luffings), 1e-4);  // [rad/s^2]
+  EXPECT_NEAR(now.house, (machine.state.house_speed - before) / (2.0 * kStep), 1e-3 * std::fabs(luffings));
+}
+
+// With a boom that bends, at every place: the sum over the modes of shape times acceleration, term by term.
+TEST(CraneMotion, AccelerationsAreTheModes) {
+  Machine machine = moving(thesis_crane(), {.hoisting = {}, .luffing = {{0, 1.0}}, .travelling = {}});
+  DriveCommand command;
+  command.motor_torque = {200.0, 150.0};
+  for (int k = 0; k < 4005; ++k) step(machine, command);
+  const PlantModel& model = machine.model;
+  const PlantState& state = machine.state;
+  ASSERT_NE(state.luffing_force, 0.0);
+  double on_house = state.other_house_torque;
+  for (int i = 0; i < model.group_count; ++i) on_house += state.gear_torque[i];
+  Accelerations expected;
+  double largest = 0.0;  // of the house's part of a mode
+  for (std::size_t k = 0; k < static_cast<std::size_t>(model.mode_count); ++k) {
+    const double mode = -model.modes.frequency[k] * model.modes.frequency[k] * state.q[k] - model.modes.damping_rate[k] * state.v[k] +
+                        model.modes.house[k] * on_house + model.modes.tip[k] * (state.rope_force + state.other_tip_force) +
+                        model.luffing[k] * state.luffing_force;
+    expected.house += model.modes.house[k] * mode;
+    expected.tip += model.modes.tip[k] * mode;
+    expected.boom += model.modes.uniform_load[k] * mode;
+    expected.pivot += model.modes.pivot[k] * mode;
+    expected.middle += model.modes.middle[k] * mode;
+    largest = std::max(largest, std::fabs(model.modes.house[k] * mode));
+  }
+  const Accelerations told = accelerations(model, state);
+  const double rounding = 1e-9;  // [-] of sums whose terms are larger than they
+  EXPECT_NEAR(told.house, expected.house, rounding * largest);
+  EXPECT_NEAR(told.tip, expected.tip, rounding * std::fabs(expected.tip));
+  EXPECT_NEAR(told.boom, expected.boom, rounding * std::fabs(expected.boom));
+  EXPECT_NEAR(told.pivot, expected.pivot, rounding * largest);
+  EXPECT_NEAR(told.middle, expected.middle, rounding * std::fabs(expected.middle));
+}
+
 TEST(CraneMotion, NothingIsAllocatedInAStep) {
   Machine machine = moving(thesis_crane(), {.hoisting = {{0, 1.0}}, .luffing = {{0, 1.0}}, .travelling = {{0, -1.0}}});
   DriveCommand command;

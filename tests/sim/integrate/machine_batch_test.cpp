@@ -107,6 +107,20 @@ TEST(MachineBatch, MachinesThatAreMostlyOutOfLineLeaveTheLanes) {
   EXPECT_EQ(compare({machine_with({typical("wind")}), machine_with({typical("wind")}, 1.1), machine_with({typical("wind")}, 0.9)}, 3000), 0);
 }
 
+// Hoisting goes on in lanes. A boom that luffs changes its modes as it goes, so that its machine is stepped alone.
+TEST(MachineBatch, MachinesThatMoveHaveTheBitsThatTheyHaveAlone) {
+  const auto moving = [](double share, bool luffs) {
+    MachineSettings settings = machine_with({}, share);
+    settings.crane.motions = {.hoisting = {0.5, 0.75}, .shortest_rope = 5.0, .luffing = {0.02, 0.01}, .lowest_angle = 0.2, .highest_angle = 1.5,
+                              .travelling = {}, .travel_direction = 0.0};
+    settings.motion_requests.hoisting = {{0, 1.0}};
+    if (luffs) settings.motion_requests.luffing = {{0, -1.0}};
+    return settings;
+  };
+  EXPECT_EQ(compare({moving(1.0, false), moving(1.1, false), machine_with({typical("encoder_ripple")}), moving(0.9, false)}, 3000), 1);
+  EXPECT_EQ(compare({moving(1.0, true), moving(1.1, true), moving(0.9, true), machine_with({}), machine_with({}, 1.1), machine_with({}, 0.9)}, 3000), 1);
+}
+
 TEST(MachineBatch, AStepAllocatesNothing) {
   std::vector<Machine> machines = machines_of({machine_with({}), machine_with({typical("torque_lag")}), machine_with({}, 1.1)});
   MachineBatch batch = make_machine_batch(pointers(machines));
