@@ -1,6 +1,6 @@
 """Reads a run's log (run.lcmlog) as numpy arrays: a structured array per channel, a field per message field.
 
-The log is decoded by slewlab's core in this process (tools/python/core/log_bindings.cpp), a stretch of the file at a time and ahead of
+The log is decoded by slewlab._log in this process (tools/python/core/log_bindings.cpp), a stretch of the file at a time and ahead of
 whoever computes with it, so that a log larger than memory can be gone through by stretches(); channel() holds a whole channel. Which
 messages are the run follows msgs/run_order.h; what cannot be used is told in `remarks`, one line each.
 """
@@ -64,19 +64,20 @@ class RunLog:
     Messages are read when they are asked for: the file has to stay until then."""
 
     def __init__(self, path):
-        from core_module import core  # which asks this module where the build is
+        from extension_module import loaded  # which asks this module where the build is
 
         self.path, self._whole = Path(path), {}
-        self._problem = core.LogError
+        reader = loaded("_log")
+        self._problem = reader.LogError
         try:
-            self._core = core.LogTables(self.path)
+            self._log = reader.LogTables(self.path)
         except self._problem as error:
             raise LogProblem(str(error)) from None
-        self.remarks, self.lateness = self._core.remarks, self._core.lateness
+        self.remarks, self.lateness = self._log.remarks, self._log.lateness
         self.tables = {}
-        for channel in self._core.channels:
-            rows, first, last = self._core.extent(channel)
-            self.tables[channel] = Table(np.dtype(self._core.layout(channel)), rows, first / 1e9, last / 1e9)
+        for channel in self._log.channels:
+            rows, first, last = self._log.extent(channel)
+            self.tables[channel] = Table(np.dtype(self._log.layout(channel)), rows, first / 1e9, last / 1e9)
 
     def has(self, name):
         return name in self.tables
@@ -85,7 +86,7 @@ class RunLog:
         """The messages of these channels (none named: of all), a stretch of the file at a time: {name: messages}. Within a
         channel the keys rise; a message's time lies at most `lateness` [ns] before that of any stretch before it."""
         try:
-            for stretch in self._core.stretches(list(names or self.tables)):
+            for stretch in self._log.stretches(list(names or self.tables)):
                 yield {name: rows.view(self.tables[name].dtype) for name, rows in stretch.items()}
         except self._problem as error:
             raise LogProblem(str(error)) from None

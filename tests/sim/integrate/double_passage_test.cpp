@@ -25,8 +25,8 @@ double tip_amplitude(const CraneParameters& crane, double interval, double frequ
   Machine machine = make_machine({.crane = crane, .effects = {}, .step = kStep});
   const double begin = kTurn + 2.0 / frequency, length = 8.0 / frequency;
   std::vector<double> acceleration;
-  while (machine.state.step_count * kStep < begin + length) {
-    const double time = static_cast<double>(machine.state.step_count) * kStep;
+  while (time_of(machine) < begin + length) {
+    const double time = time_of(machine);
     DriveCommand command;
     // Brought up within a second, so that the start does not ring.
     const double up = kTorque * 0.5 * (1.0 - std::cos(std::numbers::pi * std::min(time, 1.0)));

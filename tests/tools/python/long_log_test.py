@@ -2,7 +2,6 @@
 page of them shows every peak."""
 
 import os
-import re
 import subprocess
 import sys
 import tempfile
@@ -16,7 +15,7 @@ import made_run
 import report
 from envelope import BINS, MOST_POINTS, Envelope, thinned
 from event_rows import event_type, fill_heads
-from run_log import RunLog, messages_folder
+from run_log import RunLog
 from run_numbers import numbers, read_run
 
 PERIOD = 1_000_000  # [ns]
@@ -87,16 +86,8 @@ class LongLogTest(unittest.TestCase):
     @unittest.skipIf("san.so" in os.environ.get("LD_PRELOAD", ""), "a sanitizer keeps what is freed")
     def test_the_readers_memory_does_not_grow_with_the_log(self):
         def most(log):
-            process = subprocess.Popen([messages_folder() / "slewlab-log-tables", log], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
-            with process:
-                process.stdout.readline()
-                process.stdin.write(b"SENSORS\n")
-                process.stdin.flush()
-                end = b""
-                while not end.endswith((-2).to_bytes(4, "little", signed=True) + bytes(4)):
-                    end = (end + process.stdout.read1(1 << 20))[-8:]
-                status = Path(f"/proc/{process.pid}/status").read_text()
-                return int(re.search(r"VmHWM:\s+(\d+) kB", status)[1]) * 1024
+            return self.most_memory("from pathlib import Path\nfrom extension_module import loaded\n"
+                                    f"for rows in loaded('_log').LogTables(Path({str(log)!r})).stretches(['SENSORS']): pass")
 
         self.assertLess(most(self.long) - most(self.short), 0.05 * self.longer)
 

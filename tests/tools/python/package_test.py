@@ -317,10 +317,11 @@ class InstallTest(unittest.TestCase):
             subprocess.run(["cmake", "--install", messages_folder().parent, "--component", "python", "--prefix", folder],
                            check=True, capture_output=True, timeout=100)
             place = Path(folder) / "lib" / "python3" / "dist-packages"
-            for name in ("py.typed", "_core.pyi", "config/cranes/thesis.yaml"):
+            for name in ("py.typed", "_core.pyi", "_log.pyi", "config/cranes/thesis.yaml"):
                 self.assertTrue((place / "slewlab" / name).is_file(), name)
-            extension = next((place / "slewlab").glob("_core*.so")).read_bytes()
-            self.assertNotIn(str(REPOSITORY).encode(), extension)
+            for name in ("_core", "_log"):
+                extension = next((place / "slewlab").glob(f"{name}*.so")).read_bytes()
+                self.assertNotIn(str(REPOSITORY).encode(), extension)
             code = ("import slewlab; print(slewlab.__version__, slewlab.config('cranes/thesis.yaml')); "
                     "slewlab.Scenario(slewlab.config('scenarios/thesis_slew.yaml'), {'duration': 1}).run()")
             ended = subprocess.run([sys.executable, "-c", code], env=os.environ | {"PYTHONPATH": str(place)}, cwd=folder,

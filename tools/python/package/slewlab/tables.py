@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from . import _core
+from . import _core, _log
 
 HEAD = ("sequence", "simulated_time", "configuration_hash", "run_identity")  # of every message
 
@@ -19,7 +19,7 @@ def factor(unit: str, to: str) -> float:
 
 def frame(channel: str, messages: np.ndarray, head: bool = False) -> pd.DataFrame:
     """`head`: with sequence number, configuration and run as columns."""
-    units_of = _core.signals()[channel]
+    units_of = _log.signals()[channel]
     columns: dict[str, np.ndarray] = {}
     units: dict[str, str] = {}
     for name in messages.dtype.names:
@@ -78,9 +78,9 @@ class Log(Channels):
             names = [path / "run.lcmlog", path / "run.lcmlog.partial"]
             path = next(filter(Path.exists, names), None) or names[0]
             if not path.exists():
-                raise _core.LogError(f"{path.parent}: found a folder without run.lcmlog, expected a log, or the folder of a run")
+                raise _log.LogError(f"{path.parent}: found a folder without run.lcmlog, expected a log, or the folder of a run")
         self.path = path
-        self._tables = _core.LogTables(path)
+        self._tables = _log.LogTables(path)
         self.remarks: list[str] = self._tables.remarks
 
     @property
