@@ -189,6 +189,20 @@ Machine make_machine(const MachineSettings& settings) {
   return machine;
 }
 
+namespace {
+
+// What the sensors say at the end of a step.
+void sense(Machine& machine) {
+  const SensorMoment moment{.time = time_of(machine),
+                            .house_angle = machine.state.house_angle,
+                            .house_speed = machine.state.house_speed,
+                            .truth = read(machine.model, machine.state)};
+  machine.sensed = moment.truth;
+  for (const std::size_t i : machine.sensor) if (machine.is_on[i]) machine.effects[i]->sensor(moment, machine.sensed);
+}
+
+}  // namespace
+
 void step(Machine& machine, const DriveCommand& command) {
   const PlantModel& model = machine.model;
   const double time = time_of(machine);
@@ -228,14 +242,7 @@ void step(Machine& machine, const DriveCommand& command) {
 
   step(model, machine.workspace, input, machine.state);
 
-  if (!machine.sensor.empty()) {
-    const SensorMoment moment{.time = time_of(machine),
-                              .house_angle = machine.state.house_angle,
-                              .house_speed = machine.state.house_speed,
-                              .truth = read(model, machine.state)};
-    machine.sensed = moment.truth;
-    for (const std::size_t i : machine.sensor) if (machine.is_on[i]) machine.effects[i]->sensor(moment, machine.sensed);
-  }
+  if (!machine.sensor.empty()) sense(machine);
   machine.effect_evaluations += machine.hooks_per_step;
 }
 
@@ -254,6 +261,9 @@ bool switch_effect(Machine& machine, std::string_view name, bool on) {
   return true;
 }
 
-void forget_past(Machine& machine) { machine.has_past = false; }
+void forget_past(Machine& machine) {
+  machine.has_past = false;
+  if (!machine.sensor.empty()) sense(machine);
+}
 
 }  // namespace slewlab::sim
