@@ -19,7 +19,7 @@ namespace slewlab::diagnosis {
 
 namespace {
 
-constexpr double kCoarseNoise = 0.1;   // share by which the noise of coarse counts is known
+constexpr double kNoise = 0.05, kCoarseNoise = 0.1;  // share by which the sensors' noise is known; that of coarse counts
 constexpr double kFarOff = 2.6;        // [standard deviations] of a parameter, beyond which it may be another crane
 constexpr double kWorthASwing = 2e-3;  // [rad] of the load at a record's beginning: a five-hundredth of the rope's length
 constexpr std::size_t kMoments = 8;    // that are named
@@ -104,9 +104,8 @@ struct Weighed {
 
 Weighed weigh_fits(Problem& problem, const Found& found, std::size_t effect_count, EvidenceSettings evidence) {
   evidence.independent_share = problem.settings.independent_share;
-  if (has_coarse_counts(problem.records)) {
-    evidence.unknown_floor += kCoarseNoise * problem.settings.independent_share * static_cast<double>(difference_count(problem));
-  }
+  evidence.unknown_floor += (has_coarse_counts(problem.records) ? kCoarseNoise : kNoise) * problem.settings.independent_share *
+                            static_cast<double>(difference_count(problem));
   double least = std::min(0.0, found.nothing.excess);
   for (const FitResult& result : found.fits) least = std::min(least, result.excess);
   const MisfitCost misfit_cost(evidence, found.nothing.excess - least);

@@ -29,7 +29,7 @@ struct EvidenceSettings {
   double unknown_prior = 17.0;   // p of its parameters: what the nuisances of a machine have on the average
   double temper = 3.0;           // T
   double independent_share = 0.3;  // s, as in fit.h
-  double effect_cost = 8.0;      // c_e: what mesh and step alone let one take away where nothing is missing
+  double effect_cost = 24.0;     // c_e: what mesh, step and another simulator's laws let one more take away where nothing more is missing
   double prior_nothing = 0.4;
   double prior_single = 0.24;
   double prior_pair = 0.28;

@@ -155,7 +155,19 @@ void start_moving(sim::Machine& machine, const Record& record, double time) {
   incline_load(machine, {-radius * acceleration / sim::kGravity, 0.0}, Eigen::Vector2d::Zero());
 }
 
+// Turned as one body to where the encoders say that it stands: what goes with the angle (meshes, an incline) has one phase in all records.
+void turn_to_first_angle(sim::Machine& machine, const Record& record) {
+  const sim::PlantModel& model = machine.model;
+  double angle = 0.0;
+  for (int g = 0; g < record.group_count; ++g) angle += record.shaft_position[static_cast<std::size_t>(g)][0] / (model.ratio * record.group_count);
+  if (angle == 0.0) return;
+  for (int g = 0; g < record.group_count; ++g) machine.state.motor_angle[static_cast<std::size_t>(g)] += angle;
+  machine.state.q[0] += angle / model.house[0];
+  move_load(machine, model.tip[0] * angle / model.house[0], 0.0);
+}
+
 void start(sim::Machine& machine, const Record& record, const Beginning& beginning, double time) {
+  turn_to_first_angle(machine, record);
   start_moving(machine, record, time);
   if (record.begins_on_flanks) {
     const GroupAngles places = places_on_flanks(machine.model, record, 0);

@@ -200,6 +200,23 @@ namespace {
   machine.has_acceleration = false;  // that of the last step's end is one of other masses
 }
 
+bool is_sensed(const Machine& machine) { return !machine.sensor.empty() || machine.motion.moves; }
+
+// What the sensors say at the end of a step, whose acceleration is known.
+void sense(Machine& machine) {
+  const SensorMoment moment{.time = time_of(machine),
+                            .house_angle = machine.state.house_angle,
+                            .house_speed = machine.state.house_speed,
+                            .truth = read(machine.model, machine.state, machine.acceleration)};
+  machine.sensed = moment.truth;
+  if (machine.motion.moves) {
+    add_to_accelerometers(machine.sensed, [&](std::string_view place) {
+      return motion_acceleration(machine.motion, moment.time, moment.house_angle, moment.house_speed, place);
+    });
+  }
+  for (const std::size_t i : machine.sensor) if (machine.is_on[i]) machine.effects[i]->sensor(moment, machine.sensed);
+}
+
 }  // namespace
 
 PlantInput begin_step(Machine& machine, const DriveCommand& command) {
@@ -254,32 +271,20 @@ PlantInput begin_step(Machine& machine, const DriveCommand& command) {
 }
 
 void end_step(Machine& machine) {
-  if (!machine.sensor.empty() || machine.motion.moves) {
-    const SensorMoment moment{.time = time_of(machine),
-                              .house_angle = machine.state.house_angle,
-                              .house_speed = machine.state.house_speed,
-                              .truth = read(machine.model, machine.state, machine.acceleration)};
-    machine.sensed = moment.truth;
-    if (machine.motion.moves) {
-      add_to_accelerometers(machine.sensed, [&](std::string_view place) {
-        return motion_acceleration(machine.motion, moment.time, moment.house_angle, moment.house_speed, place);
-      });
-    }
-    for (const std::size_t i : machine.sensor) if (machine.is_on[i]) machine.effects[i]->sensor(moment, machine.sensed);
-  }
+  if (is_sensed(machine)) sense(machine);
   machine.effect_evaluations += machine.hooks_per_step;
 }
 
 void step(Machine& machine, const DriveCommand& command) {
   const PlantInput input = begin_step(machine, command);
   step(machine.model, machine.workspace, input, machine.state);
-  machine.has_acceleration = machine.needs_moment || !machine.sensor.empty();
+  machine.has_acceleration = machine.needs_moment || is_sensed(machine);
   if (machine.has_acceleration) machine.acceleration = accelerations(machine.model, machine.state);
   end_step(machine);
 }
 
 MachineReadings read(const Machine& machine) {
-  if (!machine.sensor.empty() || machine.motion.moves) return machine.sensed;
+  if (is_sensed(machine)) return machine.sensed;
   return machine.has_acceleration ? read(machine.model, machine.state, machine.acceleration) : read(machine.model, machine.state);
 }
 
@@ -300,6 +305,12 @@ bool switch_effect(Machine& machine, std::string_view name, bool on) {
   return true;
 }
 
-void forget_past(Machine& machine) { machine.has_past = machine.has_acceleration = false; }
+void forget_past(Machine& machine) {
+  machine.has_past = machine.has_acceleration = false;
+  if (!is_sensed(machine)) return;
+  machine.acceleration = accelerations(machine.model, machine.state);
+  machine.has_acceleration = true;
+  sense(machine);
+}
 
 }  // namespace slewlab::sim

@@ -1,0 +1,85 @@
+#include "diagnosis/shadow.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <random>
+#include <unsupported/Eigen/FFT>
+#include <vector>
+
+#include "diagnosis/admit.h"
+#include "tests/diagnosis/bench.h"
+
+namespace slewlab::diagnosis {
+namespace {
+
+// A machine whose pinions' mesh is where the house stands: begun in the midst of a slew, a record has the mesh of that angle and not of zero, and
+// its first readings are those of its first moment.
+TEST(Shadow, WhatGoesWithTheAngleHasItsPhaseInARecordThatBeginsElsewhere) {
+  sim::MachineSettings truth;
+  truth.crane = bench().crane;
+  truth.effects = {{"pinion_mesh_variation", {0.1, 1.0, 0.2, 0.0}}};
+  msgs::RunLog log = simulated_log(truth, bench().controller, kThereAndBack, kDuration, 5);
+  constexpr std::size_t kFrom = 6500;  // messages
+  const auto cut = [](auto& messages) { messages.erase(messages.begin(), messages.begin() + kFrom); };
+  cut(log.encoder);
+  cut(log.torque);
+  cut(log.sensors);
+  log.operator_moves.clear();
+  sim::MachineSettings nominal;
+  nominal.crane = bench().crane;
+  Problem problem;
+  std::vector<Record> records{make_record(log, "log", bench().admission)};
+  ASSERT_TRUE(records[0].begins_in_motion);
+  ASSERT_GT(std::fabs(records[0].shaft_position[0][0]), 10.0);  // [rad] of the motor
+  set_machine(nominal, records, problem);
+  std::vector<std::string> remarks;
+  admit(std::move(records), problem.thresholds.whitening, problem, remarks);
+  Point point;
+  point.effects = truth.effects;
+  // What nobody knows of the beginning is fitted; the mesh is as it is.
+  FitResult with_mesh = fit(problem, Eigen::MatrixXd::Zero(difference_count(problem), static_cast<Eigen::Index>(nuisance_count(problem))), [&] {
+    point.nuisance.assign(nuisance_count(problem), 0.0);
+    return point;
+  }());
+  settle(problem, with_mesh, 4);
+  EXPECT_LT(mean_square(with_mesh.difference), 1.3);  // 1 is noise alone
+  EXPECT_NEAR(with_mesh.point.effects[0].values[0], 0.1, 0.005);
+  EXPECT_NEAR(with_mesh.point.effects[0].values[1], 1.0, 0.05);
+  EXPECT_GT(mean_square(fit_nuisances(problem, nominal_fit(problem)).difference), 5.0);
+}
+
+// White noise of an encoder keeps its power when it is read parts of a period later: a line between two readings would leave cos^2(pi / 4) = 0.5 of it at
+// a quarter of the sampling rate.
+TEST(Shadow, ReadingAnEncoderLaterKeepsItsNoise) {
+  sim::MachineSettings machine;
+  machine.crane = bench().crane;
+  machine.crane.drive.gearbox_play = machine.crane.drive.pinion_play = 0.0;
+  constexpr std::size_t kCount = 8192;
+  constexpr double kPeriod = 0.01;  // [s]
+  Record record;
+  record.step = record.encoder_period = kPeriod;
+  record.group_count = 2;
+  std::mt19937 generator(3);
+  std::normal_distribution<double> normal;
+  for (std::size_t g = 0; g < 2; ++g) {
+    for (auto* series : {&record.motor_torque[g], &record.shaft_speed[g], &record.shaft_position[g], &record.position_rate[g]}) series->assign(kCount, 0.0);
+    for (double& value : record.shaft_position[g]) value = 1e-4 * normal(generator);
+  }
+  const ShadowGains gains = shadow_gains(bench().machine.scales, not_faster_than(bench().thresholds.shadow, kPeriod));
+  const auto power = [&](double latency) {
+    std::vector<double> missing = shadow(machine, record, gains, latency).missing_torque[0];
+    std::vector<std::complex<double>> spectrum;
+    Eigen::FFT<double>().fwd(spectrum, missing);
+    double sum = 0.0;
+    for (std::size_t k = kCount / 5; k < kCount / 3; ++k) sum += std::norm(spectrum[k]);  // from 20 to 33 Hz
+    return sum;
+  };
+  EXPECT_NEAR(power(0.5 * kPeriod) / power(0.0), 1.0, 0.03);
+  EXPECT_NEAR(power(-0.3 * kPeriod) / power(0.0), 1.0, 0.03);
+}
+
+}  // namespace
+}  // namespace slewlab::diagnosis
