@@ -133,10 +133,12 @@ bool begins_unloaded(const Record& record, double time) {
   return largest_first < kUnloaded * largest;
 }
 
-double missing_power(const Record& record, const Shadow& follower) {
+// Mean square of the missing torque from a grid point on.
+double missing_power(const Record& record, const Shadow& follower, std::size_t from = 0) {
   double square = 0.0;
   for (std::size_t g = 0; g < static_cast<std::size_t>(record.group_count); ++g) {
-    for (const double missing : follower.missing_torque[g]) square += missing * missing;
+    const std::vector<double>& missing = follower.missing_torque[g];
+    for (std::size_t n = from; n < missing.size(); ++n) square += missing[n] * missing[n] / static_cast<double>(missing.size() - from);
   }
   return square;
 }
@@ -171,19 +173,28 @@ Following follow_from_rest(const Problem& problem, const Play& play, Record& rec
 }
 
 // What several groups do beside each other tells where their gears are. A machine that stands in the middle of its play until the drives are on, or on its flanks
-// and unloaded, begins there. Any other begins where its gears are pressed, boom and load as they may then swing.
+// and unloaded, begins there. Any other begins where its gears are pressed, boom and load as they may then swing; but at rest where it is followed better from
+// there, for a brake that drags holds gears in the midst of their play as flanks would.
 Following follow_from_its_beginning(const Problem& problem, Record& record, const WhiteningSettings& whitening) {
   const double time = problem.thresholds.time;
   const Play play = play_of(problem.nominal.crane, time);
   const bool can_be_told = play.half > 0.0 && (record.group_count > 1 || record.begins_in_motion);
   const std::optional<std::size_t> pressed = can_be_told ? pressed_from(play, record, time) : std::nullopt;
-  if (!pressed || (!record.begins_in_motion && *pressed > 0 && came_from_the_middle(problem, play, record, *pressed))) {
+  const bool is_unloaded = !record.begins_in_motion && begins_unloaded(record, time);
+  if (!pressed || (is_unloaded && *pressed == 0) || (!record.begins_in_motion && *pressed > 0 && came_from_the_middle(problem, play, record, *pressed))) {
     return follow_from_rest(problem, play, record, whitening);
   }
-  record.begins_bent = record.begins_in_motion || *pressed > 0 || !begins_unloaded(record, time);
-  leave_out_beginning(record, *pressed);
-  record.begins_on_flanks = true;
-  return follow(problem, record, whitening);
+  Record later = record;
+  leave_out_beginning(later, *pressed);
+  later.begins_bent = later.begins_on_flanks = true;
+  Following from_later = follow(problem, later, whitening);
+  if (!record.begins_in_motion) {
+    Following from_rest = follow_from_rest(problem, play, record, whitening);
+    const auto forgotten = static_cast<std::size_t>(whitening.after_impact / record.step);
+    if (missing_power(record, from_rest.follower, *pressed + forgotten) < missing_power(later, from_later.follower, forgotten)) return from_rest;
+  }
+  record = std::move(later);
+  return from_later;
 }
 
 }  // namespace

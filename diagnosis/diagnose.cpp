@@ -455,6 +455,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   static const Cause kNone;
   const Cause& first = diagnosis.causes.empty() ? kNone : diagnosis.causes.front();
   name_answer(first, diagnosis);
+  if (controller && !diagnosis.has_controller && !diagnosis.gap) diagnosis.verdict += "; what the controller answered could not be compared";
   if (const FitResult* const left = unexplained_fit(problem, found, diagnosis, first)) {
     tell(kFollow.from, "looking for what the rest follows");
     diagnosis.discrepancies = discrepancies(problem, *left);

@@ -27,6 +27,8 @@ constexpr double kBetter = 4.6;         // -2 ln of odds of one to ten: what cha
 // Relative closed-loop error beyond which two runs are no longer the same motion (two independent ones differ by 1.4), and the share
 // by which one may be worse though it is the truth.
 constexpr double kDecorrelated = 0.7, kWorse = 1.05;
+// Share of a record away from impacts, below which free runs across them are not compared; chosen.
+constexpr double kFreeOfImpacts = 0.8;
 
 std::unique_ptr<Problem> same_machine(const Problem& problem) {
   auto other = std::make_unique<Problem>();
@@ -53,6 +55,15 @@ Whitening whitening_of_half(const Problem& problem, const WhiteningSettings& set
   }
   const NoiseResponse response = noise_response(problem.nominal, last, problem.gains, transform_length(last.size()));
   return make_whitening(last, trusted, response, follower, settings);
+}
+
+// Of the stretch from the first point to the last one that is judged.
+double judged_share(const Whitening& whitening) {
+  const auto is_judged = [](double weight) { return weight > 0.0; };
+  const auto first = std::find_if(whitening.window.begin(), whitening.window.end(), is_judged);
+  const auto last = std::find_if(whitening.window.rbegin(), whitening.window.rend(), is_judged).base();
+  if (first >= last) return 0.0;
+  return static_cast<double>(std::count_if(first, last, is_judged)) / static_cast<double>(last - first);
 }
 
 // One record as a hypothesis predicts it that was fitted to others: with what only its beginning is like (the load's swing, where the motors stand)
@@ -125,6 +136,7 @@ HeldOutData::HeldOutData(const Problem& problem, const WhiteningSettings& settin
   const std::size_t held = is_last ? problem.records.size() - 1 : 0;
   const Record& record = problem.records[held];
   from_time_ = record.start_time;
+  free_of_impacts_ = judged_share(problem.whitening[held]);
   const std::span<const Record> records(problem.records);
   fitted_->records.look_at(is_half_ ? records : records.subspan(is_last ? 0 : 1, records.size() - 1));
   fitted_->whitening = problem.whitening;
@@ -223,7 +235,7 @@ ValidationError HeldOutData::error(const HeldOut& fitted, const std::optional<co
     const Predicted predicted = predicted_from(*predicted_, there, fitted.open);
     error.residual_ratio = mean_square(predicted.difference);
     error.cost = share * predicted.difference.squaredNorm() + predicted.prior_cost;
-    if (controller && !predicted_->records.front().begins_bent) {
+    if (controller && !predicted_->records.front().begins_bent && free_of_impacts_ >= kFreeOfImpacts) {
       error.closed_loop =
           predict(machine_at(predicted_->nominal, predicted_->nuisances, there), *controller, predicted_->records.front(), from_time_).relative_gap;
     }

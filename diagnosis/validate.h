@@ -98,6 +98,7 @@ class HeldOutData {
 
   std::unique_ptr<Problem> fitted_, predicted_;
   double from_time_ = 0.0;  // [s]
+  double free_of_impacts_ = 0.0;  // share of the record held out, all of it where it is a half
   bool is_half_ = false;
   std::pair<std::ptrdiff_t, std::ptrdiff_t> left_out_{0, 0};  // of a point's amounts: the first and the one behind the last of the record held out
 };
