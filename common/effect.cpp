@@ -20,6 +20,8 @@ std::string missing_parts(const MachineParts& needs, const MachineParts& has) {
   };
   add(needs.groups > has.groups, std::to_string(needs.groups) + " motor groups");
   add(needs.gears && !has.gears, "elastic gears");
+  add(needs.pinion_teeth && !has.pinion_teeth, "pinion_teeth in its drive");
+  add(needs.gearbox_teeth && !has.gearbox_teeth, "gearbox_ring_teeth and gearbox_sun_teeth in its drive");
   add(needs.boom && !has.boom, "a boom");
   add(needs.flexible_boom && has.boom && !has.flexible_boom, "a flexible boom");
   add(needs.flexible_boom && !needs.boom && !has.boom, "a flexible boom");

@@ -116,6 +116,8 @@ struct MachineParts {
   bool boom = false;           // or anything that reaches out from a turning axis
   bool flexible_boom = false;
   bool load = false;           // on a rope
+  bool pinion_teeth = false;   // their number is known
+  bool gearbox_teeth = false;  // the same, of the gearboxes' first stage
   int groups = 1;              // motor groups, at least
 };
 

@@ -376,8 +376,12 @@ void put_source(YamlNode& node, const SourceMark& mark) {
   }
 }
 
-// A bare value into {value, unit, source}.
+// A bare value into {value, unit, source}; null takes all of it away, as it does in a file.
 void put_value(YamlNode& node, YamlNode&& value, const Override& change, const SourceMark& mark, InputProblems& problems) {
+  if (value.kind == YamlNode::Kind::null) {
+    node = std::move(value);
+    return;
+  }
   YamlNode* unit = node.find("unit");
   if (unit != nullptr && value.kind == YamlNode::Kind::scalar && !value.quoted) {
     if (const auto parts = number_and_unit(value.scalar)) {

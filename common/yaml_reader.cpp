@@ -290,8 +290,13 @@ void YamlReader::heading(std::string_view kind) {
     inquiry_->asked({.path = path_of("kind"), .kind = KeyDescription::Kind::choice, .choices = {std::string(kind)}, .is_sourced = false});
   }
   const std::string found = text("kind");
-  if (!found.empty() && found != kind) report("kind", found, std::string(kind));
   optional_text("description");
+  if (found.empty() || found == kind) return;
+  report("kind", found, std::string(kind));
+  if (nearest_name(found, {std::string(kind)})) return;  // a slip of the pen
+  // What a file of another kind lacks and has is of no interest.
+  node_ = &kNothing;
+  quiet_ = true;
 }
 
 std::filesystem::path YamlReader::file(std::string_view key) {

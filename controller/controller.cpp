@@ -93,10 +93,11 @@ void step(const ControllerSettings& settings, ControllerState& state, const Cont
   }
   average /= groups;
   state.started = true;
-  if (settings.play_compensation.enabled) share_integral(settings, state);
+  const bool compensates = is_enabled(settings.play_compensation, input.simulated_time);
+  if (compensates) share_integral(settings, state);
 
   HalfTorques added{};  // [N m] per motor
-  if (settings.play_compensation.enabled) {
+  if (compensates) {
     const HalfTorques mapped =
         evaluate_play_map(settings.play_compensation, average / settings.rated_torque);
     added.half_1 = mapped.half_1 * settings.rated_torque - average;

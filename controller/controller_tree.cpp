@@ -1,5 +1,6 @@
 #include "controller/controller_tree.h"
 
+#include <cmath>
 #include <limits>
 
 namespace slewlab::controller {
@@ -61,9 +62,28 @@ PlausibilitySettings read_plausibility(YamlReader& controller, const RampSetting
   return plausibility;
 }
 
+constexpr double kNanosecondsPerSecond = 1e9;
+constexpr double kLongest = 1e6;  // [s] of a scenario
+
+std::vector<PlaySwitch> read_switches(YamlReader& play) {
+  std::vector<PlaySwitch> switches;
+  play.each("switches", [&](YamlReader& reader) {
+    const double time = reader.number("time", Unit::second, between(0.0, kLongest));
+    const PlaySwitch change{std::llround(time * kNanosecondsPerSecond), reader.flag("enabled")};
+    if (!switches.empty() && change.time < switches.back().time) {
+      reader.report("time", common::shortest(time) + " s", "no time before that of the switch before, " +
+                                                               common::shortest(static_cast<double>(switches.back().time) / kNanosecondsPerSecond) + " s");
+    }
+    reader.finish();
+    switches.push_back(change);
+  });
+  return switches;
+}
+
 PlayCompensationSettings read_play_compensation(YamlReader reader) {
   PlayCompensationSettings play;
   play.enabled = reader.flag("enabled");
+  play.switches = read_switches(reader);
   const common::Range share = between(-1.0, 1.0);
   const std::vector<double> average =
       reader.numbers("average", Unit::none, between(0.0, 1.0), 1, kMaximumMapPoints);

@@ -5,6 +5,21 @@
 
 namespace slewlab::controller {
 
+bool is_enabled(const PlayCompensationSettings& settings, std::int64_t simulated_time) {
+  bool enabled = settings.enabled;
+  for (const PlaySwitch& change : settings.switches) {
+    if (change.time > simulated_time) break;
+    enabled = change.enabled;
+  }
+  return enabled;
+}
+
+void add_switch(PlayCompensationSettings& settings, const PlaySwitch& change) {
+  const auto later = std::find_if(settings.switches.begin(), settings.switches.end(),
+                                  [&](const PlaySwitch& each) { return each.time > change.time; });
+  settings.switches.insert(later, change);
+}
+
 HalfTorques evaluate_play_map(const PlayCompensationSettings& settings, double average) {
   const double size = std::abs(average);
   const PlayMapPoint* const points = settings.points.data();

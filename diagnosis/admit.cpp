@@ -199,7 +199,7 @@ Following follow_from_its_beginning(const Problem& problem, Record& record, cons
 
 }  // namespace
 
-bool has_coarse_counts(const std::vector<Record>& records) {
+bool has_coarse_counts(std::span<const Record> records) {
   return std::any_of(records.begin(), records.end(), [](const Record& record) { return record.encoder_quantum >= kCoarseCount; });
 }
 

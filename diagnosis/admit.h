@@ -11,7 +11,7 @@
 namespace slewlab::diagnosis {
 
 // Whether some record's encoders count so coarsely that their noise rules the torques.
-bool has_coarse_counts(const std::vector<Record>& records);
+bool has_coarse_counts(std::span<const Record> records);
 
 // How differences are whitened behind the thresholds: where counts are coarse mesh and step miss more, because the controller's steps
 // shake the high modes.

@@ -15,6 +15,7 @@
 
 #include "diagnosis/stochastic.h"
 #include "sim/effects/catalogue.h"
+#include "sim/integrate/batch.h"
 #include "sim/machine/effect_scales.h"
 #include "sim/model/cannot_be_built.h"
 
@@ -409,9 +410,8 @@ void SimulationStock::give_back(std::unique_ptr<SimulationRoom> room) {
 
 namespace {
 
-void shadow_at(const Problem& problem, Follower follower, const DriveCourse& drives, const Point& point, std::size_t record, Shadow& result) {
-  shadow(std::move(follower), problem.records[record], drives, problem.gains,
-         encoder_latency(problem.nuisances, point.nuisance), beginning_of(problem.nuisances, point.nuisance, record), result);
+Shadowing shadowing_at(const Problem& problem, Follower follower, const Point& point, std::size_t record, Shadow& result) {
+  return {std::move(follower), encoder_latency(problem.nuisances, point.nuisance), beginning_of(problem.nuisances, point.nuisance, record), &result};
 }
 
 const DriveCourse& drives_of(const Problem& problem, std::size_t record) {
@@ -428,8 +428,10 @@ std::vector<Eigen::Index> first_rows(const Problem& problem) {
 
 Shadow shadow_at(const Problem& problem, const Point& point, std::size_t record) {
   Shadow result;
-  shadow_at(problem, follower_of(machine_at(problem.nominal, problem.nuisances, point), problem.records[record].step), drives_of(problem, record), point,
-            record, result);
+  std::vector<Shadowing> alone;
+  alone.push_back(shadowing_at(problem, follower_of(machine_at(problem.nominal, problem.nuisances, point), problem.records[record].step), point, record,
+                               result));
+  shadow(std::move(alone), problem.records[record], drives_of(problem, record), problem.gains);
   return result;
 }
 
@@ -464,62 +466,93 @@ void share_out(Problem& problem, std::size_t count, const std::function<void(std
 
 namespace {
 
+// Simulations that one thread takes on at once: as many machines as a batch has lanes, no more where that leaves a thread without work.
+std::size_t side_by_side(const Problem& problem, std::size_t points) {
+  const auto threads = static_cast<std::size_t>(problem.threads), records = problem.records.size();
+  const std::size_t most = sim::is_supported(sim::BatchWidth::eight) ? 8 : 4;
+  const std::size_t shares = std::max<std::size_t>(1, threads / records);  // of the points, one for each thread
+  return std::clamp((points + shares - 1) / shares, std::size_t{1}, most);
+}
+
+// The whitened differences of some of the points from one of the records. A machine that is not there, because its boom buckles, is far off.
+void differ(Problem& problem, std::span<const Point> points, std::span<const std::optional<Follower>> followers, std::size_t r,
+            const DriveCourse& drives, std::span<Eigen::VectorXd> results, Eigen::Index first_row) {
+  std::vector<std::unique_ptr<SimulationRoom>> rooms(points.size());
+  std::vector<Shadowing> shadowings;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (!followers[i]) continue;
+    rooms[i] = problem.stock.take_room();
+    shadowings.push_back(shadowing_at(problem, *followers[i], points[i], r, rooms[i]->shadow));
+  }
+  shadow(std::move(shadowings), problem.records[r], drives, problem.gains);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    auto rows = results[i].segment(first_row, problem.whitening[r].size());
+    if (rooms[i]) {
+      whiten(problem.whitening[r], rooms[i]->shadow, rooms[i]->transform, rows);
+      problem.stock.give_back(std::move(rooms[i]));
+    } else {
+      rows.setConstant(kVeryFarOff);
+    }
+  }
+  problem.simulations += static_cast<std::int64_t>(points.size());
+}
+
 // `courses` empty: the records'.
-Eigen::VectorXd differences_under(Problem& problem, const Point& point, std::span<const DriveCourse> courses) {
+std::vector<Eigen::VectorXd> differences_under(Problem& problem, std::span<const Point> points, std::span<const DriveCourse> courses) {
   const std::vector<Eigen::Index> first_row = first_rows(problem);
-  Eigen::VectorXd result(first_row.back());
+  std::vector<Eigen::VectorXd> results(points.size(), Eigen::VectorXd(first_row.back()));
   const auto count_time = [&](std::chrono::steady_clock::time_point begun) {
     problem.simulation_time +=
         std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now() - begun).count();
   };
   // Nothing where its boom buckles; any other error is one of the program's.
-  const auto machine_for = [&](const Record& record) -> std::optional<Follower> {
+  const auto machine_for = [&](const Point& point, const Record& record) -> std::optional<Follower> {
     try {
       return follower_of(machine_at(problem.nominal, problem.nuisances, point), record.step);
     } catch (const sim::CannotBeBuilt&) {
       return std::nullopt;
     }
   };
-  const auto making = std::chrono::steady_clock::now();
-  const std::optional<Follower> made = machine_for(problem.records.front());
-  count_time(making);
-  share_out(problem, problem.records.size(), [&](std::size_t r) {
+  std::vector<std::optional<Follower>> made(points.size());
+  share_out(problem, points.size(), [&](std::size_t i) {
+    const auto begun = std::chrono::steady_clock::now();
+    made[i] = machine_for(points[i], problem.records.front());
+    count_time(begun);
+  });
+  const std::size_t together = side_by_side(problem, points.size()), records = problem.records.size();
+  share_out(problem, (points.size() + together - 1) / together * records, [&](std::size_t share) {
     if (problem.is_stopped()) throw Interrupted{};
     const auto begun = std::chrono::steady_clock::now();
-    auto rows = result.segment(first_row[r], problem.whitening[r].size());
-    const bool is_made = problem.records[r].step == problem.records.front().step;
-    std::optional<Follower> follower = is_made ? made : machine_for(problem.records[r]);
-    if (follower) {
-      std::unique_ptr<SimulationRoom> room = problem.stock.take_room();
-      shadow_at(problem, std::move(*follower), courses.empty() ? drives_of(problem, r) : courses[r], point, r, room->shadow);
-      whiten(problem.whitening[r], room->shadow, room->transform, rows);
-      problem.stock.give_back(std::move(room));
-    } else {
-      rows.setConstant(kVeryFarOff);
+    const std::size_t r = share % records, first = share / records * together, count = std::min(together, points.size() - first);
+    std::vector<std::optional<Follower>> followers(made.begin() + static_cast<std::ptrdiff_t>(first), made.begin() + static_cast<std::ptrdiff_t>(first + count));
+    if (problem.records[r].step != problem.records.front().step) {
+      for (std::size_t i = 0; i < count; ++i) followers[i] = machine_for(points[first + i], problem.records[r]);
     }
+    differ(problem, points.subspan(first, count), followers, r, courses.empty() ? drives_of(problem, r) : courses[r],
+           std::span(results).subspan(first, count), first_row[r]);
     count_time(begun);
-    ++problem.simulations;
   });
-  // A machine that is not stable at an odd point counts as very far off as well, not as a number that spreads.
-  if (!result.allFinite()) result.setConstant(kVeryFarOff);
-  if (problem.added_power == nullptr) return result;
-  if (problem.added_power->mean.size() > 0) result += problem.added_power->mean;
-  return divided(*problem.added_power, result);
+  for (Eigen::VectorXd& result : results) {
+    // A machine that is not stable at an odd point counts as very far off as well, not as a number that spreads.
+    if (!result.allFinite()) result.setConstant(kVeryFarOff);
+    if (problem.added_power == nullptr) continue;
+    if (problem.added_power->mean.size() > 0) result += problem.added_power->mean;
+    result = divided(*problem.added_power, result);
+  }
+  return results;
 }
 
 }  // namespace
 
-Eigen::VectorXd differences(Problem& problem, const Point& point) { return differences_under(problem, point, {}); }
+Eigen::VectorXd differences(Problem& problem, const Point& point) {
+  return std::move(differences_under(problem, {&point, 1}, {}).front());
+}
 
 Eigen::VectorXd differences(Problem& problem, const Point& point, std::span<const DriveCourse> courses) {
-  return differences_under(problem, point, courses);
+  return std::move(differences_under(problem, {&point, 1}, courses).front());
 }
 
-std::vector<Eigen::VectorXd> differences(Problem& problem, std::span<const Point> points) {
-  std::vector<Eigen::VectorXd> results(points.size());
-  share_out(problem, points.size(), [&](std::size_t i) { results[i] = differences(problem, points[i]); });
-  return results;
-}
+std::vector<Eigen::VectorXd> differences(Problem& problem, std::span<const Point> points) { return differences_under(problem, points, {}); }
 
 namespace {
 

@@ -18,6 +18,7 @@
 #include <mutex>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "common/effect.h"
@@ -81,6 +82,34 @@ class SimulationStock {
   std::vector<std::unique_ptr<SimulationRoom>> rooms_;      // that nobody works in
 };
 
+// A problem's records: its own, or some that another problem owns, which must outlive it. One of an hour at 1 kHz takes half a
+// gigabyte, so that parts of a problem look at its records.
+class Records {
+ public:
+  Records() = default;
+  Records(const Records&) = delete;
+  Records& operator=(const Records&) = delete;
+
+  void push_back(Record record) {
+    own_.push_back(std::move(record));
+    seen_ = own_;
+  }
+  void look_at(std::span<const Record> others) { seen_ = others; }
+
+  std::size_t size() const { return seen_.size(); }
+  bool empty() const { return seen_.empty(); }
+  const Record* data() const { return seen_.data(); }
+  auto begin() const { return seen_.begin(); }
+  auto end() const { return seen_.end(); }
+  const Record& operator[](std::size_t r) const { return seen_[r]; }
+  const Record& front() const { return seen_.front(); }
+  const Record& back() const { return seen_.back(); }
+
+ private:
+  std::vector<Record> own_;
+  std::span<const Record> seen_;
+};
+
 // Everything that stays the same over one diagnosis. Counts simulations; may be asked to stop.
 struct Problem {
   // Without the modes above `highest_mode` of the thresholds: they would take a fifth of a simulation's time and change the differences,
@@ -90,7 +119,7 @@ struct Problem {
   Thresholds thresholds;
   Nuisances nuisances;
   ShadowGains gains;                 // of the nominal crane
-  std::vector<Record> records;
+  Records records;
   std::vector<Whitening> whitening;  // per record
   FitSettings settings;
   int threads = 1;

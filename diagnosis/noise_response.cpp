@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <complex>
 #include <unsupported/Eigen/FFT>
+#include <utility>
 
 namespace slewlab::diagnosis {
 
@@ -63,7 +64,9 @@ NoiseResponse noise_response(const sim::MachineSettings& nominal, const Record& 
   const auto groups = static_cast<std::size_t>(record.group_count);
   const auto answer = [&] {
     Shadow differences;
-    shadow(follower_of(machine, record.step), still, drives, gains, 0.0, {}, differences);
+    std::vector<Shadowing> alone;
+    alone.push_back({follower_of(machine, record.step), 0.0, {}, &differences});
+    shadow(std::move(alone), still, drives, gains);
     SourceResponse powers;
     for (std::size_t g = 0; g < groups; ++g) powers.torque[g] = power(differences.missing_torque[g]);
     for (std::size_t a = 0; a < kAccelerometerCount; ++a) {

@@ -8,6 +8,7 @@
 #include "diagnosis/recorded_drive.h"
 #include "sim/effects/catalogue.h"
 #include "sim/integrate/machine.h"
+#include "sim/integrate/machine_batch.h"
 #include "sim/model/crane.h"
 
 namespace slewlab::diagnosis {
@@ -239,7 +240,9 @@ Follower follower_of(const sim::MachineSettings& settings, double step) {
 Shadow shadow(const sim::MachineSettings& settings, const Record& record, const ShadowGains& gains, double encoder_latency,
               const Beginning& beginning) {
   Shadow result;
-  shadow(follower_of(settings, record.step), record, drive_course(record, settings.drive_protection), gains, encoder_latency, beginning, result);
+  std::vector<Shadowing> alone;
+  alone.push_back({follower_of(settings, record.step), encoder_latency, beginning, &result});
+  shadow(std::move(alone), record, drive_course(record, settings.drive_protection), gains);
   return result;
 }
 
@@ -263,6 +266,16 @@ Observer::Observer(Follower follower, const Record& record, const ShadowGains& g
 }
 
 Observer::Moment Observer::advance(const sim::DriveCommand& command, const Measured& measured) {
+  const Moment moment = compare(measured);
+  step(command);
+  return moment;
+}
+
+void Observer::step(const sim::DriveCommand& command) {
+  for (int n = 0; n < steps_; ++n) sim::step(machine_, command);
+}
+
+Observer::Moment Observer::compare(const Measured& measured) {
   Moment moment;
   const sim::MachineReadings readings = sim::read(machine_);
   for (std::size_t i = 0; i < groups_; ++i) {
@@ -288,26 +301,32 @@ Observer::Moment Observer::advance(const sim::DriveCommand& command, const Measu
     machine_.outside.tip_force = gains_.tip_damping * tip_error_;
     ++point_;
   }
-  for (int step = 0; step < steps_; ++step) sim::step(machine_, command);
   return moment;
 }
 
-void shadow(Follower follower, const Record& record, const DriveCourse& drives, const ShadowGains& gains, double encoder_latency,
-            const Beginning& beginning, Shadow& result) {
-  const LaterReading position(encoder_latency / record.step + follower.encoder_delay);
-  Observer observer(std::move(follower), record, gains, beginning);
-
+void shadow(std::vector<Shadowing> shadowings, const Record& record, const DriveCourse& drives, const ShadowGains& gains) {
   const std::size_t count = record.size();
   const auto groups = static_cast<std::size_t>(record.group_count);
-  for (std::size_t g = 0; g < result.missing_torque.size(); ++g) result.missing_torque[g].resize(g < groups ? count : 0);
   std::vector<std::size_t> judged;  // accelerometers
   for (std::size_t a = 0; a < kAccelerometerCount; ++a) {
     if (!record.acceleration[a].empty()) judged.push_back(a);
-    result.acceleration_difference[a].resize(record.acceleration[a].empty() ? 0 : count);
   }
+  std::vector<Observer> observers;
+  std::vector<LaterReading> position;
+  observers.reserve(shadowings.size());  // machines stay where they are
+  std::vector<sim::Machine*> machines;  // that step as the grid does; the others one by one
+  for (Shadowing& shadowing : shadowings) {
+    position.emplace_back(shadowing.encoder_latency / record.step + shadowing.follower.encoder_delay);
+    observers.emplace_back(std::move(shadowing.follower), record, gains, shadowing.beginning);
+    if (observers.back().steps() == 1) machines.push_back(&observers.back().machine());
+    Shadow& result = *shadowing.result;
+    for (std::size_t g = 0; g < result.missing_torque.size(); ++g) result.missing_torque[g].resize(g < groups ? count : 0);
+    for (std::size_t a = 0; a < kAccelerometerCount; ++a) result.acceleration_difference[a].resize(record.acceleration[a].empty() ? 0 : count);
+    result.contact_lost.assign(count, false);
+  }
+  sim::MachineBatch batch = sim::make_machine_batch(machines);
   const std::size_t cycle = reading_stride(record);
   const bool has_tip = !record.acceleration[kTip].empty();
-  result.contact_lost.assign(count, false);
   sim::DriveCommand command;
   Observer::Measured measured;
   for (std::size_t n = 0; n < count; ++n) {
@@ -316,20 +335,28 @@ void shadow(Follower follower, const Record& record, const DriveCourse& drives, 
     for (std::size_t i = 0; i < groups; ++i) {
       command.motor_torque[i] = drives.motor_torque[i][n];
       command.brake_torque[i] = drives.brake_torque[i][n];
-      measured.position[i] = position(record.shaft_position[i], n);
     }
     if (has_tip) measured.tip_acceleration = &record.acceleration[kTip][n];
-    const Observer::Moment moment = observer.advance(command, measured);
-    for (std::size_t i = 0; i < groups; ++i) result.missing_torque[i][n] = moment.missing_torque[i];
-    result.contact_lost[n] = moment.contact_lost;
-    for (const std::size_t a : judged) {
-      // Where sensors are not sampled on the grid, at first what the shadow's would say.
-      const double sensed = moment.acceleration[a];
-      result.acceleration_difference[a][n] = record.sampled_at.empty() ? record.acceleration[a][n] - sensed : sensed;
+    for (std::size_t f = 0; f < shadowings.size(); ++f) {
+      for (std::size_t i = 0; i < groups; ++i) measured.position[i] = position[f](record.shaft_position[i], n);
+      const Observer::Moment moment = observers[f].compare(measured);
+      Shadow& result = *shadowings[f].result;
+      for (std::size_t i = 0; i < groups; ++i) result.missing_torque[i][n] = moment.missing_torque[i];
+      result.contact_lost[n] = moment.contact_lost;
+      for (const std::size_t a : judged) {
+        // Where sensors are not sampled on the grid, at first what the shadow's would say.
+        const double sensed = moment.acceleration[a];
+        result.acceleration_difference[a][n] = record.sampled_at.empty() ? record.acceleration[a][n] - sensed : sensed;
+      }
+    }
+    sim::step(batch, command);
+    for (Observer& observer : observers) {
+      if (observer.steps() > 1) observer.step(command);
     }
   }
-  if (!record.sampled_at.empty()) {
-    for (const std::size_t a : judged) sample_alike(record, a, result.acceleration_difference[a]);
+  if (record.sampled_at.empty()) return;
+  for (const Shadowing& shadowing : shadowings) {
+    for (const std::size_t a : judged) sample_alike(record, a, shadowing.result->acceleration_difference[a]);
   }
 }
 

@@ -112,6 +112,13 @@ class Observer {
   // To the next grid point, under what the drives make of the commands.
   Moment advance(const sim::DriveCommand& command, const Measured& measured);
 
+  // The same in parts, for who leads many machines at once: how it stands to what is measured, which says how the machine is led over the
+  // next step; the step is the caller's.
+  Moment compare(const Measured& measured);
+  void step(const sim::DriveCommand& command);
+  sim::Machine& machine() { return machine_; }
+  int steps() const { return steps_; }  // of the machine per step of the grid
+
  private:
   sim::Machine machine_;
   int steps_;
@@ -128,8 +135,15 @@ class Observer {
   double tip_offset_ = 0.0;  // [m/s^2]
 };
 
-// The same into a result whose room is used again, with what the drives make of the record, which is the same for all machines.
-void shadow(Follower follower, const Record& record, const DriveCourse& drives, const ShadowGains& gains, double encoder_latency,
-            const Beginning& beginning, Shadow& result);
+// What follows a record: the same into a result whose room is used again, with what the drives make of the record, which is the same for all
+// machines.
+struct Shadowing {
+  Follower follower;
+  double encoder_latency = 0.0;  // [s]
+  Beginning beginning;
+  Shadow* result = nullptr;
+};
+// Many side by side (machine_batch.h), each to the bit as alone.
+void shadow(std::vector<Shadowing> shadowings, const Record& record, const DriveCourse& drives, const ShadowGains& gains);
 
 }  // namespace slewlab::diagnosis

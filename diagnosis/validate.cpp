@@ -137,9 +137,10 @@ HeldOutData::HeldOutData(const Problem& problem, const WhiteningSettings& settin
   const Record& record = problem.records[held];
   from_time_ = record.start_time;
   free_of_impacts_ = judged_share(problem.whitening[held]);
-  fitted_->records = problem.records;
+  const std::span<const Record> records(problem.records);
+  fitted_->records.look_at(is_half_ ? records : records.subspan(is_last ? 0 : 1, records.size() - 1));
   fitted_->whitening = problem.whitening;
-  predicted_->records = {record};
+  predicted_->records.look_at(records.subspan(held, 1));
   predicted_->whitening = {problem.whitening[held]};
   predicted_->nuisances.in_motion = {record.begins_bent};
   if (is_half_) {
@@ -149,7 +150,6 @@ HeldOutData::HeldOutData(const Problem& problem, const WhiteningSettings& settin
     if (is_last) from_time_ = record.time(record.size() / 2);
   } else {
     const auto place = static_cast<std::ptrdiff_t>(held);
-    fitted_->records.erase(fitted_->records.begin() + place);
     fitted_->whitening.erase(fitted_->whitening.begin() + place);
     fitted_->nuisances.in_motion.resize(problem.records.size());
     fitted_->nuisances.in_motion.erase(fitted_->nuisances.in_motion.begin() + place);

@@ -76,7 +76,7 @@ ValidationError together(const ValidationError& one, const ValidationError& othe
 
 enum class HeldOutPart { first, last };  // record, or half of a single one
 
-// The records of a problem in two parts.
+// The records of a problem in two parts. The problem must outlive them.
 class HeldOutData {
  public:
   HeldOutData(const Problem& problem, const WhiteningSettings& settings, HeldOutPart part);

@@ -51,6 +51,7 @@ DecodeStatus decode(Bytes bytes, Sensors& message) { return decode_checked(bytes
 DecodeStatus decode(Bytes bytes, Truth& message) { return decode_checked(bytes, message); }
 DecodeStatus decode(Bytes bytes, ControllerState& message) { return decode_checked(bytes, message); }
 DecodeStatus decode(Bytes bytes, PlantStatus& message) { return decode_checked(bytes, message); }
+DecodeStatus decode(Bytes bytes, Motion& message) { return decode_checked(bytes, message); }
 
 void encode(const Encoder& message, std::vector<std::uint8_t>& bytes) { encode_checked(message, bytes); }
 void encode(const Torque& message, std::vector<std::uint8_t>& bytes) { encode_checked(message, bytes); }
@@ -61,5 +62,6 @@ void encode(const ControllerState& message, std::vector<std::uint8_t>& bytes) {
   encode_checked(message, bytes);
 }
 void encode(const PlantStatus& message, std::vector<std::uint8_t>& bytes) { encode_checked(message, bytes); }
+void encode(const Motion& message, std::vector<std::uint8_t>& bytes) { encode_checked(message, bytes); }
 
 }  // namespace slewlab::msgs

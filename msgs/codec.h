@@ -34,6 +34,7 @@ DecodeStatus decode(Bytes bytes, Sensors& message);
 DecodeStatus decode(Bytes bytes, Truth& message);
 DecodeStatus decode(Bytes bytes, ControllerState& message);
 DecodeStatus decode(Bytes bytes, PlantStatus& message);
+DecodeStatus decode(Bytes bytes, Motion& message);
 
 // Arrays must be as long as their counts say (std::logic_error otherwise: a fault of the program).
 void encode(const Encoder& message, std::vector<std::uint8_t>& bytes);
@@ -43,5 +44,6 @@ void encode(const Sensors& message, std::vector<std::uint8_t>& bytes);
 void encode(const Truth& message, std::vector<std::uint8_t>& bytes);
 void encode(const ControllerState& message, std::vector<std::uint8_t>& bytes);
 void encode(const PlantStatus& message, std::vector<std::uint8_t>& bytes);
+void encode(const Motion& message, std::vector<std::uint8_t>& bytes);
 
 }  // namespace slewlab::msgs

@@ -5,6 +5,7 @@
 
 #include <slewlab_msgs/controller_state_t.hpp>
 #include <slewlab_msgs/encoder_t.hpp>
+#include <slewlab_msgs/motion_t.hpp>
 #include <slewlab_msgs/operator_t.hpp>
 #include <slewlab_msgs/plant_status_t.hpp>
 #include <slewlab_msgs/sensors_t.hpp>
@@ -20,6 +21,7 @@ using Sensors = slewlab_msgs::sensors_t;
 using Truth = slewlab_msgs::truth_t;
 using ControllerState = slewlab_msgs::controller_state_t;
 using PlantStatus = slewlab_msgs::plant_status_t;
+using Motion = slewlab_msgs::motion_t;
 
 inline constexpr const char* kEncoderChannel = "ENCODER";
 inline constexpr const char* kTorqueChannel = "TORQUE";
@@ -28,5 +30,6 @@ inline constexpr const char* kSensorsChannel = "SENSORS";
 inline constexpr const char* kTruthChannel = "TRUTH";
 inline constexpr const char* kControllerStateChannel = "CONTROLLER_STATE";
 inline constexpr const char* kPlantStatusChannel = "PLANT_STATUS";
+inline constexpr const char* kMotionChannel = "MOTION";
 
 }  // namespace slewlab::msgs

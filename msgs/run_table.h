@@ -47,7 +47,6 @@ class RunTables {
   void read_in_file_order(const std::vector<bool>& asked, Buffers& buffers) const;
   template <class Take>
   void walk_ordered(const std::vector<bool>& asked, Take take) const;
-  void note_time(std::int64_t time, std::int64_t& latest);
   void read_ordered(const std::vector<bool>& asked, Buffers& buffers) const;
 
   std::filesystem::path path_;

@@ -53,7 +53,7 @@ const std::array<WireMessage, kChannels>& wire_messages() {
       wire_message<Encoder>(kEncoderChannel),   wire_message<Torque>(kTorqueChannel),
       wire_message<Operator>(kOperatorChannel), wire_message<Sensors>(kSensorsChannel),
       wire_message<Truth>(kTruthChannel),       wire_message<ControllerState>(kControllerStateChannel),
-      wire_message<PlantStatus>(kPlantStatusChannel)};
+      wire_message<PlantStatus>(kPlantStatusChannel), wire_message<Motion>(kMotionChannel)};
   return messages;
 }
 

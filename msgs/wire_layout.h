@@ -14,7 +14,7 @@
 
 namespace slewlab::msgs {
 
-constexpr std::size_t kChannels = 7;
+constexpr std::size_t kChannels = 8;
 constexpr std::size_t kMostCounts = 3;  // of arrays in one message
 
 struct WireMessage {
@@ -26,7 +26,7 @@ struct WireMessage {
   std::size_t answered_at = 0;     // [bytes] where answered_sequence stands in an answer
 };
 
-// In the order ENCODER, TORQUE, OPERATOR, SENSORS, TRUTH, CONTROLLER_STATE, PLANT_STATUS.
+// In the order ENCODER, TORQUE, OPERATOR, SENSORS, TRUTH, CONTROLLER_STATE, PLANT_STATUS, MOTION.
 const std::array<WireMessage, kChannels>& wire_messages();
 constexpr std::size_t kEncoderIndex = 0;
 constexpr std::size_t kOperatorIndex = 2;

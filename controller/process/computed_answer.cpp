@@ -11,11 +11,12 @@ void copy_per_group(const PerGroup& from, int count, std::vector<double>& to) {
 
 }  // namespace
 
-Compute computed_answer(const ControllerSettings& settings) {
-  return [settings, state = ControllerState{}, plausibility = PlausibilityState{}, reading = EncoderReading{},
+Compute computed_answer(const ControllerSettings& settings, const std::vector<PlaySwitch>* switched) {
+  return [own = settings, switched, known = std::size_t{0}, state = ControllerState{}, plausibility = PlausibilityState{}, reading = EncoderReading{},
           input = ControllerInput{}, output = ControllerOutput{}](
              const msgs::Encoder& encoder, const msgs::Operator& operator_move, msgs::Torque& torque,
              msgs::ControllerState& report) mutable {
+    for (; switched != nullptr && known < switched->size(); ++known) add_switch(own.play_compensation, (*switched)[known]);
     reading.sequence = encoder.sequence;
     reading.simulated_time = encoder.simulated_time;
     // The pure controller knows what to do about a number of groups that is not its own.
@@ -24,7 +25,7 @@ Compute computed_answer(const ControllerSettings& settings) {
     std::copy_n(encoder.shaft_speed.begin(), groups, reading.shaft_speed.begin());
     std::copy_n(encoder.shaft_position.begin(), groups, reading.shaft_position.begin());
     const Plausibility judged =
-        judge(settings.plausibility, settings.period, settings.group_count, plausibility, reading);
+        judge(own.plausibility, own.period, own.group_count, plausibility, reading);
     input.simulated_time = encoder.simulated_time;
     input.group_count = reading.group_count;
     input.shaft_speed = reading.shaft_speed;
@@ -32,7 +33,7 @@ Compute computed_answer(const ControllerSettings& settings) {
     input.speed_request = operator_move.speed_request;
     input.emergency_stop = operator_move.emergency_stop;
     input.acknowledge = operator_move.acknowledge;
-    step(settings, state, input, output);
+    step(own, state, input, output);
     torque.enable = output.enable;
     torque.brake = output.brake;
     torque.acknowledge = output.acknowledge;

@@ -1,12 +1,18 @@
 // slewlab-controller: the controller as a process on the bus. It answers until it is told to end (SIGTERM,
 // SIGINT), which is its ordinary end: exit code 0. 1: the bus failed, 2: the call or the configuration is
 // wrong.
+//
+// With --steered standard input says what an operator switches while it runs, a line each:
+//   play_compensation on|off NANOSECONDS   from that simulated time on
+// It is said again on standard output when it is known.
 
 #include <CLI/CLI.hpp>
 
 #include <chrono>
 #include <cstdio>
+#include <sstream>
 
+#include "common/launcher_lines.h"
 #include "common/stop_signal.h"
 #include "controller/controller_file.h"
 #include "controller/process/computed_answer.h"
@@ -19,11 +25,30 @@ struct Options {
   std::string config;
   std::string bus;
   double period_ms = 0.0;
+  bool steered = false;
   std::vector<std::string> overrides;
 };
 
 // How long a signal may go unnoticed where it does not interrupt the wait.
 constexpr std::chrono::milliseconds kWait{200};
+// How long a line on standard input may go unnoticed.
+constexpr std::chrono::milliseconds kSteeredWait{10};
+
+void hear(common::LauncherLines& launcher, std::vector<PlaySwitch>& switched) {
+  while (const auto line = launcher.next(std::chrono::milliseconds{0})) {
+    std::istringstream words(*line);
+    std::string what, state;
+    PlaySwitch change;
+    if (!(words >> what >> state >> change.time) || what != "play_compensation" || (state != "on" && state != "off")) {
+      std::fprintf(stderr, "slewlab-controller: '%s': play_compensation on|off NANOSECONDS is wanted\n", line->c_str());
+      continue;
+    }
+    change.enabled = state == "on";
+    switched.push_back(change);
+    std::printf("%s\n", line->c_str());
+    std::fflush(stdout);
+  }
+}
 
 int run(const Options& options) {
   std::vector<common::Override> overrides;
@@ -33,8 +58,13 @@ int run(const Options& options) {
 
   common::catch_stop_signals();
   const auto bus = msgs::open_lcm_bus(options.bus);
-  const AnswerLoop loop(*bus, computed_answer(settings));
-  while (!common::stop_requested()) bus->handle_one(kWait);
+  std::vector<PlaySwitch> switched;
+  const AnswerLoop loop(*bus, computed_answer(settings, &switched));
+  common::LauncherLines launcher;
+  while (!common::stop_requested()) {
+    bus->handle_one(options.steered ? kSteeredWait : kWait);
+    if (options.steered) hear(launcher, switched);
+  }
   return 0;
 }
 
@@ -53,6 +83,7 @@ int main(int argc, char** argv) {
       ->envname("SLEWLAB_CONTROLLER_PERIOD_MS")
       ->check(CLI::PositiveNumber)
       ->required();
+  app.add_flag("--steered", options.steered, "with what an operator switches as lines on standard input");
   app.add_option("--set", options.overrides, "key=value over the file, e.g. ramp.curved_share=0.2");
   try {
     app.parse(argc, argv);

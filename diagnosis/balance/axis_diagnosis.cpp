@@ -32,8 +32,12 @@ constexpr double kAboveNoise = 3.0;          // times what noise leaves, from wh
 constexpr double kSure = 0.9;                // probability from which a law is named without its family
 constexpr double kMost = 0.5;                // share of the gap on data that were not fitted, that an answer explains at least
 constexpr double kWorthSaying = 0.1;         // share of the gap that is left unexplained and named
+constexpr double kBeyondRating = 20.0;       // times the rated torque or the top speed: no motor is overloaded so far
+constexpr double kSlowestJudged = 2e-3;      // of the top speed, below which nothing is judged (balance_fit.cpp)
+constexpr double kFewMoves = 0.01;           // of a record, by which it moves in a direction
 constexpr int kFiner = 4;                    // steps of the forward simulation per sample
-constexpr int kHalvings = 50;                // of the bracket of a speed
+constexpr int kHalvings = 40;                // of the bracket of a speed
+constexpr std::size_t kForwardStretches = 10;  // of the record that is held out, from whose beginnings it is simulated
 
 // Torques or positions in a wrong unit, axis or sign show in the inertia that the balance wants, where the records determine it.
 void check_units(double nominal, const BalanceModel& model) {
@@ -43,6 +47,13 @@ void check_units(double nominal, const BalanceModel& model) {
   throw NoBalance(fmt::format("the motion takes {:.3g} times the inertia of the file, or the efforts are {:.3g} times too {}: check the units of position and "
                               "torque, on which side of the gears they are, the ratio, and whether this is another axis than the nominal one",
                               factor, factor > 1.0 ? factor : 1.0 / factor, factor > 1.0 ? "large" : "small"));
+}
+
+// What is a torque on a rotary axis is a force on a linear one.
+std::string of_a_linear_axis(std::string words) {
+  constexpr std::string_view kTorque = "torque";
+  if (const auto at = words.find(kTorque); at != std::string::npos) words.replace(at, kTorque.size(), "force");
+  return words;
 }
 
 double root_mean_square(const std::vector<double>& values) {
@@ -60,6 +71,30 @@ std::vector<double> rough_speed(const std::vector<double>& position, double step
     if (to > from) speed[n] = (position[to] - position[from]) / (step * static_cast<double>(to - from));
   }
   return speed;
+}
+
+// A column in mA or degrees, or a time in ms, is far from what the axis's file says of its motor.
+void check_against_ratings(const std::string& name, double largest_torque, const AxisRecord& record, const sim::MachineFile& axis) {
+  const char *torque_unit = axis.axis.is_shaft_linear ? "N" : "N m", *speed_unit = axis.axis.is_linear ? "m/s" : "rad/s";
+  if (const double rated = axis.parameters.drive.rated_torque; largest_torque > kBeyondRating * rated) {
+    throw NoBalance(fmt::format("{}: the motor's torque reaches {:.3g} {}, {:.0f} times the rated {:.3g} {} of the axis's file: check the units of the torque (a current in "
+                                "A or mA takes `scale:` in the map) and on which side of the gears it is",
+                                name, largest_torque, torque_unit, largest_torque / rated, rated, torque_unit));
+  }
+  const std::vector<double> speeds = rough_speed(record.position, record.step);
+  double fastest = 0.0;
+  for (const double speed : speeds) fastest = std::max(fastest, std::fabs(speed));
+  const double top = axis.parameters.drive.top_speed, usual = root_mean_square(speeds);
+  if (usual > kBeyondRating * top) {
+    throw NoBalance(fmt::format("{}: the axis moves at {:.3g} {} (RMS), {:.0f} times the top speed of {:.3g} {} of its file: check the units of position (deg, mm) and time, "
+                                "and on which side of the gears the position is",
+                                name, usual, speed_unit, usual / top, top, speed_unit));
+  }
+  if (fastest > 0.0 && fastest < kSlowestJudged * top) {
+    throw NoBalance(fmt::format("{}: the axis moves at {:.3g} {} at most, {:.2g} % of the top speed of {:.3g} {} of its file: check the units of time (ms) and position; a torque "
+                                "balance needs moves at several speeds",
+                                name, fastest, speed_unit, 100.0 * fastest / top, top, speed_unit));
+  }
 }
 
 // Torques that the effects of the axis's own file give along the measured motion.
@@ -95,26 +130,33 @@ AxisRecord part_of(const AxisRecord& record, bool second) {
   return {record.name, record.step, part(record.position), part(record.effort), record.start_time + (second ? record.step * static_cast<double>(middle) : 0.0)};
 }
 
-double resistance(const std::vector<std::pair<const LawShape*, const BalanceTerm*>>& laws, const LawMoment& moment) {
+double resistance(const std::vector<std::pair<const LawShape*, BalanceTerm>>& laws, const LawMoment& moment) {
   double sum = 0.0;
   for (const auto& [shape, term] : laws) {
-    for (std::size_t c = 0; c < shape->columns.size(); ++c) sum += term->size[c] * shape->columns[c](moment);
+    for (std::size_t c = 0; c < shape->columns.size(); ++c) sum += term.size[c] * shape->columns[c](moment);
   }
   return sum;
 }
 
-BalanceModel bare(double inertia) {
+// A recorder's skew is no property of the axis: the nominal one has it as well.
+BalanceModel bare(double inertia, double skew) {
   BalanceModel model;
   model.inertia = inertia;
+  model.skew = skew;
   return model;
 }
 
 AxisError error_of(const AxisRecord& record, const BalanceRecord& smooth, const Balance& balance, const BalanceModel& model) {
-  const std::vector<double> forward = forward_speed(record, smooth.motion, balance.laws, model);
   const std::size_t first = (record.position.size() - smooth.motion.speed.size()) / 2;
-  std::vector<double> difference(smooth.motion.speed.size());
-  for (std::size_t n = 0; n < difference.size(); ++n) difference[n] = smooth.motion.speed[n] - forward[first + n];
-  return {root_mean_square(balance_residual(smooth, balance.laws, model, balance.resolved_speed)), root_mean_square(difference)};
+  const auto speed_error = [&](std::size_t stretch) {
+    const std::vector<double> forward = forward_speed(record, smooth.motion, balance.laws, model, stretch);
+    std::vector<double> difference(smooth.motion.speed.size());
+    for (std::size_t n = 0; n < difference.size(); ++n) difference[n] = smooth.motion.speed[n] - forward[first + n];
+    return root_mean_square(difference);
+  };
+  const std::size_t whole = record.position.size();
+  return {root_mean_square(balance_residual(smooth, balance.laws, model, balance.resolved_speed)), speed_error(whole),
+          speed_error(std::max<std::size_t>(1, whole / kForwardStretches))};
 }
 
 // Chooses the laws without the last record, and asks them to predict it.
@@ -130,26 +172,36 @@ void choose_and_validate(const std::vector<AxisRecord>& records, const Balance& 
     diagnosis.validation.place = last.name + ", second half";
   }
   const std::vector<BalanceRecord> seen = smoothed(fitted, balance);
-  const BalanceRecord unseen = make_balance_record(last, balance.half_window);
+  const BalanceRecord unseen = make_balance_record(last, balance.half_window, balance.late_times);
   diagnosis.answer = fit_balance(seen, balance.laws, nominal_inertia, balance.resolved_speed);
   diagnosis.validated = diagnosis.answer.best;
   const BalanceModel inertia_alone = fit_balance(seen, {}, nominal_inertia, balance.resolved_speed).best;
   AxisValidation& validation = diagnosis.validation;
-  validation.nominal = error_of(last, unseen, balance, bare(nominal_inertia));
+  validation.nominal = error_of(last, unseen, balance, bare(nominal_inertia, inertia_alone.skew));
   validation.inertia = error_of(last, unseen, balance, inertia_alone);
   validation.cause = error_of(last, unseen, balance, diagnosis.validated);
   validation.effort = root_mean_square(unseen.effort);
   validation.noise = std::hypot(nominal_inertia * acceleration_noise(last, balance.half_window), kLawDiscrepancy * validation.effort);
   validation.speed = root_mean_square(unseen.speed);
+  const auto moves = [&](const BalanceRecord& record, double sign) {
+    const auto count = std::count_if(record.speed.begin(), record.speed.end(), [&](double speed) { return sign * speed > balance.resolved_speed; });
+    return static_cast<double>(count) > kFewMoves * static_cast<double>(record.speed.size());
+  };
+  for (const double sign : {1.0, -1.0}) {
+    validation.is_other_direction |= moves(unseen, sign) && std::none_of(seen.begin(), seen.end(), [&](const BalanceRecord& record) { return moves(record, sign); });
+  }
   const auto is_better = [&](const AxisError& than) {
-    return validation.cause.balance < kBetter * than.balance && validation.cause.forward < kBetter * than.forward;
+    return validation.cause.balance < kBetter * than.balance && (validation.cause.forward < kBetter * than.forward || validation.cause.tenths < kBetter * than.tenths);
   };
   validation.holds = is_better(validation.nominal) && (diagnosis.validated.terms.empty() || is_better(validation.inertia));
 }
 
 const BalanceTerm* term_of(const BalanceModel& model, std::string_view law) {
-  const auto found = std::find_if(model.terms.begin(), model.terms.end(), [&](const BalanceTerm& term) { return term.law == law; });
-  return found == model.terms.end() ? nullptr : &*found;
+  for (const std::vector<BalanceTerm>* terms : {&model.terms, &model.details}) {
+    const auto found = std::find_if(terms->begin(), terms->end(), [&](const BalanceTerm& term) { return term.law == law; });
+    if (found != terms->end()) return &*found;
+  }
+  return nullptr;
 }
 
 // The effects of the catalogue that are the model's laws, with their sizes; what has none, or lies out of an effect's bounds, is remarked.
@@ -163,15 +215,18 @@ void take_effects(const sim::MachineFile& axis, double first_position, AxisDiagn
     const BalanceTerm* term = term_of(model, law);
     return term == nullptr ? 0.0 : term->shape;
   };
+  const auto is_named = [&](std::string_view law) {
+    return std::any_of(model.terms.begin(), model.terms.end(), [&](const BalanceTerm& term) { return term.law == law; });
+  };
   sim::BalanceEffects found = sim::effects_of_balance(
-      {.dry = size("dry"), .viscous = size("viscous"), .viscous_difference = size("viscous_direction"), .offset = size("offset"),
+      {.dry = size("dry"), .viscous = size("viscous"), .viscous_difference = size("viscous", 1), .dry_difference = is_named("offset") ? 0.0 : size("offset"), .offset = is_named("offset") ? size("offset") : 0.0,
        .breakaway_excess = size("stribeck"), .stribeck_speed = shape("stribeck"), .rising = size("rising"), .rising_speed = shape("rising"),
        .gravity_sine = size("gravity", 0), .gravity_cosine = size("gravity", 1), .first_position = first_position},
       sim::effects_for(axis));
   diagnosis.effects = std::move(found.effects);
   diagnosis.remarks.insert(diagnosis.remarks.end(), found.left_out.begin(), found.left_out.end());
   for (const BalanceTerm& term : model.terms) {
-    constexpr std::string_view kWritten[] = {"dry", "viscous", "viscous_direction", "offset", "stribeck", "rising", "gravity"};
+    constexpr std::string_view kWritten[] = {"dry", "viscous", "offset", "stribeck", "rising", "gravity"};
     if (std::find(std::begin(kWritten), std::end(kWritten), term.law) != std::end(kWritten)) continue;
     diagnosis.remarks.push_back(term.words + ": no effect of the catalogue has this law with these sizes; it is not in the file");
   }
@@ -186,11 +241,23 @@ std::string inertia_words(const sim::MachineFile& axis, double nominal, double f
 void keep_only(double factor, BalanceAnswer& answer) {
   for (BalanceModel& model : answer.models) model.probability *= factor;
   answer.best.probability *= factor;
+  for (LawProbability& law : answer.laws) law.probability *= factor;
+  for (BalanceTerm& term : answer.best.terms) term.probability *= factor;
   answer.probability_unknown = 1.0 - factor * (1.0 - answer.probability_unknown);
 }
 
+// Something unknown that leaves more of the gap than a rare law explains may be what that law was fitted to.
+void doubt_what_an_unknown_may_imitate(AxisDiagnosis& diagnosis) {
+  for (BalanceTerm& term : diagnosis.answer.best.terms) {
+    const auto law = std::find_if(diagnosis.laws.begin(), diagnosis.laws.end(), [&](const BalanceLaw& one) { return one.name == term.law; });
+    if (law == diagnosis.laws.end() || law->is_ordinary) continue;
+    term.probability *= term.share / (term.share + diagnosis.unexplained);
+  }
+  diagnosis.answer.models.front() = diagnosis.answer.best;
+}
+
 void name_answer(const sim::MachineFile& axis, double inertia_spread, AxisDiagnosis& diagnosis) {
-  const BalanceModel& best = diagnosis.answer.best;
+  BalanceModel& best = diagnosis.answer.best;
   const AxisValidation& validation = diagnosis.validation;
   const double nominal = diagnosis.nominal_inertia;
   const bool is_inertia_off =
@@ -222,6 +289,13 @@ void name_answer(const sim::MachineFile& axis, double inertia_spread, AxisDiagno
     return;
   }
   diagnosis.is_stated = true;
+  diagnosis.unexplained = 1.0 - share;
+  diagnosis.has_remainder = validation.cause.balance > kAboveNoise * validation.noise && !validation.is_other_direction;
+  if (diagnosis.has_remainder) doubt_what_an_unknown_may_imitate(diagnosis);
+  if (validation.is_other_direction && 1.0 - share > kWorthSaying) {
+    diagnosis.remarks.push_back(validation.place + " moves in a direction in which the other data do not: what the laws leave there may be that direction's own "
+                                                   "friction; a log that goes both ways would tell");
+  }
   std::string words = best.terms.empty() ? "only " : best.words();
   // Where the members of a family cannot be told, the family leads.
   const bool is_sure = std::all_of(best.terms.begin(), best.terms.end(), [](const BalanceTerm& term) { return term.probability >= kSure; });
@@ -235,16 +309,25 @@ void name_answer(const sim::MachineFile& axis, double inertia_spread, AxisDiagno
       if (!members.empty()) words += fmt::format("{}{} ({:.0f} %), most likely {}", words.empty() ? "" : "; ", words_of(family.family), 100.0 * family.probability, members);
     }
   }
+  if (is_inertia_off) {
+    diagnosis.remarks.push_back(fmt::format("a torque constant that is {:.0f} % off would show the same; all other sizes then change by as much",
+                                            100.0 * std::fabs(nominal / best.inertia - 1.0)));
+  }
   if (is_inertia_off) words += (best.terms.empty() ? "" : ", beside ") + inertia_words(axis, nominal, best.inertia);
   diagnosis.verdict = fmt::format("{}: {:.1f} % of the gap on data that were not fitted", words, 100.0 * share);
-  if (1.0 - share > kWorthSaying && rest.empty()) diagnosis.verdict += "; the rest follows neither speed, position, time nor torque";
-  if (!rest.empty()) diagnosis.verdict += "; the rest follows the " + rest;
+  const std::string follows = rest.empty() ? "follows neither speed, position, time nor torque" : "follows the " + rest;
+  if (diagnosis.has_remainder) {
+    diagnosis.verdict += fmt::format("; what is left, {:.3g} {} of {:.3g}, is of no known law (unknown) and {}", validation.cause.balance,
+                                     axis.axis.is_linear ? "N" : "Nm", validation.effort, follows);
+  } else if (!rest.empty() || diagnosis.unexplained > kWorthSaying) {
+    diagnosis.verdict += "; the rest " + follows;
+  }
 }
 
 AxisSeries series_of(const BalanceRecord& smooth, const Balance& balance, double nominal_inertia, const BalanceModel& model) {
   AxisSeries series{smooth.time, smooth.position, smooth.speed, smooth.effort, {}, {}};
   // The residual where the axis stands is not determined; drawn as if it moved.
-  series.nominal_residual = balance_residual(smooth, balance.laws, bare(nominal_inertia), -1.0);
+  series.nominal_residual = balance_residual(smooth, balance.laws, bare(nominal_inertia, model.skew), -1.0);
   series.residual = balance_residual(smooth, balance.laws, model, -1.0);
   return series;
 }
@@ -266,6 +349,7 @@ AxisRecord axis_record(const NamedRun& named, const sim::MachineFile& axis) {
   record.step = static_cast<double>(run.encoder.back().simulated_time - run.encoder.front().simulated_time) * kNanosecond / count;
   if (!(record.step > 0.0)) throw NoBalance(named.name + ": the time of ENCODER does not rise");
   const msgs::Torque* held = &run.torque.front();
+  double largest = 0.0;  // torque of a motor
   for (std::size_t n = 0; n < run.encoder.size(); ++n) {
     const msgs::Encoder& encoder = run.encoder[n];
     const double time = static_cast<double>(encoder.simulated_time - run.encoder.front().simulated_time) * kNanosecond;
@@ -281,18 +365,20 @@ AxisRecord axis_record(const NamedRun& named, const sim::MachineFile& axis) {
     if (!std::isfinite(position) || !std::isfinite(torque)) {
       throw NoBalance(fmt::format("{}: a position or torque at {:.4f} s is no number", named.name, static_cast<double>(encoder.simulated_time) * kNanosecond));
     }
+    largest = std::max(largest, std::fabs(torque));
     record.position.push_back(position);
     record.effort.push_back(ratio * motors * std::clamp(torque, -limit, limit) + sim::axis_force_at(axis.parameters.axis_force, position));
   }
+  check_against_ratings(record.name, largest, record, axis);
   if (root_mean_square(record.effort) == 0.0) throw NoBalance(named.name + ": the torque is zero throughout; there is nothing to balance the motion with");
   add_own_effects(axis, record);
   return record;
 }
 
 std::vector<double> forward_speed(const AxisRecord& record, const BalanceMotion& motion, const std::vector<BalanceLaw>& laws,
-                                  const BalanceModel& model) {
-  std::vector<std::pair<const LawShape*, const BalanceTerm*>> acting;
-  for (const BalanceTerm& term : model.terms) acting.emplace_back(&shape_of(laws, term), &term);
+                                  const BalanceModel& model, std::size_t stretch) {
+  std::vector<std::pair<const LawShape*, BalanceTerm>> acting;
+  for (BalanceTerm& term : model.acting()) acting.emplace_back(&shape_of(laws, term), std::move(term));
   const std::size_t first = (record.position.size() - motion.speed.size()) / 2;
   const auto along = [&](const std::vector<double>& series, std::size_t n) {
     return series[std::clamp<std::size_t>(n, first, first + series.size() - 1) - first];
@@ -301,15 +387,21 @@ std::vector<double> forward_speed(const AxisRecord& record, const BalanceMotion&
   std::vector<double> speeds(record.position.size());
   LawMoment moment{record.start_time, along(motion.position, 0), along(motion.speed, 0), 0.0};
   for (std::size_t n = 0; n < speeds.size(); ++n) {
+    if (n % stretch == 0) {
+      moment.position = along(motion.position, n);
+      moment.speed = along(motion.speed, n);
+    }
     speeds[n] = moment.speed;
     moment.effort_rate = along(motion.effort_rate, n);
+    if (motion.late_count > 0) moment.late = &motion.late[(std::clamp<std::size_t>(n, first, first + motion.speed.size() - 1) - first) * motion.late_count];
+    const double effort = record.effort[n] - model.skew * moment.effort_rate;
     for (int i = 0; i < kFiner; ++i) {
       // J (v - v0) / h + R(v) = F for the speed at the step's end: its left side rises with v, dry friction's jump included.
       const double before = moment.speed;
       const auto rest = [&](double speed) {
         LawMoment end = moment;
         end.speed = speed;
-        return model.inertia * (speed - before) / step + resistance(acting, end) - record.effort[n];
+        return model.inertia * (speed - before) / step + resistance(acting, end) - effort;
       };
       double reach = std::max(std::numeric_limits<double>::min(), std::fabs(step / model.inertia * rest(before)));  // doubled, it must grow
       while (rest(before - reach) > 0.0 && std::isfinite(reach)) reach *= 2.0;
@@ -338,6 +430,13 @@ AxisDiagnosis diagnose_axis(const sim::MachineFile& axis, const std::vector<Name
       const auto is_left_out = [&](const std::string& name) { return std::find(without.begin(), without.end(), name) != without.end(); };
       return is_left_out(law.name) || is_left_out(law.needs);
     });
+    diagnosis.laws = balance.laws;
+    diagnosis.half_window = balance.half_window;
+    diagnosis.late_times = balance.late_times;
+    if (axis.axis.is_linear) {
+      for (BalanceLaw& law : balance.laws) law.words = of_a_linear_axis(std::move(law.words));
+      diagnosis.laws = balance.laws;
+    }
     const std::vector<BalanceRecord> smooth = smoothed(records, balance);
     choose_and_validate(records, balance, diagnosis.nominal_inertia, diagnosis);
     BalanceModel& best = diagnosis.answer.best;

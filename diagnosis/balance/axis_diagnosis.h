@@ -3,7 +3,9 @@
 // its second half:
 //
 //   torque balance        F - J q'' - laws(q', q, t), RMS
-//   forward simulation    J q'' = F - laws from the first instant, by the recorded effort alone; RMS of measured minus simulated speed
+//   forward simulation    J q'' = F - laws by the recorded effort alone; RMS of measured minus simulated speed, from the first instant on or
+//                         begun anew at each tenth of the record: from the first instant on, even what is right drifts where nothing
+//                         brings the axis back; in a tenth, hardly anything does
 //
 // each against the nominal axis and against the inertia alone, fitted again. The laws are chosen without that part; a cause that is not
 // better in both is not stated; the sizes of one that is are fitted to all records.
@@ -12,6 +14,7 @@
 // Assumption: one inertia; what swings behind an elastic transmission is part of what is left.
 #pragma once
 
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -39,7 +42,9 @@ AxisRecord axis_record(const NamedRun& run, const sim::MachineFile& axis);
 
 // RMS of the torque balance's residual, and of the forward simulation's speed error.
 struct AxisError {
-  double balance = 0.0, forward = 0.0;
+  double balance = 0.0;
+  double forward = 0.0;  // from the record's first instant
+  double tenths = 0.0;   // begun anew at each tenth
 };
 
 struct AxisValidation {
@@ -48,6 +53,7 @@ struct AxisValidation {
   double effort = 0.0, speed = 0.0;  // RMS of what was measured there
   double noise = 0.0;                // RMS of what noise of the positions and laws known no better leave of the balance
   bool holds = false;
+  bool is_other_direction = false;   // they move in a direction in which the fitted data do not
 };
 
 // What the page draws, of the last record: the balance's residual before and after.
@@ -62,17 +68,22 @@ struct AxisDiagnosis {
   AxisValidation validation;
   bool gap = false;              // the nominal axis is not as good as noise and the spread of its inertia allow
   bool is_stated = false;        // the best model is an answer; otherwise the verdict says why not
+  double unexplained = 0.0;      // share of the gap that the stated laws leave on data that were not fitted
+  bool has_remainder = false;    // and that is more than noise and laws known no better make
   std::string verdict;
   std::vector<common::EffectInstance> effects;  // of the best model, where the catalogue has its laws
   std::vector<std::string> remarks;
   std::vector<AxisSeries> series;               // per record
+  std::vector<BalanceLaw> laws;                 // that were tried, in units of the axis
+  std::size_t half_window = 0;                  // [samples] of the balance
+  std::vector<double> late_times;               // [s] of the lags that were tried
 };
 
 // `without`: names of laws (balance_law_names()) that are not tried, nor what is a detail of them. Throws NoBalance.
 AxisDiagnosis diagnose_axis(const sim::MachineFile& axis, const std::vector<NamedRun>& runs, const std::vector<std::string>& without = {});
 
-// The speed of the axis from the first instant by the recorded effort alone, on the record's grid.
+// The speed of the axis by the recorded effort alone, on the record's grid; begun at the first instant and anew after each `stretch` samples.
 std::vector<double> forward_speed(const AxisRecord& record, const BalanceMotion& motion, const std::vector<BalanceLaw>& laws,
-                                  const BalanceModel& model);
+                                  const BalanceModel& model, std::size_t stretch = std::numeric_limits<std::size_t>::max());
 
 }  // namespace slewlab::diagnosis

@@ -15,7 +15,9 @@ namespace slewlab::diagnosis {
 
 namespace {
 
-constexpr int kBlocksPerRecord = 10;       // contiguous, left out in turn; chosen: each still holds moves of its own
+// Blocks left out in turn, each of several stretches spread over the record: what is left out is then no motion that the rest does not have.
+constexpr int kBlocksPerRecord = 10;
+constexpr int kStretchesPerBlock = 4;
 constexpr double kSignificance = 2.0;      // [standard errors] by which an addition must help the left-out blocks
 constexpr double kLeastShare = kLawDiscrepancy * kLawDiscrepancy;  // of the gap, below which an addition is what a known law leaves
 constexpr double kLongestWindow = 0.2;       // [s]: the shortest move that an axis makes on purpose; chosen
@@ -30,6 +32,14 @@ constexpr std::size_t kMostTerms = 6;      // beside the inertia
 constexpr std::size_t kGrownPairs = 3;     // of the best, from which more grows
 constexpr double kRatioDeviation = 0.1;    // of the logarithm of what two laws leave: learned on simulated axes, docs/axis.md
 constexpr double kMedianShare = 0.2;       // of the likeliest model's probability, that the model of all likely laws has at least
+// Lags that are tried, of the time in which the axis changes its speed; evenly in the logarithm.
+constexpr double kLateShares[] = {0.01, 0.015, 0.022, 0.033, 0.05, 0.075, 0.11, 0.16, 0.24, 0.36, 0.5};
+constexpr double kShortestLate = 1.5;      // [samples], below which a recorder's skew is as likely
+constexpr double kSkewPrior = 0.5;         // [samples]: a torque is held, or read at once, or the mean since the last sample; chosen
+constexpr double kMostSkews = 3.0;         // standard deviations of that, beyond which it is a law's
+constexpr double kDriveLag = 0.005;        // of the time in which the axis changes its speed, that a drive's current control takes; chosen
+constexpr double kLean = 0.3;              // of viscous friction, half the difference of its directions; chosen
+constexpr double kDetail = 1.0;            // of the effort, what an ordinary law that is not named may make; chosen
 constexpr double kParallel = 1e-4;         // smallest eigenvalue of the columns' products, from which records tell the laws of a model apart
 constexpr double kNegligible = 1e-4;       // probability that is not told
 constexpr int kBumps = 20;                 // of a smooth function of one variable
@@ -38,8 +48,10 @@ constexpr double kLeastDetermined = 0.1;   // of the sizes by all records but on
 constexpr double kFewestJudged = 50.0;     // samples that must move
 
 // One column of the regression and where it belongs.
+constexpr int kAcceleration = -1, kSkew = -2;  // of no law
+constexpr Eigen::Index kSkewColumn = 1;        // behind the acceleration's
 struct Column {
-  int law = -1;  // -1: acceleration
+  int law = kAcceleration;
   std::size_t shape = 0;
 };
 
@@ -53,17 +65,21 @@ struct Block {
 
 struct Regression {
   std::vector<Column> columns;
+  Eigen::VectorXd ridge;                  // of each column: what its prior adds to the products
   std::vector<Block> blocks;
   std::vector<Eigen::MatrixXd> values;    // per record, judged samples
   std::vector<Eigen::VectorXd> efforts;
   std::vector<std::vector<std::size_t>> judged;  // indices into the record
   double count = 0.0, all = 0.0;
+  bool is_skewed = false;  // the effort changes, so that a skew shows
+  std::vector<bool> acts_late;  // of each law
 };
 
 std::vector<double> law_column(const BalanceRecord& record, const std::function<double(const LawMoment&)>& value) {
   std::vector<double> along(record.motion.time.size());
   for (std::size_t n = 0; n < along.size(); ++n) {
-    along[n] = value({record.motion.time[n], record.motion.position[n], record.motion.speed[n], record.motion.effort_rate[n]});
+    const double* late = record.motion.late_count > 0 ? &record.motion.late[n * record.motion.late_count] : nullptr;
+    along[n] = value({record.motion.time[n], record.motion.position[n], record.motion.speed[n], record.motion.effort_rate[n], late});
   }
   return balance_smoothed(along, record.half_window);
 }
@@ -80,9 +96,22 @@ void add_column(const std::vector<double>& series, const std::vector<std::size_t
   for (std::size_t i = 0; i < judged.size(); ++i) values(static_cast<Eigen::Index>(i), column) = series[judged[i]];
 }
 
+// First row and number of rows of the stretches of a block.
+std::vector<std::pair<Eigen::Index, Eigen::Index>> stretches_of(int block, Eigen::Index rows) {
+  constexpr Eigen::Index kStretches = kBlocksPerRecord * kStretchesPerBlock;
+  std::vector<std::pair<Eigen::Index, Eigen::Index>> stretches;
+  for (Eigen::Index s = block; s < kStretches; s += kBlocksPerRecord) {
+    const Eigen::Index first = rows * s / kStretches, last = rows * (s + 1) / kStretches;
+    if (last > first) stretches.emplace_back(first, last - first);
+  }
+  return stretches;
+}
+
 Regression make_regression(const std::vector<BalanceRecord>& records, const std::vector<BalanceLaw>& laws, double resolved_speed) {
   Regression regression;
   regression.columns.push_back({});
+  regression.columns.push_back({kSkew});
+  for (const BalanceLaw& law : laws) regression.acts_late.push_back(law.family == LawFamily::drive);
   for (std::size_t l = 0; l < laws.size(); ++l) {
     for (std::size_t s = 0; s < laws[l].shapes.size(); ++s) {
       for (std::size_t c = 0; c < laws[l].shapes[s].columns.size(); ++c) regression.columns.push_back({static_cast<int>(l), s});
@@ -93,7 +122,8 @@ Regression make_regression(const std::vector<BalanceRecord>& records, const std:
     const std::vector<std::size_t> judged = moving_samples(record, resolved_speed);
     Eigen::MatrixXd values(static_cast<Eigen::Index>(judged.size()), static_cast<Eigen::Index>(regression.columns.size()));
     add_column(record.acceleration, judged, values, 0);
-    Eigen::Index column = 1;
+    add_column(law_column(record, [](const LawMoment& m) { return m.effort_rate; }), judged, values, 1);
+    Eigen::Index column = 2;
     for (const BalanceLaw& law : laws) {
       for (const LawShape& shape : law.shapes) {
         for (const auto& value : shape.columns) add_column(law_column(record, value), judged, values, column++);
@@ -102,11 +132,16 @@ Regression make_regression(const std::vector<BalanceRecord>& records, const std:
     Eigen::VectorXd effort(values.rows());
     for (std::size_t i = 0; i < judged.size(); ++i) effort(static_cast<Eigen::Index>(i)) = record.effort[judged[i]];
     for (int b = 0; b < kBlocksPerRecord; ++b) {
-      const Eigen::Index first = values.rows() * b / kBlocksPerRecord, last = values.rows() * (b + 1) / kBlocksPerRecord;
-      if (last <= first) continue;
-      const auto rows = values.middleRows(first, last - first);
-      const auto targets = effort.segment(first, last - first);
-      regression.blocks.push_back({r, static_cast<double>(last - first), targets.squaredNorm(), rows.transpose() * rows, rows.transpose() * targets});
+      Block block{r, 0.0, 0.0, Eigen::MatrixXd::Zero(values.cols(), values.cols()), Eigen::VectorXd::Zero(values.cols())};
+      for (const auto& [first, count] : stretches_of(b, values.rows())) {
+        const auto rows = values.middleRows(first, count);
+        const auto targets = effort.segment(first, count);
+        block.count += static_cast<double>(count);
+        block.square += targets.squaredNorm();
+        block.products += rows.transpose() * rows;
+        block.with_effort += rows.transpose() * targets;
+      }
+      if (block.count > 0.0) regression.blocks.push_back(std::move(block));
     }
     regression.count += static_cast<double>(judged.size());
     regression.all += static_cast<double>(record.speed.size());
@@ -117,6 +152,7 @@ Regression make_regression(const std::vector<BalanceRecord>& records, const std:
   if (regression.count < kFewestJudged) {
     throw std::invalid_argument("the records hold no motion that the positions resolve; a torque balance needs moves at several speeds");
   }
+  regression.ridge = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(regression.columns.size()));
   return regression;
 }
 
@@ -126,10 +162,14 @@ struct Choice {
 };
 
 std::vector<Eigen::Index> columns_of(const Regression& regression, const Choice& choice) {
+  // A drive that acts late shows as a skew does: one of them only.
+  const bool is_skewed = regression.is_skewed && std::none_of(choice.laws.begin(), choice.laws.end(), [&](const auto& law) {
+                           return regression.acts_late[static_cast<std::size_t>(law.first)];
+                         });
   std::vector<Eigen::Index> chosen;
   for (std::size_t c = 0; c < regression.columns.size(); ++c) {
     const Column& column = regression.columns[c];
-    const bool is_chosen = column.law < 0 || std::any_of(choice.laws.begin(), choice.laws.end(), [&](const auto& law) {
+    const bool is_chosen = column.law == kAcceleration || (column.law == kSkew && is_skewed) || std::any_of(choice.laws.begin(), choice.laws.end(), [&](const auto& law) {
                              return law.first == column.law && law.second == column.shape;
                            });
     if (is_chosen) chosen.push_back(static_cast<Eigen::Index>(c));
@@ -144,7 +184,7 @@ struct Sums {
 
 Sums sums_of(const Regression& regression, const std::vector<Eigen::Index>& columns, const std::function<bool(const Block&)>& is_in) {
   const auto size = static_cast<Eigen::Index>(columns.size());
-  Sums sums{Eigen::MatrixXd::Zero(size, size), Eigen::VectorXd::Zero(size)};
+  Sums sums{regression.ridge(columns).asDiagonal(), Eigen::VectorXd::Zero(size)};
   for (const Block& block : regression.blocks) {
     if (!is_in(block)) continue;
     sums.products += block.products(columns, columns);
@@ -188,6 +228,20 @@ struct Validated : LeftOut {
   bool is_physical = true;  // no size has a sign that it cannot have, and all of them are determined
 };
 
+// Whether a law's sizes are such as its physics allows.
+bool has_possible_sizes(const Regression& regression, const std::vector<BalanceLaw>& laws, const std::vector<Eigen::Index>& columns,
+                        const std::pair<int, std::size_t>& chosen, const Eigen::VectorXd& sizes) {
+  const BalanceLaw& law = laws[static_cast<std::size_t>(chosen.first)];
+  if (!law.is_dissipative) return true;
+  const auto first = std::find_if(columns.begin(), columns.end(), [&](Eigen::Index c) {
+    const Column& column = regression.columns[static_cast<std::size_t>(c)];
+    return column.law == chosen.first && column.shape == chosen.second;
+  });
+  const LawShape& shape = law.shapes[chosen.second];
+  const double size = sizes(first - columns.begin());
+  return size >= 0.0 && size <= shape.largest && !(shape.is_leaning && std::fabs(sizes(first - columns.begin() + 1)) > size);
+}
+
 Validated validate(const Regression& regression, const std::vector<BalanceLaw>& laws, const Choice& choice, std::size_t records) {
   Validated result;
   result.choice = choice;
@@ -220,13 +274,7 @@ Validated validate(const Regression& regression, const std::vector<BalanceLaw>& 
     result.of_records += error / regression.count;
   }
   result.is_physical = result.sizes(0) > 0.0 && (choice.laws.empty() || determined > kParallel);
-  for (const auto& [law, shape] : choice.laws) {
-    if (!laws[static_cast<std::size_t>(law)].is_dissipative) continue;
-    for (std::size_t k = 0; k < columns.size(); ++k) {
-      const Column& column = regression.columns[static_cast<std::size_t>(columns[k])];
-      if (column.law == law && column.shape == shape && result.sizes(static_cast<Eigen::Index>(k)) < 0.0) result.is_physical = false;
-    }
-  }
+  for (const auto& law : choice.laws) result.is_physical = result.is_physical && has_possible_sizes(regression, laws, columns, law, result.sizes);
   return result;
 }
 
@@ -323,6 +371,59 @@ double correlation_length(const Regression& regression, const Validated& model) 
   return longest;
 }
 
+// Index of a law's choice in its first shape; nothing where it is not among the laws.
+std::optional<std::pair<int, std::size_t>> chosen_law(const std::vector<BalanceLaw>& laws, std::string_view name) {
+  const auto found = std::find_if(laws.begin(), laws.end(), [name](const BalanceLaw& law) { return law.name == name; });
+  if (found == laws.end()) return std::nullopt;
+  return std::pair(static_cast<int>(found - laws.begin()), std::size_t{0});
+}
+
+// Priors of what every machine and recorder has a little of: normal about 0, against the noise that the ordinary laws leave.
+//   skew between the channels                       kSkewPrior of a sample and kDriveLag of the motion's time
+//   viscous friction's difference of the directions kLean of it
+void add_priors(const std::vector<BalanceRecord>& records, const std::vector<BalanceLaw>& laws, Regression& regression) {
+  double speed = 0.0, acceleration = 0.0, rate = 0.0, step = 0.0;
+  for (std::size_t r = 0; r < records.size(); ++r) {
+    for (const std::size_t n : regression.judged[r]) {
+      speed += records[r].speed[n] * records[r].speed[n];
+      acceleration += records[r].acceleration[n] * records[r].acceleration[n];
+    }
+    rate += regression.values[r].col(1).squaredNorm();
+    step = std::max(step, records[r].step);
+  }
+  regression.is_skewed = rate > 0.0;
+  Choice ordinary;
+  for (std::size_t l = 0; l < laws.size(); ++l) {
+    if (laws[l].is_ordinary) ordinary.laws.emplace_back(static_cast<int>(l), 0);
+  }
+  const std::vector<Eigen::Index> columns = columns_of(regression, ordinary);
+  Validated base;
+  base.choice = ordinary;
+  base.sizes = solve(sums_of(regression, columns, [](const Block&) { return true; }));
+  double square = 0.0;
+  for (const Block& block : regression.blocks) square += std::max(0.0, squared_error(block, columns, base.sizes));
+  const double noise = square / regression.count * correlation_length(regression, base);
+  if (regression.is_skewed) {
+    const double prior = std::hypot(kSkewPrior * step, acceleration > 0.0 ? kDriveLag * std::sqrt(speed / acceleration) : 0.0);
+    regression.ridge(kSkewColumn) = noise / (prior * prior);
+    // Further apart than a few of that is no recorder's doing, and a law's to explain.
+    constexpr double kTighter = 2.0;
+    constexpr int kRounds = 40;
+    for (int round = 0; round < kRounds && std::fabs(solve(sums_of(regression, columns, [](const Block&) { return true; }))(kSkewColumn)) > kMostSkews * prior; ++round) {
+      regression.ridge(kSkewColumn) *= kTighter;
+    }
+  }
+  const auto viscous = chosen_law(laws, "viscous");
+  if (!viscous || !(speed > 0.0)) return;
+  for (std::size_t c = 0; c < regression.columns.size(); ++c) {
+    if (regression.columns[c].law != viscous->first) continue;
+    const auto at = std::find(columns.begin(), columns.end(), static_cast<Eigen::Index>(c)) - columns.begin();
+    const double size = std::max(base.sizes(at), std::sqrt(square / speed));  // at least what would hide in the residual
+    regression.ridge(static_cast<Eigen::Index>(c) + 1) = noise / (kLean * kLean * size * size);
+    break;
+  }
+}
+
 // Bumps over the range of one variable, as functions of it.
 Eigen::MatrixXd bumps(const Eigen::VectorXd& variable, double low, double high) {
   Eigen::MatrixXd values(variable.size(), kBumps);
@@ -366,11 +467,17 @@ LeftOut smooth_validation(const Regression& regression, const std::vector<std::v
   Part sum{Eigen::MatrixXd::Zero(size, size), Eigen::VectorXd::Zero(size), 0.0, 0.0, 0};
   for (std::size_t r = 0; r < targets.size(); ++r) {
     for (int b = 0; b < kBlocksPerRecord; ++b) {
-      const Eigen::Index first = values[r].rows() * b / kBlocksPerRecord, last = values[r].rows() * (b + 1) / kBlocksPerRecord;
-      if (last <= first) continue;
-      const auto rows = values[r].middleRows(first, last - first);
-      const auto target = targets[r].segment(first, last - first);
-      parts.push_back({rows.transpose() * rows, rows.transpose() * target, target.squaredNorm(), static_cast<double>(last - first), r});
+      Part part{Eigen::MatrixXd::Zero(size, size), Eigen::VectorXd::Zero(size), 0.0, 0.0, r};
+      for (const auto& [first, count] : stretches_of(b, values[r].rows())) {
+        const auto rows = values[r].middleRows(first, count);
+        const auto target = targets[r].segment(first, count);
+        part.products += rows.transpose() * rows;
+        part.with += rows.transpose() * target;
+        part.square += target.squaredNorm();
+        part.count += static_cast<double>(count);
+      }
+      if (part.count == 0.0) continue;
+      parts.push_back(std::move(part));
       sum.products += parts.back().products;
       sum.with += parts.back().with;
     }
@@ -569,6 +676,57 @@ std::size_t median_model(const std::vector<Validated>& candidates, const std::ve
   return likeliest;
 }
 
+// With the ordinary laws that are not named: every machine has a little of them. Those go again that would push.
+Validated with_details(const Regression& regression, const std::vector<BalanceLaw>& laws, const Validated& named, std::size_t records) {
+  Choice whole = named.choice;
+  for (std::size_t l = 0; l < laws.size(); ++l) {
+    const bool is_in = std::any_of(whole.laws.begin(), whole.laws.end(), [&](const auto& law) { return law.first == static_cast<int>(l); });
+    if (laws[l].is_ordinary && !is_in) whole.laws.emplace_back(static_cast<int>(l), 0);
+  }
+  Regression shrunk = regression;
+  double square = 0.0;
+  for (const Block& block : regression.blocks) square += block.square;
+  const double noise = named.of_blocks * correlation_length(regression, named), prior = kDetail * kDetail * square / regression.count;
+  for (std::size_t k = named.choice.laws.size(); k < whole.laws.size(); ++k) {
+    for (std::size_t c = 0; c < regression.columns.size(); ++c) {
+      if (regression.columns[c].law != whole.laws[k].first) continue;
+      double column = 0.0;
+      for (const Block& block : regression.blocks) column += block.products(static_cast<Eigen::Index>(c), static_cast<Eigen::Index>(c));
+      if (column > 0.0) shrunk.ridge(static_cast<Eigen::Index>(c)) += noise / prior * column / regression.count;
+    }
+  }
+  while (whole.laws.size() > named.choice.laws.size()) {
+    const Validated all = validate(shrunk, laws, whole, records);
+    const std::vector<Eigen::Index> columns = columns_of(regression, whole);
+    std::size_t pushes = whole.laws.size();
+    for (std::size_t k = named.choice.laws.size(); k < whole.laws.size(); ++k) {
+      if (!has_possible_sizes(regression, laws, columns, whole.laws[k], all.sizes)) pushes = k;
+    }
+    if (pushes == whole.laws.size()) return all;
+    whole.laws.erase(whole.laws.begin() + static_cast<std::ptrdiff_t>(pushes));
+  }
+  return validate(regression, laws, whole, records);
+}
+
+// Which of the terms of `other` are details, and how sure they are, as in `model`.
+void take_details(const BalanceModel& model, BalanceModel& other) {
+  other.probability = model.probability;
+  std::vector<BalanceTerm> all;
+  all.swap(other.terms);
+  for (BalanceTerm& term : all) {
+    const auto named = std::find_if(model.terms.begin(), model.terms.end(), [&](const BalanceTerm& one) { return one.law == term.law; });
+    if (named != model.terms.end()) {
+      term.share = named->share;
+      term.probability = named->probability;
+      other.terms.push_back(std::move(term));
+      continue;
+    }
+    const auto detail = std::find_if(model.details.begin(), model.details.end(), [&](const BalanceTerm& one) { return one.law == term.law; });
+    if (detail != model.details.end()) term.probability = detail->probability;
+    other.details.push_back(std::move(term));
+  }
+}
+
 BalanceModel to_model(const Regression& regression, const std::vector<BalanceLaw>& laws, const Validated& validated, double independent) {
   BalanceModel model;
   const std::vector<Eigen::Index> columns = columns_of(regression, validated.choice);
@@ -580,6 +738,7 @@ BalanceModel to_model(const Regression& regression, const std::vector<BalanceLaw
   const auto deviation = [&](Eigen::Index k) { return std::sqrt(std::max(0.0, variance * inverse(k, k))) / scale(k); };
   model.inertia = validated.sizes(0);
   model.inertia_deviation = deviation(0);
+  if (columns.size() > 1 && columns[1] == kSkewColumn) model.skew = validated.sizes(1);
   model.validation = compared(validated, validated).first;
   for (const auto& [law, shape] : validated.choice.laws) {
     const BalanceLaw& description = laws[static_cast<std::size_t>(law)];
@@ -595,7 +754,19 @@ BalanceModel to_model(const Regression& regression, const std::vector<BalanceLaw
   return model;
 }
 
+Regression prepared(const std::vector<BalanceRecord>& records, const std::vector<BalanceLaw>& laws, double resolved_speed) {
+  Regression regression = make_regression(records, laws, resolved_speed);
+  add_priors(records, laws, regression);
+  return regression;
+}
+
 }  // namespace
+
+std::vector<BalanceTerm> BalanceModel::acting() const {
+  std::vector<BalanceTerm> all = terms;
+  all.insert(all.end(), details.begin(), details.end());
+  return all;
+}
 
 std::vector<FamilyProbability> family_probabilities(const BalanceAnswer& answer) {
   std::vector<FamilyProbability> families{{LawFamily::friction}, {LawFamily::load}, {LawFamily::drive}};
@@ -605,6 +776,17 @@ std::vector<FamilyProbability> family_probabilities(const BalanceAnswer& answer)
     }
   }
   return families;
+}
+
+std::vector<LawProbability> law_probabilities(const BalanceAnswer& answer) {
+  std::vector<LawProbability> all = answer.laws;
+  for (LawProbability& one : all) {
+    for (const BalanceTerm& term : answer.best.terms) {
+      if (term.law == one.law) one.probability = term.probability;
+    }
+  }
+  std::stable_sort(all.begin(), all.end(), [](const LawProbability& a, const LawProbability& b) { return a.probability > b.probability; });
+  return all;
 }
 
 std::string words_of(LawFamily family) {
@@ -625,7 +807,7 @@ std::string BalanceModel::words() const {
 
 BalanceAnswer fit_balance(const std::vector<BalanceRecord>& records, const std::vector<BalanceLaw>& laws, double nominal_inertia,
                           double resolved_speed) {
-  const Regression regression = make_regression(records, laws, resolved_speed);
+  const Regression regression = prepared(records, laws, resolved_speed);
   BalanceAnswer answer;
   answer.judged_share = regression.count / regression.all;
   for (const Block& block : regression.blocks) {
@@ -654,9 +836,7 @@ BalanceAnswer fit_balance(const std::vector<BalanceRecord>& records, const std::
     odds.push_back(log_odds(one, reference, floor) + prior_cost(one));
   }
   const LeftOut smooth = smooth_validation(
-      regression, {variable_of(records, regression, &BalanceRecord::speed), variable_of(records, regression, &BalanceRecord::position),
-                   variable_of(records, regression, &BalanceRecord::time)},
-      regression.efforts, true);
+      regression, {variable_of(records, regression, &BalanceRecord::speed), variable_of(records, regression, &BalanceRecord::position)}, regression.efforts, true);
   const double odds_unknown = std::log(kUnknownPrior) + prior_cost(reference) + log_odds(smooth, reference, kRestShare * alone.of_blocks);
   const double top_odds = std::max(odds_unknown, *std::max_element(odds.begin(), odds.end()));
   double sum = std::exp(odds_unknown - top_odds);
@@ -686,12 +866,20 @@ BalanceAnswer fit_balance(const std::vector<BalanceRecord>& records, const std::
     const auto [without, with] = compared(validate(regression, laws, without_law(best.choice, k), records.size()), best);
     answer.best.terms[k].share = gap > 0.0 ? std::max(0.0, (without - with) / gap) : 0.0;
   }
+  if (!best.choice.laws.empty()) {
+    const Validated whole = with_details(regression, laws, best, records.size());
+    BalanceModel with = to_model(regression, laws, whole, answer.independent_count);
+    take_details(answer.best, with);
+    for (BalanceTerm& term : with.details) term.probability = inclusion[static_cast<std::size_t>(chosen_law(laws, term.law)->first)];
+    answer.best = std::move(with);
+  }
   // The answer first, though another may be a little likelier than it.
   const auto is_best = [&](const BalanceModel& model) { return model.words() == answer.best.words(); };
   std::stable_sort(answer.models.begin(), answer.models.end(), [&](const BalanceModel& a, const BalanceModel& b) {
     return is_best(a) != is_best(b) ? is_best(a) : a.probability > b.probability;
   });
   answer.models.front() = answer.best;
+  for (std::size_t l = 0; l < laws.size(); ++l) answer.laws.push_back({laws[l].name, laws[l].words, laws[l].family, inclusion[l]});
   answer.remainder = find_remainder(records, regression, best);
   return answer;
 }
@@ -701,10 +889,15 @@ Balance balance_of(const std::vector<AxisRecord>& records, double inertia, doubl
   for (const AxisRecord& record : records) balance.half_window = std::max(balance.half_window, balance_half_window(record, inertia, kLongestWindow));
   balance.resolved_speed = kResolved * top_speed;
   BalanceScales scales;
-  double low = std::numeric_limits<double>::infinity(), high = -low;
+  double low = std::numeric_limits<double>::infinity(), high = -low, speed = 0.0, acceleration = 0.0, step = 0.0;
   for (const AxisRecord& record : records) {
     const BalanceRecord one = make_balance_record(record, balance.half_window);
     balance.resolved_speed = std::max(balance.resolved_speed, kNoises * one.speed_noise);
+    for (std::size_t n = 0; n < one.speed.size(); ++n) {
+      speed += one.speed[n] * one.speed[n];
+      acceleration += one.acceleration[n] * one.acceleration[n];
+    }
+    step = std::max(step, one.step);
     scales.duration = std::max(scales.duration, one.time.back());
     low = std::min(low, *std::min_element(one.position.begin(), one.position.end()));
     high = std::max(high, *std::max_element(one.position.begin(), one.position.end()));
@@ -714,32 +907,34 @@ Balance balance_of(const std::vector<AxisRecord>& records, double inertia, doubl
   scales.middle_position = 0.5 * (low + high);
   scales.half_range = 0.5 * (high - low);
   scales.is_rotary = is_rotary;
+  const double motion_time = acceleration > 0.0 ? std::sqrt(speed / acceleration) : 0.0;
+  for (const double share : kLateShares) {
+    if (share * motion_time > kShortestLate * step) balance.late_times.push_back(share * motion_time);
+  }
+  scales.late_times = balance.late_times;
   balance.laws = balance_laws(scales);
   return balance;
 }
 
 std::vector<BalanceRecord> smoothed(const std::vector<AxisRecord>& records, const Balance& balance) {
   std::vector<BalanceRecord> all;
-  for (const AxisRecord& record : records) all.push_back(make_balance_record(record, balance.half_window));
+  for (const AxisRecord& record : records) all.push_back(make_balance_record(record, balance.half_window, balance.late_times));
   return all;
 }
 
 BalanceModel refitted(const std::vector<BalanceRecord>& records, const std::vector<BalanceLaw>& laws, const BalanceModel& model,
                       double resolved_speed) {
-  const Regression regression = make_regression(records, laws, resolved_speed);
+  const Regression regression = prepared(records, laws, resolved_speed);
   Choice choice;
   for (std::size_t l = 0; l < laws.size(); ++l) {
     for (const BalanceTerm& term : model.terms) {
       if (term.law == laws[l].name) choice.laws.emplace_back(static_cast<int>(l), static_cast<std::size_t>(&shape_of(laws, term) - laws[l].shapes.data()));
     }
   }
-  const Validated validated = validate(regression, laws, choice, records.size());
+  Validated validated = validate(regression, laws, choice, records.size());
+  if (!choice.laws.empty()) validated = with_details(regression, laws, validated, records.size());
   BalanceModel other = to_model(regression, laws, validated, regression.count / correlation_length(regression, validated));
-  other.probability = model.probability;
-  for (std::size_t k = 0; k < other.terms.size(); ++k) {
-    other.terms[k].share = model.terms[k].share;
-    other.terms[k].probability = model.terms[k].probability;
-  }
+  take_details(model, other);
   return other;
 }
 
@@ -756,7 +951,11 @@ std::vector<double> balance_residual(const BalanceRecord& record, const std::vec
   const std::vector<std::size_t> judged = moving_samples(record, resolved_speed);
   std::vector<double> residual(judged.size());
   for (std::size_t i = 0; i < judged.size(); ++i) residual[i] = record.effort[judged[i]] - model.inertia * record.acceleration[judged[i]];
-  for (const BalanceTerm& term : model.terms) {
+  if (model.skew != 0.0) {
+    const std::vector<double> rate = law_column(record, [](const LawMoment& m) { return m.effort_rate; });
+    for (std::size_t i = 0; i < judged.size(); ++i) residual[i] -= model.skew * rate[judged[i]];
+  }
+  for (const BalanceTerm& term : model.acting()) {
     const LawShape& shape = shape_of(laws, term);
     for (std::size_t c = 0; c < shape.columns.size(); ++c) {
       const std::vector<double> column = law_column(record, shape.columns[c]);

@@ -1,6 +1,7 @@
 // The laws of balance_fit.h.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "diagnosis/balance/balance_fit.h"
@@ -14,6 +15,8 @@ namespace {
 constexpr double kSpeedShares[] = {0.01, 0.015, 0.022, 0.033, 0.05, 0.075, 0.11, 0.16, 0.24, 0.36};
 // Shares of the record's duration within which a machine warms.
 constexpr double kWarmingShares[] = {0.1, 0.2, 0.4, 1.0};
+// What a lag withholds is no more than there is; between two of the lags that are tried it seems so.
+constexpr double kMostWithheld = 1.3;
 // A rotary axis that turns less than this says nothing of how its load depends on the angle by sine and cosine.
 constexpr double kLeastTurn = 0.25;  // [rad] half range
 
@@ -24,11 +27,12 @@ std::vector<BalanceLaw> balance_laws(const BalanceScales& scales) {
   const auto direction = [resolved](const LawMoment& m) { return std::tanh(m.speed / resolved); };
   std::vector<BalanceLaw> laws;
   laws.push_back({"dry", LawFamily::friction, "dry friction", {{0.0, {direction}}}, true, "", true});
-  laws.push_back({"viscous", LawFamily::friction, "viscous friction", {{0.0, {[](const LawMoment& m) { return m.speed; }}}}, true, "", true});
+  // No two directions are quite alike: half their difference goes with |v|.
+  laws.push_back({"viscous", LawFamily::friction, "viscous friction",
+                  {{0.0, {[](const LawMoment& m) { return m.speed; }, [](const LawMoment& m) { return std::fabs(m.speed); }},
+                    std::numeric_limits<double>::infinity(), true}}, true, "", true});
+  // With dry friction this is dry friction with a value of its own in each direction: the same motion.
   laws.push_back({"offset", LawFamily::load, "constant torque", {{0.0, {[](const LawMoment&) { return 1.0; }}}}, false, "", true});
-  // With a constant torque this is dry friction with a value of its own in each direction: the same motion.
-  laws.push_back({"viscous_direction", LawFamily::friction, "viscous friction that differs between the directions",
-                  {{0.0, {[](const LawMoment& m) { return std::fabs(m.speed); }}}}, false, "viscous", false});
   BalanceLaw stribeck{"stribeck", LawFamily::friction, "friction that falls from its breakaway value", {}, true, "", false};
   BalanceLaw rising{"rising", LawFamily::friction, "friction that rises from low speed and flattens", {}, true, "", false};
   for (const double share : kSpeedShares) {
@@ -55,10 +59,8 @@ std::vector<BalanceLaw> balance_laws(const BalanceScales& scales) {
       laws.push_back({"gravity", LawFamily::load, "gravity on a tilted axis",
                       {{0.0, {[](const LawMoment& m) { return std::sin(m.position); }, [](const LawMoment& m) { return std::cos(m.position); }}}},
                       false, "", false});
-    } else {
-      laws.push_back({"spring", LawFamily::load, "load that changes with the position",
-                      {{0.0, {[=](const LawMoment& m) { return along(m); }}}}, false, "", false});
     }
+    laws.push_back({"spring", LawFamily::load, "load that changes with the position", {{0.0, {[=](const LawMoment& m) { return along(m); }}}}, false, "", false});
   }
   BalanceLaw warming{"warming", LawFamily::friction, "friction that falls as the machine warms", {}, true, "", false};
   for (const double share : kWarmingShares) {
@@ -66,14 +68,18 @@ std::vector<BalanceLaw> balance_laws(const BalanceScales& scales) {
     warming.shapes.push_back({time, {[direction, time](const LawMoment& m) { return direction(m) * std::exp(-m.time / time); }}});
   }
   laws.push_back(std::move(warming));
-  // To first order: what arrives is F - lag * F'. A negative lag are positions that come late.
-  laws.push_back({"lag", LawFamily::drive, "torque that comes late", {{0.0, {[](const LawMoment& m) { return m.effort_rate; }}}}, true, "", false});
+  // What a first-order lag withholds; its size is the lag where the shape's time constant is.
+  BalanceLaw lag{"lag", LawFamily::drive, "torque that comes late", {}, true, "", false};
+  for (std::size_t k = 0; k < scales.late_times.size(); ++k) {
+    lag.shapes.push_back({scales.late_times[k], {[k](const LawMoment& m) { return m.late == nullptr ? 0.0 : m.late[k]; }}, kMostWithheld * scales.late_times[k]});
+  }
+  if (!lag.shapes.empty()) laws.push_back(std::move(lag));
   return laws;
 }
 
 std::vector<std::string> balance_law_names() {
   // Fast enough, far enough and known well enough for every law.
-  const BalanceScales all{.top_speed = 1.0, .resolved_speed = 0.0, .duration = 1.0, .middle_position = 0.0, .half_range = 1.0};
+  const BalanceScales all{.top_speed = 1.0, .resolved_speed = 0.0, .duration = 1.0, .middle_position = 0.0, .half_range = 1.0, .late_times = {1.0}};
   std::vector<std::string> names;
   for (const bool is_rotary : {true, false}) {
     BalanceScales scales = all;

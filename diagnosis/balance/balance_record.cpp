@@ -66,6 +66,24 @@ double acceleration_weight(std::size_t half) {
   return std::sqrt(720.0 / (n * (n * n - 1.0) * (n * n - 4.0)));
 }
 
+// A second difference is the acceleration's mean under a hat of two samples, so what is held acts with half of either side.
+std::vector<double> about_the_samples(std::vector<double> held) {
+  for (std::size_t n = held.size(); n-- > 1;) held[n] = 0.5 * (held[n] + held[n - 1]);
+  return held;
+}
+
+// (F - F_late) / lag, of F_late' = (F - F_late) / lag its mean from each sample to the next, exact for what is held.
+std::vector<double> withheld(const std::vector<double>& effort, double step, double lag) {
+  const double fall = -std::expm1(-step / lag);
+  std::vector<double> rest(effort.size());
+  double late = effort.front();
+  for (std::size_t n = 0; n < effort.size(); ++n) {
+    rest[n] = (effort[n] - late) * fall / step;
+    late += fall * (effort[n] - late);
+  }
+  return rest;
+}
+
 double median(std::vector<double> values) {
   if (values.empty()) return 0.0;
   const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
@@ -105,7 +123,7 @@ std::size_t balance_half_window(const AxisRecord& record, double inertia, double
   return half;
 }
 
-BalanceRecord make_balance_record(const AxisRecord& record, std::size_t half_window) {
+BalanceRecord make_balance_record(const AxisRecord& record, std::size_t half_window, const std::vector<double>& late_times) {
   const std::size_t window = 2 * half_window + 1;
   if (record.position.size() < kLeastWindows * window || record.effort.size() != record.position.size()) {
     throw std::invalid_argument(record.name + ": the record is too short for a torque balance");
@@ -125,11 +143,15 @@ BalanceRecord make_balance_record(const AxisRecord& record, std::size_t half_win
   balance.position = inner(derived(record.position, half_window, 0, record.step));
   balance.speed = inner(derived(record.position, half_window, 1, record.step));
   balance.acceleration = inner(derived(record.position, half_window, 2, record.step));
-  // A second difference is the acceleration's mean under a hat of two samples, so what is held acts with half of either side.
-  std::vector<double> effort = record.effort;
-  for (std::size_t n = effort.size(); n-- > 1;) effort[n] = 0.5 * (effort[n] + effort[n - 1]);
+  const std::vector<double> effort = about_the_samples(record.effort);
   balance.motion.effort_rate = derived(effort, motion_half, 1, record.step);
   balance.effort = inner(balance_smoothed(effort, half_window));
+  balance.motion.late_count = late_times.size();
+  balance.motion.late.resize(late_times.size() * balance.motion.position.size());
+  for (std::size_t k = 0; k < late_times.size(); ++k) {
+    const std::vector<double> late = about_the_samples(withheld(record.effort, record.step, late_times[k]));
+    for (std::size_t n = 0; n < balance.motion.position.size(); ++n) balance.motion.late[n * late_times.size() + k] = late[n + motion_half];
+  }
   const auto times = [&](std::size_t count, std::size_t first) {
     std::vector<double> time(count);
     for (std::size_t n = 0; n < count; ++n) time[n] = record.start_time + record.step * static_cast<double>(n + first);

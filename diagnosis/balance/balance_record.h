@@ -30,6 +30,9 @@ struct BalanceMotion {
   std::vector<double> time;  // [s] since the record's beginning
   std::vector<double> position, speed;
   std::vector<double> effort_rate;  // of the commanded effort, per second
+  // For each of some time constants: what a first-order lag of it withholds of the effort, per second of it; sample by sample.
+  std::size_t late_count = 0;
+  std::vector<double> late;
 };
 
 // Acceleration, effort and speed under the balance's window, of equal length; `motion` is longer by the window: a law
@@ -53,8 +56,8 @@ double acceleration_noise(const AxisRecord& record, std::size_t half_window);
 // Half of the window that the noise asks for, at least 3 samples, at most `longest` [s].
 std::size_t balance_half_window(const AxisRecord& record, double inertia, double longest);
 
-// Throws std::invalid_argument where the record is shorter than four windows.
-BalanceRecord make_balance_record(const AxisRecord& record, std::size_t half_window);
+// `late_times` [s]: time constants of the lags that laws ask for. Throws std::invalid_argument where the record is shorter than four windows.
+BalanceRecord make_balance_record(const AxisRecord& record, std::size_t half_window, const std::vector<double>& late_times = {});
 
 // The filter of the balance on a series along the motion.
 std::vector<double> balance_smoothed(const std::vector<double>& values, std::size_t half_window);

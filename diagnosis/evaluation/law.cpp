@@ -21,6 +21,8 @@ bool suits(const Law& law, const sim::CraneParameters& nominal, const controller
     case Needs::boom: return nominal.boom.length > 0.0;
     case Needs::load: return nominal.load.mass > 0.0 && nominal.boom.length > 0.0;
     case Needs::two_groups: return nominal.drive.group_count > 1;
+    case Needs::pinion_teeth: return nominal.drive.pinion_teeth > 0;
+    case Needs::gearbox_teeth: return nominal.drive.gearbox_ring_teeth > 0;
     case Needs::play_compensation: return nominal.drive.group_count > 1 && controller.play_compensation.enabled;
   }
   return true;

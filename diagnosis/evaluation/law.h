@@ -20,7 +20,7 @@ struct TrueSize {
 };
 
 // What a machine must have for a law to be drawn on it.
-enum class Needs { nothing, boom, load, two_groups, play_compensation };
+enum class Needs { nothing, boom, load, two_groups, pinion_teeth, gearbox_teeth, play_compensation };
 
 struct Law {
   std::string name;

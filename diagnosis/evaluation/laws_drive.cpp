@@ -7,6 +7,7 @@
 #include "diagnosis/evaluation/law.h"
 #include "sim/model/crane.h"
 #include "sim/model/drive_line.h"
+#include "sim/model/gear.h"
 
 namespace slewlab::diagnosis::withheld {
 
@@ -124,9 +125,9 @@ std::vector<TrueSize> pinion_in_series(TruthMachine& machine, double size, Rando
 std::vector<TrueSize> pinion_mesh_variation(TruthMachine& machine, double size, Random& random) {
   const double phase = random.between(-kPi, kPi);
   machine.gears.emplace_back([=](const Scene& scene, sim::ReferenceGears& gears) {
-    constexpr double kTeeth = 12.0;  // thesis Table 2.1
+    const sim::DriveParameters& drive = scene.crane.drive;
     for (int i = 0; i < scene.group_count; ++i) {
-      const double mesh = kTeeth * scene.crane.drive.pinion_ratio * scene.motion.motor_angle[i] + phase;
+      const double mesh = drive.pinion_teeth * drive.pinion_ratio * scene.motion.motor_angle[i] + phase;
       gears.stiffness_share[i] *= 1.0 + size * (std::sin(mesh) + 0.25 * std::sin(2.0 * mesh));
     }
   });
@@ -136,10 +137,11 @@ std::vector<TrueSize> pinion_mesh_variation(TruthMachine& machine, double size, 
 std::vector<TrueSize> gearbox_mesh_variation(TruthMachine& machine, double size, Random& random) {
   const double phase = random.between(-kPi, kPi);
   machine.gears.emplace_back([=](const Scene& scene, sim::ReferenceGears& gears) {
-    constexpr double kMeshes = 110.0 * 8.0 / (110.0 + 8.0);  // [-] per motor turn, thesis (2.2), Table 2.1
+    const sim::DriveParameters& drive = scene.crane.drive;
+    const double meshes = sim::planetary_mesh_frequency(drive.gearbox_ring_teeth, drive.gearbox_sun_teeth, 1.0);  // [-] per motor turn
     const double ratio = sim::total_ratio(scene.crane.drive);
     for (int i = 0; i < scene.group_count; ++i) {
-      const double mesh = kMeshes * ratio * scene.motion.motor_angle[i] + phase;
+      const double mesh = meshes * ratio * scene.motion.motor_angle[i] + phase;
       gears.stiffness_share[i] *= 1.0 + size * (std::sin(mesh) + 0.15 * std::sin(2.0 * mesh));
     }
   });
@@ -213,9 +215,9 @@ std::vector<Law> drive_laws() {
       {"uneven_gears", "uneven_play", "drive", "finer mesh only", 0.13, 1.465, of_wind_up, uneven_play, {}, Needs::two_groups},
       {"pinion_teeth", "pinion_in_series", "drive", "damping by loss factor", 43.5, 1.16, of_gearbox_stiffness, pinion_in_series},
       {"pinion_mesh", "pinion_mesh_variation", "drive", "by the motor's angle, second harmonic of 25 %", 0.01, 0.4, pure_number,
-       pinion_mesh_variation},
+       pinion_mesh_variation, {}, Needs::pinion_teeth},
       {"gearbox_mesh", "gearbox_mesh_variation", "drive", "stiffness itself, second harmonic of 15 %", 0.0008, 0.04, pure_number,
-       gearbox_mesh_variation},
+       gearbox_mesh_variation, {}, Needs::gearbox_teeth},
       {"tooth_friction", "gear_friction", "drive", "smooth through zero speed, does not hold", 0.004, 0.15, pure_number,
        gear_friction},
       {"brake_bristles", "dragging_brake", "drive", "bristles instead of dry friction", 0.004, 0.24, of_rated_torque, dragging_brake},

@@ -7,8 +7,9 @@ namespace slewlab::diagnosis::withheld {
 
 namespace {
 
-constexpr double kTrackingFrequency = 100.0;  // [Hz] of the drive's speed loop; usual for 1 kHz
-constexpr double kLowestOctave = 0.01;        // [Hz]
+// Instruments and drives work at rates of their own, whatever machine they sit on; all go with the base step.
+constexpr double kTrackingFrequency = 0.1 / kBaseStep;  // [Hz] of the drive's speed loop: a tenth of its rate is usual
+constexpr double kLowestOctave = 1e-5 / kBaseStep;      // [Hz]: a hundred thousand steps are longer than any manoeuvre
 constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
 }  // namespace

@@ -31,7 +31,8 @@ class CountingEncoder {
 // from standstill to the motors' top speed [rad/s].
 double counting_noise(const EncoderCounting& counting, double top_speed);
 
-// White noise plus 1/f noise from first-order filters, one per octave, 0.01 ... 80 Hz.
+// White noise plus 1/f noise from first-order filters, one per octave, from a hundred thousandth
+// of the base step's rate to a twelfth of it.
 class ColouredNoise {
  public:
   ColouredNoise(const NoiseSettings& settings, Random random);

@@ -37,6 +37,130 @@ void compress(const sim::BoomParameters& boom, double force, Eigen::MatrixXd& st
   stiffness(3 * count, 0) -= towards_pivot;
 }
 
+// Where each degree of freedom stands.
+struct Freedoms {
+  bool has_pedestal, has_ring;
+  int pedestal;  // -1: none
+  int ring, house;  // the same where nothing gives between them
+  int first_node;
+  int tip;  // of the boom's nodes, of which the first stands on the house
+  int size;
+};
+
+Freedoms freedoms_of(const StructureChange& change, int elements) {
+  Freedoms at{};
+  at.has_pedestal = std::isfinite(change.pedestal_stiffness);
+  at.has_ring = std::isfinite(change.ring_stiffness);
+  at.pedestal = at.has_pedestal ? 0 : -1;
+  at.ring = at.has_pedestal ? 1 : 0;
+  at.house = at.has_ring ? at.ring + 1 : at.ring;
+  at.first_node = at.house + 1;
+  at.tip = 3 * elements;
+  at.size = at.first_node + at.tip;
+  return at;
+}
+
+sim::BoomMatrices changed_boom(const sim::BoomParameters& boom, const StructureChange& change, int tip) {
+  sim::BoomMatrices beam = sim::assemble_boom(boom);
+  if (change.axial_force != 0.0) compress(boom, change.axial_force, beam.stiffness);
+  if (change.jib_mass > 0.0) {
+    const double e = change.jib_eccentricity;
+    beam.mass(tip, tip) += change.jib_mass;
+    beam.mass(tip, tip + 2) += change.jib_mass * e;
+    beam.mass(tip + 2, tip) += change.jib_mass * e;
+    beam.mass(tip + 2, tip + 2) += change.jib_mass * e * e;
+  }
+  return beam;
+}
+
+// Boom nodes from the degrees of freedom.
+Eigen::MatrixXd nodes_of(const sim::BoomParameters& boom, const Freedoms& at) {
+  Eigen::MatrixXd nodes = Eigen::MatrixXd::Zero(at.tip + 3, at.size);
+  nodes.block<3, 1>(0, at.house) = sim::pivot_motion(boom);
+  if (at.has_pedestal) nodes(0, at.pedestal) = 1.0;
+  nodes.bottomRightCorner(at.tip, at.tip).setIdentity();
+  return nodes;
+}
+
+void add_house(const sim::HouseParameters& house, const StructureChange& change, const Freedoms& at, Eigen::MatrixXd& mass,
+               Eigen::MatrixXd& stiffness) {
+  if (!at.has_ring) {
+    mass(at.house, at.house) += house.inertia;
+    return;
+  }
+  mass(at.ring, at.ring) += change.ring_inertia_share * house.inertia;
+  mass(at.house, at.house) += (1.0 - change.ring_inertia_share) * house.inertia;
+  const double k = change.ring_stiffness;
+  stiffness(at.ring, at.ring) += k;
+  stiffness(at.house, at.house) += k;
+  stiffness(at.ring, at.house) -= k;
+  stiffness(at.house, at.ring) -= k;
+}
+
+// [N s/m] of the pedestal, at its own frequency under house and boom.
+double pedestal_damping_of(const sim::BoomParameters& boom, const StructureChange& change) {
+  return 2.0 * change.pedestal_damping_ratio * std::sqrt(change.pedestal_stiffness * (change.pedestal_mass + boom.mass));
+}
+
+// All turns as one, of unit modal mass.
+Eigen::VectorXd rigid_rotation(const sim::BoomParameters& boom, const Freedoms& at, const Eigen::MatrixXd& mass) {
+  const int elements = boom.element_count;
+  Eigen::VectorXd rigid = Eigen::VectorXd::Zero(at.size);
+  rigid(at.ring) = rigid(at.house) = 1.0;
+  for (int node = 1; node <= elements; ++node) {
+    const double x = boom.length * node / elements;
+    rigid.segment<3>(at.first_node + 3 * (node - 1)) =
+        Eigen::Vector3d(boom.pivot_radius + x * std::cos(boom.angle), std::cos(boom.angle), std::sin(boom.angle));
+  }
+  rigid /= std::sqrt(rigid.dot(mass * rigid));
+  return rigid;
+}
+
+// [m^2] under the boom's deflection, of Hermite's cubics between the nodes.
+double area_under(const Eigen::VectorXd& at, int elements, double h) {
+  double integral = 0.0;
+  for (int e = 0; e < elements; ++e) {
+    integral += h * (0.5 * (at(3 * e) + at(3 * e + 3)) + h * (at(3 * e + 1) - at(3 * e + 4)) / 12.0);
+  }
+  return integral;
+}
+
+double shear_in(const Eigen::VectorXd& at, int e, double h, double rigidity) {
+  return rigidity / (h * h * h) * (12.0 * (at(3 * e) - at(3 * e + 3)) + 6.0 * h * (at(3 * e + 1) + at(3 * e + 4)));
+}
+
+// A mode: its shape, the boom's nodes in it, and where the rope leaves.
+struct Shape {
+  Eigen::VectorXd freedoms, nodes;
+  double rope;
+};
+
+// The rope's end moves the positive way; where it stands still, the ring does.
+Shape turned(Eigen::VectorXd freedoms, const Eigen::MatrixXd& nodes, const StructureChange& change, const Freedoms& at) {
+  Shape shape{std::move(freedoms), {}, 0.0};
+  shape.nodes = nodes * shape.freedoms;
+  shape.rope = shape.nodes(at.tip) + change.jib_eccentricity * shape.nodes(at.tip + 2);
+  const double side = std::fabs(shape.rope) > 1e-9 * shape.freedoms.cwiseAbs().maxCoeff() ? shape.rope : shape.freedoms(at.ring);
+  if (side < 0.0) {
+    shape.freedoms = -shape.freedoms;
+    shape.nodes = -shape.nodes;
+    shape.rope = -shape.rope;
+  }
+  return shape;
+}
+
+// What a place feels of the mode: [m] lateral, [rad] of the house.
+double felt_at(sim::SensorPlace place, const sim::CraneParameters& crane, const Shape& shape, const Freedoms& at) {
+  const double sideways = at.has_pedestal ? shape.freedoms(at.pedestal) : 0.0;
+  switch (place) {
+    case sim::SensorPlace::house: return crane.house.sensor_radius * shape.freedoms(at.house) + sideways;
+    case sim::SensorPlace::pivot: return crane.boom.pivot_radius * shape.freedoms(at.house) + sideways;
+    case sim::SensorPlace::middle: return shape.nodes(3 * (crane.boom.element_count / 2));
+    case sim::SensorPlace::tip: return shape.nodes(at.tip);
+    default: return shape.freedoms(at.house);  // what turns
+  }
+}
+
 }  // namespace
 
 Structure make_structure(const sim::CraneParameters& crane, const StructureChange& change) {
@@ -45,119 +169,51 @@ Structure make_structure(const sim::CraneParameters& crane, const StructureChang
   if (elements < 2 || elements % 2 != 0) {
     throw std::invalid_argument("a truth machine needs an even number of boom elements");
   }
-  const bool has_pedestal = std::isfinite(change.pedestal_stiffness);
-  const bool has_ring = std::isfinite(change.ring_stiffness);
-  const int pedestal = has_pedestal ? 0 : -1;
-  const int ring = has_pedestal ? 1 : 0;
-  const int house = has_ring ? ring + 1 : ring;
-  const int first_node = house + 1;
-  const int size = first_node + 3 * elements;
-
-  sim::BoomMatrices beam = sim::assemble_boom(boom);
-  if (change.axial_force != 0.0) compress(boom, change.axial_force, beam.stiffness);
-  const int tip = 3 * elements;
-  if (change.jib_mass > 0.0) {
-    const double e = change.jib_eccentricity;
-    beam.mass(tip, tip) += change.jib_mass;
-    beam.mass(tip, tip + 2) += change.jib_mass * e;
-    beam.mass(tip + 2, tip) += change.jib_mass * e;
-    beam.mass(tip + 2, tip + 2) += change.jib_mass * e * e;
-  }
-
-  // Boom nodes from the degrees of freedom.
-  Eigen::MatrixXd nodes = Eigen::MatrixXd::Zero(tip + 3, size);
-  nodes.block<3, 1>(0, house) = sim::pivot_motion(boom);
-  if (has_pedestal) nodes(0, pedestal) = 1.0;
-  nodes.bottomRightCorner(3 * elements, 3 * elements).setIdentity();
-
+  const Freedoms at = freedoms_of(change, elements);
+  const sim::BoomMatrices beam = changed_boom(boom, change, at.tip);
+  const Eigen::MatrixXd nodes = nodes_of(boom, at);
   Eigen::MatrixXd mass = nodes.transpose() * beam.mass * nodes;
   const Eigen::MatrixXd steel = nodes.transpose() * beam.stiffness * nodes;
   Eigen::MatrixXd stiffness = steel;
-  if (has_ring) {
-    mass(ring, ring) += change.ring_inertia_share * crane.house.inertia;
-    mass(house, house) += (1.0 - change.ring_inertia_share) * crane.house.inertia;
-    const double k = change.ring_stiffness;
-    stiffness(ring, ring) += k;
-    stiffness(house, house) += k;
-    stiffness(ring, house) -= k;
-    stiffness(house, ring) -= k;
-  } else {
-    mass(house, house) += crane.house.inertia;
-  }
+  add_house(crane.house, change, at, mass, stiffness);
   double pedestal_damping = 0.0;
-  if (has_pedestal) {
-    mass(pedestal, pedestal) += change.pedestal_mass;
-    stiffness(pedestal, pedestal) += change.pedestal_stiffness;
-    pedestal_damping = 2.0 * change.pedestal_damping_ratio *
-                       std::sqrt(change.pedestal_stiffness * (change.pedestal_mass + boom.mass));
+  if (at.has_pedestal) {
+    mass(at.pedestal, at.pedestal) += change.pedestal_mass;
+    stiffness(at.pedestal, at.pedestal) += change.pedestal_stiffness;
+    pedestal_damping = pedestal_damping_of(boom, change);
   }
 
   // The rigid rotation is known; the solver's lowest mode only approximates it.
-  Eigen::VectorXd rigid = Eigen::VectorXd::Zero(size);
-  rigid(ring) = rigid(house) = 1.0;
-  for (int node = 1; node <= elements; ++node) {
-    const double x = boom.length * node / elements;
-    rigid.segment<3>(first_node + 3 * (node - 1)) =
-        Eigen::Vector3d(boom.pivot_radius + x * std::cos(boom.angle), std::cos(boom.angle), std::sin(boom.angle));
-  }
-  rigid /= std::sqrt(rigid.dot(mass * rigid));
   const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(stiffness, mass);
   Eigen::MatrixXd shapes = solver.eigenvectors();
-  shapes.col(0) = rigid;
+  shapes.col(0) = rigid_rotation(boom, at, mass);
   if (solver.eigenvalues()(1) <= 0.0 || solver.eigenvalues()(0) < -1e-3 * solver.eigenvalues()(1)) {
     throw std::invalid_argument("the axial force buckles the boom");
   }
 
   const double a1 = sim::boom_damping_coefficient(boom);
+  const double h = boom.length / elements;
   Structure result;
   sim::FreeHouseModes& modes = result.modes;
-  modes.shear = Eigen::MatrixXd::Zero(elements, size);
-  const double h = boom.length / elements;
-  for (int k = 0; k < size; ++k) {
-    const double square = k == 0 ? 0.0 : solver.eigenvalues()(k);
-    Eigen::VectorXd shape = shapes.col(k);
-    Eigen::VectorXd at = nodes * shape;
-    double rope = at(tip) + change.jib_eccentricity * at(tip + 2);
-    const double side = std::fabs(rope) > 1e-9 * shape.cwiseAbs().maxCoeff() ? rope : shape(ring);
-    if (side < 0.0) {
-      shape = -shape;
-      at = -at;
-      rope = -rope;
-    }
-    double integral = 0.0;
-    for (int e = 0; e < elements; ++e) {
-      integral += h * (0.5 * (at(3 * e) + at(3 * e + 3)) + h * (at(3 * e + 1) - at(3 * e + 4)) / 12.0);
-      if (k > 0) {
-        modes.shear(e, k) = beam.element_rigidity[static_cast<std::size_t>(e)] / (h * h * h) *
-                            (12.0 * (at(3 * e) - at(3 * e + 3)) + 6.0 * h * (at(3 * e + 1) + at(3 * e + 4)));
-      }
-    }
-    const double frequency = std::sqrt(square);
+  modes.shear = Eigen::MatrixXd::Zero(elements, at.size);
+  for (int k = 0; k < at.size; ++k) {
+    const Shape shape = turned(shapes.col(k), nodes, change, at);
+    const double frequency = std::sqrt(k == 0 ? 0.0 : solver.eigenvalues()(k));
     const double power = k == 0 ? 1.0 : std::pow(frequency / change.damping_pivot, change.damping_power);
-    const double steel_square = k == 0 ? 0.0 : shape.dot(steel * shape);
+    const double steel_square = k == 0 ? 0.0 : shape.freedoms.dot(steel * shape.freedoms);
     double damping = a1 * change.damping_factor * power * steel_square;
-    if (has_pedestal) damping += pedestal_damping * shape(pedestal) * shape(pedestal);
+    if (at.has_pedestal) damping += pedestal_damping * shape.freedoms(at.pedestal) * shape.freedoms(at.pedestal);
+    for (int e = 0; k > 0 && e < elements; ++e) modes.shear(e, k) = shear_in(shape.nodes, e, h, beam.element_rigidity[static_cast<std::size_t>(e)]);
     modes.frequency.push_back(frequency);
     modes.damping_rate.push_back(damping);
-    modes.house.push_back(shape(ring));
-    modes.pivot.push_back(shape(house));
-    modes.tip.push_back(rope);
-    const int middle = 3 * (elements / 2);
-    modes.middle.push_back(at(middle));
-    modes.tip_twist.push_back(at(tip + 2));
-    modes.uniform_load.push_back(integral);
-    const double sideways = has_pedestal ? shape(pedestal) : 0.0;
-    const auto felt_at = [&](sim::SensorPlace place) {
-      switch (place) {
-        case sim::SensorPlace::house: return crane.house.sensor_radius * shape(house) + sideways;
-        case sim::SensorPlace::pivot: return boom.pivot_radius * shape(house) + sideways;
-        case sim::SensorPlace::middle: return at(middle);
-        case sim::SensorPlace::tip: return at(tip);
-        default: return shape(house);  // what turns
-      }
-    };
+    modes.house.push_back(shape.freedoms(at.ring));
+    modes.pivot.push_back(shape.freedoms(at.house));
+    modes.tip.push_back(shape.rope);
+    modes.middle.push_back(felt_at(sim::SensorPlace::middle, crane, shape, at));
+    modes.tip_twist.push_back(shape.nodes(at.tip + 2));
+    modes.uniform_load.push_back(area_under(shape.nodes, elements, h));
     for (std::size_t s = 0; s < result.sensors.size(); ++s) {
-      result.sensors[s].push_back(felt_at(sim::place_named(msgs::kSensorFields<msgs::SensorReadings>[s].place)));
+      result.sensors[s].push_back(felt_at(sim::place_named(msgs::kSensorFields<msgs::SensorReadings>[s].place), crane, shape, at));
     }
   }
   return result;

@@ -68,7 +68,7 @@ void CranePlant::read_truth(msgs::Truth& message) {
   message.house_speed = machine_.state.house_speed;
   message.tip_displacement = machine_.state.tip_displacement;
   message.tip_velocity = machine_.state.tip_velocity;
-  message.rope_angle = rope_angle(machine_.model, machine_.state);
+  message.rope_angle = rope_angle(machine_);
   message.rod_angle = rod_angle(machine_.model, machine_.state);
   message.mechanical_energy = mechanical_energy(machine_.model, machine_.state);
   message.supplied_work = machine_.state.supplied_work;
@@ -89,6 +89,20 @@ void CranePlant::read_status(msgs::PlantStatus& message) {
   message.stale_commands = drive_.stale_commands;
   message.missed_deadlines = 0;
   message.bin_count = 0;
+}
+
+bool CranePlant::read_motion(msgs::Motion& message) {
+  const CraneMotion& motion = machine_.motion;
+  if (!motion.moves) return false;
+  const double time = time_of(machine_);
+  message.rope_length = rope_length(motion, time);
+  message.hoisting_speed = motion.hoisting.at(time).speed;
+  message.boom_angle = boom_angle(motion, time);
+  message.luffing_speed = motion.luffing.at(time).speed;
+  const MotionState travelling = motion.travelling.at(time);
+  message.travelled = travelling.way;
+  message.travelling_speed = travelling.speed;
+  return true;
 }
 
 std::optional<Divergence> CranePlant::divergence() const {

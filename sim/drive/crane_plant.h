@@ -25,6 +25,7 @@ class CranePlant : public DrivenPlant {
   void read_sensors(msgs::Sensors& message) override;
   void read_truth(msgs::Truth& message) override;
   void read_status(msgs::PlantStatus& message) override;
+  bool read_motion(msgs::Motion& message) override;
   std::optional<Divergence> divergence() const override;
 
   // Where the controller's period is not known before it begins: from the next answer on.

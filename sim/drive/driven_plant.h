@@ -44,6 +44,8 @@ class DrivenPlant {
   virtual void read_sensors(msgs::Sensors& message) = 0;
   virtual void read_truth(msgs::Truth& message) = 0;
   virtual void read_status(msgs::PlantStatus& message) = 0;
+  // False where the crane only slews: then no MOTION is sent.
+  virtual bool read_motion(msgs::Motion&) { return false; }
   // Nothing while the plant's state is that of a machine. Asked once per controller period; allocates nothing.
   virtual std::optional<Divergence> divergence() const { return std::nullopt; }
 };

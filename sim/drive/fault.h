@@ -64,6 +64,7 @@ struct Fault {
   int group = -1;         // -1: all groups
   double speed = 0.0;     // [rad/s] motor shaft
   double position = 0.0;  // [rad] motor shaft
+  double torque = 0.0;    // [Nm] per motor, of the corruption torque_limit: beyond any limit of the machine
 
   bool active(std::int64_t time) const { return time >= from && time < until; }
 };

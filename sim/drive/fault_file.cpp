@@ -16,6 +16,7 @@ using common::YamlReader;
 
 constexpr double kLongest = 1e6;  // [s], as in scenario_file.cpp
 constexpr int kMostCycles = 1'000'000;
+constexpr double kBeyondAnyLimit = 4000.0;  // of the rated torque: chosen, no drive gives ten times
 
 std::int64_t nanoseconds(double seconds) { return std::llround(seconds * 1e9); }
 
@@ -43,7 +44,7 @@ bool is_message_fault(FaultKind kind) {
   return kind >= FaultKind::message_lost && kind <= FaultKind::message_corrupted;
 }
 
-Fault read_fault(YamlReader& reader, std::int64_t period, int group_count, std::uint64_t seed) {
+Fault read_fault(YamlReader& reader, std::int64_t period, const DriveParameters& drive, std::uint64_t seed) {
   Fault fault;
   fault.kind = static_cast<FaultKind>(choice(reader, "fault", kFaultKindNames));
   fault.from = read_time(reader, "from", period);
@@ -52,6 +53,7 @@ Fault read_fault(YamlReader& reader, std::int64_t period, int group_count, std::
     if (fault.until < fault.from) reader.report("until", "a time before 'from'", "a time at or behind it");
   }
   fault.seed = seed;
+  fault.torque = kBeyondAnyLimit * drive.rated_torque;
   if (is_message_fault(fault.kind)) {
     fault.channel = static_cast<FaultChannel>(choice(reader, "channel", kFaultChannelNames));
     fault.probability = reader.number("probability", Unit::none, between(0.0, 1.0));
@@ -78,7 +80,7 @@ Fault read_fault(YamlReader& reader, std::int64_t period, int group_count, std::
     case FaultKind::encoder_frozen:
     case FaultKind::encoder_dropped:
     case FaultKind::motor_group_lost:
-      if (reader.has("group")) fault.group = reader.integer("group", 0, group_count - 1);
+      if (reader.has("group")) fault.group = reader.integer("group", 0, drive.group_count - 1);
       break;
     default: break;
   }
@@ -97,12 +99,12 @@ CountRange read_range(YamlReader reader) {
 
 }  // namespace
 
-std::vector<Fault> read_faults(YamlReader& scenario, std::int64_t controller_period, int group_count,
+std::vector<Fault> read_faults(YamlReader& scenario, std::int64_t controller_period, const DriveParameters& drive,
                                std::uint64_t scenario_seed, std::size_t faults_before) {
   std::vector<Fault> faults;
   scenario.each("faults", [&](YamlReader& reader) {
     constexpr std::uint64_t kApart = 1'000'003;  // far enough that lists of neighbouring seeds share none
-    faults.push_back(read_fault(reader, controller_period, group_count, scenario_seed + kApart * (faults_before + faults.size() + 1)));
+    faults.push_back(read_fault(reader, controller_period, drive, scenario_seed + kApart * (faults_before + faults.size() + 1)));
   });
   return faults;
 }

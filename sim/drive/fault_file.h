@@ -11,9 +11,9 @@
 
 namespace slewlab::sim {
 
-// Faults without a seed of their own get one from the scenario's and their place in the list, in which `faults_before` stand before
+// Groups and torques are those of `drive`. Faults without a seed of their own get one from the scenario's and their place in the list, in which `faults_before` stand before
 // these.
-std::vector<Fault> read_faults(common::YamlReader& scenario, std::int64_t controller_period, int group_count,
+std::vector<Fault> read_faults(common::YamlReader& scenario, std::int64_t controller_period, const DriveParameters& drive,
                                std::uint64_t scenario_seed, std::size_t faults_before = 0);
 
 FaultExpectation read_expectation(common::YamlReader reader);

@@ -212,7 +212,6 @@ void FaultInjector::corrupt(std::size_t index, std::uint64_t draw, Message& mess
   }
   msgs::Torque torque;
   if (fault.channel != FaultChannel::torque || msgs::decode(bytes, torque) != msgs::DecodeStatus::ok) return;
-  constexpr double kBeyondAnyLimit = 1e6;  // [Nm]
   const auto set_first_torque = [&](double value) {
     if (!torque.motor_torque.empty()) torque.motor_torque.front() = value;
   };
@@ -225,7 +224,7 @@ void FaultInjector::corrupt(std::size_t index, std::uint64_t draw, Message& mess
       break;
     case Corruption::not_a_number: set_first_torque(std::numeric_limits<double>::quiet_NaN()); break;
     case Corruption::infinite: set_first_torque(std::numeric_limits<double>::infinity()); break;
-    case Corruption::torque_limit: set_first_torque(kBeyondAnyLimit); break;
+    case Corruption::torque_limit: set_first_torque(fault.torque); break;
     case Corruption::alive_frozen:
       if (!alive_counter_[index]) alive_counter_[index] = torque.alive_counter;
       torque.alive_counter = *alive_counter_[index];

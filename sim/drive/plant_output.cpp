@@ -30,6 +30,10 @@ void PlantOutput::send_series(std::int64_t simulated_time, const std::function<v
     set_head(truth_, truth_sequence_++, simulated_time);
     plant_.read_truth(truth_);
     send(msgs::kTruthChannel, simulated_time, truth_);
+    if (plant_.read_motion(motion_)) {
+      set_head(motion_, motion_sequence_++, simulated_time);
+      send(msgs::kMotionChannel, simulated_time, motion_);
+    }
   }
   if (simulated_time % settings_.status_period == 0) {
     set_head(status_, status_sequence_++, simulated_time);

@@ -1,5 +1,5 @@
 // What the plant says besides its question to the controller, in lockstep and against the wall clock alike: OPERATOR where the
-// joystick moves, SENSORS, TRUTH and PLANT_STATUS where their periods end. All of it goes into the log, stamped with the simulated
+// joystick moves, SENSORS, TRUTH (with MOTION, where the crane does more than slew) and PLANT_STATUS where their periods end. All of it goes into the log, stamped with the simulated
 // time; onto the bus go OPERATOR at once and the other three every `live_period`.
 #pragma once
 
@@ -61,10 +61,11 @@ class PlantOutput {
 
   std::size_t next_move_ = 0;
   std::int64_t operator_sequence_ = -1;
-  std::int64_t sensors_sequence_ = 0, truth_sequence_ = 0, status_sequence_ = 0;
+  std::int64_t sensors_sequence_ = 0, truth_sequence_ = 0, motion_sequence_ = 0, status_sequence_ = 0;
   msgs::Operator operator_{};
   msgs::Sensors sensors_{};
   msgs::Truth truth_{};
+  msgs::Motion motion_{};
   msgs::PlantStatus status_{};
   std::vector<std::uint8_t> operator_bytes_;  // of the newest
   std::vector<std::uint8_t> bytes_;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
+#include <optional>
 #include <string_view>
 
 #include "common/yaml_reader.h"
@@ -42,24 +44,47 @@ void check_multiple(YamlReader& reader, std::string_view key, std::int64_t time,
                 "a whole multiple of the plant step, " + in_milliseconds(plant_step));
 }
 
-std::vector<OperatorMove> read_moves(YamlReader& scenario, std::int64_t plant_step) {
+// A wish for another motion than slewing, in the list of `requests`. An emergency stop ends each of them.
+void add_request(std::optional<double> share, const OperatorMove& move, std::vector<MotionRequest>& requests) {
+  const bool stands = requests.empty() || requests.back().share == 0.0;
+  if (move.emergency_stop) share = stands ? std::nullopt : std::optional(0.0);
+  if (share) requests.push_back({move.time, *share});
+}
+
+// Moves of the slewing joystick; an entry that asks for other motions alone is none.
+std::vector<OperatorMove> read_moves(YamlReader& scenario, std::int64_t plant_step, MotionRequests& motions) {
   std::vector<OperatorMove> moves;
   OperatorMove move;
+  bool is_first = true;
   scenario.each("operator", [&](YamlReader& reader) {
     const std::int64_t last = move.time;
     move.time = nanoseconds(reader.number("time", Unit::second, between(0.0, kLongest)));
     check_multiple(reader, "time", move.time, plant_step);
-    if (!moves.empty() && move.time <= last) {
+    if (!is_first && move.time <= last) {
       reader.report("time", in_milliseconds(move.time),
                     "later than the move before, " + in_milliseconds(last));
     }
+    is_first = false;
+    bool slews = false;
     if (const auto request = reader.optional_number("speed_request", Unit::none, between(-1.0, 1.0))) {
       move.speed_request = *request;
+      slews = true;
     }
-    if (reader.has("emergency_stop")) move.emergency_stop = reader.flag("emergency_stop");
-    if (reader.has("acknowledge")) move.acknowledge = reader.flag("acknowledge");
+    const auto share = [&](std::string_view key) { return reader.optional_number(key, Unit::none, between(-1.0, 1.0)); };
+    const std::optional<double> hoisting = share("hoisting_request"), luffing = share("luffing_request"), travelling = share("travelling_request");
+    if (reader.has("emergency_stop")) {
+      move.emergency_stop = reader.flag("emergency_stop");
+      slews = true;
+    }
+    if (reader.has("acknowledge")) {
+      move.acknowledge = reader.flag("acknowledge");
+      slews = true;
+    }
     reader.finish();
-    moves.push_back(move);
+    add_request(hoisting, move, motions.hoisting);
+    add_request(luffing, move, motions.luffing);
+    add_request(travelling, move, motions.travelling);
+    if (slews || !(hoisting || luffing || travelling)) moves.push_back(move);
   });
   return moves;
 }
@@ -81,6 +106,44 @@ std::vector<EffectSwitch> read_effect_switches(YamlReader& scenario, std::int64_
     switches.push_back(std::move(change));
   });
   return switches;
+}
+
+// Whether the crane can do what is asked of it; told at `operator`.
+void check_motions(YamlReader& reader, const Scenario& scenario) {
+  const MotionRequests& asked = scenario.motion_requests;
+  const CraneParameters& crane = scenario.crane.parameters;
+  const double end = static_cast<double>(scenario.duration) / kNanosecondsPerSecond;
+  const auto missing = [&](const std::vector<MotionRequest>& requests, const MotionRates& rates, const char* section) {
+    if (requests.empty() || rates.top_speed > 0.0) return requests.empty();
+    reader.report("operator", std::string(section) + "_request", std::string("no such request, or a section '") + section + "' in the crane's file with its top_speed and acceleration");
+    return true;
+  };
+  const auto metres = [](double value) { return common::shortest(std::round(value * 1e3) / 1e3) + " m"; };
+  const auto degrees = [](double value) { return common::shortest(std::round(value * 180.0 / std::numbers::pi * 1e3) / 1e3) + " deg"; };
+  if (!missing(asked.hoisting, crane.motions.hoisting, "hoisting")) {
+    const double shortest = crane.load.rope_length - MotionProfile(crane.motions.hoisting, asked.hoisting).largest(end);
+    if (shortest < crane.motions.shortest_rope) {
+      reader.report("operator", "a hook hoisted until " + metres(shortest) + " of rope are left",
+                    "hoisting.shortest_rope or more, " + metres(crane.motions.shortest_rope) + ": a shorter request");
+    }
+  }
+  if (!missing(asked.luffing, crane.motions.luffing, "luffing")) {
+    const MotionProfile profile(crane.motions.luffing, asked.luffing);
+    const double lowest = crane.boom.angle + profile.least(end), highest = crane.boom.angle + profile.largest(end);
+    if (lowest < crane.motions.lowest_angle || highest > crane.motions.highest_angle) {
+      reader.report("operator", "a boom luffed from " + degrees(lowest) + " to " + degrees(highest),
+                    "within luffing.lowest_angle and highest_angle, " + degrees(crane.motions.lowest_angle) + " to " + degrees(crane.motions.highest_angle) + ": a shorter request");
+    }
+  }
+  missing(asked.travelling, crane.motions.travelling, "travelling");
+}
+
+// Whether the file that stands under the key is there.
+bool is_there(YamlReader& reader, std::string_view key, const std::filesystem::path& file) {
+  if (file.empty()) return false;  // told already
+  if (std::filesystem::is_regular_file(file)) return true;
+  reader.report(key, "'" + file.string() + "', which cannot be read", "the name of a readable file");
+  return false;
 }
 
 // The scenario's own part of the configuration: the contents of crane and controller stand for their names.
@@ -115,7 +178,7 @@ void read_scenario(YamlReader& reader, Scenario& scenario) {
   check_multiple(telemetry, "status_period", scenario.status_period, scenario.plant_step);
   telemetry.finish();
 
-  scenario.moves = read_moves(reader, scenario.plant_step);
+  scenario.moves = read_moves(reader, scenario.plant_step, scenario.motion_requests);
   scenario.effect_switches = read_effect_switches(reader, scenario.controller_period);
   if (reader.has("expect")) scenario.expectation = read_expectation(reader.map("expect"));
 }
@@ -138,8 +201,9 @@ Scenario read_scenario_file(const std::filesystem::path& file, const std::vector
                   std::string(name_of(kind)) + "." + stray.key + ": the machine of this scenario is " + (has_axis ? "an axis" : "a crane"));
   }
   read_scenario(reader, scenario);
+  const std::string_view key_of_machine = name_of(kind);
 
-  if (!scenario.crane_file.empty()) {
+  if (is_there(reader, key_of_machine, scenario.crane_file)) {
     try {
       scenario.crane = load_machine_file(scenario.crane_file, scenario.crane_overrides);
       if (scenario.crane.kind != kind) {
@@ -155,16 +219,17 @@ Scenario read_scenario_file(const std::filesystem::path& file, const std::vector
         if (std::any_of(effects.begin(), effects.end(), is_it)) continue;
         reader.report("effect_switches", "'" + change.effect + "'", "an effect that stands under 'effects' of the machine");
       }
+      check_motions(reader, scenario);
       if (scenario.expectation.standing_by) scenario.expectation.standing_angle = standing_angle_of(scenario.crane.parameters);
     } catch (const InputError& error) {
       problems.insert(problems.end(), error.problems().begin(), error.problems().end());
     }
   }
-  scenario.faults = read_faults(reader, scenario.controller_period, scenario.crane.parameters.drive.group_count,
+  scenario.faults = read_faults(reader, scenario.controller_period, scenario.crane.parameters.drive,
                                 static_cast<std::uint64_t>(scenario.seed));
   reader.finish();
   YamlNode controller;
-  if (!scenario.controller_file.empty()) {
+  if (is_there(reader, "controller", scenario.controller_file)) {
     // What is wrong in it is for the controller's own reader to tell; only that it is there matters here.
     InputProblems told_elsewhere;
     controller =

@@ -40,6 +40,8 @@ struct Scenario {
   std::int64_t seed = 0;               // of everything that is drawn at random
   std::vector<OperatorMove> moves;     // rising times; in the file a move names what changes, the rest stays
 
+  MotionRequests motion_requests;      // hoisting, luffing, travelling beside slewing
+
   std::vector<Fault> faults;
   std::vector<EffectSwitch> effect_switches;  // rising times, several at one time as they stand in the file
   FaultExpectation expectation;  // no part of the configuration: it changes no run

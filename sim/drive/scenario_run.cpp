@@ -28,6 +28,8 @@ MachineSettings machine_settings(const Scenario& scenario) {
   settings.step = static_cast<double>(scenario.plant_step) / kNanosecondsPerSecond;
   settings.seed = static_cast<std::uint64_t>(scenario.seed);
   settings.effect_switches = scenario.effect_switches;
+  settings.motion_requests = scenario.motion_requests;
+  settings.steps_per_boom_angle = static_cast<int>(scenario.controller_period / scenario.plant_step);
   return settings;
 }
 

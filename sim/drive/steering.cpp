@@ -39,6 +39,8 @@ void Steering::take(std::string line) {
     take_fault(rest);
   } else if (word == "effect") {
     take_effect(rest);
+  } else if (word == "play_compensation") {
+    take_play_compensation(rest);
   } else if (word == "pause") {
     paused_ = true;
   } else if (word == "resume") {
@@ -111,6 +113,14 @@ void Steering::take_effect(const std::string& rest) {
   effect_wishes_.push_back({0, name, what == "on"});
 }
 
+void Steering::take_play_compensation(const std::string& rest) {
+  if (rest != "on" && rest != "off") {
+    refuse("play_compensation '" + rest + "': on or off is wanted");
+    return;
+  }
+  play_compensation_wish_ = rest == "on";
+}
+
 void Steering::begin_fault(std::int64_t time, const std::string& name, const std::string& text, SteeredPeriod& period) {
   common::InputProblems problems;
   const std::string file = "faults: [{from: {value: " + in_seconds(time) + ", unit: s, source: \"the desk\"}, " + text + "}]\n";
@@ -118,7 +128,7 @@ void Steering::begin_fault(std::int64_t time, const std::string& name, const std
   std::vector<Fault> faults;
   if (problems.empty()) {
     common::YamlReader reader(root, "", problems);
-    faults = read_faults(reader, settings_.controller_period, settings_.group_count, settings_.seed,
+    faults = read_faults(reader, settings_.controller_period, settings_.drive, settings_.seed,
                          settings_.scenario_faults + fault_count_);
   }
   if (!problems.empty() || faults.size() != 1) {
@@ -162,6 +172,8 @@ SteeredPeriod Steering::begin_period(std::int64_t time) {
     news_.push_back("effect " + change.effect + (change.on ? " on " : " off ") + in_seconds(time));
   }
   period.effects = std::exchange(effect_wishes_, {});
+  period.play_compensation = std::exchange(play_compensation_wish_, std::nullopt);
+  if (period.play_compensation) news_.push_back(std::string("play_compensation ") + (*period.play_compensation ? "on " : "off ") + in_seconds(time));
   if (lost_ && !lost_at_) lost_at_ = time;
   period.ends_run = ended_ || (lost_at_ && time - *lost_at_ >= kAfterLoss);
   return period;

@@ -8,6 +8,7 @@
 //   fault begin NUMBER KEY: VALUE, ...  a fault from now on: the keys of a scenario's fault but from and until
 //   fault end NUMBER                    until now
 //   effect NAME on|off                  an effect of the machine's file
+//   play_compensation on|off            of the controller
 //   pause, resume, cycle, speed FACTOR  of a lockstep run: FACTOR simulated seconds per second, 0 as fast as it goes
 //   end                                 the run is over, as if its duration had come
 //   lost                                nobody is there any more: the lever springs back, and the run ends when the crane stands
@@ -24,6 +25,7 @@
 #include "sim/drive/fault.h"
 #include "sim/drive/operator_move.h"
 #include "sim/integrate/machine_settings.h"
+#include "sim/model/crane_parameters.h"
 
 namespace slewlab::sim {
 
@@ -36,13 +38,14 @@ struct FaultSwitch {
 struct SteeredPeriod {
   std::optional<OperatorMove> move;  // where it changes
   std::vector<EffectSwitch> effects;
+  std::optional<bool> play_compensation;  // where it is switched
   std::vector<FaultSwitch> faults;
   bool ends_run = false;
 };
 
 struct SteeringSettings {
   std::int64_t controller_period = 0;  // [ns]
-  int group_count = 1;
+  DriveParameters drive{};
   std::uint64_t seed = 0;              // of the scenario
   std::size_t scenario_faults = 0;     // how many there are in the scenario
   std::vector<std::string> effects{};  // that can be switched
@@ -64,12 +67,14 @@ class Steering {
 
   // What was refused and what began and ended since it was asked last, one line each:
   //   refused WHY     fault NUMBER from SECONDS     fault NUMBER until SECONDS     effect NAME on|off SECONDS
+  //   play_compensation on|off SECONDS
   std::vector<std::string> take_news();
 
  private:
   void take_operator(const std::string& rest);
   void take_fault(const std::string& rest);
   void take_effect(const std::string& rest);
+  void take_play_compensation(const std::string& rest);
   void begin_fault(std::int64_t time, const std::string& name, const std::string& text, SteeredPeriod& period);
   void refuse(std::string why) { news_.push_back("refused " + std::move(why)); }
 
@@ -82,6 +87,7 @@ class Steering {
   };
   std::vector<FaultWish> fault_wishes_;
   std::vector<EffectSwitch> effect_wishes_;
+  std::optional<bool> play_compensation_wish_;
   std::vector<std::pair<std::string, std::size_t>> faults_;  // those under way: name and number
   std::size_t fault_count_ = 0;                              // begun so far, without the scenario's
   std::vector<std::string> news_;

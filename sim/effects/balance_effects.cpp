@@ -9,6 +9,12 @@
 
 namespace slewlab::sim {
 
+namespace {
+
+constexpr double kMostLean = 0.3;  // of dry friction, by which its directions differ; more is a torque of its own; chosen
+
+}  // namespace
+
 BalanceEffects effects_of_balance(const BalanceSizes& sizes, const common::EffectCatalogue& catalogue) {
   BalanceEffects result;
   const auto add = [&](const char* name, const std::map<std::string, double>& values) {
@@ -33,18 +39,22 @@ BalanceEffects effects_of_balance(const BalanceSizes& sizes, const common::Effec
     }
     result.effects.push_back(std::move(instance));
   };
+  // A constant torque is the same motion as a difference of dry friction between the directions.
+  const double lean = sizes.dry > 0.0 ? sizes.dry_difference / sizes.dry : 0.0;
+  const bool is_lean = sizes.breakaway_excess == 0.0 && sizes.rising == 0.0 && sizes.dry > 0.0 && std::fabs(lean) <= kMostLean;
+  const double offset = sizes.offset + (is_lean ? 0.0 : sizes.dry_difference);
   if (sizes.breakaway_excess != 0.0) {
     add("bearing_stribeck", {{"coulomb_torque", sizes.dry}, {"breakaway_excess", sizes.breakaway_excess}, {"stribeck_speed", sizes.stribeck_speed}});
   } else if (sizes.rising != 0.0) {
     const double total = sizes.dry + sizes.rising;
     add("bearing_rising", {{"torque", total}, {"speed", sizes.rising_speed}, {"at_rest", total > 0.0 ? sizes.dry / total : 0.0}});
   } else if (sizes.dry != 0.0) {
-    add("bearing_coulomb", {{"torque", sizes.dry}});
+    add("bearing_coulomb", {{"torque", sizes.dry}, {"asymmetry", is_lean ? lean : 0.0}});
   }
   if (sizes.viscous != 0.0) {
     add("bearing_viscous", {{"coefficient", sizes.viscous}, {"asymmetry", sizes.viscous > 0.0 ? sizes.viscous_difference / sizes.viscous : 0.0}});
   }
-  if (sizes.offset != 0.0) add("torque_offset", {{"torque", -sizes.offset}});
+  if (offset != 0.0) add("torque_offset", {{"torque", -offset}});
   if (sizes.gravity_sine != 0.0 || sizes.gravity_cosine != 0.0) {
     // s sin q + c cos q against the motion is T sin(direction - q) with it.
     const double direction = std::atan2(-sizes.gravity_cosine, sizes.gravity_sine) - sizes.first_position;

@@ -13,6 +13,7 @@ namespace slewlab::sim {
 struct BalanceSizes {
   double dry = 0.0;
   double viscous = 0.0, viscous_difference = 0.0;  // of half the difference between the directions
+  double dry_difference = 0.0;                     // of half the difference between the directions
   double offset = 0.0;                             // constant torque
   double breakaway_excess = 0.0, stribeck_speed = 0.0;
   double rising = 0.0, rising_speed = 0.0;

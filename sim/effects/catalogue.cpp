@@ -1,5 +1,6 @@
 #include "sim/effects/catalogue.h"
 
+#include "sim/effects/axis_bounds.h"
 #include "sim/machine/effect_scales.h"
 #include "sim/machine/machine_file.h"
 
@@ -70,8 +71,10 @@ common::Unit of_a_linear_axis(common::Unit unit, common::ScaleOf per, bool is_sh
 
 common::EffectCatalogue effects_for(const MachineFile& file) {
   common::EffectCatalogue catalogue = effects_for(file.parameters, effect_scales(file.parameters, file.drive_protection));
-  if (!file.axis.is_linear) return catalogue;
+  if (file.kind != MachineKind::axis) return catalogue;
   for (common::EffectAbout& about : catalogue.effects) {
+    widen_for_a_plain_axis(find_effect(about.name)->about, about);
+    if (!file.axis.is_linear) continue;
     const std::vector<common::EffectParameter>& law = find_effect(about.name)->about.parameters;
     for (std::size_t k = 0; k < law.size(); ++k) about.parameters[k].unit = of_a_linear_axis(law[k].unit, law[k].per, file.axis.is_shaft_linear);
   }

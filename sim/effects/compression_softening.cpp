@@ -19,7 +19,10 @@ namespace {
 void change(const common::EffectValues& values, MachineParameters& parameters) {
   BoomParameters& boom = parameters.crane.boom;
   if (values["compression"] == 0.0 || boom.element_count == 0) return;
-  const double area = std::numbers::pi * (boom.chord_outer_diameter * boom.chord_outer_diameter -
+  if (boom.type == BoomType::box_girder || boom.type == BoomType::knuckle) {
+    throw CannotBeBuilt("effect compression_softening: it takes its share off the chords of a lattice; a box has none");
+  }
+  const double area = (boom.type == BoomType::a_frame ? 0.5 : 1.0) * std::numbers::pi * (boom.chord_outer_diameter * boom.chord_outer_diameter -
                                           boom.chord_inner_diameter * boom.chord_inner_diameter);
   const double lost_moment =
       values["compression"] * boom.length * boom.length / (std::numbers::pi * std::numbers::pi * boom.youngs_modulus);

@@ -51,6 +51,7 @@ struct EffectMoment {
   double load_displacement = 0.0;   // [m] of the rope's lower end
   double load_velocity = 0.0;       // [m/s]
   double rope_angle = 0.0;          // [rad]
+  double rod_angle = 0.0;           // [rad]
   double rope_force = 0.0;          // [N] on the tip
 };
 

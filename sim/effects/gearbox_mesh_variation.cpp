@@ -1,7 +1,7 @@
 // Gearbox mesh variation: the stiffness of the gearbox's first planetary stage goes up and down with its
 // mesh,
 //   k(theta) = k (1 + a (sin(m + phase) + second_sine sin(2 m) + second_cosine cos(2 m))),   m = Z_r Z_s / (Z_r + Z_s) theta_motor.
-// Z_r = 110, Z_s = 8 (Table 2.1) mesh at 150 Hz where the motor turns at 20 Hz. a is the share of the group's
+// Z_r and Z_s are the machine's drive.gearbox_ring_teeth and gearbox_sun_teeth. a is the share of the group's
 // whole stiffness: small, because the fast stage's own compliance counts on the outgoing shaft by its ratio
 // squared. Acts as the contact's torque (gear.h) at k(theta) less the one at k, on the house and back on the
 // motor; the contact's damping stays (mesh_variation.h, mesh_torque.h). The mean over the turned angle of a
@@ -12,6 +12,7 @@
 #include "sim/effects/mesh_variation.h"
 #include "sim/effects/ripple.h"
 #include "sim/integrate/plant.h"
+#include "sim/model/gear.h"
 
 namespace slewlab::sim {
 
@@ -32,11 +33,12 @@ const EffectDescription& gearbox_mesh_variation() {
                                common::angle_parameter("phase", "phase of the mesh at the start"),
                                second_sine_parameter(),
                                second_cosine_parameter()},
-                .needs = {.gears = true},
+                .needs = {.gears = true, .gearbox_teeth = true},
                 .family = common::Family::ripple},
       .ports = {EffectPort::force, EffectPort::sensor},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
-        const Ripple ripple{.order = planetary_mesh_frequency(110, 8, 1.0) * start.model.ratio,
+        const DriveParameters& drive = start.model.parameters.drive;
+        const Ripple ripple{.order = planetary_mesh_frequency(drive.gearbox_ring_teeth, drive.gearbox_sun_teeth, 1.0) * start.model.ratio,
                             .phase = start.value("phase"),
                             .second_sine = start.value("second_sine"),
                             .second_cosine = start.value("second_cosine")};

@@ -11,7 +11,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/effects/body_force.h"
+#include "sim/integrate/body_force.h"
 #include "sim/integrate/plant.h"
 
 namespace slewlab::sim {

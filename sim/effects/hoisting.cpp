@@ -3,8 +3,7 @@
 //   v (3 (t / t_r)^2 - 2 (t / t_r)^3):
 // a winch's drive has no steps of acceleration, and here they would strike the boom. In the absolute
 // displacement y_1 of the load the small-angle equation is M y_1'' = -T (y_1 - y_tip) / L(t) with the tension
-// T = M (g + s''), so that the difference to the constant rope is
-//   F = -(M (g + s'') / L(t) - M g / L_0) (y_1 - y_tip)   on the load, and -F on the tip.
+// T = M (g + s''): the law of a moving rope (sim/model/load.h), which a scenario's hoisting obeys too.
 // L is kept at 2 m or more. Negative speed lowers.
 // Source: textbook; thesis 5 names hoisting as future work.
 #include "sim/effects/effect.h"
@@ -12,6 +11,8 @@
 #include <algorithm>
 
 #include "sim/integrate/plant.h"
+#include "sim/model/load.h"
+#include "sim/model/motion.h"
 
 namespace slewlab::sim {
 
@@ -26,41 +27,28 @@ class Hoisting : public Running<Hoisting> {
         start_(start.value("start")),
         duration_(start.value("duration")),
         ramp_(std::min(start.value("ramp_time"), 0.5 * start.value("duration"))),
-        mass_(start.model.parameters.load.mass),
-        length_(start.model.parameters.load.rope_length) {}
+        load_(start.model.parameters.load) {}
 
   void force(const EffectMoment& moment, PortForces& ports) override {
     const double since = moment.time - start_;
-    if (since <= 0.0 || mass_ == 0.0) return;
-    const double hoisted = speed_ * (way(since) - way(since - (duration_ - ramp_)));
-    double acceleration = speed_ * (rise(since) - rise(since - (duration_ - ramp_)));
-    double length = length_ - hoisted;
-    if (length < kShortestRope * length_) {
-      length = kShortestRope * length_;
+    if (since <= 0.0 || load_.mass == 0.0) return;
+    const double hoisted = speed_ * (ramp_way(since, ramp_) - ramp_way(since - (duration_ - ramp_), ramp_));
+    double acceleration = speed_ * (ramp_rise(since, ramp_) - ramp_rise(since - (duration_ - ramp_), ramp_));
+    double length = load_.rope_length - hoisted;
+    if (length < kShortestRope * load_.rope_length) {
+      length = kShortestRope * load_.rope_length;
       acceleration = 0.0;
     }
-    const double change = mass_ * ((kGravity + acceleration) / length - kGravity / length_) *
-                          (moment.load_displacement - moment.tip_displacement);
-    ports.load_force -= change;
-    ports.tip_force += change;
+    const RopeForces rope =
+        moving_rope(load_, length, acceleration, moment.load_displacement - moment.tip_displacement, moment.rod_angle);
+    ports.load_force += rope.load_force;
+    ports.tip_force -= rope.load_force;
+    ports.rod_moment += rope.rod_moment;
   }
 
  private:
-  // Per hoisting speed, `since` [s] after a ramp's begin: the way [s] and the acceleration [1/s].
-  double way(double since) const {
-    if (since <= 0.0) return 0.0;
-    if (since >= ramp_) return since - 0.5 * ramp_;
-    const double share = since / ramp_;
-    return ramp_ * share * share * share * (1.0 - 0.5 * share);
-  }
-  double rise(double since) const {
-    if (since <= 0.0 || since >= ramp_) return 0.0;
-    const double share = since / ramp_;
-    return 6.0 * share * (1.0 - share) / ramp_;
-  }
-
   double speed_, start_, duration_, ramp_;
-  double mass_, length_;
+  LoadParameters load_;
 };
 
 }  // namespace

@@ -2,9 +2,8 @@
 //   k(theta) = k (1 + a (sin(m + phase) + second_sine sin(2 m) + second_cosine cos(2 m))),   m = Z_p i_pinion theta_house,
 // second_sine and second_cosine because teeth take over with corners, not with a sine. The pinion turns with
 // the house; the gearbox gives between it and the motor.
-// Z_p = 12 teeth (Table 2.1) mesh at 1.2 Hz where the pinion turns at 0.1 Hz. a is the share of the group's
-// whole stiffness: 20 % of the pinion's (2.7) in series with the gearbox is
-// a = 0.2 k_gearbox / (k_gearbox + k_pinion). Acts as the contact's torque (gear.h) at k(theta) less the one at
+// Z_p is the machine's drive.pinion_teeth. a is the share of the group's whole stiffness: 20 % of the pinion's
+// (2.7) in series with the gearbox is a = 0.2 k_gearbox / (k_gearbox + k_pinion). Acts as the contact's torque (gear.h) at k(theta) less the one at
 // k, on the house and back on the motor; the contact's damping stays (mesh_variation.h, mesh_torque.h).
 // Source: thesis (2.1), (2.3).
 #include "sim/effects/effect.h"
@@ -14,12 +13,6 @@
 #include "sim/integrate/plant.h"
 
 namespace slewlab::sim {
-
-namespace {
-
-constexpr double kTeeth = 12.0;  // Z_p, thesis Table 2.1
-
-}  // namespace
 
 const EffectDescription& pinion_mesh_variation() {
   static const EffectDescription description{
@@ -38,11 +31,12 @@ const EffectDescription& pinion_mesh_variation() {
                                common::angle_parameter("phase", "phase of the mesh at the start"),
                                second_sine_parameter(),
                                second_cosine_parameter()},
-                .needs = {.gears = true},
+                .needs = {.gears = true, .pinion_teeth = true},
                 .family = common::Family::ripple},
       .ports = {EffectPort::force, EffectPort::sensor},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
-        const Ripple ripple{.order = kTeeth * start.model.parameters.drive.pinion_ratio,
+        const DriveParameters& drive = start.model.parameters.drive;
+        const Ripple ripple{.order = drive.pinion_teeth * drive.pinion_ratio,
                             .phase = start.value("phase"),
                             .second_sine = start.value("second_sine"),
                             .second_cosine = start.value("second_cosine")};

@@ -10,8 +10,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "sim/effects/body_force.h"
+#include "sim/integrate/body_force.h"
 #include "sim/integrate/plant.h"
+#include "sim/model/boom.h"
 
 namespace slewlab::sim {
 
@@ -27,7 +28,7 @@ class VesselRoll : public Running<VesselRoll> {
         pivot_height_(start.value("height")),
         masses_(masses_of(start.model.parameters)) {
     const CraneParameters& crane = start.model.parameters;
-    rise_ = crane.boom.length * std::sin(crane.boom.angle);
+    rise_ = boom_point(crane.boom, 1.0).height;
     load_height_ = pivot_height_ + rise_ - crane.load.rope_length;
   }
 

@@ -29,8 +29,8 @@ namespace slewlab::sim {
 enum class BatchWidth { portable, four, eight };
 
 bool is_supported(BatchWidth width);
-// Four by AVX2 where the processor has it: eight lanes are worth it only for many elements (docs/benchmarks.md).
-BatchWidth usual_width();
+// The widest that so many machines fill and the processor has.
+BatchWidth usual_width(int machines);
 
 struct PlantBatch;
 struct FreePlantBatch {
@@ -39,8 +39,9 @@ struct FreePlantBatch {
 using PlantBatchHandle = std::unique_ptr<PlantBatch, FreePlantBatch>;
 
 // At rest, as make_plant_state(). The models must outlive the batch. Throws std::invalid_argument where they are none, not of one
-// topology or rigid (one inertia has no modes to put side by side), or where the width is not supported here.
-PlantBatchHandle make_plant_batch(const std::vector<const PlantModel*>& models, BatchWidth width = usual_width());
+// topology, rigid (one inertia has no modes to put side by side) or luffing, or where the width is not supported here.
+PlantBatchHandle make_plant_batch(const std::vector<const PlantModel*>& models, BatchWidth width);
+PlantBatchHandle make_plant_batch(const std::vector<const PlantModel*>& models);  // of the usual width
 
 int machine_count(const PlantBatch& batch);
 
@@ -56,5 +57,8 @@ std::int64_t steps_out_of_line(const PlantBatch& batch);
 
 // What read() of plant.h gives for each machine, to the bit.
 void read_batch(const PlantBatch& batch, PlantReadings* readings);
+
+// What accelerations() of plant.h gives for each machine, and of its state all but `q` and `v`: what effects and sensors ask for.
+void observe_batch(const PlantBatch& batch, PlantState* const* states, Accelerations* const* accelerations);
 
 }  // namespace slewlab::sim

@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <string>
 
+#include "sim/effects/accelerometers.h"
+#include "sim/effects/axis_bounds.h"
 #include "sim/effects/catalogue.h"
 #include "sim/effects/random_number.h"
 #include "sim/machine/effect_scales.h"
@@ -17,42 +19,31 @@ namespace {
 constexpr double kNanosecond = 1e-9;  // [s]
 
 // The crane at the end of a step, in the quantities that effects see.
-void observe(const PlantModel& model, const PlantState& state, EffectMoment& moment) {
-  double gear_torque = 0.0;
+void observe(const PlantModel& model, const PlantState& state, const Accelerations& acceleration, double rope_length, EffectMoment& moment) {
   for (int i = 0; i < model.group_count; ++i) {
     moment.motor_angle[i] = state.motor_angle[i];
     moment.motor_speed[i] = state.motor_speed[i];
     moment.gear_torque[i] = state.gear_torque[i];
-    gear_torque += state.gear_torque[i];
   }
   moment.house_angle = state.house_angle;
   moment.house_speed = state.house_speed;
   moment.tip_displacement = state.tip_displacement;
   moment.tip_velocity = state.tip_velocity;
-  const double house_torque = gear_torque + state.other_house_torque;
-  const double tip_force = state.rope_force + state.other_tip_force;
-  moment.house_acceleration = moment.tip_acceleration = moment.boom_acceleration = 0.0;
-  for (std::size_t k = 0; k < static_cast<std::size_t>(model.mode_count); ++k) {
-    const double acceleration = -model.square[k] * state.q[k] - model.damping_rate[k] * state.v[k] +
-                                model.house[k] * house_torque + model.tip[k] * tip_force +
-                                model.uniform[k] * state.other_uniform_force;
-    moment.house_acceleration += model.house[k] * acceleration;
-    moment.tip_acceleration += model.tip[k] * acceleration;
-    moment.boom_acceleration += model.uniform[k] * acceleration;
-  }
+  moment.house_acceleration = acceleration.house;
+  moment.tip_acceleration = acceleration.tip;
+  moment.boom_acceleration = acceleration.boom;
   moment.rope_force = state.rope_force;
   if (!model.has_load) return;
   moment.load_displacement =
       model.load.modes(0, 0) * state.load_q[0] + model.load.modes(0, 1) * state.load_q[1];
   moment.load_velocity = model.load.modes(0, 0) * state.load_v[0] + model.load.modes(0, 1) * state.load_v[1];
-  moment.rope_angle =
-      (moment.load_displacement - moment.tip_displacement) / model.parameters.load.rope_length;
+  moment.rope_angle = (moment.load_displacement - moment.tip_displacement) / rope_length;
+  moment.rod_angle = rod_angle(model, state);
 }
 
-// Two steps' ends give the middle of the next step. Without a step before, `before` is `now`.
-EffectMoment middle(const PlantState& state, int group_count, const EffectMoment& now,
-                    const EffectMoment& before, double time, double h) {
-  EffectMoment m = now;
+// Two steps' ends give the middle of the next step; without a step before, `before` is `now`. Fills what stands there already: copying what
+// was written number by number a moment ago would wait for the writes.
+void find_middle(const PlantState& state, int group_count, const EffectMoment& now, const EffectMoment& before, double time, double h, EffectMoment& m) {
   m.time = time + 0.5 * h;
   m.step = h;
   const auto ahead = [](double present, double past) { return 1.5 * present - 0.5 * past; };
@@ -73,8 +64,8 @@ EffectMoment middle(const PlantState& state, int group_count, const EffectMoment
   m.load_velocity = ahead(now.load_velocity, before.load_velocity);
   m.load_displacement = now.load_displacement + 0.25 * h * (now.load_velocity + m.load_velocity);
   m.rope_angle = ahead(now.rope_angle, before.rope_angle);
+  m.rod_angle = ahead(now.rod_angle, before.rod_angle);
   m.rope_force = ahead(now.rope_force, before.rope_force);
-  return m;
 }
 
 // Before the run starts the load hangs where steady forces (heel, wind) hold it.
@@ -117,7 +108,9 @@ MachineParameters machine_parameters(const MachineSettings& settings) {
     if (!missing.empty()) {
       throw std::invalid_argument("effect " + instance.name + " needs " + missing + ", which this machine has not");
     }
-    common::check_instance(common::in_units_of(description.about, scales), instance);
+    common::EffectAbout about = common::in_units_of(description.about, scales);
+    if (!parts.boom && parts.groups == 1) widen_for_a_plain_axis(description.about, about);
+    common::check_instance(about, instance);
     if (description.change != nullptr) description.change({description.about, instance.values}, parameters);
   }
   return parameters;
@@ -172,7 +165,13 @@ Machine make_machine(const MachineSettings& settings) {
       }
     }
   }
-  machine.needs_moment = !machine.actuator.empty() || !machine.force.empty() || !machine.friction.empty();
+  machine.motion = crane_motion(parameters.crane, settings.motion_requests);
+  machine.steps_per_boom_angle = settings.steps_per_boom_angle;
+  if (!machine.motion.luffing.is_still()) {
+    prepare_luffing(machine.motion, machine.model);
+    machine.workspace = make_plant_workspace(machine.model);
+  }
+  machine.needs_moment = machine.motion.moves || !machine.actuator.empty() || !machine.force.empty() || !machine.friction.empty();
   machine.hooks_per_step =
       static_cast<std::int64_t>(machine.message.size() + machine.actuator.size() + machine.force.size() +
                                 machine.friction.size() + machine.sensor.size());
@@ -191,25 +190,44 @@ Machine make_machine(const MachineSettings& settings) {
 
 namespace {
 
-// What the sensors say at the end of a step.
+// For the stretch that begins now, the boom angle of its middle.
+[[gnu::noinline]] void follow_boom_angle(Machine& machine) {
+  constexpr double kSmallest = 1e-12;  // [rad] below which an angle is only rounded otherwise
+  const double middle = time_of(machine) + 0.5 * machine.steps_per_boom_angle * machine.model.step;
+  const double angle = boom_angle(machine.motion, middle);
+  if (std::fabs(angle - machine.motion.basis.angle) <= kSmallest) return;
+  luff(machine.motion, angle, machine.model, machine.state);
+  machine.has_acceleration = false;  // that of the last step's end is one of other masses
+}
+
+bool is_sensed(const Machine& machine) { return !machine.sensor.empty() || machine.motion.moves; }
+
+// What the sensors say at the end of a step, whose acceleration is known.
 void sense(Machine& machine) {
   const SensorMoment moment{.time = time_of(machine),
                             .house_angle = machine.state.house_angle,
                             .house_speed = machine.state.house_speed,
-                            .truth = read(machine.model, machine.state)};
+                            .truth = read(machine.model, machine.state, machine.acceleration)};
   machine.sensed = moment.truth;
+  if (machine.motion.moves) {
+    add_to_accelerometers(machine.sensed, [&](std::string_view place) {
+      return motion_acceleration(machine.motion, moment.time, moment.house_angle, moment.house_speed, place);
+    });
+  }
   for (const std::size_t i : machine.sensor) if (machine.is_on[i]) machine.effects[i]->sensor(moment, machine.sensed);
 }
 
 }  // namespace
 
-void step(Machine& machine, const DriveCommand& command) {
+PlantInput begin_step(Machine& machine, const DriveCommand& command) {
   const PlantModel& model = machine.model;
   const double time = time_of(machine);
   while (machine.next_switch < machine.switches.size() && machine.switches[machine.next_switch].step <= machine.state.step_count) {
     const Machine::Switch& due = machine.switches[machine.next_switch++];
     machine.is_on[due.effect] = due.on;
   }
+
+  if (!machine.motion.luffing.is_still() && machine.state.step_count % machine.steps_per_boom_angle == 0) follow_boom_angle(machine);
 
   const DriveCommand* arrived = &command;
   DriveCommand changed;
@@ -228,26 +246,52 @@ void step(Machine& machine, const DriveCommand& command) {
   }
 
   if (machine.needs_moment) {
-    machine.before = machine.now;
-    observe(model, machine.state, machine.now);
-    if (!machine.has_past) machine.before = machine.now;
+    if (!machine.has_acceleration) machine.acceleration = accelerations(model, machine.state);
+    machine.newest = 1 - machine.newest;
+    const EffectMoment& now = machine.ends[machine.newest];
+    observe(model, machine.state, machine.acceleration,
+            machine.motion.moves ? rope_length(machine.motion, time) : model.parameters.load.rope_length, machine.ends[machine.newest]);
+    const EffectMoment& before = machine.has_past ? machine.ends[1 - machine.newest] : now;
     machine.has_past = true;
-    const EffectMoment moment =
-        middle(machine.state, model.group_count, machine.now, machine.before, time, model.step);
+    EffectMoment& moment = machine.middle;
+    find_middle(machine.state, model.group_count, now, before, time, model.step, moment);
     for (const std::size_t i : machine.actuator) if (machine.is_on[i]) machine.effects[i]->actuator(moment, input.motor_torque);
     for (const std::size_t i : machine.force) if (machine.is_on[i]) machine.effects[i]->force(moment, input.ports);
     for (const std::size_t i : machine.friction) if (machine.is_on[i]) machine.effects[i]->friction(moment, input.friction);
+    if (machine.motion.moves) {
+      add_motion_forces(machine.motion,
+                        {.time = moment.time, .house_angle = moment.house_angle, .house_speed = moment.house_speed,
+                         .rope_difference = moment.load_displacement - moment.tip_displacement, .rod_angle = moment.rod_angle},
+                        input.ports);
+      input.ports.luffing = luffing_force(machine.motion, moment.time, moment.house_speed);
+    }
   }
   machine.applied_torque = input.motor_torque;
+  return input;
+}
 
-  step(model, machine.workspace, input, machine.state);
-
-  if (!machine.sensor.empty()) sense(machine);
+void end_step(Machine& machine) {
+  if (is_sensed(machine)) sense(machine);
   machine.effect_evaluations += machine.hooks_per_step;
 }
 
+void step(Machine& machine, const DriveCommand& command) {
+  const PlantInput input = begin_step(machine, command);
+  step(machine.model, machine.workspace, input, machine.state);
+  machine.has_acceleration = machine.needs_moment || is_sensed(machine);
+  if (machine.has_acceleration) machine.acceleration = accelerations(machine.model, machine.state);
+  end_step(machine);
+}
+
 MachineReadings read(const Machine& machine) {
-  return machine.sensor.empty() ? read(machine.model, machine.state) : machine.sensed;
+  if (is_sensed(machine)) return machine.sensed;
+  return machine.has_acceleration ? read(machine.model, machine.state, machine.acceleration) : read(machine.model, machine.state);
+}
+
+double rope_angle(const Machine& machine) {
+  const double angle = rope_angle(machine.model, machine.state);
+  if (machine.motion.hoisting.is_still()) return angle;
+  return angle * machine.model.parameters.load.rope_length / rope_length(machine.motion, time_of(machine));
 }
 
 double time_of(const Machine& machine) {
@@ -262,8 +306,11 @@ bool switch_effect(Machine& machine, std::string_view name, bool on) {
 }
 
 void forget_past(Machine& machine) {
-  machine.has_past = false;
-  if (!machine.sensor.empty()) sense(machine);
+  machine.has_past = machine.has_acceleration = false;
+  if (!is_sensed(machine)) return;
+  machine.acceleration = accelerations(machine.model, machine.state);
+  machine.has_acceleration = true;
+  sense(machine);
 }
 
 }  // namespace slewlab::sim

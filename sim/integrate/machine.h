@@ -10,6 +10,7 @@
 // plant.h afterwards, then forget_past()); effects keep their memory.
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -17,6 +18,7 @@
 #include <vector>
 
 #include "sim/effects/effect.h"
+#include "sim/integrate/crane_motion.h"
 #include "sim/integrate/plant.h"
 #include "sim/integrate/machine_settings.h"
 
@@ -62,10 +64,18 @@ struct Machine {
   std::vector<Switch> switches;  // by rising step
   std::size_t next_switch = 0;
   bool needs_moment = false;            // any of actuator, force, friction
-  bool has_past = false;                // `before` is the end of the step before the last
-  EffectMoment now, before;             // at the ends of the last two steps
-  MachineReadings sensed;               // kept only where a sensor effect is on
+  // What effects are told: of the last two steps' ends, the newest one and the other, and of the middle of the step. Kept where `needs_moment`,
+  // true where `has_past`: since the first step, or the first one after forget_past().
+  bool has_past = false;
+  std::size_t newest = 0;
+  std::array<EffectMoment, 2> ends;
+  EffectMoment middle;
+  bool has_acceleration = false;        // `acceleration` is that of the last step's end
+  Accelerations acceleration;
+  MachineReadings sensed;               // kept only where a sensor effect is on or the crane moves otherwise than slewing
   GroupArray applied_torque{};          // [Nm] per motor of the last step, behind the actuator path
+  CraneMotion motion;                   // hoisting, luffing, travelling
+  int steps_per_boom_angle = 10;
   PortForces outside;                   // from outside the model, held over each step: how a shadow is led; zero otherwise
   std::int64_t hooks_per_step = 0;
   std::int64_t effect_evaluations = 0;  // hooks called since the start
@@ -81,11 +91,19 @@ MachineParameters machine_parameters(const MachineSettings& settings);
 
 void step(Machine& machine, const DriveCommand& command);
 
+// The same in parts, for who steps many plants at once (machine_batch.h): what goes into the plant's step; and after it, with the state and
+// the accelerations of its end, the sensors.
+PlantInput begin_step(Machine& machine, const DriveCommand& command);
+void end_step(Machine& machine);
+
 // From the next step on; an effect that is off keeps its memory. False where the machine has none of that name that can be switched.
 bool switch_effect(Machine& machine, std::string_view name, bool on);
 
 // What the wire says at the end of the last step.
 MachineReadings read(const Machine& machine);
+
+// [rad] beta_1 at the rope's length of the moment.
+double rope_angle(const Machine& machine);
 
 // [s] since the start
 double time_of(const Machine& machine);

@@ -31,6 +31,9 @@ struct MachineSettings {
   // Of the drive between controller and machine (sim/drive/crane_plant.h). A Machine alone does what it is told.
   DriveProtectionSettings drive_protection{};
   std::vector<EffectSwitch> effect_switches{};  // by rising time; until the first of an effect it acts
+  MotionRequests motion_requests{};  // hoisting, luffing, travelling while it slews; none costs nothing
+  // Plant steps from one boom angle to the next while the boom luffs. The angle of such a stretch is that of its middle.
+  int steps_per_boom_angle = 10;
 };
 
 // What the drives are told, held until the next one. All values per motor of a group, on the fast axis.

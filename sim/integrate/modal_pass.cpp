@@ -80,6 +80,32 @@ SLEWLAB_INLINE EndSums end_pass(int blocks, const double* terms, const double* h
   return {total(tip), total(tip_velocity), total(acceleration_q), total(acceleration_v)};
 }
 
+SLEWLAB_INLINE Accelerations sense_pass(int blocks, const double* terms, const double* places, const SenseLoads& loads, const double* q,
+                                        const double* v) {
+  using namespace sense_term;
+  const SenseLoads on = loads;
+  static_assert(place_term::count == 6);
+  Quad first{};  // house, tip, boom, pivot
+  Pair last{};   // middle, tip_sensor
+  for (int b = 0; b < blocks; ++b) {
+    const double* const block = terms + b * count * kLanes;
+    const Quad acceleration = -Lanes(block, square).value * Lanes(q, b).value - Lanes(block, damping_rate).value * Lanes(v, b).value +
+                              Lanes(block, house).value * on.house + Lanes(block, tip).value * on.tip + Lanes(block, uniform).value * on.uniform;
+    double of_mode[kLanes];
+    __builtin_memcpy(of_mode, &acceleration, sizeof(Quad));
+    for (const double mode : of_mode) {
+      Quad at_first;
+      Pair at_last;
+      __builtin_memcpy(&at_first, places, sizeof(Quad));
+      __builtin_memcpy(&at_last, places + kLanes, sizeof(Pair));
+      first += at_first * mode;
+      last += at_last * mode;
+      places += place_term::count;
+    }
+  }
+  return {first[0], first[1], first[2], first[3], last[0], last[1]};
+}
+
 SLEWLAB_INLINE FreeSums free_of(int blocks, const double* terms, const double* held, const double* shapes, const FreeLoads& loads,
                                 const double* q0, const double* v0, double* q, double* v) {
   return loads.house != 0.0 || loads.uniform != 0.0 ? free_pass<true>(blocks, terms, held, shapes, loads, q0, v0, q, v)
@@ -99,6 +125,9 @@ FreeSums free_portable(int blocks, const double* terms, const double* held, cons
 EndSums end_portable(int blocks, const double* terms, const double* held, const double* shapes, const EndLoads& loads, double* q, double* v) {
   return end_of(blocks, terms, held, shapes, loads, q, v);
 }
+Accelerations sense_portable(int blocks, const double* terms, const double* places, const SenseLoads& loads, const double* q, const double* v) {
+  return sense_pass(blocks, terms, places, loads, q, v);
+}
 
 #ifdef __x86_64__
 [[gnu::target("avx2")]] FreeSums free_wide(int blocks, const double* terms, const double* held, const double* shapes, const FreeLoads& loads,
@@ -109,18 +138,22 @@ EndSums end_portable(int blocks, const double* terms, const double* held, const 
                                          double* q, double* v) {
   return end_of(blocks, terms, held, shapes, loads, q, v);
 }
+[[gnu::target("avx2")]] Accelerations sense_wide(int blocks, const double* terms, const double* places, const SenseLoads& loads,
+                                                 const double* q, const double* v) {
+  return sense_pass(blocks, terms, places, loads, q, v);
+}
 #endif
 
 }  // namespace
 
 const ModalPasses& portable_passes() {
-  static constexpr ModalPasses kPasses{free_portable, end_portable};
+  static constexpr ModalPasses kPasses{free_portable, end_portable, sense_portable};
   return kPasses;
 }
 
 const ModalPasses* wide_passes() {
 #ifdef __x86_64__
-  static constexpr ModalPasses kPasses{free_wide, end_wide};
+  static constexpr ModalPasses kPasses{free_wide, end_wide, sense_wide};
   if (__builtin_cpu_supports("avx2")) return &kPasses;
 #endif
   return nullptr;

@@ -13,18 +13,22 @@ namespace {
 
 // Powers of h below which the closed forms lose digits to cancellation and the series is exact instead.
 constexpr double kSeriesLimit = 1.0;
-constexpr int kSeriesTerms = 24;  // 1/24! is below the rounding of a double
 
 // 1/n, because the series divides by small integers only and a division costs five multiplications.
-constexpr std::array<double, kSeriesTerms + 6> kReciprocal = [] {
-  std::array<double, kSeriesTerms + 6> table{};
+constexpr std::array<double, kSeriesShares> kReciprocal = [] {
+  std::array<double, kSeriesShares> table{};
   for (std::size_t n = 1; n < table.size(); ++n) table[n] = 1.0 / static_cast<double>(n);
   return table;
 }();
 
-bool has_series(double square, double damping_rate, double h) {
-  return std::fmax(std::sqrt(square), damping_rate) * h < kSeriesLimit;
-}
+constexpr std::array<double, kSeriesShares> kNumber = [] {
+  std::array<double, kSeriesShares> table{};
+  for (std::size_t n = 1; n < table.size(); ++n) table[n] = static_cast<double>(n);
+  return table;
+}();
+static_assert(kSeriesTerms % 2 == 0);  // they are taken by twos
+
+bool has_series(double fastest, double h) { return fastest * h < kSeriesLimit; }
 
 void by_series(double square, double damping_rate, double h, double& s0, double& s1, double* integral) {
   s0 = 0.0;
@@ -86,11 +90,17 @@ void integrals_of_two_decays(double slow, double fast, double h, double* integra
 
 }  // namespace
 
+StepLength::StepLength(double h) : length(h) {
+  for (std::size_t n = 1; n < share.size(); ++n) share[n] = h * kReciprocal[n];
+}
+
+double fastest_rate(double square, double damping_rate) { return std::fmax(std::sqrt(square), damping_rate); }
+
 OscillatorResponse oscillator_response(double square, double damping_rate, double h) {
   double s0 = 0.0;  // S(h)
   double s1 = 0.0;  // S'(h)
   double integral[4];
-  if (has_series(square, damping_rate, h)) {
+  if (has_series(fastest_rate(square, damping_rate), h)) {
     by_series(square, damping_rate, h, s0, s1, integral);
   } else {
     const double a = 0.5 * damping_rate;
@@ -160,56 +170,72 @@ using Four [[gnu::vector_size(32)]] = double;
 SLEWLAB_INLINE void load(Four& vector, const double* from) { __builtin_memcpy(&vector, from, sizeof vector); }
 SLEWLAB_INLINE void store(double* to, const Four& vector) { __builtin_memcpy(to, &vector, sizeof vector); }
 
-// by_series() in every lane. A lane whose series has ended goes on with terms of zero.
-SLEWLAB_INLINE void four_by_series(const double* square, const double* damping_rate, double h, FourResponses& to) {
-  Four squares{}, rates{};
-  for (int lane = 0; lane < 4; ++lane) {
-    if (!has_series(square[lane], damping_rate[lane], h)) continue;  // that lane is not read
-    squares[lane] = square[lane];
-    rates[lane] = damping_rate[lane];
+using FourBits = decltype(Four{} < Four{});
+SLEWLAB_INLINE Four magnitude(const Four& a) { return (Four)((FourBits)a & 0x7fffffffffffffff); }
+
+// by_series() in every lane of a block. What follows a lane's end is chosen away, not added: so no step of the recurrence waits for the
+// question whether it has ended. Lanes that have no series are not read.
+struct Series {
+  Four square, rate, first, second;
+  Four s0{}, s1{}, integral[4] = {}, previous{}, current;
+  FourBits ended{};
+
+  SLEWLAB_INLINE void begin(const double* squares, const double* rates, const double* fastest, double h) {
+    Four fast;
+    load(square, squares);
+    load(rate, rates);
+    load(fast, fastest);
+    square = fast * h < kSeriesLimit ? square : Four{};
+    rate = fast * h < kSeriesLimit ? rate : Four{};
+    first = rate * h;
+    second = square * h * h;
+    current = Four{} + h;
   }
-  const Four none{};
-  Four s0{}, s1{}, integral[4] = {}, previous{}, current = none + h;
-  const Four first = rates * h, second = squares * h * h;
-  auto ended = none != 0.0;
-  for (int n = 1; n <= kSeriesTerms; ++n) {
-    const auto at = static_cast<std::size_t>(n);
-    const double number = n;
-    s0 += current;
-    s1 += current * number;
-    Four term = current;
+  SLEWLAB_INLINE void add(std::size_t n, const StepLength& step) {
+    Four term = (Four)((FourBits)current & ~ended);
+    s0 += term;
+    s1 += term * kNumber[n];
     for (std::size_t j = 0; j < 4; ++j) {
-      term *= h * kReciprocal[at + j + 1];
+      term *= step.share[n + j + 1];
       integral[j] += term;
     }
-    const Four next = -(first * number * current + second * previous) * kReciprocal[at + 1] * kReciprocal[at];
+    const Four next = -(first * kNumber[n] * current + second * previous) * kReciprocal[n + 1] * kReciprocal[n];
     previous = current;
-    const Four size = (next < 0.0 ? -next : next) + (previous < 0.0 ? -previous : previous);
-    ended |= size < 1e-18 * h;
-    current = ended ? none : next;
-    if ((ended[0] & ended[1] & ended[2] & ended[3]) != 0) break;
+    current = next;
+    ended |= magnitude(next) + magnitude(previous) < 1e-18 * step.length;
   }
-  s1 /= none + h;
-  store(to.qq, s1 + rates * s0);
-  store(to.qv, s0);
-  store(to.vq, -squares * s0);
-  store(to.vv, s1);
-  for (int j = 0; j < 4; ++j) {
-    store(to.q[j], integral[j]);
-    store(to.v[j], j == 0 ? s0 : integral[j - 1]);
+  SLEWLAB_INLINE bool has_ended() const { return (ended[0] & ended[1] & ended[2] & ended[3]) != 0; }
+  SLEWLAB_INLINE void end(double h, FourResponses& to) {
+    s1 /= Four{} + h;
+    store(to.qq, s1 + rate * s0);
+    store(to.qv, s0);
+    store(to.vq, -square * s0);
+    store(to.vv, s1);
+    for (int j = 0; j < 4; ++j) {
+      store(to.q[j], integral[j]);
+      store(to.v[j], j == 0 ? s0 : integral[j - 1]);
+    }
   }
-}
+};
 
-SLEWLAB_INLINE void four_hermites(double (*r)[4], double h, double (*value)[4], double (*rate)[4]) {
-  Four r0, r1, r2, r3;
-  load(r0, r[0]);
-  load(r1, r[1]);
-  load(r2, r[2]);
-  load(r3, r[3]);
-  store(value[0], r0 - 6.0 * r2 / (h * h) + 12.0 * r3 / (h * h * h));
-  store(value[1], 6.0 * r2 / (h * h) - 12.0 * r3 / (h * h * h));
-  store(rate[0], r1 - 4.0 * r2 / h + 6.0 * r3 / (h * h));
-  store(rate[1], -2.0 * r2 / h + 6.0 * r3 / (h * h));
+// hermite_response() in every lane. q and v share what they share, and what differs by a power of two is divided once.
+SLEWLAB_INLINE void four_hermites(double h, FourResponses& to) {
+  Four s[5], by_1[5], by_2[5], by_3[5];  // S and its integrals; twice, six times, twelve times over h, h^2, h^3
+  load(s[0], to.v[0]);
+  for (int j = 0; j < 4; ++j) load(s[j + 1], to.q[j]);
+  for (int j = 2; j < 5; ++j) {
+    by_1[j] = 2.0 * s[j] / h;
+    by_2[j] = 6.0 * s[j] / (h * h);
+    by_3[j] = 12.0 * s[j] / (h * h * h);
+  }
+  const auto fill = [&](int from, double (*value)[4], double (*rate)[4]) {
+    store(value[0], s[from] - by_2[from + 2] + by_3[from + 3]);
+    store(value[1], by_2[from + 2] - by_3[from + 3]);
+    store(rate[0], s[from + 1] - 2.0 * by_1[from + 2] + by_2[from + 3]);
+    store(rate[1], by_2[from + 3] - by_1[from + 2]);
+  };
+  fill(1, to.q_value, to.q_rate);
+  fill(0, to.v_value, to.v_rate);
 }
 
 void put(const OscillatorResponse& r, int lane, FourResponses& to) {
@@ -223,32 +249,39 @@ void put(const OscillatorResponse& r, int lane, FourResponses& to) {
   }
 }
 
-SLEWLAB_INLINE void respond(const double* square, const double* damping_rate, double h, FourResponses& responses) {
-  four_by_series(square, damping_rate, h, responses);
-  for (int lane = 0; lane < 4; ++lane) {
-    if (!has_series(square[lane], damping_rate[lane], h)) put(oscillator_response(square[lane], damping_rate[lane], h), lane, responses);
+SLEWLAB_INLINE void respond(const double* square, const double* damping_rate, const double* fastest, const StepLength& step, FourResponses& responses) {
+  const double h = step.length;
+  Series series;
+  series.begin(square, damping_rate, fastest, h);
+  for (std::size_t n = 1; n <= kSeriesTerms && !series.has_ended(); n += 2) {
+    series.add(n, step);
+    series.add(n + 1, step);
   }
-  four_hermites(responses.q, h, responses.q_value, responses.q_rate);
-  four_hermites(responses.v, h, responses.v_value, responses.v_rate);
+  series.end(h, responses);
+  for (int lane = 0; lane < 4; ++lane) {
+    if (!has_series(fastest[lane], h)) put(oscillator_response(square[lane], damping_rate[lane], h), lane, responses);
+  }
+  four_hermites(h, responses);
 }
 
 #ifdef __x86_64__
-[[gnu::target("avx2")]] void four_responses_wide(const double* square, const double* damping_rate, double h, FourResponses& responses) {
-  respond(square, damping_rate, h, responses);
+[[gnu::target("avx2")]] void four_responses_wide(const double* square, const double* damping_rate, const double* fastest,
+                                                 const StepLength& step, FourResponses& responses) {
+  respond(square, damping_rate, fastest, step, responses);
 }
 #endif
 
 }  // namespace
 
-void four_responses_portable(const double* square, const double* damping_rate, double h, FourResponses& responses) {
-  respond(square, damping_rate, h, responses);
+void four_responses_portable(const double* square, const double* damping_rate, const double* fastest, const StepLength& step, FourResponses& responses) {
+  respond(square, damping_rate, fastest, step, responses);
 }
 
-void four_responses(const double* square, const double* damping_rate, double h, FourResponses& responses) {
+void four_responses(const double* square, const double* damping_rate, const double* fastest, const StepLength& step, FourResponses& responses) {
 #ifdef __x86_64__
-  if (__builtin_cpu_supports("avx2")) return four_responses_wide(square, damping_rate, h, responses);
+  if (__builtin_cpu_supports("avx2")) return four_responses_wide(square, damping_rate, fastest, step, responses);
 #endif
-  respond(square, damping_rate, h, responses);
+  respond(square, damping_rate, fastest, step, responses);
 }
 
 }  // namespace slewlab::sim

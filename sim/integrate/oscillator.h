@@ -1,6 +1,8 @@
 // One damped oscillator advanced exactly over a time h, for forces that are polynomials of time.
 #pragma once
 
+#include <array>
+
 namespace slewlab::sim {
 
 // x'' + d x' + w2 x = f(s), 0 <= s <= h. With S(s) the response to a unit start velocity:
@@ -23,6 +25,9 @@ struct HermiteResponse {
 };
 HermiteResponse hermite_response(const OscillatorResponse& response, double h);
 
+// [1/s] the faster of swinging and decaying.
+double fastest_rate(double square, double damping_rate);
+
 // Both of four oscillators, side by side; each to the bit as the functions above give it alone, whatever the processor's vectors hold.
 struct FourResponses {
   double qq[4], qv[4], vq[4], vv[4];
@@ -30,8 +35,19 @@ struct FourResponses {
   double v[4][4];
   double q_value[2][4], q_rate[2][4], v_value[2][4], v_rate[2][4];
 };
-void four_responses(const double* square, const double* damping_rate, double h, FourResponses& responses);
+// What depends on the length h [s] alone: worked out once for many oscillators.
+inline constexpr int kSeriesTerms = 24;  // 1/24! is below the rounding of a double
+inline constexpr int kSeriesShares = kSeriesTerms + 6;
+struct StepLength {
+  explicit StepLength(double h);
+  double length;
+  std::array<double, kSeriesShares> share{};  // h / n
+};
+
+// `fastest`: their fastest_rate().
+void four_responses(const double* square, const double* damping_rate, const double* fastest, const StepLength& step, FourResponses& responses);
 // The same without the processor's wider vectors, for the test that compares the two.
-void four_responses_portable(const double* square, const double* damping_rate, double h, FourResponses& responses);
+void four_responses_portable(const double* square, const double* damping_rate, const double* fastest, const StepLength& step,
+                             FourResponses& responses);
 
 }  // namespace slewlab::sim

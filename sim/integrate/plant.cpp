@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <type_traits>
 
 #include "sim/integrate/friction.h"
 #include "sim/integrate/oscillator.h"
@@ -16,6 +17,10 @@
 namespace slewlab::sim {
 
 namespace {
+
+// The step's text lies open in step(), with loops over as many motor groups as are known when it is compiled: `groups` is an int, or a
+// constant that becomes one.
+#define SLEWLAB_INLINE [[gnu::always_inline]] inline
 
 // Share of the step below which a split would not move the state.
 constexpr double kShortestSplit = 1e-9;
@@ -54,52 +59,93 @@ void discretise_gears(const PlantModel& model, double h, ModalStep& step) {
   }
 }
 
-void discretise(const PlantModel& model, double h, ModalStep& step) {
+using Block [[gnu::vector_size(32)]] = double;  // of modes, as in modal_pass.h
+static_assert(sizeof(Block) == kLanes * sizeof(double));
+struct BlockOf {
+  Block value;
+  explicit BlockOf(const double* from) { __builtin_memcpy(&value, from, sizeof value); }
+};
+void store(double* to, const Block& block) { __builtin_memcpy(to, &block, sizeof block); }
+
+// What a block of modes adds to how the house answers the step, mode by mode: the order of these sums is that of the modes.
+void add_house(const PlantModel& model, int first, const FourResponses& r, const double (*q_end)[kLanes], const double (*v_end)[kLanes],
+               ModalStep& step) {
+  for (int lane = 0; lane < std::min(kLanes, model.mode_count - first); ++lane) {
+    const auto k = static_cast<std::size_t>(first + lane);
+    const double house = model.house[k], on_q = model.house_acceleration_q[k], on_v = model.house_acceleration_v[k];
+    for (int j = 0; j < 2; ++j) {
+      step.house[0][j] += house * q_end[j][lane];
+      step.house[1][j] += house * v_end[j][lane];
+      step.house[2][j] += on_q * q_end[j][lane] + on_v * v_end[j][lane];
+    }
+    step.house_angle_to_torque += house * house * r.q[0][lane];
+    step.house_speed_to_torque += house * house * r.v[0][lane];
+    step.house_acceleration_to_torque += house * (on_q * r.q[0][lane] + on_v * r.v[0][lane]);
+  }
+}
+
+// Answers to the port `luffing`, of a boom that does.
+[[gnu::noinline]] void discretise_luffing(const PlantModel& model, const StepLength& of_length, ModalStep& step) {
+  for (double& answer : step.house_to_luffing) answer = 0.0;
+  FourResponses r;
+  for (int mode = 0; mode < model.mode_count; ++mode) {
+    const auto k = static_cast<std::size_t>(mode);
+    const int lane = mode % kLanes;
+    if (lane == 0) four_responses(&model.square[k], &model.damping_rate[k], &model.fastest[k], of_length, r);
+    const double q = step.luffing_q[k] = model.luffing[k] * r.q[0][lane];
+    const double v = step.luffing_v[k] = model.luffing[k] * r.v[0][lane];
+    step.house_to_luffing[0] += model.house[k] * q;
+    step.house_to_luffing[1] += model.house[k] * v;
+    step.house_to_luffing[2] += model.house_acceleration_q[k] * q + model.house_acceleration_v[k] * v;
+  }
+  step.house_to_luffing[2] += model.per_luffing.house;
+}
+
+void discretise(const PlantModel& model, const StepLength& of_length, ModalStep& step) {
+  const double h = of_length.length;
   step.length = h;
+  if (!model.luffing.empty()) discretise_luffing(model, of_length, step);
   discretise_gears(model, h, step);
   for (auto& row : step.house) row[0] = row[1] = 0.0;
   step.house_angle_to_torque = step.house_speed_to_torque = 0.0;
   step.house_acceleration_to_torque = model.house_per_house_torque;
   FourResponses r;
-  for (int mode = 0; mode < model.mode_count; ++mode) {
-    const auto k = static_cast<std::size_t>(mode);
-    const int lane = mode % kLanes;
-    if (lane == 0) four_responses(&model.square[k], &model.damping_rate[k], h, r);
-    const auto free = [&](int term) -> double& { return step.free[place(mode, term, free_term::count)]; };
-    const auto end = [&](int term) -> double& { return step.end[place(mode, term, end_term::count)]; };
-    const auto held = [&](int term) -> double& { return step.held[place(mode, term, held_term::count)]; };
-    const double house = model.house[k];
-    free(free_term::qq) = r.qq[lane];
-    free(free_term::qv) = r.qv[lane];
-    free(free_term::q_torque) = house * r.q_value[0][lane];
-    free(free_term::q_rate) = house * r.q_rate[0][lane];
-    free(free_term::q_tip) = model.tip[k] * r.q[0][lane];
-    free(free_term::q_tip_rate) = model.tip[k] * r.q[1][lane];
-    free(free_term::vq) = r.vq[lane];
-    free(free_term::vv) = r.vv[lane];
-    free(free_term::v_torque) = house * r.v_value[0][lane];
-    free(free_term::v_rate) = house * r.v_rate[0][lane];
-    free(free_term::v_tip) = model.tip[k] * r.v[0][lane];
-    free(free_term::v_tip_rate) = model.tip[k] * r.v[1][lane];
-    const double q_end[2] = {house * r.q_value[1][lane], house * r.q_rate[1][lane]};
-    const double v_end[2] = {house * r.v_value[1][lane], house * r.v_rate[1][lane]};
-    end(end_term::q_torque) = q_end[0];
-    end(end_term::q_rate) = q_end[1];
-    end(end_term::v_torque) = v_end[0];
-    end(end_term::v_rate) = v_end[1];
-    held(held_term::q_house) = free(free_term::q_torque) + q_end[0];
-    held(held_term::v_house) = free(free_term::v_torque) + v_end[0];
-    held(held_term::q_uniform) = model.uniform[k] * r.q[0][lane];
-    held(held_term::v_uniform) = model.uniform[k] * r.v[0][lane];
-    for (int j = 0; j < 2; ++j) {
-      step.house[0][j] += house * q_end[j];
-      step.house[1][j] += house * v_end[j];
-      step.house[2][j] += model.house_acceleration_q[k] * q_end[j] + model.house_acceleration_v[k] * v_end[j];
-    }
-    step.house_angle_to_torque += house * house * r.q[0][lane];
-    step.house_speed_to_torque += house * house * r.v[0][lane];
-    step.house_acceleration_to_torque +=
-        house * (model.house_acceleration_q[k] * r.q[0][lane] + model.house_acceleration_v[k] * r.v[0][lane]);
+  for (int first = 0; first < model.padded_count; first += kLanes) {
+    four_responses(&model.square[first], &model.damping_rate[first], &model.fastest[first], of_length, r);
+    double* const free = &step.free[place(first, 0, free_term::count)];
+    double* const end = &step.end[place(first, 0, end_term::count)];
+    double* const held = &step.held[place(first, 0, held_term::count)];
+    const Block house = BlockOf(&model.house[first]).value, tip = BlockOf(&model.tip[first]).value,
+                uniform = BlockOf(&model.uniform[first]).value;
+    const auto put = [](double* terms, int term, const Block& block) { store(terms + term * kLanes, block); };
+    put(free, free_term::qq, BlockOf(r.qq).value);
+    put(free, free_term::qv, BlockOf(r.qv).value);
+    const Block q_torque = house * BlockOf(r.q_value[0]).value;
+    put(free, free_term::q_torque, q_torque);
+    put(free, free_term::q_rate, house * BlockOf(r.q_rate[0]).value);
+    put(free, free_term::q_tip, tip * BlockOf(r.q[0]).value);
+    put(free, free_term::q_tip_rate, tip * BlockOf(r.q[1]).value);
+    put(free, free_term::vq, BlockOf(r.vq).value);
+    put(free, free_term::vv, BlockOf(r.vv).value);
+    const Block v_torque = house * BlockOf(r.v_value[0]).value;
+    put(free, free_term::v_torque, v_torque);
+    put(free, free_term::v_rate, house * BlockOf(r.v_rate[0]).value);
+    put(free, free_term::v_tip, tip * BlockOf(r.v[0]).value);
+    put(free, free_term::v_tip_rate, tip * BlockOf(r.v[1]).value);
+    double q_end[2][kLanes], v_end[2][kLanes];  // for T and T' at the end
+    store(q_end[0], house * BlockOf(r.q_value[1]).value);
+    store(q_end[1], house * BlockOf(r.q_rate[1]).value);
+    store(v_end[0], house * BlockOf(r.v_value[1]).value);
+    store(v_end[1], house * BlockOf(r.v_rate[1]).value);
+    put(end, end_term::q_torque, BlockOf(q_end[0]).value);
+    put(end, end_term::q_rate, BlockOf(q_end[1]).value);
+    put(end, end_term::v_torque, BlockOf(v_end[0]).value);
+    put(end, end_term::v_rate, BlockOf(v_end[1]).value);
+    put(held, held_term::q_house, q_torque + BlockOf(q_end[0]).value);
+    put(held, held_term::v_house, v_torque + BlockOf(v_end[0]).value);
+    put(held, held_term::q_uniform, uniform * BlockOf(r.q[0]).value);
+    put(held, held_term::v_uniform, uniform * BlockOf(r.v[0]).value);
+    add_house(model, first, r, q_end, v_end, step);
   }
   step.house[2][0] += model.house_per_house_torque;
 }
@@ -123,30 +169,29 @@ void discretise(const PlantModel& model, double h, ModalStep& step) {
   result.scale = 1.0 / (result.system[0][0] * result.system[1][1] - result.system[0][1] * result.system[1][0]);
 }
 
-LoadStep discretise_load(const PlantModel& model, double h) {
+LoadStep discretise_load(const PlantModel& model, const StepLength& of_length) {
+  const double h = of_length.length;
   LoadStep step{};
   if (!model.has_load) return step;
   const LoadOnSpring& load = model.load;
-  const Eigen::Vector2d damping_in = load.modes.transpose() * load.damping.col(0);
-  const Eigen::Vector2d decay = (load.modes.transpose() * load.damping * load.modes).diagonal();
+  FourResponses r;
+  four_responses(model.load_square.data(), model.load_decay.data(), model.load_fastest.data(), of_length, r);
   for (int j = 0; j < 2; ++j) {
-    const OscillatorResponse r =
-        oscillator_response(load.frequency(j) * load.frequency(j), decay(j), h);
-    step.qq[j] = r.qq;
-    step.qv[j] = r.qv;
-    step.vq[j] = r.vq;
-    step.vv[j] = r.vv;
-    const double displacement_in = load.modes(0, j) * load.rope_stiffness;
-    step.q_in[j][0] = displacement_in * (r.q[0] - r.q[1] / h);
-    step.q_in[j][1] = displacement_in * r.q[1] / h;
-    step.q_in[j][2] = damping_in(j) * (r.q[0] - r.q[1] / h);
-    step.q_in[j][3] = damping_in(j) * r.q[1] / h;
-    step.v_in[j][0] = displacement_in * (r.v[0] - r.v[1] / h);
-    step.v_in[j][1] = displacement_in * r.v[1] / h;
-    step.v_in[j][2] = damping_in(j) * (r.v[0] - r.v[1] / h);
-    step.v_in[j][3] = damping_in(j) * r.v[1] / h;
-    step.q_force[j] = r.q[0];
-    step.v_force[j] = r.v[0];
+    step.qq[j] = r.qq[j];
+    step.qv[j] = r.qv[j];
+    step.vq[j] = r.vq[j];
+    step.vv[j] = r.vv[j];
+    const double displacement_in = load.modes(0, j) * load.rope_stiffness, damping_in = model.load_damping_in[j];
+    const auto put_in = [&](double (&in)[4], double first, double second) {
+      in[0] = displacement_in * (first - second / h);
+      in[1] = displacement_in * second / h;
+      in[2] = damping_in * (first - second / h);
+      in[3] = damping_in * second / h;
+    };
+    put_in(step.q_in[j], r.q[0][j], r.q[1][j]);
+    put_in(step.v_in[j], r.v[0][j], r.v[1][j]);
+    step.q_force[j] = r.q[0][j];
+    step.v_force[j] = r.v[0][j];
   }
   return step;
 }
@@ -171,6 +216,7 @@ struct Push {
   double house;      // ports on the house, held
   double tip;        // ports on the tip, held
   double uniform;    // ports along the boom, held
+  double luffing;    // port of a boom that luffs, held
   double load;
   double rod;
   FrictionLevels friction;
@@ -194,13 +240,14 @@ struct Start {
 
 // Friction at the start counts as that of the last step, cut to this step's levels. Fills what stands there already: copying
 // what was written number by number a moment ago would wait for the writes.
-void start_of(const PlantModel& model, const PlantState& state, const Push& push, Start& start) {
+template <class Groups>
+SLEWLAB_INLINE void start_of(const PlantModel& model, Groups groups, const PlantState& state, const Push& push, Start& start) {
   double house = push.house;
   if (push.has_friction) {
     house += std::clamp(state.house_friction, -push.friction.house_positive, push.friction.house_negative);
   }
   start.torque_sum = start.rate_sum = 0.0;
-  for (int i = 0; i < model.group_count; ++i) {
+  for (int i = 0; i < groups; ++i) {
     start.torque[i] = start.rate[i] = 0.0;
     if (state.contact[i] == 0) continue;
     const GearContact& gear = model.gear[i];
@@ -209,12 +256,13 @@ void start_of(const PlantModel& model, const PlantState& state, const Push& push
                       gear.damping * (state.motor_speed[i] - state.house_speed);
     start.torque_sum += start.torque[i];
   }
-  const double house_acceleration =
+  double house_acceleration =
       state.modal_house_acceleration +
       model.house_per_house_torque * (start.torque_sum + house) +
       model.house_per_tip_force * (state.rope_force + push.tip) +
       model.house_per_uniform_force * push.uniform;
-  for (int i = 0; i < model.group_count; ++i) {
+  if (push.luffing != 0.0) house_acceleration += model.per_luffing.house * push.luffing;
+  for (int i = 0; i < groups; ++i) {
     if (state.contact[i] == 0) continue;
     const GearContact& gear = model.gear[i];
     double motor = push.motor[i];
@@ -228,13 +276,14 @@ void start_of(const PlantModel& model, const PlantState& state, const Push& push
 }
 
 // Solves the end of the step for given frictions: the gears' torques, the motors and the house.
-void solve_end(const PlantModel& model, const ModalStep& step, const PlantState& state, const Push& push,
-               const Start& start, const House& free_house, Trial& trial) {
+template <class Groups>
+SLEWLAB_INLINE void solve_end(const PlantModel& model, Groups groups, const ModalStep& step, const PlantState& state, const Push& push,
+                              const Start& start, const House& free_house, Trial& trial) {
   const double h = step.length;
   double right[kMaximumGroupCount][2];
   double torque_right = 0.0, rate_right = 0.0;
   unsigned is_in_contact = 0;
-  for (int i = 0; i < model.group_count; ++i) {
+  for (int i = 0; i < groups; ++i) {
     const GearStep& gear = step.gear[i];
     const double mobility = gear.reciprocal_inertia;
     const double motor = push.motor[i] + trial.friction[i];
@@ -260,7 +309,7 @@ void solve_end(const PlantModel& model, const ModalStep& step, const PlantState&
     house.acceleration += step.house_acceleration_to_torque * trial.house_friction;
   }
   GearSystem worked_out;
-  if (step.systems.empty()) work_out(step, model.group_count, is_in_contact, worked_out);
+  if (step.systems.empty()) work_out(step, groups, is_in_contact, worked_out);
   const GearSystem& gears = step.systems.empty() ? worked_out : step.systems[is_in_contact];
   const auto& answer = gears.answer;
   const auto& system = gears.system;
@@ -275,7 +324,7 @@ void solve_end(const PlantModel& model, const ModalStep& step, const PlantState&
   trial.house = {house.angle + step.house[0][0] * trial.torque_sum + step.house[0][1] * trial.rate_sum,
                  house.speed + step.house[1][0] * trial.torque_sum + step.house[1][1] * trial.rate_sum,
                  house.acceleration + step.house[2][0] * trial.torque_sum + step.house[2][1] * trial.rate_sum};
-  for (int i = 0; i < model.group_count; ++i) {
+  for (int i = 0; i < groups; ++i) {
     if (state.contact[i] == 0) continue;
     const GearStep& gear = step.gear[i];
     const double k = model.gear[i].stiffness, c = model.gear[i].damping;
@@ -288,12 +337,17 @@ void solve_end(const PlantModel& model, const ModalStep& step, const PlantState&
   }
 }
 
+[[gnu::noinline]] void solve_end_again(const PlantModel& model, const ModalStep& step, const PlantState& state, const Push& push,
+                                       const Start& start, const House& free_house, Trial& trial) {
+  solve_end(model, model.group_count, step, state, push, start, free_house, trial);
+}
+
 // Each friction takes what would stop its body within the step, up to its level; sweep by sweep that of the others gets
 // into it. True once nothing changes any more.
 bool sweep_frictions(const PlantModel& model, const ModalStep& step, const PlantState& state, const Push& push,
                      const Start& start, const House& free_house, Trial& trial) {
   for (int sweep = 0; sweep < kFrictionSweeps; ++sweep) {
-    solve_end(model, step, state, push, start, free_house, trial);
+    solve_end_again(model, step, state, push, start, free_house, trial);
     double change = 0.0;
     for (int i = 0; i < model.group_count; ++i) {
       const double level = push.friction.motor[i];
@@ -332,14 +386,14 @@ FrictionEnd pivot_frictions(const PlantModel& model, const ModalStep& step, cons
   const auto speed_of = [&](int body) { return body < groups ? trial.speed[body] : trial.house.speed; };
   trial.friction.fill(0.0);
   trial.house_friction = 0.0;
-  solve_end(model, step, state, push, start, free_house, trial);
+  solve_end_again(model, step, state, push, start, free_house, trial);
   for (int i = 0; i <= groups; ++i) problem.free_speed[i] = speed_of(i);
   for (int j = 0; j <= groups; ++j) {
     // What gives the body alone 1 rad/s within the step.
     const double torque = j < groups ? model.group_inertia[j] / step.length : 1.0 / step.house_speed_to_torque;
     double& on_body = j < groups ? trial.friction[j] : trial.house_friction;
     on_body = torque;
-    solve_end(model, step, state, push, start, free_house, trial);
+    solve_end_again(model, step, state, push, start, free_house, trial);
     on_body = 0.0;
     for (int i = 0; i <= groups; ++i) problem.mobility[i][j] = (speed_of(i) - problem.free_speed[i]) / torque;
   }
@@ -347,19 +401,33 @@ FrictionEnd pivot_frictions(const PlantModel& model, const ModalStep& step, cons
   const FrictionEnd end = solve_frictions(problem, friction);
   for (int i = 0; i < groups; ++i) trial.friction[i] = friction[i];
   trial.house_friction = friction[groups];
-  solve_end(model, step, state, push, start, free_house, trial);
+  solve_end_again(model, step, state, push, start, free_house, trial);
   return end;
 }
 
-void solve_with_friction(const PlantModel& model, const ModalStep& step, const PlantState& state, const Push& push,
+[[gnu::noinline]] void solve_with_friction(const PlantModel& model, const ModalStep& step, const PlantState& state, const Push& push,
                          const Start& start, const House& free_house, Trial& trial) {
   if (sweep_frictions(model, step, state, push, start, free_house, trial)) return;
   trial.friction_end = pivot_frictions(model, step, state, push, start, free_house, trial);
 }
 
+// The port `luffing` on modes and house, which are at `house` without it. The house goes by value, so that its numbers need no memory where
+// nothing luffs.
+[[gnu::noinline]] House push_luffing(const PlantModel& model, const ModalStep& step, double luffing, House house, PlantWorkspace& workspace) {
+  for (int mode = 0; mode < model.mode_count; ++mode) {
+    const auto k = static_cast<std::size_t>(mode);
+    workspace.q[k] += step.luffing_q[k] * luffing;
+    workspace.v[k] += step.luffing_v[k] * luffing;
+  }
+  house.angle += step.house_to_luffing[0] * luffing;
+  house.speed += step.house_to_luffing[1] * luffing;
+  house.acceleration += step.house_to_luffing[2] * luffing;
+  return house;
+}
+
 // Where the modes are at the end without the end torques. Returns the house's part.
-House advance_free(const PlantModel& model, const ModalStep& step, const PlantState& state, const Push& push,
-                   const Start& start, PlantWorkspace& workspace) {
+SLEWLAB_INLINE House advance_free(const PlantModel& model, const ModalStep& step, const PlantState& state, const Push& push,
+                                  const Start& start, PlantWorkspace& workspace) {
   const double force = state.rope_force + push.tip, force_rate = state.rope_force_rate;
   const FreeSums sums = model.passes->free(model.padded_count / kLanes, step.free.data(), step.held.data(), model.shapes.data(),
                                            {start.torque_sum, start.rate_sum, force, force_rate, push.house, push.uniform}, state.q.data(),
@@ -400,7 +468,7 @@ Number change_measure(const GearContact& gear, int contact, int side, const Numb
 }
 
 // Whether the contact may change within the step: it has changed at the end, or the deflection turns on the way. Asked in every step.
-bool may_change(const GearContact& gear, int contact, int side, const Deflection& d) {
+SLEWLAB_INLINE bool may_change(const GearContact& gear, int contact, int side, const Deflection& d) {
   if (!(change_measure(gear, contact, side, d.end, d.end_rate) <= 0.0)) return true;
   const double towards = contact != 0 ? -side : side;
   return towards * d.start_rate > 0.0 && towards * d.end_rate < 0.0;
@@ -416,23 +484,31 @@ bool turns_far_from_edge(const GearContact& gear, int contact, int side, const D
   return std::min(side * d.start, side * d.end) - gear.half_play - reach - gear.damping / gear.stiffness * fastest > 0.0;
 }
 
-using Points [[gnu::vector_size(32)]] = double;
+using Points [[gnu::vector_size(16)]] = double;  // as every 64-bit processor has them
 
-// Halves [before, after] towards the change, twice at a time: both places that may come next are measured with the middle.
-double halved(const GearContact& gear, int contact, int side, const Deflection& d, double before, double after) {
-  for (int i = 0; i < 30; ++i) {
+// Halves [before, after] towards where `is_beyond` begins and returns `after`. Three times at once: all places that may come next are asked
+// together, and the way through them is found without a branch that the processor would have to guess.
+template <class IsBeyond>
+SLEWLAB_INLINE double halved(double before, double after, int halvings, const IsBeyond& is_beyond) {
+  for (; halvings >= 3; halvings -= 3) {
     const double middle = 0.5 * (before + after);
-    if (middle == before || middle == after) break;  // neighbouring numbers: no halving moves them
-    const double first = 0.5 * (before + middle), last = 0.5 * (middle + after);
-    const Points points = {first, middle, last, middle};
-    const Points measure = change_measure<Points>(gear, contact, side, d.value(points), d.rate(points));
-    if (measure[1] > 0.0) {
-      after = middle;
-      (measure[0] > 0.0 ? after : before) = first;
-    } else {
-      before = middle;
-      (measure[2] > 0.0 ? after : before) = last;
-    }
+    if (middle == before || middle == after) return after;  // neighbouring numbers: no halving moves them
+    const double left = 0.5 * (before + middle), right = 0.5 * (middle + after);
+    const double places[] = {before, 0.5 * (before + left), left,  0.5 * (left + middle), middle, 0.5 * (middle + right), right, 0.5 * (right + after),
+                             after};
+    const auto left_half = is_beyond(Points{left, middle}), right_half = is_beyond(Points{right, middle});
+    const auto left_quarters = is_beyond(Points{places[1], places[3]}), right_quarters = is_beyond(Points{places[5], places[7]});
+    const bool in_left = left_half[1] != 0;
+    const auto quarters = in_left ? left_quarters : right_quarters;
+    const bool in_first = (in_left ? left_half[0] : right_half[0]) != 0;
+    const bool in_begin = (in_first ? quarters[0] : quarters[1]) != 0;
+    const int eighth = (in_left ? 0 : 4) + (in_first ? 0 : 2) + (in_begin ? 0 : 1);
+    before = places[eighth];
+    after = places[eighth + 1];
+  }
+  for (; halvings > 0; --halvings) {
+    const double middle = 0.5 * (before + after);
+    (is_beyond(Points{middle, middle})[0] != 0 ? after : before) = middle;
   }
   return after;
 }
@@ -448,16 +524,11 @@ double halved(const GearContact& gear, int contact, int side, const Deflection& 
     // Both ends keep the contact; it may still have changed where the deflection turns inside the step.
     if (turns_far_from_edge(gear, contact, side, d)) return 2.0;
     const double towards = contact != 0 ? -side : side;
-    double low = 0.0, high = 1.0;
-    for (int i = 0; i < 50; ++i) {
-      const double middle = 0.5 * (low + high);
-      (towards * d.rate(middle) > 0.0 ? low : high) = middle;
-    }
-    after = high;
+    after = halved(0.0, 1.0, 50, [&](const Points& at) { return ~(towards * d.rate(at) > 0.0); });
     if (measure(after) <= 0.0) return 2.0;
   }
   if (measure(0.0) > 0.0) return 0.0;
-  return halved(gear, contact, side, d, 0.0, after);
+  return halved(0.0, after, 60, [&](const Points& at) { return change_measure<Points>(gear, contact, side, d.value(at), d.rate(at)) > 0.0; });
 }
 
 struct Change {
@@ -466,9 +537,10 @@ struct Change {
   int contact = 0;  // the new one
 };
 
-Change earliest_change(const PlantModel& model, const PlantState& state, const Trial& trial, double length) {
+template <class Groups>
+SLEWLAB_INLINE Change earliest_change(const PlantModel& model, Groups groups, const PlantState& state, const Trial& trial, double length) {
   Change change;
-  for (int i = 0; i < model.group_count; ++i) {
+  for (int i = 0; i < groups; ++i) {
     const GearContact& gear = model.gear[i];
     const Deflection d{state.motor_angle[i] - state.house_angle, state.motor_speed[i] - state.house_speed,
                        trial.angle[i] - trial.house.angle, trial.speed[i] - trial.house.speed, length};
@@ -497,7 +569,7 @@ void change_contact(PlantState& state, int group, int contact) {
 
 // The rope's force on the tip and its rate. The damping's share of the rate is its change over the last
 // `length` seconds; with 0 it counts as steady.
-void rope_forces(const PlantModel& model, double length, PlantState& state) {
+SLEWLAB_INLINE void rope_forces(const PlantModel& model, double length, PlantState& state) {
   if (!model.has_load) return;
   const LoadOnSpring& load = model.load;
   const double y = load.modes(0, 0) * state.load_q[0] + load.modes(0, 1) * state.load_q[1];
@@ -511,8 +583,9 @@ void rope_forces(const PlantModel& model, double length, PlantState& state) {
 }
 
 // Takes the trial's end for the state.
-void accept(const PlantModel& model, const ModalStep& step, const LoadStep& load_step, const Push& push,
-            const Trial& trial, PlantWorkspace& workspace, PlantState& state) {
+template <class Groups>
+SLEWLAB_INLINE void accept(const PlantModel& model, Groups groups, const ModalStep& step, const LoadStep& load_step, const Push& push,
+                           const Trial& trial, PlantWorkspace& workspace, PlantState& state) {
   const double house_friction = push.has_friction ? trial.house_friction : 0.0;
   const EndSums sums = model.passes->end(model.padded_count / kLanes, step.end.data(), step.held.data(), model.shapes.data(),
                                          {trial.torque_sum, trial.rate_sum, house_friction}, workspace.q.data(), workspace.v.data());
@@ -522,10 +595,13 @@ void accept(const PlantModel& model, const ModalStep& step, const LoadStep& load
   if (push.uniform != 0.0) {
     state.supplied_work += push.uniform * (dot(model.uniform, workspace.q) - dot(model.uniform, state.q));
   }
+  if (push.luffing != 0.0) {
+    state.supplied_work += push.luffing * (dot(model.luffing, workspace.q) - dot(model.luffing, state.q));
+  }
   state.q.swap(workspace.q);
   state.v.swap(workspace.v);
 
-  for (int i = 0; i < model.group_count; ++i) {
+  for (int i = 0; i < groups; ++i) {
     state.supplied_work += (push.motor[i] + trial.friction[i]) * (trial.angle[i] - state.motor_angle[i]);
     state.motor_angle[i] = trial.angle[i];
     state.motor_speed[i] = trial.speed[i];
@@ -540,6 +616,7 @@ void accept(const PlantModel& model, const ModalStep& step, const LoadStep& load
   state.house_speed = trial.house.speed;
   state.other_tip_force = push.tip;
   state.other_uniform_force = push.uniform;
+  state.luffing_force = push.luffing;
 
   state.supplied_work += push.tip * (tip - state.tip_displacement);
   if (model.has_load) {
@@ -568,10 +645,12 @@ void accept(const PlantModel& model, const ModalStep& step, const LoadStep& load
 }
 
 // Advances by step.length with the contacts as they stand; the end is left in `trial` and the workspace.
-void attempt(const PlantModel& model, const ModalStep& step, const PlantState& state, const Push& push,
-             Start& start, PlantWorkspace& workspace, Trial& trial) {
-  start_of(model, state, push, start);
-  const House free_house = advance_free(model, step, state, push, start, workspace);
+template <class Groups>
+SLEWLAB_INLINE void attempt(const PlantModel& model, Groups groups, const ModalStep& step, const PlantState& state, const Push& push,
+                            Start& start, PlantWorkspace& workspace, Trial& trial) {
+  start_of(model, groups, state, push, start);
+  House free_house = advance_free(model, step, state, push, start, workspace);
+  if (push.luffing != 0.0) free_house = push_luffing(model, step, push.luffing, free_house, workspace);
   trial.friction.fill(0.0);
   trial.house_friction = 0.0;
   trial.friction_end = FrictionEnd::solved;
@@ -580,8 +659,46 @@ void attempt(const PlantModel& model, const ModalStep& step, const PlantState& s
     trial.house_friction = state.house_friction;
     solve_with_friction(model, step, state, push, start, free_house, trial);
   } else {
-    solve_end(model, step, state, push, start, free_house, trial);
+    solve_end(model, groups, step, state, push, start, free_house, trial);
   }
+}
+
+// The step in parts between changes of contact, the first of which is known.
+[[gnu::noinline]] void step_in_parts(const PlantModel& model, PlantWorkspace& workspace, const Push& push, Change change, PlantState& state) {
+  const int groups = model.group_count;
+  Start start;
+  Trial trial;
+  double remaining = model.step;
+  const double shortest = kShortestSplit * model.step;
+  for (int split = 0; change.group >= 0 && split < kMaximumSplits; ++split) {
+    const double until = std::min(change.at, 1.0) * remaining;
+    if (until > shortest) {
+      const StepLength part(until);
+      discretise(model, part, workspace.partial);
+      attempt(model, groups, workspace.partial, state, push, start, workspace, trial);
+      accept(model, groups, workspace.partial, discretise_load(model, part), push, trial, workspace, state);
+      remaining -= until;
+    }
+    change_contact(state, change.group, change.contact);
+    if (remaining <= shortest) break;
+    discretise(model, StepLength(remaining), workspace.partial);
+    attempt(model, groups, workspace.partial, state, push, start, workspace, trial);
+    change = earliest_change(model, groups, state, trial, remaining);
+  }
+  if (remaining > shortest) {
+    accept(model, groups, workspace.partial, discretise_load(model, StepLength(remaining)), push, trial, workspace, state);
+    if (change.group >= 0) ++state.unsplit_steps;
+  }
+}
+
+template <class Groups>
+SLEWLAB_INLINE void step_whole(const PlantModel& model, Groups groups, PlantWorkspace& workspace, const Push& push, PlantState& state) {
+  Start start;
+  Trial trial;
+  attempt(model, groups, model.full, state, push, start, workspace, trial);
+  const Change change = earliest_change(model, groups, state, trial, model.step);
+  if (change.group >= 0) return step_in_parts(model, workspace, push, change, state);
+  accept(model, groups, model.full, model.load_step, push, trial, workspace, state);
 }
 
 // The whole step of a machine that is one inertia. Friction has its full level against the motion, and at rest takes
@@ -632,6 +749,57 @@ void step_rigid(const PlantModel& model, const Push& push, PlantState& state) {
   state.v[0] = speed / model.house[0];
 }
 
+// What the passes over the modes read, in the order in which they read it.
+void put_in_blocks(PlantModel& model) {
+  const auto put = [&](std::vector<double>& blocks, int terms, int term, const std::vector<double>& values) {
+    blocks.resize(values.size() * static_cast<std::size_t>(terms));
+    for (int k = 0; k < model.padded_count; ++k) blocks[place(k, term, terms)] = values[static_cast<std::size_t>(k)];
+  };
+  const auto put_shape = [&](int term, const std::vector<double>& values) { put(model.shapes, shape_term::count, term, values); };
+  put_shape(shape_term::house, model.house);
+  put_shape(shape_term::house_acceleration_q, model.house_acceleration_q);
+  put_shape(shape_term::house_acceleration_v, model.house_acceleration_v);
+  put_shape(shape_term::tip, model.tip);
+  const auto put_sensed = [&](int term, const std::vector<double>& values) { put(model.sensed, sense_term::count, term, values); };
+  put_sensed(sense_term::square, model.square);
+  put_sensed(sense_term::damping_rate, model.damping_rate);
+  put_sensed(sense_term::house, model.house);
+  put_sensed(sense_term::tip, model.tip);
+  put_sensed(sense_term::uniform, model.uniform);
+  model.places.resize(model.house.size() * place_term::count);
+  double* next = model.places.data();
+  for (std::size_t k = 0; k < model.house.size(); ++k) {
+    for (const double shape : {model.house[k], model.tip[k], model.uniform[k], model.pivot[k], model.middle[k], model.tip_sensor[k]}) *next++ = shape;
+  }
+}
+
+// How what is measured and asked for answers the port `luffing`, of a boom that does.
+void take_luffing(PlantModel& model) {
+  Accelerations& per = model.per_luffing;
+  per = {};
+  for (std::size_t k = 0; k < model.luffing.size(); ++k) {
+    const double luffing = model.luffing[k];
+    per.house += model.house[k] * luffing;
+    per.tip += model.tip[k] * luffing;
+    per.boom += model.uniform[k] * luffing;
+    per.pivot += model.pivot[k] * luffing;
+    per.middle += model.middle[k] * luffing;
+    per.tip_sensor += model.tip_sensor[k] * luffing;
+  }
+  model.full.luffing_q.resize(model.luffing.size(), 0.0);
+  model.full.luffing_v.resize(model.luffing.size(), 0.0);
+}
+
+[[gnu::noinline]] void add_luffing(const PlantModel& model, double luffing, Accelerations& sum) {
+  const Accelerations& per = model.per_luffing;
+  sum.house += per.house * luffing;
+  sum.tip += per.tip * luffing;
+  sum.boom += per.boom * luffing;
+  sum.pivot += per.pivot * luffing;
+  sum.middle += per.middle * luffing;
+  sum.tip_sensor += per.tip_sensor * luffing;
+}
+
 }  // namespace
 
 PlantModel make_plant_model(const CraneParameters& crane, double step) {
@@ -666,38 +834,6 @@ PlantModel make_plant_model(const CraneParameters& crane, double step, const Gro
   model.mode_count = static_cast<int>(model.modes.frequency.size());
   model.padded_count = block_count(model.mode_count) * kLanes;
   model.passes = &modal_passes();
-  const auto padded = [&](const std::vector<double>& values) {
-    std::vector<double> result = values;
-    result.resize(static_cast<std::size_t>(model.padded_count), 0.0);
-    return result;
-  };
-  model.house = padded(model.modes.house);
-  model.pivot = padded(model.modes.pivot);
-  model.tip = padded(model.modes.tip);
-  model.tip_sensor = model.tip;
-  for (std::size_t k = 0; k < model.modes.tip_twist.size(); ++k) {
-    model.tip_sensor[k] -= crane.boom.jib_eccentricity * model.modes.tip_twist[k];
-  }
-  model.middle = padded(model.modes.middle);
-  model.uniform = padded(model.modes.uniform_load);
-  model.damping_rate = padded(model.modes.damping_rate);
-  model.square = padded(model.modes.frequency);
-  for (double& value : model.square) value *= value;
-  for (std::size_t k = 0; k < model.house.size(); ++k) {
-    model.house_acceleration_q.push_back(-model.house[k] * model.square[k]);
-    model.house_acceleration_v.push_back(-model.house[k] * model.damping_rate[k]);
-    model.house_per_house_torque += model.house[k] * model.house[k];
-    model.house_per_tip_force += model.house[k] * model.tip[k];
-    model.house_per_uniform_force += model.house[k] * model.uniform[k];
-  }
-  model.shapes.assign(model.house.size() * shape_term::count, 0.0);
-  for (int k = 0; k < model.padded_count; ++k) {
-    const auto mode = static_cast<std::size_t>(k);
-    model.shapes[place(k, shape_term::house, shape_term::count)] = model.house[mode];
-    model.shapes[place(k, shape_term::house_acceleration_q, shape_term::count)] = model.house_acceleration_q[mode];
-    model.shapes[place(k, shape_term::house_acceleration_v, shape_term::count)] = model.house_acceleration_v[mode];
-    model.shapes[place(k, shape_term::tip, shape_term::count)] = model.tip[mode];
-  }
   model.has_load = crane.load.mass > 0.0;
   model.has_axis_force = crane.axis_force.constant != 0.0 || crane.axis_force.gravity != 0.0;
   model.is_rigid = crane.drive.is_rigid;
@@ -708,22 +844,70 @@ PlantModel make_plant_model(const CraneParameters& crane, double step, const Gro
     model.rigid_inertia = driven_inertia(crane);
     for (int i = 0; i < groups; ++i) model.rigid_inertia += group_inertia[i];
   }
-  if (model.has_load) model.load = load_on_spring(crane.load);
-  size_step(model.full, model.padded_count);
-  if (!model.is_rigid) {
-    discretise(model, step, model.full);
-    for (unsigned gears = 0; groups <= kTabulatedGroups && gears < 1u << groups; ++gears) {
-      model.full.systems.emplace_back();
-      work_out(model.full, groups, gears, model.full.systems.back());
+  if (model.has_load) {
+    model.load = load_on_spring(crane.load);
+    const LoadOnSpring& load = model.load;
+    const Eigen::Vector2d damping_in = load.modes.transpose() * load.damping.col(0);
+    const Eigen::Vector2d decay = (load.modes.transpose() * load.damping * load.modes).diagonal();
+    for (int j = 0; j < 2; ++j) {
+      model.load_square[j] = load.frequency(j) * load.frequency(j);
+      model.load_decay[j] = decay(j);
+      model.load_fastest[j] = fastest_rate(model.load_square[j], decay(j));
+      model.load_damping_in[j] = damping_in(j);
     }
   }
-  model.load_step = discretise_load(model, step);
+  size_step(model.full, model.padded_count);
+  if (!model.is_rigid && groups <= kTabulatedGroups) model.full.systems.resize(std::size_t{1} << groups);
+  take_modes(model);
+  model.load_step = discretise_load(model, StepLength(step));
   return model;
+}
+
+void take_modes(PlantModel& model) {
+  const FreeHouseModes& modes = model.modes;
+  const auto count = static_cast<std::size_t>(model.padded_count);
+  const auto pad = [&](const std::vector<double>& values, std::vector<double>& result) {
+    result.resize(count, 0.0);
+    std::copy(values.begin(), values.end(), result.begin());
+  };
+  pad(modes.house, model.house);
+  pad(modes.pivot, model.pivot);
+  pad(modes.tip, model.tip);
+  pad(modes.tip, model.tip_sensor);
+  for (std::size_t k = 0; k < modes.tip_twist.size(); ++k) {
+    model.tip_sensor[k] -= model.parameters.boom.jib_eccentricity * modes.tip_twist[k];
+  }
+  pad(modes.middle, model.middle);
+  pad(modes.uniform_load, model.uniform);
+  pad(modes.damping_rate, model.damping_rate);
+  pad(modes.frequency, model.square);
+  for (double& value : model.square) value *= value;
+  model.fastest.resize(count);
+  model.house_acceleration_q.resize(count);
+  model.house_acceleration_v.resize(count);
+  model.house_per_house_torque = model.house_per_tip_force = model.house_per_uniform_force = 0.0;
+  for (std::size_t k = 0; k < count; ++k) {
+    model.fastest[k] = fastest_rate(model.square[k], model.damping_rate[k]);
+    model.house_acceleration_q[k] = -model.house[k] * model.square[k];
+    model.house_acceleration_v[k] = -model.house[k] * model.damping_rate[k];
+    model.house_per_house_torque += model.house[k] * model.house[k];
+    model.house_per_tip_force += model.house[k] * model.tip[k];
+    model.house_per_uniform_force += model.house[k] * model.uniform[k];
+  }
+  put_in_blocks(model);
+  if (model.is_rigid) return;
+  if (!model.luffing.empty()) take_luffing(model);
+  discretise(model, StepLength(model.step), model.full);
+  for (unsigned gears = 0; gears < model.full.systems.size(); ++gears) work_out(model.full, model.group_count, gears, model.full.systems[gears]);
 }
 
 PlantWorkspace make_plant_workspace(const PlantModel& model) {
   PlantWorkspace workspace;
   size_step(workspace.partial, model.padded_count);
+  if (!model.luffing.empty()) {
+    workspace.partial.luffing_q.assign(static_cast<std::size_t>(model.padded_count), 0.0);
+    workspace.partial.luffing_v = workspace.partial.luffing_q;
+  }
   workspace.q.assign(static_cast<std::size_t>(model.padded_count), 0.0);
   workspace.v = workspace.q;
   return workspace;
@@ -734,6 +918,15 @@ PlantState make_plant_state(const PlantModel& model) {
   state.q.assign(static_cast<std::size_t>(model.padded_count), 0.0);
   state.v = state.q;
   return state;
+}
+
+GearSystem gear_system(const PlantModel& model, const PlantState& state) {
+  unsigned is_in_contact = 0;
+  for (int i = 0; i < model.group_count; ++i) is_in_contact |= (state.contact[i] != 0 ? 1u : 0u) << i;
+  if (!model.full.systems.empty()) return model.full.systems[is_in_contact];
+  GearSystem worked_out;
+  work_out(model.full, model.group_count, is_in_contact, worked_out);
+  return worked_out;
 }
 
 void refresh(const PlantModel& model, PlantState& state) {
@@ -772,6 +965,7 @@ void step(const PlantModel& model, PlantWorkspace& workspace, const PlantInput& 
   }
   push.tip = input.ports.tip_force;
   push.uniform = input.ports.uniform_force;
+  push.luffing = input.ports.luffing;
   push.load = input.ports.load_force;
   push.rod = input.ports.rod_moment;
 
@@ -781,65 +975,44 @@ void step(const PlantModel& model, PlantWorkspace& workspace, const PlantInput& 
     return;
   }
 
-  Start start;
-  Trial trial;
-  attempt(model, model.full, state, push, start, workspace, trial);
-  Change change = earliest_change(model, state, trial, model.step);
-  if (change.group < 0) {
-    accept(model, model.full, model.load_step, push, trial, workspace, state);
-    ++state.step_count;
-    return;
-  }
-
-  double remaining = model.step;
-  const double shortest = kShortestSplit * model.step;
-  for (int split = 0; change.group >= 0 && split < kMaximumSplits; ++split) {
-    const double until = std::min(change.at, 1.0) * remaining;
-    if (until > shortest) {
-      discretise(model, until, workspace.partial);
-      attempt(model, workspace.partial, state, push, start, workspace, trial);
-      accept(model, workspace.partial, discretise_load(model, until), push, trial, workspace, state);
-      remaining -= until;
-    }
-    change_contact(state, change.group, change.contact);
-    if (remaining <= shortest) break;
-    discretise(model, remaining, workspace.partial);
-    attempt(model, workspace.partial, state, push, start, workspace, trial);
-    change = earliest_change(model, state, trial, remaining);
-  }
-  if (remaining > shortest) {
-    accept(model, workspace.partial, discretise_load(model, remaining), push, trial, workspace, state);
-    if (change.group >= 0) ++state.unsplit_steps;
+  switch (model.group_count) {
+    case 1:
+      step_whole(model, std::integral_constant<int, 1>{}, workspace, push, state);
+      break;
+    case 2:
+      step_whole(model, std::integral_constant<int, 2>{}, workspace, push, state);
+      break;
+    default:
+      step_whole(model, model.group_count, workspace, push, state);
   }
   ++state.step_count;
 }
 
-PlantReadings read(const PlantModel& model, const PlantState& state) {
-  PlantReadings readings;
+Accelerations accelerations(const PlantModel& model, const PlantState& state) {
   double gear_torque = 0.0;
+  for (int i = 0; i < model.group_count; ++i) gear_torque += state.gear_torque[i];
+  Accelerations result = model.passes->sense(
+      model.padded_count / kLanes, model.sensed.data(), model.places.data(),
+      {gear_torque + state.other_house_torque, state.rope_force + state.other_tip_force, state.other_uniform_force}, state.q.data(), state.v.data());
+  if (state.luffing_force != 0.0) add_luffing(model, state.luffing_force, result);
+  return result;
+}
+
+PlantReadings read(const PlantModel& model, const PlantState& state, const Accelerations& acceleration) {
+  PlantReadings readings;
   for (int i = 0; i < model.group_count; ++i) {
     readings.shaft_speed[i] = state.motor_speed[i] * model.ratio;
     readings.shaft_position[i] = state.motor_angle[i] * model.ratio;
-    gear_torque += state.gear_torque[i];
   }
-  const double house_torque = gear_torque + state.other_house_torque;
-  const double tip_force = state.rope_force + state.other_tip_force;
-  double pivot = 0.0, middle = 0.0, tip = 0.0;
-  for (std::size_t k = 0; k < static_cast<std::size_t>(model.padded_count); ++k) {
-    const double acceleration = -model.square[k] * state.q[k] - model.damping_rate[k] * state.v[k] +
-                                model.house[k] * house_torque + model.tip[k] * tip_force +
-                                model.uniform[k] * state.other_uniform_force;
-    pivot += model.pivot[k] * acceleration;
-    middle += model.middle[k] * acceleration;
-    tip += model.tip_sensor[k] * acceleration;
-  }
-  readings.house_acceleration = model.parameters.house.sensor_radius * pivot;
-  readings.pivot_acceleration = model.parameters.boom.pivot_radius * pivot;
-  readings.middle_acceleration = middle;
-  readings.tip_acceleration = tip;
+  readings.house_acceleration = model.parameters.house.sensor_radius * acceleration.pivot;
+  readings.pivot_acceleration = model.parameters.boom.pivot_radius * acceleration.pivot;
+  readings.middle_acceleration = acceleration.middle;
+  readings.tip_acceleration = acceleration.tip_sensor;
   readings.slew_angle = state.house_angle;
   return readings;
 }
+
+PlantReadings read(const PlantModel& model, const PlantState& state) { return read(model, state, accelerations(model, state)); }
 
 double rope_angle(const PlantModel& model, const PlantState& state) {
   if (!model.has_load) return 0.0;

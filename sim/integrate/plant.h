@@ -58,10 +58,12 @@ inline constexpr int kTabulatedGroups = 4;  // up to so many, the whole step's s
 // modal_pass.h.
 struct ModalStep {
   std::vector<double> free, end, held;
+  std::vector<double> luffing_q, luffing_v;  // of every mode to the port `luffing`; empty where the boom does not luff
   // House rotation, speed and acceleration (rows) at the step's end, for T and T' at the end (columns).
   double house[3][2] = {};
   // House rotation, speed and acceleration at the end for a torque held on the house.
   double house_angle_to_torque = 0.0, house_speed_to_torque = 0.0, house_acceleration_to_torque = 0.0;
+  double house_to_luffing[3] = {};  // rotation, speed, acceleration
   std::array<GearStep, kMaximumGroupCount> gear;
   std::vector<GearSystem> systems;  // by the gears in contact, group i's being bit i; empty: worked out in the step
   double length = 0.0;  // [s]
@@ -88,15 +90,20 @@ struct PlantModel {
   // Rows that give the house's acceleration from the modal state, and its share per force.
   std::vector<double> house, pivot, tip, middle;                 // padded shapes; tip: where the rope hangs
   std::vector<double> tip_sensor;  // padded shape of the boom's own tip, where the accelerometer is: a jib reaches beyond
-  std::vector<double> square, damping_rate;               // padded w^2 and d
+  std::vector<double> square, damping_rate, fastest;      // padded w^2 and d, and the faster of w and d
   std::vector<double> house_acceleration_q, house_acceleration_v;
-  std::vector<double> shapes;  // those that the passes over the modes read, in their blocks
+  std::vector<double> shapes, sensed;  // those that the passes over the modes read, in their blocks
+  std::vector<double> places;          // the same, mode by mode
   const ModalPasses* passes = nullptr;
   std::vector<double> uniform;
+  std::vector<double> luffing;  // padded force on each mode per unit of the port `luffing`; empty where the boom does not luff
+  Accelerations per_luffing;    // per unit of that port
   double house_per_house_torque = 0.0;  // [1/(kg m^2)] sum house^2
   double house_per_tip_force = 0.0;     // [1/(kg m)] sum house tip
   double house_per_uniform_force = 0.0; // [1/kg] sum house uniform
   LoadOnSpring load;
+  // Of the load's two modes: w^2 and d, the faster of w and d, and how they answer the damping of the rope.
+  std::array<double, kLanes> load_square{}, load_decay{}, load_fastest{}, load_damping_in{};
   bool has_load = false;
   bool has_axis_force = false;
   bool is_rigid = false;
@@ -126,6 +133,7 @@ struct PlantState {
   double other_house_torque = 0.0; // [Nm] friction and ports on the house during the last step
   double other_tip_force = 0.0;    // [N] ports on the tip during the last step
   double other_uniform_force = 0.0;
+  double luffing_force = 0.0;      // [1/s^2] of the port `luffing` during the last step
   GroupArray motor_friction{};     // [Nm] on each group during the last step, slew axis
   double house_friction = 0.0;     // [Nm] on the house during the last step
 
@@ -149,6 +157,9 @@ PlantModel make_plant_model(const CraneParameters& crane, double step);
 // As make_plant_model, with each group's inertia and gears given (uneven drives).
 PlantModel make_plant_model(const CraneParameters& crane, double step, const GroupArray& group_inertia,
                             const std::array<GearContact, kMaximumGroupCount>& gear);
+// For who changed model.modes or model.luffing of a model whose number of modes stands: works out anew what follows from them. Allocates
+// nothing.
+void take_modes(PlantModel& model);
 PlantWorkspace make_plant_workspace(const PlantModel& model);
 
 // At rest, gears in the middle of their play, load hanging straight.
@@ -158,10 +169,18 @@ PlantState make_plant_state(const PlantModel& model);
 // drive is rigid, the motors' angles and speeds are derived, too.
 void refresh(const PlantModel& model, PlantState& state);
 
+// Of a whole step from this state: of the gears that are in contact then.
+GearSystem gear_system(const PlantModel& model, const PlantState& state);
+
 // Advances the state by model.step.
 void step(const PlantModel& model, PlantWorkspace& workspace, const PlantInput& input, PlantState& state);
 
+// At the end of the last step, with what acted then.
+Accelerations accelerations(const PlantModel& model, const PlantState& state);
+
 PlantReadings read(const PlantModel& model, const PlantState& state);
+// The same where the accelerations are known.
+PlantReadings read(const PlantModel& model, const PlantState& state, const Accelerations& acceleration);
 
 // beta_1, beta_2 [rad].
 double rope_angle(const PlantModel& model, const PlantState& state);

@@ -19,6 +19,7 @@ struct PortForces {
   double uniform_force = 0.0;   // [N/m] lateral, evenly along the boom
   double load_force = 0.0;      // [N] lateral, on the lower end of the rope
   double rod_moment = 0.0;      // [Nm] on the rod
+  double luffing = 0.0;         // [1/s^2] -2 (rate of the boom angle) (slewing speed): turns a luffing boom's masses back (crane_motion.h)
 };
 
 // Torques that oppose motion up to a level and hold at rest, found implicitly within the step.

@@ -1,9 +1,11 @@
 #include "sim/machine/crane_file.h"
 
 #include <cmath>
+#include <initializer_list>
 #include <numbers>
 
 #include "sim/machine/drive_protection_file.h"
+#include "sim/model/boom.h"
 
 namespace slewlab::sim {
 namespace {
@@ -37,6 +39,7 @@ double sized(YamlReader& reader, std::string_view key, Unit unit, common::Range 
   return value;
 }
 
+constexpr int kFewestTeeth = 3, kMostTeeth = 10'000;  // fewer do not mesh, nobody cuts more
 constexpr double kRightAngle = 0.5 * std::numbers::pi;  // [rad]
 
 DriveParameters read_drive(YamlReader reader) {
@@ -54,6 +57,11 @@ DriveParameters read_drive(YamlReader reader) {
   drive.pinion_play = reader.number("pinion_play", Unit::radian, not_negative());
   drive.rated_torque = sized(reader, "rated_torque", Unit::newton_metre, positive(), kTorque);
   drive.top_speed = sized(reader, "top_speed", Unit::radian_per_second, positive(), kSpeed);
+  if (reader.has("pinion_teeth")) drive.pinion_teeth = reader.integer("pinion_teeth", kFewestTeeth, kMostTeeth);
+  if (reader.has("gearbox_ring_teeth") || reader.has("gearbox_sun_teeth")) {
+    drive.gearbox_ring_teeth = reader.integer("gearbox_ring_teeth", kFewestTeeth, kMostTeeth);
+    drive.gearbox_sun_teeth = reader.integer("gearbox_sun_teeth", kFewestTeeth, kMostTeeth);
+  }
   reader.finish();
   return drive;
 }
@@ -102,6 +110,72 @@ std::vector<BoomStation> read_profile(YamlReader reader) {
   return profile;
 }
 
+LuffingCylinders read_cylinders(YamlReader reader) {
+  LuffingCylinders cylinders;
+  cylinders.stiffness = sized(reader, "stiffness", Unit::newton_per_metre, positive(), kStiffness);
+  cylinders.position = reader.number("position", Unit::none, between(0.01, 1.0));
+  cylinders.spacing = reader.number("spacing", Unit::metre, not_negative());
+  cylinders.base_radius = reader.number("base_radius", Unit::metre, common::any_number());
+  cylinders.base_height = reader.number("base_height", Unit::metre, common::any_number());
+  reader.finish();
+  return cylinders;
+}
+
+// Where the cylinders have no lever on the boom, they hold nothing.
+void carry(YamlReader& reader, CraneParameters& crane) {
+  BoomParameters& boom = crane.boom;
+  if (boom.cylinders.stiffness == 0.0 || boom.length == 0.0) return;
+  boom.cylinders.force = cylinder_force(boom, crane.load.mass + boom.jib_mass);
+  // Half of the boom's weight at its tip, on a lever of a hundredth of the boom, is fifty times it: a slip of the geometry.
+  constexpr double kMostWeights = 50.0;
+  const double weight = kGravity * (boom.mass + crane.load.mass);
+  if (boom.cylinders.force > kMostWeights * weight || !std::isfinite(boom.cylinders.force)) {
+    reader.report("boom", "luffing_cylinders that lie along the boom: they would carry " + common::shortest(std::round(boom.cylinders.force)) + " N",
+                  "a base_radius and base_height that give them a lever about the pivot");
+  }
+}
+
+MotionRates read_rates(YamlReader& reader, Unit speed, Unit acceleration) {
+  return {.top_speed = sized(reader, "top_speed", speed, positive(), kSpeed), .acceleration = sized(reader, "acceleration", acceleration, positive(), kSpeed)};
+}
+
+// The motions beside slewing. Each may be absent.
+MotionParameters read_motions(YamlReader& reader, const CraneParameters& crane, bool has_boom, bool has_load) {
+  MotionParameters motions;
+  if (reader.has("hoisting")) {
+    YamlReader hoisting = reader.map("hoisting");
+    motions.hoisting = read_rates(hoisting, Unit::metre_per_second, Unit::metre_per_second_squared);
+    motions.shortest_rope = sized(hoisting, "shortest_rope", Unit::metre, positive(), kLength);
+    hoisting.finish();
+    if (!has_load) reader.report("hoisting", "a winch", "a section 'load' with what hangs on its rope, or no such section");
+    if (has_load && crane.load.rope_length > 0.0 && motions.shortest_rope > crane.load.rope_length) {
+      hoisting.report("shortest_rope", common::shortest(motions.shortest_rope) + " m", "not more than load.rope_length, " + common::shortest(crane.load.rope_length) + " m");
+    }
+  }
+  if (reader.has("luffing")) {
+    YamlReader luffing = reader.map("luffing");
+    motions.luffing = read_rates(luffing, Unit::radian_per_second, Unit::radian_per_second_squared);
+    motions.lowest_angle = luffing.number("lowest_angle", Unit::radian, between(0.0, kRightAngle));
+    motions.highest_angle = luffing.number("highest_angle", Unit::radian, between(0.0, kRightAngle));
+    luffing.finish();
+    if (!has_boom) reader.report("luffing", "a luffing gear", "a section 'boom', or no such section");
+    if (has_boom && (crane.boom.angle < motions.lowest_angle || crane.boom.angle > motions.highest_angle)) {
+      luffing.report("lowest_angle", common::shortest(motions.lowest_angle) + " rad to highest_angle " + common::shortest(motions.highest_angle) + " rad",
+                     "a range with boom.angle in it, " + common::shortest(crane.boom.angle) + " rad");
+    }
+    if (crane.boom.type == BoomType::a_frame) {
+      reader.report("luffing", "a boom of type a_frame that luffs", "no such section: what its cylinders hold changes with the angle, which is not modelled");
+    }
+  }
+  if (reader.has("travelling")) {
+    YamlReader travelling = reader.map("travelling");
+    motions.travelling = read_rates(travelling, Unit::metre_per_second, Unit::metre_per_second_squared);
+    motions.travel_direction = travelling.number("direction", Unit::radian, common::any_number());
+    travelling.finish();
+  }
+  return motions;
+}
+
 BoomParameters read_boom(YamlReader reader) {
   constexpr int kMostElements = 1024;
   BoomParameters boom;
@@ -110,14 +184,49 @@ BoomParameters read_boom(YamlReader reader) {
   boom.mass = sized(reader, "mass", Unit::kilogram, positive(), kMass);
   boom.angle = reader.number("angle", Unit::radian, between(0.0, kRightAngle));
   boom.pivot_radius = sized(reader, "pivot_radius", Unit::metre, not_negative(), kLength);
-  boom.chord_outer_diameter = sized(reader, "chord_outer_diameter", Unit::metre, positive(), kLength);
-  boom.chord_inner_diameter = reader.number("chord_inner_diameter", Unit::metre, not_negative());
+  if (reader.has("type")) boom.type = static_cast<BoomType>(reader.choice("type", {"lattice", "box_girder", "a_frame", "knuckle"}));
+  const bool is_box = boom.type == BoomType::box_girder || boom.type == BoomType::knuckle;
+  // What another type has: null takes an included file's away.
+  const auto not_here = [&](std::initializer_list<std::string_view> keys, const char* types) {
+    for (const std::string_view key : keys) {
+      if (reader.has(key)) reader.report(key, "a key of other boom types", std::string("no such key, or null, or boom.type ") + types);
+    }
+  };
+  if (is_box) {
+    not_here({"chord_outer_diameter", "chord_inner_diameter", "torsion_constant"}, "lattice or a_frame");
+    boom.side_plate = sized(reader, "side_plate", Unit::metre, positive(), kLength);
+    boom.flange_plate = sized(reader, "flange_plate", Unit::metre, positive(), kLength);
+  } else {
+    not_here({"side_plate", "flange_plate"}, "box_girder or knuckle");
+    boom.chord_outer_diameter = sized(reader, "chord_outer_diameter", Unit::metre, positive(), kLength);
+    boom.chord_inner_diameter = reader.number("chord_inner_diameter", Unit::metre, not_negative());
+    boom.torsion_constant = reader.number("torsion_constant", Unit::metre_to_the_fourth, positive());
+  }
+  if (boom.type != BoomType::knuckle) not_here({"knuckle"}, "knuckle");
+  if (boom.type != BoomType::a_frame) not_here({"luffing_cylinders"}, "a_frame");
+  if (boom.type == BoomType::knuckle) {
+    YamlReader knuckle = reader.map("knuckle");
+    boom.knuckle_position = knuckle.number("position", Unit::none, between(0.05, 0.95));
+    boom.knuckle_angle = knuckle.number("angle", Unit::radian, between(-kRightAngle, kRightAngle));
+    knuckle.finish();
+    if (boom.element_count == 1) reader.report("elements", "1", "2 or more, one on each side of the knuckle, or 0 for a rigid boom");
+  }
+  if (boom.type == BoomType::a_frame) boom.cylinders = read_cylinders(reader.map("luffing_cylinders"));
   boom.youngs_modulus = sized(reader, "youngs_modulus", Unit::pascal, positive(), kModulus);
   boom.shear_modulus = sized(reader, "shear_modulus", Unit::pascal, positive(), kModulus);
-  boom.torsion_constant = reader.number("torsion_constant", Unit::metre_to_the_fourth, positive());
   boom.damping_ratio = reader.number("damping_ratio", Unit::none, between(0.0, 1.0));
   boom.profile = read_profile(reader.map("profile"));
   reader.finish();
+  for (const BoomStation& station : boom.profile) {
+    if (!is_box || boom.side_plate == 0.0 || boom.flange_plate == 0.0) break;
+    const auto thicker = [&](const char* key, double plate, double half, const char* of) {
+      if (plate < half) return false;
+      reader.report(key, common::shortest(plate) + " m", "less than " + std::string(of) + " everywhere, " + common::shortest(half) + " m at the position " + common::shortest(station.position));
+      return true;
+    };
+    const bool is_wrong = thicker("side_plate", boom.side_plate, station.half_width, "half_width");
+    if (thicker("flange_plate", boom.flange_plate, station.half_height, "half_height") || is_wrong) break;
+  }
   if (boom.chord_outer_diameter > 0.0 && boom.chord_inner_diameter >= boom.chord_outer_diameter) {
     reader.report("chord_inner_diameter", common::shortest(boom.chord_inner_diameter) + " m",
                   "less than chord_outer_diameter, " + common::shortest(boom.chord_outer_diameter) + " m");
@@ -147,7 +256,10 @@ void read_crane(YamlReader& reader, MachineFile& file) {
   } else {
     crane.boom.element_count = 0;
   }
-  if (reader.has("load")) crane.load = read_load(reader.map("load"));
+  const bool has_load = reader.has("load");
+  if (has_load) crane.load = read_load(reader.map("load"));
+  carry(reader, crane);
+  crane.motions = read_motions(reader, crane, crane.boom.length > 0.0, has_load);
   if (reader.has("drive_protection")) file.drive_protection = read_drive_protection(reader.map("drive_protection"), {});
 }
 

@@ -6,6 +6,8 @@
 #include <slewlab_msgs/signals.hpp>
 #include <stdexcept>
 
+#include "sim/model/boom.h"
+
 namespace slewlab::sim {
 
 namespace {
@@ -49,12 +51,11 @@ constexpr std::array<std::string_view, 6> kPlaces{"motor_group", "axis", "house"
 // [m] from the axis.
 double radius_of(const CraneParameters& machine, SensorPlace place) {
   const BoomParameters& boom = machine.boom;
-  const double level = boom.length * std::cos(boom.angle);
   switch (place) {
     case SensorPlace::house: return machine.house.sensor_radius;
     case SensorPlace::pivot: return boom.pivot_radius;
-    case SensorPlace::middle: return boom.pivot_radius + 0.5 * level;
-    case SensorPlace::tip: return boom.pivot_radius + level;
+    case SensorPlace::middle: return boom_point(boom, 0.5).radius;
+    case SensorPlace::tip: return tip_radius(boom);
     default: return 0.0;
   }
 }

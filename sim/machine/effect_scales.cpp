@@ -44,6 +44,8 @@ common::MachineParts parts_of(const CraneParameters& machine) {
           .boom = machine.boom.length > 0.0,
           .flexible_boom = machine.boom.length > 0.0 && machine.boom.element_count > 0,
           .load = machine.load.mass > 0.0,
+          .pinion_teeth = machine.drive.pinion_teeth > 0,
+          .gearbox_teeth = machine.drive.gearbox_ring_teeth > 0,
           .groups = machine.drive.group_count};
 }
 

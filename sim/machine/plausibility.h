@@ -3,10 +3,11 @@
 // exist. Nothing here is refused.
 #pragma once
 
+#include <cstdint>
 #include <string>
 #include <vector>
 
-#include "sim/model/crane_parameters.h"
+#include "sim/machine/machine_file.h"
 
 namespace slewlab::sim {
 
@@ -16,7 +17,13 @@ struct ImplausibleValue {
   std::string usual;
 };
 
-// `plant_step` in [s]; 0 where none is known yet. Throws std::invalid_argument where scales_of() does.
-std::vector<ImplausibleValue> implausible_values(const CraneParameters& machine, double plant_step);
+// What a machine runs with; 0 where that is not known yet.
+struct RunPeriods {
+  double plant_step = 0.0;               // [s]
+  std::int64_t controller_period = 0;    // [ns]
+};
+
+// Of a crane, or of an axis, of which less is usual. Throws std::invalid_argument where scales_of() does.
+std::vector<ImplausibleValue> implausible_values(const MachineFile& machine, const RunPeriods& periods);
 
 }  // namespace slewlab::sim

@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "sim/analysis/eigen.h"
+#include "sim/model/boom.h"
 #include "sim/model/crane.h"
 #include "sim/model/drive_line.h"
 
@@ -44,7 +45,7 @@ Scales scales_of(const CraneParameters& machine) {
   if (!is_usable) throw std::invalid_argument("a machine's scales need an inertia, a rated torque and a top speed, all above 0");
   scales.acceleration_time = scales.axis_inertia * scales.top_speed / scales.axis_torque;
   if (machine.boom.length > 0.0) {
-    scales.reach = machine.boom.pivot_radius + machine.boom.length * std::cos(machine.boom.angle);
+    scales.reach = tip_radius(machine.boom);
     scales.boom_mass = machine.boom.mass;
   }
   return scales;

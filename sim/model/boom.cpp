@@ -7,6 +7,9 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "sim/model/box_section.h"
+#include "sim/model/cannot_be_built.h"
+
 namespace slewlab::sim {
 
 namespace {
@@ -33,8 +36,31 @@ std::vector<Span> spans_between(const BoomParameters& boom, double from_position
   return spans;
 }
 
-// Mean polar mass moment per length [kg m], erratum E3: m (w_y^2 + w_z^2).
+bool is_box(const BoomParameters& boom) { return boom.type == BoomType::box_girder || boom.type == BoomType::knuckle; }
+
+BoxSection box_at(const BoomParameters& boom, double position) {
+  const BoomStation station = station_at(boom, position);
+  return {2.0 * station.half_width, 2.0 * station.half_height, boom.side_plate, boom.flange_plate};
+}
+
+// Mean of a number of the section over a stretch; Gauss's three points in each straight piece, exact up to the fifth power of the position.
+template <class OfSection>
+double mean_of_box(const BoomParameters& boom, double from_position, double to_position, const OfSection& of_section) {
+  constexpr double kReach = 0.77459666924148338;  // sqrt(3/5)
+  double integral = 0.0;
+  for (const Span& span : spans_between(boom, from_position, to_position)) {
+    const double middle = 0.5 * (span.from.position + span.to.position), half = 0.5 * (span.to.position - span.from.position);
+    integral += half / 9.0 *
+                (5.0 * of_section(box_at(boom, middle - kReach * half)) + 8.0 * of_section(box_at(boom, middle)) +
+                 5.0 * of_section(box_at(boom, middle + kReach * half)));
+  }
+  return integral / (to_position - from_position);
+}
+
+}  // namespace
+
 double mean_polar_mass(const BoomParameters& boom, double from_position, double to_position) {
+  if (is_box(boom)) return boom.mass / boom.length * mean_of_box(boom, from_position, to_position, polar_radius_square);
   double integral = 0.0;
   for (const Span& span : spans_between(boom, from_position, to_position)) {
     integral += (mean_square(span.from.half_width, span.to.half_width) +
@@ -43,8 +69,6 @@ double mean_polar_mass(const BoomParameters& boom, double from_position, double 
   }
   return boom.mass / boom.length * integral / (to_position - from_position);
 }
-
-}  // namespace
 
 double second_moment_of_area(double outer_diameter, double inner_diameter, double half_width) {
   const double d2 = outer_diameter * outer_diameter;
@@ -68,13 +92,102 @@ BoomStation station_at(const BoomParameters& boom, double position) {
 }
 
 double mean_second_moment(const BoomParameters& boom, double from_position, double to_position) {
+  if (is_box(boom)) return mean_of_box(boom, from_position, to_position, lateral_second_moment);
   double square = 0.0;
   for (const Span& span : spans_between(boom, from_position, to_position)) {
     square += mean_square(span.from.half_width, span.to.half_width) * (span.to.position - span.from.position);
   }
   // (2.11) is linear in the square of the half width, so the mean of one gives the mean of the other.
-  return second_moment_of_area(boom.chord_outer_diameter, boom.chord_inner_diameter,
-                               std::sqrt(square / (to_position - from_position)));
+  const double moment = second_moment_of_area(boom.chord_outer_diameter, boom.chord_inner_diameter,
+                                              std::sqrt(square / (to_position - from_position)));
+  return boom.type == BoomType::a_frame ? 0.5 * moment : moment;
+}
+
+double mean_torsional_rigidity(const BoomParameters& boom, double from_position, double to_position) {
+  if (!is_box(boom)) return boom.shear_modulus * boom.torsion_constant;
+  return boom.shear_modulus /
+         mean_of_box(boom, from_position, to_position, [](const BoxSection& box) { return 1.0 / torsion_constant(box); });
+}
+
+int elements_before_knuckle(const BoomParameters& boom) {
+  const int count = boom.element_count;
+  if (boom.knuckle_position == 0.0 || count < 2) return count;
+  return std::clamp(static_cast<int>(std::lround(boom.knuckle_position * count)), 1, count - 1);
+}
+
+double length_of_element(const BoomParameters& boom, int element) {
+  const int count = boom.element_count, before = elements_before_knuckle(boom);
+  if (before == count) return boom.length / count;
+  return element < before ? boom.length * boom.knuckle_position / before : boom.length * (1.0 - boom.knuckle_position) / (count - before);
+}
+
+double share_of_node(const BoomParameters& boom, int node) {
+  const int count = boom.element_count, before = elements_before_knuckle(boom);
+  if (before == count) return static_cast<double>(node) / count;
+  if (node <= before) return boom.knuckle_position * node / before;
+  return boom.knuckle_position + (1.0 - boom.knuckle_position) * (node - before) / (count - before);
+}
+
+Eigen::Matrix2d behind_knuckle(const BoomParameters& boom) {
+  // A turn with phi about the boom's normal and psi about its axis, seen from axes that lie `bend` higher.
+  const double bend = boom.knuckle_angle - boom.angle;
+  Eigen::Matrix2d turned;
+  turned << std::cos(bend), -std::sin(bend), std::sin(bend), std::cos(bend);
+  return turned;
+}
+
+BoomPoint point_of_node(const BoomParameters& boom, int node) {
+  if (boom.knuckle_position > 0.0) return boom_point(boom, share_of_node(boom, node));
+  const double x = boom.length * node / boom.element_count;
+  return {boom.pivot_radius + x * std::cos(boom.angle), x * std::sin(boom.angle), boom.angle};
+}
+
+std::vector<BoomPiece> straight_pieces(const BoomParameters& boom) {
+  if (boom.knuckle_position == 0.0) return {{0.0, 1.0, boom.angle}};
+  return {{0.0, boom.knuckle_position, boom.angle}, {boom.knuckle_position, 1.0, boom.knuckle_angle}};
+}
+
+BoomPoint boom_point(const BoomParameters& boom, double share) {
+  const double x = boom.length * share;
+  if (boom.knuckle_position == 0.0 || share <= boom.knuckle_position) {
+    return {boom.pivot_radius + x * std::cos(boom.angle), x * std::sin(boom.angle), boom.angle};
+  }
+  const double inner = boom.length * boom.knuckle_position, outer = x - inner;
+  return {boom.pivot_radius + inner * std::cos(boom.angle) + outer * std::cos(boom.knuckle_angle),
+          inner * std::sin(boom.angle) + outer * std::sin(boom.knuckle_angle), boom.knuckle_angle};
+}
+
+namespace {
+
+// A cylinder from its lower end to the boom.
+struct CylinderLine {
+  double length;    // [m]
+  double sine;      // of the angle between cylinder and boom
+};
+
+CylinderLine cylinder_line(const BoomParameters& boom) {
+  const double along = boom.length * boom.cylinders.position;
+  const double level = boom.pivot_radius + along * std::cos(boom.angle) - boom.cylinders.base_radius;
+  const double up = along * std::sin(boom.angle) - boom.cylinders.base_height;
+  const double length = std::hypot(level, up);
+  return {length, std::fabs(std::cos(boom.angle) * up - std::sin(boom.angle) * level) / length};
+}
+
+}  // namespace
+
+double cylinder_torsion_stiffness(const BoomParameters& boom) {
+  if (boom.cylinders.stiffness == 0.0) return 0.0;
+  const double sine = cylinder_line(boom).sine;
+  return 0.5 * boom.cylinders.stiffness * sine * sine * boom.cylinders.spacing * boom.cylinders.spacing;
+}
+
+double cylinder_lateral_stiffness(const BoomParameters& boom) {
+  return boom.cylinders.stiffness == 0.0 ? 0.0 : -boom.cylinders.force / cylinder_line(boom).length;
+}
+
+double cylinder_force(const BoomParameters& boom, double at_tip) {
+  const double moment = kGravity * std::cos(boom.angle) * boom.length * (0.5 * boom.mass + at_tip);
+  return moment / (boom.length * boom.cylinders.position * cylinder_line(boom).sine);
 }
 
 double lateral_stiffness(double youngs_modulus, double second_moment, double length) {
@@ -88,8 +201,25 @@ double boom_inertia(const BoomParameters& boom, double mean_half_width) {
          boom.mass * centre * centre;
 }
 
+namespace {
+
+double rigid_inertia_of_piece(const BoomParameters& boom, const BoomPiece& piece) {
+  const double share = piece.to - piece.from;
+  const double mass = boom.mass * share, projected = boom.length * share * std::cos(piece.angle);
+  const double centre = boom_point(boom, piece.from).radius + 0.5 * projected, twist = std::sin(piece.angle);
+  return mass * (projected * projected / 12.0 + centre * centre) +
+         mean_polar_mass(boom, piece.from, piece.to) * boom.length * share * twist * twist;
+}
+
+}  // namespace
+
 double rigid_boom_inertia(const BoomParameters& boom) {
   if (boom.mass == 0.0) return 0.0;
+  if (boom.knuckle_position > 0.0) {
+    double inertia = boom.jib_mass * sheave_radius(boom) * sheave_radius(boom);
+    for (const BoomPiece& piece : straight_pieces(boom)) inertia += rigid_inertia_of_piece(boom, piece);
+    return inertia;
+  }
   const double projected = boom.length * std::cos(boom.angle);
   const double centre = boom.pivot_radius + 0.5 * projected;
   const double twist = std::sin(boom.angle);
@@ -176,26 +306,58 @@ double stiffness_damping_coefficient_as_printed(double damping_ratio, double fir
          (second_frequency * second_frequency + first_frequency * first_frequency);
 }
 
+namespace {
+
+// What the luffing cylinders hold: the twist and the deflection, where they carry the boom, beyond where the turning pivot carries it.
+void add_cylinders(const BoomParameters& boom, Eigen::MatrixXd& stiffness) {
+  const double at = boom.cylinders.position * boom.element_count;
+  const int e = std::min(static_cast<int>(at), boom.element_count - 1);
+  const double s = at - e, h = boom.length / boom.element_count, s2 = s * s, s3 = s2 * s;
+  Eigen::VectorXd twist = Eigen::VectorXd::Zero(stiffness.rows()), deflection = twist;
+  twist(3 * e + 2) += 1.0 - s;
+  twist(3 * e + 5) += s;
+  twist(2) -= 1.0;
+  deflection(3 * e) += 1.0 - 3.0 * s2 + 2.0 * s3;
+  deflection(3 * e + 1) += h * (s - 2.0 * s2 + s3);
+  deflection(3 * e + 3) += 3.0 * s2 - 2.0 * s3;
+  deflection(3 * e + 4) += h * (s3 - s2);
+  deflection(0) -= 1.0;
+  deflection(1) -= boom.length * boom.cylinders.position;
+  stiffness += cylinder_torsion_stiffness(boom) * twist * twist.transpose() +
+               cylinder_lateral_stiffness(boom) * deflection * deflection.transpose();
+}
+
+}  // namespace
+
 BoomMatrices assemble_boom(const BoomParameters& boom) {
   const int count = boom.element_count;
   if (count < 1) throw std::invalid_argument("a boom of beam elements needs at least one element");
+  if (boom.knuckle_position > 0.0 && count < 2) throw CannotBeBuilt("a boom with a knuckle needs two elements or more");
   const int size = 3 * (count + 1);
   BoomMatrices matrices{.mass = Eigen::MatrixXd::Zero(size, size),
                         .stiffness = Eigen::MatrixXd::Zero(size, size),
                         .element_rigidity = {},
                         .element_length = boom.length / count};
   const double mass_per_length = boom.mass / boom.length;
-  const double torsional_rigidity = boom.shear_modulus * boom.torsion_constant;
+  const int before = elements_before_knuckle(boom);
   for (int e = 0; e < count; ++e) {
-    const double from = static_cast<double>(e) / count;
-    const double to = static_cast<double>(e + 1) / count;
+    const double from = share_of_node(boom, e);
+    const double to = share_of_node(boom, e + 1);
+    const double length = length_of_element(boom, e);
     const double rigidity = boom.youngs_modulus * mean_second_moment(boom, from, to);
     matrices.element_rigidity.push_back(rigidity);
-    matrices.mass.block<6, 6>(3 * e, 3 * e) +=
-        element_mass(mass_per_length, mean_polar_mass(boom, from, to), matrices.element_length);
-    matrices.stiffness.block<6, 6>(3 * e, 3 * e) +=
-        element_stiffness(rigidity, torsional_rigidity, matrices.element_length);
+    Matrix6d mass = element_mass(mass_per_length, mean_polar_mass(boom, from, to), length);
+    Matrix6d stiffness = element_stiffness(rigidity, mean_torsional_rigidity(boom, from, to), length);
+    if (e > 0 && e == before) {
+      Matrix6d turned = Matrix6d::Identity();
+      turned.block<2, 2>(1, 1) = behind_knuckle(boom);
+      mass = turned.transpose() * mass * turned;
+      stiffness = turned.transpose() * stiffness * turned;
+    }
+    matrices.mass.block<6, 6>(3 * e, 3 * e) += mass;
+    matrices.stiffness.block<6, 6>(3 * e, 3 * e) += stiffness;
   }
+  if (boom.cylinders.stiffness > 0.0) add_cylinders(boom, matrices.stiffness);
   // The jib moves with y + e psi of the tip.
   const double e = boom.jib_eccentricity;
   matrices.mass(size - 3, size - 3) += boom.jib_mass;
@@ -225,6 +387,7 @@ std::vector<double> clamped_bending_frequencies(const BoomParameters& boom) {
   for (int node = 1; node <= boom.element_count; ++node) {
     bending.push_back(3 * node);
     bending.push_back(3 * node + 1);
+    if (boom.knuckle_position > 0.0) bending.push_back(3 * node + 2);  // a bent boom twists where it bends
   }
   const Eigen::MatrixXd mass = matrices.mass(bending, bending);
   const Eigen::MatrixXd stiffness = matrices.stiffness(bending, bending);
@@ -243,12 +406,10 @@ double boom_damping_coefficient(const BoomParameters& boom) {
   return stiffness_damping_coefficient(boom.damping_ratio, frequencies[0], frequencies[1]);
 }
 
-double tip_radius(const BoomParameters& boom) {
-  return boom.pivot_radius + boom.length * std::cos(boom.angle);
-}
+double tip_radius(const BoomParameters& boom) { return boom_point(boom, 1.0).radius; }
 
 double sheave_radius(const BoomParameters& boom) {
-  return tip_radius(boom) + boom.jib_eccentricity * std::sin(boom.angle);
+  return tip_radius(boom) + boom.jib_eccentricity * std::sin(boom_point(boom, 1.0).angle);
 }
 
 }  // namespace slewlab::sim

@@ -1,8 +1,8 @@
 // The boom: section, closed forms for a homogeneous boom (thesis 2.8), beam elements in lateral bending and
 // torsion, damping and the kinematics of the pivot (thesis 3.3.2).
 //
-// Euler-Bernoulli theory, small deformations, mass spread evenly, chords only (2.11). The node order is
-// [y, phi, psi] from the pivot to the tip: lateral displacement [m], slope dy/dx [rad], twist [rad].
+// Euler-Bernoulli theory, small deformations, mass spread evenly. A lattice is its four chords (2.11), an A-frame two
+// of them, a box its plates. The node order is [y, phi, psi] from the pivot to the tip: lateral displacement [m], slope dy/dx [rad], twist [rad].
 #pragma once
 
 #include <Eigen/Core>
@@ -22,6 +22,9 @@ BoomStation station_at(const BoomParameters& boom, double position);
 
 // Mean of (2.11) over a stretch of the boom, exact for a piecewise linear profile: what a beam element gets.
 double mean_second_moment(const BoomParameters& boom, double from_position, double to_position);
+
+// [kg m] Mean polar mass moment per length: m (w_y^2 + w_z^2) of chords (erratum E3), m times the square of the polar radius of a box.
+double mean_polar_mass(const BoomParameters& boom, double from_position, double to_position);
 
 // (2.12) [N/m] lateral stiffness of a homogeneous clamped boom.
 double lateral_stiffness(double youngs_modulus, double second_moment, double length);
@@ -80,6 +83,38 @@ std::vector<double> clamped_bending_frequencies(const BoomParameters& boom);
 
 // a_1 [s] of this boom, from its damping ratio and the first two bending modes of the clamped boom.
 double boom_damping_coefficient(const BoomParameters& boom);
+
+// A place on the boom's axis, by its share of the length.
+struct BoomPoint {
+  double radius = 0.0;  // [m] from the slew axis, level
+  double height = 0.0;  // [m] above the pivot
+  double angle = 0.0;   // [rad] of the boom there; at a knuckle, of the part before it
+};
+BoomPoint boom_point(const BoomParameters& boom, double share);
+BoomPoint point_of_node(const BoomParameters& boom, int node);
+
+// One of a straight boom, two of one with a knuckle: shares of the length and the angle [rad] above the horizontal.
+struct BoomPiece {
+  double from, to, angle;
+};
+std::vector<BoomPiece> straight_pieces(const BoomParameters& boom);
+
+// A knuckle lies on a node: how many of the elements lie before it (all of a straight boom); [m] of an element; a node's share of the length.
+int elements_before_knuckle(const BoomParameters& boom);
+double length_of_element(const BoomParameters& boom, int element);
+double share_of_node(const BoomParameters& boom, int node);
+// [phi, psi] at the knuckle's node in the axes of the part behind it.
+Eigen::Matrix2d behind_knuckle(const BoomParameters& boom);
+
+// [N m^2] Torsional rigidity of a stretch of the boom: what twists as the stretch does under one torque.
+double mean_torsional_rigidity(const BoomParameters& boom, double from_position, double to_position);
+
+// [Nm/rad] of the luffing cylinders against a twist of the boom where they carry it, 2 k sin^2(b) (spacing / 2)^2 with their angle b to the
+// boom; [N/m] against its deflection to the side, which compression makes negative: the cylinders lean with it, -F / L.
+double cylinder_torsion_stiffness(const BoomParameters& boom);
+double cylinder_lateral_stiffness(const BoomParameters& boom);
+// [N] that the cylinders carry of the boom's own weight and `at_tip` [kg].
+double cylinder_force(const BoomParameters& boom, double at_tip);
 
 // [m] from the slew axis to the tip, level.
 double tip_radius(const BoomParameters& boom);

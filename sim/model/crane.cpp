@@ -142,10 +142,10 @@ FreeHouseModes free_house_modes(const CraneParameters& crane) {
   Eigen::VectorXd rigid = Eigen::VectorXd::Zero(size);
   rigid(0) = rigid(root) = 1.0;
   for (int node = 1; node <= elements; ++node) {
-    const double x = boom.length * node / elements;
-    rigid(root + 3 * node - 2) = boom.pivot_radius + x * std::cos(boom.angle);
-    rigid(root + 3 * node - 1) = std::cos(boom.angle);
-    rigid(root + 3 * node) = std::sin(boom.angle);
+    const BoomPoint point = point_of_node(boom, node);
+    rigid(root + 3 * node - 2) = point.radius;
+    rigid(root + 3 * node - 1) = std::cos(point.angle);
+    rigid(root + 3 * node) = std::sin(point.angle);
   }
   rigid /= std::sqrt(rigid.dot(assembled.mass * rigid));
 
@@ -170,7 +170,7 @@ FreeHouseModes free_house_modes(const CraneParameters& crane) {
   modes.shear = Eigen::MatrixXd::Zero(elements, kept);
   std::vector<double> rigidity;
   if (elements > 0) rigidity = assemble_boom(boom).element_rigidity;
-  const double h = elements > 0 ? boom.length / elements : 0.0;
+  const int before = elements_before_knuckle(boom);
 
   for (int k = 0; k < kept; ++k) {
     Eigen::VectorXd shape = shapes.col(k);
@@ -192,13 +192,14 @@ FreeHouseModes free_house_modes(const CraneParameters& crane) {
     double integral = 0.0;
     double middle = 0.0;
     for (int e = 0; e < elements; ++e) {
-      const double y1 = nodes(3 * e), phi1 = nodes(3 * e + 1);
+      const double h = length_of_element(boom, e);
+      const double y1 = nodes(3 * e), phi1 = e == before ? behind_knuckle(boom).row(0).dot(nodes.segment<2>(3 * e + 1)) : nodes(3 * e + 1);
       const double y2 = nodes(3 * e + 3), phi2 = nodes(3 * e + 4);
       // Cubic shape functions of the element: its integral, its third derivative, its value at half length.
       integral += h * (0.5 * (y1 + y2) + h * (phi1 - phi2) / 12.0);
       modes.shear(e, k) = rigidity[static_cast<std::size_t>(e)] / (h * h * h) *
                           (12.0 * (y1 - y2) + 6.0 * h * (phi1 + phi2));
-      const double s = 0.5 * elements - e;
+      const double s = before == elements ? 0.5 * elements - e : (0.5 - share_of_node(boom, e)) * boom.length / h;
       if (s >= 0.0 && (s < 1.0 || (s == 1.0 && e + 1 == elements))) {
         const double s2 = s * s, s3 = s2 * s;
         middle = (1 - 3 * s2 + 2 * s3) * y1 + h * (s - 2 * s2 + s3) * phi1 + (3 * s2 - 2 * s3) * y2 +
@@ -206,8 +207,14 @@ FreeHouseModes free_house_modes(const CraneParameters& crane) {
       }
     }
     if (elements == 0) {
-      middle = (boom.pivot_radius + 0.5 * boom.length * std::cos(boom.angle)) * shape(root);
+      middle = boom_point(boom, 0.5).radius * shape(root);
       integral = boom.length * middle;
+      if (boom.knuckle_position > 0.0) {
+        integral = 0.0;
+        for (const BoomPiece& piece : straight_pieces(boom)) {
+          integral += boom.length * (piece.to - piece.from) * boom_point(boom, 0.5 * (piece.from + piece.to)).radius * shape(root);
+        }
+      }
     }
     if (k == 0) modes.shear.col(0).setZero();
     modes.frequency.push_back(std::sqrt(std::max(0.0, squares(k))));
@@ -217,7 +224,7 @@ FreeHouseModes free_house_modes(const CraneParameters& crane) {
     modes.tip.push_back(elements > 0 ? nodes(3 * elements) + boom.jib_eccentricity * nodes(3 * elements + 2)
                                      : sheave_radius(boom) * shape(root));
     modes.middle.push_back(middle);
-    modes.tip_twist.push_back(elements > 0 ? nodes(3 * elements + 2) : std::sin(boom.angle) * shape(root));
+    modes.tip_twist.push_back(elements > 0 ? nodes(3 * elements + 2) : std::sin(boom_point(boom, 1.0).angle) * shape(root));
     modes.uniform_load.push_back(integral);
   }
   return modes;

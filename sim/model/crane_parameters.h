@@ -7,6 +7,8 @@
 
 #include <vector>
 
+#include "sim/model/motion.h"
+
 namespace slewlab::sim {
 
 inline constexpr double kGravity = 9.81;  // [m/s^2], thesis Table 4.2
@@ -26,6 +28,9 @@ struct DriveParameters {
   double pinion_play = 0.0;         // [rad] whole play between pinion and ring, as rotation of the pinion
   double rated_torque = 0.0;        // [Nm] that one motor may deliver all the time, T100
   double top_speed = 0.0;           // [rad/s] on the slew axis, that the machine is built for
+  int pinion_teeth = 0;             // of one pinion; 0 is not known
+  int gearbox_ring_teeth = 0;       // of the gearbox's first planetary stage; 0 is not known, then sun_teeth is 0 too
+  int gearbox_sun_teeth = 0;
   bool is_rigid = false;            // nothing gives between the motors and what they drive: all of it is one inertia
 };
 
@@ -46,8 +51,26 @@ struct HouseParameters {
 
 struct BoomStation {
   double position = 0.0;     // share of the boom's length from the pivot, 0 ... 1
-  double half_width = 0.0;   // [m] from the centre line to the middle of the chords, across (w_y)
-  double half_height = 0.0;  // [m] the same in the luffing plane (w_z); enters the polar inertia only
+  double half_width = 0.0;   // [m] from the centre line to the middle of the chords, across (w_y); of a box to its outside
+  double half_height = 0.0;  // [m] the same in the luffing plane (w_z); of chords it enters the polar inertia only
+};
+
+// What carries the boom.
+enum class BoomType {
+  lattice,     // four chords
+  box_girder,  // a hollow rectangular section of plates
+  a_frame,     // two chords that run together from the pivot's pins to the tip, luffed by cylinders
+  knuckle,     // a box girder that is bent in the luffing plane
+};
+
+// Cylinders between house and boom, in planes along the boom; their ends are ball joints.
+struct LuffingCylinders {
+  double stiffness = 0.0;    // [N/m] of each, along itself; 0: there are none
+  double position = 0.0;     // share of the boom's length where they carry it
+  double spacing = 0.0;      // [m] between the two; 0 of a single one
+  double base_radius = 0.0;  // [m] of the lower ends from the slew axis
+  double base_height = 0.0;  // [m] of the lower ends above the boom's pivot
+  double force = 0.0;        // [N] that all of them carry, positive in compression
 };
 
 struct BoomParameters {
@@ -66,6 +89,12 @@ struct BoomParameters {
   double jib_eccentricity = 0.0;      // [m] of the jib's centre and sheave, in front of the boom's axis
   double highest_frequency = 0.0;     // [Hz] above which modes on the free house are left out; 0 keeps them all
   std::vector<BoomStation> profile;   // rising positions, first 0, last 1; linear in between
+  BoomType type = BoomType::lattice;
+  double side_plate = 0.0;            // [m] thickness, of a box
+  double flange_plate = 0.0;          // [m] thickness, of a box
+  double knuckle_position = 0.0;      // share of the length at which the boom is bent; 0 is straight
+  double knuckle_angle = 0.0;         // [rad] above the horizontal, of the part behind the knuckle
+  LuffingCylinders cylinders{};
 };
 
 struct LoadParameters {
@@ -73,6 +102,17 @@ struct LoadParameters {
   double rope_length = 0.0;    // [m] from the tip to the top of the rod
   double rod_length = 0.0;     // [m] of the load as a uniform rod; 0 is a point load
   double damping_ratio = 0.0;  // share of critical damping of each swinging mode
+};
+
+// The crane's motions beside slewing; a top speed of 0 is a motion that it has not.
+struct MotionParameters {
+  MotionRates hoisting;           // [m/s], [m/s^2] of the hook, positive up
+  double shortest_rope = 0.0;     // [m] from the tip to the top of the load, the hook's highest place
+  MotionRates luffing;            // [rad/s], [rad/s^2] of the boom angle, positive up
+  double lowest_angle = 0.0;      // [rad] of the boom
+  double highest_angle = 0.0;     // [rad]
+  MotionRates travelling;         // [m/s], [m/s^2] of the pedestal along its track
+  double travel_direction = 0.0;  // [rad] of the track, from the boom's direction at the slew angle 0
 };
 
 // A plain axis (`kind: axis`) is a crane without boom and load: one motor group, and a house that is what the axis
@@ -83,6 +123,7 @@ struct CraneParameters {
   BoomParameters boom;
   LoadParameters load;
   AxisForceParameters axis_force;
+  MotionParameters motions{};
 };
 
 }  // namespace slewlab::sim

@@ -66,4 +66,9 @@ LoadOnSpring load_on_spring(const LoadParameters& load) {
   return result;
 }
 
+RopeForces moving_rope(const LoadParameters& load, double length, double upward_acceleration, double difference, double rod_angle) {
+  return {.load_force = -(load.mass * ((kGravity + upward_acceleration) / length - kGravity / load.rope_length) * difference),
+          .rod_moment = -(0.5 * load.mass * load.rod_length * upward_acceleration * rod_angle)};
+}
+
 }  // namespace slewlab::sim

@@ -51,4 +51,15 @@ struct LoadOnSpring {
 };
 LoadOnSpring load_on_spring(const LoadParameters& load);
 
+// A rope whose length is not the load's own (hoisting), or whose top moves up and down. With y the difference of the displacements of the
+// rope's lower end and its top, a the load's acceleration upwards and L the rope's length now, the tension is M (g + a) and
+//   force on the load - M (g + a) y / L,  on the rod - M (g + a) L_l beta_2 / 2,
+// which holds the pendulum's L beta'' + 2 L' beta' + g beta = 0 of a rope that is hoisted, a = -L''. These are the differences to the rope
+// at rest; the force on the tip is that on the load, turned around.
+struct RopeForces {
+  double load_force = 0.0;  // [N] on the rope's lower end
+  double rod_moment = 0.0;  // [Nm]
+};
+RopeForces moving_rope(const LoadParameters& load, double length, double upward_acceleration, double difference, double rod_angle);
+
 }  // namespace slewlab::sim

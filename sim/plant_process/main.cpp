@@ -8,6 +8,7 @@
 //   controller kill      a fault on purpose: kill the controller now and say so by a line on standard input
 //   controller start     the same for starting it anew
 //   controller stop, controller continue      the same with SIGSTOP and SIGCONT, against the wall clock only
+//   controller play_compensation on|off NANOSECONDS   from that time on; in lockstep the run waits until the controller knows
 //   steering NEWS        of a steered run: what was refused, which fault began or ended when (sim/drive/steering.h)
 // Exit codes: 0 complete, 1 the run failed, 2 the call or the configuration is wrong, 128 + signal when stopped.
 
@@ -20,6 +21,7 @@
 #include <cstdio>
 #include <nlohmann/json.hpp>
 
+#include "common/launcher_lines.h"
 #include "common/stop_signal.h"
 #include "msgs/configuration_hash.h"
 #include "msgs/lcm_bus.h"
@@ -32,7 +34,6 @@
 #include "sim/drive/system_clock.h"
 #include "sim/drive/wall_clock_loop.h"
 #include "sim/drive/scenario_file.h"
-#include "sim/plant_process/launcher_lines.h"
 
 namespace slewlab::sim {
 namespace {
@@ -121,7 +122,7 @@ void tell_launcher(ControllerAction action) {
 }
 
 // Returns when the launcher has done it, or where there is none.
-void ask_launcher(LauncherLines& launcher, ControllerAction action) {
+void ask_launcher(common::LauncherLines& launcher, ControllerAction action) {
   tell_launcher(action);
   if (launcher.wait_for_done() || common::stop_requested()) return;
   std::fprintf(stderr, "slewlab-plant: nobody here to kill or start the controller; it is not asked instead\n");
@@ -130,7 +131,7 @@ void ask_launcher(LauncherLines& launcher, ControllerAction action) {
 // The desk's side of a steered run: lines in, periods out, at the pace that is asked for.
 class SteeredRun {
  public:
-  SteeredRun(const SteeringSettings& settings, LauncherLines& launcher, CranePlant& plant, msgs::LogWriter* log)
+  SteeredRun(const SteeringSettings& settings, common::LauncherLines& launcher, CranePlant& plant, msgs::LogWriter* log)
       : steering_(settings), launcher_(launcher), plant_(plant), log_(log) {}
 
   // In lockstep: waits until the period at `time` is due, then begins it.
@@ -143,7 +144,10 @@ class SteeredRun {
       hear(std::min(wait, kLongestWait));
     }
     show();
-    return begin(time);
+    const SteeredPeriod period = begin(time);
+    // The controller knows it before it is asked of this period.
+    if (period.play_compensation) launcher_.wait_for_done();
+    return period;
   }
 
   // Against the wall clock.
@@ -158,6 +162,10 @@ class SteeredRun {
     for (const std::string& news : steering_.take_news()) std::printf("steering %s\n", news.c_str());
     std::fflush(stdout);
     for (const EffectSwitch& change : period.effects) plant_.switch_effect(change.effect, change.on);
+    if (period.play_compensation) {
+      std::printf("controller play_compensation %s %lld\n", *period.play_compensation ? "on" : "off", static_cast<long long>(time));
+      std::fflush(stdout);
+    }
     return period;
   }
 
@@ -205,7 +213,7 @@ class SteeredRun {
   static constexpr std::chrono::milliseconds kLongestWait{100};
   static constexpr std::chrono::milliseconds kShowInterval{15};  // of a picture of 60 Hz
   Steering steering_;
-  LauncherLines& launcher_;
+  common::LauncherLines& launcher_;
   CranePlant& plant_;
   msgs::LogWriter* log_;
   bool lost_ = false;
@@ -265,7 +273,7 @@ int run_in_lockstep(const LockstepSettings& settings, CranePlant& plant, msgs::B
     notices.foreign(counts.foreign_answers);
     show_progress(counts);
   };
-  LauncherLines launcher;
+  common::LauncherLines launcher;
   hooks.controller_action = [&](ControllerAction action) { ask_launcher(launcher, action); };
   std::optional<SteeredRun> steering;
   if (steered) {
@@ -335,7 +343,7 @@ int run_in_real_time(const Options& options, const LockstepSettings& settings, C
     show_progress(report);
   };
   hooks.controller_action = tell_launcher;
-  LauncherLines launcher;
+  common::LauncherLines launcher;
   std::optional<SteeredRun> steering;
   if (steered) {
     steering.emplace(*steered, launcher, plant, nullptr);
@@ -384,7 +392,7 @@ int run(const Options& options) {
   std::optional<SteeringSettings> steered;
   if (options.steered) {
     settings.operator_moves.clear();  // the operator is at the desk
-    steered = {settings.controller_period, scenario.crane.parameters.drive.group_count, static_cast<std::uint64_t>(scenario.seed),
+    steered = {settings.controller_period, scenario.crane.parameters.drive, static_cast<std::uint64_t>(scenario.seed),
                scenario.faults.size(), plant.machine().switchable};
   }
   return options.realtime ? run_in_real_time(options, settings, plant, *bus, log, steered)

@@ -1,9 +1,9 @@
 """Turns what tools/benchmark measured into the tables of docs/benchmarks.md and a drawing.
 
 Usage: report.py FOLDER
-Reads FOLDER/elements.json and plant.json (Google Benchmark), the turns turn*_plant.json with turn*_mujoco.json, lockstep.txt, batch.md and
-diagnosis.json, the last four where present; writes FOLDER/table.md and FOLDER/cost_over_elements.svg. Costs are CPU time, medians over the
-repetitions; ratios to MuJoCo are medians over the turns, in which the two follow each other.
+Reads FOLDER/elements.json and plant.json (Google Benchmark), the turns turn*_plant.json with turn*_mujoco.json, lockstep.txt,
+realtime.txt, batch.md and diagnosis.json, the last five where present; writes FOLDER/table.md and FOLDER/cost_over_elements.svg. Costs
+are CPU time, medians over the repetitions; ratios to MuJoCo are medians over the turns, in which the two follow each other.
 """
 
 import glob
@@ -203,10 +203,10 @@ def main(folder):
     diagnosis = os.path.join(folder, "diagnosis.json")
     if os.path.exists(diagnosis):
         lines += [""] + diagnosis_lines(read_json(diagnosis), verdict)
-    lockstep = os.path.join(folder, "lockstep.txt")
-    if os.path.exists(lockstep):
-        with open(lockstep, encoding="utf-8") as file:
-            lines += ["", "```", file.read().rstrip(), "```"]
+    for name in ("lockstep.txt", "realtime.txt"):
+        if os.path.exists(os.path.join(folder, name)):
+            with open(os.path.join(folder, name), encoding="utf-8") as file:
+                lines += ["", "```", file.read().rstrip(), "```"]
     batch = os.path.join(folder, "batch.md")
     if os.path.exists(batch):
         with open(batch, encoding="utf-8") as file:

@@ -1,6 +1,7 @@
 #include "common/yaml_file.h"
 
 #include <gtest/gtest.h>
+#include <malloc.h>
 
 #include <filesystem>
 #include <fstream>
@@ -203,6 +204,30 @@ TEST_F(YamlFile, TimeGrowsWithTheNumberOfKeysAndNotWithItsSquare) {
   EXPECT_TRUE(problems_.empty()) << problems_.size();
   ASSERT_EQ(root.entries.size(), static_cast<std::size_t>(kKeys));
   EXPECT_EQ(root.entries.back().value.scalar, "2");
+}
+
+TEST_F(YamlFile, AnOverrideByNothingTakesAValueAway) {
+  const auto file = write("a.yaml", "mass: {value: 30, unit: t, source: x}\nrope: {value: 60, unit: m, source: x}\n");
+  const YamlNode root = load(file, {"mass=null"});
+  EXPECT_TRUE(problems_.empty()) << said();
+  EXPECT_EQ(root.find("mass")->kind, YamlNode::Kind::null);
+  EXPECT_EQ(root.find("rope")->kind, YamlNode::Kind::map);
+}
+
+// Of 300 000 moves of an operator: a node holds its place and its text, not the name of its file.
+TEST_F(YamlFile, ALongListTakesSomeHundredBytesPerNode) {
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+  GTEST_SKIP() << "a sanitizer's heap is its own";
+#endif
+  constexpr int kMoves = 20'000, kNodes = 5 * kMoves;  // a map, its time's map and the three values in it
+  std::string text = "moves:\n";
+  for (int i = 0; i < kMoves; ++i) text += "  - time: {value: " + std::to_string(i) + ", unit: s, source: drawn}\n";
+  const auto file = write(std::string(200, 'a') + ".yaml", text);
+  const std::size_t before = ::mallinfo2().uordblks;
+  const YamlNode root = load(file);
+  const double per_node = static_cast<double>(::mallinfo2().uordblks - before) / kNodes;
+  ASSERT_EQ(root.find("moves")->items.size(), static_cast<std::size_t>(kMoves)) << said();
+  EXPECT_LT(per_node, 500.0);
 }
 
 TEST_F(YamlFile, OverrideReachesListsAndNewKeys) {

@@ -89,7 +89,26 @@ TEST(ControllerFile, PlayMapMustJoinItsMirrorImageAndRise) {
 }
 
 TEST(ControllerFile, AnotherKindOfFileIsRefused) {
-  EXPECT_NE(complaint({{"kind", "crane"}}).find("key 'kind': found crane, expected controller"), std::string::npos);
+  const std::string said = complaint({{"kind", "crane"}, {"ramp", "null"}});
+  EXPECT_NE(said.find("key 'kind': found crane, expected controller"), std::string::npos);
+  EXPECT_EQ(said.find("ramp"), std::string::npos) << "what a file of another kind lacks is of no interest";
+  EXPECT_NE(complaint({{"kind", "contoller"}, {"ramp", "null"}}).find("key 'ramp'"), std::string::npos) << "a slip of the pen";
+}
+
+TEST(ControllerFile, SwitchesOfThePlayCompensationAreTimesThatDoNotFall) {
+  const auto switches = [](const std::string& second) {
+    return std::vector<common::Override>{
+        {"play_compensation.switches", "[{time: {value: 12.5, unit: s, source: test}, enabled: {value: false, source: test}}, "
+                                       "{time: {value: " + second + ", unit: s, source: test}, enabled: {value: true, source: test}}]"}};
+  };
+  const std::vector<PlaySwitch> read = load_controller_file(kFolder + "thesis.yaml", switches("12.51")).settings.play_compensation.switches;
+  ASSERT_EQ(read.size(), 2u);
+  EXPECT_EQ(read[0].time, 12'500'000'000);
+  EXPECT_FALSE(read[0].enabled);
+  EXPECT_EQ(read[1].time, 12'510'000'000);
+  EXPECT_TRUE(read[1].enabled);
+  EXPECT_NE(complaint(switches("12")).find("found 12 s, expected no time before that of the switch before, 12.5 s"), std::string::npos)
+      << complaint(switches("12"));
 }
 
 }  // namespace

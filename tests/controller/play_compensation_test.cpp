@@ -102,5 +102,20 @@ TEST(PlayCompensation, DividesTheGroupsInTwoHalves) {
   EXPECT_EQ(half_of_group(4, 8), 2);
 }
 
+TEST(PlayCompensation, IsSwitchedAtItsTimesInTheirOrder) {
+  PlayCompensationSettings play{.enabled = true};
+  EXPECT_TRUE(is_enabled(play, 0));
+  add_switch(play, {.time = 30, .enabled = false});
+  add_switch(play, {.time = 10, .enabled = false});
+  add_switch(play, {.time = 20, .enabled = false});
+  add_switch(play, {.time = 20, .enabled = true});  // the later word of one time counts
+  EXPECT_TRUE(is_enabled(play, 9));
+  EXPECT_FALSE(is_enabled(play, 10));
+  EXPECT_FALSE(is_enabled(play, 19));
+  EXPECT_TRUE(is_enabled(play, 20));
+  EXPECT_TRUE(is_enabled(play, 29));
+  EXPECT_FALSE(is_enabled(play, 30));
+}
+
 }  // namespace
 }  // namespace slewlab::controller

@@ -121,6 +121,28 @@ TEST(Differences, OnlyAMachineThatCannotBeBuiltCountsAsFarOff) {
   EXPECT_THROW(differences(problem, point), std::invalid_argument);
 }
 
+// The columns of a fit are simulated side by side, whatever parameters and effects each machine has beside the others.
+TEST(Differences, OfManyPointsAreThoseOfEachAlone) {
+  sim::MachineSettings truth;
+  truth.crane = bench().crane;
+  BenchProblem problem;
+  for (const unsigned seed : {3u, 4u}) {
+    problem.add(make_record(simulated_log(sim::make_machine(truth), bench().controller, kThereAndBack, 8.0, seed), "log", bench().admission));
+  }
+  std::vector<Point> points(11);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    points[i].nuisance.assign(nuisance_count(problem), 0.0);
+    points[i].nuisance[i] = 1.0;
+  }
+  points[2].effects = {common::typical_instance(problem.catalogue.at("torque_lag"))};
+  points[5].effects = {common::typical_instance(problem.catalogue.at("wind"))};
+  points[7].effects = {common::typical_instance(problem.catalogue.at("house_inertia"))};
+  points[9].effects = {common::typical_instance(problem.catalogue.at("hoisting"))};
+  const std::vector<Eigen::VectorXd> together = differences(problem, points);
+  ASSERT_EQ(together.size(), points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) EXPECT_EQ(together[i], differences(problem, points[i])) << i;
+}
+
 // One nuisance (the first) moves one difference; the fit stands at z = 3, far beyond the bound at 2, where nothing is left.
 class Relaxation : public testing::Test {
  protected:

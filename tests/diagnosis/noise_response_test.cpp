@@ -87,7 +87,9 @@ TEST_P(NoiseResponseAt, SaysWhatWhiteNoiseOfASensorMakesOfEveryChannel) {
   std::normal_distribution<double> normal;
   const auto follow = [&] {
     Shadow result;
-    shadow(follower_of(noisy.machine, noisy.record.step), noisy.record, idle(count), noisy.gains, 0.0, {}, result);
+    std::vector<Shadowing> alone;
+    alone.push_back({follower_of(noisy.machine, noisy.record.step), 0.0, {}, &result});
+    shadow(std::move(alone), noisy.record, idle(count), noisy.gains);
     return result;
   };
   std::vector<double>& position = noisy.record.shaft_position[0];

@@ -37,6 +37,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   fits += try_as<Truth>(bytes) == DecodeStatus::ok;
   fits += try_as<ControllerState>(bytes) == DecodeStatus::ok;
   fits += try_as<PlantStatus>(bytes) == DecodeStatus::ok;
+  fits += try_as<Motion>(bytes) == DecodeStatus::ok;
   fuzz::require(fits <= 1, "bytes are one message at most");
   return 0;
 }

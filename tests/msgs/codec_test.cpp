@@ -28,6 +28,7 @@ void for_every_message(Visit visit) {
   }
   visit(example::operator_move());
   visit(example::sensors());
+  visit(example::motion());
 }
 
 TEST(Codec, AnEncodedMessageComesBackWithEveryField) {

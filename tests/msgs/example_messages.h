@@ -104,4 +104,16 @@ inline PlantStatus plant_status(int faults = 9, int bins = 5) {
   return m;
 }
 
+inline Motion motion() {
+  Motion m{};
+  set_head(m);
+  m.rope_length = 20.5;
+  m.hoisting_speed = 0.21;
+  m.boom_angle = 0.22;
+  m.luffing_speed = 0.023;
+  m.travelled = 24.5;
+  m.travelling_speed = 0.25;
+  return m;
+}
+
 }  // namespace slewlab::msgs::example

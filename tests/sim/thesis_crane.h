@@ -27,7 +27,10 @@ inline CraneParameters thesis_crane(int element_count = 6) {
                  .gearbox_play = 0.12 * kDegree,
                  .pinion_play = 0.244 * kDegree,
                  .rated_torque = 250.0,
-                 .top_speed = 0.05};
+                 .top_speed = 0.05,
+                 .pinion_teeth = 12,
+                 .gearbox_ring_teeth = 110,
+                 .gearbox_sun_teeth = 8};
   crane.house = {.inertia = 2.52e5, .sensor_radius = 3.0};
   crane.boom = {.element_count = element_count,
                 .length = 46.6,

@@ -206,6 +206,9 @@ int accept(const AcceptOptions& options, const std::vector<std::string>& command
                              "already\n", options.subject.c_str());
         return 2;
       }
+      if (!fs::exists(options.subject / "scenario.yaml")) {
+        throw common::InputError({{{options.subject.string(), 0, 0}, "", "a folder without scenario.yaml", "a scenario, or the folder of a run"}});
+      }
       return judge(options.subject, options, limits);
     }
     if (options.subject.extension() == ".lcmlog") {

@@ -57,11 +57,10 @@ std::string place_text(const common::SourceMark& mark) {
   return text + ": ";
 }
 
-// What is possible and yet unlikely of a machine that is read already; of an axis nothing is usual.
+// What is possible and yet unlikely of a machine that is read already.
 void weigh_machine(const sim::MachineFile& machine, const std::filesystem::path& file,
-                 const std::vector<common::Override>& overrides, double plant_step, std::vector<std::string>& warnings) {
-  if (machine.kind != sim::MachineKind::crane) return;
-  const std::vector<sim::ImplausibleValue> values = sim::implausible_values(machine.parameters, plant_step);
+                 const std::vector<common::Override>& overrides, const sim::RunPeriods& periods, std::vector<std::string>& warnings) {
+  const std::vector<sim::ImplausibleValue> values = sim::implausible_values(machine, periods);
   if (values.empty()) return;
   InputProblems ignored;
   const YamlNode root = common::load_yaml_file(file, overrides, ignored);
@@ -87,7 +86,8 @@ std::vector<common::EffectInstance> check_effects(const sim::MachineFile& crane,
 }
 
 // Whether parameters that are good one by one make a machine; a boom of so many elements takes milliseconds to assemble.
-void check_machine(const sim::MachineFile& crane, double plant_step, const std::filesystem::path& file, InputProblems& problems) {
+void check_machine(const sim::MachineFile& crane, double plant_step, const sim::MotionRequests& requests, const std::filesystem::path& file,
+                   InputProblems& problems) {
   constexpr int kMostElements = 64;
   const std::vector<common::EffectInstance> effects = check_effects(crane, problems);
   if (!problems.empty() || crane.parameters.boom.element_count > kMostElements) return;
@@ -97,6 +97,7 @@ void check_machine(const sim::MachineFile& crane, double plant_step, const std::
     settings.drive_protection = crane.drive_protection;
     settings.effects = effects;
     settings.step = plant_step;
+    settings.motion_requests = requests;
     sim::make_machine(settings);
   } catch (const std::invalid_argument& error) {
     const bool by_effect = !effects.empty();
@@ -107,8 +108,8 @@ void check_machine(const sim::MachineFile& crane, double plant_step, const std::
 
 void check_machine_file(const std::filesystem::path& file, const std::vector<common::Override>& overrides, Findings& found) {
   const sim::MachineFile crane = sim::load_machine_file(file, overrides);
-  check_machine(crane, sim::MachineSettings{}.step, file, found.problems);
-  if (found.problems.empty()) weigh_machine(crane, file, overrides, 0.0, found.warnings);
+  check_machine(crane, sim::MachineSettings{}.step, {}, file, found.problems);
+  if (found.problems.empty()) weigh_machine(crane, file, overrides, {}, found.warnings);
 }
 
 void check_scenario(const std::filesystem::path& file, const std::vector<common::Override>& overrides, ControllerBy by,
@@ -118,8 +119,8 @@ void check_scenario(const std::filesystem::path& file, const std::vector<common:
   const bool whole = problems.empty();
   if (whole) {
     const double plant_step = static_cast<double>(scenario.plant_step) * 1e-9;  // [s]
-    check_machine(scenario.crane, plant_step, scenario.crane_file, problems);
-    weigh_machine(scenario.crane, scenario.crane_file, scenario.crane_overrides, plant_step, found.warnings);
+    check_machine(scenario.crane, plant_step, scenario.motion_requests, scenario.crane_file, problems);
+    weigh_machine(scenario.crane, scenario.crane_file, scenario.crane_overrides, {plant_step, scenario.controller_period}, found.warnings);
     weigh_cost(scenario, file, found.warnings);
   } else {
     try {
@@ -129,7 +130,7 @@ void check_scenario(const std::filesystem::path& file, const std::vector<common:
     }
   }
   problems = as_given(std::move(problems), scenario.crane_overrides);
-  if (by == ControllerBy::user || scenario.controller_file.empty()) return;
+  if (by == ControllerBy::user || !std::filesystem::exists(scenario.controller_file)) return;  // that it is not there is told
   try {
     const controller::ControllerSettings settings =
         controller::load_controller_file(scenario.controller_file, scenario.controller_overrides).settings;
@@ -181,6 +182,13 @@ Findings examine(const std::filesystem::path& file, const std::vector<common::Ov
     found.problems = error.problems();
   }
   return found;
+}
+
+common::InputProblems problems_of_another_kind(const std::filesystem::path& file, const std::string& wanted) {
+  InputProblems ignored;
+  const std::optional<YamlNode> kind = kind_of(file, ignored);
+  if (!kind || kind->scalar == wanted) return {};
+  return {{kind->mark, "kind", common::excerpt(*kind), wanted}};
 }
 
 std::string kind_in(const std::filesystem::path& file) {

@@ -25,6 +25,9 @@ enum class ControllerBy { slewlab, user };
 Findings examine(const std::filesystem::path& file, const std::vector<common::Override>& overrides = {},
                  ControllerBy by = ControllerBy::slewlab);
 
+// The problem of a file that says it is of another kind than this one; none where it cannot be read or says nothing.
+common::InputProblems problems_of_another_kind(const std::filesystem::path& file, const std::string& wanted);
+
 // What the file says under `kind:`; empty where it cannot be read or says nothing.
 std::string kind_in(const std::filesystem::path& file);
 

@@ -42,12 +42,12 @@ Words words_of(const sim::MachineFile& axis) {
 
 // Of a law's first size; shapes are in the unit of what they are about.
 std::string unit_of(const BalanceTerm& term, const Words& words) {
-  if (term.law == "viscous" || term.law == "viscous_direction") return std::string(words.effort) + " per " + words.speed;
+  if (term.law == "viscous") return std::string(words.effort) + " per " + words.speed;
   if (term.law == "lag") return "s";
   return words.effort;
 }
 
-nlohmann::json to_json(const AxisError& error) { return {{"balance_rms", error.balance}, {"forward_speed_rms", error.forward}}; }
+nlohmann::json to_json(const AxisError& error) { return {{"balance_rms", error.balance}, {"forward_speed_rms", error.forward}, {"forward_speed_rms_in_tenths", error.tenths}}; }
 
 nlohmann::json to_json(const BalanceModel& model, const Words& words) {
   nlohmann::json json{{"laws", nlohmann::json::array()}, {"words", model.words()}, {"probability", model.probability},
@@ -57,14 +57,23 @@ nlohmann::json to_json(const BalanceModel& model, const Words& words) {
                              {"high_90", value + kNinetyPercent * deviation}});
   };
   add_size(words.inertia_name, model.inertia, model.inertia_deviation, words.inertia);
-  for (const BalanceTerm& term : model.terms) {
-    json["laws"].push_back(term.law);
-    json["law_probabilities"].push_back(term.probability);
+  const auto add_term = [&](const BalanceTerm& term) {
     for (std::size_t k = 0; k < term.size.size(); ++k) {
       add_size(term.size.size() == 1 ? term.law : fmt::format("{}.{}", term.law, k + 1), term.size[k], term.deviation[k], unit_of(term, words));
     }
-    if (term.shape != 0.0) add_size(term.law + ".shape", term.shape, 0.0, term.law == "warming" ? "s" : words.speed);
+    if (term.shape != 0.0) add_size(term.law + ".shape", term.shape, 0.0, term.law == "warming" || term.law == "lag" ? "s" : words.speed);
+  };
+  for (const BalanceTerm& term : model.terms) {
+    json["laws"].push_back(term.law);
+    json["law_probabilities"].push_back(term.probability);
+    add_term(term);
   }
+  json["details"] = nlohmann::json::array();
+  for (const BalanceTerm& term : model.details) {
+    json["details"].push_back(term.law);
+    add_term(term);
+  }
+  json["torque_recorded_ahead_s"] = model.skew;
   return json;
 }
 
@@ -81,6 +90,8 @@ nlohmann::json to_json(const AxisDiagnosis& found, const sim::MachineFile& axis,
                       {"nominal_inertia", found.nominal_inertia},
                       {"probability_unknown", found.answer.probability_unknown},
                       {"explained_share", found.answer.explained},
+                      {"unexplained_share", found.unexplained},
+                      {"has_unknown_remainder", found.has_remainder},
                       {"judged_share", found.answer.judged_share},
                       {"remainder", {{"follows", found.answer.remainder.variable}, {"share", found.answer.remainder.share}}},
                       {"validation",
@@ -91,7 +102,11 @@ nlohmann::json to_json(const AxisDiagnosis& found, const sim::MachineFile& axis,
                       {"causes", nlohmann::json::array()}};
   for (const BalanceModel& model : found.answer.models) json["causes"].push_back(to_json(model, words));
   for (const diagnosis::FamilyProbability& one : diagnosis::family_probabilities(found.answer)) {
-    json["families"].push_back({{"family", diagnosis::words_of(one.family)}, {"probability", one.probability}});
+    nlohmann::json members = nlohmann::json::array();
+    for (const diagnosis::LawProbability& law : diagnosis::law_probabilities(found.answer)) {
+      if (law.family == one.family) members.push_back({{"law", law.law}, {"words", law.words}, {"probability", law.probability}});
+    }
+    json["families"].push_back({{"family", diagnosis::words_of(one.family)}, {"probability", one.probability}, {"members", members}});
   }
   return json;
 }
@@ -103,6 +118,16 @@ std::string summary_text(const AxisDiagnosis& found, const Words& words) {
                                  words.inertia_name, validation.inertia.balance, words.effort);
   if (found.gap) text += fmt::format(", with {} {:.4g} {}", found.validated.words(), validation.cause.balance, words.effort);
   text += fmt::format(" (measured {:.4g} {}).\n", validation.effort, words.effort);
+  if (found.is_stated && found.gap) {
+    text += "\nFamilies of laws, and which of their laws are there, alone or beside others\n";
+    for (const diagnosis::FamilyProbability& one : diagnosis::family_probabilities(found.answer)) {
+      if (one.probability < kWorthNaming) continue;
+      text += fmt::format("  {:5.1f} %  {}\n", 100 * one.probability, diagnosis::words_of(one.family));
+      for (const diagnosis::LawProbability& law : diagnosis::law_probabilities(found.answer)) {
+        if (law.family == one.family && law.probability >= kWorthNaming) text += fmt::format("           {:5.1f} %  {}\n", 100 * law.probability, law.words);
+      }
+    }
+  }
   text += "\nCauses\n";
   bool is_unknown_told = false;
   const std::string unknown = fmt::format("  {:5.1f} %  outside the catalogue (unknown)\n", 100 * found.answer.probability_unknown);
@@ -121,18 +146,29 @@ std::string summary_text(const AxisDiagnosis& found, const Words& words) {
     for (const BalanceTerm& term : found.answer.best.terms) {
       for (std::size_t k = 0; k < term.size.size(); ++k) {
         const double reach = kNinetyPercent * term.deviation[k];
-        text += fmt::format("            {} = {:.4g} {} (90 %: {:.4g} to {:.4g}; there with {:.0f} %; without it {:.1f} % more of the gap are left)\n", term.words, term.size[k],
+        text += fmt::format("            {}{} = {:.4g} {} (90 %: {:.4g} to {:.4g}; there with {:.0f} %; without it {:.1f} % more of the gap are left)\n", term.words,
+                            k == 1 && term.law == "viscous" ? ", half the difference of the directions" : "", term.size[k],
                             unit_of(term, words), term.size[k] - reach, term.size[k] + reach, 100 * term.probability, 100 * term.share);
       }
     }
   }
   if (!is_unknown_told) text += unknown;
+  if (!found.answer.best.details.empty() && found.is_stated && found.gap) {
+    text += "            carried along, as every machine has a little of it, not sure to be there:";
+    for (const BalanceTerm& term : found.answer.best.details) {
+      text += fmt::format("{} {} {:.3g} +- {:.2g} {}", &term == &found.answer.best.details.front() ? "" : ",", term.words, term.size[0],
+                          kNinetyPercent * term.deviation[0], unit_of(term, words));
+    }
+    text += "\n";
+  }
   text += fmt::format("\nValidation on {} (sizes fitted without it): RMS error, nominal -> {} alone -> with the cause\n", validation.place,
                       words.inertia_name);
   text += fmt::format("  {:24} {:10.4g} -> {:10.4g} -> {:10.4g} {}\n", "torque balance", validation.nominal.balance, validation.inertia.balance,
                       validation.cause.balance, words.effort);
   text += fmt::format("  {:24} {:10.4g} -> {:10.4g} -> {:10.4g} {}\n", "speed, simulated forward", validation.nominal.forward,
                       validation.inertia.forward, validation.cause.forward, words.speed);
+  text += fmt::format("  {:24} {:10.4g} -> {:10.4g} -> {:10.4g} {}\n", "  anew at each tenth", validation.nominal.tenths, validation.inertia.tenths,
+                      validation.cause.tenths, words.speed);
   for (const std::string& remark : found.remarks) text += "  note: " + remark + "\n";
   return text;
 }

@@ -48,6 +48,7 @@ constexpr double kLineInterval = 2.0;  // [s] between progress lines where there
 constexpr int kThreads = 2;            // of a crane, where nothing else is said
 // The page's spectrogram: up to half the highest frequency that is judged, over windows of two characteristic times.
 constexpr double kShownShare = 0.5, kShownWindow = 2.0;
+constexpr double kDrawnRate = 5.0;  // of the highest frequency shown: samples per second of the page's series
 
 using diagnosis::Cause;
 using diagnosis::Diagnosis;
@@ -147,8 +148,15 @@ std::string answer_sentence(const Diagnosis& diagnosis) {
   return text + ".";
 }
 
-nlohmann::json to_json(const Diagnosis& diagnosis) {
-  nlohmann::json json{{"answer", answer_sentence(diagnosis)},
+// The same, with the word that it is of what is left of a damaged log.
+std::string answer_sentence(const Diagnosis& diagnosis, bool is_damaged) {
+  std::string text = answer_sentence(diagnosis);
+  if (is_damaged) text.insert(text.size() - 1, kOfADamagedLog);  // before its full stop
+  return text;
+}
+
+nlohmann::json to_json(const Diagnosis& diagnosis, bool is_damaged) {
+  nlohmann::json json{{"answer", answer_sentence(diagnosis, is_damaged)},
                       {"gap", diagnosis.gap},
                       {"verdict", diagnosis.verdict},
                       {"controller_differs", diagnosis.controller_differs},
@@ -256,10 +264,10 @@ std::string in_per_cent(std::span<const std::pair<std::string, double>> probabil
 }
 
 // The page that the terminal, summary.txt and diagnosis.html show.
-std::string summary_text(const Diagnosis& diagnosis, const ToldApartBy& apart, const std::optional<Predicted>& predicted, const std::string& place,
-                         const std::optional<diagnosis::NextManoeuvre>& next) {
+std::string summary_text(const Diagnosis& diagnosis, bool is_damaged, const ToldApartBy& apart, const std::optional<Predicted>& predicted,
+                         const std::string& place, const std::optional<diagnosis::NextManoeuvre>& next) {
   std::ostringstream out;
-  out << answer_sentence(diagnosis) << "\n\n";
+  out << answer_sentence(diagnosis, is_damaged) << "\n\n";
   out << fmt::format("Is there a gap?  {}. Residual variance ratio (1 = noise only): nominal {:.4g}, best parameters {:.4g}",
                      diagnosis.gap ? "Yes" : "No", diagnosis.mean_square_nominal, diagnosis.mean_square_parameters);
   if (diagnosis.gap && !diagnosis.causes.empty()) {
@@ -403,10 +411,11 @@ class ProgressDisplay {
   diagnosis::Forecast forecast_;
 };
 
-// Throws diagnosis::NotAdmitted; of a damaged log with what is lost, for that may be why.
-std::vector<Record> admitted_records(const MeasuredRuns& measured, const diagnosis::AdmissionSettings& settings) {
+// Throws diagnosis::NotAdmitted; of a damaged log with what is lost, for that may be why. The runs' messages are gone then: of an
+// hour they are as large as its record.
+std::vector<Record> admitted_records(MeasuredRuns& measured, const diagnosis::AdmissionSettings& settings) {
   std::vector<Record> records;
-  for (const MeasuredRun& one : measured.runs) {
+  for (MeasuredRun& one : measured.runs) {
     try {
       records.push_back(diagnosis::make_record(one.run, one.name, settings));
     } catch (const diagnosis::NotAdmitted& problem) {
@@ -417,9 +426,161 @@ std::vector<Record> admitted_records(const MeasuredRuns& measured, const diagnos
       }
       throw diagnosis::NotAdmitted(std::string(problem.what()) + "\nThis log is damaged, and that may be why:" + losses);
     }
+    one.run = {};
     records.back().remarks.insert(records.back().remarks.end(), one.remarks.begin(), one.remarks.end());
   }
   return records;
+}
+
+// A diagnosis of a crane and what it was made of, for all that is written of it.
+struct Made {
+  const DiagnoseOptions& options;
+  const sim::MachineSettings& nominal;
+  const std::optional<controller::ControllerSettings>& controller;
+  const Diagnosis& found;
+  bool is_damaged;           // a log of it
+  sim::MachineSettings cut;  // nominal, its boom cut as fits cut it
+  Cause first;               // the most probable one
+  Cause answer;              // the same, or nothing where no known effect is the answer: the gap is shown with what comes nearest, and says so
+};
+
+nlohmann::json told_apart_json(const Made& made, const ToldApartBy& apart) {
+  nlohmann::json json = nlohmann::json::array();
+  for (std::size_t k = 0; k < apart.size(); ++k) {
+    json.push_back({{"from", made.first.group[k].name}, {"manoeuvre", apart[k].manoeuvre}, {"signal", apart[k].signal},
+                    {"difference_rms", apart[k].difference}, {"unit", apart[k].unit}, {"noise_floors", apart[k].noise_floors}, {"advice", advice(apart[k])}});
+  }
+  return json;
+}
+
+nlohmann::json next_json(const diagnosis::NextManoeuvre& next) {
+  return {{"scenario", "next_manoeuvre.yaml"}, {"expected_gain_bits", next.gain}, {"open_bits", next.open},
+          {"signal", next.separation.signal}, {"noise_floors", next.separation.noise_floors}};
+}
+
+std::string next_text(const Made& made, const diagnosis::NextManoeuvre& next, const Record& at_the_rate_of) {
+  const DiagnoseOptions& options = made.options;
+  controller::ControllerSettings at_its_rate = *made.controller;
+  at_its_rate.period = at_the_rate_of.encoder_period;
+  return diagnosis::scenario_text(next, seen_from(options.crane, options.out), seen_from(options.controller, options.out), at_its_rate, made.nominal.step);
+}
+
+// The record's motion by the operator's commands alone, without what was found and with it; nothing without a controller.
+std::optional<Predicted> predicted_of(const Made& made, const Record& record) {
+  if (!made.controller || made.found.followed.begins_bent) return std::nullopt;
+  const controller::ControllerSettings explained = controller::with_effects(*made.controller, made.first.controller_effects);
+  const Point& unbiased = made.found.held_out ? made.found.held_out->point : made.first.point;
+  const double from_time = made.found.held_out ? made.found.held_out->from_time : record.start_time;
+  return Predicted{diagnosis::predict(made.cut, *made.controller, record, from_time),
+                   diagnosis::predict(diagnosis::machine_at(made.cut, made.found.nuisances, unbiased), explained, record, from_time)};
+}
+
+nlohmann::json gaps_json(const Predicted& predicted) {
+  nlohmann::json json = nlohmann::json::array();
+  for (std::size_t i = 0; i < predicted.before.gaps.size(); ++i) {
+    const diagnosis::SignalGap& before = predicted.before.gaps[i];
+    json.push_back({{"signal", before.signal}, {"unit", before.unit}, {"measured_rms", before.measured},
+                    {"before", before.gap}, {"after", predicted.after.gaps[i].gap}});
+  }
+  return json;
+}
+
+// crane_with_effect.yaml
+std::string crane_text(const Made& made) {
+  const sim::MachineSettings explained = diagnosis::machine_at(made.cut, made.found.nuisances, made.answer.point);
+  std::string text = fmt::format("include: {}\ndescription: The nominal crane with what slewlab diagnose found.\n",
+                                 seen_from(made.options.crane, made.options.out));
+  if (explained.crane.boom.element_count != made.nominal.crane.boom.element_count) {
+    text += fmt::format("boom:\n  elements: {}\n", common::quantity_text(std::to_string(explained.crane.boom.element_count), common::Unit::none,
+                                                                        "slewlab diagnose, as the sizes were fitted"));
+  }
+  std::map<std::string, std::string> intervals;
+  for (const diagnosis::Size& size : made.answer.sizes) intervals[size.parameter] = fmt::format("90 %: {:.4g} to {:.4g}", size.low, size.high);
+  if (!explained.effects.empty()) {
+    text += common::effects_text(explained.effects, sim::effects_for(made.nominal), "slewlab diagnose, " + made.found.verdict, intervals);
+  }
+  return text;
+}
+
+void write_machines(const Made& made, Findings& findings) {
+  findings.write("crane_with_effect.yaml", crane_text(made));
+  findings.write("crane_as_fitted.yaml",
+                 "include: crane_with_effect.yaml\ndescription: The same, with the parameters as slewlab diagnose fitted them.\n" +
+                     diagnosis::parameters_text(made.found.nuisances, made.nominal.crane, made.answer.point.nuisance, "slewlab diagnose"));
+  std::filesystem::remove(made.options.out / "controller_with_effect.yaml");  // of a diagnosis before, which found something there
+  if (made.answer.controller_effects.empty()) return;
+  findings.write("controller_with_effect.yaml",
+                 fmt::format("include: {}\ndescription: The nominal controller with what slewlab diagnose found.\n",
+                             seen_from(made.options.controller, made.options.out)) +
+                     controller::changes_text(*made.controller, controller::with_effects(*made.controller, made.answer.controller_effects),
+                                              "slewlab diagnose, " + made.found.verdict));
+}
+
+// All files of a diagnosis but the page; answers with the summary.
+std::string write_findings(const Made& made, const std::vector<Record>& records, const diagnosis::Thresholds& thresholds) {
+  const Diagnosis& found = made.found;
+  const DiagnoseOptions& options = made.options;
+  Findings findings(options.out);
+  nlohmann::json json = to_json(found, made.is_damaged);
+  const ToldApartBy apart = told_apart_by(made.cut, made.controller, found);
+  if (!apart.empty()) json["told_apart_by"] = told_apart_json(made, apart);
+  std::optional<diagnosis::NextManoeuvre> next;
+  if (made.controller) next = diagnosis::manoeuvre_after(made.cut, *made.controller, found, records.front(), common::stop_requested);
+  std::filesystem::remove(options.out / "next_manoeuvre.yaml");  // of a diagnosis before, which was not sure
+  if (next) {
+    json["next_manoeuvre"] = next_json(*next);
+    findings.write("next_manoeuvre.yaml", next_text(made, *next, records.front()));
+  }
+  const Record& last = *std::find_if(records.begin(), records.end(), [&](const Record& record) { return record.name == found.followed.record; });
+  const std::string place = place_of_gaps(found, made.first, last);
+  const std::optional<Predicted> predicted = predicted_of(made, last);
+  if (predicted) {
+    json["gaps_on"] = place;
+    json["gaps"] = gaps_json(*predicted);
+  }
+  const double highest_shown = kShownShare * thresholds.whitening.highest_frequency;
+  const auto stride = static_cast<std::size_t>(std::max(1L, std::lround(1.0 / (kDrawnRate * highest_shown * last.step))));
+  findings.write("series.csv", series_text(last, found.followed, predicted, stride));
+  json["crane"] = std::filesystem::absolute(options.crane).string();
+  json["spectrogram"] = {{"highest_hz", highest_shown}, {"window_s", kShownWindow * thresholds.time}};
+  json["modes"] = modes_json(made.cut, highest_shown);
+  findings.write("diagnosis.json", json.dump(2) + "\n");
+  write_machines(made, findings);
+  std::string summary = summary_text(found, made.is_damaged, apart, predicted, place, next);
+  findings.write("summary.txt", summary);
+  findings.keep();
+  return summary;
+}
+
+int diagnose_crane_logs(const sim::MachineFile& crane, const DiagnoseOptions& options, std::ostream& out, std::ostream& complaints) {
+  const sim::MachineSettings nominal = sim::machine_settings(crane);
+  std::optional<controller::ControllerSettings> controller;
+  if (!options.controller.empty()) controller = controller::load_controller_file(options.controller).settings;
+  const diagnosis::Thresholds thresholds = diagnosis::thresholds_of(sim::describe(crane));
+  MeasuredRuns measured = measured_runs(options.logs);
+  std::vector<Record> admitted = admitted_records(measured, thresholds.admission);
+
+  diagnosis::DiagnosisSettings settings;
+  settings.without = options.without;
+  settings.threads = options.threads.value_or(kThreads);
+  settings.hold_out = true;
+  ProgressDisplay progress(options.terminal, complaints);
+  Diagnosis found = diagnosis::diagnose(nominal, controller, std::move(admitted), settings, std::ref(progress), common::stop_requested);
+  progress.keep();
+  if (measured.is_damaged) found.verdict += kOfADamagedLog;
+  if (common::stop_requested()) throw diagnosis::Interrupted{};  // what follows takes seconds, and then it is written
+
+  // Read anew: kept beside those that the diagnosis works with they would be in memory twice.
+  MeasuredRuns again = measured_runs(options.logs);
+  const std::vector<Record> records = admitted_records(again, thresholds.admission);
+  const Cause first = found.causes.empty() ? Cause{} : found.causes.front();
+  const Made made{options, nominal, controller, found, measured.is_damaged, diagnosis::with_boom_elements(nominal, found.boom_elements),
+                  first, found.is_unknown ? Cause{} : first};
+  const std::string summary = write_findings(made, records, thresholds);
+  out << summary << "files: " << options.out.string() << std::endl;
+  // Becomes the program that draws; without an interpreter it says so, and the findings stand all the same.
+  run_python("diagnosis_report.py", {options.out.string()});
+  return 0;
 }
 
 }  // namespace
@@ -427,105 +588,11 @@ std::vector<Record> admitted_records(const MeasuredRuns& measured, const diagnos
 int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostream& complaints) {
   common::catch_stop_signals();
   try {
-    const sim::MachineFile crane = sim::load_machine_file(options.crane);
-    const common::InputProblems problems = problems_of(options, crane.kind);
+    const sim::MachineFile machine = sim::load_machine_file(options.crane);
+    const common::InputProblems problems = problems_of(options, machine.kind);
     if (!problems.empty()) throw common::InputError(problems);
-    if (crane.kind == sim::MachineKind::axis) return diagnose_axis_logs(crane, options, out);
-    const sim::MachineSettings nominal = sim::machine_settings(crane);
-    std::optional<controller::ControllerSettings> controller;
-    if (!options.controller.empty()) controller = controller::load_controller_file(options.controller).settings;
-
-    const diagnosis::Thresholds thresholds = diagnosis::thresholds_of(sim::describe(crane));
-    const MeasuredRuns measured = measured_runs(options.logs);
-    const std::vector<Record> records = admitted_records(measured, thresholds.admission);
-
-    diagnosis::DiagnosisSettings settings;
-    settings.without = options.without;
-    settings.threads = options.threads.value_or(kThreads);
-    settings.hold_out = true;
-    ProgressDisplay progress(options.terminal, complaints);
-    Diagnosis found = diagnosis::diagnose(nominal, controller, records, settings, std::ref(progress), common::stop_requested);
-    progress.keep();
-    if (measured.is_damaged) found.verdict += kOfADamagedLog;
-
-    if (common::stop_requested()) throw diagnosis::Interrupted{};  // what follows takes seconds, and then it is written
-    const sim::MachineSettings cut = diagnosis::with_boom_elements(nominal, found.boom_elements);
-    const Cause nothing;
-    const Cause& first = found.causes.empty() ? nothing : found.causes.front();
-    // Where no known effect is the answer, nothing is added to the crane; the gap is shown with what comes nearest, and says so.
-    const Cause& answer = found.is_unknown ? nothing : first;
-    Findings findings(options.out);
-    nlohmann::json json = to_json(found);
-    const ToldApartBy apart = told_apart_by(cut, controller, found);
-    for (std::size_t k = 0; k < apart.size(); ++k) {
-      json["told_apart_by"].push_back({{"from", first.group[k].name}, {"manoeuvre", apart[k].manoeuvre}, {"signal", apart[k].signal},
-                                       {"difference_rms", apart[k].difference}, {"unit", apart[k].unit},
-                                       {"noise_floors", apart[k].noise_floors}, {"advice", advice(apart[k])}});
-    }
-    std::optional<diagnosis::NextManoeuvre> next;
-    if (controller) next = diagnosis::manoeuvre_after(cut, *controller, found, records.front(), common::stop_requested);
-    std::filesystem::remove(options.out / "next_manoeuvre.yaml");  // of a diagnosis before, which was not sure
-    if (next) {
-      json["next_manoeuvre"] = {{"scenario", "next_manoeuvre.yaml"}, {"expected_gain_bits", next->gain}, {"open_bits", next->open},
-                                {"signal", next->separation.signal}, {"noise_floors", next->separation.noise_floors}};
-      controller::ControllerSettings at_its_rate = *controller;
-      at_its_rate.period = records.front().encoder_period;
-      findings.write("next_manoeuvre.yaml", diagnosis::scenario_text(*next, seen_from(options.crane, options.out), seen_from(options.controller, options.out),
-                                                                     at_its_rate, nominal.step));
-    }
-    const Record& last = *std::find_if(records.begin(), records.end(), [&](const Record& record) { return record.name == found.followed.record; });
-    const std::string place = place_of_gaps(found, first, last);
-    std::optional<Predicted> predicted;
-    if (controller && !found.followed.begins_bent) {
-      const controller::ControllerSettings explained_controller = controller::with_effects(*controller, first.controller_effects);
-      const Point& unbiased = found.held_out ? found.held_out->point : first.point;
-      const double from_time = found.held_out ? found.held_out->from_time : last.start_time;
-      predicted = {diagnosis::predict(cut, *controller, last, from_time),
-                   diagnosis::predict(diagnosis::machine_at(cut, found.nuisances, unbiased), explained_controller, last, from_time)};
-      json["gaps_on"] = place;
-      for (std::size_t i = 0; i < predicted->before.gaps.size(); ++i) {
-        const diagnosis::SignalGap& before = predicted->before.gaps[i];
-        json["gaps"].push_back({{"signal", before.signal}, {"unit", before.unit}, {"measured_rms", before.measured},
-                                {"before", before.gap}, {"after", predicted->after.gaps[i].gap}});
-      }
-    }
-    const auto stride = static_cast<std::size_t>(std::max(1L, std::lround(0.01 / last.step)));
-    findings.write("series.csv", series_text(last, found.followed, predicted, stride));
-    json["crane"] = std::filesystem::absolute(options.crane).string();
-    const double highest_shown = kShownShare * thresholds.whitening.highest_frequency;
-    json["spectrogram"] = {{"highest_hz", highest_shown}, {"window_s", kShownWindow * thresholds.time}};
-    json["modes"] = modes_json(cut, highest_shown);
-    findings.write("diagnosis.json", json.dump(2) + "\n");
-    const sim::MachineSettings explained = diagnosis::machine_at(cut, found.nuisances, answer.point);
-    const std::vector<common::EffectInstance>& effects = explained.effects;
-    std::string text = fmt::format("include: {}\ndescription: The nominal crane with what slewlab diagnose found.\n",
-                                   seen_from(options.crane, options.out));
-    if (explained.crane.boom.element_count != nominal.crane.boom.element_count) {
-      text += fmt::format("boom:\n  elements: {}\n", common::quantity_text(std::to_string(explained.crane.boom.element_count), common::Unit::none,
-                                                                          "slewlab diagnose, as the sizes were fitted"));
-    }
-    std::map<std::string, std::string> intervals;
-    for (const diagnosis::Size& size : answer.sizes) intervals[size.parameter] = fmt::format("90 %: {:.4g} to {:.4g}", size.low, size.high);
-    if (!effects.empty()) text += common::effects_text(effects, sim::effects_for(nominal), "slewlab diagnose, " + found.verdict, intervals);
-    findings.write("crane_with_effect.yaml", text);
-    findings.write("crane_as_fitted.yaml",
-                     "include: crane_with_effect.yaml\ndescription: The same, with the parameters as slewlab diagnose fitted them.\n" +
-                         diagnosis::parameters_text(found.nuisances, nominal.crane, answer.point.nuisance, "slewlab diagnose"));
-    std::filesystem::remove(options.out / "controller_with_effect.yaml");  // of a diagnosis before, which found something there
-    if (!answer.controller_effects.empty()) {
-      findings.write("controller_with_effect.yaml",
-                       fmt::format("include: {}\ndescription: The nominal controller with what slewlab diagnose found.\n",
-                                   seen_from(options.controller, options.out)) +
-                           controller::changes_text(*controller, controller::with_effects(*controller, answer.controller_effects),
-                                                    "slewlab diagnose, " + found.verdict));
-    }
-    const std::string summary = summary_text(found, apart, predicted, place, next);
-    findings.write("summary.txt", summary);
-    findings.keep();
-    out << summary << "files: " << options.out.string() << std::endl;
-    // Becomes the program that draws; without an interpreter it says so, and the findings stand all the same.
-    run_python("diagnosis_report.py", {options.out.string()});
-    return 0;
+    if (machine.kind == sim::MachineKind::axis) return diagnose_axis_logs(machine, options, out);
+    return diagnose_crane_logs(machine, options, out, complaints);
   } catch (const diagnosis::NotAdmitted& problem) {
     complaints << "cannot tell, because " << problem.what() << "\n";
     return 3;

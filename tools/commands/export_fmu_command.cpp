@@ -41,6 +41,9 @@ fmu::UnitFile unit_file(const ExportFmuOptions& options) {
     throw common::InputError({{kind->mark, "kind", common::excerpt(*kind), "crane or axis (the plant), or controller"}});
   }
   file.kind = found == "controller" ? fmu::UnitKind::controller : fmu::UnitKind::plant;
+  if (file.kind == fmu::UnitKind::controller && !options.of_a_plant.empty()) {
+    throw common::InputError({{{options.of_a_plant, 0, 0}, "", "it beside a controller", "it beside a machine: a controller has no plant"}});
+  }
   file.period = std::llround(options.period_ms * kNanosecondsPerMillisecond);
   file.plant_step = std::llround(options.plant_step_ms * kNanosecondsPerMillisecond);
   file.seed = options.seed;

@@ -16,6 +16,7 @@ struct ExportFmuOptions {
   double period_ms = 10.0;           // communication step; of a controller the only one
   double plant_step_ms = 1.0;
   int seed = 0;
+  std::string of_a_plant = {};       // an option that was given and says something of a plant alone
   std::vector<common::Override> overrides = {};
 };
 

@@ -5,27 +5,24 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <functional>
 #include <iostream>
-#include <map>
 #include <memory>
 
-#include "common/input_error.h"
 #include "tools/commands/accept_command.h"
 #include "tools/commands/check_command.h"
+#include "tools/commands/command_line.h"
 #include "tools/commands/command_pages.h"
 #include "tools/commands/diagnose_command.h"
 #include "tools/commands/export_fmu_command.h"
 #include "tools/commands/home.h"
 #include "tools/commands/modes_command.h"
 #include "tools/commands/new_command.h"
+#include "tools/commands/option_check.h"
 #include "tools/commands/python_command.h"
 #include "tools/commands/replay_command.h"
-#include "tools/commands/run_command.h"
 #include "tools/commands/schema.h"
 #include "tools/commands/simulate_command.h"
 #include "tools/commands/soak_command.h"
-#include "tools/commands/unknown_word.h"
 #include "tools/commands/verify_command.h"
 #include "tools/commands/version.h"
 #include "tools/commands/whole_file.h"
@@ -34,19 +31,12 @@
 namespace slewlab::tools {
 namespace {
 
-std::vector<common::Override> parse_overrides(const std::vector<std::string>& texts) {
-  std::vector<common::Override> overrides;
-  for (const std::string& text : texts) overrides.push_back(common::parse_override(text));
-  return overrides;
-}
-
 // What an option means that was not given: a file of slewlab's own.
 void fill(std::filesystem::path& file, const char* own) {
   if (file.empty()) file = home() / own;
 }
 
-// Each of these adds its subcommand; what it is to do goes into `action`, which answers with the exit code.
-using Action = std::function<int()>;
+// Each of these adds its subcommand; what it is to do goes into `action`.
 
 void add_check(CLI::App& app, Action& action) {
   struct Options {
@@ -77,37 +67,7 @@ void add_check(CLI::App& app, Action& action) {
 }
 
 void add_run(CLI::App& app, const std::vector<std::string>& command_line, Action& action) {
-  struct Options {
-    RunOptions run;
-    std::vector<std::string> overrides;
-  };
-  auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("run", "Run a scenario: plant and controller as two processes over LCM");
-  command->add_option("SCENARIO", options->run.scenario, "scenario file")->required();
-  CLI::Option* own = command->add_option("--controller", options->run.controller_command,
-                                         "shell command of your own controller; it finds its bus in $SLEWLAB_BUS (docs/wire.md)");
-  command->add_option("--controller-fmu", options->run.controller_fmu, "controller that is an FMU 2 or 3 for co-simulation (docs/fmu.md)")
-      ->check(CLI::ExistingFile)
-      ->excludes(own);
-  command->add_option("--plant", options->run.plant_command,
-                      "shell command of your own plant; it finds its task in $SLEWLAB_PLANT_TASK (docs/wire.md)");
-  command->add_option("--out", options->run.out, "folder for log and summary (runs/<scenario>)");
-  command->add_option("--set", options->overrides,
-                      "key=value: scenario keys as they are, crane.KEY and controller.KEY for those files");
-  const std::map<std::string, Progress> modes{
-      {"auto", Progress::automatic}, {"lines", Progress::lines}, {"none", Progress::none}};
-  command->add_flag("--realtime", options->run.realtime, "against the wall clock instead of in lockstep");
-  command->add_option("--speed", options->run.speed, "with --realtime: simulated seconds per second")
-      ->check(CLI::PositiveNumber);
-  command->add_flag("--steered", options->run.steered, "by lines on standard input, as slewlab desk steers a run (docs/desk.md)");
-  command->add_option("--progress", options->run.progress, "auto, lines or none")
-      ->transform(CLI::CheckedTransformer(modes));
-  command->callback([options, &command_line, &action] {
-    action = [options, &command_line] {
-      options->run.overrides = parse_overrides(options->overrides);
-      return run_scenario(options->run, command_line);
-    };
-  });
+  add_run_options(*app.add_subcommand("run", "Run a scenario: plant and controller as two processes over LCM"), command_line, action);
 }
 
 void add_replay(CLI::App& app, const std::vector<std::string>& command_line, Action& action) {
@@ -117,19 +77,19 @@ void add_replay(CLI::App& app, const std::vector<std::string>& command_line, Act
   };
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("replay", "Feed a log to plant and controller again and compare to the bit");
-  command->add_option("LOG", options->replay.log, "log, or the folder of a run")->required()->check(CLI::ExistingPath);
+  command->add_option("LOG", options->replay.log, "log, or the folder of a run")->required()->check(readable_path());
   command->add_option("--scenario", options->replay.scenario, "in place of scenario.yaml beside the log");
   command->add_option("--crane,--axis", options->replay.crane, "in place of the scenario's machine");
   command->add_option("--controller-config", options->replay.controller_config, "in place of the scenario's");
   CLI::Option* own = command->add_option("--controller", options->replay.controller_command,
                                          "shell command of your own controller: what it would have answered to the recorded motion");
   command->add_option("--controller-fmu", options->replay.controller_fmu, "the same of a controller that is an FMU (docs/fmu.md)")
-      ->check(CLI::ExistingFile)
+      ->check(readable_file())
       ->excludes(own);
   command->add_option("--tolerance", options->replay.tolerances,
                       "CHANNEL.FIELD=SIZE: differences up to this size do not count, e.g. TORQUE.motor_torque=0.5");
   command->add_option("--run", options->replay.run, "which of several runs in the log, from 1 (all)")
-      ->check(CLI::PositiveNumber);
+      ->check(whole_number(1));
   command->add_option("--set", options->overrides, "key=value, as of slewlab run");
   command->callback([options, &command_line, &action] {
     action = [options, &command_line] {
@@ -147,10 +107,10 @@ void add_simulate(CLI::App& app, Action& action) {
   };
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("simulate", "Drive a machine by the torque of a log, open loop, for report against the log");
-  command->add_option("MACHINE", options->simulate.machine, "file of a crane or an axis")->required()->check(CLI::ExistingFile);
-  command->add_option("LOG", options->simulate.log, "log, or the folder of a run")->required()->check(CLI::ExistingPath);
+  command->add_option("MACHINE", options->simulate.machine, "file of a crane or an axis")->required()->check(readable_file());
+  command->add_option("LOG", options->simulate.log, "log, or the folder of a run")->required()->check(readable_path());
   command->add_option("--out", options->simulate.out, "folder for the simulated log")->required();
-  command->add_option("--plant-step", options->longest_step_ms, "[ms] longest step of the plant (1)")->check(CLI::PositiveNumber);
+  command->add_option("--plant-step", options->longest_step_ms, "[ms] longest step of the plant (1)")->check(positive_number());
   command->add_option("--set", options->overrides, "key=value over the machine's file");
   command->callback([options, &action] {
     action = [options] {
@@ -170,14 +130,14 @@ void add_accept(CLI::App& app, const std::vector<std::string>& command_line, Act
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("accept", "Check a controller's run against limits: pass or fail, and why");
   CLI::Option* subject = command->add_option("SCENARIO|RUN_DIR", options->accept.subject, "scenario to run, or a run that was made already")
-                             ->check(CLI::ExistingPath);
+                             ->check(readable_path());
   auto plan = std::make_shared<std::filesystem::path>();
   CLI::Option* record = command->add_option("--record", *plan, "test plan: make every run of it, and the record that traces requirements to them")
-                            ->check(CLI::ExistingFile)
+                            ->check(readable_file())
                             ->excludes(subject);
   CLI::Option* own = command->add_option("--controller", options->accept.controller_command, "shell command of your own controller");
   command->add_option("--controller-fmu", options->accept.controller_fmu, "controller that is an FMU (docs/fmu.md)")
-      ->check(CLI::ExistingFile)
+      ->check(readable_file())
       ->excludes(own);
   command->add_option("--plant", options->accept.plant_command, "shell command of your own plant");
   command->add_option("--limits", options->accept.limits, "limits (config/acceptance/thesis.yaml)")->excludes(record);
@@ -208,7 +168,7 @@ void add_diagnose(CLI::App& app, Action& action) {
   command->add_option("--log", options->logs, "measured logs, or folders of runs; more than one manoeuvre tells more")->required();
   command->add_option("--out", options->out, "folder for the findings")->required();
   command->add_option("--without", options->without, "effects that the catalogue is to do without; of an axis: laws of its torque balance");
-  command->add_option("--threads", options->threads, "simulations side by side (2); not of an axis")->check(CLI::PositiveNumber);
+  command->add_option("--threads", options->threads, "simulations side by side (2); not of an axis")->check(whole_number(1));
   command->callback([options, &action] {
     options->terminal = ::isatty(STDERR_FILENO) == 1;
     action = [options] { return diagnose_logs(*options, std::cout, std::cerr); };
@@ -222,17 +182,17 @@ void add_withhold(CLI::App& app, Action& action) {
   command->require_subcommand(1);
   auto options = std::make_shared<WithholdMakeOptions>();
   CLI::App* make = command->add_subcommand("make", "Draw machines, run them and write their logs; answers sealed");
-  make->add_option("--cases", options->cases, "how many")->required()->check(CLI::PositiveNumber);
-  make->add_option("--seed", options->seed, "below 1000 for tuning, from 1000 on for scoring")->required();
+  make->add_option("--cases", options->cases, "how many")->required()->check(whole_number(1));
+  make->add_option("--seed", options->seed, "below 1000 for tuning, from 1000 on for scoring")->required()->check(whole_number(0));
   make->add_option("--out", options->directory, "folder for the set")->required();
   make->add_option("--purpose", options->purpose, "tune or score: refused where the seed is for the other");
   make->add_option("--crane", options->crane, "nominal crane (config/cranes/thesis.yaml)");
   make->add_option("--controller", options->controller, "nominal controller (config/controllers/thesis.yaml)");
-  make->add_option("--rate", options->rate, "[Hz] of the record: SENSORS, and the controller with ENCODER and TORQUE (1000); a whole number of milliseconds per sample");
-  make->add_option("--sensors", options->sensors, "all, tip or none: what is recorded beside encoders and torques")->check(CLI::IsMember({"all", "tip", "none"}));
-  make->add_option("--begin", options->begin, "rest, on, motion or any: when the recorder is switched on; with the drives on, under way, each of the three, drawn at random")->check(CLI::IsMember({"rest", "on", "motion", "any"}));
-  make->add_option("--controller-period", options->controller_period_ms, "[ms] whole milliseconds (as --rate has it)");
-  make->add_option("--threads", options->threads, "cases side by side");
+  make->add_option("--rate", options->rate, "[Hz] of the record: SENSORS, and the controller with ENCODER and TORQUE (1000); a whole number of milliseconds per sample")->check(positive_number());
+  make->add_option("--sensors", options->sensors, "all, tip or none: what is recorded beside encoders and torques")->check(one_of({"all", "tip", "none"}));
+  make->add_option("--begin", options->begin, "rest, on, motion or any: when the recorder is switched on; with the drives on, under way, each of the three, drawn at random")->check(one_of({"rest", "on", "motion", "any"}));
+  make->add_option("--controller-period", options->controller_period_ms, "[ms] whole milliseconds (as --rate has it)")->check(whole_number(1));
+  make->add_option("--threads", options->threads, "cases side by side")->check(whole_number(1));
   make->callback([options, &action] {
     action = [options] {
       fill(options->crane, "config/cranes/thesis.yaml");
@@ -249,8 +209,8 @@ void add_withhold_score(CLI::App& withhold, Action& action) {
   score->add_option("DIR", options->directory, "the set")->required();
   score->add_option("--results", options->results, "folder in it for the results");
   score->add_flag("--no-accelerometers", options->no_accelerometers, "encoders and torques alone");
-  score->add_option("--threads", options->threads, "cases side by side")->check(CLI::PositiveNumber);
-  score->add_option("--first", options->first, "only so many cases, from the beginning of the set")->check(CLI::PositiveNumber);
+  score->add_option("--threads", options->threads, "cases side by side")->check(whole_number(1));
+  score->add_option("--first", options->first, "only so many cases, from the beginning of the set")->check(whole_number(1));
   score->add_flag("--second-round", options->second_round, "where an answer is not sure, the machine drives the manoeuvre that it proposes, and one that is drawn, and is diagnosed again");
   score->add_flag("--no-informed-fits", options->no_informed_fits, "no fits that are told the effects: the share of the gap closed is of those there already");
   score->callback([options, &action] {
@@ -267,20 +227,21 @@ void add_soak(CLI::App& app, Action& action) {
   SoakOptions& soak_options = options->soak;
   CLI::App* command = app.add_subcommand("soak", "Slew at random for hours, faster than real time, and check what must always hold");
   auto* hours = command->add_option("--hours", soak_options.hours, "simulated hours, rounded up to whole tasks")
-                    ->check(CLI::PositiveNumber);
-  command->add_option("--seed", soak_options.seed, "of everything drawn")->required();
-  command->add_option("--jobs", soak_options.jobs, "worker processes (1)")->check(CLI::Range(1, 1024));
+                    ->check(positive_number());
+  command->add_option("--seed", soak_options.seed, "of everything drawn")->required()->check(whole_number(0));
+  auto* jobs = command->add_option("--jobs", soak_options.jobs, "worker processes (1)")->check(whole_number(1, 1024));
   command->add_flag("--faults", soak_options.faults, "draw faults as well (docs/faults.md)");
   auto* task = command->add_option("--task", soak_options.task,
                                    "instead of hours: run task K, or K-L one after the other, and keep the logs");
   hours->excludes(task);
+  jobs->excludes(task);
   command->add_option("--out", soak_options.out,
                       "folder for journal and failures (soak-SEED); the same command goes on where it was stopped");
-  command->add_option("--crane", soak_options.crane, "crane (config/cranes/thesis.yaml)")->check(CLI::ExistingFile);
+  command->add_option("--crane", soak_options.crane, "crane (config/cranes/thesis.yaml)")->check(readable_file());
   command->add_option("--controller", soak_options.controller, "controller (config/controllers/thesis.yaml)")
-      ->check(CLI::ExistingFile);
+      ->check(readable_file());
   command->add_option("--config", soak_options.config, "what is drawn, and the limits (config/soak/thesis.yaml)")
-      ->check(CLI::ExistingFile);
+      ->check(readable_file());
   command->add_option("--set", options->overrides,
                       "key=value: of --config as they are, crane.KEY and controller.KEY, e.g. limits.sidelead=5deg");
   command->footer("Journal, failures and how to repeat one: docs/soak.md");
@@ -329,7 +290,7 @@ void add_modes(CLI::App& app, Action& action) {
   CLI::App* command = app.add_subcommand("modes", "Eigenfrequencies, convergence and frequency response of a crane or an axis");
   command->add_option("MACHINE", options->modes.crane, "file of a crane or an axis")->required();
   command->add_option("--elements", options->modes.elements, "boom elements, in place of the crane's own")
-      ->check(CLI::Range(0, 256));
+      ->check(whole_number(0, 256));
   command->add_option("--bode", options->modes.bode, "CSV of the response from motor torque to tip velocity");
   command->add_option("--set", options->overrides, "key=value over the machine's file");
   command->callback([options, &action] {
@@ -348,13 +309,16 @@ void add_export_fmu(CLI::App& app, Action& action) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("export-fmu", "A machine as plant, or a controller, as an FMU for co-simulation");
   command->add_option("FILE", options->fmu.file, "file of a crane, an axis or a controller")->required();
-  command->add_option("--fmi", options->fmu.fmi, "version of the standard: 2 (2.0) or 3 (3.0)")->check(CLI::IsMember({2, 3}));
+  command->add_option("--fmi", options->fmu.fmi, "version of the standard: 2 (2.0) or 3 (3.0)")->check(one_of({"2", "3"}));
   command->add_option("--out", options->fmu.out, "FMU to write (FILE's name with .fmu, where one stands)");
-  command->add_option("--period", options->fmu.period_ms, "[ms] communication step (10); a controller takes no other")->check(CLI::PositiveNumber);
-  command->add_option("--plant-step", options->fmu.plant_step_ms, "[ms] of the plant's integration (1)")->check(CLI::PositiveNumber);
-  command->add_option("--seed", options->fmu.seed, "of the plant's effects that draw numbers (0)")->check(CLI::NonNegativeNumber);
+  command->add_option("--period", options->fmu.period_ms, "[ms] communication step (10); a controller takes no other")->check(positive_number());
+  CLI::Option* step = command->add_option("--plant-step", options->fmu.plant_step_ms, "[ms] of the plant's integration (1)")->check(positive_number());
+  CLI::Option* seed = command->add_option("--seed", options->fmu.seed, "of the plant's effects that draw numbers (0)")->check(whole_number(0));
   command->add_option("--set", options->overrides, "key=value over the file");
-  command->callback([options, &action] {
+  command->callback([options, step, seed, &action] {
+    for (const CLI::Option* given : {seed, step}) {
+      if (given->count() > 0) options->fmu.of_a_plant = given->get_name();
+    }
     action = [options] {
       options->fmu.overrides = parse_overrides(options->overrides);
       return export_fmu(options->fmu, std::cout);
@@ -366,7 +330,7 @@ void add_verify(CLI::App& app, Action& action) {
   auto options = std::make_shared<VerifyOptions>();
   CLI::App* command = app.add_subcommand("verify", "Compute every number of the thesis anew and compare");
   command->add_option("--config", options->config_directory, "folder with cranes/ and controllers/")
-      ->check(CLI::ExistingDirectory);
+      ->check(readable_folder());
   command->add_flag("--json", options->json, "rows as JSON");
   command->callback([options, &action] {
     action = [options] {
@@ -465,7 +429,7 @@ void add_schema(CLI::App& app, Action& action) {
   });
 }
 
-int main(const std::vector<std::string>& command_line, int argc, char** argv) {
+int main(const std::vector<std::string>& command_line) {
   CLI::App app{"slewlab: a simulated crane slewing drive, and what to do with it", "slewlab"};
   app.require_subcommand(1);
   app.set_version_flag("--version", version_text(), "versions of slewlab, LCM and SUNDIALS");
@@ -493,26 +457,10 @@ int main(const std::vector<std::string>& command_line, int argc, char** argv) {
   add_python(app, "soft-plc", "soft_plc.py", "A PLC on loopback to try a map of registers, nodes or symbols with", action);
   add_python(app, "export", "export.py", "Turn a log into Parquet, CSV or MCAP files", action);
   add_python(app, "import", "import_data.py", "Turn measured CSV or Parquet into a log, by a map of its columns", action);
-  try {
-    app.parse(argc, argv);
-    return action();
-  } catch (const CLI::ParseError& error) {
-    const bool is_asked = error.get_exit_code() == 0 && !names_no_command(app, command_line);  // for help or the version
-    if (const auto unknown = is_asked ? std::nullopt : unknown_word(app, command_line)) {
-      std::fprintf(stderr, "%s\n", unknown->c_str());
-      return 2;
-    }
-    return app.exit(error) == 0 ? 0 : 2;
-  } catch (const common::InputError& error) {
-    std::fprintf(stderr, "%s\n", error.what());
-    return 2;
-  } catch (const std::exception& error) {
-    std::fprintf(stderr, "slewlab: %s\n", error.what());
-    return 1;
-  }
+  return act(app, command_line, action);
 }
 
 }  // namespace
 }  // namespace slewlab::tools
 
-int main(int argc, char** argv) { return slewlab::tools::main({argv, argv + argc}, argc, argv); }
+int main(int argc, char** argv) { return slewlab::tools::main({argv, argv + argc}); }

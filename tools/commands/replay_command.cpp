@@ -10,6 +10,7 @@
 #include <optional>
 #include <ostream>
 #include <stdexcept>
+#include <utility>
 
 #include "common/input_error.h"
 #include "common/yaml_node.h"
@@ -18,7 +19,7 @@
 #include "msgs/configuration_hash.h"
 #include "msgs/lcm_bus.h"
 #include "msgs/memory_bus.h"
-#include "msgs/run_log.h"
+#include "msgs/run_stream.h"
 #include "sim/drive/scenario_file.h"
 #include "tools/commands/child_process.h"
 #include "tools/commands/home.h"
@@ -91,24 +92,24 @@ Configuration configuration(const ReplayOptions& options, const fs::path& log) {
 }
 
 template <class Message>
-std::int64_t period_of(const std::vector<Message>& messages) {
-  if (messages.size() < 2) return 0;
-  const std::int64_t count = messages.back().sequence - messages.front().sequence;
-  return count > 0 ? (messages.back().simulated_time - messages.front().simulated_time) / count : 0;
+std::int64_t period_of(const msgs::RunStream& record) {
+  const msgs::ChannelExtent& extent = msgs::extent_of<Message>(record);
+  const std::int64_t count = extent.last_key - extent.first_key;
+  return count > 0 ? (extent.last_time - extent.first_time) / count : 0;
 }
 
 // A scenario made from what the log tells, for a log that came without one.
-sim::Scenario scenario_of(const msgs::RunLog& record, const sim::MachineFile& crane) {
+sim::Scenario scenario_of(const msgs::RunStream& record, const sim::MachineFile& crane) {
   sim::Scenario scenario;
   scenario.crane = crane;
-  scenario.controller_period = period_of(record.encoder);
+  scenario.controller_period = period_of<msgs::Encoder>(record);
   if (scenario.controller_period == 0) throw BadCall("the log has fewer than two ENCODER: no controller period");
   const auto or_controller_period = [&](std::int64_t period) {
     return period > 0 ? period : scenario.controller_period;
   };
-  scenario.sensors_period = or_controller_period(period_of(record.sensors));
-  scenario.truth_period = or_controller_period(period_of(record.truth));
-  scenario.status_period = or_controller_period(period_of(record.plant_status));
+  scenario.sensors_period = or_controller_period(period_of<msgs::Sensors>(record));
+  scenario.truth_period = or_controller_period(period_of<msgs::Truth>(record));
+  scenario.status_period = or_controller_period(period_of<msgs::PlantStatus>(record));
   scenario.plant_step = std::gcd(std::gcd(kUsualPlantStep, scenario.controller_period),
                                  std::gcd(scenario.sensors_period, std::gcd(scenario.truth_period, scenario.status_period)));
   if (scenario.plant_step < kShortestPlantStep) {
@@ -119,28 +120,34 @@ sim::Scenario scenario_of(const msgs::RunLog& record, const sim::MachineFile& cr
   return scenario;
 }
 
-Comparison compare_plant(const sim::Scenario& scenario, const fs::path& log, const msgs::RunLog& record,
+Comparison compare_plant(const sim::Scenario& scenario, const fs::path& log, const msgs::RunStream& record,
                          std::ostream& out) {
-  const PlantReplay replay = replay_plant(scenario, record, recorded_arrivals(log, record));
-  for (const std::string& remark : replay.remarks) out << "    note: " << remark << '\n';
-  return {compare(record.encoder, replay.run.encoder), compare(record.sensors, replay.run.sensors),
-          compare(record.truth, replay.run.truth), compare(record.plant_status, replay.run.plant_status)};
+  RunningComparison<msgs::Encoder> encoder(record);
+  RunningComparison<msgs::Sensors> sensors(record);
+  RunningComparison<msgs::Truth> truth(record);
+  RunningComparison<msgs::PlantStatus> status(record);
+  const PlantListener listener{[&](const msgs::Encoder& message) { encoder.add(message); },
+                               [&](const msgs::Sensors& message) { sensors.add(message); },
+                               [&](const msgs::Truth& message) { truth.add(message); },
+                               [&](const msgs::PlantStatus& message) { status.add(message); }};
+  for (const std::string& remark : replay_plant(scenario, record, recorded_arrivals(log, record), listener)) out << "    note: " << remark << '\n';
+  return {encoder.finish(), sensors.finish(), truth.finish(), status.finish()};
 }
 
 // Our own controller, in this process.
-void ask_ours(const controller::ControllerSettings& settings, const msgs::RunLog& record,
-              const std::vector<Question>& questions, ControllerReplay& replay) {
+void ask_ours(const controller::ControllerSettings& settings, const msgs::RunStream& record, const Question*& question,
+              const Questions::Next& next, const ControllerListener& listener) {
   msgs::MemoryWire wire;
   const auto asking = wire.connect();
   const auto answering = wire.connect();
   const controller::AnswerLoop loop(*answering, controller::computed_answer(settings));
   asking->on_wait = [&] { answering->drain(); };
-  ask_controller(*asking, record, questions, {}, replay);
+  ask_controller(*asking, record, question, next, {}, listener);
 }
 
 // A process of its own, over LCM.
-void ask_process(const ReplayOptions& options, const fs::path& controller_file, const msgs::RunLog& record,
-                 const std::vector<Question>& questions, std::int64_t period, ControllerReplay& replay,
+void ask_process(const ReplayOptions& options, const fs::path& controller_file, const msgs::RunStream& record,
+                 const Question*& question, const Questions::Next& next, std::int64_t period, const ControllerListener& listener,
                  std::ostream& err) {
   const msgs::ReservedPort port;
   const std::string url = msgs::bus_url(port.number());
@@ -163,13 +170,17 @@ void ask_process(const ReplayOptions& options, const fs::path& controller_file, 
   const auto ignore = [](const std::string&) {};
   AskSettings settings;
   auto last_answer = std::chrono::steady_clock::now();
-  std::size_t answers = 0;
+  bool has_answered = false;
   bool told = false;
+  const ControllerListener noting{[&](const msgs::Torque& message) {
+                                    has_answered = true;
+                                    listener.torque(message);
+                                  },
+                                  listener.controller_state};
   settings.stop = [&] {
     controller.read_output(ignore);
     const auto now = std::chrono::steady_clock::now();
-    if (replay.torque.size() != answers) {
-      answers = replay.torque.size();
+    if (std::exchange(has_answered, false)) {
       last_answer = now;
     } else if (!told && now - last_answer > kSilence) {
       told = true;
@@ -177,7 +188,7 @@ void ask_process(const ReplayOptions& options, const fs::path& controller_file, 
     }
     return controller.ended();
   };
-  if (!ask_controller(*bus, record, questions, settings, replay)) {
+  if (!ask_controller(*bus, record, question, next, settings, noting)) {
     std::string text = "the controller ended before its time: " + controller.how_it_ended();
     for (const std::string& line : controller.last_words()) text += "\n  " + line;
     throw std::runtime_error(text);
@@ -186,30 +197,36 @@ void ask_process(const ReplayOptions& options, const fs::path& controller_file, 
 }
 
 Comparison compare_controller(const ReplayOptions& options, const Configuration& configuration,
-                              const msgs::RunLog& record, std::ostream& out, std::ostream& err) {
+                              const msgs::RunStream& record, std::ostream& out, std::ostream& err) {
   const Questions questions = recorded_questions(record);
   for (const std::string& remark : questions.remarks) out << "    note: " << remark << '\n';
   const std::int64_t period =
-      configuration.scenario ? configuration.scenario->controller_period : period_of(record.encoder);
+      configuration.scenario ? configuration.scenario->controller_period : period_of<msgs::Encoder>(record);
   if (period == 0) throw BadCall("the log has fewer than two ENCODER: no controller period");
-  ControllerReplay replay;
-  for (const auto& start : questions.starts) {
+  RunningComparison<msgs::Torque> torque(record);
+  RunningComparison<msgs::ControllerState> state(record);
+  bool sends_state = false;
+  const ControllerListener listener{[&](const msgs::Torque& message) { torque.add(message); },
+                                    [&](const msgs::ControllerState& message) {
+                                      sends_state = true;
+                                      state.add(message);
+                                    }};
+  const Questions::Next next = questions.open();
+  for (const Question* question = next(); question != nullptr;) {
     if (is_ours(options)) {
       controller::ControllerSettings settings = *configuration.controller;
       settings.period = static_cast<double>(period) / 1e6 * 1e-3;  // as slewlab-controller works it out from [ms]
-      ask_ours(settings, record, start, replay);
+      ask_ours(settings, record, question, next, listener);
     } else {
       const fs::path file = !options.controller_config.empty() ? options.controller_config
                             : configuration.scenario           ? configuration.scenario->controller_file
                                                                : fs::path();
-      ask_process(options, file, record, start, period, replay, err);
+      ask_process(options, file, record, question, next, period, listener, err);
     }
   }
-  Comparison comparison{compare(record.torque, replay.torque)};
+  Comparison comparison{torque.finish()};
   // A controller need not send its state.
-  if (!replay.controller_state.empty() || is_ours(options)) {
-    comparison.push_back(compare(record.controller_state, replay.controller_state));
-  }
+  if (sends_state || is_ours(options)) comparison.push_back(state.finish());
   return comparison;
 }
 
@@ -254,7 +271,7 @@ bool judge(const Comparison& comparison, const std::map<std::string, double>& to
 int replay_log(const ReplayOptions& options, std::ostream& out, std::ostream& err) {
   const auto tolerances = read_tolerances(options.tolerances);
   const fs::path log = log_in(options.log);
-  const msgs::RunLogs logs = msgs::read_run_logs(log);
+  const msgs::RunStreams logs = msgs::run_streams(log);
   const Configuration files = configuration(options, log);
   for (const std::string& remark : logs.remarks) out << "note: " << remark << '\n';
   const int run_count = static_cast<int>(logs.runs.size());
@@ -262,7 +279,7 @@ int replay_log(const ReplayOptions& options, std::ostream& out, std::ostream& er
     throw BadCall(fmt::format("--run {}: the log holds {} runs, counted from 1", options.run, run_count));
   }
   const bool any_of_this_configuration =
-      files.hash && std::any_of(logs.runs.begin(), logs.runs.end(), [&](const msgs::RunLog& run) {
+      files.hash && std::any_of(logs.runs.begin(), logs.runs.end(), [&](const msgs::RunStream& run) {
         return run.configuration_hash == *files.hash;
       });
 
@@ -270,12 +287,12 @@ int replay_log(const ReplayOptions& options, std::ostream& out, std::ostream& er
   const bool by_another_plant = options.crane.empty() && fs::exists(log.parent_path() / kPlantTaskName);
   bool good = true;
   for (int i = 0; i < run_count; ++i) {
-    const msgs::RunLog& record = logs.runs[static_cast<std::size_t>(i)];
+    const msgs::RunStream& record = logs.runs[static_cast<std::size_t>(i)];
     if (options.run > 0 && i + 1 != options.run) continue;
     const bool of_this_configuration = files.hash && record.configuration_hash == *files.hash;
     out << fmt::format("run {} of {}: configuration {}, {} ENCODER, {} TORQUE, {} SENSORS\n", i + 1, run_count,
-                       msgs::hash_text(record.configuration_hash), record.encoder.size(), record.torque.size(),
-                       record.sensors.size());
+                       msgs::hash_text(record.configuration_hash), msgs::extent_of<msgs::Encoder>(record).messages,
+                       msgs::extent_of<msgs::Torque>(record).messages, msgs::extent_of<msgs::Sensors>(record).messages);
     if (options.run == 0 && any_of_this_configuration && !of_this_configuration) {
       out << "  not replayed: it was recorded with another configuration than that of the files at hand\n";
       continue;

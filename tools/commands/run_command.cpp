@@ -50,6 +50,8 @@ constexpr int kNotAsExpected = 1;  // exit code
 // Wall clock that a side gets to end after it was asked to, before it is killed.
 constexpr std::chrono::seconds kEndPatience{5};
 constexpr double kStalled = 2.0;            // [s] without progress, until that is said
+constexpr std::string_view kPlayCompensation = "play_compensation ";  // what is switched, as desk, plant and controller say it
+constexpr std::string_view kToController = "controller ";
 constexpr double kLineInterval = 2.0;       // [s] between progress lines where there is no terminal
 
 fs::path own_folder() { return fs::read_symlink("/proc/self/exe").parent_path(); }
@@ -146,8 +148,8 @@ struct Outcome {
 // Both sides from their start to their end.
 class Run {
  public:
-  Run(ChildProcess& plant, ChildProcess& controller, ProgressDisplay& display, const Signals& signals, bool steered)
-      : plant_(plant), controller_(controller), display_(display), signals_(signals), listens_(steered) {}
+  Run(ChildProcess& plant, ChildProcess& controller, ProgressDisplay& display, const Signals& signals, bool steered, bool is_switchable)
+      : plant_(plant), controller_(controller), display_(display), signals_(signals), listens_(steered), is_switchable_(is_switchable) {}
 
   Outcome watch() {
     while (true) {
@@ -225,9 +227,29 @@ class Run {
     }
     unfinished_.append(bytes, static_cast<std::size_t>(count));
     for (std::size_t end; (end = unfinished_.find('\n')) != std::string::npos;) {
-      plant_.tell(unfinished_.substr(0, end));
+      pass_line_on(unfinished_.substr(0, end));
       unfinished_.erase(0, end + 1);
     }
+  }
+
+  void pass_line_on(const std::string& line) {
+    if (!line.starts_with(kPlayCompensation) || is_switchable_) {
+      plant_.tell(line);
+      return;
+    }
+    std::printf("steering refused play compensation: only slewlab's own controller can be told to switch it\n");
+    std::fflush(stdout);
+  }
+
+  // What is switched is told to the controller, to one that was started anew all of it; the plant hears that it is known.
+  void tell_switches(std::size_t from) {
+    for (std::size_t i = from; i < switches_.size(); ++i) controller_.tell(switches_[i]);
+    awaited_ = from < switches_.size() ? switches_.back() : "";
+    if (awaited_.empty()) plant_.tell("done");
+  }
+  void switch_controller(const std::string& line) {
+    switches_.push_back(line);
+    tell_switches(killed_on_purpose_ ? switches_.size() : switches_.size() - 1);
   }
 
   void wait(std::chrono::milliseconds patience) {
@@ -255,16 +277,22 @@ class Run {
         controller_.start_again();
         restarted_guards_.emplace_back(std::vector<pid_t>{controller_.pid()});
         killed_on_purpose_ = false;
-        plant_.tell("done");
+        tell_switches(0);
       } else if (line == "controller stop") {
         controller_.halt();
       } else if (line == "controller continue") {
         controller_.go_on();
+      } else if (line.starts_with(kToController) && line.substr(kToController.size()).starts_with(kPlayCompensation)) {
+        switch_controller(line.substr(kToController.size()));
       } else {
         display_.update(line);
       }
     });
-    controller_.read_output([](const std::string&) {});
+    controller_.read_output([this](const std::string& line) {
+      if (awaited_.empty() || line != awaited_) return;
+      awaited_.clear();
+      plant_.tell("done");
+    });
   }
 
   ChildProcess& plant_;
@@ -272,6 +300,9 @@ class Run {
   ProgressDisplay& display_;
   const Signals& signals_;
   bool listens_;            // to what a desk says on standard input
+  bool is_switchable_;      // the controller, while it runs
+  std::vector<std::string> switches_;  // so far, as the controller is told them
+  std::string awaited_;                // what it has to say before the plant goes on
   std::string unfinished_;  // line of it
   Outcome outcome_;
   Json plant_summary_ = nullptr;
@@ -381,7 +412,9 @@ std::vector<std::string> controller_program(const RunOptions& options, const sim
     return command;
   }
   if (!options.controller_command.empty()) return {"/bin/sh", "-c", options.controller_command};
-  return {(programs / "slewlab-controller").string()};
+  std::vector<std::string> command{(programs / "slewlab-controller").string()};
+  if (options.steered) command.emplace_back("--steered");
+  return command;
 }
 
 // The log of a plant of one's own becomes the run's, or the run has failed. Answers with the summary.
@@ -400,83 +433,73 @@ Json take_over_log(const fs::path& log, const sim::Scenario& scenario, double wa
   }
 }
 
-int run_in(const fs::path& folder, const RunOptions& options, const std::string& name) {
-  const FolderLock lock(folder);
-  const fs::path log = folder / "run.lcmlog";
-  remove_earlier_run(folder);
+// A scenario as it is run: resolved and written into the run's folder.
+struct Prepared {
+  fs::path folder, log;
+  fs::path scenario_file;
+  sim::Scenario scenario;
+  std::optional<controller::ControllerSettings> controller;  // nothing where a controller of one's own has a file of its own kind
+  std::string bus;
+};
 
-  const fs::path scenario_file = write_resolved_configuration(options.scenario, options.overrides, folder);
-  const sim::Scenario scenario = sim::load_scenario_file(scenario_file);
-  std::optional<controller::ControllerSettings> controller_settings;
+Prepared prepare(const fs::path& folder, const RunOptions& options, const std::string& bus) {
+  Prepared run{.folder = folder, .log = folder / "run.lcmlog", .scenario_file = {}, .scenario = {}, .controller = {}, .bus = bus};
+  run.scenario_file = write_resolved_configuration(options.scenario, options.overrides, folder);
+  run.scenario = sim::load_scenario_file(run.scenario_file);
   try {
-    controller_settings = controller::load_controller_file(folder / "controller.yaml").settings;
-    controller_settings->period = static_cast<double>(scenario.controller_period) / 1e9;
+    run.controller = controller::load_controller_file(folder / "controller.yaml").settings;
+    run.controller->period = static_cast<double>(run.scenario.controller_period) / 1e9;
   } catch (const common::InputError&) {
-    if (controller_words(options).empty()) throw;  // a controller of one's own may have a file of its own kind
+    if (controller_words(options).empty()) throw;
   }
+  return run;
+}
 
-  const msgs::ReservedPort port;
-  const std::string bus = msgs::bus_url(port.number());
-  const fs::path programs = own_folder();
-
-  ChildOptions controller_options;
-  controller_options.name = "controller";
-  controller_options.command = controller_program(options, scenario, programs);
-  controller_options.environment = {{"SLEWLAB_BUS", bus},
-                                    {"LCM_DEFAULT_URL", bus},
-                                    {"SLEWLAB_CONTROLLER_CONFIG", fs::absolute(folder / "controller.yaml").string()},
-                                    {"SLEWLAB_CONTROLLER_PERIOD_MS", milliseconds_text(scenario.controller_period)},
-                                    {"SLEWLAB_PYTHON_MESSAGES", python_messages().string()}};
+std::string speed_text(const RunOptions& options) {
   char speed[32];
   std::snprintf(speed, sizeof speed, "%.9g", options.speed);
-  if (options.realtime) controller_options.environment.emplace_back("SLEWLAB_REALTIME_SPEED", speed);
-  ChildOptions plant_options;
-  plant_options.name = "plant";
-  plant_options.listens = true;
-  plant_options.command = {(programs / "slewlab-plant").string(), "--scenario", scenario_file.string(), "--bus", bus,
-                           "--log", log.string(), "--run-identity",
-                           msgs::hash_text(msgs::run_identity(msgs::configuration_hash(scenario.configuration_text)))};
-  if (options.realtime) {
-    plant_options.command.insert(plant_options.command.end(), {"--realtime", "--speed", speed});
-  }
+  return speed;
+}
 
+// Whether play compensation can be switched while the run goes on.
+bool is_switchable(const RunOptions& options) { return options.steered && controller_words(options).empty(); }
+
+ChildOptions controller_child(const RunOptions& options, const Prepared& run, const fs::path& programs) {
+  ChildOptions child;
+  child.name = "controller";
+  child.command = controller_program(options, run.scenario, programs);
+  child.listens = is_switchable(options);
+  child.environment = {{"SLEWLAB_BUS", run.bus},
+                       {"LCM_DEFAULT_URL", run.bus},
+                       {"SLEWLAB_CONTROLLER_CONFIG", fs::absolute(run.folder / "controller.yaml").string()},
+                       {"SLEWLAB_CONTROLLER_PERIOD_MS", milliseconds_text(run.scenario.controller_period)},
+                       {"SLEWLAB_PYTHON_MESSAGES", python_messages().string()}};
+  if (options.realtime) child.environment.emplace_back("SLEWLAB_REALTIME_SPEED", speed_text(options));
+  return child;
+}
+
+ChildOptions plant_child(const RunOptions& options, const Prepared& run, const fs::path& programs) {
+  ChildOptions child;
+  child.name = "plant";
   if (!options.plant_command.empty()) {
-    plant_options.command = {"/bin/sh", "-c", options.plant_command};
-    plant_options.listens = false;
-    plant_options.environment = {{"SLEWLAB_BUS", bus},
-                                 {"LCM_DEFAULT_URL", bus},
-                                 {"SLEWLAB_PLANT_TASK", fs::absolute(write_plant_task(folder, scenario, bus, log.string() + ".partial")).string()},
-                                 {"SLEWLAB_PYTHON_MESSAGES", python_messages().string()}};
+    child.command = {"/bin/sh", "-c", options.plant_command};
+    child.environment = {{"SLEWLAB_BUS", run.bus},
+                         {"LCM_DEFAULT_URL", run.bus},
+                         {"SLEWLAB_PLANT_TASK", fs::absolute(write_plant_task(run.folder, run.scenario, run.bus, run.log.string() + ".partial")).string()},
+                         {"SLEWLAB_PYTHON_MESSAGES", python_messages().string()}};
+    return child;
   }
+  child.listens = true;
+  child.command = {(programs / "slewlab-plant").string(), "--scenario", run.scenario_file.string(), "--bus", run.bus, "--log", run.log.string(),
+                   "--run-identity", msgs::hash_text(msgs::run_identity(msgs::configuration_hash(run.scenario.configuration_text)))};
+  if (options.realtime) child.command.insert(child.command.end(), {"--realtime", "--speed", speed_text(options)});
+  if (options.steered) child.command.push_back("--steered");
+  return child;
+}
 
-  if (options.steered) {
-    plant_options.command.push_back("--steered");
-    RunOutcome under_way;  // for whoever looks on
-    under_way.end = "under way";
-    write_run_facts(folder, scenario, controller_settings, under_way);
-  }
-
-  const Signals signals;
-  ChildProcess controller(controller_options);
-  ChildProcess plant(plant_options);
-  const GroupGuard guard({plant.pid(), controller.pid()});
-  std::printf("%s: plant is process %d, controller is process %d, bus %s\n", name.c_str(), plant.pid(),
-              controller.pid(), bus.c_str());
-  std::fflush(stdout);
-  ProgressDisplay display(options.progress, name);
-  Run run(plant, controller, display, signals, options.steered);
-  const WallClock::time_point begin = WallClock::now();
-  Outcome outcome = run.watch();
-  display.keep();
-  Json plant_summary = run.plant_summary();
-  if (!options.plant_command.empty() && outcome.kind == Outcome::Kind::complete) {
-    const double wall_seconds = std::chrono::duration<double>(WallClock::now() - begin).count();
-    plant_summary = take_over_log(log, scenario, wall_seconds, plant, outcome);
-  }
-
-  const fs::path kept = fs::exists(log) ? log : fs::path(log.string() + ".partial");
-  std::optional<std::vector<std::string>> broken;
-  if (outcome.kind == Outcome::Kind::complete) broken = judge(scenario, log);
+// How a run went, as summary.json has it.
+Json summary_of(const RunOptions& options, const Outcome& outcome, const fs::path& kept, const Json& plant_summary, const ChildProcess& plant,
+                const ChildProcess& controller, const std::optional<std::vector<std::string>>& broken) {
   Json summary{
       {"scenario", fs::absolute(options.scenario).lexically_normal().string()},
       {"outcome", to_string(outcome.kind)},
@@ -490,30 +513,72 @@ int run_in(const fs::path& folder, const RunOptions& options, const std::string&
       {"controller_end", controller.how_it_ended()}};
   if (!options.plant_command.empty()) summary["plant_command"] = options.plant_command;
   if (broken) summary["broken_expectations"] = *broken;
-  std::string unwritten;  // a disk that is full for the log is full for these, too; the run's own end is told first
+  return summary;
+}
+
+// Answers with what went wrong, or nothing: a disk that is full for the log is full for these, too, and the run's own end is told first.
+std::string write_outcome(const Prepared& run, const RunOptions& options, const Outcome& outcome, const Json& plant_summary, const Json& summary,
+                          const ChildProcess& plant, const ChildProcess& controller) {
   try {
-    write_whole_file(folder / "plant.txt", plant.complaints());
-    write_whole_file(folder / "controller.txt", controller.complaints());
-    write_whole_file(folder / "summary.json", summary.dump(2) + "\n");
+    write_whole_file(run.folder / "plant.txt", plant.complaints());
+    write_whole_file(run.folder / "controller.txt", controller.complaints());
+    write_whole_file(run.folder / "summary.json", summary.dump(2) + "\n");
     RunOutcome facts = run_outcome(outcome, plant_summary);
     if (!controller_words(options).empty()) facts.controller_command = controller_words(options);
-    write_run_facts(folder, scenario, controller_settings, facts);
+    write_run_facts(run.folder, run.scenario, run.controller, facts);
   } catch (const std::exception& error) {
-    unwritten = error.what();
+    return error.what();
+  }
+  return "";
+}
+
+// Whether what the scenario expects came about, for people; the exit code.
+int tell_expected(const std::vector<std::string>& broken, const std::string& name, bool realtime) {
+  if (broken.empty()) std::printf("%s: everything under expect: of the scenario came about\n", name.c_str());
+  for (const std::string& line : broken) std::fprintf(stderr, "%s: not as expected: %s\n", name.c_str(), line.c_str());
+  // Counts to the message are lockstep's; against the wall clock they depend on the machine.
+  return broken.empty() || realtime ? 0 : kNotAsExpected;
+}
+
+int run_in(const fs::path& folder, const RunOptions& options, const std::string& name) {
+  const FolderLock lock(folder);
+  remove_earlier_run(folder);
+  const msgs::ReservedPort port;
+  const fs::path programs = own_folder();
+  const Prepared prepared = prepare(folder, options, msgs::bus_url(port.number()));
+  const ChildOptions controller_options = controller_child(options, prepared, programs);
+  const ChildOptions plant_options = plant_child(options, prepared, programs);
+  RunOutcome under_way;  // for whoever looks on
+  under_way.end = "under way";
+  if (!controller_words(options).empty()) under_way.controller_command = controller_words(options);
+  write_run_facts(folder, prepared.scenario, prepared.controller, under_way);
+
+  const Signals signals;
+  ChildProcess controller(controller_options);
+  ChildProcess plant(plant_options);
+  const GroupGuard guard({plant.pid(), controller.pid()});
+  std::printf("%s: plant is process %d, controller is process %d, bus %s\n", name.c_str(), plant.pid(), controller.pid(), prepared.bus.c_str());
+  std::fflush(stdout);
+  ProgressDisplay display(options.progress, name);
+  Run run(plant, controller, display, signals, options.steered, is_switchable(options));
+  const WallClock::time_point begin = WallClock::now();
+  Outcome outcome = run.watch();
+  display.keep();
+  Json plant_summary = run.plant_summary();
+  if (!options.plant_command.empty() && outcome.kind == Outcome::Kind::complete) {
+    const double wall_seconds = std::chrono::duration<double>(WallClock::now() - begin).count();
+    plant_summary = take_over_log(prepared.log, prepared.scenario, wall_seconds, plant, outcome);
   }
 
-  int code = tell_outcome(outcome, name, log, kept);
-  if (outcome.kind == Outcome::Kind::complete) {
-    if (options.realtime) print_timing(plant_summary);
-    if (broken && broken->empty()) std::printf("%s: everything under expect: of the scenario came about\n", name.c_str());
-    if (broken) {
-      for (const std::string& line : *broken) {
-        std::fprintf(stderr, "%s: not as expected: %s\n", name.c_str(), line.c_str());
-      }
-    }
-    // Counts to the message are lockstep's; against the wall clock they depend on the machine.
-    if (broken && !broken->empty() && !options.realtime) code = kNotAsExpected;
-  }
+  const fs::path kept = fs::exists(prepared.log) ? prepared.log : fs::path(prepared.log.string() + ".partial");
+  std::optional<std::vector<std::string>> broken;
+  if (outcome.kind == Outcome::Kind::complete) broken = judge(prepared.scenario, prepared.log);
+  const Json summary = summary_of(options, outcome, kept, plant_summary, plant, controller, broken);
+  const std::string unwritten = write_outcome(prepared, options, outcome, plant_summary, summary, plant, controller);
+
+  int code = tell_outcome(outcome, name, prepared.log, kept);
+  if (outcome.kind == Outcome::Kind::complete && options.realtime) print_timing(plant_summary);
+  if (broken) code = tell_expected(*broken, name, options.realtime);
   if (unwritten.empty()) return code;
   std::fprintf(stderr, "%s: %s\n", name.c_str(), unwritten.c_str());
   return code == 0 ? 1 : code;
@@ -545,6 +610,7 @@ int run_scenario(const RunOptions& options, const std::vector<std::string>& comm
   const fs::path folder = options.out.empty() ? fs::path("runs") / name : options.out;
   try {
     const ControllerBy by = controller_words(options).empty() ? ControllerBy::slewlab : ControllerBy::user;
+    if (const common::InputProblems other = problems_of_another_kind(options.scenario, "scenario"); !other.empty()) throw common::InputError(other);
     const Findings found = examine(options.scenario, options.overrides, by);
     if (!found.problems.empty()) {
       complain(found.problems, std::cerr);

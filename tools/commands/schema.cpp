@@ -162,7 +162,7 @@ Json scenario() {
       sim::Scenario scenario;
       scenario.crane.kind = kind;
       sim::read_scenario(reader, scenario);
-      sim::read_faults(reader, 0, sim::kMaximumGroupCount, 0);
+      sim::read_faults(reader, 0, {.group_count = sim::kMaximumGroupCount}, 0);
     });
   };
   Json schema = whole("scenario", keys_with(sim::MachineKind::crane));

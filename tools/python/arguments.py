@@ -1,8 +1,22 @@
-"""The command line of a Python program of slewlab: an option that is not known is answered with the one that is near."""
+"""The command line of a Python program of slewlab: an option or a choice that is not known is answered with the one that is near."""
 
 import argparse
 import difflib
 import sys
+
+
+def known_names(name, known):
+    """What would be right in place of a name that is not known."""
+    near = difflib.get_close_matches(name, known, n=1, cutoff=0.7)
+    others = f"one of {', '.join(known)}"
+    return f"'{near[0]}' (or {others})" if near else others
+
+
+def port(text):
+    """A port's number as an option gives it; 0 is any that is free."""
+    if not text.isdigit() or int(text) > 65535:
+        raise argparse.ArgumentTypeError(f"found '{text}', expected a number from 0 to 65535")
+    return int(text)
 
 
 class ArgumentParser(argparse.ArgumentParser):
@@ -13,7 +27,10 @@ class ArgumentParser(argparse.ArgumentParser):
             name = str(word).partition("=")[0]
             if not name.startswith("--") or any(option.startswith(name) for option in known):
                 continue
-            near = difflib.get_close_matches(name, known, n=1, cutoff=0.7)
-            others = f"one of {', '.join(known)}"
-            self.error(f"'{name}' is no option of it, expected " + (f"'{near[0]}' (or {others})" if near else others))
+            self.error(f"'{name}' is no option of it, expected {known_names(name, known)}")
         return super().parse_args(args, namespace)
+
+    def _check_value(self, action, value):
+        if action.choices is not None and value not in action.choices:
+            choices = [str(choice) for choice in action.choices]
+            raise argparse.ArgumentError(action, f"found '{value}', expected {known_names(str(value), choices)}")

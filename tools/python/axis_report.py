@@ -18,6 +18,12 @@ def is_axis(run):
     return machine_of(run).get("kind") == "axis"
 
 
+def is_same_scale(first, second):
+    """Whether signals of the two can be taken from each other: the same transmission, the same units."""
+    keys = ("ratio", "position_unit", "speed_unit", "is_rigid", "efforts")
+    return all(machine_of(first)[key] == machine_of(second)[key] for key in keys)
+
+
 def share_machine(runs):
     """Gives records without a run.json the axis of the run beside them, where all others are axes; says so."""
     known = [run for run in runs if is_axis(run)]

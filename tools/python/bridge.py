@@ -7,7 +7,6 @@ Foxglove, Lichtblick and PlotJuggler connect to ws://127.0.0.1:PORT. Every chann
 the unit of every field stands in the channel's metadata, as in what `slewlab export --format mcap` writes. Time is the simulated one.
 """
 
-import argparse
 import signal
 import sys
 import threading
@@ -16,6 +15,7 @@ from pathlib import Path
 import foxglove
 import numpy as np
 
+from arguments import ArgumentParser, known_names, port
 from desk.access import is_loopback
 from desk.source import Bus, Growing
 from protobuf_rows import ProtobufRows
@@ -49,14 +49,17 @@ class Topics:
 
 
 def main(arguments):
-    parser = argparse.ArgumentParser(prog="slewlab bridge", description="Serves a run's messages to other people's viewers",
+    parser = ArgumentParser(prog="slewlab bridge", description="Serves a run's messages to other people's viewers",
                                      epilog="A PLC as the controller: slewlab bridge modbus|opcua|ads --map MAP.yaml (docs/plc.md)")
     parser.add_argument("log", metavar="LOG", nargs="?", type=Path, help="log that is being written, or the folder of a run")
     parser.add_argument("--bus", metavar="URL", help="LCM address of a bus to listen to")
-    parser.add_argument("--foxglove", action="store_true", required=True, help="as Foxglove, Lichtblick and PlotJuggler ask for it")
+    parser.add_argument("--foxglove", action="store_true", help="as Foxglove, Lichtblick and PlotJuggler ask for it")
     parser.add_argument("--host", default="127.0.0.1", help="loopback address to serve on (127.0.0.1)")
-    parser.add_argument("--port", type=int, default=DEFAULT_PORT, help=f"port to serve on ({DEFAULT_PORT}); 0: any that is free")
+    parser.add_argument("--port", type=port, default=DEFAULT_PORT, help=f"port to serve on ({DEFAULT_PORT}); 0: any that is free")
     options = parser.parse_args(arguments)
+    if not options.foxglove:
+        near = known_names(str(options.log or ""), ["--foxglove", "modbus", "opcua", "ads"])
+        parser.error(f"to whom? expected {near}")
     if bool(options.log) == bool(options.bus):
         parser.error("a LOG or --bus is wanted")
     if not is_loopback(options.host):

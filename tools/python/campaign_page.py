@@ -141,7 +141,7 @@ def most_telling(frame, keys, broken):
             continue
         low, high = values[broken].min(), values[broken].max()
         direction = "larger" if area >= 0.5 else "smaller"
-        rows.append((abs(2 * area - 1), f"<b>{escaped(key)}</b>: broken from {three(low)} to {with_unit(three(high), unit)}; "
+        rows.append((abs(2 * area - 1), f"<b>{escaped(key)}</b>: broken {'at ' if low == high else f'from {three(low)} to '}{with_unit(three(high), unit)}; "
                                         f"a broken run has the {direction} value with probability {max(area, 1 - area):.2f}"))
     return [text for weight, text in sorted(rows, key=lambda row: -row[0])]
 

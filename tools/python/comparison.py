@@ -73,6 +73,26 @@ class DifferenceOverview:
         return self._known[channel, field][entry].points()
 
 
+class _WholeLogs:
+    """Two logs as one that holds the first less the second, whole channels of it: for panels that ask for those."""
+
+    def __init__(self, logs):
+        self._logs = logs
+
+    def has(self, channel):
+        return channel != "OPERATOR" and all(log.has(channel) for log in self._logs)
+
+    def channel(self, name):
+        """{field: values} of what is a floating-point number, with the simulated time of the first that both have."""
+        mine, others = (log.channel(name) for log in self._logs)
+        instants, found = seconds(mine), {}
+        for field in mine.dtype.names:
+            if mine.dtype[field].base.kind == "f" and mine.dtype[field] == others.dtype[field] and mine[field].size:
+                theirs, within = at(instants, seconds(others), others[field], name in HELD)
+                found[field] = mine[field][within] - theirs
+        return found | {"simulated_time": mine["simulated_time"][(instants >= seconds(others)[0]) & (instants <= seconds(others)[-1])]}
+
+
 class _BothLogs:
     def __init__(self, logs):
         self._logs = logs
@@ -81,10 +101,17 @@ class _BothLogs:
         return channel != "OPERATOR" and all(log.has(channel) for log in self._logs)
 
 
-class Difference:
-    """`first` minus `second`; facts that both share, so that a unit of the one is never put on the other."""
+def shared(first, second):
+    return {key: value for key, value in first.items() if second.get(key) == value}
 
-    def __init__(self, first, second):
+
+class Difference:
+    """`first` minus `second`; facts that both share, so that a unit of the one is never put on the other. `whole`: for panels that ask
+    for whole channels."""
+
+    def __init__(self, first, second, whole=False):
         self.name = f"{first.name} minus {second.name}"
-        self.log, self.overview = _BothLogs((first.log, second.log)), DifferenceOverview(first, second)
-        self.facts = {key: value for key, value in first.facts.items() if second.facts.get(key) == value and key != "modes"}
+        self.log, self.overview = (_WholeLogs if whole else _BothLogs)((first.log, second.log)), DifferenceOverview(first, second)
+        self.facts = shared(first.facts, second.facts)
+        self.facts.pop("modes", None)
+        self.facts["machine"] = shared(first.facts.get("machine", {}), second.facts.get("machine", {}))

@@ -6,13 +6,13 @@
     slewlab desk --bus URL           whatever is said on a bus
 """
 
-import argparse
 import asyncio
 import contextlib
 import signal
 import sys
 from pathlib import Path
 
+from arguments import ArgumentParser, port
 from run_log import LogProblem
 from desk.access import PATIENCE, Access, Joystick
 from desk.diagnosis import Diagnosis
@@ -45,7 +45,7 @@ async def serve_until_told(desk, host, port):
 
 
 def parsed(arguments):
-    parser = argparse.ArgumentParser(prog="slewlab desk", description="Watch, steer and scrub: a page of a running scenario or a log")
+    parser = ArgumentParser(prog="slewlab desk", description="Watch, steer and scrub: a page of a running scenario or a log")
     parser.add_argument("subject", metavar="SCENARIO|LOG", nargs="*",
                         help="scenario (.yaml) to run and steer, or log or folder of a run; two logs are drawn over each other")
     parser.add_argument("--bus", metavar="URL", help="LCM address of a bus to listen to, e.g. udpm://239.255.76.67:7667?ttl=0")
@@ -54,10 +54,10 @@ def parsed(arguments):
     parser.add_argument("--nominal", metavar="MACHINE", help="nominal machine's file: the gap to it is watched while the run goes on")
     parser.add_argument("--nominal-controller", metavar="FILE", help="with --nominal: the controller's file, for a diagnosis")
     parser.add_argument("--host", default="127.0.0.1", help="address to serve on (127.0.0.1); elsewhere than on loopback everybody needs a token")
-    parser.add_argument("--port", type=int, default=DEFAULT_PORT, help="port to serve on (any that is free)")
+    parser.add_argument("--port", type=port, default=DEFAULT_PORT, help="port to serve on (any that is free)")
     parser.add_argument("--out", type=Path, help="folder for steered runs (runs/desk_<scenario>)")
-    parser.add_argument("--duration", type=float, default=LONGEST, help=f"[s] of simulated time that a steered run may take ({LONGEST:g})")
-    parser.add_argument("--let-go-after", type=float, default=PATIENCE, metavar="S",
+    parser.add_argument("--duration", type=float, help=f"[s] of simulated time that a steered run may take ({LONGEST:g})")
+    parser.add_argument("--let-go-after", type=float, metavar="S",
                         help=f"[s] of silence after which a page's hand is off the lever ({PATIENCE:g})")
     parser.add_argument("--controller", help="shell command of your own controller, as of slewlab run")
     parser.add_argument("--realtime", action="store_true", help="against the wall clock instead of in lockstep")
@@ -69,8 +69,11 @@ def parsed(arguments):
         parser.error("one scenario, one log, two logs to compare, or --bus is wanted")
     if options.subject and options.bus:
         parser.error("--bus listens to a bus alone, without a scenario or a log")
+    refuse_what_does_not_matter(parser, options)
     if options.nominal and not (options.is_scenario or options.bus or options.follow):
         parser.error("--nominal watches a run that goes on; of a recorded log ask slewlab diagnose")
+    options.let_go_after = PATIENCE if options.let_go_after is None else options.let_go_after
+    options.duration = LONGEST if options.duration is None else options.duration
     if not 0 < options.let_go_after <= 60:
         parser.error("--let-go-after: more than 0 and at most 60 s is wanted")
     if not options.duration > 0:
@@ -78,17 +81,31 @@ def parsed(arguments):
     return options
 
 
+def refuse_what_does_not_matter(parser, options):
+    """Options that say something of a run that this desk does not make, of a bus or of a nominal machine that are not there."""
+    of_a_run = {"--duration": options.duration, "--let-go-after": options.let_go_after, "--controller": options.controller,
+                "--realtime": options.realtime or None, "--set": options.set or None,
+                "--out": None if options.nominal else options.out}  # a diagnosis is written there, too
+    given = [name for name, value in of_a_run.items() if value is not None]
+    if given and not options.is_scenario:
+        parser.error(f"{', '.join(given)}: of a scenario that the desk runs; this one shows {'a bus' if options.bus else 'a log'}")
+    for name, value, of in (("--run", options.run, "--bus"), ("--nominal-controller", options.nominal_controller, "--nominal")):
+        if value is not None and not getattr(options, of[2:]):
+            parser.error(f"{name} belongs to {of}")
+    if options.follow and options.is_scenario:
+        parser.error("--follow belongs to a log: a scenario that the desk runs is followed anyway")
+
+
 def main(arguments):
     options = parsed(arguments)
     try:
-        asyncio.run(open_desk(options))
+        return asyncio.run(open_desk(options))
     except LogProblem as problem:
         print(problem, file=sys.stderr)
         return 1
     except OSError as error:
         print(f"slewlab desk: {options.host} port {options.port}: {error.strerror or error}", file=sys.stderr)
         return 1
-    return 0
 
 
 async def open_desk(options):
@@ -106,7 +123,11 @@ async def open_desk(options):
         more = [word for change in options.set for word in ("--set", change)]
         more += ["--controller", options.controller] if options.controller else []
         run = SteeredRun(scenario, options.out or Path("runs") / f"desk_{scenario.stem}", options.duration, more, options.realtime)
-        desk = Desk([await run.start()], access, run, watch)
+        source = await run.start()
+        if not await run.begins():
+            print("\n".join(run.words), file=sys.stderr)
+            return 2
+        desk = Desk([source], access, run, watch)
         desk.joystick = Joystick(options.let_go_after)
         desk.diagnosis = diagnosis
         try:
@@ -116,7 +137,7 @@ async def open_desk(options):
             await end_watching(desk)
             for words in run.words:
                 print(words)
-        return
+        return 0
     if options.bus:
         sources = [Bus(options.bus, options.run)]
     elif options.follow:
@@ -135,6 +156,7 @@ async def open_desk(options):
         await serve_until_told(desk, options.host, options.port)
     finally:
         await end_watching(desk)
+    return 0
 
 
 async def end_watching(desk):

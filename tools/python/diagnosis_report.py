@@ -20,7 +20,10 @@ from diagnosis_colours import AFTER, BEFORE, CURVES, MEASURED
 from picture_page import STYLE, pictures
 from whole_file import growing
 
-LEGEND = {"orientation": "h", "y": 1.03, "yanchor": "bottom", "x": 1.0, "xanchor": "right"}
+# Below a picture, where no title stands.
+LEGEND = {"orientation": "h", "yref": "container", "y": 0.01, "yanchor": "bottom", "x": 0.0, "xanchor": "left"}
+BELOW = {"b": 100}  # [px] for an axis' title and the legend
+ROW, BETWEEN = 230, 44  # [px] of a signal; between two, for the title of the lower one
 
 
 def cause_name(cause):
@@ -40,7 +43,7 @@ def probability_figure(found):
 def series_figure(series, after):
     signals = [("torque", "torque of group 1 [Nm per motor]")]
     signals += [(name, f"{name} acceleration [m/s²]") for name in ("house", "pivot", "middle", "tip") if name in series]
-    figure = make_subplots(rows=len(signals), cols=1, shared_xaxes=True, vertical_spacing=0.03,
+    figure = make_subplots(rows=len(signals), cols=1, shared_xaxes=True, vertical_spacing=BETWEEN / (ROW * len(signals)),
                            subplot_titles=[title for _, title in signals])
     for row, (name, _) in enumerate(signals, start=1):
         for column, label, colour in ((name, "measured", MEASURED), (f"{name}_before", "nominal crane", BEFORE),
@@ -48,8 +51,8 @@ def series_figure(series, after):
             figure.add_trace(graph.Scatter(x=series["time_s"], y=series[column], name=label, legendgroup=label,
                                            showlegend=row == 1, line={"color": colour, "width": 1}), row=row, col=1)
     figure.update_xaxes(title_text="time [s]", row=len(signals), col=1)
-    figure.update_layout(title="Measured against predicted from the operator's moves", height=230 * len(signals),
-                         legend=LEGEND)
+    figure.update_layout(title="Measured against predicted from the operator's moves", height=ROW * len(signals),
+                         legend=LEGEND, margin=BELOW)
     return figure
 
 
@@ -75,7 +78,7 @@ def missing_figure(series, after):
                                            line={"color": colour, "width": 1}), row=1, col=column)
         figure.update_xaxes(title_text=title, row=1, col=column)
     figure.update_yaxes(title_text="missing torque [Nm per motor]", row=1, col=1)
-    figure.update_layout(title="What is missing at the motors of group 1", height=400, legend=LEGEND | {"y": 1.12})
+    figure.update_layout(title="What is missing at the motors of group 1", height=440, legend=LEGEND, margin=BELOW)
     return figure
 
 
@@ -95,7 +98,7 @@ def discrepancy_figure(found):
                                            line={"color": colour, "width": 1.5}), row=1, col=column)
         figure.update_xaxes(title_text=f"{one['follows']} [{one['unit']}]", row=1, col=column)
     figure.update_yaxes(title_text="missing torque [Nm per motor]", row=1, col=1)
-    figure.update_layout(title="What the rest follows: share of what is slower than the structure", height=420, legend={"orientation": "h", "y": -0.25})
+    figure.update_layout(title="What the rest follows: share of what is slower than the structure", height=440, legend=LEGEND, margin=BELOW)
     return figure
 
 

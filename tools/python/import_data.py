@@ -11,9 +11,11 @@ the operator's wish changes. Signals in the messages' units and axes:
 Of a plain axis (`machine: axis.yaml` in the map, docs/axis.md) ratio and travel are its file's, and a column says whether
 it stands on the axis or on the shaft.
 
-Sensors that are not mapped are NaN in SENSORS. The log appears when it is complete, or not at all.
+Sensors that are not mapped are NaN in SENSORS. The log appears when it is complete, or not at all. The data may be larger than
+memory: they are read a stretch at a time, and what the map asks of them is kept as columns on disk until the log is written.
 """
 
+import bisect
 import csv
 import hashlib
 import io
@@ -30,6 +32,7 @@ import pyarrow.parquet
 
 import input_map
 from arguments import ArgumentParser
+from column_shelf import NoRoom, Shelf, median_of_steps
 from event_rows import event_type, fill_heads
 from input_map import InputProblems, is_scalar, nearest
 from machine import read_axis
@@ -47,6 +50,7 @@ MOST_DENSE = 100          # [new rows per row] that resampling may make
 SHORTEST_PERIOD = 1e-6    # [s] between two rows of a log, whose times are whole nanoseconds
 ROWS_AT_ONCE = 20_000     # that are written together
 NANOSECONDS = 1_000_000_000
+MOST_CELLS = 2_000_000    # of a CSV that are read together
 MOST_COLUMNS = 10_000     # a recorder has hundreds of channels; rows and columns are taken for each other
 LONGEST_HEADER = 2_000_000  # [characters] of a CSV's line of names
 WORTH_TELLING = 50        # [MB] of data that take so long that a person wants to know
@@ -289,53 +293,130 @@ def column_names(mapping, path):
     return [name.strip() for name in header]
 
 
-def read_table(mapping, path):
-    """{name: series} of the columns that the map names; complaints about those that are not there stand at the map's lines."""
+def check_columns(mapping, path):
+    """How many columns the file has; complaints about those that the map names and that are not there stand at the map's lines."""
     if path.suffix not in (".csv", ".parquet"):
         raise LogProblem(f"{path}: found '{path.suffix}', expected a file that ends in .csv or .parquet")
     if not path.is_file():
         raise LogProblem(f"{path}: there is no such file")
+    names = column_names(mapping, path)
+    if len(names) > MOST_COLUMNS:
+        raise LogProblem(f"{path}: found {len(names)} columns, expected one row per moment and at most {MOST_COLUMNS} "
+                         f"columns; turn the table, or cut it to the columns that the map names")
+    megabytes = path.stat().st_size / 1e6
+    if megabytes > WORTH_TELLING:
+        print(f"reading {path}: {megabytes:.0f} MB with {len(names)} columns", file=sys.stderr, flush=True)
+    wanted = [(mapping.time, mapping.time_column)]
+    wanted += [(e.reader, e.column) for entries in mapping.signals.values() for e in entries if e.column is not None]
+    for reader, column in wanted:
+        if names.count(column) == 0:
+            reader.report("column", f"'{column}', which {path.name} does not have", nearest(column, names))
+        elif names.count(column) > 1:
+            reader.report("column", f"'{column}', which {path.name} has {names.count(column)} times",
+                          "a column whose name stands once in the data")
+    fail_if_wrong(mapping)
+    return len(names)
+
+
+def pieces_of(mapping, path, columns, count):
+    """The data a stretch at a time, {name: series}, from a file of `count` columns."""
+    if path.suffix == ".parquet":
+        with pyarrow.parquet.ParquetFile(path, pre_buffer=False) as file:  # which holds the file
+            for batch in file.iter_batches(batch_size=5 * ROWS_AT_ONCE, columns=columns):
+                yield {name: batch.column(name).to_pandas() for name in batch.schema.names}
+        return
+    rows = min(max(MOST_CELLS // max(count, 1), 1000), 5 * ROWS_AT_ONCE)
+    for piece in pd.read_csv(path, sep="\t" if mapping.separator == "tab" else mapping.separator,
+                             decimal=mapping.decimal, skiprows=mapping.skip_lines, skipinitialspace=True,
+                             encoding="utf-8-sig", low_memory=False, chunksize=rows,
+                             skip_blank_lines=False, index_col=False):
+        piece.columns = [str(name).strip() for name in piece.columns]
+        yield {name: piece[name] for name in columns}
+
+
+@dataclass
+class WrongCells:
+    """The first row of a column that does not hold what it should, what it holds, and how many such rows there are."""
+
+    row: int | None = None
+    found: object = None
+    count: int = 0
+
+    def add(self, wrong, begin, series=None):
+        count = int(np.count_nonzero(wrong))
+        if count and self.row is None:
+            at = int(np.argmax(wrong))
+            self.row, self.found = begin + at, None if series is None else series.iloc[at]
+        self.count += count
+
+
+class NumberColumn:
+    """A column of the data as numbers."""
+
+    def __init__(self, shelf):
+        self.numbers, self.wrong = shelf.column(), WrongCells()
+
+    def add(self, series):
+        values = numbers(series)
+        self.wrong.add(~np.isfinite(values), len(self.numbers), series)
+        self.numbers.append(values)
+
+
+class DateColumn:
+    """A column of dates and times as nanoseconds."""
+
+    def __init__(self, shelf):
+        self.numbers, self.wrong, self.first = shelf.column(np.int64), WrongCells(), None
+
+    def add(self, series):
+        if len(series) == 0:
+            return
+        if self.first is None:
+            self.first = series.iloc[:1]
+        # All are written as the first is.
+        stamps = pd.to_datetime(pd.concat([self.first, series]) if is_text(series) and is_text(self.first) else series, errors="coerce", utc=True)
+        stamps = stamps.iloc[len(stamps) - len(series):]
+        self.wrong.add(stamps.isna().to_numpy(), len(self.numbers), series)
+        self.numbers.append(stamps.astype("datetime64[ns, UTC]").astype("int64").to_numpy())
+
+
+def is_text(series):
+    return not (pd.api.types.is_numeric_dtype(series.dtype) or pd.api.types.is_datetime64_any_dtype(series.dtype))
+
+
+def numbers(series):
+    if pd.api.types.is_bool_dtype(series.dtype):
+        return series.to_numpy(float)
+    return pd.to_numeric(series, errors="coerce").to_numpy(float, na_value=np.nan)
+
+
+@dataclass
+class Table:
+    columns: dict                     # name: NumberColumn, DateColumn
+    has_dates_for_numbers: bool = False  # the column of times holds dates, and the map says a unit of time
+
+
+def read_table(mapping, path, shelf):
+    """The columns that the map names, of the rows that it asks for."""
     try:
-        names = column_names(mapping, path)
-        if len(names) > MOST_COLUMNS:
-            raise LogProblem(f"{path}: found {len(names)} columns, expected one row per moment and at most {MOST_COLUMNS} "
-                             f"columns; turn the table, or cut it to the columns that the map names")
-        megabytes = path.stat().st_size / 1e6
-        if megabytes > WORTH_TELLING:
-            print(f"reading {path}: {megabytes:.0f} MB with {len(names)} columns", file=sys.stderr, flush=True)
-        wanted = [(mapping.time, mapping.time_column)]
-        wanted += [(e.reader, e.column) for entries in mapping.signals.values() for e in entries if e.column is not None]
-        for reader, column in wanted:
-            if names.count(column) == 0:
-                reader.report("column", f"'{column}', which {path.name} does not have", nearest(column, names))
-            elif names.count(column) > 1:
-                reader.report("column", f"'{column}', which {path.name} has {names.count(column)} times",
-                              "a column whose name stands once in the data")
-        fail_if_wrong(mapping)
-        columns = [column for _, column in wanted]
-        if path.suffix == ".parquet":
-            table = pyarrow.parquet.read_table(path, columns=list(dict.fromkeys(columns)))
-            table = {name: table.column(name).to_pandas() for name in table.column_names}
-        else:
-            pieces = {column: [] for column in columns}
-            for piece in pd.read_csv(path, sep="\t" if mapping.separator == "tab" else mapping.separator,
-                                     decimal=mapping.decimal, skiprows=mapping.skip_lines, skipinitialspace=True,
-                                     encoding="utf-8-sig", low_memory=False, chunksize=5 * ROWS_AT_ONCE,
-                                     skip_blank_lines=False, index_col=False):
-                piece.columns = [str(name).strip() for name in piece.columns]
-                for column, series in pieces.items():
-                    series.append(piece[column].copy())
-            table = {column: pd.concat(pieces.pop(column), ignore_index=True) for column in list(pieces)}
+        count = check_columns(mapping, path)
+        names = dict.fromkeys([mapping.time_column, *(e.column for entries in mapping.signals.values() for e in entries if e.column is not None)])
+        table = Table({name: NumberColumn(shelf) for name in names})
+        if mapping.time_factor is None:
+            table.columns[mapping.time_column] = DateColumn(shelf)
+        first, last, seen = mapping.first_row - 1, mapping.last_row, 0
+        for piece in pieces_of(mapping, path, list(names), count):
+            table.has_dates_for_numbers |= mapping.time_factor is not None and pd.api.types.is_datetime64_any_dtype(piece[mapping.time_column].dtype)
+            for name, series in piece.items():
+                table.columns[name].add(series.iloc[max(first - seen, 0):None if last is None else max(last - seen, 0)])
+            seen += len(piece[mapping.time_column])
     except (OSError, pyarrow.ArrowException, pd.errors.ParserError, pd.errors.EmptyDataError, UnicodeDecodeError,
             csv.Error) as error:
         raise LogProblem(f"{path}: not readable as {path.suffix[1:]}: {error}") from error
-    count = len(table[mapping.time_column])
-    if mapping.last_row is not None and mapping.last_row > count:
-        mapping.reader.report("rows", f"last: {mapping.last_row}", f"at most {count}, the rows of {path.name}")
+    if last is not None and last > seen:
+        mapping.reader.report("rows", f"last: {last}", f"at most {seen}, the rows of {path.name}")
         fail_if_wrong(mapping)
-    if mapping.first_row == 1 and mapping.last_row is None:
-        return table
-    return {name: series.iloc[mapping.first_row - 1:mapping.last_row].reset_index(drop=True) for name, series in table.items()}
+    return table
 
 
 class Rows:
@@ -352,58 +433,51 @@ class Rows:
 CUT = "; mend the row, or cut the data with rows: {first: ..., last: ...}"
 
 
-def numbers(series, reader, row):
-    """The column as finite numbers, or a complaint that names the first row that holds none."""
-    if pd.api.types.is_bool_dtype(series.dtype):
-        return series.to_numpy(float)
-    values = pd.to_numeric(series, errors="coerce").to_numpy(float, na_value=np.nan)
-    wrong = ~np.isfinite(values)
-    if wrong.any():
-        first = int(np.argmax(wrong))
-        found = series.iloc[first]
-        text = "no number (NaN or an empty cell)" if pd.isna(found) else f"'{found}'"
-        count = int(wrong.sum())
-        more = f", and in {count - 1} more rows" if count > 1 else ""
-        hint = ""
-        if isinstance(found, str) and "," in found:
-            hint = "; numbers with a comma want csv: {decimal: \",\"}"
-        reader.report("column", f"{text} in column '{series.name}' at {row(first)}{more}",
-                      f"a finite number in every row{CUT}{hint}")
-        return None
-    return values
+def check_numbers(wrong, name, reader, row):
+    """A complaint that names the first row that holds no number."""
+    if wrong.row is None:
+        return
+    text = "no number (NaN or an empty cell)" if pd.isna(wrong.found) else f"'{wrong.found}'"
+    more = f", and in {wrong.count - 1} more rows" if wrong.count > 1 else ""
+    hint = ""
+    if isinstance(wrong.found, str) and "," in wrong.found:
+        hint = "; numbers with a comma want csv: {decimal: \",\"}"
+    reader.report("column", f"{text} in column '{name}' at {row(wrong.row)}{more}",
+                  f"a finite number in every row{CUT}{hint}")
 
 
-def times(mapping, table, row):
-    """[s] of each row behind the origin, rising."""
-    series = table[mapping.time_column]
-    if len(series) < 3:
-        mapping.time.report("column", f"{len(series)} rows", "at least 3")
+def times(mapping, table, row, shelf):
+    """[s] of each row behind the origin, rising, on disk."""
+    column = table.columns[mapping.time_column]
+    raw = column.numbers
+    if len(raw) < 3:
+        mapping.time.report("column", f"{len(raw)} rows", "at least 3")
         return None
-    if mapping.time_factor is None:
-        stamps = pd.to_datetime(series, errors="coerce", utc=True)
-        if stamps.isna().any():
-            first = int(np.argmax(stamps.isna()))
-            mapping.time.report("column", f"'{series.iloc[first]}' at {row(first)}",
-                                "a date and time such as 2026-11-21T02:00:00.001" + CUT)
-            return None
-        raw = stamps.astype("datetime64[ns, UTC]").astype("int64").to_numpy()
-        seconds = (raw - raw[0]) / 1e9 + (0.0 if mapping.origin is None else raw[0] / 1e9 - mapping.origin)
-    elif pd.api.types.is_datetime64_any_dtype(series.dtype):
+    if mapping.time_factor is None and column.wrong.row is not None:
+        mapping.time.report("column", f"'{column.wrong.found}' at {row(column.wrong.row)}",
+                            "a date and time such as 2026-11-21T02:00:00.001" + CUT)
+        return None
+    if table.has_dates_for_numbers:
         mapping.time.report("unit", "a unit of time for a column of dates", "datetime")
         return None
-    else:
-        raw = numbers(series, mapping.time, row)
-        if raw is None:
-            return None
-        origin = raw[0] if mapping.origin is None else mapping.origin / mapping.time_factor
-        seconds = raw - origin
-        seconds *= mapping.time_factor
-    stands = seconds[1:] <= seconds[:-1]
-    if stands.any():
-        at = int(np.argmax(stands)) + 1
+    if column.wrong.row is not None:
+        check_numbers(column.wrong, mapping.time_column, mapping.time, row)
+        return None
+    first = raw[0]
+    seconds, stands = shelf.column(), WrongCells()
+    for _, values in raw.stretches():
+        if mapping.time_factor is None:
+            seconds.append((values - first) / 1e9 + (0.0 if mapping.origin is None else first / 1e9 - mapping.origin))
+        else:
+            origin = first if mapping.origin is None else mapping.origin / mapping.time_factor
+            seconds.append((values - origin) * mapping.time_factor)
+    for begin, values in seconds.stretches(before=1):
+        stands.add(values[1:] <= values[:-1], max(begin, 1))
+    if stands.row is not None:
+        at = stands.row
         mapping.time.report(
             "column", f"{raw[at]} at {row(at)} after {raw[at - 1]} in the row before, "
-            f"{int(stands.sum())} such rows in all", f"times that rise from row to row{CUT}")
+            f"{stands.count} such rows in all", f"times that rise from row to row{CUT}")
         return None
     if seconds[0] < 0.0:
         mapping.time.report("origin", f"{row(0)} at {seconds[0]:.6g} s, before the origin",
@@ -421,45 +495,70 @@ def fitting_units(mapping, usual):
     return f"; with time in {fits[0]} it would be that rate" if fits else ""
 
 
+class Grid:
+    """Even times [ns]; `is_of_rows`: one for each row of the data."""
+
+    def __init__(self, first, period, count, is_of_rows):
+        self.first, self.period, self.count, self.is_of_rows = float(first), period, count, is_of_rows
+
+    def __len__(self):
+        return self.count
+
+    def __getitem__(self, place):
+        if isinstance(place, slice):
+            return self.at(np.arange(*place.indices(self.count)))
+        return self.at(np.array([place % self.count]))[0]
+
+    def at(self, k):
+        return np.round(self.first * NANOSECONDS + k * (self.period * NANOSECONDS)).astype(np.int64)
+
+
 def even_grid(mapping, seconds, row):
-    """(grid of times [ns], whether the rows lie on it); None after a complaint."""
-    steps = np.diff(seconds)
-    usual = float(np.median(steps))
-    period = mapping.period or (seconds[-1] - seconds[0]) / (len(seconds) - 1)
-    misses = seconds - seconds[0]
-    misses -= period * np.arange(len(seconds))
-    np.abs(misses, out=misses)
-    even = bool((misses <= UNEVEN * period).all())
-    if even:
-        count = len(seconds)
-    elif mapping.resample is None:
-        first = int(np.argmax(misses > UNEVEN * period))
+    """None after a complaint."""
+    count = len(seconds)
+    first, last = seconds[0], seconds[-1]
+    usual = median_of_steps(seconds)
+    period = mapping.period or float((last - first) / (count - 1))
+    even, first_miss = True, None
+    for begin, values in seconds.stretches():
+        misses = np.abs(values - first - period * np.arange(begin, begin + len(values)))
+        even = even and bool((misses <= UNEVEN * period).all())
+        if first_miss is None and (misses > UNEVEN * period).any():
+            first_miss = begin + int(np.argmax(misses > UNEVEN * period))
+    if not even and mapping.resample is None:
         if mapping.period and abs(usual / period - 1.0) > UNEVEN:
             mapping.reader.report(
                 "rate", f"rows {usual * 1e3:.6g} ms apart, {1 / usual:.6g} Hz{fitting_units(mapping, usual)}",
                 f"the {1 / period:.6g} Hz of rate; correct rate or the time's unit, or set resample: linear or mean")
             return None
-        wrong = np.abs(steps - usual) > UNEVEN * usual
-        at = int(np.argmax(wrong)) if wrong.any() else first - 1
-        said = f"{steps[at] * 1e3:.6g} ms between {row(at)} and the next where {usual * 1e3:.6g} ms is usual"
-        if not wrong.any():
-            mean = (seconds[-1] - seconds[0]) / (len(seconds) - 1)
-            said = f"a mean rate of {1 / mean:.9g} Hz, by which {row(first)} has left the grid of {1 / period:.9g} Hz"
+        wrong = WrongCells()
+        for begin, values in seconds.stretches(before=1):
+            wrong.add(np.abs(np.diff(values) - usual) > UNEVEN * usual, max(begin - 1, 0))
+        at = (first_miss or 0) - 1 if wrong.row is None else wrong.row
+        step = seconds[at + 1] - seconds[at]
+        said = f"{step * 1e3:.6g} ms between {row(at)} and the next where {usual * 1e3:.6g} ms is usual"
+        if wrong.row is None:
+            mean = (last - first) / (count - 1)
+            said = f"a mean rate of {1 / mean:.9g} Hz, by which {row(first_miss or 0)} has left the grid of {1 / period:.9g} Hz"
         mapping.time.report(
-            "column", f"{said} ({int(wrong.sum())} uneven intervals)",
+            "column", f"{said} ({wrong.count} uneven intervals)",
             "even times; with resample: linear (or mean) at the root of the map they are made so, with "
             "rows: {first: ..., last: ...} a piece is cut out")
         return None
-    else:
+    if not even:
         period = mapping.period or round(usual, 9)
         if period * MOST_DENSE < usual:
             mapping.reader.report("rate", f"{1 / period:.6g} Hz for rows that come at {1 / usual:.6g} Hz",
                                   f"at most {MOST_DENSE} times the rate of the rows")
             return None
-        count = int(np.floor((seconds[-1] - seconds[0]) / period + 1e-6)) + 1
-        longest = int(np.argmax(steps))
-        if steps[longest] > LONGEST_GAP * usual:
-            mapping.time.report("column", f"a gap of {steps[longest]:.6g} s behind {row(longest)}",
+        count = int(np.floor((last - first) / period + 1e-6)) + 1
+        longest, behind = 0.0, 0
+        for begin, values in seconds.stretches(before=1):
+            steps = np.diff(values)
+            if len(steps) and steps.max() > longest:
+                longest, behind = steps.max(), max(begin - 1, 0) + int(np.argmax(steps))
+        if longest > LONGEST_GAP * usual:
+            mapping.time.report("column", f"a gap of {longest:.6g} s behind {row(behind)}",
                                 f"at most {LONGEST_GAP:g} usual intervals of {usual:.6g} s to bridge{CUT}")
             return None
         if mapping.resample == "linear" and period > 2.0 * usual:
@@ -467,102 +566,158 @@ def even_grid(mapping, seconds, row):
                 "resample", f"linear from {1 / usual:.6g} Hz to {1 / period:.6g} Hz, which folds what is faster "
                 "than half the new rate into the signals", "mean, which averages over each new period")
             return None
+        if count < 3:
+            mapping.reader.report("rate", f"{1 / period:.6g} Hz, of which the rows cover {count} instants", "a rate at which they cover at least 3")
+            return None
     if period < SHORTEST_PERIOD:
         mapping.time.report("unit", f"rows {period:.6g} s apart", f"rows at least {SHORTEST_PERIOD:g} s apart")
         return None
-    grid = np.round(seconds[0] * NANOSECONDS + np.arange(count) * (period * NANOSECONDS)).astype(np.int64)
-    return grid, even
+    return Grid(first, period, count, even)
 
 
-def resampled(values, seconds, grid, how, holds):
-    """`holds`: a command that keeps its value until the next row; else a quantity that passes between rows."""
-    period = (grid[-1] - grid[0]) / (len(grid) - 1)
-    if how == "linear":
-        if holds:
-            return values[np.clip(np.searchsorted(seconds, grid + 1e-9, side="right") - 1, 0, None)]
-        return np.interp(grid, seconds, values)
-    between = values[:-1] if holds else 0.5 * (values[:-1] + values[1:])
-    integral = np.concatenate(([0.0], np.cumsum(between * np.diff(seconds))))
-
-    def area(at):
-        if holds:
-            return np.interp(at, seconds, integral)
-        k = np.clip(np.searchsorted(seconds, at, side="right") - 1, 0, len(seconds) - 2)
-        into = at - seconds[k]
-        slope = (values[k + 1] - values[k]) / (seconds[k + 1] - seconds[k])
-        return integral[k] + into * (values[k] + 0.5 * slope * into)
-
-    # A command is averaged over the period in which it holds, a measured quantity around its instant.
-    start = np.clip(grid if holds else grid - 0.5 * period, seconds[0], seconds[-1])
-    end = np.clip(grid + (period if holds else 0.5 * period), seconds[0], seconds[-1])
-    mean = np.interp(grid, seconds, values)
-    long = end - start > 1e-9 * period
-    mean[long] = (area(end[long]) - area(start[long])) / (end[long] - start[long])
-    return mean
+def integral_of(values_of, seconds, holds, shelf):
+    """Of a column from the first row on, at every row; `values_of(begin, end)` gives the column."""
+    integral, sum_so_far = shelf.column(), 0.0
+    integral.append(np.zeros(1))
+    for begin, at in seconds.stretches(before=1):
+        values = values_of(max(begin - 1, 0), begin - 1 + len(at) + (begin == 0))
+        between = values[:-1] if holds else 0.5 * (values[:-1] + values[1:])
+        sums = np.cumsum(np.concatenate(([sum_so_far], between * np.diff(at))))
+        integral.append(sums[1:])
+        sum_so_far = sums[-1]
+    return integral
 
 
-def derived_speed(position, period, how):
-    """[rad/s] from positions on an even grid. Where the formula would reach beyond the ends: its nearest value."""
-    speed = np.empty_like(position)
-    if how == "central_difference":  # (x[k+1] - x[k-1]) / 2T: of the row's own instant
-        speed[1:-1] = (position[2:] - position[:-2]) / (2.0 * period)
-        speed[0], speed[-1] = speed[1], speed[-2]
-    elif how == "two_sample_mean":   # mean of two samples, differentiated: (x[k] - x[k-2]) / 2T, late by T
-        speed[2:] = (position[2:] - position[:-2]) / (2.0 * period)
-        speed[:2] = speed[2]
-    else:                            # (x[k] - x[k-1]) / T: late by T/2
-        speed[1:] = np.diff(position) / period
-        speed[0] = speed[1]
-    return speed
+class Resampled:
+    """A column on a grid that its rows do not lie on. `holds`: a command that keeps its value until the next row; else a quantity
+    that passes between rows."""
+
+    def __init__(self, values_of, seconds, grid, how, holds, shelf):
+        self.values_of, self.seconds, self.grid, self.how, self.holds = values_of, seconds, grid, how, holds
+        self.ends = seconds[0], seconds[-1]
+        self.period = (grid[-1] / NANOSECONDS - grid[0] / NANOSECONDS) / (len(grid) - 1)
+        self.integral = integral_of(values_of, seconds, holds, shelf) if how == "mean" else None
+
+    def __call__(self, begin, end):
+        grid, period = self.grid[begin:end] / NANOSECONDS, self.period
+        # Rows around the piece, one more at either side.
+        low = max(bisect.bisect_right(self.seconds, grid[0] - period) - 2, 0)
+        high = bisect.bisect_right(self.seconds, grid[-1] + 2.0 * period) + 2
+        seconds, values = self.seconds.read(low, high), self.values_of(low, high)
+        if self.how == "linear":
+            if self.holds:
+                return values[np.clip(np.searchsorted(seconds, grid + 1e-9, side="right") - 1, 0, None)]
+            return np.interp(grid, seconds, values)
+        integral = self.integral.read(low, high)
+
+        def area(at):
+            if self.holds:
+                return np.interp(at, seconds, integral)
+            k = np.clip(np.searchsorted(seconds, at, side="right") - 1, 0, len(seconds) - 2)
+            into = at - seconds[k]
+            slope = (values[k + 1] - values[k]) / (seconds[k + 1] - seconds[k])
+            return integral[k] + into * (values[k] + 0.5 * slope * into)
+
+        # A command is averaged over the period in which it holds, a measured quantity around its instant.
+        start = np.clip(grid if self.holds else grid - 0.5 * period, *self.ends)
+        stop = np.clip(grid + (period if self.holds else 0.5 * period), *self.ends)
+        mean = np.interp(grid, seconds, values)
+        long = stop - start > 1e-9 * period
+        mean[long] = (area(stop[long]) - area(start[long])) / (stop[long] - start[long])
+        return mean
 
 
-def convert(mapping, table, row):
-    """Grid of times [ns], signals by message field (a list per group), and remarks."""
-    columns = {}
+class DerivedSpeed:
+    """[rad/s] from positions on an even grid of `count` instants. Where the formula would reach beyond the ends: its nearest value."""
+
+    def __init__(self, position_of, period, how, count):
+        self.position_of, self.period, self.how, self.count = position_of, period, how, count
+
+    def __call__(self, begin, end):
+        low = max(begin - 2, 0)
+        x, k = self.position_of(low, min(end + 2, self.count)), np.arange(begin, end)
+        if self.how == "central_difference":  # (x[k+1] - x[k-1]) / 2T: of the row's own instant
+            k = np.clip(k, 1, self.count - 2) - low
+            return (x[k + 1] - x[k - 1]) / (2.0 * self.period)
+        if self.how == "two_sample_mean":     # mean of two samples, differentiated: (x[k] - x[k-2]) / 2T, late by T
+            k = np.clip(k, 2, self.count - 1) - low
+            return (x[k] - x[k - 2]) / (2.0 * self.period)
+        k = np.clip(k, 1, self.count - 1) - low  # (x[k] - x[k-1]) / T: late by T/2
+        return (x[k] - x[k - 1]) / self.period
+
+
+def of_entry(entry, name, column):
+    """What a map's entry makes of its column: rows `begin` to `end`."""
+    def values_of(begin, end):
+        values = column.read(begin, end)
+        return (values != 0.0) != entry.inverted if name in FLAGS else (values - entry.offset) * entry.factor
+
+    return values_of
+
+
+def shifted(values_of, start):
+    return lambda begin, end: values_of(begin, end) - start
+
+
+def convert(mapping, table, row, shelf):
+    """Grid of times, signals by message field (for each group, what gives its values from instant to instant), and remarks."""
     for entries in mapping.signals.values():
         for entry in entries:
             if entry.column is not None:
-                columns[entry.name] = numbers(table[entry.column], entry.reader, row)
-    seconds = times(mapping, table, row)
-    table.clear()  # an hour at 1 kHz is large: what is used up goes
-    grid_found = even_grid(mapping, seconds, row) if seconds is not None else None
+                check_numbers(table.columns[entry.column].wrong, entry.column, entry.reader, row)
+    seconds = times(mapping, table, row, shelf)
+    grid = even_grid(mapping, seconds, row) if seconds is not None else None
     fail_if_wrong(mapping)
-    grid, even = grid_found
-    grid_seconds = grid / NANOSECONDS
-    period = float(grid_seconds[-1] - grid_seconds[0]) / (len(grid) - 1)
+    period = (grid[-1] / NANOSECONDS - grid[0] / NANOSECONDS) / (len(grid) - 1)
     remarks = []
-    if not even:
+    if not grid.is_of_rows:
         remarks.append(f"resampled ({mapping.resample}) from {len(seconds)} rows to {len(grid)} at {1 / period:.6g} Hz")
-    values = {}
+    signals = {}
     for name, entries in mapping.signals.items():
-        values[name] = []
+        signals[name] = []
         for group, entry in enumerate(entries):
             if entry.column is None:
-                values[name].append(derived_speed(values["shaft_position"][group], period, entry.derive))
+                signals[name].append(DerivedSpeed(signals["shaft_position"][group], period, entry.derive, len(grid)))
                 remarks.append(f"{entry.name} is derived from the position: {entry.derive}")
                 continue
-            column = columns.pop(entry.name)
-            series = (column != 0.0) != entry.inverted if name in FLAGS else (column - entry.offset) * entry.factor
-            if not even:
+            values_of = of_entry(entry, name, table.columns[entry.column].numbers)
+            if not grid.is_of_rows:
                 holds = name in FLAGS or name in ("motor_torque", "speed_request")
                 how = "linear" if name in FLAGS else mapping.resample
-                series = resampled(series, seconds, grid_seconds, how, holds)
+                values_of = Resampled(values_of, seconds, grid, how, holds, shelf)
             if name == "shaft_position":
                 # A crane's angle counts from the start; what stands between its groups is kept, and so is an axis's own zero.
                 if group == 0:
-                    start = 0.0 if mapping.machine else series[0]
+                    start = 0.0 if mapping.machine else values_of(0, 1)[0]
                     if start != 0.0:
                         remarks.append(f"{entry.name} begins at {start:.6g} rad in the data and at 0 in the log")
-                series = series - start
-            values[name].append(series)
-    if "speed_request" in values:
-        request = np.abs(values["speed_request"][0])
-        if request.max() > 1.0 + 1e-9:
+                values_of = shifted(values_of, start)
+            signals[name].append(values_of)
+    return grid, signals, remarks
+
+
+class Ranges:
+    """Smallest and largest value of each signal while they go by, and where a request is largest."""
+
+    def __init__(self):
+        self.of, self.largest_request, self.at = {}, 0.0, 0
+
+    def add(self, begin, values):
+        for name, groups in values.items():
+            for group, series in enumerate(groups):
+                low, high = self.of.get((name, group), (np.inf, -np.inf))
+                self.of[name, group] = min(low, float(np.min(series))), max(high, float(np.max(series)))
+        if "speed_request" in values:
+            request = np.abs(values["speed_request"][0])
+            if request.max() > self.largest_request:
+                self.largest_request, self.at = request.max(), begin + int(np.argmax(request))
+
+    def check_request(self, mapping, row):
+        if self.largest_request > 1.0 + 1e-9:
             mapping.signals["speed_request"][0].reader.report(
-                "column", f"a request of {request.max():.6g}, largest at {row(int(np.argmax(request)))}",
+                "column", f"a request of {self.largest_request:.6g}, largest at {row(self.at)}",
                 "shares of the top speed from -1 to 1; unit: \"%\" or a scale would make it so")
             fail_if_wrong(mapping)
-    return grid, values, remarks
 
 
 def configuration_hash(text):
@@ -580,25 +735,26 @@ def identity_of(path):
     return int.from_bytes(digest, "big", signed=True) or 1
 
 
-def write_log(out, grid, values, hash_of_map, identity):
+def write_log(out, grid, signals, ranges, hash_of_map, identity):
     """All messages in the order in which a lockstep run writes them; returns counts by channel."""
     types = message_types()
-    groups = {"group_count": len(values["shaft_position"])}
-    sensors = [name for name in measured("SENSORS") if name in values]
+    groups = {"group_count": len(signals["shaft_position"])}
+    sensors = [name for name in measured("SENSORS") if name in signals]
     # What a row makes: ENCODER, the TORQUE that answers it, and SENSORS; an OPERATOR in front where the wish changes.
     parts = [("ENCODER", types.encoder_t, groups), ("TORQUE", types.torque_t, groups)]
     parts += [("SENSORS", types.sensors_t, None)] if sensors else []
     row_type = np.dtype([(channel, event_type(channel, kind, counts)) for channel, kind, counts in parts])
     move_type = event_type("OPERATOR", types.operator_t)
     written, moved, wish = 0, 0, None
-    with growing(out) as partial, open(partial, "wb") as stream:
+    with open(out, "wb") as stream:
         for begin in range(0, len(grid), ROWS_AT_ONCE):
-            piece = slice(begin, begin + ROWS_AT_ONCE)
-            times = grid[piece]
+            times = grid[begin:begin + ROWS_AT_ONCE]
             k = begin + np.arange(len(times))
+            values = {name: [values_of(begin, begin + len(times)) for values_of in entries] for name, entries in signals.items()}
+            ranges.add(begin, values)
 
             def given(name, otherwise, group=0):
-                return values[name][group][piece] if name in values else np.full(len(times), otherwise)
+                return values[name][group] if name in values else np.full(len(times), otherwise)
 
             requests, stops = given("speed_request", 0.0), given("emergency_stop", False)
             before = wish or (np.nan, False)
@@ -656,22 +812,31 @@ def main(arguments=None):
         fail_if_wrong(mapping)
         if out.suffix != ".lcmlog":
             raise LogProblem(f"--out: found {out}, expected a name that ends in .lcmlog")
-        table = read_table(mapping, options.file)
-        grid, values, remarks = convert(mapping, table, Rows(mapping, options.file))
+        folder = next(parent for parent in out.absolute().parents if parent.is_dir())  # beside the log: as large as it
+        row = Rows(mapping, options.file)
         text = json.dumps(canonical(mapping.reader.node), sort_keys=True) + options.file.name + (str(mapping.machine) if mapping.machine else "")
-        counts = write_log(out, grid, values, configuration_hash(text), identity_of(options.file))
+        ranges = Ranges()
+        with Shelf(folder) as shelf:
+            grid, signals, remarks = convert(mapping, read_table(mapping, options.file, shelf), row, shelf)
+            with growing(out) as partial:
+                counts = write_log(partial, grid, signals, ranges, configuration_hash(text), identity_of(options.file))
+                ranges.check_request(mapping, row)
     except InputProblems as problems:
         print(problems, file=sys.stderr)
         return 2
+    except NoRoom as problem:
+        print(f"import: cannot write {out}: {problem}", file=sys.stderr)
+        return 1
     except (LogProblem, OSError) as problem:
         print(f"import: {problem}", file=sys.stderr)
         return 1
     for remark in remarks:
         print(remark)
-    for name, entries in values.items():
-        for entry, series in zip(mapping.signals[name], entries):
+    for name, entries in mapping.signals.items():
+        for group, entry in enumerate(entries):
             unit = f" {entry.unit}" if entry.unit not in ("", "-") else ""
-            print(f"{entry.name}: {float(np.min(series)):.6g} ... {float(np.max(series)):.6g}{unit}")
+            low, high = ranges.of[name, group]
+            print(f"{entry.name}: {low:.6g} ... {high:.6g}{unit}")
     said = ", ".join(f"{name} {count}" for name, count in counts.items())
     print(f"{out}: {(grid[-1] - grid[0]) / NANOSECONDS:.6g} s, {said}")
     return 0

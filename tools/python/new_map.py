@@ -17,6 +17,7 @@ from arguments import ArgumentParser
 from unit import factor_to_si, quantity_of
 
 ROWS_LOOKED_AT = 20_000
+GRAVITY = 'scale: {value: 9.80665, unit: "-", source: "the column is in g; standard gravity"}'
 
 # Signal: quantities of its unit, words of its name; of the first that fits, the column with most words in its name.
 SIGNALS = {
@@ -45,12 +46,17 @@ def words_of(name):
 
 def unit_in(name):
     """The unit that a column's name says, in brackets or behind the last underscore."""
-    found = re.search(r"[\[(]([^\])]+)[\])]", name)
-    said = found.group(1) if found else re.split(r"[_ ]", name)[-1]
+    found = said_in_brackets(name)
+    said = found or re.split(r"[_ ]", name)[-1]
     for spelling in (said, OTHER_SPELLINGS.get(said.replace(" ", "").lower())):
         if spelling and quantity_of(spelling) and (found or spelling != "-"):
             return spelling
     return None
+
+
+def said_in_brackets(name):
+    found = re.search(r"[\[(]([^\])]+)[\])]", name)
+    return found.group(1).strip() if found else ""
 
 
 def score(wanted, name, unit):
@@ -138,7 +144,11 @@ def map_text(path):
         if name != "emergency_stop":
             if not unit:
                 unit = NEEDED.get(name, {"tip": "m/s^2", "mid": "m/s^2", "piv": "m/s^2", "hou": "m/s^2", "sle": "rad"}.get(name[:3], "-"))
-                remarks.append("guess: unit, the usual one")
+                said = said_in_brackets(column)
+                remarks.append(f"guess: unit, the usual one: '{said}' is none that is known here" if said else "guess: unit, the usual one")
+                if said == "g" and name.endswith("_acceleration"):
+                    more = (*more, GRAVITY)
+                    remarks[-1] = "guess: in g, the acceleration of gravity"
             parts.append(f"unit: {quoted(unit)}")
         return parts + list(more), "; ".join(remarks)
 
@@ -157,7 +167,9 @@ def map_text(path):
             if agree is not None:
                 sign = "guess: sign, " + ("the position's" if agree else "against the position")
                 more = [] if agree else ["sign: -1"]
-        unit = found.get(name, (None, None))[1]
+        column, unit = found.get(name, ("", None))
+        if "slew" in words_of(column):
+            more.append('ratio: {value: 1, unit: "-", source: "REPLACE: motor turns per turn of the slew axis"}')
         if unit and any(factor_to_si(quantity, unit) is not None for quantity in ("length", "speed", "force")):
             more.append('metres_per_radian: {value: 1, unit: m, source: "REPLACE: travel per radian of the motor shaft"}')
         parts, remark = entry(name, more)

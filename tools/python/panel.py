@@ -11,8 +11,9 @@ DARK, GREY, GREEN, PURPLE = "#222222", "#999999", "#009E73", "#8E4B9E"
 
 
 def slim(values):
-    """Single precision: more than a screen can show, at half the size."""
-    return np.asarray(values, np.float32)
+    """Single precision: more than a screen can show, at half the size. What is beyond it is damage, and drawn as a gap."""
+    values = np.asarray(values, float)
+    return np.where(np.abs(values) > np.finfo(np.float32).max, np.nan, values).astype(np.float32)
 
 
 class Panel:

@@ -184,7 +184,9 @@ def picture(figures, remark="", is_packed=True):
 def pictures(figures):
     """Figures below each other, in the colours of the page. Clouds of points and maps of colour take the whole library."""
     for fig in figures:
-        fig.update_layout(template="plotly_white", paper_bgcolor="rgba(0,0,0,0)", plot_bgcolor="rgba(0,0,0,0)", font={"color": "#222222"},
+        # Titles stand on the left, legends on the right.
+        fig.update_layout(title={"x": 0.0, "xref": "paper", "xanchor": "left"}, template="plotly_white", paper_bgcolor="rgba(0,0,0,0)",
+                          plot_bgcolor="rgba(0,0,0,0)", font={"color": "#222222"},
                           modebar={"bgcolor": "rgba(0,0,0,0)", "color": "#999999", "activecolor": "#0072B2"})
         fig.update_xaxes(gridcolor="#eeeeee", zerolinecolor="#666666")
         fig.update_yaxes(gridcolor="#eeeeee", zerolinecolor="#666666")

@@ -106,7 +106,7 @@ def draw_spectra(phase):
                 if not run.overview.measured(measured):
                     continue
                 frequency, amplitude = run.overview.spectra[number][measured]
-                shown = (frequency >= 0.4) & (frequency <= 60)
+                shown = (frequency >= 0.8 * run.band.lowest) & (frequency <= 1.33 * run.band.highest)
                 traces.append(line(frequency[shown], amplitude[shown], label, colour))
         return traces
 
@@ -160,6 +160,12 @@ def difference(runs, rows, narrow=False):
     return composed([[Difference(*runs)]], rows, [], narrow, spectra=[runs])
 
 
+def axis_difference(runs, rows, narrow=False):
+    """The same of a plain axis, which has no spectra."""
+    apart = Difference(*runs, whole=True)
+    return composed([[apart]], [panel for panel in rows if panel.draw(apart)], [], narrow)
+
+
 def views(runs):
     """{name: (figure, figure for a narrow window, what stands in its place there)}."""
     rows = panels(runs)
@@ -170,8 +176,11 @@ def views(runs):
     if len(runs) == 1:
         return {"picture": (*both(figure), None)}
     found = {"side by side": (*both(figure), "over each other"), "over each other": (*both(overlay), None)}
-    if len(runs) == 2 and not any(axis_report.is_axis(run) for run in runs):
+    of_axes = [axis_report.is_axis(run) for run in runs]
+    if len(runs) == 2 and not any(of_axes):
         found["difference, A minus B"] = (*both(difference), None)
+    if len(runs) == 2 and all(of_axes) and axis_report.is_same_scale(*runs):
+        found["difference, A minus B"] = (*both(axis_difference), None)
     return found
 
 
@@ -225,7 +234,8 @@ def composed(columns, rows, titles, narrow=False, spectra=None):
             else:
                 y.update(matches=f"y{r * count + 1 if r else ''}", showticklabels=False)
             if panel.is_spectrum:
-                x.update(type="log", range=[np.log10(0.5), np.log10(50)], tickvals=[0.5, 1, 2, 5, 10, 20, 50][1 if column else 0:])
+                lowest, highest = shown_frequencies(members)
+                x.update(type="log", range=[np.log10(lowest), np.log10(highest)], tickvals=ticks(lowest, highest)[1 if column else 0:])
                 y.update(type="log", exponentformat="power", dtick=1)
                 if r == len(rows) - 1:
                     x["title"] = dict(text="frequency [Hz]", standoff=4)
@@ -257,11 +267,27 @@ def composed(columns, rows, titles, narrow=False, spectra=None):
                  else dict(x=1.008, xanchor="left", y=domain(r)[1], yanchor="top"))
         layout["legend" if r == 0 else f"legend{r + 1}"] = dict(font=dict(size=11), tracegroupgap=0, bgcolor="rgba(255,255,255,0)", **place)
     set_scales(fig, layout, rows, count)
-    margin = dict(l=86, r=14, t=top, b=bottom) if narrow else dict(l=84, r=150, t=top, b=bottom)
+    # Left of a row: a title of two lines beside numbers like -0.0005.
+    margin = dict(l=98, r=14, t=top, b=bottom) if narrow else dict(l=98, r=150, t=top, b=bottom)
     fig.update_layout(height=height, margin=margin, template="plotly_white", paper_bgcolor="rgba(0,0,0,0)", plot_bgcolor="rgba(0,0,0,0)",
                       modebar=dict(bgcolor="rgba(0,0,0,0)", color="#999999", activecolor="#0072B2"),
                       font=dict(family="Helvetica, Arial, sans-serif", size=12, color="#222222"), hovermode="x", **layout)
     return fig
+
+
+def shown_frequencies(runs):
+    """[Hz] of all runs' machines; up to what was recorded where a machine's fifth bending mode is not known."""
+    highest = 1.1 * max(run.band.highest for run in runs)
+    if highest == np.inf:
+        recorded = [frequency[-1] for run in runs for signals in run.overview.spectra for frequency, _ in signals.values() if len(frequency)]
+        highest = max(recorded, default=100.0 * min(run.band.lowest for run in runs))
+    return min(run.band.lowest for run in runs), highest
+
+
+def ticks(lowest, highest):
+    """1, 2 and 5 in each decade, as far as they are shown."""
+    decades = 10.0 ** np.arange(np.floor(np.log10(lowest)), np.ceil(np.log10(highest)) + 1)
+    return [float(f"{value:.3g}") for value in np.outer(decades, [1, 2, 5]).ravel() if lowest <= 1.01 * value and value <= 1.01 * highest]
 
 
 def shortened(title):
@@ -272,7 +298,7 @@ def shortened(title):
 def mark_modes(fig, run, x_axis, y_axis):
     """The crane's own frequencies, as dashed lines with their names."""
     for mode in run.facts.get("modes", []):
-        if not 0.55 <= mode["frequency"] <= 45:
+        if not run.band.lowest <= mode["frequency"] <= run.band.highest:
             continue
         fig.add_shape(type="line", xref=x_axis, yref=f"{y_axis} domain", x0=mode["frequency"], x1=mode["frequency"],
                       y0=0, y1=1, line=dict(color="#bbbbbb", width=1, dash="dash"), layer="below")
@@ -286,9 +312,11 @@ def set_scales(fig, layout, rows, columns):
     lowest, highest = [np.inf] * len(rows), [-np.inf] * len(rows)
     for trace in fig.data:
         row = (int(trace.xaxis[1:] or 1) - 1) // columns
-        if len(trace.y):
-            lowest[row] = min(lowest[row], float(np.nanmin(trace.y)))
-            highest[row] = max(highest[row], float(np.nanmax(trace.y)))
+        finite = np.asarray(trace.y, float)
+        finite = finite[np.isfinite(finite)]
+        if len(finite):
+            lowest[row] = min(lowest[row], float(finite.min()))
+            highest[row] = max(highest[row], float(finite.max()))
     peak = max([highest[r] for r, panel in enumerate(rows) if panel.is_spectrum], default=-np.inf)
     for r, panel in enumerate(rows):
         if panel.is_spectrum:
@@ -365,6 +393,11 @@ def main(arguments=None):
     parser.add_argument("--out", type=Path, help="the HTML file (default: beside the first log)")
     parser.add_argument("--quiet", action="store_true", help="do not print the table")
     options = parser.parse_args(arguments)
+    with np.errstate(over="ignore", invalid="ignore"):  # one turned bit makes 1e200 of a sensor's value, whose square is no number
+        return draw(options)
+
+
+def draw(options):
     try:
         runs = [read_run(folder) for folder in options.run]
         axis_report.share_machine(runs)

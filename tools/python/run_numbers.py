@@ -11,10 +11,29 @@ from run_log import LogProblem, read_run_log
 from run_overview import Overview
 from spectrum import find_peaks
 
-LOWEST, HIGHEST = 0.5, 45.0  # [Hz] of the frequencies looked for: above the load's swing, up to the boom's fifth mode
+# Of the frequencies that are looked for: from between the load's swing and the machine's first mode to above its boom's fifth
+# bending mode, the highest that a boom of a few elements has right; spectra over so many periods of the first mode.
+FROM_FIRST, TO_FIFTH, FIRST_PERIODS = 0.38, 1.18, 6.535
+UNKNOWN_FIRST = 1.3          # [Hz] of a machine that nothing is known of: chosen, as of a large crane
 SHARE = 0.25                 # of the largest peak that a peak must reach to be named
 FLOOR = 0.002                # [m/s^2] below which a spectrum is called quiet
 MOST_PEAKS = 3
+
+
+@dataclass(frozen=True)
+class Band:
+    """Frequencies [Hz] of a machine that are looked for, and the length [s] of a spectrum that tells them apart."""
+
+    lowest: float
+    highest: float
+    segment: float
+
+
+def band_of(facts):
+    """The band of a machine whose modes run.json names."""
+    modes = {mode["name"]: mode["frequency"] for mode in facts.get("modes", []) if not mode["name"].startswith(("load", "rigid"))}
+    first = min(modes.values(), default=UNKNOWN_FIRST)
+    return Band(FROM_FIRST * first, TO_FIFTH * modes.get("bending 5", np.inf), FIRST_PERIODS / first)
 
 
 @dataclass
@@ -28,7 +47,11 @@ class Run:
     @functools.cached_property
     def overview(self):
         """What the log shows, gone through once."""
-        return Overview(self.log)
+        return Overview(self.log, self.band.segment)
+
+    @property
+    def band(self):
+        return band_of(self.facts)
 
 
 def read_run(place):
@@ -51,9 +74,9 @@ def read_run(place):
     return Run(path.resolve().parent.name if of_a_run else path.stem, log, facts)
 
 
-def phase_peaks(spectrum):
+def phase_peaks(spectrum, band):
     """The frequencies found in an acceleration: (frequency [Hz], amplitude [m/s^2]), largest first."""
-    return find_peaks(*spectrum, LOWEST, HIGHEST, SHARE, FLOOR)[:MOST_PEAKS]
+    return find_peaks(*spectrum, band.lowest, band.highest, SHARE, FLOOR)[:MOST_PEAKS]
 
 
 def numbers(run):
@@ -66,7 +89,7 @@ def numbers(run):
             signal = f"{place}_acceleration"
             if overview.measured(signal):
                 values[f"peak_{signal}"] = largest[signal]
-                values[f"{place}_frequencies"] = phase_peaks(overview.spectra[number][signal])
+                values[f"{place}_frequencies"] = phase_peaks(overview.spectra[number][signal], run.band)
         if run.log.has("TRUTH"):
             values["largest_sidelead"] = largest["rope_angle"]
             values["play_crossings"] = overview.crossings[number]

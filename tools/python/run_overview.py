@@ -67,8 +67,9 @@ class EvenSeries:
 
 
 class Overview:
-    def __init__(self, log):
-        self.log = log
+    def __init__(self, log, segment):
+        """`segment` [s] of the spectra of its accelerations."""
+        self.log, self.segment = log, segment
         self.stop = self._stop_time()
         # What happens at a phase's end belongs to the next one; the last one's end lies just behind the last message.
         end = np.nextafter(max(table.last for table in log.tables.values()), np.inf)
@@ -139,7 +140,7 @@ class Overview:
         if self.log.has("SENSORS"):
             periods, counts = self._sample_periods()
             self._spectra = [
-                {signal: (EvenSeries(period), Spectrum(period)) for signal in ACCELERATIONS} if count >= 16 and period > 0 else {}
+                {signal: (EvenSeries(period), Spectrum(period, self.segment)) for signal in ACCELERATIONS} if count >= 16 and period > 0 else {}
                 for period, count in zip(periods, counts)]
             handlers["SENSORS"] = self._take_accelerations
         if self.log.has("TRUTH"):

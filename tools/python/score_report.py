@@ -14,14 +14,16 @@ import math
 import sys
 from pathlib import Path
 
-BLUE, ORANGE, GREEN, GREY, DARK = "#0072B2", "#D55E00", "#009E73", "#999999", "#222222"
+from themed_page import page as themed
+
+# Colours of the page's style, light or dark as the reader has it.
+BLUE, ORANGE, GREEN, GREY, DARK, GRID = "var(--blue)", "var(--orange)", "var(--green)", "var(--faint)", "var(--text)", "var(--line)"
 
 STYLE = """
-body { font: 15px/1.45 sans-serif; color: #222; max-width: 1100px; margin: 2em auto; padding: 0 1em; }
-h1 { font-size: 1.5em; } h2 { font-size: 1.15em; margin-top: 2em; }
-table { border-collapse: collapse; } td, th { padding: 3px 10px; text-align: left; border-bottom: 1px solid #ddd; }
-td.number { text-align: right; font-variant-numeric: tabular-nums; } .yes { color: #00734f; } .no { color: #b33c00; }
-.small { font-size: 13px; color: #555; } svg { max-width: 100%; height: auto; }
+:root { --blue: #0072B2; --orange: #D55E00; --green: #009E73; }
+@media (prefers-color-scheme: dark) { :root { --blue: #58b0e8; --orange: #ff8f45; --green: #35c99c; } }
+.yes { color: var(--good); } .no { color: var(--warn); } .small { color: var(--faint); }
+svg { display: block; } li { overflow-wrap: anywhere; }
 """
 
 
@@ -49,21 +51,21 @@ def score_table(files, key):
                       f"<td class=small>{interval(one)}</td><td class=number>{one['cases']}</td>")
         aim = f"<td>{html.escape(score['aim'])}</td>" if key == "scores" else ""
         rows.append(f"<tr><td>{html.escape(score['name'])}</td>{aim}{cells}</tr>")
-    return f"<table><tr><th>score</th>{aim_head}{heads}</tr>{''.join(rows)}</table>"
+    return f"<div class=wide><table><tr><th>score</th>{aim_head}{heads}</tr>{''.join(rows)}</table></div>"
 
 
 def svg(width, height, body):
-    return f"<svg viewBox='0 0 {width} {height}' width={width} height={height} font-family=sans-serif font-size=12>{body}</svg>"
+    return f"<div class=wide><svg viewBox='0 0 {width} {height}' width={width} height={height} font-family=sans-serif font-size=12>{body}</svg></div>"
 
 
 def line(x1, y1, x2, y2, colour=GREY, dash=""):
     dashes = f" stroke-dasharray='{dash}'" if dash else ""
-    return f"<line x1={x1:.1f} y1={y1:.1f} x2={x2:.1f} y2={y2:.1f} stroke='{colour}'{dashes} />"
+    return f"<line x1={x1:.1f} y1={y1:.1f} x2={x2:.1f} y2={y2:.1f} style='stroke:{colour}'{dashes} />"
 
 
 def text(x, y, words, anchor="middle", turn=None):
     turned = f" transform='rotate({turn} {x:.1f} {y:.1f})'" if turn is not None else ""
-    return f"<text x={x:.1f} y={y:.1f} text-anchor={anchor} fill='{DARK}'{turned}>{html.escape(words)}</text>"
+    return f"<text x={x:.1f} y={y:.1f} text-anchor={anchor} style='fill:{DARK}'{turned}>{html.escape(words)}</text>"
 
 
 def calibration_picture(bins):
@@ -73,14 +75,14 @@ def calibration_picture(bins):
         share = tick / 10
         body += text(left + share * size, top + size + 18, f"{share:.1f}")
         body += text(left - 8, top + size - share * size + 4, f"{share:.1f}", "end")
-        body += line(left, top + size - share * size, left + size, top + size - share * size, "#eee")
+        body += line(left, top + size - share * size, left + size, top + size - share * size, GRID)
     most = max((one["cases"] for one in bins), default=1) or 1
     for one in bins:
         if one["cases"] == 0:
             continue
         x, y = left + one["stated"] * size, top + size - one["right"] * size
         radius = 4 + 10 * math.sqrt(one["cases"] / most)
-        body += f"<circle cx={x:.1f} cy={y:.1f} r={radius:.1f} fill='{BLUE}' fill-opacity=0.6 />"
+        body += f"<circle cx={x:.1f} cy={y:.1f} r={radius:.1f} style='fill:{BLUE}' fill-opacity=0.6 />"
         body += text(x, y - radius - 3, str(one["cases"]))
     body += text(left + size / 2, top + size + 40, "probability stated for the first answer")
     body += text(18, top + size / 2, "share that was right", turn=-90)
@@ -96,7 +98,7 @@ def detection_picture(sizes):
     body = ""
     for tick in range(0, 11, 2):
         y = top + high - tick / 10 * high
-        body += line(left, y, left + wide, y, "#eee") + text(left - 8, y + 4, f"{tick / 10:.1f}", "end")
+        body += line(left, y, left + wide, y, GRID) + text(left - 8, y + 4, f"{tick / 10:.1f}", "end")
     step = wide / (len(BANDS) - 1)
     for k in range(len(BANDS) - 1):
         inside = [one for one in sizes if BANDS[k] <= one["visibility"] < BANDS[k + 1]]
@@ -108,11 +110,11 @@ def detection_picture(sizes):
         for offset, colour, share in ((0.18, BLUE, sum(one["detected"] for one in inside) / len(inside)),
                                       (0.52, GREEN, sum(one["credit"] for one in inside) / len(inside))):
             body += (f"<rect x={left + (k + offset) * step:.1f} y={top + high - share * high:.1f} width={0.3 * step:.1f} "
-                     f"height={share * high:.1f} fill='{colour}' />")
+                     f"height={share * high:.1f} style='fill:{colour}' />")
     at = left + 3 * step
     body += line(at, top, at, top + high, ORANGE, "4,3")
-    body += text(left + wide / 2, top + high + 54, "largest change of any signal, in noise floors (blue: detected, green: first cause right)")
-    return svg(width, height, body)
+    body += text(left + wide / 2, top + high + 54, "largest change of any signal, in noise floors")
+    return svg(width, height, body) + "<p class=small>Blue: detected. Green: first cause right.</p>"
 
 
 def size_picture(sizes):
@@ -128,7 +130,7 @@ def size_picture(sizes):
 
     body = ""
     for decade in range(-1, 4):
-        body += line(x_of(10**decade), top - 6, x_of(10**decade), top + row * len(effects), "#ddd")
+        body += line(x_of(10**decade), top - 6, x_of(10**decade), top + row * len(effects), GRID)
         body += text(x_of(10**decade), top + row * len(effects) + 16, f"{10.0**decade:g}")
     body += line(x_of(3), top - 6, x_of(3), top + row * len(effects), ORANGE, "4,3")
     for k, effect in enumerate(effects):
@@ -140,11 +142,12 @@ def size_picture(sizes):
             colour = GREEN if one["credit"] >= 0.99 else BLUE if one["detected"] else GREY
             colour = ORANGE if one["detected"] and one["credit"] == 0 else colour
             title = f"{one['law']}, size {one['size']:.4g}, {one['visibility']:.2f} noise floors"
-            body += (f"<circle cx={x_of(one['visibility']):.1f} cy={y} r=5 fill='{colour}' fill-opacity=0.75>"
+            body += (f"<circle cx={x_of(one['visibility']):.1f} cy={y} r=5 style='fill:{colour}' fill-opacity=0.75>"
                      f"<title>{html.escape(title)}</title></circle>")
     body += text(left + wide / 2, top + row * len(effects) + 38,
-                 "noise floors (green: right; blue: in a declared group; orange: detected, other cause; grey: not detected)")
-    return svg(left + wide + 20, height, body)
+                 "noise floors")
+    return svg(left + wide + 20, height, body) + ("<p class=small>Green: right. Blue: in a declared group. Orange: detected, other cause. "
+                                                  "Grey: not detected.</p>")
 
 
 def confusion_table(confusion):
@@ -154,7 +157,7 @@ def confusion_table(confusion):
             f"<span class={'yes' if right(truth, answer) else 'no'}>{html.escape(answer)} × {count}</span>"
             for answer, count in sorted(answers.items(), key=lambda item: -item[1]))
         rows += f"<tr><td>{html.escape(truth)}</td><td>{cells}</td></tr>"
-    return f"<table><tr><th>truth</th><th>first answer × cases</th></tr>{rows}</table>"
+    return f"<div class=wide><table><tr><th>truth</th><th>first answer × cases</th></tr>{rows}</table></div>"
 
 
 def right(truth, answer):
@@ -184,8 +187,7 @@ def page(files):
     scored, made = data.get("cases", about.get("cases", "?")), about.get("cases", "?")
     head = (f"{scored if scored == made else f'the first {scored} of {made}'} cases, seed {about.get('seed', '?')} ({about.get('purpose', '?')})")
     failures = "".join(f"<li>{html.escape(one)}</li>" for one in data["failures"])
-    return f"""<!doctype html><html lang=en><meta charset=utf-8><title>Scores on withheld cases</title><style>{STYLE}</style>
-<h1>Scores on withheld cases</h1><p>{html.escape(head)}. Green: aim reached. An effect counts as visible above 3 noise
+    return themed("Scores on withheld cases", f"""<h1>Scores on withheld cases</h1><p>{html.escape(head)}. Green: aim reached. An effect counts as visible above 3 noise
 floors; intervals are 95 %.</p>
 {score_table(files, "scores")}
 <h2>The same on all effects, visible or not, and more</h2>{score_table(files, "also")}
@@ -193,8 +195,7 @@ floors; intervals are 95 %.</p>
 <h2>Every single effect</h2>{size_picture(data["sizes"])}
 <h2>Calibration</h2>{calibration_picture(data["calibration"])}
 <h2>Confusion: what was answered first</h2>{confusion_table(data["confusion"])}
-<h2>Visible cases that were not answered rightly</h2><ul class=small>{failures or "<li>none</li>"}</ul></html>
-"""
+<h2>Visible cases that were not answered rightly</h2><ul class=small>{failures or "<li>none</li>"}</ul>""", STYLE)
 
 
 def main(arguments):

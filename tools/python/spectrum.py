@@ -2,7 +2,6 @@
 
 import numpy as np
 
-SEGMENT = 5.0  # [s] resolves 0.2 Hz: the loop's 1.1 Hz and the boom's 1.3 Hz stay one hill, ring-downs stay visible
 SHORTEST = 16   # [samples] of a segment
 
 
@@ -15,7 +14,7 @@ class Spectrum:
     tell which frequency dominates, not how hard the first blow was. The series comes piece by piece.
     """
 
-    def __init__(self, step, segment=SEGMENT):
+    def __init__(self, step, segment):
         self.step, self.length = step, int(round(segment / step))
         self.waiting, self.segments, self.power = np.zeros(0), 0, 0.0
 
@@ -45,7 +44,7 @@ class Spectrum:
         return self.frequency, np.sqrt(self.power / self.segments) * self.scale
 
 
-def amplitude_spectrum(series, step, segment=SEGMENT):
+def amplitude_spectrum(series, step, segment):
     """The same of a series in memory."""
     spectrum = Spectrum(step, segment)
     spectrum.add(series)

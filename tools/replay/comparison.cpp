@@ -5,10 +5,8 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <ostream>
-
-#include "tools/replay/message_fields.h"
+#include <utility>
 
 namespace slewlab::tools {
 namespace {
@@ -24,16 +22,18 @@ double size_of_difference(double recorded, double replayed) {
   return std::isfinite(size) ? size : std::numeric_limits<double>::infinity();
 }
 
-// The fields of two messages side by side; what only one of them has (arrays of another length) shows in its count.
+// The fields of two messages side by side; what only one of them has (arrays of another length) shows in its count. `before`
+// is memory that is used again.
 template <class Message>
-bool compare_messages(const Message& recorded, const Message& replayed, ChannelComparison& result) {
-  std::vector<FieldValue> before;
+bool compare_messages(const Message& recorded, const Message& replayed, std::vector<FieldValue>& before, ChannelComparison& result) {
+  before.clear();
   visit_compared(recorded, [&](const FieldValue& field) { before.push_back(field); });
   bool same = true;
+  std::size_t place = 0;  // the same field's as long as all arrays have the same lengths
   visit_compared(replayed, [&](const FieldValue& after) {
-    const auto like = std::find_if(before.begin(), before.end(), [&](const FieldValue& field) {
-      return field.index == after.index && field.name == std::string_view(after.name);
-    });
+    const auto is_like = [&](const FieldValue& field) { return field.index == after.index && field.name == std::string_view(after.name); };
+    const auto here = before.begin() + static_cast<std::ptrdiff_t>(std::min(place++, before.size()));
+    const auto like = here != before.end() && is_like(*here) ? here : std::find_if(before.begin(), before.end(), is_like);
     if (like == before.end() || like->bits == after.bits) return;
     same = false;
     const std::string name = name_of(after);
@@ -61,53 +61,37 @@ bool compare_messages(const Message& recorded, const Message& replayed, ChannelC
   return same;
 }
 
-template <class Message>
-ChannelComparison compare_channel(const char* channel, const std::vector<Message>& recorded,
-                                  const std::vector<Message>& replayed) {
-  ChannelComparison result;
-  result.channel = channel;
-  std::map<std::int64_t, const Message*> waiting;
-  for (const Message& message : replayed) waiting.emplace(key_of(message), &message);
-  for (const Message& message : recorded) {
-    const auto like = waiting.find(key_of(message));
-    if (like == waiting.end()) {
-      ++result.only_recorded;
-      continue;
-    }
-    ++result.compared;
-    if (!compare_messages(message, *like->second, result)) ++result.differing;
-    waiting.erase(like);
-  }
-  result.only_replayed = static_cast<std::int64_t>(waiting.size());
-  return result;
-}
-
 std::string with_unit(double value, const std::string& unit) {
   return fmt::format("{:.9g}{}", value, unit == "-" ? "" : " " + unit);
 }
 
 }  // namespace
 
-ChannelComparison compare(const std::vector<msgs::Encoder>& recorded, const std::vector<msgs::Encoder>& replayed) {
-  return compare_channel(msgs::kEncoderChannel, recorded, replayed);
+template <class Message>
+void RunningComparison<Message>::add(const Message& replayed) {
+  const std::int64_t key = key_of(replayed);
+  for (; recorded_.current() != nullptr && key_of(*recorded_.current()) < key; recorded_.advance()) ++result_.only_recorded;
+  if (recorded_.current() == nullptr || key_of(*recorded_.current()) != key) {
+    ++result_.only_replayed;
+    return;
+  }
+  ++result_.compared;
+  if (!compare_messages(*recorded_.current(), replayed, fields_, result_)) ++result_.differing;
+  recorded_.advance();
 }
-ChannelComparison compare(const std::vector<msgs::Sensors>& recorded, const std::vector<msgs::Sensors>& replayed) {
-  return compare_channel(msgs::kSensorsChannel, recorded, replayed);
+
+template <class Message>
+ChannelComparison RunningComparison<Message>::finish() {
+  for (; recorded_.current() != nullptr; recorded_.advance()) ++result_.only_recorded;
+  return std::move(result_);
 }
-ChannelComparison compare(const std::vector<msgs::Truth>& recorded, const std::vector<msgs::Truth>& replayed) {
-  return compare_channel(msgs::kTruthChannel, recorded, replayed);
-}
-ChannelComparison compare(const std::vector<msgs::PlantStatus>& recorded,
-                          const std::vector<msgs::PlantStatus>& replayed) {
-  return compare_channel(msgs::kPlantStatusChannel, recorded, replayed);
-}
-ChannelComparison compare(const std::vector<msgs::Torque>& recorded, const std::vector<msgs::Torque>& replayed) {
-  return compare_channel(msgs::kTorqueChannel, recorded, replayed);
-}
-ChannelComparison compare(const std::vector<msgs::ControllerState>& recorded,
-                          const std::vector<msgs::ControllerState>& replayed) {
-  return compare_channel(msgs::kControllerStateChannel, recorded, replayed);
-}
+
+template class RunningComparison<msgs::Encoder>;
+template class RunningComparison<msgs::Sensors>;
+template class RunningComparison<msgs::Truth>;
+template class RunningComparison<msgs::PlantStatus>;
+template class RunningComparison<msgs::Torque>;
+template class RunningComparison<msgs::ControllerState>;
 
 const FieldDifference* first_difference(const std::vector<ChannelComparison>& channels) {
   const FieldDifference* first = nullptr;

@@ -11,6 +11,8 @@
 #include <vector>
 
 #include "msgs/messages.h"
+#include "msgs/run_stream.h"
+#include "tools/replay/message_fields.h"
 
 namespace slewlab::tools {
 
@@ -36,14 +38,21 @@ struct ChannelComparison {
   std::vector<FieldDifference> differences;  // in the order of the message's fields
 };
 
-ChannelComparison compare(const std::vector<msgs::Encoder>& recorded, const std::vector<msgs::Encoder>& replayed);
-ChannelComparison compare(const std::vector<msgs::Sensors>& recorded, const std::vector<msgs::Sensors>& replayed);
-ChannelComparison compare(const std::vector<msgs::Truth>& recorded, const std::vector<msgs::Truth>& replayed);
-ChannelComparison compare(const std::vector<msgs::PlantStatus>& recorded,
-                          const std::vector<msgs::PlantStatus>& replayed);
-ChannelComparison compare(const std::vector<msgs::Torque>& recorded, const std::vector<msgs::Torque>& replayed);
-ChannelComparison compare(const std::vector<msgs::ControllerState>& recorded,
-                          const std::vector<msgs::ControllerState>& replayed);
+// The recorded messages of a channel beside those that a replay gives, one by one as they come.
+template <class Message>
+class RunningComparison {
+ public:
+  explicit RunningComparison(const msgs::RunStream& record) : recorded_(record) {
+    result_.channel = msgs::wire_messages()[msgs::channel_of<Message>()].channel;
+  }
+  void add(const Message& replayed);  // keys rise
+  ChannelComparison finish();         // behind the last
+
+ private:
+  msgs::MessageReader<Message> recorded_;
+  std::vector<FieldValue> fields_;
+  ChannelComparison result_;
+};
 
 // The earliest of all; of several at one instant the first in the order given. nullptr where nothing differs.
 const FieldDifference* first_difference(const std::vector<ChannelComparison>& channels);

@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
+#include <memory>
 #include <optional>
 
 namespace slewlab::tools {
@@ -41,10 +41,11 @@ msgs::Encoder made_up(const msgs::Encoder& before, const msgs::Encoder& after, s
 
 class Asking {
  public:
-  Asking(msgs::Bus& bus, const msgs::RunLog& record, const AskSettings& settings)
+  Asking(msgs::Bus& bus, const msgs::RunStream& record, const AskSettings& settings)
       : bus_(bus),
         record_(record),
         settings_(settings),
+        moves_(record),
         torque_subscription_(bus, msgs::kTorqueChannel, [this](msgs::Bytes bytes) { receive(bytes, torque_); }),
         state_subscription_(bus, msgs::kControllerStateChannel, [this](msgs::Bytes bytes) { receive(bytes, state_); }) {}
 
@@ -81,10 +82,9 @@ class Asking {
 
   void send(const msgs::Encoder& encoder, bool again) {
     // Every OPERATOR that belongs before this ENCODER; the newest once more with a repetition.
-    const auto& moves = record_.operator_moves;
     bool sent = false;
-    while (next_move_ < moves.size() && moves[next_move_].sequence <= encoder.operator_sequence) {
-      operator_ = moves[next_move_++];
+    for (; moves_.current() != nullptr && moves_.current()->sequence <= encoder.operator_sequence; moves_.advance()) {
+      operator_ = *moves_.current();
       publish_operator();
       sent = true;
     }
@@ -105,9 +105,9 @@ class Asking {
   }
 
   msgs::Bus& bus_;
-  const msgs::RunLog& record_;
+  const msgs::RunStream& record_;
   const AskSettings& settings_;
-  std::size_t next_move_ = 0;
+  msgs::MessageReader<msgs::Operator> moves_;
   msgs::Operator operator_ = [] {
     msgs::Operator none{};
     none.sequence = -1;
@@ -121,89 +121,129 @@ class Asking {
   msgs::Subscription state_subscription_;
 };
 
-}  // namespace
+// The questions in their order, and what is told of them.
+class Asked {
+ public:
+  explicit Asked(const msgs::RunStream& record)
+      : first_(msgs::extent_of<msgs::Encoder>(record).first_key),
+        last_(msgs::extent_of<msgs::Encoder>(record).last_key),
+        torque_(record),
+        encoder_(record) {}
 
-Questions recorded_questions(const msgs::RunLog& record) {
-  Questions questions;
-  const auto& encoders = record.encoder;
-  if (encoders.empty()) {
-    questions.remarks.push_back("no ENCODER in the record: nothing to ask the controller");
-    return questions;
-  }
-  if (record.torque.empty()) {
-    questions.remarks.push_back("no TORQUE in the record: nothing to compare the controller's answers with");
-    return questions;
-  }
-  std::vector<const msgs::Torque*> answers;
-  for (const msgs::Torque& torque : record.torque) answers.push_back(&torque);
-  std::sort(answers.begin(), answers.end(), [](const msgs::Torque* a, const msgs::Torque* b) {
-    return a->answered_sequence < b->answered_sequence;
-  });
-  std::map<std::int64_t, const msgs::Encoder*> known;
-  for (const msgs::Encoder& encoder : encoders) known.emplace(encoder.sequence, &encoder);
-
-  const std::int64_t last = known.rbegin()->first;
-  const double span = static_cast<double>(last) - static_cast<double>(known.begin()->first);
-  if (span > kNumbersPerMessage * static_cast<double>(encoders.size()) + kNumbersAtLeast) {
-    questions.remarks.push_back(fmt::format("the record's {} ENCODER speak of number {} to {}: too far apart for a record of that size, a "
-                                            "number in it must be damaged; nothing is asked", encoders.size(), known.begin()->first, last));
-    return questions;
-  }
-
-  std::int64_t made_up_count = 0;
-  std::int64_t unanswered = 0;
-  const auto ask = [&](std::int64_t sequence) {
-    const auto after = known.lower_bound(sequence);
-    if (after == known.end()) return;
-    if (after->first == sequence) {
-      questions.starts.back().push_back({*after->second, false});
-    } else if (after != known.begin()) {
-      questions.starts.back().push_back({made_up(*std::prev(after)->second, *after->second, sequence), true});
-      ++made_up_count;
+  const Question* next() {
+    for (;;) {
+      for (; sequence_ < end_;) {
+        if (ask(sequence_++)) return &question_;
+      }
+      if (has_answer_) {  // whose own ENCODER comes behind those before it
+        has_answer_ = false;
+        before_ = *torque_.current();
+        torque_.advance();
+        if (before_->answered_sequence >= first_ && ask(before_->answered_sequence)) return &question_;
+      }
+      if (torque_.current() == nullptr) return nullptr;
+      begin_answer(*torque_.current());
     }
-  };
+  }
 
-  const std::int64_t first = known.begin()->first;
-  for (std::size_t i = 0; i < answers.size(); ++i) {
-    const msgs::Torque& torque = *answers[i];
-    const bool fresh = i == 0 || (torque.alive_counter < answers[i - 1]->alive_counter &&
-                                  torque.sequence < answers[i - 1]->sequence);
-    const std::int64_t from = i == 0 ? first : answers[i - 1]->answered_sequence + 1;
+  // Of what was given so far.
+  std::int64_t starts = 0, made_up = 0, unanswered = 0;
+  std::int64_t last_answered() const { return before_ ? before_->answered_sequence : first_ - 1; }
+
+ private:
+  // Which ENCODER before the one that is answered the controller computed.
+  void begin_answer(const msgs::Torque& torque) {
+    const bool fresh = !before_ || (torque.alive_counter < before_->alive_counter && torque.sequence < before_->sequence);
+    const std::int64_t from = before_ ? before_->answered_sequence + 1 : first_;
     const std::int64_t gap = std::max<std::int64_t>(0, torque.answered_sequence - from);
-    if (fresh) questions.starts.emplace_back();
+    is_fresh_ = is_fresh_ || fresh;
     // Of the ENCODER since the last answer in the record, as many as the alive counter says were computed.
-    const std::int64_t computed =
-        fresh ? torque.alive_counter : advance(answers[i - 1]->alive_counter, torque.alive_counter) - 1;
+    const std::int64_t computed = fresh ? torque.alive_counter : advance(before_->alive_counter, torque.alive_counter) - 1;
     const std::int64_t asked = std::clamp<std::int64_t>(computed, 0, gap);
     unanswered += gap - asked;
     const std::int64_t begin = fresh ? torque.answered_sequence - asked : from;
-    const std::int64_t end = std::min(begin + asked, last + 1);
-    for (std::int64_t sequence = std::max(begin, first); sequence < end; ++sequence) ask(sequence);
-    if (torque.answered_sequence >= first) ask(torque.answered_sequence);
+    end_ = std::min(begin + asked, last_ + 1);
+    sequence_ = std::max(begin, first_);
+    has_answer_ = true;
   }
-  std::erase_if(questions.starts, [](const auto& start) { return start.empty(); });
 
-  const std::int64_t behind = std::count_if(encoders.begin(), encoders.end(), [&](const msgs::Encoder& encoder) {
-    return encoder.sequence > answers.back()->answered_sequence;
-  });
-  if (first > 0) {
+  bool ask(std::int64_t sequence) {
+    for (; encoder_.current() != nullptr && encoder_.current()->sequence < sequence; encoder_.advance()) earlier_ = *encoder_.current();
+    const msgs::Encoder* after = encoder_.current();
+    if (after == nullptr) return false;
+    if (after->sequence == sequence) {
+      question_ = {*after, false, is_fresh_};
+    } else if (earlier_) {
+      question_ = {slewlab::tools::made_up(*earlier_, *after, sequence), true, is_fresh_};
+      ++made_up;
+    } else {
+      return false;
+    }
+    if (is_fresh_) ++starts;
+    is_fresh_ = false;
+    return true;
+  }
+
+  std::int64_t first_, last_;  // ENCODER
+  msgs::MessageReader<msgs::Torque> torque_;
+  msgs::MessageReader<msgs::Encoder> encoder_;
+  std::optional<msgs::Torque> before_;    // the answer before the current one
+  std::optional<msgs::Encoder> earlier_;  // before the current ENCODER
+  std::int64_t sequence_ = 0, end_ = 0;   // of those before the one that the current TORQUE answers, still to be asked
+  bool has_answer_ = false;               // the current TORQUE's own ENCODER is still to be asked
+  bool is_fresh_ = false;                 // the next question is the first of a start
+  Question question_;
+};
+
+}  // namespace
+
+Questions recorded_questions(const msgs::RunStream& record) {
+  Questions questions;
+  questions.open = [] { return [] { return static_cast<const Question*>(nullptr); }; };
+  const msgs::ChannelExtent& encoders = msgs::extent_of<msgs::Encoder>(record);
+  if (encoders.messages == 0) {
+    questions.remarks.push_back("no ENCODER in the record: nothing to ask the controller");
+    return questions;
+  }
+  if (msgs::extent_of<msgs::Torque>(record).messages == 0) {
+    questions.remarks.push_back("no TORQUE in the record: nothing to compare the controller's answers with");
+    return questions;
+  }
+  const double span = static_cast<double>(encoders.last_key) - static_cast<double>(encoders.first_key);
+  if (span > kNumbersPerMessage * static_cast<double>(encoders.messages) + kNumbersAtLeast) {
+    questions.remarks.push_back(fmt::format("the record's {} ENCODER speak of number {} to {}: too far apart for a record of that size, a "
+                                            "number in it must be damaged; nothing is asked", encoders.messages, encoders.first_key, encoders.last_key));
+    return questions;
+  }
+
+  Asked all(record);
+  while (all.next() != nullptr) {
+  }
+  questions.starts = all.starts;
+  questions.open = [record]() -> Questions::Next {
+    return [each = std::make_shared<Asked>(record)] { return each->next(); };
+  };
+  std::int64_t behind = 0;
+  for (msgs::MessageReader<msgs::Encoder> encoder(record); encoder.current() != nullptr; encoder.advance()) {
+    if (encoder.current()->sequence > all.last_answered()) ++behind;
+  }
+  if (encoders.first_key > 0) {
     questions.remarks.push_back(
         fmt::format("the record begins at ENCODER {} ({:.3f} s): how the controller stood then is not known, it starts "
                     "afresh there",
-                    first, static_cast<double>(encoders.front().simulated_time) / kNanosecondsPerSecond));
+                    encoders.first_key, static_cast<double>(encoders.first_time) / kNanosecondsPerSecond));
   }
-  if (questions.starts.size() > 1) {
+  if (questions.starts > 1) {
     questions.remarks.push_back(
-        fmt::format("the recorded controller was started {} times: a fresh one for each", questions.starts.size()));
+        fmt::format("the recorded controller was started {} times: a fresh one for each", questions.starts));
   }
-  if (made_up_count > 0) {
+  if (all.made_up > 0) {
     questions.remarks.push_back(fmt::format(
-        "{} ENCODER that were answered are missing in the record: put on a line between their neighbours",
-        made_up_count));
+        "{} ENCODER that were answered are missing in the record: put on a line between their neighbours", all.made_up));
   }
-  if (unanswered > 0) {
+  if (all.unanswered > 0) {
     questions.remarks.push_back(
-        fmt::format("{} ENCODER were never answered by the recorded controller: not asked", unanswered));
+        fmt::format("{} ENCODER were never answered by the recorded controller: not asked", all.unanswered));
   }
   if (behind > 0) {
     questions.remarks.push_back(fmt::format("{} ENCODER behind the last recorded TORQUE: not asked", behind));
@@ -211,36 +251,38 @@ Questions recorded_questions(const msgs::RunLog& record) {
   return questions;
 }
 
-bool ask_controller(msgs::Bus& bus, const msgs::RunLog& record, const std::vector<Question>& questions,
-                    const AskSettings& settings, ControllerReplay& replay) {
+bool ask_controller(msgs::Bus& bus, const msgs::RunStream& record, const Question*& question, const Questions::Next& next,
+                    const AskSettings& settings, const ControllerListener& listener) {
   Asking asking(bus, record, settings);
-  std::map<std::int64_t, const msgs::Torque*> answers;
-  for (const msgs::Torque& torque : record.torque) answers.emplace(torque.answered_sequence, &torque);
-  std::map<std::int64_t, std::int64_t> state_sequences;
-  for (const msgs::ControllerState& state : record.controller_state) {
-    state_sequences.emplace(state.answered_sequence, state.sequence);
-  }
+  msgs::MessageReader<msgs::Torque> answers(record);
+  msgs::MessageReader<msgs::ControllerState> states(record);
+  const auto of_question = [&](auto& reader) {
+    while (reader.current() != nullptr && reader.current()->answered_sequence < question->encoder.sequence) reader.advance();
+    return reader.current() != nullptr && reader.current()->answered_sequence == question->encoder.sequence ? reader.current() : nullptr;
+  };
   std::optional<std::int64_t> sequence_offset;
   std::optional<std::int64_t> alive_offset;
   std::optional<std::int64_t> state_offset;
-  for (const Question& question : questions) {
-    if (!asking.ask(question.encoder)) return false;
-    if (question.made_up) continue;
+  for (bool is_next = false; question != nullptr && !(is_next && question->is_first); question = next(), is_next = true) {
+    if (!asking.ask(question->encoder)) return false;
+    if (question->made_up) continue;
     msgs::Torque torque = asking.torque();
-    const auto recorded = answers.find(question.encoder.sequence);
-    if (recorded != answers.end() && !sequence_offset) {
-      sequence_offset = recorded->second->sequence - torque.sequence;
-      alive_offset = recorded->second->alive_counter - torque.alive_counter;
+    if (!sequence_offset) {
+      if (const msgs::Torque* recorded = of_question(answers)) {
+        sequence_offset = recorded->sequence - torque.sequence;
+        alive_offset = recorded->alive_counter - torque.alive_counter;
+      }
     }
     torque.sequence += sequence_offset.value_or(0);
     torque.alive_counter += alive_offset.value_or(0);
-    replay.torque.push_back(torque);
+    listener.torque(torque);
     if (!asking.state()) continue;
     msgs::ControllerState state = *asking.state();
-    const auto recorded_state = state_sequences.find(question.encoder.sequence);
-    if (recorded_state != state_sequences.end() && !state_offset) state_offset = recorded_state->second - state.sequence;
+    if (!state_offset) {
+      if (const msgs::ControllerState* recorded = of_question(states)) state_offset = recorded->sequence - state.sequence;
+    }
     state.sequence += state_offset.value_or(0);
-    replay.controller_state.push_back(state);
+    listener.controller_state(state);
   }
   return true;
 }

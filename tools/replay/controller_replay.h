@@ -17,27 +17,25 @@
 #include <vector>
 
 #include "msgs/bus.h"
-#include "msgs/run_log.h"
+#include "msgs/run_stream.h"
 
 namespace slewlab::tools {
 
-// What one start of the recorded controller was asked.
 struct Question {
   msgs::Encoder encoder;
-  bool made_up = false;  // not in the record
+  bool made_up = false;    // not in the record
+  bool is_first = false;   // of a start of the controller
 };
 
+// What the recorded controller was asked, question by question, sequence numbers rising.
 struct Questions {
-  std::vector<std::vector<Question>> starts;  // one list for every start of the controller
+  using Next = std::function<const Question*()>;  // nullptr behind the last; valid until the next call
+  std::function<Next()> open;                     // from the beginning
+  std::int64_t starts = 0;                        // of the controller
   std::vector<std::string> remarks;
 };
 
-Questions recorded_questions(const msgs::RunLog& record);
-
-struct ControllerReplay {
-  std::vector<msgs::Torque> torque;
-  std::vector<msgs::ControllerState> controller_state;
-};
+Questions recorded_questions(const msgs::RunStream& record);
 
 struct AskSettings {
   std::chrono::milliseconds first_resend{20};  // wall clock; doubles up to the longest
@@ -45,10 +43,16 @@ struct AskSettings {
   std::function<bool()> stop;                  // asked in every wait; ends the asking early
 };
 
-// Asks one list of questions, with the OPERATOR messages of the record, and appends the answers to `replay`. What the
-// controller counts (sequence, alive counter) is moved so that the first answer counts as the recorded one did. False
-// where `stop` ended it.
-bool ask_controller(msgs::Bus& bus, const msgs::RunLog& record, const std::vector<Question>& questions,
-                    const AskSettings& settings, ControllerReplay& replay);
+// Takes the answers, message by message.
+struct ControllerListener {
+  std::function<void(const msgs::Torque&)> torque;
+  std::function<void(const msgs::ControllerState&)> controller_state;
+};
+
+// Asks the questions of one start of the controller, `question` being the first of them and the next one's first or nullptr in
+// the end, with the OPERATOR messages of the record. What the controller counts (sequence, alive counter) is moved so that the
+// first answer counts as the recorded one did. False where `stop` ended it.
+bool ask_controller(msgs::Bus& bus, const msgs::RunStream& record, const Question*& question, const Questions::Next& next,
+                    const AskSettings& settings, const ControllerListener& listener);
 
 }  // namespace slewlab::tools

@@ -12,37 +12,48 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <map>
+#include <functional>
 #include <string>
 #include <vector>
 
-#include "msgs/run_log.h"
+#include "msgs/run_stream.h"
 #include "sim/drive/scenario_file.h"
 
 namespace slewlab::tools {
 
-// What arrived on TORQUE after each ENCODER, by that one's sequence number.
+// What arrived on TORQUE after one ENCODER.
+struct Arrival {
+  std::int64_t encoder = 0;  // sequence number
+  std::vector<std::vector<std::uint8_t>> messages;
+};
+
+// All of them, the ENCODER's sequence numbers rising; those after which nothing arrived are left out.
 struct Arrivals {
-  std::map<std::int64_t, std::vector<std::vector<std::uint8_t>>> messages;
+  using Next = std::function<bool(Arrival&)>;  // false behind the last
+  std::function<Next()> open;                  // from the beginning
   std::vector<std::string> remarks;
 };
 
 // By the ENCODER that each TORQUE answers.
-Arrivals arrivals_by_answer(const msgs::RunLog& record);
+Arrivals arrivals_by_answer(const msgs::RunStream& record);
 
 // In the order of the file where it is a lockstep log (stamped with simulated time) with every ENCODER of this record in
 // it; by the ENCODER answered otherwise.
-Arrivals recorded_arrivals(const std::filesystem::path& log, const msgs::RunLog& record);
+Arrivals recorded_arrivals(const std::filesystem::path& log, const msgs::RunStream& record);
 
-struct PlantReplay {
-  msgs::RunLog run;                  // what the plant said this time
-  std::vector<std::string> remarks;  // what the record did not give, one line each
+// Takes what the plant says this time, message by message.
+struct PlantListener {
+  std::function<void(const msgs::Encoder&)> encoder;
+  std::function<void(const msgs::Sensors&)> sensors;
+  std::function<void(const msgs::Truth&)> truth;
+  std::function<void(const msgs::PlantStatus&)> plant_status;
 };
 
 // Crane, steps, periods and what fails on the crane are the scenario's; operator moves and configuration the record's.
-// Ends one controller period behind the last ENCODER with an arrival. A record whose numbers speak of far more plant steps
-// than its messages can stand for is not replayed, and a remark says so. Throws std::invalid_argument where the crane cannot
-// be built.
-PlantReplay replay_plant(const sim::Scenario& scenario, const msgs::RunLog& record, const Arrivals& arrivals);
+// Ends one controller period behind the last ENCODER with an arrival. Answers with what the record did not give, one line each.
+// A record whose numbers speak of far more plant steps than its messages can stand for is not replayed, and a line says so.
+// Throws std::invalid_argument where the crane cannot be built.
+std::vector<std::string> replay_plant(const sim::Scenario& scenario, const msgs::RunStream& record, const Arrivals& arrivals,
+                                      const PlantListener& listener);
 
 }  // namespace slewlab::tools

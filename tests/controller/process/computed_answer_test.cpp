@@ -129,5 +129,25 @@ TEST_F(ComputedAnswer, AcknowledgesATripWithTheLeverAtZeroAlone) {
   EXPECT_TRUE(torque.acknowledge);
 }
 
+// Thesis Table 3.4: at rest and without torque the groups stand at 10 and -10 % of T100 with the compensation, at 0 without.
+TEST_F(ComputedAnswer, SwitchesThePlayCompensationFromTheTimeThatIsSaid) {
+  std::vector<PlaySwitch> switched;
+  compute = computed_answer(settings(), &switched);
+  for (int i = 0; i < 100; ++i) ask(encoder());
+  const double held = 0.1 * settings().rated_torque;
+  EXPECT_NEAR(torque.motor_torque[0], held, 1e-9);
+  EXPECT_NEAR(torque.motor_torque[1], -held, 1e-9);
+  switched.push_back({.time = 102 * kPeriod, .enabled = false});
+  for (int i = 100; i < 102; ++i) {
+    ask(encoder());
+    EXPECT_NEAR(torque.motor_torque[0], held, 1e-9) << i;
+  }
+  ask(encoder());
+  EXPECT_EQ(state.offset_torque, 0.0);
+  for (int i = 0; i < 100; ++i) ask(encoder());
+  EXPECT_NEAR(torque.motor_torque[0], 0.0, 1e-9);
+  EXPECT_NEAR(torque.motor_torque[1], 0.0, 1e-9);
+}
+
 }  // namespace
 }  // namespace slewlab::controller

@@ -168,6 +168,14 @@ TEST(FaultInjector, TwoFrozenAliveCountersDoNotDisturbEachOther) {
   }
 }
 
+TEST(FaultInjector, ATorqueBeyondTheLimitIsTheFaultsOwn) {
+  Fault beyond = corrupted(Corruption::torque_limit, 1, 2);
+  beyond.torque = 7e4;
+  FaultInjector injector({beyond}, kPeriod);
+  EXPECT_EQ(passed(injector, 0).motor_torque.at(0), 1.0);
+  EXPECT_EQ(passed(injector, 1).motor_torque.at(0), 7e4);
+}
+
 // A controller may send no bytes at all, or a TORQUE without torques.
 TEST(FaultInjector, WhatHasNothingToCorruptPassesAsItIs) {
   for (std::size_t i = 0; i < kCorruptionNames.size(); ++i) {

@@ -43,6 +43,17 @@ TEST(ScenarioFile, OverridesReachTheFilesItNames) {
   EXPECT_EQ(scenario.controller_overrides[0].key, "ramp.curved_share");
 }
 
+// Beyond any limit is 4000 times what the machine's motors are rated for: 250 N m of the thesis's, 120 N m of the harbour crane's.
+TEST(ScenarioFile, ATorqueBeyondAnyLimitGoesWithTheMachine) {
+  const auto torque_on = [](const std::string& scenario) {
+    return load_scenario_file(scenario, {{"faults", "[{fault: {value: message_corrupted, source: test}, from: {value: 6, unit: s, source: test}, "
+                                                    "channel: {value: TORQUE, source: test}, probability: {value: 1, unit: '-', source: test}, "
+                                                    "corruption: {value: torque_limit, source: test}}]"}}).faults.at(0).torque;
+  };
+  EXPECT_EQ(torque_on(kThesis), 1e6);
+  EXPECT_EQ(torque_on(SLEWLAB_SOURCE_DIR "/config/scenarios/harbour_5t_slew.yaml"), 4.8e5);
+}
+
 TEST(ScenarioFile, SwitchesEffectsOfItsMachineAtControllerPeriods) {
   const auto with = [](const std::string& time, const std::string& effect) {
     return std::vector<common::Override>{
@@ -96,7 +107,10 @@ TEST(ScenarioFile, BadValuesAreExplained) {
   EXPECT_EQ(complaint({{"operator.0.speed_request", "1.5"}}),
             "--set operator.0.speed_request=1.5: key 'operator.0.speed_request': found 1.5, "
             "expected a number from -1 to 1");
-  EXPECT_NE(complaint({{"crane", "nowhere.yaml"}}).find("'nowhere.yaml', which cannot be read"), std::string::npos);
+  EXPECT_EQ(complaint({{"crane", "nowhere.yaml"}, {"crane.load.mass", "3 t"}}),
+            "--set crane=nowhere.yaml: key 'crane': found 'nowhere.yaml', which cannot be read, expected the name of a readable file");
+  EXPECT_EQ(complaint({{"controller", "nowhere.yaml"}}),
+            "--set controller=nowhere.yaml: key 'controller': found 'nowhere.yaml', which cannot be read, expected the name of a readable file");
   EXPECT_NE(complaint({{"crane", SLEWLAB_SOURCE_DIR "/config/controllers/thesis.yaml"}})
                 .find("config/controllers/thesis.yaml:1:7: key 'kind': found controller, expected crane"),
             std::string::npos);
@@ -107,6 +121,44 @@ TEST(ScenarioFile, BadValuesAreExplained) {
       << complaint({{"crane.load.mas", "1"}});
   EXPECT_EQ(complaint({{"crane.load.mass", "60000"}}).find("--set crane.load.mass=60000: key 'crane.load.mass': found 60000 without a unit"), 0u)
       << complaint({{"crane.load.mass", "60000"}});
+}
+
+// Hoisting, luffing and travelling are asked of the crane; only what the slewing joystick does becomes an OPERATOR.
+TEST(ScenarioFile, OtherMotionsAreNoMovesOfTheJoystick) {
+  const std::string file = SLEWLAB_SOURCE_DIR "/config/scenarios/moves_while_slewing.yaml";
+  const Scenario scenario = load_scenario_file(file);
+  ASSERT_EQ(scenario.moves.size(), 2u);
+  EXPECT_EQ(scenario.moves[1].time, 40'000'000'000);
+  ASSERT_EQ(scenario.motion_requests.hoisting.size(), 2u);
+  EXPECT_EQ(scenario.motion_requests.hoisting[1].time, 22'000'000'000);
+  EXPECT_EQ(scenario.motion_requests.hoisting[1].share, 0.0);
+  EXPECT_EQ(scenario.motion_requests.luffing[0].share, -1.0);
+  EXPECT_EQ(scenario.motion_requests.travelling.size(), 2u);
+  EXPECT_TRUE(load_scenario_file(kThesis).motion_requests.empty());
+
+  // An emergency stop ends what moves, and nothing else.
+  const Scenario stopped = load_scenario_file(file, {{"operator.3.emergency_stop", "{value: true, source: test}"}});
+  EXPECT_EQ(stopped.motion_requests.hoisting.size(), 2u);
+  EXPECT_EQ(stopped.motion_requests.luffing.back().time, 22'000'000'000);
+  EXPECT_EQ(stopped.moves.size(), 3u);
+}
+
+TEST(ScenarioFile, MotionsThatTheCraneCannotDoAreExplained) {
+  const std::string file = SLEWLAB_SOURCE_DIR "/config/scenarios/moves_while_slewing.yaml";
+  const auto told = [&](const std::vector<common::Override>& overrides) -> std::string {
+    try {
+      load_scenario_file(file, overrides);
+    } catch (const common::InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_NE(told({{"crane", SLEWLAB_SOURCE_DIR "/config/cranes/thesis.yaml"}}).find("found hoisting_request, expected no such request, or a section 'hoisting'"),
+            std::string::npos);
+  EXPECT_NE(told({{"crane.load.rope_length", "15 m"}}).find("a hook hoisted until 5"), std::string::npos) << told({{"crane.load.rope_length", "15 m"}});
+  EXPECT_NE(told({{"crane.luffing.lowest_angle", "50 deg"}}).find("a boom luffed from 43.5 deg to 53.5 deg"), std::string::npos)
+      << told({{"crane.luffing.lowest_angle", "50 deg"}});
+  EXPECT_NE(told({{"operator.0.hoisting_request", "1.5"}}).find("found 1.5, expected a number from -1 to 1"), std::string::npos);
 }
 
 }  // namespace

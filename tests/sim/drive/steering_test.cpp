@@ -7,7 +7,7 @@ namespace {
 
 constexpr std::int64_t kPeriod = 10'000'000;  // [ns]
 
-Steering steering() { return Steering({.controller_period = kPeriod, .group_count = 2, .seed = 1, .scenario_faults = 3}); }
+Steering steering() { return Steering({.controller_period = kPeriod, .drive = {.group_count = 2}, .seed = 1, .scenario_faults = 3}); }
 
 using News = std::vector<std::string>;
 
@@ -105,14 +105,26 @@ TEST(Steering, AnEffectOfTheMachineIsSwitchedWithAPeriod) {
   EXPECT_EQ(news[1], "effect gusts off 0.040000000");
 }
 
+TEST(Steering, PlayCompensationIsSwitchedWithAPeriod) {
+  Steering desk = steering();
+  desk.take("play_compensation on");
+  desk.take("play_compensation off");  // the last word counts
+  const SteeredPeriod period = desk.begin_period(3 * kPeriod);
+  ASSERT_TRUE(period.play_compensation);
+  EXPECT_FALSE(*period.play_compensation);
+  EXPECT_EQ(desk.take_news(), News{"play_compensation off 0.030000000"});
+  EXPECT_FALSE(desk.begin_period(4 * kPeriod).play_compensation) << "nothing has changed";
+}
+
 TEST(Steering, WhatIsNoCommandIsRefusedAndChangesNothing) {
   Steering desk = steering();
   for (const char* line : {"operator 2 0 0", "operator nan 0 0", "operator 0.5 2 0", "operator 0.5", "speed -1", "speed x",
-                           "fault begin 1 fault: {value: no_such_fault, source: desk}", "fault begin", "effect gusts on", "dance", ""}) {
+                           "fault begin 1 fault: {value: no_such_fault, source: desk}", "fault begin", "effect gusts on", "play_compensation", "play_compensation maybe", "dance", ""}) {
     desk.take(line);
     const SteeredPeriod period = desk.begin_period(0);
     EXPECT_FALSE(period.move) << line;
     EXPECT_TRUE(period.faults.empty()) << line;
+    EXPECT_FALSE(period.play_compensation) << line;
     EXPECT_FALSE(period.ends_run) << line;
     const News news = desk.take_news();
     ASSERT_EQ(news.size(), 1u) << line;

@@ -22,6 +22,18 @@ TEST(GearboxMeshVariation, StiffensTheGearsAtItsTop) {
               1e-6 * wound);
 }
 
+// A ring and a sun of 60 and 30 teeth mesh 60 * 30 / 90 = 20 times per turn of the motor.
+TEST(GearboxMeshVariation, GoesWithTheMachinesTeeth) {
+  CraneParameters crane = fixed_house();
+  crane.drive.gearbox_ring_teeth = 60;
+  crane.drive.gearbox_sun_teeth = 30;
+  const auto samples = run(crane, "gearbox_mesh_variation", {0.05, 0.0, 0.0, 0.0}, 8.0, constant_drive(100.0, 100.0));
+  const double wound = 100.0 * torque_factor(crane) / group_gear_stiffness(crane);
+  const BenchSample& end = samples.back();
+  const double order = 20.0 * torque_factor(crane) / crane.drive.motors_per_group;
+  EXPECT_NEAR(end.deflection[0], group_half_play(crane) + wound / (1.0 + 0.05 * std::sin(order * end.motor_angle[0])), 1e-6 * wound);
+}
+
 // (2.2), Table 2.1: 149 meshes per second at 20 Hz of the motor. Where a whole mesh goes by in one step,
 // nothing of it is left.
 TEST(GearboxMeshVariation, FasterThanTheStepAveragesOut) {

@@ -31,6 +31,8 @@ struct Case {
   std::vector<double> end = drawn(generator, kModes* end_term::count);
   std::vector<double> held = drawn(generator, kModes* held_term::count);
   std::vector<double> shapes = drawn(generator, kModes* shape_term::count);
+  std::vector<double> sensed = drawn(generator, kModes* sense_term::count);
+  std::vector<double> places = drawn(generator, kModes* place_term::count);
   std::vector<double> q0 = drawn(generator, kModes);
   std::vector<double> v0 = drawn(generator, kModes);
 };
@@ -51,6 +53,28 @@ Passed passed(const ModalPasses& passes, const Case& one, double house, double u
   result.numbers.insert(result.numbers.end(), q.begin(), q.end());
   result.numbers.insert(result.numbers.end(), v.begin(), v.end());
   return result;
+}
+
+std::vector<double> sensed(const ModalPasses& passes, const Case& one) {
+  const Accelerations a = passes.sense(kBlocks, one.sensed.data(), one.places.data(), {1.3, -0.7, 2.1}, one.q0.data(), one.v0.data());
+  return {a.house, a.tip, a.boom, a.pivot, a.middle, a.tip_sensor};
+}
+
+TEST(ModalPass, AccelerationsAreTheSumOverTheModes) {
+  const Case one(1);
+  const std::vector<double> result = sensed(portable_passes(), one);
+  ASSERT_EQ(result.size(), std::size_t{place_term::count});
+  for (std::size_t n = 0; n < result.size(); ++n) {
+    double sum = 0.0;
+    for (int k = 0; k < kModes; ++k) {
+      const auto mode = static_cast<std::size_t>(k);
+      const auto term = [&](int which) { return one.sensed[place(k, which, sense_term::count)]; };
+      const double acceleration = -term(sense_term::square) * one.q0[mode] - term(sense_term::damping_rate) * one.v0[mode] +
+                                  1.3 * term(sense_term::house) - 0.7 * term(sense_term::tip) + 2.1 * term(sense_term::uniform);
+      sum += one.places[mode * place_term::count + n] * acceleration;
+    }
+    EXPECT_NEAR(result[n], sum, 1e-12) << n;
+  }
 }
 
 TEST(ModalPass, IsTheSumOfItsTerms) {
@@ -86,6 +110,10 @@ TEST(ModalPass, EveryWidthGivesTheSameBits) {
   if (wide_passes() == nullptr) GTEST_SKIP() << "this processor has no vectors of four doubles";
   for (unsigned seed = 1; seed <= 20; ++seed) {
     const Case one(seed);
+    const std::vector<double> narrow_sensed = sensed(portable_passes(), one), wide_sensed = sensed(*wide_passes(), one);
+    for (std::size_t n = 0; n < narrow_sensed.size(); ++n) {
+      ASSERT_EQ(std::bit_cast<std::uint64_t>(narrow_sensed[n]), std::bit_cast<std::uint64_t>(wide_sensed[n])) << seed << " " << n;
+    }
     for (const auto& [house, uniform] : {std::pair(0.0, 0.0), std::pair(0.6, 0.0), std::pair(0.0, -1.1)}) {
       const Passed narrow = passed(portable_passes(), one, house, uniform), wide = passed(*wide_passes(), one, house, uniform);
       for (std::size_t i = 0; i < narrow.numbers.size(); ++i) {

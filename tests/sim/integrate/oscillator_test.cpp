@@ -163,16 +163,17 @@ TEST(Oscillator, FourSideBySideHaveTheirBits) {
   const auto same = [](double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; };
   for (const double h : {1e-9, 1e-6, 3e-4, 1e-3, 0.02}) {
     for (int drawn = 0; drawn < 512; ++drawn) {
-      double square[4], damping[4];
+      double square[4], damping[4], fastest[4];
       for (int lane = 0; lane < 4; ++lane) {
         const int which = (drawn * 7 + lane * (drawn / 8 + 3)) % 32;
         const double frequency = frequencies[which % 8];
         square[lane] = frequency * frequency;
         damping[lane] = 2.0 * ratios[which / 8] * frequency;
+        fastest[lane] = fastest_rate(square[lane], damping[lane]);
       }
       FourResponses wide, portable;
-      four_responses(square, damping, h, wide);
-      four_responses_portable(square, damping, h, portable);
+      four_responses(square, damping, fastest, StepLength(h), wide);
+      four_responses_portable(square, damping, fastest, StepLength(h), portable);
       for (int lane = 0; lane < 4; ++lane) {
         const OscillatorResponse one = oscillator_response(square[lane], damping[lane], h);
         const HermiteResponse hermite = hermite_response(one, h);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <numbers>
 #include <string>
 
 #include "tests/sim/thesis_crane.h"
@@ -36,6 +37,9 @@ TEST(CraneFile, ThesisCraneIsTheOneOfTheUnitTests) {
   EXPECT_DOUBLE_EQ(file.drive.pinion_play, crane.drive.pinion_play);
   EXPECT_DOUBLE_EQ(file.drive.rated_torque, crane.drive.rated_torque);
   EXPECT_DOUBLE_EQ(file.drive.top_speed, crane.drive.top_speed);
+  EXPECT_EQ(file.drive.pinion_teeth, crane.drive.pinion_teeth);
+  EXPECT_EQ(file.drive.gearbox_ring_teeth, crane.drive.gearbox_ring_teeth);
+  EXPECT_EQ(file.drive.gearbox_sun_teeth, crane.drive.gearbox_sun_teeth);
   EXPECT_DOUBLE_EQ(file.house.inertia, crane.house.inertia);
   EXPECT_DOUBLE_EQ(file.house.sensor_radius, crane.house.sensor_radius);
   EXPECT_EQ(file.boom.element_count, crane.boom.element_count);
@@ -71,6 +75,20 @@ TEST(CraneFile, SmallMachinesAreValid) {
   const CraneParameters bare = load_machine_file(kFolder + "no_load.yaml", {{"boom", "null"}}).parameters;
   EXPECT_EQ(bare.boom.element_count, 0);
   EXPECT_EQ(bare.boom.mass, 0.0);
+}
+
+// Whoever does not know the teeth leaves them out; half a planetary stage says nothing of its mesh.
+TEST(CraneFile, TeethMayBeLeftOut) {
+  const DriveParameters unknown = load_machine_file(kFolder + "thesis.yaml", {{"drive.pinion_teeth", "null"},
+                                                                             {"drive.gearbox_ring_teeth", "null"},
+                                                                             {"drive.gearbox_sun_teeth", "null"}}).parameters.drive;
+  EXPECT_EQ(unknown.pinion_teeth, 0);
+  EXPECT_EQ(unknown.gearbox_ring_teeth, 0);
+  EXPECT_EQ(unknown.gearbox_sun_teeth, 0);
+  EXPECT_NE(complaint({{"drive.gearbox_sun_teeth", "null"}}).find("key 'drive.gearbox_sun_teeth': found nothing: the key is missing"),
+            std::string::npos)
+      << complaint({{"drive.gearbox_sun_teeth", "null"}});
+  EXPECT_NE(complaint({{"drive.pinion_teeth", "2"}}).find("key 'drive.pinion_teeth'"), std::string::npos);
 }
 
 TEST(CraneFile, KeepsTheEffectsAsTheyAre) {
@@ -113,6 +131,40 @@ TEST(CraneFile, BadValuesAreExplained) {
   EXPECT_NE(complaint({{"house", "null"}}).find("key 'house': found nothing: the key is missing"), std::string::npos);
   EXPECT_NE(complaint({{"kind", "controller"}}).find("key 'kind': found controller, expected crane"),
             std::string::npos);
+}
+
+TEST(CraneFile, BoomTypesHaveTheirOwnKeys) {
+  const BoomParameters box = load_machine_file(kFolder + "box_girder.yaml").parameters.boom;
+  EXPECT_EQ(box.type, BoomType::box_girder);
+  EXPECT_DOUBLE_EQ(box.side_plate, 0.016);
+  const BoomParameters bent = load_machine_file(kFolder + "knuckle.yaml").parameters.boom;
+  EXPECT_EQ(bent.type, BoomType::knuckle);
+  EXPECT_DOUBLE_EQ(bent.knuckle_position, 0.55);
+  const BoomParameters frame = load_machine_file(kFolder + "a_frame.yaml").parameters.boom;
+  EXPECT_EQ(frame.type, BoomType::a_frame);
+  EXPECT_GT(frame.cylinders.force, 0.0);
+
+  EXPECT_NE(complaint({{"boom.type", "{value: truss, source: test}"}}).find("key 'boom.type': found truss, expected"), std::string::npos) << complaint({{"boom.type", "{value: truss, source: test}"}});
+  EXPECT_NE(complaint({{"boom.type", "{value: box_girder, source: test}"}}).find("key 'boom.side_plate'"), std::string::npos) << complaint({{"boom.type", "{value: box_girder, source: test}"}});
+  EXPECT_NE(complaint({{"boom.type", "{value: box_girder, source: test}"}}).find("key 'boom.torsion_constant': found a key of other boom types, expected no such key, or null, or boom.type lattice or a_frame"),
+            std::string::npos);
+  EXPECT_NE(complaint({{"boom.side_plate", "800 mm"}}, "box_girder.yaml").find("key 'boom.side_plate': found 0.8 m, expected less than half_width everywhere"),
+            std::string::npos)
+      << complaint({{"boom.side_plate", "800 mm"}}, "box_girder.yaml");
+  EXPECT_NE(complaint({{"boom.elements", "1"}}, "knuckle.yaml").find("key 'boom.elements': found 1, expected 2 or more"), std::string::npos);
+}
+
+TEST(CraneFile, MotionsAreReadWithTheirLimits) {
+  const MotionParameters motions = load_machine_file(kFolder + "thesis_moving.yaml").parameters.motions;
+  EXPECT_DOUBLE_EQ(motions.hoisting.top_speed, 0.5);
+  EXPECT_DOUBLE_EQ(motions.shortest_rope, 8.0);
+  EXPECT_DOUBLE_EQ(motions.luffing.acceleration, 0.5 * std::numbers::pi / 180.0);
+  EXPECT_EQ(load_machine_file(kFolder + "thesis.yaml").parameters.motions.travelling.top_speed, 0.0);
+
+  EXPECT_NE(complaint({{"hoisting.shortest_rope", "70 m"}}, "thesis_moving.yaml").find("found 70 m, expected not more than load.rope_length, 60 m"), std::string::npos)
+      << complaint({{"hoisting.shortest_rope", "70 m"}}, "thesis_moving.yaml");
+  EXPECT_NE(complaint({{"boom.angle", "10 deg"}}, "thesis_moving.yaml").find("a range with boom.angle in it"), std::string::npos);
+  EXPECT_NE(complaint({{"load", "null"}}, "thesis_moving.yaml").find("key 'hoisting': found a winch"), std::string::npos) << complaint({{"load", "null"}}, "thesis_moving.yaml");
 }
 
 }  // namespace

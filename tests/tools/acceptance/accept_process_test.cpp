@@ -170,5 +170,12 @@ TEST_F(AcceptTest, AControllerThatDiesIsNotAccepted) {
   EXPECT_NE(output_.find("exit code 3"), std::string::npos) << output_;
 }
 
+TEST_F(AcceptTest, AFolderThatIsNoRunIsNamed) {
+  RunningProgram accept({kSlewlab, "accept", folder_.path().string()});
+  EXPECT_EQ(accept.wait_for_end(), 2);
+  EXPECT_NE(accept.complaints().find(folder_.path().string() + ": found a folder without scenario.yaml, expected a scenario, or the folder of a run"),
+            std::string::npos) << accept.complaints();
+}
+
 }  // namespace
 }  // namespace slewlab::tools

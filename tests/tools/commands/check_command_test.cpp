@@ -61,7 +61,7 @@ TEST_F(CheckCommand, EveryFileOfTheProjectIsGood) {
   std::vector<fs::path> files;
   for (const auto& entry : fs::recursive_directory_iterator(SLEWLAB_SOURCE_DIR "/config")) {
     const std::string kind = entry.path().parent_path().filename().string();
-    if (entry.path().extension() == ".yaml" && (kind == "cranes" || kind == "controllers" || kind == "scenarios")) {
+    if (entry.path().extension() == ".yaml" && (kind == "cranes" || kind == "axes" || kind == "controllers" || kind == "scenarios")) {
       files.push_back(entry.path());
     }
   }

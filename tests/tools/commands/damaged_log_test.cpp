@@ -102,6 +102,21 @@ TEST_F(DamagedLogTest, ADiagnosisThatRefusesADamagedLogTellsTheDamage) {
   EXPECT_NE(output_.find("the end is cut off"), std::string::npos) << output_;
 }
 
+// Some messages in the middle are gone, which the record bridges: the answer stands, and says of what.
+TEST_F(DamagedLogTest, ADiagnosisOfADamagedLogSaysSoInItsAnswer) {
+  std::string log = whole_;
+  log.erase(log.size() / 2, 300);
+  store(log);
+  const std::string config = SLEWLAB_SOURCE_DIR "/config/";
+  const fs::path findings = folder_.path() / "findings";
+  EXPECT_EQ(exit_code({kSlewlab, "diagnose", "--crane", config + "cranes/thesis.yaml", "--controller", config + "controllers/thesis.yaml",
+                       "--log", log_, "--out", findings}),
+            0);
+  const std::string summary = contents(findings / "summary.txt"), answer = summary.substr(0, summary.find('\n'));
+  EXPECT_NE(answer.find("No effect is missing"), std::string::npos) << answer;
+  EXPECT_NE(answer.find("damaged log)."), std::string::npos) << answer;
+}
+
 TEST_F(DamagedLogTest, NoDamageIsAcceptedAndEverythingEnds) {
   std::random_device source;
   const char* chosen = std::getenv("SLEWLAB_TEST_SEED");

@@ -158,6 +158,21 @@ TEST_F(DiskFullForOutputsTest, Import) {
   expect_refused({"import", "--map", map.string(), data.string(), "--out", out.string()}, out);
 }
 
+// The page and all that stands beside it: half a diagnosis is none.
+TEST_F(DiskFullForOutputsTest, Diagnosis) {
+  const std::string config = SLEWLAB_SOURCE_DIR "/config/";
+  const fs::path log = folder_.path() / "axis";
+  RunningProgram run({kSlewlab, "run", config + "scenarios/example_axis.yaml", "--out", log.string()});
+  ASSERT_EQ(run.wait_for_end(), 0) << run.complaints();
+  fill_but(8192);
+  const fs::path out = disk_ / "diagnosis";
+  RunningProgram diagnose({kSlewlab, "diagnose", "--axis", config + "axes/example_axis.yaml", "--log", log.string(), "--out", out.string()});
+  EXPECT_EQ(diagnose.wait_for_end(), 1) << diagnose.output();
+  EXPECT_NE(diagnose.complaints().find(kFull), std::string::npos) << diagnose.complaints();
+  EXPECT_EQ(diagnose.complaints().find("Traceback"), std::string::npos) << diagnose.complaints();
+  EXPECT_EQ(files_on_disk(), std::vector<std::string>{"ballast"});
+}
+
 TEST_F(DiskFullForOutputsTest, WithheldCases) {
   const fs::path out = disk_ / "set";
   RunningProgram make({kSlewlab, "withhold", "make", "--cases", "1", "--seed", "1", "--out", out.string()});

@@ -24,6 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 
 const std::string kSlewlab = SLEWLAB_BINARY_DIR "/bin/slewlab";
+const std::string kPlant = SLEWLAB_BINARY_DIR "/bin/slewlab-plant";
 const std::string kController = SLEWLAB_BINARY_DIR "/bin/slewlab-controller";
 const std::string kScenario = SLEWLAB_SOURCE_DIR "/config/scenarios/thesis_slew.yaml";
 
@@ -173,6 +174,23 @@ TEST_F(RunCommandTest, ASignalEndsARunWhoseCraneIsStillBeingAssembled) {
   EXPECT_EQ(run.complaints().find("the log so far"), std::string::npos) << run.complaints();
 }
 
+// Once that nobody answers, and at the end for how long nobody did; asked again it has thousands of times by then.
+TEST_F(RunCommandTest, APlantThatWaitsForAnAnswerSaysSoOnce) {
+  RunningProgram plant({"/bin/sh", "-c", "exec \"$@\" 2>&1 >/dev/null", "sh", kPlant, "--scenario", kScenario,
+                        "--bus", "udpm://239.255.76.67:7667?ttl=0", "--log", (folder_.path() / "run.lcmlog").string()});
+  const std::string told = plant.wait_for_line("no answer to the ENCODER");
+  EXPECT_NE(told.find("slewlab-plant: no answer to the ENCODER of 0.000 s since"), std::string::npos) << told;
+  ::kill(plant.pid(), SIGTERM);
+  plant.wait_for_end();
+  const auto times = [&](const std::string& words) {
+    int count = 0;
+    for (std::size_t at = plant.output().find(words); at != std::string::npos; at = plant.output().find(words, at + 1)) ++count;
+    return count;
+  };
+  EXPECT_EQ(times("no answer"), 1) << plant.output();
+  EXPECT_EQ(times("that ENCODER was not answered until the run was stopped, after"), 1) << plant.output();
+}
+
 // What the plant refuses is told of the user's own file, also where the controller is the user's.
 TEST_F(RunCommandTest, AnEffectThatIsUnknownIsToldWhereTheUserWroteIt) {
   const fs::path crane = folder_.path() / "mine.yaml";
@@ -216,6 +234,8 @@ TEST_F(RunCommandTest, AKilledLauncherLeavesNothing) {
   EXPECT_EQ(run.wait_for_end(), -SIGKILL);
   wait_until_nothing_is_left();  // plant, controller and watcher are this test's orphans now
   expect_partial_log();
+  // What the run is was told to whoever looks on when it began, and that it is no complete one stays told.
+  EXPECT_EQ(nlohmann::json::parse(contents(out_ / "run.json")).at("end"), "under way");
 }
 
 TEST_F(RunCommandTest, WhatTheControllerStartedGoesWithIt) {

@@ -2,14 +2,14 @@ import contextlib
 import io
 import unittest
 
-from arguments import ArgumentParser
+from arguments import ArgumentParser, port
 
 
 class ArgumentsTest(unittest.TestCase):
     def setUp(self):
         self.parser = ArgumentParser(prog="slewlab export")
         self.parser.add_argument("log")
-        self.parser.add_argument("--format", required=True)
+        self.parser.add_argument("--format", required=True, choices=("parquet", "csv", "mcap"))
 
     def refused(self, *words):
         said = io.StringIO()
@@ -26,6 +26,17 @@ class ArgumentsTest(unittest.TestCase):
     def test_where_none_is_near_all_are_named(self):
         self.assertEqual(self.refused("run", "--colour", "red"),
                          "slewlab export: error: '--colour' is no option of it, expected one of --help, --format")
+
+    def test_a_choice_that_is_none_is_answered_with_the_near_one(self):
+        self.assertEqual(self.refused("run", "--format", "mcp"),
+                         "slewlab export: error: argument --format: found 'mcp', expected 'mcap' (or one of parquet, csv, mcap)")
+
+    def test_a_port_is_a_number_that_a_computer_has(self):
+        self.parser.add_argument("--port", type=port)
+        self.assertEqual(self.parser.parse_args(["run", "--format", "csv", "--port", "8765"]).port, 8765)
+        for wrong in ("-3", "65536", "http"):
+            self.assertEqual(self.refused("run", "--format", "csv", f"--port={wrong}"),
+                             f"slewlab export: error: argument --port: found '{wrong}', expected a number from 0 to 65535")
 
     def test_beginnings_of_options_and_what_stands_behind_two_dashes_are_left_alone(self):
         self.assertEqual(self.parser.parse_args(["--form", "csv", "run"]).format, "csv")

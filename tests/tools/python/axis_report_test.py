@@ -1,5 +1,6 @@
 """The report of an axis on made-up records: what differs is known in closed form."""
 
+import base64
 import contextlib
 import io
 import json
@@ -50,7 +51,10 @@ def events(configuration_hash, off):
         for name in ("house", "pivot", "middle", "tip"):
             setattr(sensors, f"{name}_acceleration", float("nan"))
         sensors.slew_angle = 0.1 + 0.5 * t + off * t**2
-        for channel, message in (("ENCODER", encoder), ("TORQUE", torque), ("SENSORS", sensors)):
+        truth = made_run.types.truth_t()  # of an axis: no boom, so arrays of elements and modes are empty
+        truth.sequence, truth.group_count = k, 1
+        truth.gearbox_torque, truth.gear_deflection, truth.play_crossings = [100.0 * off], [0.0], [0]
+        for channel, message in (("ENCODER", encoder), ("TORQUE", torque), ("SENSORS", sensors), ("TRUTH", truth)):
             message.simulated_time, message.configuration_hash = time, configuration_hash
             made.append((channel, time, message))
     return made
@@ -98,6 +102,40 @@ class AxisReportTest(unittest.TestCase):
             self.assertNotIn(word, said)
         # Without the record there is nothing to differ from.
         self.assertNotIn("against the record", self.report(self.simulated))
+
+    def test_two_runs_are_shown_as_their_difference(self):
+        other = self.folder / "other"
+        other.mkdir()
+        made_run.write_log(other / "run.lcmlog", [event for event in events(0x55, 0.03) if 200_000_000 <= event[1] <= 1_600_000_000])
+        heavier = facts()
+        heavier["machine"]["is_rigid"] = False
+        elastic = facts(RECORD)
+        elastic["machine"]["is_rigid"] = False
+        (self.simulated / "run.json").write_text(json.dumps(elastic))
+        heavier["machine"]["inertia"] = 60.0  # [kg m^2] what differs is no hindrance
+        (other / "run.json").write_text(json.dumps(heavier))
+        self.report(self.simulated, other)
+        told = json.loads(unpacked((self.folder / "page.html").read_text()))[0]
+        view = told["views"]["difference, A minus B"]
+        found = {}
+        for trace in view["traces"]:
+            drawn = told["series"][trace["series"]]
+            y = np.frombuffer(base64.b64decode(drawn["y"]["bdata"]), "f4")
+            x = drawn["x0"] + drawn["dx"] * np.arange(len(y)) if "x0" in drawn else np.frombuffer(base64.b64decode(drawn["x"]["bdata"]), "f4")
+            found.setdefault(trace["name"], []).append((x, y))
+        (t, position), (_, speed) = found["motor encoder"]
+        self.assertAlmostEqual(float(t[0]), 0.2, places=6)
+        self.assertAlmostEqual(float(t[-1]), 1.6, places=6)
+        np.testing.assert_allclose(position, -0.02 * t**2, atol=1e-5)
+        np.testing.assert_allclose(speed, -0.04 * t, atol=1e-5)
+        np.testing.assert_array_equal(found["command"][0][1], 0.0)  # both are driven by -4 N m
+        np.testing.assert_allclose(found["transmission"][0][1], -2.0, atol=1e-6)  # 100 off, of either
+        # Signals of another transmission are not taken from each other.
+        geared = facts()
+        geared["machine"]["ratio"] = 40.0
+        (other / "run.json").write_text(json.dumps(geared))
+        self.report(self.simulated, other)
+        self.assertNotIn("difference, A minus B", unpacked((self.folder / "page.html").read_text()))
 
     def test_export_names_the_axis_signals(self):
         with contextlib.redirect_stdout(io.StringIO()):

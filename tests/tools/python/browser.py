@@ -5,6 +5,7 @@ import contextlib
 import itertools
 import json
 import os
+import re
 import subprocess
 import tempfile
 import time
@@ -115,6 +116,34 @@ class BrowserPage:
         clip = {"x": 0, "y": 0, "width": width, "height": height, "scale": 1}
         data = self.call("Page.captureScreenshot", format="png", captureBeyondViewport=whole, **({"clip": clip} if whole else {}))["data"]
         Path(path).write_bytes(base64.b64decode(data))
+
+
+def overlaps(page):
+    """Words of a page's pictures that lie over each other: pairs of texts whose boxes have more than a pixel in common."""
+    return page.value("""(() => {
+        const texts = [...document.querySelectorAll(".picture text")].filter((e) => e.textContent.trim() && e.getBoundingClientRect().width > 0);
+        const boxes = texts.map((e) => e.getBoundingClientRect()), found = [];
+        for (let i = 0; i < boxes.length; ++i) for (let k = 0; k < i; ++k) {
+          const a = boxes[i], b = boxes[k];
+          if (Math.min(a.right, b.right) - Math.max(a.left, b.left) > 1 && Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 1)
+            found.push(texts[i].textContent + " | " + texts[k].textContent);
+        }
+        return found;
+    })()""")
+
+
+def contrast_of(page, selector):
+    """Contrast of the first such element's text, or of an SVG text's fill, against the page's ground (WCAG 2.2)."""
+    colours = page.value(f"""(() => {{ const e = document.querySelector({json.dumps(selector)}), style = getComputedStyle(e);
+        return [e instanceof SVGElement ? style.fill : style.color, getComputedStyle(document.body).backgroundColor]; }})()""")
+
+    def luminance(colour):
+        shares = [int(part) / 255 for part in re.findall(r"\d+", colour)[:3]]
+        red, green, blue = (share / 12.92 if share <= 0.04045 else ((share + 0.055) / 1.055) ** 2.4 for share in shares)
+        return 0.2126 * red + 0.7152 * green + 0.0722 * blue
+
+    dark, bright = sorted(luminance(colour) for colour in colours)
+    return (bright + 0.05) / (dark + 0.05)
 
 
 def until(condition, what):

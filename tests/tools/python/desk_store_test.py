@@ -7,6 +7,7 @@ import numpy as np
 
 from run_log import message_types
 
+from desk import charts
 from desk.access import PATIENCE, Access, Joystick
 from desk.source import Incoming, fill, parse_events
 from desk.store import CAPACITY, FACTOR, Channel, Store
@@ -174,6 +175,31 @@ class AccessTest(unittest.TestCase):
         joystick.move("b", -0.3, 1.1)
         joystick.give_back("b", "closed")
         self.assertEqual((joystick.request, joystick.lost), (0.0, "closed"))
+
+
+class ChartsTest(unittest.TestCase):
+    def titles(self, store):
+        return {chart["title"]: [each["signal"] for each in chart["series"]] for chart in charts.charts({}, store)}
+
+    def test_a_signal_is_drawn_that_begins_late_and_one_that_never_is_not(self):
+        store = Store()
+        difference = np.full(1000, np.nan)
+        store.append("SENSORS", np.arange(1000) * 1e-3, {"tip_acceleration": np.zeros(1000), "house_acceleration": difference.copy()})
+        difference[500:] = 0.1
+        store.append("OBSERVER", np.arange(1000) * 1e-3, {"tip_difference": difference})
+        found = self.titles(store)
+        self.assertEqual(found["acceleration, measured minus observer"], ["OBSERVER.tip_difference"])
+        self.assertEqual(found["acceleration, lateral"], ["SENSORS.tip_acceleration"])
+
+    def test_the_bands_of_the_play_compensation_are_drawn_once_it_has_acted(self):
+        store = Store()
+        time, torque = np.arange(100) * 0.01, np.zeros((100, 2))
+        store.append("TORQUE", time, {"motor_torque": torque})
+        store.append("CONTROLLER_STATE", time, {"average_torque": np.zeros(100), "offset_torque": np.zeros(100)})
+        self.assertNotIn("compensation.high", self.titles(store)["motor torque"])
+        store.append("CONTROLLER_STATE", time + 1.0, {"average_torque": np.zeros(100), "offset_torque": np.full(100, 25.0)})
+        store.append("CONTROLLER_STATE", time + 2.0, {"average_torque": np.zeros(100), "offset_torque": np.zeros(100)})
+        self.assertIn("compensation.high", self.titles(store)["motor torque"])
 
 
 if __name__ == "__main__":

@@ -9,6 +9,7 @@ import tempfile
 import unittest
 from pathlib import Path
 
+import numpy as np
 from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
@@ -75,6 +76,11 @@ class DeskTest(unittest.TestCase):
         with DeskProcess(made_run.write_run(self.folder / "a")) as desk:
             page = self.open(desk.address)
             self.assertIn("slewing speed", page.value("document.body.innerText"))
+            # Its spectrum is of the last place that was asked for, however soon after the first. The tip swings with 1.3 and 5.2 Hz.
+            page.value("desk.seek(15)")
+            page.until("desk.spectrumChart")
+            page.until("(() => { const [f, tip] = desk.spectrumChart.plot.data, at = (x) => tip[f.findIndex((each) => each >= x)];"
+                       " return at(1.3) > 10 * at(0.6) && at(5.2) > 10 * at(9); })()")
             # The run's messages say: -50 N m of 250 before the stop at 10 s in group 2, 30 N m behind it; a request of 1 from 2 s on.
             for time, torque, request in ((1.0, -20.0, "0 %"), (5.0, -20.0, "100 %"), (15.0, 12.0, "100 %, emergency stop")):
                 page.value(f"document.getElementById('scrub').value = {time}, "
@@ -172,6 +178,15 @@ class DeskTest(unittest.TestCase):
             page.until("!desk.steering.on.fault.some_torque")
             page.click("#effect_bearing_viscous")
             page.until("desk.steering.on.effect.bearing_viscous === false")
+            # The groups are held against each other (thesis Table 3.4) until the play compensation is switched off, and again later.
+            held = ("Number([...document.querySelectorAll('.chart')].find(c => c.textContent.startsWith('motor torque'))"
+                    ".querySelectorAll('b')[0].textContent)")
+            for on in (False, True):
+                page.click("#compensation")
+                page.until(f"document.getElementById('compensation').checked === {json.dumps(on)} && desk.steering.compensation === {json.dumps(on)}")
+                switched = page.value("desk.at")
+                page.until(f"desk.at > {switched} + 1")
+                page.until(f"Math.abs({held}) {'>' if on else '<'} 5")
             page.click("#save")
             page.until("document.getElementById('notice').textContent.startsWith('written: ')")
         folder = self.folder / "runs" / "1"
@@ -186,6 +201,9 @@ class DeskTest(unittest.TestCase):
         self.assertIn(0.5, operator["speed_request"])
         self.assertIn(1.0, operator["speed_request"])
         self.assertTrue(operator["emergency_stop"].any())
+        offset = read_run_log(folder / "run.lcmlog").channel("CONTROLLER_STATE")["offset_torque"]
+        changes = np.flatnonzero(np.diff((offset == 0.0).astype(int)))
+        self.assertEqual(len(changes), 2, "off, and on again")
         status = read_run_log(folder / "run.lcmlog").channel("PLANT_STATUS")
         self.assertGreater(status["stale_commands"][-1], 0)  # of the fault
 
@@ -235,6 +253,24 @@ class DeskTest(unittest.TestCase):
         self.assertEqual(operator["speed_request"][-1], 0.0)
         encoder = read_run_log(self.folder / "runs" / "1" / "run.lcmlog").channel("ENCODER")
         self.assertGreater(seconds(encoder)[-1], 1.0)
+
+    def test_a_tab_that_is_hidden_or_put_to_sleep_lets_the_lever_go(self):
+        with self.steered() as desk:
+            page, other = self.open(desk.address), self.open(desk.address)
+            for way in ("hidden", "asleep"):
+                page.click("#take")
+                page.until("desk.steering.mine")
+                self.pull(page, 0.4)
+                other.until("document.getElementById('facts').innerText.includes('request\\n40 %')")
+                if way == "hidden":
+                    page.value("Object.defineProperty(document, 'hidden', {value: true, configurable: true}), "
+                               "document.dispatchEvent(new Event('visibilitychange')), delete document.hidden")
+                else:  # as a browser puts away what was long out of sight: no timer, no message
+                    page.call("Page.setWebLifecycleState", state="frozen")
+                other.until("document.getElementById('facts').innerText.includes('request\\n0 %')")
+                other.until("document.getElementById('notice').innerText.includes('The lever was let go: ')")
+                page.call("Page.setWebLifecycleState", state="active")
+                page.mouse("mouseReleased", *page.middle("#lever")[:2])
 
     def test_a_run_is_paused_and_goes_on_cycle_by_cycle(self):
         with self.steered() as desk:
@@ -322,6 +358,17 @@ class DeskTest(unittest.TestCase):
         operator = read_run_log(self.folder / "runs" / "1" / "run.lcmlog").channel("OPERATOR")
         self.assertEqual(len(operator), 1)
         self.assertFalse(operator["emergency_stop"].any())
+
+    def test_what_cannot_begin_is_said_and_no_page_is_served(self):
+        wrong = self.folder / "wrong.yaml"
+        wrong.write_text((REPOSITORY / "config" / "cranes" / "thesis.yaml").read_text())
+        for arguments, words in (((wrong, "--out", self.folder / "runs"), f"{wrong}:1:7: key 'kind': found crane, expected scenario"),
+                                 ((made_run.write_run(self.folder / "a"), "--controller", "./mine"), "--controller: of a scenario that the desk runs; this one shows a log"),
+                                 ((self.folder / "a", "--port", "70000"), "found '70000', expected a number from 0 to 65535")):
+            end = subprocess.run([SLEWLAB, "desk", *map(str, arguments)], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=PATIENCE)
+            with self.subTest(words=words):
+                self.assertEqual((end.returncode, end.stdout), (2, ""))
+                self.assertIn(words, end.stderr)
 
     def test_elsewhere_than_on_loopback_even_who_watches_needs_a_token(self):
         with DeskProcess(made_run.write_run(self.folder / "a"), "--host", "0.0.0.0") as desk:

@@ -1,6 +1,7 @@
 """The page of a diagnosis, made of findings of a few lines."""
 
 import json
+import re
 import resource
 import subprocess
 import sys
@@ -9,6 +10,7 @@ import unittest
 from pathlib import Path
 
 import diagnosis_report
+from browser import Browser, overlaps
 from picture_page import unpacked
 from run_log import REPOSITORY
 
@@ -41,6 +43,20 @@ class DiagnosisReportTest(unittest.TestCase):
     def test_a_cause_is_named(self):
         self.found |= {"causes": [{"effects": ["dragging_brake"], "probability": 0.97}], "probability_unknown": 0.03}
         self.assertIn("dragging_brake", self.page())
+
+    def test_no_words_of_a_picture_lie_over_each_other(self):
+        self.found |= {"causes": [{"effects": ["dragging_brake"], "probability": 0.97}], "probability_unknown": 0.03}
+        self.page()
+        (self.folder / "page.html").write_text(diagnosis_report.page(str(self.folder)))
+        with Browser() as browser:
+            for width, dark in ((1400, False), (420, True)):
+                page = browser.open((self.folder / "page.html").as_uri(), width, 900, dark)
+                page.until("[...document.querySelectorAll('.picture')].every((each) => each.dataset.drawn)")
+                with self.subTest(width=width):
+                    # The last numbers of two axes may touch in their corner.
+                    self.assertEqual([pair for pair in overlaps(page) if re.search("[a-z]", pair)], [])
+                    self.assertLessEqual(page.value("document.documentElement.scrollWidth"), width)
+                browser.close(page)
 
     def test_a_page_for_which_there_is_no_room_is_refused_in_words(self):
         self.page()

@@ -297,6 +297,13 @@ effects:
         self.assertEqual(ended.returncode, 2)
         self.assertIn("crane or axis (the plant), or controller", ended.stderr)
 
+    def test_options_of_a_plant_are_refused_beside_a_controller(self):
+        for option in ("--seed", "--plant-step"):
+            ended = subprocess.run([PROGRAM, "export-fmu", slewlab.config("controllers/thesis.yaml"), option, "1", "--out", os.devnull],
+                                   capture_output=True, text=True, timeout=60)
+            self.assertEqual(ended.returncode, 2)
+            self.assertIn(f"{option}: found it beside a controller, expected it beside a machine", ended.stderr)
+
 
 if __name__ == "__main__":
     unittest.main()

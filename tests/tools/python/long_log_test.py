@@ -2,7 +2,6 @@
 page of them shows every peak."""
 
 import os
-import re
 import subprocess
 import sys
 import tempfile
@@ -10,12 +9,13 @@ import unittest
 from pathlib import Path
 
 import numpy as np
+import pyarrow.parquet
 
 import made_run
 import report
 from envelope import BINS, MOST_POINTS, Envelope, thinned
 from event_rows import event_type, fill_heads
-from run_log import RunLog, messages_folder
+from run_log import RunLog
 from run_numbers import numbers, read_run
 
 PERIOD = 1_000_000  # [ns]
@@ -67,18 +67,27 @@ class LongLogTest(unittest.TestCase):
                 self.assertLess(long - short, 0.2 * self.longer, (short, long))
 
     @unittest.skipIf("san.so" in os.environ.get("LD_PRELOAD", ""), "a sanitizer keeps what is freed")
+    def test_memory_does_not_grow_with_data_that_are_imported(self):
+        (self.folder / "map.yaml").write_text("kind: import_map\ntime: {column: t, unit: s}\nresample: mean\nrate: {value: 900, unit: Hz, source: test}\n"
+                                              "shaft_position: [{column: x, unit: rad}]\nshaft_speed: [{derive: central_difference}]\n"
+                                              "motor_torque: [{column: f, unit: N m}]\n")
+        most = []
+        for rows in (500_000, 1_500_000):
+            data = self.folder / f"{rows}.parquet"
+            with pyarrow.parquet.ParquetWriter(data, pyarrow.schema([(name, pyarrow.float64()) for name in "txf"])) as writer:
+                for begin in range(0, rows, 50_000):
+                    t = np.arange(begin, begin + 50_000) * 1e-3
+                    writer.write_table(pyarrow.table({"t": t, "x": np.sin(t), "f": np.cos(t)}, schema=writer.schema))
+            arguments = ["--map", str(self.folder / "map.yaml"), str(data), "--out", str(self.folder / "imported.lcmlog")]
+            most.append(self.most_memory(f"import import_data\nassert import_data.main({arguments}) == 0"))
+        longer = 1_000_000 * 3 * 8  # [bytes] of the three columns
+        self.assertLess(most[1] - most[0], 0.5 * longer, most)
+
+    @unittest.skipIf("san.so" in os.environ.get("LD_PRELOAD", ""), "a sanitizer keeps what is freed")
     def test_the_readers_memory_does_not_grow_with_the_log(self):
         def most(log):
-            process = subprocess.Popen([messages_folder() / "slewlab-log-tables", log], stdin=subprocess.PIPE, stdout=subprocess.PIPE)
-            with process:
-                process.stdout.readline()
-                process.stdin.write(b"SENSORS\n")
-                process.stdin.flush()
-                end = b""
-                while not end.endswith((-2).to_bytes(4, "little", signed=True) + bytes(4)):
-                    end = (end + process.stdout.read1(1 << 20))[-8:]
-                status = Path(f"/proc/{process.pid}/status").read_text()
-                return int(re.search(r"VmHWM:\s+(\d+) kB", status)[1]) * 1024
+            return self.most_memory("from pathlib import Path\nfrom extension_module import loaded\n"
+                                    f"for rows in loaded('_log').LogTables(Path({str(log)!r})).stretches(['SENSORS']): pass")
 
         self.assertLess(most(self.long) - most(self.short), 0.05 * self.longer)
 

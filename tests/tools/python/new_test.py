@@ -86,6 +86,17 @@ class NewTest(unittest.TestCase):
         np.testing.assert_allclose(found.channel("ENCODER")["shaft_speed"][:, 0], np.array([1, 2, 3.1, 4]) * 2 * np.pi / 60, rtol=1e-12)
         np.testing.assert_array_equal(found.channel("SENSORS")["tip_acceleration"], [0.1, 0.1, 0.0, 0.0])
 
+    def test_a_unit_that_is_none_is_not_taken_for_the_usual_one_in_silence(self):
+        data, map_file, log = self.folder / "data.csv", self.folder / "map.yaml", self.folder / "site.lcmlog"
+        data.write_text(DATA.replace("Tip acc [m/s^2]", "Tip acc [g]").replace("Drive torque [Nm]", "Drive torque [lbft]"))
+        self.made("map", map_file, "--data", data)
+        text = map_file.read_text()
+        self.assertIn("guess: in g, the acceleration of gravity", text)
+        self.assertIn("guess: unit, the usual one: 'lbft' is none that is known here", text)
+        self.assertIn('source: "REPLACE: motor turns per turn of the slew axis"', text)
+        self.assertEqual(slewlab("import", "--map", map_file, data, "--out", log)[0], 0)
+        np.testing.assert_allclose(read_run_log(log).channel("SENSORS")["tip_acceleration"], np.array([0.1, 0.1, 0.0, 0.0]) * 9.80665, rtol=1e-12)
+
     def test_what_no_column_was_found_for_is_said(self):
         data, map_file = self.folder / "data.csv", self.folder / "map.yaml"
         data.write_text("t,pos_deg\n0,0\n1,1\n2,2\n")

@@ -56,7 +56,7 @@ class RunTest(unittest.TestCase):
             log = slewlab.open_log(folder)
             self.assertEqual(log.remarks, [])
             self.assertEqual(log.channels, run.channels)
-            other = read_run_log(path)  # by slewlab-log-tables
+            other = read_run_log(path)
             for channel in log:
                 for field in run.messages(channel).dtype.names:
                     np.testing.assert_array_equal(log.messages(channel)[field], run.messages(channel)[field])
@@ -135,6 +135,37 @@ class RunTest(unittest.TestCase):
 
 
 class InputTest(unittest.TestCase):
+    def test_a_wrong_argument_is_told_with_what_would_be_right(self):
+        scenario, machine = slewlab.Scenario(SLEW, SHORT), slewlab.Machine(slewlab.config("cranes/thesis.yaml"))
+        with tempfile.TemporaryDirectory() as folder:
+            log = Path(folder) / "short.lcmlog"
+            scenario.run(log=log)
+            (Path(folder) / "empty").mkdir()
+            for wrong, error, words in (
+                    (lambda: scenario.run("./mine"), TypeError, "found './mine' for a controller, expected a callable"),
+                    (lambda: scenario.closed_loop("shaft_sped_1"), ValueError, "no output 'shaft_sped_1' here, expected 'shaft_speed_1'"),
+                    (lambda: machine.state_space().bode("tip_velocity", [-1.0]), ValueError, "found a frequency of -1 Hz"),
+                    (lambda: slewlab.margins([1.0, 2.0], [1.0]), ValueError, "found 1 values at 2 frequencies"),
+                    (lambda: slewlab.open_log(Path(folder) / "empty"), slewlab.LogError, "empty: found a folder without run.lcmlog"),
+                    (lambda: list(slewlab.open_log(log).stretches("SENSOR")), KeyError, "expected 'SENSORS'")):
+                with self.subTest(words=words), self.assertRaises(error) as raised:
+                    wrong()
+                self.assertIn(words, str(raised.exception))
+
+    def test_a_log_is_gone_through_a_stretch_at_a_time(self):
+        with tempfile.TemporaryDirectory() as folder:
+            run = slewlab.Scenario(SLEW, {"duration": 60, "telemetry.sensors_period": "1 ms"}).run(log=Path(folder) / "run.lcmlog")
+            log = slewlab.open_log(folder)
+            for channels in ((), ("SENSORS",)):
+                pieces = {}
+                for stretch in log.stretches(*channels):
+                    for name, messages in stretch.items():
+                        pieces.setdefault(name, []).append(messages)
+                self.assertEqual(set(pieces), set(channels or log.channels))
+                self.assertGreater(len(pieces["SENSORS"]), 1)
+                for name, parts in pieces.items():
+                    np.testing.assert_array_equal(np.concatenate(parts), run.messages(name))
+
     def test_a_wrong_key_is_named_with_the_near_one(self):
         with self.assertRaisesRegex(slewlab.InputError, "load.mas.*'mass'"):
             slewlab.Scenario(SLEW, {"crane.load.mas": "3 t"})
@@ -286,10 +317,11 @@ class InstallTest(unittest.TestCase):
             subprocess.run(["cmake", "--install", messages_folder().parent, "--component", "python", "--prefix", folder],
                            check=True, capture_output=True, timeout=100)
             place = Path(folder) / "lib" / "python3" / "dist-packages"
-            for name in ("py.typed", "_core.pyi", "config/cranes/thesis.yaml"):
+            for name in ("py.typed", "_core.pyi", "_log.pyi", "config/cranes/thesis.yaml"):
                 self.assertTrue((place / "slewlab" / name).is_file(), name)
-            extension = next((place / "slewlab").glob("_core*.so")).read_bytes()
-            self.assertNotIn(str(REPOSITORY).encode(), extension)
+            for name in ("_core", "_log"):
+                extension = next((place / "slewlab").glob(f"{name}*.so")).read_bytes()
+                self.assertNotIn(str(REPOSITORY).encode(), extension)
             code = ("import slewlab; print(slewlab.__version__, slewlab.config('cranes/thesis.yaml')); "
                     "slewlab.Scenario(slewlab.config('scenarios/thesis_slew.yaml'), {'duration': 1}).run()")
             ended = subprocess.run([sys.executable, "-c", code], env=os.environ | {"PYTHONPATH": str(place)}, cwd=folder,
@@ -302,7 +334,7 @@ class PageTest(unittest.TestCase):
     def test_every_block_of_the_page_runs(self):
         page = (REPOSITORY / "docs" / "python.md").read_text(encoding="utf-8")
         blocks = [block.split("```")[0] for block in page.split("```python\n")[1:]]
-        self.assertEqual(len(blocks), 6)
+        self.assertEqual(len(blocks), 7)
         here = os.getcwd()
         with tempfile.TemporaryDirectory() as folder:
             os.chdir(folder)

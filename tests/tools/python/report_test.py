@@ -5,15 +5,18 @@ import json
 import re
 import tempfile
 import unittest
+import warnings
 from pathlib import Path
 
 import numpy as np
 
 import made_run
 import report
-from browser import Browser
+from browser import Browser, overlaps
+from panel import slim
 from picture_page import rounded, series_of, unpacked
-from run_numbers import finding, numbers, read_run, table
+from report import ticks
+from run_numbers import band_of, finding, numbers, read_run, table
 
 
 class ReportTest(unittest.TestCase):
@@ -46,6 +49,34 @@ class ReportTest(unittest.TestCase):
         self.assertAlmostEqual(after["largest_sidelead"], 0.1047198, places=5)
         self.assertEqual(before["largest_motor_torque"], 100.0)
         self.assertEqual(after["largest_motor_torque"], 240.0)
+
+    def test_the_frequencies_looked_for_are_those_of_the_machine(self):
+        """The thesis's run.json has 1.307 Hz first and 38.214 Hz fifth; four times the crane swings half as fast."""
+        def facts(factor):
+            return {"modes": [{"name": "load 1", "frequency": 0.074 * factor}, {"name": "bending 1", "frequency": 1.307 * factor},
+                              {"name": "drive 1", "frequency": 1.797 * factor}, {"name": "bending 5", "frequency": 38.214 * factor},
+                              {"name": "torsion 3", "frequency": 51.24 * factor}]}
+
+        own, larger = band_of(facts(1.0)), band_of(facts(0.5))
+        self.assertAlmostEqual(own.lowest, 0.5, delta=0.01)
+        self.assertAlmostEqual(own.highest, 45.0, delta=0.2)
+        self.assertAlmostEqual(own.segment, 5.0, delta=0.01)
+        for name, ratio in (("lowest", 0.5), ("highest", 0.5), ("segment", 2.0)):
+            self.assertAlmostEqual(getattr(larger, name), ratio * getattr(own, name), places=9)
+        self.assertEqual(ticks(0.497, 49.6), [0.5, 1, 2, 5, 10, 20, 50])
+        self.assertEqual(ticks(0.02, 0.6), [0.02, 0.05, 0.1, 0.2, 0.5])
+
+    def test_a_value_that_no_sensor_gives_is_a_gap_and_not_a_complaint(self):
+        """One bit of a double turned over is easily 1e200; single precision ends at 3e38."""
+        events = made_run.messages()
+        next(event[2] for event in events if event[0] == "SENSORS" and event[1] > 3e9).tip_acceleration = 1e200
+        folder = made_run.write_run(self.folder / "a", events=events)
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            code, _, err = self.call(folder)
+        self.assertEqual((code, err), (0, ""))
+        self.assertTrue(np.isnan(slim([1.0, 1e200, -1e200])[1:]).all())
+        self.assertEqual(list(slim([1.0, -3e38])), [1.0, np.float32(-3e38)])
 
     def test_table_speaks_in_the_engineers_units(self):
         run = read_run(made_run.write_run(self.folder / "a", rated_torque=250.0))
@@ -172,18 +203,6 @@ class ReportTest(unittest.TestCase):
         self.views_of("a")
         self.assertLess((self.folder / "page.html").stat().st_size, 1_000_000)
 
-    # Words that lie over each other: pairs of texts of the picture whose boxes have more than a pixel in common.
-    OVERLAPS = """(() => {
-        const texts = [...document.querySelectorAll("#picture text")].filter((e) => e.textContent.trim() && e.getBoundingClientRect().width > 0);
-        const boxes = texts.map((e) => e.getBoundingClientRect()), found = [];
-        for (let i = 0; i < boxes.length; ++i) for (let k = 0; k < i; ++k) {
-          const a = boxes[i], b = boxes[k];
-          if (Math.min(a.right, b.right) - Math.max(a.left, b.left) > 1 && Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 1)
-            found.push(texts[i].textContent + " | " + texts[k].textContent);
-        }
-        return found;
-    })()"""
-
     def test_no_label_lies_over_another_at_any_width_and_all_are_readable_in_the_dark(self):
         made_run.write_run(self.folder / "a")
         made_run.write_run(self.folder / "b_with_a_name_as_long_as_a_name_may_be")
@@ -198,7 +217,7 @@ class ReportTest(unittest.TestCase):
                     page.value(f"document.querySelector('button[value=\"{name}\"]').click()")
                     page.until(f"document.getElementById('picture').dataset.drawn === '{name}'")
                     with self.subTest(width=width, view=name):
-                        self.assertEqual(page.value(self.OVERLAPS), [])
+                        self.assertEqual(overlaps(page), [])
                         self.assertLessEqual(page.value("document.documentElement.scrollWidth"), width)
                 fill = page.value("getComputedStyle(document.querySelector('#picture .ytick text')).fill")
                 back = page.value("getComputedStyle(document.body).backgroundColor")

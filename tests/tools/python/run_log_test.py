@@ -5,7 +5,7 @@ from pathlib import Path
 import numpy as np
 
 import made_run
-from run_log import LogProblem, ReaderProblem, read_run_log, seconds
+from run_log import LogProblem, read_run_log, seconds
 
 
 class RunLogTest(unittest.TestCase):
@@ -156,16 +156,22 @@ class RunLogTest(unittest.TestCase):
         np.testing.assert_array_equal(log.channel("SENSORS")["sequence"], [0, 2, 3])
         self.assertIn(f"{event_size} bytes in 1 places are no event and were skipped: {event_size} at byte {event_size}", " ".join(log.remarks))
 
-    def test_a_reader_that_breaks_down_is_told_from_a_log_that_is_refused(self):
+    def test_a_log_that_is_cut_off_while_it_is_read_is_told(self):
         log = self.read(made_run.messages())
-        log._process.kill()
-        log._process.wait()
-        with self.assertRaises(ReaderProblem):
+        self.path.write_bytes(self.path.read_bytes()[:100_000])
+        with self.assertRaisesRegex(LogProblem, "changed while it was read"):
             log.channel("SENSORS")
-        self.path.write_bytes(b"")
-        with self.assertRaises(LogProblem) as refused:
-            read_run_log(self.path)
-        self.assertNotIsInstance(refused.exception, ReaderProblem)
+        self.path.unlink()
+        with self.assertRaises(LogProblem):
+            log.channel("TRUTH")
+
+    def test_a_reading_that_is_under_way_does_not_hinder_another_of_the_same_log(self):
+        log = self.read(made_run.messages() * 20)
+        first = log.stretches("SENSORS")
+        some = next(first)["SENSORS"]
+        self.assertEqual(len(log.channel("SENSORS")), log.tables["SENSORS"].rows)
+        rest = np.concatenate([some, *(stretch["SENSORS"] for stretch in first)])
+        np.testing.assert_array_equal(rest, log.channel("SENSORS"))
 
     def test_no_log_and_no_message_are_told_apart(self):
         with self.assertRaisesRegex(LogProblem, "no such log"):

@@ -6,6 +6,7 @@ import unittest
 from pathlib import Path
 
 import score_report
+from browser import Browser, contrast_of
 
 
 def score(name, value, aim=None, reached=False):
@@ -46,6 +47,17 @@ class ScoreReportTest(unittest.TestCase):
         for words in ("8 cases, seed 7 (tune)", "<td class='number no'>0.625</td>", "<td class='number yes'>0.000</td>",
                       "other_gains × 1", "&lt;droop&gt; answered wrongly"):
             self.assertIn(words, page)
+
+    def test_words_are_readable_in_light_and_dark_and_the_page_is_no_wider_than_its_window(self):
+        self.call(self.file)
+        with Browser() as browser:
+            for width, dark in ((1400, False), (800, True), (420, True), (420, False)):
+                page = browser.open(self.file.with_name("score.html").as_uri(), width, 900, dark)
+                with self.subTest(width=width, dark=dark):
+                    self.assertLessEqual(page.value("document.documentElement.scrollWidth"), width)
+                    for words in ("svg text", "td", "td.no", "td.yes", "p", ".small"):
+                        self.assertGreater(contrast_of(page, words), 4.5, words)  # WCAG 2.2, 1.4.3: contrast of text, level AA
+                browser.close(page)
 
     def test_an_answer_in_no_catalogue_is_right_where_the_truth_is_in_none(self):
         self.assertTrue(score_report.right("tight_spot (no catalogue)", "outside the catalogue"))

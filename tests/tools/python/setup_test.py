@@ -78,7 +78,8 @@ class SetupTest(unittest.TestCase):
         code, output, _ = self.run_setup()
         self.assertEqual(code, 1, output)
         self.assertIn("pip could not install", output)
-        requirements.write_text("")  # nothing to fetch
+        for name in ("requirements.txt", "requirements_development.txt"):  # nothing to fetch
+            (requirements.parent / name).write_text("")
         code, output, _ = self.run_setup()
         self.assertEqual(code, 0, output)
         self.assertIn("making .venv", output)

@@ -5,12 +5,13 @@ import numpy as np
 from spectrum import amplitude_spectrum, find_peaks
 
 STEP = 0.005  # [s]
+SEGMENT = 5.0  # [s]
 TIME = np.arange(0.0, 30.0, STEP)
 
 
 class SpectrumTest(unittest.TestCase):
     def peaks(self, series, share=0.1, floor=0.0):
-        return find_peaks(*amplitude_spectrum(series, STEP), 0.5, 45.0, share, floor)
+        return find_peaks(*amplitude_spectrum(series, STEP, SEGMENT), 0.5, 45.0, share, floor)
 
     def test_a_sine_shows_its_frequency_and_amplitude(self):
         # Between the bins of the zero-padded transform; the parabola's error stays below 1 % of both.
@@ -31,7 +32,7 @@ class SpectrumTest(unittest.TestCase):
     def test_a_series_shorter_than_a_segment_still_has_a_spectrum(self):
         (found,) = self.peaks(np.sin(2 * np.pi * 5.0 * TIME[:400]))
         self.assertAlmostEqual(found[0], 5.0, delta=0.05)
-        self.assertEqual(len(amplitude_spectrum(TIME[:10], STEP)[0]), 0)
+        self.assertEqual(len(amplitude_spectrum(TIME[:10], STEP, SEGMENT)[0]), 0)
 
 
 if __name__ == "__main__":

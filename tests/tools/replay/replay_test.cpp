@@ -19,6 +19,7 @@
 #include "sim/drive/lockstep_loop.h"
 #include "sim/drive/scenario_run.h"
 #include "tests/msgs/temporary_folder.h"
+#include "tests/tools/replay/stream_of.h"
 #include "tools/replay/comparison.h"
 #include "tools/replay/controller_replay.h"
 #include "tools/replay/plant_replay.h"
@@ -68,17 +69,60 @@ class ReplayTest : public testing::Test {
     record(log, 7);
     return msgs::read_run_logs(log).runs.at(0);
   }
-  ControllerReplay ask(const msgs::RunLog& run, const controller::ControllerSettings& settings) {
-    ControllerReplay replay;
-    for (const auto& start : recorded_questions(run).starts) {
+  struct Answers {
+    ChannelComparison torque, controller_state;
+  };
+  Answers ask(const msgs::RunLog& log, const controller::ControllerSettings& settings) {
+    const msgs::RunStream run = stream_of(log);
+    RunningComparison<msgs::Torque> torque(run);
+    RunningComparison<msgs::ControllerState> state(run);
+    const Questions questions = recorded_questions(run);
+    const Questions::Next next = questions.open();
+    for (const Question* question = next(); question != nullptr;) {
       msgs::MemoryWire wire;
       const auto asking = wire.connect();
       const auto answering = wire.connect();
       const controller::AnswerLoop loop(*answering, controller::computed_answer(settings));
       asking->on_wait = [&] { answering->drain(); };
-      EXPECT_TRUE(ask_controller(*asking, run, start, {}, replay));
+      EXPECT_TRUE(ask_controller(*asking, run, question, next, {},
+                                 {[&](const msgs::Torque& message) { torque.add(message); },
+                                  [&](const msgs::ControllerState& message) { state.add(message); }}));
     }
-    return replay;
+    return {torque.finish(), state.finish()};
+  }
+  struct Motion {
+    std::vector<std::string> remarks;
+    std::int64_t said = 0;  // ENCODER
+    ChannelComparison encoder, sensors, truth;
+  };
+  Motion move(const msgs::RunLog& log) {
+    const msgs::RunStream run = stream_of(log);
+    RunningComparison<msgs::Encoder> encoder(run);
+    RunningComparison<msgs::Sensors> sensors(run);
+    RunningComparison<msgs::Truth> truth(run);
+    Motion motion;
+    motion.remarks = replay_plant(scenario_, run, arrivals_by_answer(run),
+                                  {[&](const msgs::Encoder& message) {
+                                     ++motion.said;
+                                     encoder.add(message);
+                                   },
+                                   [&](const msgs::Sensors& message) { sensors.add(message); },
+                                   [&](const msgs::Truth& message) { truth.add(message); }, [](const msgs::PlantStatus&) {}});
+    motion.encoder = encoder.finish();
+    motion.sensors = sensors.finish();
+    motion.truth = truth.finish();
+    return motion;
+  }
+  // Apart by starts of the controller.
+  static std::vector<std::vector<Question>> starts_of(const Questions& questions) {
+    std::vector<std::vector<Question>> starts;
+    const Questions::Next next = questions.open();
+    for (const Question* question = next(); question != nullptr; question = next()) {
+      if (question->is_first) starts.emplace_back();
+      starts.back().push_back(*question);
+    }
+    EXPECT_EQ(static_cast<std::int64_t>(starts.size()), questions.starts);
+    return starts;
   }
   int replay_it(ReplayOptions options) {
     out_.str("");
@@ -107,18 +151,15 @@ TEST_F(ReplayTest, ALockstepLogIsIdenticalToTheBitOnBothSides) {
   const msgs::RunLog run = recorded();
   ASSERT_EQ(run.encoder.size(), 300u);
   ASSERT_EQ(run.sensors.size(), 601u);
-  const PlantReplay plant = replay_plant(scenario_, run, arrivals_by_answer(run));
+  const Motion plant = move(run);
   EXPECT_TRUE(plant.remarks.empty());
-  const std::vector<ChannelComparison> motions{compare(run.encoder, plant.run.encoder),
-                                               compare(run.sensors, plant.run.sensors),
-                                               compare(run.truth, plant.run.truth)};
+  const std::vector<ChannelComparison> motions{plant.encoder, plant.sensors, plant.truth};
   EXPECT_TRUE(identical(motions));
   EXPECT_EQ(motions[0].compared, 300);
   EXPECT_EQ(motions[1].compared, 601);
   EXPECT_EQ(first_difference(motions), nullptr);
-  const ControllerReplay answers = ask(run, controller_);
-  const std::vector<ChannelComparison> torques{compare(run.torque, answers.torque),
-                                               compare(run.controller_state, answers.controller_state)};
+  const Answers answers = ask(run, controller_);
+  const std::vector<ChannelComparison> torques{answers.torque, answers.controller_state};
   EXPECT_TRUE(identical(torques));
   EXPECT_EQ(torques[0].compared, 300);
   EXPECT_EQ(torques[1].compared, 300);
@@ -130,8 +171,7 @@ TEST_F(ReplayTest, OneChangedBitIsFoundWhereItIs) {
   double& torque = run.torque[150].motor_torque[1];
   const double before = torque;
   torque = std::nextafter(torque, std::numeric_limits<double>::infinity());
-  const ControllerReplay answers = ask(run, controller_);
-  const std::vector<ChannelComparison> torques{compare(run.torque, answers.torque)};
+  const std::vector<ChannelComparison> torques{ask(run, controller_).torque};
   EXPECT_EQ(torques[0].differing, 1);
   const FieldDifference* first = first_difference(torques);
   ASSERT_NE(first, nullptr);
@@ -142,8 +182,7 @@ TEST_F(ReplayTest, OneChangedBitIsFoundWhereItIs) {
   EXPECT_EQ(first->largest, torque - before);
 
   run.torque[150].motor_torque[1] = before + 1.0;  // 1 Nm, so that it shows through rounding
-  const PlantReplay plant = replay_plant(scenario_, run, arrivals_by_answer(run));
-  const ChannelComparison encoders = compare(run.encoder, plant.run.encoder);
+  const ChannelComparison encoders = move(run).encoder;
   ASSERT_FALSE(encoders.differences.empty());
   EXPECT_EQ(encoders.differences.front().first_time, 1'510'000'000);
 }
@@ -152,9 +191,8 @@ TEST_F(ReplayTest, AnotherGainShowsWithTimeFieldAndSize) {
   const msgs::RunLog run = recorded();
   controller::ControllerSettings changed = controller_;
   changed.ramp.emergency_stop_time *= 2.0;
-  const ControllerReplay answers = ask(run, changed);
-  const std::vector<ChannelComparison> channels{compare(run.torque, answers.torque),
-                                                compare(run.controller_state, answers.controller_state)};
+  const Answers answers = ask(run, changed);
+  const std::vector<ChannelComparison> channels{answers.torque, answers.controller_state};
   // Until the emergency stop at 2 s the two are the same; the ramp leaves one period behind it.
   const FieldDifference* first = first_difference(channels);
   ASSERT_NE(first, nullptr);
@@ -171,27 +209,27 @@ TEST_F(ReplayTest, MissingMessagesAreBridgedAndTold) {
   run.torque.erase(run.torque.begin() + 20);              // lost on its way to the logger
   run.controller_state.erase(run.controller_state.begin() + 20);
   run.encoder.erase(run.encoder.begin() + 40);
-  const Questions questions = recorded_questions(run);
-  ASSERT_EQ(questions.starts.size(), 1u);
-  EXPECT_EQ(questions.starts[0].size(), 300u);            // the alive counter says that both were computed
-  EXPECT_TRUE(questions.starts[0][40].made_up);
+  const Questions questions = recorded_questions(stream_of(run));
+  const auto starts = starts_of(questions);
+  ASSERT_EQ(starts.size(), 1u);
+  EXPECT_EQ(starts[0].size(), 300u);                      // the alive counter says that both were computed
+  EXPECT_TRUE(starts[0][40].made_up);
   ASSERT_EQ(questions.remarks.size(), 1u);
   EXPECT_NE(questions.remarks[0].find("1 ENCODER that were answered are missing"), std::string::npos);
-  const ControllerReplay answers = ask(run, controller_);
-  const ChannelComparison torques = compare(run.torque, answers.torque);
+  const ChannelComparison torques = ask(run, controller_).torque;
   EXPECT_EQ(torques.compared, 298);
   // Before the gap nothing differs, behind it only by what a straight line between two ENCODER is off.
   for (const FieldDifference& difference : torques.differences) {
     EXPECT_GT(difference.first_time, 400'000'000);
     EXPECT_LT(difference.largest, 0.5) << difference.field;
   }
-  const PlantReplay plant = replay_plant(scenario_, run, arrivals_by_answer(run));
+  const Motion plant = move(run);
   ASSERT_EQ(plant.remarks.size(), 1u);
   EXPECT_NE(plant.remarks[0].find("1 TORQUE that were sent are missing in the record, the first answers ENCODER 20"),
             std::string::npos)
       << plant.remarks[0];
   // A torque on a line between its neighbours is off by little, and the crane follows the record closely.
-  for (const FieldDifference& difference : compare(run.encoder, plant.run.encoder).differences) {
+  for (const FieldDifference& difference : plant.encoder.differences) {
     if (difference.field.starts_with("shaft_speed")) {
       EXPECT_LT(difference.largest, 0.1) << difference.field;
     }
@@ -207,11 +245,12 @@ TEST_F(ReplayTest, AControllerThatWasTooSlowOrStartedAnewIsReplayedLikeThat) {
   for (msgs::Torque& torque : run.torque) {
     if (torque.answered_sequence > 100) torque.alive_counter = torque.sequence = torque.answered_sequence - 101;
   }
-  const Questions questions = recorded_questions(run);
-  ASSERT_EQ(questions.starts.size(), 2u);
-  EXPECT_EQ(questions.starts[0].size(), 100u);
-  EXPECT_EQ(questions.starts[1].size(), 199u);
-  EXPECT_EQ(questions.starts[1].front().encoder.sequence, 101);
+  const Questions questions = recorded_questions(stream_of(run));
+  const auto starts = starts_of(questions);
+  ASSERT_EQ(starts.size(), 2u);
+  EXPECT_EQ(starts[0].size(), 100u);
+  EXPECT_EQ(starts[1].size(), 199u);
+  EXPECT_EQ(starts[1].front().encoder.sequence, 101);
   EXPECT_EQ(questions.remarks.size(), 2u);
 }
 
@@ -269,15 +308,15 @@ TEST_F(ReplayTest, AFarFutureIsRefusedInWords) {
   };
   msgs::RunLog run = recorded();
   run.encoder.back().sequence = run.torque.back().answered_sequence = run.torque.back().alive_counter = std::int64_t{1} << 50;
-  const PlantReplay plant = replay_plant(scenario_, run, arrivals_by_answer(run));
-  EXPECT_TRUE(plant.run.encoder.empty());
+  const Motion plant = move(run);
+  EXPECT_EQ(plant.said, 0);
   EXPECT_TRUE(mentions(plant.remarks, "a number in it must be damaged; not replayed"));
   EXPECT_TRUE(mentions(plant.remarks, "too many to be put in"));
-  const Questions questions = recorded_questions(run);
-  EXPECT_TRUE(questions.starts.empty());
+  const Questions questions = recorded_questions(stream_of(run));
+  EXPECT_TRUE(starts_of(questions).empty());
   EXPECT_TRUE(mentions(questions.remarks, "nothing is asked"));
   run.encoder.front().sequence = -(std::int64_t{1} << 50);
-  EXPECT_TRUE(replay_plant(scenario_, run, arrivals_by_answer(run)).run.encoder.empty());
+  EXPECT_EQ(move(run).said, 0);
 }
 
 TEST_F(ReplayTest, WhatCannotBeAnsweredIsRefused) {

@@ -1,4 +1,4 @@
-// The parts of slewlab._core, a source file each, and what they share.
+// The parts of slewlab._core and slewlab._log, a source file each, and what they share.
 #pragma once
 
 #include <nanobind/nanobind.h>

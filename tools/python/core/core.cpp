@@ -4,7 +4,6 @@
 #include <nanobind/stl/string.h>
 
 #include "common/input_error.h"
-#include "msgs/log_writer.h"
 #include "tools/python/core/bindings.h"
 
 namespace nb = nanobind;
@@ -14,10 +13,8 @@ NB_MODULE(_core, m) {
   m.doc() = "The C++ core of slewlab. Use the package `slewlab`, which is documented.";
   m.attr("__version__") = SLEWLAB_VERSION;
   nb::exception<common::InputError>(m, "InputError", PyExc_ValueError);
-  nb::exception<msgs::LogError>(m, "LogError", PyExc_RuntimeError);
   tools::bind_machine(m);
   tools::bind_run(m);
-  tools::bind_log(m);
   tools::bind_yaml(m);
   tools::bind_plc(m);
   tools::bind_campaign(m);

@@ -21,15 +21,22 @@ inline RowBytes row_bytes(std::vector<std::uint8_t>&& bytes) {
   return RowBytes(kept->data(), {kept->size()}, owner);
 }
 
-// [(name, numpy's letter and size, number of elements or None, offset)], bytes of a row.
-inline nanobind::tuple layout_of(const msgs::RowLayout& layout) {
-  nanobind::list fields;
+// What numpy.dtype() takes: names, formats, offsets and itemsize of a row.
+inline nanobind::dict layout_of(const msgs::RowLayout& layout) {
+  nanobind::list names, formats, offsets;
   for (const msgs::TableField& field : layout.fields) {
     const std::string type = (field.kind == 'b' ? std::string("?") : field.kind + std::to_string(field.bytes));
-    const nanobind::object count = field.count < 0 ? nanobind::object(nanobind::none()) : nanobind::object(nanobind::int_(field.count));
-    fields.append(nanobind::make_tuple(std::string(field.name), type, count, field.offset));
+    names.append(std::string(field.name));
+    formats.append(field.count < 0 ? nanobind::object(nanobind::str(type.c_str()))
+                                   : nanobind::object(nanobind::make_tuple(type, nanobind::make_tuple(field.count))));
+    offsets.append(field.offset);
   }
-  return nanobind::make_tuple(fields, layout.row_bytes);
+  nanobind::dict described;
+  described["names"] = names;
+  described["formats"] = formats;
+  described["offsets"] = offsets;
+  described["itemsize"] = layout.row_bytes;
+  return described;
 }
 
 }  // namespace slewlab::tools

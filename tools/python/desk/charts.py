@@ -4,6 +4,7 @@ import numpy as np
 
 from desk.source import HELD
 
+A_FEW = 64  # [samples] that tell whether a signal is there
 GROUPS = 8  # [-] the most that a machine has
 
 DRIVE_STATES = {0: "ready", 1: "running", 2: "tripped", 3: "braked"}
@@ -52,7 +53,7 @@ def charts(facts, store):
             *[series(f"TORQUE.motor_torque.{g}", f"group {g + 1}", share, g, held=True) for g in groups],
             *([series("compensation.high", "compensation, upper", share, "band", held=True, dash=True),
                series("compensation.low", "compensation, lower", share, "band", held=True, dash=True, band=True)]
-              if facts.get("play_compensation", True) else [])]},
+              if compensates(store) else [])]},
         {"title": "gearbox torque", "unit": "kN m on the axis" if is_axis else "MN m on the slew axis", "series": [
             series(f"TRUTH.gearbox_torque.{g}", f"gearbox {g + 1}", 1e-3 if is_axis else 1e-6, g) for g in groups]},
         {"title": "acceleration, lateral", "unit": "m/s²", "series": [
@@ -81,8 +82,18 @@ def is_there(signal, store):
     if not store.has(signal):
         return False
     name, row = store.places[signal]  # what a machine has no sensor for stands in its log as NaN
-    channel = store.channels[name].levels[0]
-    return bool(np.isfinite(channel.low[row, :min(channel.count, 64)]).any())
+    level = store.channels[name].levels[0]
+    values = level.low[row, :level.count]
+    return bool(np.isfinite(values[:A_FEW]).any() or np.isfinite(values[-A_FEW:]).any())  # an observer begins without some
+
+
+def compensates(store):
+    """Whether the play compensation has ever held the groups against each other: it may be switched while the run goes on."""
+    if not store.has("CONTROLLER_STATE.offset_torque"):
+        return False
+    name, row = store.places["CONTROLLER_STATE.offset_torque"]
+    return any(level.count and (level.low[row, :level.count].any() or level.high[row, :level.count].any())
+               for level in store.channels[name].levels)
 
 
 # Made of two signals of one channel: mean torque plus and minus half the difference that the play compensation adds.

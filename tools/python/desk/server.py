@@ -237,7 +237,7 @@ class Page:
         at = number(request["at"], -1e9, 1e9)
         lines = []
         for source in self.desk.sources:
-            lines.append(spectra(source.store, at))
+            lines.append(spectra(source, at))
         await self.say({"type": "spectrum", "at": at, "span": SPECTRUM_SPAN, "sources": lines})
 
     async def diagnose(self):
@@ -283,8 +283,11 @@ def page_facts(facts):
                                         "play_compensation", "controller_period", "plant_step") if key in facts}
 
 
-def spectra(store, at):
+def spectra(source, at):
+    from run_numbers import band_of
     from spectrum import amplitude_spectrum
+
+    store = source.store
 
     found = []
     for name in ("tip", "house"):
@@ -297,7 +300,7 @@ def spectra(store, at):
             continue
         step = (time_[-1] - time_[0]) / (len(time_) - 1)
         even = np.interp(np.arange(time_[0], time_[-1], step), time_, values[row])
-        frequency, amplitude = amplitude_spectrum(even, step)
+        frequency, amplitude = amplitude_spectrum(even, step, band_of(source.facts).segment)
         shown = (frequency >= LOWEST) & (frequency <= HIGHEST)
         if shown.any():
             found.append({"label": name, "frequency": [round(float(f), 4) for f in frequency[shown]],

@@ -100,7 +100,10 @@ class Bus:
         self.subscription = self.bus.subscribe("|".join(USED), lambda channel, data: self.events.append((channel, data)))
         self.subscription.set_queue_capacity(0)  # unlimited: by default the newest are dropped
         if facts_folder is not None:
-            self.facts = json.loads((Path(facts_folder) / "run.json").read_text())
+            facts = Path(facts_folder) / "run.json"
+            if not facts.is_file():
+                raise LogProblem(f"{facts}: there is no such file; slewlab run writes it when it begins")
+            self.facts = json.loads(facts.read_text())
 
     def poll(self):
         while self.bus.handle_timeout(0):

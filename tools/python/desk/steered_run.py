@@ -10,11 +10,13 @@ import yaml
 
 from run_log import slewlab_program
 from whole_file import growing
+from yaml_tree import read_yaml
 from desk.source import Growing
 
 SLOWEST, FASTEST = 0.01, 1000.0  # of the speeds that a page may ask for; 0 is as fast as it goes
 END_PATIENCE = 20.0  # [s] of wall clock for a run to put its log in order
 LAST_WORDS = 12
+BEGIN_LOOK = 0.02  # [s] between two looks whether a run has begun
 
 
 def chosen(value, unit=None):
@@ -52,6 +54,12 @@ def flow(keys):
     return yaml.safe_dump(keys, default_flow_style=True, sort_keys=False, width=1 << 20).strip()[1:-1]
 
 
+def write_yaml(path, keys):
+    with growing(path) as partial:
+        partial.write_text(yaml.safe_dump(keys, sort_keys=False, default_flow_style=None, width=120))
+    return path
+
+
 class SteeredRun:
     def __init__(self, scenario, out, duration, options=(), realtime=False):
         self.scenario, self.out, self.duration, self.realtime = Path(scenario), Path(out), duration, realtime
@@ -67,7 +75,7 @@ class SteeredRun:
         self.folder = self.out / str(number)
         self.folder.mkdir(parents=True)
         self.paused, self.speed, self.ended, self.why = False, 1.0, False, ""
-        self.told, self.faults, self.effects, self.words = None, [], [], []
+        self.told, self.faults, self.effects, self.compensation, self.words = None, [], [], [], []
         self.process = await asyncio.create_subprocess_exec(
             slewlab_program(), "run", self.scenario, "--steered", "--out", self.folder, "--progress", "none",
             "--set", f"duration={self.duration:.9g}", *self.options, *switched, stdin=asyncio.subprocess.PIPE,
@@ -75,6 +83,17 @@ class SteeredRun:
         self.listening = asyncio.create_task(self._listen())
         self.source = Growing(self.folder / "run.lcmlog", f"{self.scenario.stem}, {self.folder.name}")
         return self.source
+
+    @property
+    def has_begun(self):
+        """Whether its files were in order: slewlab run then writes what the run is, before anything moves."""
+        return (self.folder / "run.json").exists()
+
+    async def begins(self):
+        """Waits until the run has begun, or has ended without that; which of the two."""
+        while not self.ended and not self.has_begun:
+            await asyncio.sleep(BEGIN_LOOK)
+        return self.has_begun
 
     async def _listen(self):
         async for line in self.process.stdout:
@@ -85,6 +104,9 @@ class SteeredRun:
             elif words.startswith("steering effect "):
                 _, _, name, what, time = words.split()
                 self.effects.append({"name": name, "on": what == "on", "time": float(time)})
+            elif words.startswith("steering play_compensation "):
+                _, _, what, time = words.split()
+                self.compensation.append({"on": what == "on", "time": float(time)})
             elif words.startswith("steering refused "):
                 self.why = words.removeprefix("steering refused ")
             else:
@@ -93,7 +115,8 @@ class SteeredRun:
         self.ended = True
         if self.process.returncode != 0:
             self.why = "the run ended: " + " · ".join(self.words)
-            print(f"slewlab desk: {self.why}", file=sys.stderr)
+            if self.has_begun:
+                print(f"slewlab desk: {self.why}", file=sys.stderr)
 
     def _fault_switched(self, name, which, time):
         if which == "from":
@@ -123,10 +146,19 @@ class SteeredRun:
     def state(self):
         on = {fault["name"] for fault in self.faults if fault["until"] is None}
         return {"paused": self.paused, "speed": self.speed, "ended": self.ended, "why": self.why, "lockstep": not self.realtime,
-                "folder": str(self.folder), "play_compensation": self.source.facts.get("play_compensation"),
+                "folder": str(self.folder), "play_compensation": self._compensates(), "is_switchable": self.is_switchable,
                 "effects": [{"name": name, "label": name.replace("_", " "), "on": self._acts(name)}
                             for name in self.source.facts.get("switchable_effects", [])],
                 "faults": [{"name": name, "label": label, "on": name in on} for name, (label, _) in self.choices.items()]}
+
+    @property
+    def is_switchable(self):
+        """Whether the play compensation can be switched: another controller than slewlab's own cannot be told."""
+        return self.source.facts.get("controller_command") == "slewlab-controller"
+
+    def _compensates(self):
+        """Whether the play compensation acts; None where the controller has none."""
+        return next((each["on"] for each in reversed(self.compensation)), self.source.facts.get("play_compensation"))
 
     def _acts(self, name):
         """Whether an effect is on: as it was switched last, from the beginning on as the scenario has it."""
@@ -159,6 +191,10 @@ class SteeredRun:
             if request["name"] not in self.source.facts.get("switchable_effects", []):
                 raise ValueError("there is no such effect")
             self._say(f"effect {request['name']} {'on' if request['on'] else 'off'}")
+        elif kind == "play_compensation":
+            if not self.is_switchable:
+                raise ValueError("only slewlab's own controller can be told to switch its play compensation")
+            self._say(f"play_compensation {'on' if request['on'] else 'off'}")
         elif kind == "save":
             return {"type": "told", "text": f"written: {self.save()}"}
         else:
@@ -167,7 +203,7 @@ class SteeredRun:
 
     def save(self):
         """Writes the scenario that does the same from the start up to now; its path."""
-        resolved = yaml.safe_load((self.folder / "scenario.yaml").read_text())
+        resolved = read_yaml(self.folder / "scenario.yaml")
         period = self.source.facts["controller_period"]
         moves = [{"time": chosen(round(time * 1e-9, 9), "s"), "speed_request": chosen(request, "-"), "emergency_stop": chosen(stop),
                   "acknowledge": chosen(acknowledge)} for time, request, stop, acknowledge in self.source.incoming.moves]
@@ -181,10 +217,19 @@ class SteeredRun:
         scenario = {"include": "scenario.yaml", "description": "What the operator did at the desk.",
                     "duration": chosen(round(max(1, round(self.source.store.last / period)) * period, 9), "s"), "operator": moves,
                     "faults": faults or None, "effect_switches": switches or None, "expect": None}
-        path = self.folder / "steered.yaml"
-        with growing(path) as partial:
-            partial.write_text(yaml.safe_dump(scenario, sort_keys=False, default_flow_style=None, width=120))
-        return path
+        if self.compensation:
+            scenario["controller"] = self._save_controller().name
+        return write_yaml(self.folder / "steered.yaml", scenario)
+
+    def _save_controller(self):
+        """Writes the run's controller with what was switched; its path."""
+        resolved = read_yaml(self.folder / "controller.yaml")
+        switches = list(resolved["play_compensation"].get("switches") or []) + [
+            {"time": chosen(each["time"], "s"), "enabled": chosen(each["on"])} for each in self.compensation]
+        switches.sort(key=lambda each: float(each["time"]["value"]))
+        return write_yaml(self.folder / "steered_controller.yaml",
+                          {"include": "controller.yaml", "description": "With what the operator switched at the desk.",
+                           "play_compensation": {"switches": switches}})
 
     async def end(self):
         """The run's end, with its log in order and its scenario written."""

@@ -17,6 +17,9 @@ function shown(value) {
   return value.toFixed(size >= 100 ? 1 : size >= 1 ? 2 : 4);
 }
 
+// Beside an axis, where there is room for some six signs.
+function tickText(value) { return value !== 0 && Math.abs(value) < 1e-3 ? value.toExponential() : String(value); }
+
 class Chart {
   // `lines`: what is drawn, [{key, signal, source, label, scale, colour, held, dash, band}].
   constructor(parent, description, lines, hooks) {
@@ -57,7 +60,7 @@ class Chart {
       width: this.width(), height: this.height, legend: {show: false}, cursor: {drag: {x: true, y: false, setScale: false}, points: {show: false}, sync: {key: "desk"}},
       scales: {x: this.description.isSpectrum ? {distr: 3, range: [0.1, 100]} : {time: false}, y: this.description.isSpectrum ? {distr: 3, range: (plot, low, high) => this.decades(high)} : {range: (plot, low, high) => this.range(low, high)}},
       axes: [{...axis, size: 28, values: (plot, ticks) => ticks.map((tick) => tick === null ? "" : String(+tick.toPrecision(9)))},
-             {...axis, size: 58, values: (plot, ticks) => ticks.map((tick) => tick === null ? "" : String(+tick.toPrecision(4)))}],
+             {...axis, size: 58, values: (plot, ticks) => ticks.map((tick) => tick === null ? "" : tickText(+tick.toPrecision(4)))}],
       series: [{}, ...this.lines.map((line) => ({stroke: () => colour(line.colour), width: line.thin ? 1 : 1.3, dash: line.dash ? [5, 4] : undefined, spanGaps: true, points: {show: false},
                                                  paths: line.held ? uPlot.paths.stepped({align: 1}) : undefined}))],
       bands: this.lines.flatMap((line, i) => line.band ? [{series: [i, i + 1], fill: () => colour("band") + "22"}] : []),

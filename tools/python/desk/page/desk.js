@@ -172,8 +172,18 @@ class Desk {
     const width = this.charts[0]?.plot.over.clientWidth || 300;
     this.asked = true;
     this.send({type: "view", from, to, at: this.at, live: this.following, pixels: Math.min(2000, width), signals: this.signals});
-    const now = performance.now();
-    if (now - (this.spectrumAsked ?? -1e9) > SPECTRUM_EVERY) { this.spectrumAsked = now; this.send({type: "spectrum", at: this.following ? this.last : this.at}); }
+    this.askSpectrum();
+  }
+
+  // Not for every picture; of the last one for certain.
+  askSpectrum() {
+    const now = performance.now(), wait = SPECTRUM_EVERY - (now - (this.spectrumAsked ?? -1e9));
+    if (wait > 0) {
+      this.spectrumTimer ??= setTimeout(() => { this.spectrumTimer = null; this.askSpectrum(); }, wait);
+      return;
+    }
+    this.spectrumAsked = now;
+    this.send({type: "spectrum", at: this.following ? this.last : this.at});
   }
 
   received(buffer) {

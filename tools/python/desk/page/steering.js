@@ -39,6 +39,7 @@ class Steering {
     by("pace").addEventListener("change", (event) => this.send({type: "speed", speed: Number(event.target.value)}));
     by("save").addEventListener("click", () => this.send({type: "save"}));
     by("anew").addEventListener("click", () => this.send({type: "anew", play_compensation: this.compensation === null ? undefined : by("compensation").checked}));
+    by("compensation").addEventListener("change", (event) => { if (this.switchable) this.send({type: "play_compensation", on: event.target.checked}); });
     addEventListener("keydown", (event) => this.key(event, true));
     addEventListener("keyup", (event) => this.key(event, false));
     addEventListener("blur", () => this.letGo());
@@ -143,6 +144,9 @@ class Steering {
     by("pace").parentElement.hidden = !run.lockstep;
     by("compensation_label").hidden = run.play_compensation === null;
     if (run.folder !== this.folder || run.play_compensation !== this.compensation) by("compensation").checked = run.play_compensation === true;
+    this.switchable = run.is_switchable && !run.ended;  // else the box is for the next run
+    by("compensation").disabled = !maySteer;
+    by("compensation_label").title = this.switchable ? "switched at once" : "of the run that is started anew";
     this.folder = run.folder;
     this.compensation = run.play_compensation;
     this.updateSwitches("fault", "faults", run.faults, maySteer && !run.ended);

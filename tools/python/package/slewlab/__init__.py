@@ -8,7 +8,8 @@
 SI units throughout. A table carries its units in `table.attrs["units"]`, {column: unit}.
 """
 
-from ._core import Answer, Encoder, InputError, LogError, Mode, Operator, __version__
+from ._core import Answer, Encoder, InputError, Mode, Operator, __version__
+from ._log import LogError
 from .campaigns import CampaignMismatch, campaign, read_table
 from .control import Margins, StateSpace, margins
 from .figures import overview

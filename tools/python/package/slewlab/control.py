@@ -6,6 +6,8 @@ from typing import Any
 import numpy as np
 import pandas as pd
 
+from . import _core
+
 
 @dataclass(frozen=True)
 class StateSpace:
@@ -21,6 +23,8 @@ class StateSpace:
 
     def part(self, output: str, per_motor: bool = True) -> "StateSpace":
         """From the same torque on every motor [Nm] to one output."""
+        if output not in self.outputs:
+            raise ValueError(f"no output '{output}' here, expected {_core.known_names_text(output, list(self.outputs))}")
         row = list(self.outputs).index(output)
         both = np.ones((len(self.inputs), 1))
         unit = next(iter(self.inputs.values()))
@@ -29,6 +33,7 @@ class StateSpace:
 
     def response(self, frequencies: np.ndarray) -> np.ndarray:
         """Complex response at each frequency [Hz], shape (frequencies, outputs, inputs)."""
+        frequencies = usable(frequencies)
         iw = 2j * np.pi * np.atleast_1d(np.asarray(frequencies, float))
         dynamic = iw[:, None, None] * np.eye(len(self.a)) - self.a
         return self.c @ np.linalg.solve(dynamic, np.broadcast_to(self.b.astype(complex), (len(iw), *self.b.shape))) + self.d
@@ -61,6 +66,15 @@ class StateSpace:
         import control
 
         return control.ss(self.a, self.b, self.c, self.d, states=list(self.states), inputs=list(self.inputs), outputs=list(self.outputs))
+
+
+def usable(frequencies: np.ndarray) -> np.ndarray:
+    """[Hz] as an array; ValueError where one is none."""
+    found = np.atleast_1d(np.asarray(frequencies, float))
+    wrong = found[~(np.isfinite(found) & (found >= 0.0))]
+    if len(wrong):
+        raise ValueError(f"found a frequency of {wrong[0]:g} Hz, expected finite numbers of at least 0")
+    return found
 
 
 def exponential(matrix: np.ndarray) -> np.ndarray:
@@ -96,6 +110,8 @@ class Margins:
 def margins(frequencies: np.ndarray, response: np.ndarray) -> Margins:
     """The smallest margins of an open loop's response over frequency [Hz]; between the points it is taken to be straight in
     decibel and phase over the logarithm of the frequency."""
+    if len(usable(frequencies)) != len(response):
+        raise ValueError(f"found {len(response)} values at {len(frequencies)} frequencies, expected one at each")
     table = bode_table(frequencies, response)
     log_f, magnitude, phase = np.log(table.index.to_numpy()), table.magnitude.to_numpy(), table.phase.to_numpy()
     phases, gains = [], []

@@ -11,9 +11,9 @@ from . import _core
 from .control import StateSpace, bode_table
 from .files import Changes, check, pairs
 from .machine import Machine
-from .tables import Channels, Log, dtype_of, open_log
+from .tables import Channels, Log, open_log
 
-CHANNELS = ("ENCODER", "TORQUE", "OPERATOR", "SENSORS", "TRUTH", "CONTROLLER_STATE", "PLANT_STATUS")
+CHANNELS = ("ENCODER", "TORQUE", "OPERATOR", "SENSORS", "TRUTH", "CONTROLLER_STATE", "PLANT_STATUS", "MOTION")
 
 # Asked once a controller period. Answers with the motor torque [Nm] of each group, or an Answer.
 Controller = Callable[[_core.Encoder, _core.Operator], Sequence[float] | _core.Answer]
@@ -29,7 +29,7 @@ class Run(Channels):
     def __init__(self, scenario: "Scenario", tables: dict) -> None:
         super().__init__()
         self.scenario = scenario
-        self._messages = {channel: rows.view(dtype_of(layout)) for channel, (layout, rows) in tables.items()}
+        self._messages = {channel: rows.view(np.dtype(layout)) for channel, (layout, rows) in tables.items()}
 
     @property
     def channels(self) -> list[str]:
@@ -94,6 +94,8 @@ class Scenario:
         for channel in kept:
             if channel not in CHANNELS:
                 raise KeyError(f"no channel {channel}, expected {_core.known_names_text(channel, list(CHANNELS))}")
+        if not (controller is None or callable(controller)):
+            raise TypeError(f"found {controller!r} for a controller, expected a callable; a program of one's own goes with run_over_lcm()")
         return Run(self, self._core.run(controller, kept, "" if log is None else log))
 
     def run_over_lcm(self, out: str | Path, controller: str | None = None, *, realtime: bool = False) -> Log:

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 
-from . import _core
+from . import _core, _log
 
 HEAD = ("sequence", "simulated_time", "configuration_hash", "run_identity")  # of every message
 
@@ -17,16 +17,9 @@ def factor(unit: str, to: str) -> float:
     return _core.factor(unit, to)
 
 
-def dtype_of(layout: tuple) -> np.dtype:
-    fields, row_bytes = layout
-    return np.dtype({"names": [name for name, _, _, _ in fields],
-                     "formats": [kind if count is None else (kind, (count,)) for _, kind, count, _ in fields],
-                     "offsets": [offset for _, _, _, offset in fields], "itemsize": row_bytes})
-
-
 def frame(channel: str, messages: np.ndarray, head: bool = False) -> pd.DataFrame:
     """`head`: with sequence number, configuration and run as columns."""
-    units_of = _core.signals()[channel]
+    units_of = _log.signals()[channel]
     columns: dict[str, np.ndarray] = {}
     units: dict[str, str] = {}
     for name in messages.dtype.names:
@@ -82,9 +75,12 @@ class Log(Channels):
         super().__init__()
         path = Path(path)
         if path.is_dir():
-            path = path / "run.lcmlog" if (path / "run.lcmlog").exists() else path / "run.lcmlog.partial"
+            names = [path / "run.lcmlog", path / "run.lcmlog.partial"]
+            path = next(filter(Path.exists, names), None) or names[0]
+            if not path.exists():
+                raise _log.LogError(f"{path.parent}: found a folder without run.lcmlog, expected a log, or the folder of a run")
         self.path = path
-        self._tables = _core.LogTables(path)
+        self._tables = _log.LogTables(path)
         self.remarks: list[str] = self._tables.remarks
 
     @property
@@ -93,7 +89,15 @@ class Log(Channels):
 
     def messages(self, channel: str) -> np.ndarray:
         self.require(channel)
-        return self._tables.rows(channel).view(dtype_of(self._tables.layout(channel)))
+        return self._tables.rows(channel).view(np.dtype(self._tables.layout(channel)))
+
+    def stretches(self, *channels: str) -> Iterator[dict[str, np.ndarray]]:
+        """The messages of these channels, or of all, a stretch of the file at a time: for a log that is larger than memory."""
+        for channel in channels:
+            self.require(channel)
+        dtypes = {channel: np.dtype(self._tables.layout(channel)) for channel in channels or self.channels}
+        for stretch in self._tables.stretches(list(dtypes)):
+            yield {channel: rows.view(dtypes[channel]) for channel, rows in stretch.items()}
 
     def __repr__(self) -> str:
         return f"<Log {self.path}: {', '.join(self.channels)}>"

@@ -1,7 +1,7 @@
 // A force on every mass that swings sideways: gravity's part across an inclined boom, or a moving frame.
 #pragma once
 
-#include "sim/effects/effect.h"
+#include "sim/integrate/plant_ports.h"
 
 namespace slewlab::sim {
 

@@ -1,4 +1,4 @@
-#include "sim/effects/body_force.h"
+#include "sim/integrate/body_force.h"
 
 namespace slewlab::sim {
 

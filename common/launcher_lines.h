@@ -1,14 +1,14 @@
 #pragma once
 
 // Lines that the launcher says on standard input: "done" to what it was asked for, and in a steered run what the desk asks for
-// (sim/drive/steering.h). Whoever waits for the one keeps the others.
+// (sim/drive/steering.h; of the controller: controller/process/main.cpp). Whoever waits for the one keeps the others.
 
 #include <chrono>
 #include <deque>
 #include <optional>
 #include <string>
 
-namespace slewlab::sim {
+namespace slewlab::common {
 
 class LauncherLines {
  public:
@@ -27,4 +27,4 @@ class LauncherLines {
   bool ended_ = false;
 };
 
-}  // namespace slewlab::sim
+}  // namespace slewlab::common

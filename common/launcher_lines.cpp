@@ -1,11 +1,11 @@
-#include "sim/plant_process/launcher_lines.h"
+#include "common/launcher_lines.h"
 
 #include <poll.h>
 #include <unistd.h>
 
 #include "common/stop_signal.h"
 
-namespace slewlab::sim {
+namespace slewlab::common {
 
 bool LauncherLines::read(int patience) {
   if (ended_) return false;
@@ -41,10 +41,10 @@ std::optional<std::string> LauncherLines::next(std::chrono::milliseconds patienc
 bool LauncherLines::wait_for_done() {
   while (done_ == 0) {
     read(-1);
-    if (ended_ || common::stop_requested()) return false;
+    if (ended_ || stop_requested()) return false;
   }
   --done_;
   return true;
 }
 
-}  // namespace slewlab::sim
+}  // namespace slewlab::common

@@ -1,0 +1,79 @@
+#include "tools/commands/command_line.h"
+
+#include <cstdio>
+#include <exception>
+#include <memory>
+#include <optional>
+#include <string>
+#include <utility>
+
+#include "common/input_error.h"
+#include "tools/commands/option_check.h"
+#include "tools/commands/run_command.h"
+#include "tools/commands/unknown_word.h"
+
+namespace slewlab::tools {
+
+std::vector<common::Override> parse_overrides(const std::vector<std::string>& texts) {
+  std::vector<common::Override> overrides;
+  for (const std::string& text : texts) overrides.push_back(common::parse_override(text));
+  return overrides;
+}
+
+void add_run_options(CLI::App& command, const std::vector<std::string>& command_line, Action& action) {
+  struct Options {
+    RunOptions run;
+    std::vector<std::string> overrides;
+  };
+  auto options = std::make_shared<Options>();
+  command.add_option("SCENARIO", options->run.scenario, "scenario file")->required();
+  CLI::Option* own = command.add_option("--controller", options->run.controller_command,
+                                         "shell command of your own controller; it finds its bus in $SLEWLAB_BUS (docs/wire.md)");
+  command.add_option("--controller-fmu", options->run.controller_fmu, "controller that is an FMU 2 or 3 for co-simulation (docs/fmu.md)")
+      ->check(readable_file())
+      ->excludes(own);
+  command.add_option("--plant", options->run.plant_command,
+                      "shell command of your own plant; it finds its task in $SLEWLAB_PLANT_TASK (docs/wire.md)");
+  command.add_option("--out", options->run.out, "folder for log and summary (runs/<scenario>)");
+  command.add_option("--set", options->overrides,
+                      "key=value: scenario keys as they are, crane.KEY and controller.KEY for those files");
+  const std::vector<std::pair<std::string, int>> modes{{"auto", static_cast<int>(Progress::automatic)},
+                                                       {"lines", static_cast<int>(Progress::lines)},
+                                                       {"none", static_cast<int>(Progress::none)}};
+  CLI::Option* realtime = command.add_flag("--realtime", options->run.realtime, "against the wall clock instead of in lockstep");
+  command.add_option("--speed", options->run.speed, "with --realtime: simulated seconds per second")
+      ->check(positive_number())
+      ->needs(realtime);
+  command.add_flag("--steered", options->run.steered, "by lines on standard input, as slewlab desk steers a run (docs/desk.md)");
+  command.add_option("--progress", options->run.progress, "auto, lines or none")
+      ->transform(number_of(modes));
+  command.callback([options, &command_line, &action] {
+    action = [options, &command_line] {
+      options->run.overrides = parse_overrides(options->overrides);
+      return run_scenario(options->run, command_line);
+    };
+  });
+}
+
+int act(CLI::App& app, const std::vector<std::string>& command_line, const Action& action) {
+  try {
+    std::vector<std::string> words(command_line.rbegin(), command_line.rend() - 1);  // as CLI wants them: without the program, the last first
+    app.parse(words);
+    return action();
+  } catch (const CLI::ParseError& error) {
+    const bool is_asked = error.get_exit_code() == 0 && !names_no_command(app, command_line);  // for help or the version
+    if (const auto unknown = is_asked ? std::nullopt : unknown_word(app, command_line)) {
+      std::fprintf(stderr, "%s\n", unknown->c_str());
+      return 2;
+    }
+    return app.exit(error) == 0 ? 0 : 2;
+  } catch (const common::InputError& error) {
+    std::fprintf(stderr, "%s\n", error.what());
+    return 2;
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "%s: %s\n", app.get_name().c_str(), error.what());
+    return 1;
+  }
+}
+
+}  // namespace slewlab::tools

@@ -1,0 +1,27 @@
+#pragma once
+
+// What slewlab and slewlab-run, which is `slewlab run` alone, have in common.
+
+#include <CLI/CLI.hpp>
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "common/yaml_file.h"
+
+namespace slewlab::tools {
+
+// What a command is to do; answers with the exit code.
+using Action = std::function<int()>;
+
+// Each KEY=VALUE of --set.
+std::vector<common::Override> parse_overrides(const std::vector<std::string>& texts);
+
+// The options of a command that runs a scenario. Keeps references to `command_line` and `action`.
+void add_run_options(CLI::App& command, const std::vector<std::string>& command_line, Action& action);
+
+// Reads the command line and does what it asks; what is wrong is said on standard error. Answers with the exit code.
+int act(CLI::App& app, const std::vector<std::string>& command_line, const Action& action);
+
+}  // namespace slewlab::tools

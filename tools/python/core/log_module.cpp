@@ -1,0 +1,16 @@
+// The extension module slewlab._log: the log reader alone, so that a picture of a log needs nothing else of slewlab built. What a user calls
+// stands in tools/python/package. Its LogError is what functions of slewlab._core raise, too: nanobind's modules share their exceptions.
+
+#include <nanobind/nanobind.h>
+
+#include "msgs/log_writer.h"
+#include "tools/python/core/bindings.h"
+
+namespace nb = nanobind;
+
+NB_MODULE(_log, m) {
+  using namespace slewlab;
+  m.doc() = "The log reader of slewlab. Use the package `slewlab`, which is documented.";
+  nb::exception<msgs::LogError>(m, "LogError", PyExc_RuntimeError);
+  tools::bind_log(m);
+}
