@@ -243,17 +243,19 @@ void keep_only(double factor, BalanceAnswer& answer) {
   answer.best.probability *= factor;
   for (LawProbability& law : answer.laws) law.probability *= factor;
   for (BalanceTerm& term : answer.best.terms) term.probability *= factor;
+  for (BalanceTerm& term : answer.models.front().terms) term.probability *= factor;
   answer.probability_unknown = 1.0 - factor * (1.0 - answer.probability_unknown);
 }
 
 // Something unknown that leaves more of the gap than a rare law explains may be what that law was fitted to.
 void doubt_what_an_unknown_may_imitate(AxisDiagnosis& diagnosis) {
-  for (BalanceTerm& term : diagnosis.answer.best.terms) {
-    const auto law = std::find_if(diagnosis.laws.begin(), diagnosis.laws.end(), [&](const BalanceLaw& one) { return one.name == term.law; });
-    if (law == diagnosis.laws.end() || law->is_ordinary) continue;
-    term.probability *= term.share / (term.share + diagnosis.unexplained);
+  for (std::vector<BalanceTerm>* terms : {&diagnosis.answer.best.terms, &diagnosis.answer.models.front().terms}) {
+    for (BalanceTerm& term : *terms) {
+      const auto law = std::find_if(diagnosis.laws.begin(), diagnosis.laws.end(), [&](const BalanceLaw& one) { return one.name == term.law; });
+      if (law == diagnosis.laws.end() || law->is_ordinary) continue;
+      term.probability *= term.share / (term.share + diagnosis.unexplained);
+    }
   }
-  diagnosis.answer.models.front() = diagnosis.answer.best;
 }
 
 void name_answer(const sim::MachineFile& axis, double inertia_spread, AxisDiagnosis& diagnosis) {
@@ -440,7 +442,9 @@ AxisDiagnosis diagnose_axis(const sim::MachineFile& axis, const std::vector<Name
     const std::vector<BalanceRecord> smooth = smoothed(records, balance);
     choose_and_validate(records, balance, diagnosis.nominal_inertia, diagnosis);
     BalanceModel& best = diagnosis.answer.best;
-    best = diagnosis.answer.models.front() = refitted(smooth, balance.laws, diagnosis.validated, balance.resolved_speed);
+    FittedSizes sizes = refitted(smooth, balance.laws, diagnosis.validated, balance.resolved_speed);
+    best = std::move(sizes.best);
+    diagnosis.answer.models.front() = std::move(sizes.stated);
     check_units(diagnosis.nominal_inertia, best);
     for (const BalanceRecord& record : smooth) {
       diagnosis.series.push_back(series_of(record, balance, diagnosis.nominal_inertia, diagnosis.answer.best));

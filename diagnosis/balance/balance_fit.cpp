@@ -708,6 +708,18 @@ Validated with_details(const Regression& regression, const std::vector<BalanceLa
   return validate(regression, laws, whole, records);
 }
 
+// What is stated of a law's size, fitted without the details, is known no better than these move it.
+void widen(const BalanceModel& with_details, BalanceModel& stated) {
+  stated.inertia_deviation = std::hypot(stated.inertia_deviation, with_details.inertia - stated.inertia);
+  for (BalanceTerm& term : stated.terms) {
+    const auto same = std::find_if(with_details.terms.begin(), with_details.terms.end(), [&](const BalanceTerm& one) { return one.law == term.law; });
+    for (std::size_t k = 0; k < term.size.size() && same != with_details.terms.end(); ++k) {
+      term.deviation[k] = std::hypot(term.deviation[k], same->size[k] - term.size[k]);
+    }
+  }
+  stated.details = with_details.details;
+}
+
 // Which of the terms of `other` are details, and how sure they are, as in `model`.
 void take_details(const BalanceModel& model, BalanceModel& other) {
   other.probability = model.probability;
@@ -866,19 +878,21 @@ BalanceAnswer fit_balance(const std::vector<BalanceRecord>& records, const std::
     const auto [without, with] = compared(validate(regression, laws, without_law(best.choice, k), records.size()), best);
     answer.best.terms[k].share = gap > 0.0 ? std::max(0.0, (without - with) / gap) : 0.0;
   }
+  BalanceModel stated = answer.best;
   if (!best.choice.laws.empty()) {
     const Validated whole = with_details(regression, laws, best, records.size());
     BalanceModel with = to_model(regression, laws, whole, answer.independent_count);
     take_details(answer.best, with);
     for (BalanceTerm& term : with.details) term.probability = inclusion[static_cast<std::size_t>(chosen_law(laws, term.law)->first)];
     answer.best = std::move(with);
+    widen(answer.best, stated);
   }
   // The answer first, though another may be a little likelier than it.
   const auto is_best = [&](const BalanceModel& model) { return model.words() == answer.best.words(); };
   std::stable_sort(answer.models.begin(), answer.models.end(), [&](const BalanceModel& a, const BalanceModel& b) {
     return is_best(a) != is_best(b) ? is_best(a) : a.probability > b.probability;
   });
-  answer.models.front() = answer.best;
+  answer.models.front() = std::move(stated);
   for (std::size_t l = 0; l < laws.size(); ++l) answer.laws.push_back({laws[l].name, laws[l].words, laws[l].family, inclusion[l]});
   answer.remainder = find_remainder(records, regression, best);
   return answer;
@@ -922,7 +936,7 @@ std::vector<BalanceRecord> smoothed(const std::vector<AxisRecord>& records, cons
   return all;
 }
 
-BalanceModel refitted(const std::vector<BalanceRecord>& records, const std::vector<BalanceLaw>& laws, const BalanceModel& model,
+FittedSizes refitted(const std::vector<BalanceRecord>& records, const std::vector<BalanceLaw>& laws, const BalanceModel& model,
                       double resolved_speed) {
   const Regression regression = prepared(records, laws, resolved_speed);
   Choice choice;
@@ -931,11 +945,16 @@ BalanceModel refitted(const std::vector<BalanceRecord>& records, const std::vect
       if (term.law == laws[l].name) choice.laws.emplace_back(static_cast<int>(l), static_cast<std::size_t>(&shape_of(laws, term) - laws[l].shapes.data()));
     }
   }
-  Validated validated = validate(regression, laws, choice, records.size());
-  if (!choice.laws.empty()) validated = with_details(regression, laws, validated, records.size());
-  BalanceModel other = to_model(regression, laws, validated, regression.count / correlation_length(regression, validated));
-  take_details(model, other);
-  return other;
+  const Validated named = validate(regression, laws, choice, records.size());
+  const double independent = regression.count / correlation_length(regression, named);
+  BalanceModel stated = to_model(regression, laws, named, independent);
+  take_details(model, stated);
+  if (choice.laws.empty()) return {stated, stated};
+  const Validated whole = with_details(regression, laws, named, records.size());
+  BalanceModel best = to_model(regression, laws, whole, regression.count / correlation_length(regression, whole));
+  take_details(model, best);
+  widen(best, stated);
+  return {std::move(best), std::move(stated)};
 }
 
 const LawShape& shape_of(const std::vector<BalanceLaw>& laws, const BalanceTerm& term) {

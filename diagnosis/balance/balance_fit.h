@@ -122,7 +122,7 @@ struct BalanceAnswer {
   double nominal = 0.0;              // mean square of the residual with the nominal inertia
   double parameters = 0.0;           // validation with the inertia alone
   BalanceModel best;
-  std::vector<BalanceModel> models;  // falling probability; best is among them
+  std::vector<BalanceModel> models;  // falling probability; the first is best, its sizes as they are stated
   double probability_unknown = 0.0;
   double explained = 0.0;            // share of the gap that the best model explains on left-out data
   Remainder remainder;
@@ -145,8 +145,13 @@ std::vector<LawProbability> law_probabilities(const BalanceAnswer& answer);
 BalanceAnswer fit_balance(const std::vector<BalanceRecord>& records, const std::vector<BalanceLaw>& laws, double nominal_inertia,
                           double resolved_speed);
 
+// Sizes of the same laws: beside their details, with which the axis is predicted; and as they are stated, without details, known no better than these
+// move them.
+struct FittedSizes {
+  BalanceModel best, stated;
+};
 // The same laws in the same shapes, their sizes fitted to other records.
-BalanceModel refitted(const std::vector<BalanceRecord>& records, const std::vector<BalanceLaw>& laws, const BalanceModel& model,
+FittedSizes refitted(const std::vector<BalanceRecord>& records, const std::vector<BalanceLaw>& laws, const BalanceModel& model,
                       double resolved_speed);
 
 // The shape that a term has among the laws. Throws std::invalid_argument where they have none.

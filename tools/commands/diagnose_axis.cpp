@@ -143,7 +143,7 @@ std::string summary_text(const AxisDiagnosis& found, const Words& words) {
     text += fmt::format("            {} = {:.4g} {} (90 %: {:.4g} to {:.4g}; the file has {:.4g})\n", words.inertia_name, model.inertia, words.inertia,
                         model.inertia - kNinetyPercent * model.inertia_deviation, model.inertia + kNinetyPercent * model.inertia_deviation,
                         found.nominal_inertia);
-    for (const BalanceTerm& term : found.answer.best.terms) {
+    for (const BalanceTerm& term : model.terms) {
       for (std::size_t k = 0; k < term.size.size(); ++k) {
         const double reach = kNinetyPercent * term.deviation[k];
         text += fmt::format("            {}{} = {:.4g} {} (90 %: {:.4g} to {:.4g}; there with {:.0f} %; without it {:.1f} % more of the gap are left)\n", term.words,
@@ -159,6 +159,7 @@ std::string summary_text(const AxisDiagnosis& found, const Words& words) {
       text += fmt::format("{} {} {:.3g} +- {:.2g} {}", &term == &found.answer.best.details.front() ? "" : ",", term.words, term.size[0],
                           kNinetyPercent * term.deviation[0], unit_of(term, words));
     }
+    for (const BalanceTerm& term : found.answer.best.terms) text += fmt::format("; with it {} {:.3g} {}", term.words, term.size[0], unit_of(term, words));
     text += "\n";
   }
   text += fmt::format("\nValidation on {} (sizes fitted without it): RMS error, nominal -> {} alone -> with the cause\n", validation.place,
