@@ -29,9 +29,9 @@ constexpr double kBetterAsCut = 20.0;  // fall of the cost, several times what c
 constexpr int kMostValidated = 4;      // causes that are asked to predict before none is believed
 // On a log of the wire both sides are exact; a thousandth leaves room for logs that were rounded.
 constexpr double kSameTorque = 1e-3;
-// Sum of squares V of the most visible size below which the effect could not be named: s V outweighs neither the effect's cost and Occam's factor (some 13) nor the
+// Sum of squares V of the most visible size below which the effect could not be named: s V outweighs neither the effect's cost and Occam's factor (some 29) nor the
 // prior of one among forty effects against nothing missing (2 T times 4.3).
-constexpr double kVisible = 130.0;
+constexpr double kVisible = 183.0;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

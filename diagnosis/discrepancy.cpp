@@ -350,7 +350,7 @@ std::vector<Discrepancy> discrepancies(Problem& problem, const FitResult& fit) {
 std::vector<std::string> followed_variables(const std::vector<Discrepancy>& discrepancies) {
   std::vector<std::string> names;
   for (const Discrepancy& one : discrepancies) {
-    if (one.share >= kFollowed && one.evidence >= kFollowsAsWell * discrepancies.front().evidence) names.push_back(one.variable);
+    if (one.share >= kFollowed && one.evidence >= discrepancies.front().evidence - kFollowsAsWell) names.push_back(one.variable);
   }
   return names;
 }

@@ -39,8 +39,8 @@ struct Discrepancy {
 
 // Below this share nothing is said to be followed.
 inline constexpr double kFollowed = 0.3;
-// A variable with so much of the evidence that the first one has cannot be told from it.
-inline constexpr double kFollowsAsWell = 0.9;
+// A variable whose evidence is within so much of the first one's cannot be told from it: odds of one to ten, tempered as those of causes are (evidence.h).
+inline constexpr double kFollowsAsWell = 6.9;
 
 // Of the fit's residual, largest evidence first; empty where it leaves no more than noise. A hundred to two hundred simulations. Throws Interrupted.
 std::vector<Discrepancy> discrepancies(Problem& problem, const FitResult& fit);

@@ -521,9 +521,11 @@ std::vector<Eigen::VectorXd> differences_under(Problem& problem, std::span<const
   });
   const std::size_t together = side_by_side(problem, points.size()), records = problem.records.size();
   share_out(problem, (points.size() + together - 1) / together * records, [&](std::size_t share) {
-    if (problem.is_stopped()) throw Interrupted{};
     const auto begun = std::chrono::steady_clock::now();
     const std::size_t r = share % records, first = share / records * together, count = std::min(together, points.size() - first);
+    for (std::size_t simulation = 0; simulation < count; ++simulation) {
+      if (problem.is_stopped()) throw Interrupted{};
+    }
     std::vector<std::optional<Follower>> followers(made.begin() + static_cast<std::ptrdiff_t>(first), made.begin() + static_cast<std::ptrdiff_t>(first + count));
     if (problem.records[r].step != problem.records.front().step) {
       for (std::size_t i = 0; i < count; ++i) followers[i] = machine_for(points[first + i], problem.records[r]);

@@ -287,6 +287,7 @@ FreePower free_power(const Problem& problem, const Eigen::VectorXd& difference) 
         const double power = difference.segment(row, size).squaredNorm() / static_cast<double>(size);
         free.cost += static_cast<double>(size) * (power > 1.0 ? 1.0 + std::log(power) : power);
         free.noise += static_cast<double>(size) * std::min(1.0, power);
+        if (power > 1.0) free.chance += 1.0 / problem.settings.independent_share;  // of one free number among so many independent ones
         row += size;
         b = end;
       }
@@ -296,7 +297,7 @@ FreePower free_power(const Problem& problem, const Eigen::VectorXd& difference) 
 }
 
 double above_free_power(const PowerFit& fit, const FreePower& free, Eigen::Index count) {
-  return (fit.cost - free.cost) / (free.cost - free.noise + kLeastFound * static_cast<double>(count));
+  return (fit.cost - free.cost - free.chance) / (free.cost - free.noise + kLeastFound * static_cast<double>(count));
 }
 
 double largest_scale(const common::EffectAbout& about, const common::EffectInstance& effect) {

@@ -109,11 +109,12 @@ Power unknown_power(const Problem& seen, const std::vector<ChannelAxes>& seen_ax
 struct FreePower {
   double cost = 0.0;
   double noise = 0.0;  // the part of it that no power above the noise is needed for
+  double chance = 0.0;  // that its powers take off beside, on the average, because they follow what the draw happened to be
 };
 FreePower free_power(const Problem& problem, const Eigen::VectorXd& difference);
 
 // How much more the fit of `count` differences costs, as a share of what the free power leaves above the noise.
-inline constexpr double kNearFreePower = 0.2;  // below which it may be the cause
+inline constexpr double kNearFreePower = 0.25;  // below which it may be the cause
 double above_free_power(const PowerFit& fit, const FreePower& free, Eigen::Index count);
 
 // The stochastic effect with its size changed so that its power is `scale` times what it was, within its bounds.

@@ -23,6 +23,7 @@ constexpr int kDrawRounds = 2;        // of draws and a fit under their power
 // Relative deviation of a stochastic effect's size from one record to the next, each being one draw; of the logarithm of a power that nobody
 // knows, which goes with what the manoeuvre does.
 constexpr double kSizeDeviation = 0.3, kUnknownDeviation = 0.5;
+constexpr double kMeanDeviation = 0.4;  // of the mean of its draws, as in the search (stochastic_fit.cpp)
 constexpr double kBetter = 4.6;         // -2 ln of odds of one to ten: what chance takes off a residual that was not fitted
 // Relative closed-loop error beyond which two runs are no longer the same motion (two independent ones differ by 1.4), and the share
 // by which one may be worse though it is the truth.
@@ -174,14 +175,15 @@ HeldOut HeldOutData::fit_with_stochastic(const Point& answer) {
   const std::vector<common::EffectInstance> stochastic = stochastic_part(fitted_->catalogue, answer);
   HeldOut held{answer, {}, predicted_->records.front().name, from_time_, is_half_};
   Point rest = without_stochastic(fitted_->catalogue, answer);
-  rest.nuisance.resize(nuisance_count(*fitted_), 0.0);
+  // From where a fit of all records has led, as fit() does.
+  if (rest.nuisance.empty()) rest.nuisance.assign(nuisance_count(*fitted_), 0.0);
+  else rest.nuisance.erase(rest.nuisance.begin() + left_out_.first, rest.nuisance.begin() + left_out_.second);
   held.point.nuisance = rest.nuisance;
   for (int round = 0; round < kDrawRounds; ++round) {
     Drawn drawn = draw(*fitted_, held.point);
     const Eigen::VectorXd mean = drawn.mean - differences(*fitted_, rest);
     const AddedPower added{std::move(drawn.power), 1.0, mean};
     Point start = rest;
-    if (round == 0) std::fill(start.nuisance.begin(), start.nuisance.end(), 0.0);
     Eigen::VectorXd left;
     {
       const UnderPower under_power(*fitted_, added);
@@ -247,13 +249,17 @@ ValidationError HeldOutData::error(const HeldOut& fitted, const std::optional<co
   const AddedPower added{std::move(drawn.power), 1.0, mean};
   const UnderPower under_power(*predicted_, added);
   const Predicted predicted = predicted_from(*predicted_, rest, fitted.open);
-  const Eigen::VectorXd& difference = predicted.difference;
+  // What the draws do on the average goes with a law's shape, which is known less well than its size.
+  const Eigen::VectorXd average = divided(added, mean);
+  const double curvature = 1.0 + share * kMeanDeviation * kMeanDeviation * average.squaredNorm();
+  const double more = -share * kMeanDeviation * average.dot(predicted.difference) / curvature;  // [standard deviations]
+  const Eigen::VectorXd difference = predicted.difference + more * kMeanDeviation * average;
   error.residual_ratio = mean_square(difference);
   double deviation = 0.0;  // of the logarithm of the power
   for (const common::EffectInstance& effect : stochastic) {
     deviation = std::hypot(deviation, kSizeDeviation * predicted_->catalogue.at(effect.name).stochastic->power_exponent);
   }
-  error.cost = share * predictive_cost(undivided(added, difference), added.power, deviation) + predicted.prior_cost;
+  error.cost = share * predictive_cost(undivided(added, difference), added.power, deviation) + predicted.prior_cost + more * more + std::log(curvature);
   return error;
 }
 

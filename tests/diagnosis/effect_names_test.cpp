@@ -18,7 +18,7 @@ namespace slewlab::diagnosis {
 namespace {
 
 // Names of effects that are also keys of machine files, faults or families.
-const std::set<std::string, std::less<>> kOrdinaryWords{"rope_length", "torque_limit", "wind", "droop", "speed_filter"};
+const std::set<std::string, std::less<>> kOrdinaryWords{"hoisting", "rope_length", "torque_limit", "wind", "droop", "speed_filter"};
 
 std::vector<std::string> effect_names() {
   std::vector<std::string> names;
