@@ -12,14 +12,11 @@ there after a crash of the interpreter, too.
 
 import argparse
 import contextlib
-import functools
 import hashlib
 import io
-import os
 import random
 import resource
 import signal
-import subprocess
 import sys
 import tempfile
 import time
@@ -31,7 +28,6 @@ CORPUS = REPOSITORY / "tests" / "fuzz" / "corpus"
 sys.path.insert(0, str(REPOSITORY / "tools" / "python"))
 
 import import_data  # noqa: E402
-import run_log  # noqa: E402
 from run_log import LogProblem, read_run_log  # noqa: E402
 
 MOST_MEMORY = 4 << 30   # [bytes] of address space
@@ -140,11 +136,6 @@ def beginnings(data, count=16):
         yield data[:len(data) * k // count]
 
 
-def lift_limit():
-    """Sanitizers of the log's reader need more address space."""
-    resource.setrlimit(resource.RLIMIT_AS, (resource.RLIM_INFINITY, resource.RLIM_INFINITY))
-
-
 def out_of_time(*_):
     raise TimeoutError(f"took more than {LONGEST} s")
 
@@ -157,9 +148,6 @@ def main():
     parser.add_argument("--found", type=Path, help="folder for the input that fails")
     parser.add_argument("--grown", type=Path, help="folder for inputs that reach new lines, and to go on from")
     options = parser.parse_args()
-    os.environ["ASAN_OPTIONS"] = "exitcode=99:hard_rss_limit_mb=2048"  # apart from a refusal
-    os.environ["UBSAN_OPTIONS"] = "exitcode=99"
-    run_log.subprocess.Popen = functools.partial(subprocess.Popen, preexec_fn=lift_limit)
     target = TARGETS[options.target]
     seeds = [p.read_bytes() for p in sorted((CORPUS / options.target).iterdir())]
     if options.grown:
