@@ -135,8 +135,6 @@ struct EffectAbout {
   MachineParts needs = {};
   Family family = Family::none;
   std::optional<Stochastic> stochastic = std::nullopt;
-  // Whether a diagnosis looks for it. One whose relatives in the catalogue it has not been weighed against is switched on by hand alone.
-  bool is_looked_for = true;
   bool acts_late = false;  // delays or lags what it acts on; a stochastic one does so on the average
   PureDelay pure_delay = PureDelay::none;
   ReadOff read_off = ReadOff::none;

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -111,7 +110,7 @@ std::optional<std::size_t> pressed_from(const Play& play, const Record& record, 
 // Whether groups that are pressed at a grid point have gone as far beside each other by then as from the middle of their play, where nothing winds them up.
 bool came_from_the_middle(const Problem& problem, const Play& play, const Record& record, std::size_t pressed) {
   const sim::Machine machine = follower_of(problem.nominal, record.step).machine;
-  const GroupAngles places = places_on_flanks(machine.model, record, pressed);
+  const GroupAngles places = places_on_flanks(machine.model, record, pressed, rigid_acceleration(machine.model, record, pressed));
   for (int g = 1; g < record.group_count; ++g) {
     const auto i = static_cast<std::size_t>(g);
     const double apart = (record.shaft_position[i][pressed] - record.shaft_position[0][pressed]) - (record.shaft_position[i][0] - record.shaft_position[0][0]);
@@ -125,10 +124,9 @@ bool begins_unloaded(const Record& record, double time) {
   const auto first = std::min(record.size(), static_cast<std::size_t>(kUnloadedFor * time / record.step) + 1);
   double largest = 0.0, largest_first = 0.0;
   for (std::size_t n = 0; n < record.size(); ++n) {
-    double mean = 0.0;
-    for (int g = 0; g < record.group_count; ++g) mean += record.motor_torque[static_cast<std::size_t>(g)][n] / record.group_count;
-    largest = std::max(largest, std::fabs(mean));
-    if (n < first) largest_first = std::max(largest_first, std::fabs(mean));
+    const double torque = std::fabs(mean_torque(record, n));
+    largest = std::max(largest, torque);
+    if (n < first) largest_first = std::max(largest_first, torque);
   }
   return largest_first < kUnloaded * largest;
 }

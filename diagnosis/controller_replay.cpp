@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "controller/process/computed_answer.h"
+
 namespace slewlab::diagnosis {
 
 namespace {
@@ -37,13 +39,33 @@ void take_up_integrals(const controller::ControllerSettings& settings, const con
       mean += missing[i] / settings.group_count;
       largest = std::max(largest, std::fabs(missing[i]));
     }
-    if (largest < kTakenUpExactly * settings.rated_torque) return;
     // With play compensation the groups share one integral.
+    const double left = settings.play_compensation.enabled ? std::fabs(mean) : largest;
+    if (left < kTakenUpExactly * settings.rated_torque) return;
     for (int g = 0; g < settings.group_count; ++g) {
       const auto i = static_cast<std::size_t>(g);
       state.speed_control[i].integral_torque += settings.play_compensation.enabled ? mean : missing[i];
     }
   }
+}
+
+// Whether a command is limited, in size or in its change since the one before: then it does not tell the integrals behind it.
+bool is_limited(const controller::ControllerSettings& settings, const msgs::Torque& before, const msgs::Torque& torque, double period) {
+  const auto reaches = [](double value, double limit) { return std::fabs(value) >= (1.0 - kFreshly) * limit; };
+  for (std::size_t g = 0; g < torque.motor_torque.size(); ++g) {
+    if (reaches(torque.motor_torque[g], settings.limits.torque)) return true;
+    if (reaches(torque.motor_torque[g] - before.motor_torque[g], settings.limits.rate * period)) return true;
+  }
+  return false;
+}
+
+// [s] The first moment from `from` on before which a command tells the integrals; nothing where there is none.
+std::optional<double> integrals_known_from(const Record& record, const controller::ControllerSettings& settings, double from) {
+  for (std::size_t n = 1; n < record.torque.size(); ++n) {
+    const double next = 1e-9 * static_cast<double>(record.torque[n].simulated_time) + record.encoder_period;
+    if (next >= from && !is_limited(settings, record.torque[n - 1], record.torque[n], record.encoder_period)) return next;
+  }
+  return {};
 }
 
 // Whether the record's first command is what the controller answers when it has just been switched on.
@@ -85,7 +107,7 @@ void check_replayable(const Record& record) {
 std::optional<double> controller_known_from(const Record& record, const controller::ControllerSettings& settings) {
   if (!record.begins_bent) {
     if (is_fresh(record, settings)) return record.start_time;
-    return record.start_time + kFilterTimes * settings.speed_filter_time + kFirstCycles * record.encoder_period;
+    return integrals_known_from(record, settings, record.start_time + kFilterTimes * settings.speed_filter_time + kFirstCycles * record.encoder_period);
   }
   const double end = record.time(record.size() - 1), settling = settling_time(settings.ramp);
   double still_from = record.start_time;
@@ -99,7 +121,7 @@ std::optional<double> controller_known_from(const Record& record, const controll
     still_from = std::max(record.start_time, at);
   }
   if (end - still_from < settling) return {};
-  return still_from + settling;
+  return integrals_known_from(record, settings, still_from + settling);
 }
 
 ControllerReplay replay_controller(const Record& record, const controller::ControllerSettings& settings) {
@@ -115,6 +137,7 @@ ControllerReplay replay_controller(const Record& record, controller::ControllerS
   ControllerReplay replay;
   if (!known_from) return replay;
   controller::ControllerState state;
+  controller::PlausibilityState plausibility;
   controller::ControllerInput input;
   controller::ControllerOutput output;
   input.group_count = record.group_count;
@@ -145,10 +168,7 @@ ControllerReplay replay_controller(const Record& record, controller::ControllerS
       }
     }
     take_moves(encoder.simulated_time);
-    input.simulated_time = encoder.simulated_time;
-    for (int g = 0; g < record.group_count; ++g) {
-      input.shaft_speed[static_cast<std::size_t>(g)] = encoder.shaft_speed[static_cast<std::size_t>(g)];
-    }
+    controller::take_reading(settings, encoder, plausibility, input);
     while (answer < record.torque.size() && record.torque[answer].answered_sequence < encoder.sequence) ++answer;
     const bool answered =
         answer < record.torque.size() && record.torque[answer].answered_sequence == encoder.sequence;

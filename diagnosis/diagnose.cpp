@@ -216,8 +216,8 @@ void doubt_the_unknown_below_the_noise(Diagnosis& diagnosis) {
 }
 
 // A share of a cause's probability goes to the others that have its effects but for those doubted, by their own probabilities; where there are
-// none, to what is not known.
-void hand_on(double share, const std::function<bool(const std::string&)>& is_doubted, Cause& cause, Diagnosis& diagnosis) {
+// none, as take_away() does.
+void hand_on(double share, const std::function<bool(const std::string&)>& is_doubted, bool is_nothing_left, Cause& cause, Diagnosis& diagnosis) {
   const auto has_the_rest = [&](const Cause& other) {
     return &other != &cause && !other.effects.empty() && !(other.validation && !other.validation->holds) &&
            std::all_of(cause.effects.begin(), cause.effects.end(), [&](const std::string& effect) {
@@ -227,7 +227,7 @@ void hand_on(double share, const std::function<bool(const std::string&)>& is_dou
   const bool has_rest = !std::all_of(cause.effects.begin(), cause.effects.end(), is_doubted);
   double sum = 0.0;
   for (const Cause& other : diagnosis.causes) sum += has_rest && has_the_rest(other) ? other.probability : 0.0;
-  if (!(sum > 0.0)) return take_away(share, false, cause, diagnosis);
+  if (!(sum > 0.0)) return take_away(share, is_nothing_left, cause, diagnosis);
   const double taken = share * cause.probability;
   cause.probability -= taken;
   for (Cause& other : diagnosis.causes) {
@@ -294,7 +294,7 @@ void validate_lead(Problem& problem, const WhiteningSettings& whitening, const s
         const common::EffectAbout* about = problem.catalogue.find(one);
         return about != nullptr && is_stochastic(*about);
       };
-      hand_on(1.0, is_stochastic_effect, lead, diagnosis);
+      hand_on(1.0, is_stochastic_effect, false, lead, diagnosis);
     } else {
       take_away(1.0, is_nothing_left, lead, diagnosis);
     }
@@ -307,15 +307,15 @@ void validate_lead(Problem& problem, const WhiteningSettings& whitening, const s
 
 // An effect that was fitted to the end of its range is at best half an answer: a larger one would fit better. Nor is one whose interval
 // goes beyond its range: the records do not say that it is there; nor one beside which a parameter is farther off than machines of one
-// make differ.
-void doubt_what_no_machine_has(const Problem& problem, Diagnosis& diagnosis) {
+// make differ. What is taken goes to nothing missing where parameters alone leave noise.
+void doubt_what_no_machine_has(const Problem& problem, bool is_nothing_left, Diagnosis& diagnosis) {
   const common::EffectCatalogue& catalogue = problem.catalogue;
   constexpr double kAtTheEnd = 1e-6;  // of the range
   for (Cause& cause : diagnosis.causes) {
     const auto parameters = cause.point.nuisance.begin();
     const auto count = static_cast<std::ptrdiff_t>(std::min(cause.point.nuisance.size(), problem.nuisances.parameters.size()));
     const bool is_far_off = std::any_of(parameters, parameters + count, [](double amount) { return std::fabs(amount) > kFarOff; });
-    if (is_far_off && !cause.point.effects.empty()) take_away(0.5, false, cause, diagnosis);
+    if (is_far_off && !cause.point.effects.empty()) take_away(0.5, is_nothing_left, cause, diagnosis);
     for (const common::EffectInstance& effect : cause.point.effects) {
       const common::EffectAbout& about = catalogue.at(effect.name);
       // Of its size: shares and shapes may well lie at an end of theirs.
@@ -338,7 +338,7 @@ void doubt_what_no_machine_has(const Problem& problem, Diagnosis& diagnosis) {
                                                       value, common::name_of(parameter.unit))
                                         : fmt::format("{}: the 90 % interval goes beyond what it can be; these records do not determine it", name));
       }
-      hand_on(0.5, [&](const std::string& one) { return one == effect.name; }, cause, diagnosis);
+      hand_on(0.5, [&](const std::string& one) { return one == effect.name; }, is_nothing_left, cause, diagnosis);
     }
   }
 }
@@ -443,11 +443,13 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   diagnosis.causes = std::move(ranking.causes);
   diagnosis.probability_unknown = ranking.unknown;
   if (diagnosis.mean_square_nominal <= 1.0 && !diagnosis.controller_differs && diagnosis.counts == 0.0) settle_on_nothing(diagnosis);
-  if (found.nothing.mean_square <= 1.0 && !diagnosis.controller_differs && diagnosis.counts == 0.0) doubt_the_unknown_below_the_noise(diagnosis);
-  doubt_what_no_machine_has(problem, diagnosis);
+  const bool is_nothing_left = found.nothing.mean_square <= 1.0 && !diagnosis.controller_differs && diagnosis.counts == 0.0;
+  if (is_nothing_left) doubt_the_unknown_below_the_noise(diagnosis);
+  doubt_what_no_machine_has(problem, is_nothing_left, diagnosis);
   if (settings.hold_out && !diagnosis.causes.empty()) {
     tell(kHoldOut.from, "fitting without the last record");
     validate_lead(problem, whitening, controller, found.nothing.point, diagnosis);
+    if (is_nothing_left) doubt_the_unknown_below_the_noise(diagnosis);
   }
   sort_causes(diagnosis.causes);
   const common::EffectCatalogue known = controller ? joined(problem.catalogue, controller::effects_for(*controller)) : problem.catalogue;

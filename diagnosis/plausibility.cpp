@@ -106,8 +106,8 @@ const std::vector<Known> kAccelerationFactors{{1.0 / 9.81, "it looks like multip
                                               {1000.0, "it looks like mm/s^2; m/s^2 are wanted"},
                                               {1000.0 / 9.81, "it looks like thousandths of g; m/s^2 are wanted"}};
 
-// The largest size of a series where it is a limit; infinite where it is none. A limit is met again and again, of either sign, a frozen value
-// stands once.
+// The largest size of a series where it is a limit; infinite where it is none. A limit that nobody knows is met again and again, of either sign, a
+// frozen value stands once.
 double limit_of(const std::vector<double>& values) {
   constexpr std::size_t kStand = 3;  // values in a row
   double largest = 0.0;
@@ -122,8 +122,8 @@ double limit_of(const std::vector<double>& values) {
   return stands > 1 ? largest : std::numeric_limits<double>::infinity();
 }
 
-// A command that stands still while what is needed, slowly, changes by a share of its range. What is needed is looked at inside the stand, where
-// nothing of the time before and after is smoothed into it.
+// A command that stands still while what is needed, slowly, changes by a share of its range; but where it stands at a limit, the rated torque among them. What
+// is needed is looked at inside the stand, where nothing of the time before and after is smoothed into it.
 void check_not_frozen(const Record& record, const std::string& name, const std::vector<double>& recorded, const std::vector<double>& needed,
                       double share, const AdmissionSettings& settings) {
   const auto slow = static_cast<std::size_t>(std::lround(settings.slow / record.step));
@@ -135,7 +135,8 @@ void check_not_frozen(const Record& record, const std::string& name, const std::
   const auto [lowest, highest] = std::minmax_element(at(slow), at(recorded.size() - slow));
   for (std::size_t begin = 0, n = 1; n <= recorded.size(); ++n) {
     if (n < recorded.size() && recorded[n] == recorded[begin]) continue;
-    const bool is_limited = std::fabs(recorded[begin]) >= kAtLimit * torque_limit;
+    const double torque = std::fabs(recorded[begin]);
+    const bool is_limited = torque >= kAtLimit * torque_limit || std::fabs(torque - settings.rated_torque) <= (1.0 - kAtLimit) * settings.rated_torque;
     if (n - begin > limit && recorded[begin] != 0.0 && !is_limited) {
       const auto [low, high] = std::minmax_element(at(begin + slow), at(n - slow));
       if (*high - *low > share * (*highest - *lowest)) {

@@ -196,6 +196,12 @@ double find_quantum(const std::vector<msgs::Encoder>& encoder) {
 
 }  // namespace
 
+double mean_torque(const Record& record, std::size_t n) {
+  double mean = 0.0;
+  for (int g = 0; g < record.group_count; ++g) mean += record.motor_torque[static_cast<std::size_t>(g)][n] / record.group_count;
+  return mean;
+}
+
 std::size_t reading_stride(const Record& record) {
   return std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(record.encoder_period / record.step)));
 }
@@ -387,31 +393,33 @@ void take_sensors(const msgs::RunLog& run, const std::vector<std::int64_t>& time
   }
 }
 
-// The recorder was switched on while the lever asked for a speed and the motors pushed on their way to it, however slow they still were. A
-// run that begins with such a request pushes with nothing yet.
-bool begins_under_way(const msgs::RunLog& run, const Record& record) {
-  if (run.operator_moves.empty() || run.operator_moves.front().speed_request == 0.0) return false;
-  if (1e-9 * static_cast<double>(run.operator_moves.front().simulated_time) > record.start_time) return false;
-  double first = 0.0, largest = 0.0;
-  for (std::size_t n = 0; n < record.size(); ++n) {
-    double mean = 0.0;
-    for (int g = 0; g < record.group_count; ++g) mean += record.motor_torque[static_cast<std::size_t>(g)][n] / record.group_count;
-    if (n == 0) first = std::fabs(mean);
-    largest = std::max(largest, std::fabs(mean));
-  }
-  return first > kPushing * largest;
-}
-
-// Of all groups together: play compensation turns them against each other first.
-bool begins_in_motion(const Record& record, const AdmissionSettings& settings) {
+// [rad/s] of all groups together, for play compensation turns them against each other first: over the first moments, and the largest of any group.
+struct FirstSpeed {
+  double mean = 0.0, largest = 0.0;
+};
+FirstSpeed first_speed(const Record& record, const AdmissionSettings& settings) {
   const auto stretch = std::min(record.size(), static_cast<std::size_t>(kFirstStretch * settings.time / record.step) + 1);
-  double largest = 0.0, first = 0.0;
+  FirstSpeed speed;
   for (int g = 0; g < record.group_count; ++g) {
     const std::vector<double>& rate = record.position_rate[static_cast<std::size_t>(g)];
-    for (const double speed : rate) largest = std::max(largest, std::fabs(speed));
-    for (std::size_t n = 0; n < stretch; ++n) first += rate[n] / static_cast<double>(stretch) / record.group_count;
+    for (const double one : rate) speed.largest = std::max(speed.largest, std::fabs(one));
+    for (std::size_t n = 0; n < stretch; ++n) speed.mean += rate[n] / static_cast<double>(stretch) / record.group_count;
   }
-  return std::fabs(first) > std::max(kStanding * largest, kCreeping * settings.turn / settings.time);
+  return speed;
+}
+
+// The recorder was switched on while the motors pushed the axis on its way, however slow it still was: because the lever asked for a speed, or
+// as it comes to rest after a move. A run that begins with a request pushes with nothing yet; a torque that holds an axis still moves nothing.
+bool begins_in_motion(const msgs::RunLog& run, const Record& record, const AdmissionSettings& settings) {
+  const FirstSpeed speed = first_speed(record, settings);
+  const double creeping = kCreeping * settings.turn / settings.time;
+  if (std::fabs(speed.mean) > std::max(kStanding * speed.largest, creeping)) return true;
+  double largest = 0.0;
+  for (std::size_t n = 0; n < record.size(); ++n) largest = std::max(largest, std::fabs(mean_torque(record, n)));
+  if (std::fabs(mean_torque(record, 0)) <= kPushing * largest) return false;
+  const bool is_asked = !run.operator_moves.empty() && run.operator_moves.front().speed_request != 0.0 &&
+                        1e-9 * static_cast<double>(run.operator_moves.front().simulated_time) <= record.start_time;
+  return is_asked || std::fabs(speed.mean) > creeping;
 }
 
 // What the controller's replay needs, as it went over the wire.
@@ -466,7 +474,7 @@ Record unchecked_record(const msgs::RunLog& run, const std::string& name, const 
   const ChannelTimes times{times_of(run.encoder), times_of(run.torque), times_of(run.sensors)};
   const std::size_t count = lay_grid(times, settings, record);
   take_motors(run, times.encoder, settings, count, record);
-  record.begins_in_motion = record.begins_bent = begins_in_motion(record, settings) || begins_under_way(run, record);
+  record.begins_in_motion = record.begins_bent = begins_in_motion(run, record, settings);
   if (times.has_sensors()) {
     take_sensors(run, times.sensors, count, record);
   } else {

@@ -79,6 +79,9 @@ struct Record {
   double time(std::size_t n) const { return start_time + step * static_cast<double>(n); }
 };
 
+// [Nm per motor] over the groups, at a grid point: what of their torques turns the axis.
+double mean_torque(const Record& record, std::size_t n);
+
 // [grid points] from one reading of the encoders to the next.
 std::size_t reading_stride(const Record& record);
 

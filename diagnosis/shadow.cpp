@@ -127,16 +127,17 @@ void bend(sim::Machine& machine, std::size_t mode, double amount, double rate) {
   move_load(machine, tip * amount, tip * rate);
 }
 
-// [m sqrt(kg)] of a mode under a torque held on the house.
-double static_bend(const sim::PlantModel& model, std::size_t mode, double house_torque) { return model.house[mode] * house_torque / model.square[mode]; }
+// [m sqrt(kg)] of a mode under a torque held on the house and a force held on the tip.
+double static_bend(const sim::PlantModel& model, std::size_t mode, double house_torque, double tip_force) {
+  return (model.house[mode] * house_torque + model.tip[mode] * tip_force) / model.square[mode];
+}
 
 bool can_bend(const sim::PlantModel& model, std::size_t mode) {
   return !model.is_rigid && mode < static_cast<std::size_t>(model.mode_count) && model.square[mode] > 0.0;
 }
 
-// A crane that is already turning starts at the motors' mean speed, its teeth where they were, as a body that a constant acceleration has
-// bent: what swings about that is the record's own.
-void start_moving(sim::Machine& machine, const Record& record, double time) {
+// A crane that is already turning starts at the motors' mean speed, its teeth where they were.
+void start_moving(sim::Machine& machine, const Record& record) {
   const sim::PlantModel& model = machine.model;
   double speed = 0.0;
   for (int g = 0; g < record.group_count; ++g) {
@@ -147,12 +148,18 @@ void start_moving(sim::Machine& machine, const Record& record, double time) {
   if (speed == 0.0) return;
   machine.state.v[0] = speed / model.house[0];
   move_load(machine, 0.0, model.tip[0] * machine.state.v[0]);
-  if (!record.begins_bent) return;
-  const double acceleration = first_acceleration(record, time) / model.ratio;
-  const double torque = acceleration * sim::driven_inertia(model.parameters);
-  for (std::size_t mode = 1; can_bend(model, mode); ++mode) bend(machine, mode, static_bend(model, mode, torque), 0.0);
+}
+
+// Bent as by a constant acceleration [rad/s^2] of the axis and by the load, which hangs behind and swings about that by `swing` [rad]; what
+// else boom and load do is the record's own.
+void bend_as_it_accelerates(sim::Machine& machine, double acceleration, double swing) {
+  const sim::PlantModel& model = machine.model;
   const double radius = model.tip[0] / model.house[0];
-  incline_load(machine, {-radius * acceleration / sim::kGravity, 0.0}, Eigen::Vector2d::Zero());
+  const double behind = -radius * acceleration / sim::kGravity;
+  const double tip_force = model.has_load ? model.parameters.load.mass * sim::kGravity * (behind + swing) : 0.0;
+  const double torque = acceleration * sim::driven_inertia(model.parameters) - radius * tip_force;
+  for (std::size_t mode = 1; can_bend(model, mode); ++mode) bend(machine, mode, static_bend(model, mode, torque, tip_force), 0.0);
+  incline_load(machine, {behind, 0.0}, Eigen::Vector2d::Zero());
 }
 
 // Turned as one body to where the encoders say that it stands: what goes with the angle (meshes, an incline) has one phase in all records.
@@ -168,9 +175,14 @@ void turn_to_first_angle(sim::Machine& machine, const Record& record) {
 
 void start(sim::Machine& machine, const Record& record, const Beginning& beginning, double time) {
   turn_to_first_angle(machine, record);
-  start_moving(machine, record, time);
+  start_moving(machine, record);
+  double acceleration = rigid_acceleration(machine.model, record, 0);
+  if (record.begins_bent) {
+    acceleration = first_acceleration(record, time) / machine.model.ratio;
+    bend_as_it_accelerates(machine, acceleration, beginning.swing);
+  }
   if (record.begins_on_flanks) {
-    const GroupAngles places = places_on_flanks(machine.model, record, 0);
+    const GroupAngles places = places_on_flanks(machine.model, record, 0, acceleration);
     for (std::size_t i = 0; i < places.size(); ++i) machine.state.motor_angle[i] += places[i];
   }
   incline_load(machine, {beginning.swing, beginning.swing_rate}, {beginning.rod, beginning.rod_rate});
@@ -178,7 +190,7 @@ void start(sim::Machine& machine, const Record& record, const Beginning& beginni
   const double rated = drive.group_count * drive.motors_per_group * drive.rated_torque * machine.model.ratio;
   for (std::size_t k = 0; k < kBeginningBends; ++k) {
     if ((beginning.bend[k] == 0.0 && beginning.bend_rate[k] == 0.0) || !can_bend(machine.model, k + 1)) continue;
-    const double unit = static_bend(machine.model, k + 1, rated);
+    const double unit = static_bend(machine.model, k + 1, rated, 0.0);
     bend(machine, k + 1, unit * beginning.bend[k], unit * std::sqrt(machine.model.square[k + 1]) * beginning.bend_rate[k]);
   }
   sim::refresh(machine.model, machine.state);
@@ -187,17 +199,21 @@ void start(sim::Machine& machine, const Record& record, const Beginning& beginni
 
 }  // namespace
 
-GroupAngles places_on_flanks(const sim::PlantModel& model, const Record& record, std::size_t point) {
-  const double driven = sim::driven_inertia(model.parameters), to_slew_axis = model.parameters.drive.motors_per_group * model.ratio;
-  double torque = 0.0, inertia = driven;
+double rigid_acceleration(const sim::PlantModel& model, const Record& record, std::size_t point) {
+  double torque = 0.0, inertia = sim::driven_inertia(model.parameters);
   for (int g = 0; g < record.group_count; ++g) {
-    torque += to_slew_axis * record.motor_torque[static_cast<std::size_t>(g)][point];
+    torque += model.parameters.drive.motors_per_group * model.ratio * record.motor_torque[static_cast<std::size_t>(g)][point];
     inertia += model.group_inertia[static_cast<std::size_t>(g)];
   }
+  return torque / inertia;
+}
+
+GroupAngles places_on_flanks(const sim::PlantModel& model, const Record& record, std::size_t point, double acceleration) {
   GroupAngles places{};
   for (int g = 0; g < record.group_count; ++g) {
     const auto i = static_cast<std::size_t>(g);
-    const double through = to_slew_axis * record.motor_torque[i][point] - model.group_inertia[i] * torque / inertia;
+    const double through =
+        model.parameters.drive.motors_per_group * model.ratio * record.motor_torque[i][point] - model.group_inertia[i] * acceleration;
     if (through != 0.0) places[i] = std::copysign(model.gear[i].half_play, through) + through / model.gear[i].stiffness;
   }
   return places;

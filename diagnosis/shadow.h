@@ -90,9 +90,12 @@ struct Follower {
 // Throws as shadow().
 Follower follower_of(const sim::MachineSettings& machine, double step);
 
+// [rad/s^2] slew axis, of all as one body under the torques of a grid point.
+double rigid_acceleration(const sim::PlantModel& model, const Record& record, std::size_t point);
+
 // [rad] slew axis: how far each motor stands before the house where its gear lies on the flank to which the torque of its group pushes at a grid
-// point, wound up by what goes through it while all turn as one body.
-GroupAngles places_on_flanks(const sim::PlantModel& model, const Record& record, std::size_t point);
+// point, wound up by what goes through it while the axis accelerates so.
+GroupAngles places_on_flanks(const sim::PlantModel& model, const Record& record, std::size_t point, double acceleration);
 
 // The follower on its way, a grid point after the other.
 class Observer {

@@ -11,25 +11,29 @@ void copy_per_group(const PerGroup& from, int count, std::vector<double>& to) {
 
 }  // namespace
 
+void take_reading(const ControllerSettings& settings, const msgs::Encoder& encoder, PlausibilityState& plausibility, ControllerInput& input) {
+  EncoderReading reading;
+  reading.sequence = encoder.sequence;
+  reading.simulated_time = encoder.simulated_time;
+  // The pure controller knows what to do about a number of groups that is not its own.
+  reading.group_count = encoder.group_count;
+  const int groups = std::min(encoder.group_count, kMaximumGroups);
+  std::copy_n(encoder.shaft_speed.begin(), groups, reading.shaft_speed.begin());
+  std::copy_n(encoder.shaft_position.begin(), groups, reading.shaft_position.begin());
+  const Plausibility judged = judge(settings.plausibility, settings.period, settings.group_count, plausibility, reading);
+  input.simulated_time = encoder.simulated_time;
+  input.group_count = reading.group_count;
+  input.shaft_speed = reading.shaft_speed;
+  input.unusable_reading = judged == Plausibility::unusable;
+}
+
 Compute computed_answer(const ControllerSettings& settings, const std::vector<PlaySwitch>* switched) {
-  return [own = settings, switched, known = std::size_t{0}, state = ControllerState{}, plausibility = PlausibilityState{}, reading = EncoderReading{},
+  return [own = settings, switched, known = std::size_t{0}, state = ControllerState{}, plausibility = PlausibilityState{},
           input = ControllerInput{}, output = ControllerOutput{}](
              const msgs::Encoder& encoder, const msgs::Operator& operator_move, msgs::Torque& torque,
              msgs::ControllerState& report) mutable {
     for (; switched != nullptr && known < switched->size(); ++known) add_switch(own.play_compensation, (*switched)[known]);
-    reading.sequence = encoder.sequence;
-    reading.simulated_time = encoder.simulated_time;
-    // The pure controller knows what to do about a number of groups that is not its own.
-    reading.group_count = encoder.group_count;
-    const int groups = std::min(encoder.group_count, kMaximumGroups);
-    std::copy_n(encoder.shaft_speed.begin(), groups, reading.shaft_speed.begin());
-    std::copy_n(encoder.shaft_position.begin(), groups, reading.shaft_position.begin());
-    const Plausibility judged =
-        judge(own.plausibility, own.period, own.group_count, plausibility, reading);
-    input.simulated_time = encoder.simulated_time;
-    input.group_count = reading.group_count;
-    input.shaft_speed = reading.shaft_speed;
-    input.unusable_reading = judged == Plausibility::unusable;
+    take_reading(own, encoder, plausibility, input);
     input.speed_request = operator_move.speed_request;
     input.emergency_stop = operator_move.emergency_stop;
     input.acknowledge = operator_move.acknowledge;

@@ -10,6 +10,9 @@
 
 namespace slewlab::controller {
 
+// What the controller is stepped with: a reading as plausibility.h judges it, held where it is refused. The operator's wishes stay as they are.
+void take_reading(const ControllerSettings& settings, const msgs::Encoder& encoder, PlausibilityState& plausibility, ControllerInput& input);
+
 Compute computed_answer(const ControllerSettings& settings, const std::vector<PlaySwitch>* switched = nullptr);
 
 }  // namespace slewlab::controller

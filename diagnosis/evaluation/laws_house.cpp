@@ -63,6 +63,71 @@ std::vector<TrueSize> bearing_viscous(TruthMachine& machine, double size, Random
   return {{"coefficient", size}, {"asymmetry", asymmetry}};
 }
 
+// Grease and seals that build their film: a rational rise instead of an exponential one.
+std::vector<TrueSize> bearing_rising(TruthMachine& machine, double size, Random& random) {
+  const double speed_of_rise = machine.scales.machine.top_speed * random.log_between(0.02, 0.15);  // [rad/s] at which half of it are reached
+  const double at_rest = random.between(0.0, 0.4);
+  const Bristle rollers = bearing(machine.scales);
+  machine.forces.push_back({{0.0}, {1.0}, [=](const Scene& scene, const double* states, sim::ReferenceForces& forces, double* rates) {
+    const double speed = std::fabs(scene.motion.house_speed);
+    const double level = size * (at_rest + (1.0 - at_rest) * speed / (speed + speed_of_rise));
+    const BristleAnswer answer = bristle_answer(rollers, level, scene.motion.house_speed, states[0]);
+    forces.house_torque -= answer.torque;
+    rates[0] = answer.rate;
+  }});
+  return {{"torque", size, false}, {"speed", speed_of_rise, false}, {"at_rest", at_rest, false}, {"asymmetry", 0.0}};
+}
+
+// A raceway that is tight on one side: a raised cosine to a power instead of a Fourier series.
+std::vector<TrueSize> bearing_uneven(TruthMachine& machine, double size, Random& random) {
+  const double wavelength = machine.scales.machine.top_speed * machine.scales.ramp_time * random.log_between(0.5, 3.0);  // [rad]
+  const double phase = random.between(-kPi, kPi), variation = random.between(0.4, 0.9);
+  const Bristle rollers = bearing(machine.scales);
+  machine.forces.push_back({{0.0}, {1.0}, [=](const Scene& scene, const double* states, sim::ReferenceForces& forces, double* rates) {
+    constexpr double kPower = 1.3, kMean = 0.45039;  // of ((1 + cos) / 2)^1.3 over a turn, by quadrature
+    const double raised = std::pow(0.5 * (1.0 + std::cos(2.0 * kPi * scene.motion.house_angle / wavelength + phase)), kPower);
+    const double level = size * (1.0 + variation * (raised / kMean - 1.0));
+    const BristleAnswer answer = bristle_answer(rollers, level, scene.motion.house_speed, states[0]);
+    forces.house_torque -= answer.torque;
+    rates[0] = answer.rate;
+  }});
+  return {{"torque", size, false}, {"variation", variation, false}, {"wavelength", wavelength, false}, {"phase", phase, false}};
+}
+
+// A bearing that warms with the time that has gone, and not with the way.
+std::vector<TrueSize> bearing_warming(TruthMachine& machine, double size, Random& random) {
+  const double fall = random.between(0.3, 0.8), time_constant = machine.scales.stretch * random.between(4.0, 15.0);  // [s]
+  const double viscous = size * random.between(0.0, 1.0) / machine.scales.machine.top_speed;  // [Nm s/rad]
+  const Bristle rollers = bearing(machine.scales);
+  machine.forces.push_back({{0.0, 0.0}, {1.0, 1.0}, [=](const Scene& scene, const double* states, sim::ReferenceForces& forces, double* rates) {
+    const double speed = scene.motion.house_speed;
+    const double level = (size + viscous * std::fabs(speed)) * (1.0 - fall * states[1]);
+    const BristleAnswer answer = bristle_answer(rollers, level, speed, states[0]);
+    forces.house_torque -= answer.torque;
+    rates[0] = answer.rate;
+    rates[1] = (1.0 - states[1]) / time_constant;
+  }});
+  return {{"torque", size, false}, {"coefficient", viscous, false}, {"fall", fall, false}};
+}
+
+// A hose that pulls to one side; as much at every angle.
+std::vector<TrueSize> torque_offset(TruthMachine& machine, double size, Random& random) {
+  const double torque = size * random.sign();
+  machine.forces.push_back({{}, {}, [torque](const Scene&, const double*, sim::ReferenceForces& forces, double*) { forces.house_torque += torque; }});
+  return {{"torque", torque}};
+}
+
+// A counterweight that lies beside the middle of a house that is not upright: gravity on the house alone.
+std::vector<TrueSize> tilted_axis(TruthMachine& machine, double size, Random& random) {
+  const double direction = random.between(-kPi, kPi);
+  machine.forces.push_back({{}, {}, [=](const Scene& scene, const double*, sim::ReferenceForces& forces, double*) {
+    constexpr double kTilt = 0.05;  // [rad] chosen: what a vessel heels by; the centre of mass rises with it
+    const double at = direction - scene.motion.house_angle;
+    forces.house_torque += size * std::sin(at) * (1.0 + kTilt * std::cos(at));
+  }});
+  return {{"torque", size}, {"direction", direction, false}};
+}
+
 std::vector<TrueSize> house_inertia(TruthMachine& machine, double size, Random&) {
   const double factor = 1.0 + size;
   machine.crane.house.inertia *= factor;
@@ -118,6 +183,11 @@ std::vector<Law> house_laws() {
       {"thinning_grease", "bearing_viscous", "house", "power 0.85 of the speed", 1.22e-3, 0.183, of_viscosity, bearing_viscous},
       {"bearing_bristles_breaking_away", "bearing_stribeck", "house",
        "bristles, and an exponential instead of a Gaussian fall", 7.31e-4, 0.0731, of_axis_torque, bearing_stribeck},
+      {"film_of_grease", "bearing_rising", "house", "bristles, and a rational instead of an exponential rise", 1.46e-3, 0.0975, of_axis_torque, bearing_rising},
+      {"tight_side", "bearing_uneven", "house", "bristles, and a raised cosine to a power instead of a series", 1.46e-3, 0.0975, of_axis_torque, bearing_uneven},
+      {"warming_grease", "bearing_warming", "house", "bristles, and the time instead of the way", 1.46e-3, 0.0975, of_axis_torque, bearing_warming},
+      {"pulling_hose", "torque_offset", "house", "finer mesh only", 7.31e-4, 0.0731, of_axis_torque, torque_offset},
+      {"eccentric_house", "tilted_axis", "house", "a second harmonic of the tilt", 1.46e-3, 0.0975, of_axis_torque, tilted_axis},
       {"heavy_house", "house_inertia", "house", "finer mesh only", 9.14e-4, 0.061, of_inertia_factor, house_inertia, {"house inertia"}},
       {"slew_ring", "house_compliance", "house", "the ring is a body of its own", 15.0, 0.3, of_gear_stiffness, house_compliance, {}, Needs::boom},
       {"pedestal_mode", "pedestal_flexibility", "house", "a degree of freedom of the structure", 1175.0, 5.88,

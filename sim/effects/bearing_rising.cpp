@@ -69,8 +69,7 @@ const EffectDescription& bearing_rising() {
                                 .scale = common::ParameterScale::linear,
                                 .absent = std::nullopt},
                                asymmetry_parameter()},
-                .family = common::Family::friction,
-                .is_looked_for = false},
+                .family = common::Family::friction},
       .ports = {EffectPort::friction},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<BearingRising>(start);

@@ -86,8 +86,7 @@ const EffectDescription& bearing_uneven() {
                                common::angle_parameter("phase", "at the start; 0: most friction there"),
                                second(second_sine_parameter(), "sine of half the wavelength, share of the mean"),
                                second(second_cosine_parameter(), "cosine of half the wavelength, share of the mean")},
-                .family = common::Family::friction,
-                .is_looked_for = false},
+                .family = common::Family::friction},
       .ports = {EffectPort::friction},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<BearingUneven>(start);

@@ -81,8 +81,7 @@ const EffectDescription& bearing_warming() {
                                 .scale = common::ParameterScale::logarithmic,
                                 .absent = std::nullopt,
                                 .tries = {2.0, 50.0}}},
-                .family = common::Family::friction,
-                .is_looked_for = false},
+                .family = common::Family::friction},
       .ports = {EffectPort::friction},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<BearingWarming>(start);

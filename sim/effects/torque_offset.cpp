@@ -35,8 +35,7 @@ const EffectDescription& torque_offset() {
                                 .prior_scale = 0.025,
                                 .scale = common::ParameterScale::linear,
                                 .absent = 0.0}},
-                .family = common::Family::gravity,
-                .is_looked_for = false},
+                .family = common::Family::gravity},
       .ports = {EffectPort::force},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<TorqueOffset>(start);

@@ -227,19 +227,22 @@ TEST_F(Admission, AControllerIsKnownOnceItsRampHasComeToItsEnd) {
 // A recorder that was started after the drives: what the controller's integrals and filters held by then is in its first answers.
 // A small drive stands at its limit while it accelerates; what is needed changes meanwhile, by what the boom swings.
 TEST_F(Admission, TakesALimitForNoFrozenCommand) {
-  const auto hold = [&](double seconds, double from, double sign) {
+  const auto hold = [&](double torque, double seconds, double from) {
     for (msgs::Torque& message : log_.torque) {
       const double at = 1e-9 * static_cast<double>(message.simulated_time) - from;
-      if (at >= 0.0 && at < seconds) std::fill(message.motor_torque.begin(), message.motor_torque.end(), 260.0 * sign);
+      if (at >= 0.0 && at < seconds) std::fill(message.motor_torque.begin(), message.motor_torque.end(), torque);
     }
   };
   const msgs::RunLog sound = log_;
-  hold(3.0, 3.0, 1.0);
+  hold(260.0, 3.0, 3.0);
   EXPECT_NE(refusal().find("frozen at 260"), std::string::npos) << refusal();
   log_ = sound;
-  hold(3.0, 3.0, 1.0);
-  hold(1.0, 10.0, -1.0);
+  hold(260.0, 3.0, 3.0);
+  hold(-260.0, 1.0, 10.0);
   EXPECT_EQ(refusal().find("frozen at 260"), std::string::npos) << refusal();
+  log_ = sound;
+  hold(bench().admission.rated_torque, 3.0, 3.0);  // the limit that the machine's file tells: once is enough
+  EXPECT_EQ(refusal().find("frozen"), std::string::npos) << refusal();
 }
 
 // A recorder that is switched on a moment after the lever was moved finds the machine still slow, but its ramp on the way and its boom bent: it begins
