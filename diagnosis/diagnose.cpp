@@ -19,11 +19,15 @@ namespace slewlab::diagnosis {
 
 namespace {
 
-constexpr double kNoise = 0.05, kCoarseNoise = 0.1;  // share by which the sensors' noise is known; that of coarse counts
+constexpr double kNoise = 0.1;         // share by which the sensors' noise is known
 constexpr double kFarOff = 2.6;        // [standard deviations] of a parameter, beyond which it may be another crane
 constexpr double kWorthASwing = 2e-3;  // [rad] of the load at a record's beginning: a five-hundredth of the rope's length
 constexpr std::size_t kMoments = 8;    // that are named
 constexpr double kUnknownBelowNoise = 0.4;  // of the probability that no known effect is missing, where parameters leave noise alone
+constexpr double kDoubtful = 0.4;  // share of its probability that a doubted cause loses: it still leads, and is not sure
+// Of what is "unknown", by how often it was on machines that no score uses; the rest are known effects whose law is another one than the catalogue's.
+constexpr double kOutsideTheCatalogue = 0.7;
+constexpr double kOtherLawTemper = 5.0;  // chosen: by which the evidence among these counts less
 constexpr int kRoundsAsCut = 3;        // at most, of a fit with the boom cut as its file has it
 constexpr double kBetterAsCut = 20.0;  // fall of the cost, several times what chance lets it fall by
 constexpr int kMostValidated = 4;      // causes that are asked to predict before none is believed
@@ -104,8 +108,7 @@ struct Weighed {
 
 Weighed weigh_fits(Problem& problem, const Found& found, std::size_t effect_count, EvidenceSettings evidence) {
   evidence.independent_share = problem.settings.independent_share;
-  evidence.unknown_floor += (has_coarse_counts(problem.records) ? kCoarseNoise : kNoise) * problem.settings.independent_share *
-                            static_cast<double>(difference_count(problem));
+  evidence.unknown_floor += kNoise * problem.settings.independent_share * static_cast<double>(difference_count(problem));
   double least = std::min(0.0, found.nothing.excess);
   for (const FitResult& result : found.fits) least = std::min(least, result.excess);
   const MisfitCost misfit_cost(evidence, found.nothing.excess - least);
@@ -246,7 +249,7 @@ void validate_lead(Problem& problem, const WhiteningSettings& whitening, const s
   for (int tried = 0;; ++tried) {
     sort_causes(diagnosis.causes);
     Cause& lead = diagnosis.causes.front();
-    if (lead.effects.empty() || lead.validation || diagnosis.probability_unknown > lead.probability) break;
+    if (lead.effects.empty() || lead.validation || kOutsideTheCatalogue * diagnosis.probability_unknown > lead.probability) break;
     const std::optional<Point> part = fitted_part(problem.catalogue, lead);
     if (!part) break;
     if (parts.empty()) {
@@ -305,7 +308,27 @@ void validate_lead(Problem& problem, const WhiteningSettings& whitening, const s
   }
 }
 
-// An effect that was fitted to the end of its range is at best half an answer: a larger one would fit better. Nor is one whose interval
+// The answer on records that had no part in it.
+void judge_unseen(Problem& problem, const WhiteningSettings& whitening, const std::optional<controller::ControllerSettings>& controller,
+                  const Point& parameters_of_all, std::vector<Record> unseen, Diagnosis& diagnosis) {
+  std::optional<Point> answer;
+  if (!diagnosis.is_unknown && !diagnosis.causes.empty()) answer = fitted_part(problem.catalogue, diagnosis.causes.front());
+  for (Record& record : unseen) {
+    HeldOutData data(problem, whitening, std::move(record), diagnosis.remarks);
+    const HeldOut parameters = data.fit(parameters_of_all);
+    const HeldOut cause = answer ? data.fit(*answer) : parameters;
+    UnseenRecord judged{parameters.record, {data.error({}, controller), data.error(parameters, controller), {}, {}, false},
+                        data.missing_torque({}), data.missing_torque(parameters), 0.0};
+    judged.validation.cause = answer ? data.error(cause, controller) : judged.validation.parameters;
+    judged.validation.holds = answer && holds(judged.validation);
+    judged.cause_torque = answer ? data.missing_torque(cause) : judged.parameters_torque;
+    diagnosis.unseen.push_back(std::move(judged));
+    problem.simulations += data.simulations();
+    problem.simulation_time += data.simulation_time();
+  }
+}
+
+// An effect that was fitted to the end of its range is no sure answer: a larger one would fit better. Nor is one whose interval
 // goes beyond its range: the records do not say that it is there; nor one beside which a parameter is farther off than machines of one
 // make differ. What is taken goes to nothing missing where parameters alone leave noise.
 void doubt_what_no_machine_has(const Problem& problem, bool is_nothing_left, Diagnosis& diagnosis) {
@@ -315,7 +338,7 @@ void doubt_what_no_machine_has(const Problem& problem, bool is_nothing_left, Dia
     const auto parameters = cause.point.nuisance.begin();
     const auto count = static_cast<std::ptrdiff_t>(std::min(cause.point.nuisance.size(), problem.nuisances.parameters.size()));
     const bool is_far_off = std::any_of(parameters, parameters + count, [](double amount) { return std::fabs(amount) > kFarOff; });
-    if (is_far_off && !cause.point.effects.empty()) take_away(0.5, is_nothing_left, cause, diagnosis);
+    if (is_far_off && !cause.point.effects.empty()) take_away(kDoubtful, is_nothing_left, cause, diagnosis);
     for (const common::EffectInstance& effect : cause.point.effects) {
       const common::EffectAbout& about = catalogue.at(effect.name);
       // Of its size: shares and shapes may well lie at an end of theirs.
@@ -338,8 +361,27 @@ void doubt_what_no_machine_has(const Problem& problem, bool is_nothing_left, Dia
                                                       value, common::name_of(parameter.unit))
                                         : fmt::format("{}: the 90 % interval goes beyond what it can be; these records do not determine it", name));
       }
-      hand_on(0.5, [&](const std::string& one) { return one == effect.name; }, is_nothing_left, cause, diagnosis);
+      hand_on(kDoubtful, [&](const std::string& one) { return one == effect.name; }, is_nothing_left, cause, diagnosis);
     }
+  }
+}
+
+// No cause explains it: then it may still be a known effect with a law of its own. What its law is not is no noise, so the causes share by their evidence
+// with that much less weight.
+void share_with_other_laws(Diagnosis& diagnosis) {
+  const auto weight = [](const Cause& cause) { return cause.effects.empty() ? 0.0 : std::pow(cause.probability, 1.0 / kOtherLawTemper); };
+  double sum = 0.0;
+  for (const Cause& cause : diagnosis.causes) sum += weight(cause);
+  if (!(sum > 0.0)) return;
+  const double shared = (1.0 - kOutsideTheCatalogue) * diagnosis.probability_unknown;
+  diagnosis.probability_unknown -= shared;
+  for (Cause& cause : diagnosis.causes) {
+    // None comes to lead by that which has not predicted anything.
+    const bool may_lead = cause.validation && cause.validation->holds;
+    const double share = shared * weight(cause) / sum, room = std::max(0.0, diagnosis.probability_unknown - cause.probability);
+    const double taken = may_lead ? share : std::min(share, room);
+    cause.probability += taken;
+    diagnosis.probability_unknown += share - taken;
   }
 }
 
@@ -382,7 +424,7 @@ void remark_parameters(const Problem& problem, const Point& answer, Diagnosis& d
 
 Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<controller::ControllerSettings>& controller,
                    std::vector<Record> records, const DiagnosisSettings& settings, const Progress& progress,
-                   const std::function<bool()>& is_stopped) {
+                   const std::function<bool()>& is_stopped, std::vector<Record> unseen) {
   const auto start_time = std::chrono::steady_clock::now();
   std::mutex telling;
   const auto tell = [&](double share, const std::string& doing) {
@@ -451,6 +493,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
     validate_lead(problem, whitening, controller, found.nothing.point, diagnosis);
     if (is_nothing_left) doubt_the_unknown_below_the_noise(diagnosis);
   }
+  if (!is_nothing_left) share_with_other_laws(diagnosis);
   sort_causes(diagnosis.causes);
   const common::EffectCatalogue known = controller ? joined(problem.catalogue, controller::effects_for(*controller)) : problem.catalogue;
   add_up(known, diagnosis);
@@ -462,6 +505,8 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
     tell(kFollow.from, "looking for what the rest follows");
     diagnosis.discrepancies = discrepancies(problem, *left);
   }
+  if (!unseen.empty()) tell(kFollow.from, "predicting what was not fitted");
+  judge_unseen(problem, whitening, controller, found.nothing.point, std::move(unseen), diagnosis);
   const Point& answer = first.point.nuisance.empty() ? base.point : first.point;
   remark_parameters(problem, answer, diagnosis);
 

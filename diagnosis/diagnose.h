@@ -30,6 +30,13 @@ struct DiagnosisSettings {
   int threads = 1;
 };
 
+// How the answer predicts a record that no fit has seen.
+struct UnseenRecord {
+  std::string record;
+  Validation validation;  // of the first cause; where nothing is missing or no known effect is the answer, of parameters alone
+  double nominal_torque = 0.0, parameters_torque = 0.0, cause_torque = 0.0;  // [Nm per motor] RMS of the missing torque
+};
+
 struct Diagnosis {
   bool gap = false;                     // is there more than parameters and a good model's misses
   bool has_controller = false;          // some record tells what the controller knew, so that its answers were compared
@@ -54,6 +61,7 @@ struct Diagnosis {
   Nuisances nuisances;                   // that the points of the causes are told in
   std::vector<std::string> not_excited;  // effects of which no size that was tried, a typical one among them, changes these records enough to be named
   Followed followed;
+  std::vector<UnseenRecord> unseen;      // of the records that were given to be predicted alone
   std::optional<HeldOut> held_out;       // nothing where it was not asked for, or the cause has no fit of the machine
   std::int64_t simulations = 0;
   double simulation_seconds = 0.0;  // in them, summed over the threads
@@ -61,9 +69,10 @@ struct Diagnosis {
 };
 
 // `progress` is told from any thread, one at a time; `is_stopped` is asked before every simulation, from any thread, and ends it all
-// with Interrupted. Throws NotAdmitted, std::invalid_argument, Interrupted.
+// with Interrupted. `unseen` are records that the answer is tried on and that have no part in it.
+// Throws NotAdmitted, std::invalid_argument, Interrupted.
 Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<controller::ControllerSettings>& controller,
                    std::vector<Record> records, const DiagnosisSettings& settings, const Progress& progress = {},
-                   const std::function<bool()>& is_stopped = {});
+                   const std::function<bool()>& is_stopped = {}, std::vector<Record> unseen = {});
 
 }  // namespace slewlab::diagnosis

@@ -8,6 +8,7 @@
 #include <numeric>
 #include <utility>
 
+#include "diagnosis/admit.h"
 #include "diagnosis/stochastic.h"
 #include "diagnosis/prediction.h"
 
@@ -159,6 +160,18 @@ HeldOutData::HeldOutData(const Problem& problem, const WhiteningSettings& settin
   if (!is_half_) left_out_ = {common + own * static_cast<std::ptrdiff_t>(held), common + own * static_cast<std::ptrdiff_t>(held + 1)};
 }
 
+HeldOutData::HeldOutData(const Problem& problem, const WhiteningSettings& settings, Record unseen, std::vector<std::string>& remarks)
+    : fitted_(same_machine(problem)), predicted_(same_machine(problem)) {
+  fitted_->records.look_at({problem.records.data(), problem.records.size()});
+  fitted_->whitening = problem.whitening;
+  predicted_->nuisances.in_motion.clear();
+  std::vector<Record> records;
+  records.push_back(std::move(unseen));
+  admit(std::move(records), settings, *predicted_, remarks);
+  from_time_ = predicted_->records.front().start_time;
+  free_of_impacts_ = judged_share(predicted_->whitening.front());
+}
+
 std::vector<common::EffectInstance> stochastic_part(const common::EffectCatalogue& catalogue, const Point& point) {
   std::vector<common::EffectInstance> part;
   std::copy_if(point.effects.begin(), point.effects.end(), std::back_inserter(part),
@@ -261,6 +274,18 @@ ValidationError HeldOutData::error(const HeldOut& fitted, const std::optional<co
   }
   error.cost = share * predictive_cost(undivided(added, difference), added.power, deviation) + predicted.prior_cost + more * more + std::log(curvature);
   return error;
+}
+
+double HeldOutData::missing_torque(const HeldOut& fitted) const {
+  const Shadow follower = shadow_at(*predicted_, without_stochastic(predicted_->catalogue, at_held_out(fitted.point)), 0);
+  const std::vector<double>& window = predicted_->whitening.front().window;
+  const int groups = predicted_->records.front().group_count;
+  double square = 0.0, weight = 0.0;
+  for (std::size_t n = 0; n < window.size(); ++n) {
+    for (int g = 0; g < groups; ++g) square += std::pow(window[n] * follower.missing_torque[static_cast<std::size_t>(g)][n], 2) / groups;
+    weight += window[n] * window[n];
+  }
+  return std::sqrt(square / weight);
 }
 
 double HeldOutData::unknown_cost(const Point& point) {

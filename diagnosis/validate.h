@@ -80,11 +80,16 @@ enum class HeldOutPart { first, last };  // record, or half of a single one
 class HeldOutData {
  public:
   HeldOutData(const Problem& problem, const WhiteningSettings& settings, HeldOutPart part);
+  // The records of `problem`, and one that is none of them. Throws NotAdmitted as admit() does.
+  HeldOutData(const Problem& problem, const WhiteningSettings& settings, Record unseen, std::vector<std::string>& remarks);
 
   // The hypothesis of `answer` fitted to what is not held out, from where `answer` stands; without
   // amounts, from the nominal machine.
   HeldOut fit(const Point& answer);
   ValidationError error(const HeldOut& fitted, const std::optional<controller::ControllerSettings>& controller);
+  // [Nm per motor] root of the mean square of the observer's missing torque where the part held out is judged, over the groups, of `fitted` without
+  // its stochastic effects.
+  double missing_torque(const HeldOut& fitted) const;
   // The cost of `point`, which has no stochastic effect, and beside it a power that nobody knows, as large as what it leaves of the fitted
   // part: in each channel on its own, or along the axes of one of its effects, as what that effect's law leaves would act. The least of them.
   double unknown_cost(const Point& point);

@@ -330,6 +330,33 @@ TEST(HeldOutData, TellsWhatPredictsFromWhatDoesNot) {
   EXPECT_FALSE(is_better(worse_loop, parameters)) << "a closed loop that gets worse";
 }
 
+// A record that is given to be predicted alone is judged as one of the fitted ones is when it is held out: the same numbers, by either way.
+TEST(HeldOutData, ARecordWithoutPartIsJudgedAsOneHeldOut) {
+  sim::MachineSettings truth;
+  truth.crane = spread_crane(34);
+  truth.effects = {{"bearing_coulomb", {1e5, 0.0, 3e-5}}};
+  const Record first = make_record(simulated_log(truth, bench().controller, kThereAndBack, kDuration, 34), "a", bench().admission);
+  const Record second = make_record(simulated_log(truth, bench().controller, kInching, kDuration, 35), "b", bench().admission);
+  BenchProblem both, alone;
+  both.add(first);
+  both.add(second);
+  alone.add(first);
+  std::vector<std::string> remarks;
+  HeldOutData held(both, both.thresholds.whitening, HeldOutPart::last), unseen(alone, alone.thresholds.whitening, second, remarks);
+  const std::optional<controller::ControllerSettings> controller = bench().controller;
+  Point friction;
+  friction.effects = truth.effects;
+  const HeldOut none_held = held.fit({}), none_unseen = unseen.fit({}), right_unseen = unseen.fit(friction);
+  EXPECT_EQ(none_unseen.record, "b");
+  for (const auto& [one, other] : {std::pair(held.error(none_held, controller), unseen.error(none_unseen, controller)),
+                                   std::pair(held.error(held.fit(friction), controller), unseen.error(right_unseen, controller))}) {
+    EXPECT_NEAR(other.residual_ratio, one.residual_ratio, 1e-9 * one.residual_ratio);
+    ASSERT_TRUE(one.closed_loop && other.closed_loop);
+    EXPECT_NEAR(*other.closed_loop, *one.closed_loop, 1e-9 * *one.closed_loop);
+  }
+  EXPECT_LT(unseen.missing_torque(right_unseen), 0.2 * unseen.missing_torque(none_unseen)) << "the friction is what is missing";
+}
+
 // Messages late at random, and a bearing that sticks: the stochastic effect predicts the power of the record that it did not see where it is the truth,
 // and better than a power that nobody knows; where friction is the truth it does not, though it explains what it fits.
 TEST(HeldOutData, TellsAPowerThatPredictsFromOneThatOnlyExplains) {
@@ -608,7 +635,9 @@ TEST(Diagnose, StatesNoOtherCauseOfLongBurstsOfLoss) {
 
 TEST(Diagnose, SaysNotInTheCatalogueWhereTheCauseIsLeftOut) {
   DiagnosisSettings settings;
-  settings.without = {"bearing_coulomb", "bearing_stribeck", "bearing_viscous", "dragging_brake", "gear_friction"};
+  // All frictions of drive and bearing: each of them is a relative of the one that acts.
+  settings.without = {"bearing_coulomb", "bearing_rising", "bearing_stribeck", "bearing_uneven", "bearing_viscous",
+                      "bearing_warming", "dragging_brake", "gear_friction"};
   settings.search.joint_pairs = 1;
   const Diagnosis found = diagnose_machine({{"bearing_coulomb", {1.5e5, 0.0, 0.0}}}, bench().controller, 13, settings);
   EXPECT_TRUE(found.gap);

@@ -75,6 +75,16 @@ ToldApartBy told_apart_by(const sim::MachineSettings& nominal, const std::option
   return best;
 }
 
+nlohmann::json to_json(const diagnosis::Validation& validation) {
+  const auto error = [](const diagnosis::ValidationError& one) {
+    nlohmann::json errors{{"residual_variance_ratio", one.residual_ratio}};
+    if (one.closed_loop) errors["relative_closed_loop_error"] = *one.closed_loop;
+    return errors;
+  };
+  return {{"nominal", error(validation.nominal)}, {"parameters", error(validation.parameters)}, {"cause", error(validation.cause)},
+          {"holds", validation.holds}};
+}
+
 nlohmann::json to_json(const Cause& cause, const std::vector<sim::Parameter>& parameters) {
   nlohmann::json json{{"effects", cause.effects},
                       {"probability", cause.probability},
@@ -92,15 +102,7 @@ nlohmann::json to_json(const Cause& cause, const std::vector<sim::Parameter>& pa
     json["sizes"].push_back({{"parameter", size.parameter}, {"value", size.value}, {"unit", size.unit},
                              {"low_90", size.low}, {"high_90", size.high}});
   }
-  if (cause.validation) {
-    const auto error = [](const diagnosis::ValidationError& one) {
-      nlohmann::json errors{{"residual_variance_ratio", one.residual_ratio}};
-      if (one.closed_loop) errors["relative_closed_loop_error"] = *one.closed_loop;
-      return errors;
-    };
-    json["validation"] = {{"nominal", error(cause.validation->nominal)}, {"parameters", error(cause.validation->parameters)},
-                          {"cause", error(cause.validation->cause)}, {"holds", cause.validation->holds}};
-  }
+  if (cause.validation) json["validation"] = to_json(*cause.validation);
   for (std::size_t k = 0; k < std::min(parameters.size(), cause.point.nuisance.size()); ++k) {
     json["parameters"][std::string(parameters[k].name)] = 1.0 + parameters[k].spread * cause.point.nuisance[k];
   }
@@ -192,6 +194,10 @@ nlohmann::json to_json(const Diagnosis& diagnosis, bool is_damaged) {
                                          {"largest_difference_nm", replay.largest_difference}, {"at_s", replay.largest_time}});
   }
   for (const Cause& cause : diagnosis.causes) json["causes"].push_back(to_json(cause, diagnosis.nuisances.parameters));
+  for (const diagnosis::UnseenRecord& one : diagnosis.unseen) {
+    json["unseen"].push_back({{"log", one.record}, {"validation", to_json(one.validation)},
+                              {"missing_torque_rms_nm", {{"nominal", one.nominal_torque}, {"parameters", one.parameters_torque}, {"cause", one.cause_torque}}}});
+  }
   return json;
 }
 
@@ -260,6 +266,26 @@ std::string place_of_gaps(const Diagnosis& diagnosis, const Cause& first, const 
 std::string in_per_cent(std::span<const std::pair<std::string, double>> probabilities) {
   std::string text;
   for (const auto& [name, probability] : probabilities) text += fmt::format("{}{} {:.0f} %", text.empty() ? "" : ", ", name, 100 * probability);
+  return text;
+}
+
+// Of a record that had no part in the answer.
+std::string unseen_text(const diagnosis::UnseenRecord& one, const Diagnosis& diagnosis) {
+  const diagnosis::Validation& validation = one.validation;
+  const bool has_cause = !diagnosis.is_unknown && !diagnosis.causes.empty() && !diagnosis.causes.front().effects.empty();
+  const auto line = [&](const char* what, double nominal, double parameters, double cause, const char* unit) {
+    std::string text = fmt::format("  {:24} nominal {:.4g}, best parameters {:.4g}", what, nominal, parameters);
+    if (has_cause) text += fmt::format(", with {} {:.4g}", name_of(diagnosis.causes.front()), cause);
+    return text + unit + "\n";
+  };
+  std::string text = fmt::format("\nValidation on {} (had no part in the answer)\n", one.record);
+  text += line("residual variance ratio", validation.nominal.residual_ratio, validation.parameters.residual_ratio, validation.cause.residual_ratio, "");
+  text += line("missing torque, RMS", one.nominal_torque, one.parameters_torque, one.cause_torque, " Nm per motor");
+  if (validation.nominal.closed_loop && validation.parameters.closed_loop && validation.cause.closed_loop) {
+    text += line("relative error, closed loop", *validation.nominal.closed_loop, *validation.parameters.closed_loop, *validation.cause.closed_loop, "");
+  }
+  if (has_cause) text += validation.holds ? "  the cause predicts it better than the nominal machine and than parameters alone\n"
+                                          : "  the cause does not predict it better than the nominal machine and parameters alone: do not rely on it\n";
   return text;
 }
 
@@ -332,6 +358,7 @@ std::string summary_text(const Diagnosis& diagnosis, bool is_damaged, const Told
     const diagnosis::SignalGap &before = predicted->before.gaps[i], &after = predicted->after.gaps[i];
     out << fmt::format("  {:24} {:10.4g} -> {:10.4g} {}\n", before.signal, before.gap, after.gap, before.unit);
   }
+  for (const diagnosis::UnseenRecord& one : diagnosis.unseen) out << unseen_text(one, diagnosis);
   for (const std::string& remark : diagnosis.remarks) out << "  note: " << remark << "\n";
   if (!diagnosis.not_excited.empty()) {
     out << fmt::format("\nNot identifiable from these records, because no size that was tried changes them enough: {}\n", fmt::join(diagnosis.not_excited, ", "));
@@ -380,11 +407,13 @@ common::InputProblems problems_of(const DiagnoseOptions& options, sim::MachineKi
   kind == sim::MachineKind::axis ? check_options_of_an_axis(options, problems) : check_options_of_a_crane(options, problems);
   // What one log says twice would count as two logs that agree.
   std::set<std::filesystem::path> seen;
-  for (const std::filesystem::path& log : options.logs) {
-    if (!seen.insert(std::filesystem::weakly_canonical(log)).second) {
-      problems.push_back({{"--log", 0, 0}, "", log.string(), "each log once"});
+  const auto check_once = [&](const char* option, const std::vector<std::filesystem::path>& logs) {
+    for (const std::filesystem::path& log : logs) {
+      if (!seen.insert(std::filesystem::weakly_canonical(log)).second) problems.push_back({{option, 0, 0}, "", log.string(), "each log once"});
     }
-  }
+  };
+  check_once("--log", options.logs);
+  check_once("--unseen", options.unseen);
   if (std::filesystem::exists(options.out) && !std::filesystem::is_directory(options.out)) {
     problems.push_back({{"--out", 0, 0}, "", options.out.string(), "a folder, there already or to be made"});
   }
@@ -559,13 +588,15 @@ int diagnose_crane_logs(const sim::MachineFile& crane, const DiagnoseOptions& op
   const diagnosis::Thresholds thresholds = diagnosis::thresholds_of(sim::describe(crane));
   MeasuredRuns measured = measured_runs(options.logs);
   std::vector<Record> admitted = admitted_records(measured, thresholds.admission);
+  MeasuredRuns measured_unseen = measured_runs(options.unseen);
+  std::vector<Record> unseen = admitted_records(measured_unseen, thresholds.admission);
 
   diagnosis::DiagnosisSettings settings;
   settings.without = options.without;
   settings.threads = options.threads.value_or(kThreads);
   settings.hold_out = true;
   ProgressDisplay progress(options.terminal, complaints);
-  Diagnosis found = diagnosis::diagnose(nominal, controller, std::move(admitted), settings, std::ref(progress), common::stop_requested);
+  Diagnosis found = diagnosis::diagnose(nominal, controller, std::move(admitted), settings, std::ref(progress), common::stop_requested, std::move(unseen));
   progress.keep();
   if (measured.is_damaged) found.verdict += kOfADamagedLog;
   if (common::stop_requested()) throw diagnosis::Interrupted{};  // what follows takes seconds, and then it is written

@@ -13,6 +13,7 @@ namespace slewlab::tools {
 struct DiagnoseOptions {
   std::filesystem::path crane, controller;
   std::vector<std::filesystem::path> logs;
+  std::vector<std::filesystem::path> unseen;  // that the answer is tried on and that have no part in it
   std::filesystem::path out;
   std::vector<std::string> without;  // effects that the catalogue is to do without; of an axis: laws of its torque balance
   std::optional<int> threads;        // of a crane, two without it

@@ -166,6 +166,7 @@ void add_diagnose(CLI::App& app, Action& action) {
   command->add_option("--controller", options->controller,
                       "nominal controller; without it the machine's side alone is judged");
   command->add_option("--log", options->logs, "measured logs, or folders of runs; more than one manoeuvre tells more")->required();
+  command->add_option("--unseen", options->unseen, "logs that the answer is tried on and that have no part in it");
   command->add_option("--out", options->out, "folder for the findings")->required();
   command->add_option("--without", options->without, "effects that the catalogue is to do without; of an axis: laws of its torque balance");
   command->add_option("--threads", options->threads, "simulations side by side (2); not of an axis")->check(whole_number(1));
