@@ -1,5 +1,7 @@
 """Campaigns: every run of a study judged, journalled and put into one table."""
 
+from __future__ import annotations
+
 import fcntl
 import hashlib
 import json
@@ -12,17 +14,17 @@ import time
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from pathlib import Path
-from typing import Any
-
-import pandas as pd
+from typing import TYPE_CHECKING, Any
 
 from . import _core, drawn_tasks
 from .engine import WorkerDied, run_in_processes, run_on_cluster
-from .files import values
 from .scenario import ProgramFailed, Scenario
 from .study import Case, Study, load_study
 from .sweep import UNITS, ProgressBar, measures
 from .tables import Channels, open_log
+
+if TYPE_CHECKING:  # imported where a table is made: a campaign's workers make none, and it takes longer than all else
+    import pandas as pd
 
 MEASURED = ("TORQUE", "SENSORS", "TRUTH")  # what `measures` looks at
 JOURNAL, TABLE = "journal.jsonl", "campaign.parquet"
@@ -118,8 +120,8 @@ def died(case: Case, why: WorkerDied) -> dict[str, Any]:
 
 def content_digest(path: str) -> str:
     """Of what a file says, with what it includes: no comments, no sources."""
-    table = values(path)
-    return hashlib.sha256(table[["value", "unit"]].to_csv().encode()).hexdigest()[:16]
+    lines = [f"{key},{value},{unit}\n" for key, value, unit, *_ in _core.file_values(Path(path), [])]
+    return hashlib.sha256("".join(lines).encode()).hexdigest()[:16]
 
 
 def identity(study: Study, controller: str | None) -> dict[str, Any]:

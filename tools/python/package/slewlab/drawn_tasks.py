@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from . import _core
-from .study import Case, Soak, Study, Withheld
+from .study import Case, Soak, Study
 
 LOGS = ("a", "b", "unseen")  # of a withheld case
 SET = "cases"                # folder of a campaign in which its withheld cases lie
