@@ -305,13 +305,19 @@ void seal(const MakeSettings& settings) {
 
 }  // namespace
 
-bool make_cases(const MakeSettings& settings, const MakeProgress& progress, const std::function<bool()>& is_stopped) {
+namespace {
+
+// Throws where the set cannot be made, or the folder holds another one.
+Nominal checked_nominal(const MakeSettings& settings) {
   check_seed(settings.seed, settings.purpose);
   if (whole_steps(settings.record_period) < 1 || whole_steps(settings.controller_period) < 1) {
     throw std::invalid_argument("a set's record and controller take a whole number of milliseconds per sample");
   }
   if (settings.cases < 1) throw std::invalid_argument("a set needs at least one case");
-  const Nominal nominal = load_nominal(settings);
+  return load_nominal(settings);
+}
+
+void begin(const MakeSettings& settings, const Nominal& nominal) {
   fs::create_directories(settings.directory / "sealed");
   const std::string about = about_text(settings, nominal).dump(1) + "\n";
   const fs::path about_file = settings.directory / "about.json";
@@ -322,25 +328,42 @@ bool make_cases(const MakeSettings& settings, const MakeProgress& progress, cons
   write_whole(settings.directory / "crane.yaml", read_whole(settings.crane));
   write_whole(settings.directory / "controller.yaml", read_whole(settings.controller));
   write_whole(about_file, about);
+}
 
+// Whether the case was not there yet.
+bool make(const MakeSettings& settings, const Nominal& nominal, const DrawnCase& drawn) {
+  if (is_complete(settings, drawn.number)) return false;
+  const std::string name = case_name(drawn.number);
+  try {
+    write_whole(settings.directory / "sealed" / (name + ".json"), make_case(settings, nominal, drawn).dump(1) + "\n");
+  } catch (const std::exception& error) {
+    throw std::runtime_error(name + ": " + error.what());
+  }
+  return true;
+}
+
+}  // namespace
+
+void begin_set(const MakeSettings& settings) { begin(settings, checked_nominal(settings)); }
+
+void make_one(const MakeSettings& settings, int number) {
+  const Nominal nominal = checked_nominal(settings);
+  make(settings, nominal, draw_cases(settings.cases, settings.seed, nominal.machine, settings.begin).at(static_cast<std::size_t>(number - 1)));
+}
+
+void seal_set(const MakeSettings& settings) { seal(settings); }
+
+bool make_cases(const MakeSettings& settings, const MakeProgress& progress, const std::function<bool()>& is_stopped) {
+  const Nominal nominal = checked_nominal(settings);
+  begin(settings, nominal);
   const std::vector<DrawnCase> cases = draw_cases(settings.cases, settings.seed, nominal.machine, settings.begin);
   std::mutex telling;
   int done = 0;
-  const auto tell = [&](const std::string& line) {
+  const auto work = [&](std::size_t n) {
+    const bool is_new = make(settings, nominal, cases[n]);
     const std::lock_guard lock(telling);
     ++done;
-    if (progress) progress(done, settings.cases, line);
-  };
-  const auto work = [&](std::size_t n) {
-    const std::string name = case_name(cases[n].number);
-    if (is_complete(settings, cases[n].number)) return tell(name + ": there already");
-    try {
-      const json answer = make_case(settings, nominal, cases[n]);
-      write_whole(settings.directory / "sealed" / (name + ".json"), answer.dump(1) + "\n");
-    } catch (const std::exception& error) {
-      throw std::runtime_error(name + ": " + error.what());
-    }
-    tell(name + ": written");
+    if (progress) progress(done, settings.cases, case_name(cases[n].number) + (is_new ? ": written" : ": there already"));
   };
   if (!side_by_side(cases.size(), settings.threads, is_stopped, work)) return false;
   seal(settings);

@@ -72,6 +72,12 @@ using MakeProgress = std::function<void(int done, int all, const std::string& li
 bool make_cases(const MakeSettings& settings, const MakeProgress& progress = {},
                 const std::function<bool()>& is_stopped = {});
 
+// The same in parts, by any number of processes: the set's begin once, its cases from 1 on in any order (one that is complete stays),
+// the seal when all are there. Throw as make_cases().
+void begin_set(const MakeSettings& settings);
+void make_one(const MakeSettings& settings, int number);
+void seal_set(const MakeSettings& settings);
+
 // The set's settings, and its crane and controller, as its about.json has them. Throws std::runtime_error, nlohmann's exceptions.
 MakeSettings settings_of(const std::filesystem::path& directory);
 

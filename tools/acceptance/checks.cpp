@@ -154,6 +154,12 @@ CheckResult not_applicable(const char* name, const char* why) {
   return result;
 }
 
+// As a sentence has it: m/s² of m/s^2.
+std::string printed(std::string unit) {
+  for (std::size_t at = unit.find("^2"); at != std::string::npos; at = unit.find("^2")) unit.replace(at, 2, "²");
+  return unit;
+}
+
 // `scale` from SI to the unit that people read.
 CheckResult at_most(const char* name, Sample measured, double limit, double scale, const char* unit,
                     const std::string& what) {
@@ -165,8 +171,8 @@ CheckResult at_most(const char* name, Sample measured, double limit, double scal
   result.limit = limit * scale;
   result.unit = unit;
   result.time = measured.time;
-  result.reason = fmt::format("{}: {:.3g} {}, {} {:.3g} {}, at {:.2f} s", what, result.measured, unit,
-                              result.verdict == Verdict::pass ? "allowed" : "more than the allowed", result.limit, unit,
+  result.reason = fmt::format("{}: {:.3g} {}, {} {:.3g} {}, at {:.2f} s", what, result.measured, printed(unit),
+                              result.verdict == Verdict::pass ? "allowed" : "more than the allowed", result.limit, printed(unit),
                               measured.time);
   return result;
 }

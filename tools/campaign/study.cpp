@@ -4,8 +4,11 @@
 #include <array>
 #include <utility>
 
+#include "controller/controller_file.h"
 #include "sim/drive/scenario_file.h"
+#include "sim/machine/machine_file.h"
 #include "tools/acceptance/limits.h"
+#include "tools/soak/settings.h"
 
 namespace slewlab::tools {
 namespace {
@@ -18,6 +21,7 @@ using common::YamlReader;
 
 constexpr int kMostRuns = 1'000'000;
 constexpr int kLargestSeed = 1'000'000'000;
+constexpr double kLowestRate = 1.0, kHighestRate = 1000.0;  // [Hz] less records nothing of a slew; the base step of withheld cases is 1 ms
 constexpr std::array<std::pair<Spread, const char*>, 4> kSpreads{
     {{Spread::values, "values"}, {Spread::range, "range"}, {Spread::log_range, "log_range"}, {Spread::normal, "normal"}}};
 constexpr const char* kForm = "{value: [...], unit: ..., source: ...}";
@@ -132,8 +136,42 @@ std::string value_text(const VariedKey& varied, const std::string& value) {
   return varied.unit == "-" ? value : value + ' ' + varied.unit;
 }
 
+namespace {
+
+SoakOfStudy read_soak(YamlReader reader) {
+  SoakOfStudy soak;
+  soak.settings = reader.file("settings");
+  soak.crane = reader.file("crane");
+  soak.controller = reader.file("controller");
+  soak.faults = reader.flag("faults");
+  reader.finish();
+  return soak;
+}
+
+WithheldOfStudy read_withheld(YamlReader reader) {
+  WithheldOfStudy withheld;
+  withheld.crane = reader.file("crane");
+  withheld.controller = reader.file("controller");
+  if (reader.has("rate")) withheld.rate = reader.number("rate", common::Unit::hertz, common::between(kLowestRate, kHighestRate));
+  if (reader.has("sensors")) withheld.sensors = std::array{"all", "tip", "none"}[reader.choice("sensors", {"all", "tip", "none"})];
+  if (reader.has("begin")) withheld.begin = std::array{"rest", "on", "motion", "any"}[reader.choice("begin", {"rest", "on", "motion", "any"})];
+  reader.finish();
+  return withheld;
+}
+
+}  // namespace
+
 void read_study(YamlReader& reader, Study& study) {
   reader.heading("campaign");
+  if (reader.has("soak")) study.soak = read_soak(reader.map("soak"));
+  if (reader.has("withheld")) study.withheld = read_withheld(reader.map("withheld"));
+  if (study.soak && study.withheld) reader.report("withheld", "cases beside the tasks of a soak", "one of scenarios, soak and withheld");
+  if (study.soak || study.withheld) {
+    study.draw = Draw::random;
+    study.runs = reader.integer("runs", 1, kMostRuns);
+    study.seed = reader.integer("seed", 0, kLargestSeed);
+    return;
+  }
   reader.each("scenarios", [&](YamlReader& each) {
     study.scenarios.push_back(each.file("file"));
     each.finish();
@@ -158,12 +196,23 @@ Study read_study_file(const std::filesystem::path& file, const std::vector<Overr
   reader.finish();
   if (!problems.empty()) return study;
   check_scenarios(study, root, problems);
-  if (!study.limits.empty()) {
+  const auto check = [&](const std::filesystem::path& named, const auto& load) {
+    if (named.empty()) return;
     try {
-      load_acceptance_limits(study.limits);
+      load(named);
     } catch (const InputError& error) {
       problems.insert(problems.end(), error.problems().begin(), error.problems().end());
     }
+  };
+  check(study.limits, [](const auto& path) { load_acceptance_limits(path); });
+  if (study.soak) {
+    check(study.soak->settings, [](const auto& path) { load_soak_settings(path); });
+    check(study.soak->crane, [](const auto& path) { sim::load_machine_file(path); });
+    check(study.soak->controller, [](const auto& path) { controller::load_controller_file(path); });
+  }
+  if (study.withheld) {
+    check(study.withheld->crane, [](const auto& path) { sim::load_machine_file(path); });
+    check(study.withheld->controller, [](const auto& path) { controller::load_controller_file(path); });
   }
   return study;
 }

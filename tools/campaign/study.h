@@ -16,9 +16,18 @@
 //       whole: {value: true, source: "..."}                # rounded to whole numbers
 //
 // A key that a scenario, its machine or its controller does not have is a problem at its line here.
+//
+// In place of scenarios, limits, draw and vary: `runs` tasks of a soak (docs/soak.md), numbered from 0 on, or `runs` withheld
+// cases (docs/withheld.md), numbered from 1 on, drawn from `seed`:
+//
+//   soak: {settings: ../soak/thesis.yaml, crane: ../cranes/thesis.yaml, controller: ../controllers/thesis.yaml,
+//          faults: {value: true, source: "..."}}
+//   withheld: {crane: ../cranes/thesis.yaml, controller: ../controllers/thesis.yaml, rate: {value: 100, unit: Hz, source: "..."},
+//              sensors: {value: none, source: "..."}, begin: {value: any, source: "..."}}      # of these three each may be absent
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -42,6 +51,18 @@ struct VariedKey {
   bool whole = false;
 };
 
+struct SoakOfStudy {
+  std::filesystem::path settings, crane, controller;
+  bool faults = false;
+};
+
+struct WithheldOfStudy {
+  std::filesystem::path crane, controller;
+  double rate = 1000.0;       // [Hz] of the record
+  std::string sensors = "all";  // all, tip or none
+  std::string begin = "rest";   // rest, on, motion or any
+};
+
 struct Study {
   std::vector<std::filesystem::path> scenarios;
   std::filesystem::path limits;  // empty: none
@@ -49,6 +70,8 @@ struct Study {
   int runs = 0;  // of each scenario; 0 of a grid
   int seed = 0;
   std::vector<VariedKey> vary;
+  std::optional<SoakOfStudy> soak;
+  std::optional<WithheldOfStudy> withheld;
 };
 
 // A value as `--set` takes it: "30 t".

@@ -3,6 +3,8 @@
 
 #include <CLI/CLI.hpp>
 
+#include <filesystem>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -13,10 +15,22 @@ struct CommandPage {
   std::string text;  // roff
 };
 
+// What a command takes whose command line another program reads (tools/python), by the command's name.
+struct ForeignOption {
+  std::string name;  // "--out", "-h,--help", RUN
+  std::string description;
+  bool is_positional = false;
+};
+using ForeignOptions = std::map<std::string, std::vector<ForeignOption>>;
+
+// As tools/python/describe_commands.py writes them; none where there is no such file, as of a build without Python.
+// Throws std::runtime_error where it is none of its.
+ForeignOptions read_foreign_options(const std::filesystem::path& file);
+
 // slewlab(1), and one page for every command. `version`: "0.2.0".
-std::vector<CommandPage> manual_pages(const CLI::App& app, const std::string& version);
+std::vector<CommandPage> manual_pages(const CLI::App& app, const std::string& version, const ForeignOptions& foreign = {});
 
 // For bash, and for zsh by bashcompinit: commands, their options, and files.
-std::string completion_script(const CLI::App& app);
+std::string completion_script(const CLI::App& app, const ForeignOptions& foreign = {});
 
 }  // namespace slewlab::tools

@@ -341,6 +341,9 @@ void add_verify(CLI::App& app, Action& action) {
   });
 }
 
+// Of the commands that Python reads; the build writes them.
+ForeignOptions foreign_options() { return read_foreign_options(python_messages() / "commands.json"); }
+
 void add_completion(CLI::App& app, Action& action) {
   auto out = std::make_shared<std::filesystem::path>();
   CLI::App* command = app.add_subcommand("completion", "Completion for bash (and zsh): source <(slewlab completion)");
@@ -348,9 +351,9 @@ void add_completion(CLI::App& app, Action& action) {
   command->callback([out, &app, &action] {
     action = [out, &app] {
       if (out->empty()) {
-        std::cout << completion_script(app);
+        std::cout << completion_script(app, foreign_options());
       } else {
-        write_whole_file(*out, completion_script(app));
+        write_whole_file(*out, completion_script(app, foreign_options()));
       }
       return 0;
     };
@@ -365,7 +368,7 @@ void add_manual(CLI::App& app, Action& action) {
   command->callback([out, &app, &action] {
     action = [out, &app] {
       std::filesystem::create_directories(*out);
-      for (const CommandPage& page : manual_pages(app, version())) write_whole_file(*out / page.name, page.text);
+      for (const CommandPage& page : manual_pages(app, version(), foreign_options())) write_whole_file(*out / page.name, page.text);
       return 0;
     };
   });

@@ -29,8 +29,8 @@ int call_python(const std::string& script, const std::vector<std::string>& argum
 
 int run_python(const std::string& script, const std::vector<std::string>& arguments) {
   const std::string python = python_interpreter().string();
-  const std::string program = (home() / "tools" / "python" / script).string();
-  std::vector<char*> words{const_cast<char*>(python.c_str()), const_cast<char*>(program.c_str())};
+  const std::string launcher = (home() / "tools" / "python" / "launch.py").string();  // which ends by one line at Ctrl-C
+  std::vector<char*> words{const_cast<char*>(python.c_str()), const_cast<char*>(launcher.c_str()), const_cast<char*>(script.c_str())};
   for (const std::string& argument : arguments) words.push_back(const_cast<char*>(argument.c_str()));
   words.push_back(nullptr);
   ::setenv("SLEWLAB_PYTHON_MESSAGES", python_messages().c_str(), 1);

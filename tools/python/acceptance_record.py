@@ -8,7 +8,7 @@ import json
 import sys
 from pathlib import Path
 
-from themed_page import escaped, page, table
+from themed_page import escaped, page, printed, table
 from whole_file import growing
 
 STYLE = """
@@ -55,8 +55,8 @@ def requirement_rows(record):
 def test_section(each):
     rows = []
     for check in each["checks"]:
-        measured = f"{number(check['measured'])} {escaped(check['unit'])}" if check["measured"] is not None else ""
-        limit = f"{number(check['limit'])} {escaped(check['unit'])}" if check["limit"] is not None else ""
+        measured = f"{number(check['measured'])} {escaped(printed(check['unit']))}" if check["measured"] is not None else ""
+        limit = f"{number(check['limit'])} {escaped(printed(check['unit']))}" if check["limit"] is not None else ""
         rows.append(f'<tr id="{anchor(each["name"], check["name"])}"><td>{escaped(check["name"])}</td><td>{shown(check["verdict"], VERDICTS)}</td>'
                     f"<td class=number>{measured}</td><td class=number>{limit}</td>"
                     f"<td class=number>{number(check['time'])}</td><td class=words>{escaped(check['reason'])}</td></tr>")

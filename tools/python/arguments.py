@@ -1,15 +1,14 @@
 """The command line of a Python program of slewlab: an option or a choice that is not known is answered with the one that is near."""
 
 import argparse
-import difflib
 import sys
 
 
 def known_names(name, known):
-    """What would be right in place of a name that is not known."""
-    near = difflib.get_close_matches(name, known, n=1, cutoff=0.7)
-    others = f"one of {', '.join(known)}"
-    return f"'{near[0]}' (or {others})" if near else others
+    """What would be right in place of a name that is not known, as the C++ side says it."""
+    from core_module import core  # when it is needed: a command line that is right does not wait for it
+
+    return core.known_names_text(name, list(known))
 
 
 def port(text):

@@ -115,6 +115,9 @@ def main(arguments):
             frame = slewlab.read_table(out / campaigns.TABLE)
         else:
             study = load_study(options.study, dict(options.changes))
+            if options.controller and (study.soak or study.withheld):
+                print("--controller: found it beside a soak or withheld cases, expected it beside scenarios: those have their study's own", file=sys.stderr)
+                return 2
             with cluster(options) as client:
                 frame = slewlab.campaign(study, out, controller=options.controller, workers=options.workers, client=client)
         write_page(frame, out / "campaign.html")

@@ -5,7 +5,7 @@ from pathlib import Path
 
 import numpy as np
 
-from themed_page import escaped, page, table
+from themed_page import escaped, page, printed, table
 from whole_file import growing
 
 WIDTH, HEIGHT = 320, 200  # of a picture, in its own units
@@ -29,7 +29,7 @@ def three(value):
 
 
 def with_unit(text, unit):
-    return text if unit in ("", "-", None) else f"{text} {unit}"
+    return text if unit in ("", "-", None) else f"{text} {printed(unit)}"
 
 
 def separation(values, broken):
@@ -175,7 +175,7 @@ def draw(frame):
             rows.append([escaped(name.replace("_", " ")), f'<td class="number {"bad" if broken.any() else "good"}">{int(broken.sum())}</td>',
                          f'<td class=number>{three(values.min()) if len(values) else ""}</td>',
                          f'<td class=number>{three(values.max()) if len(values) else ""}</td>',
-                         f'<td class=number>{"" if limit is None else three(limit)}</td>', escaped(unit)])
+                         f'<td class=number>{"" if limit is None else three(limit)}</td>', escaped(printed(unit))])
         body.append("<h2>Checks</h2>" + table(["check", "broken by runs", "lowest", "highest", "limit", "unit"], rows))
         body.append('<p class=small><span class=key style="background:var(--accent)"></span>passed'
                     '<span class=key style="background:var(--bad)"></span>broken; the dashed line is the limit.</p>')

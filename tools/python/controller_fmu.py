@@ -5,6 +5,7 @@ step is done, and the outputs behind it are the answer. What the wire asks of a 
 """
 
 import ctypes
+import gc
 import math
 import os
 import shutil
@@ -14,6 +15,7 @@ import sys
 from dataclasses import dataclass
 
 from arguments import ArgumentParser
+from message_layout import MessageLayout
 from run_log import messages_folder
 from wire_bus import WireBus
 
@@ -22,6 +24,7 @@ sys.path.insert(0, str(messages_folder()))
 MILLISECOND = 1e-3  # [s]
 HALF = 0.5
 LONGEST_GAP = 1000  # periods that are made up for
+WARNING = 1  # fmi2Warning, fmi3Warning: statuses above it are failures
 REALS, BOOLEANS = ("Real", "Float64", "Float32"), ("Boolean",)
 WHOLES = ("Integer", "Enumeration", "Int8", "UInt8", "Int16", "UInt16", "Int32", "UInt32", "Int64", "UInt64")
 
@@ -151,31 +154,34 @@ class Values:
         boolean = ctypes.c_int if is_2 else ctypes.c_bool
         number = ctypes.c_int64 if kind == "Enumeration" and not is_2 else self.TYPES.get(kind, boolean)
         self.meanings = list(variables)
-        self.references = (ctypes.c_uint * len(variables))(*[variable.valueReference for variable in variables.values()])
+        references = (ctypes.c_uint * len(variables))(*[variable.valueReference for variable in variables.values()])
         self.values = (number * len(variables))()
         name = {"Enumeration": "Integer"}.get(kind, kind) if is_2 else {"Enumeration": "Int64"}.get(kind, kind)
-        self.call = getattr(fmu, f"fmi{2 if is_2 else 3}{verb}{name}")
-        self.counts = (len(variables),) if is_2 else (len(variables), len(variables))
-        self.component = fmu.component
-        self.is_2 = is_2
+        self.name = f"fmi{2 if is_2 else 3}{verb}{name}"
+        counts = (len(variables),) if is_2 else (len(variables), len(variables))
+        self.call = function_of(fmu, self.name)
+        self.arguments = (fmu.component, references, counts[0], self.values, *counts[1:])
 
     def move(self):
-        if self.is_2:
-            self.call(self.component, self.references, self.counts[0], self.values)
-        else:
-            self.call(self.component, self.references, self.counts[0], self.values, self.counts[1])
+        if self.call(*self.arguments) > WARNING:
+            raise RuntimeError(f"{self.name} failed")
+
+
+def function_of(fmu, name):
+    """A function of the FMU as FMPy loaded it, without what FMPy does around each call."""
+    return getattr(fmu.dll, name)
 
 
 class FmuController:
-    """The FMU, begun, with the outputs of its newest step in `said`."""
+    """The FMU, begun. step() takes the values of all that a run knows of (`known`, in that order) and answers with those of `said`."""
 
-    def __init__(self, path, model, found, period):
+    def __init__(self, path, model, found, period, known):
         import fmpy
         import fmpy.fmi2
         import fmpy.fmi3
 
         self.is_2, self.period, self.steps = model.fmiVersion == "2.0", period, 0
-        self.folder = fmpy.extract(path)
+        self.folder = fmpy.extract(path, include=lambda name: not name.startswith(("sources/", "documentation/")))
         made = (fmpy.fmi2.FMU2Slave if self.is_2 else fmpy.fmi3.FMU3Slave)(
             guid=model.guid, unzipDirectory=self.folder, modelIdentifier=model.coSimulation.modelIdentifier, instanceName="controller")
         self.fmu = made
@@ -184,24 +190,32 @@ class FmuController:
             made.setupExperiment(startTime=0.0)
         made.enterInitializationMode()
         made.exitInitializationMode()
-        self.inputs, self.outputs = [], []
-        for causality, verb, parts in (("input", "Set", self.inputs), ("output", "Get", self.outputs)):
+        self.inputs, self.outputs, self.said = [], [], []
+        for causality, verb in (("input", "Set"), ("output", "Get")):
             chosen = {meaning: variable for meaning, variable in found.items() if variable.causality == causality}
             for kind in sorted({variable.type for variable in chosen.values()}):
                 alike = {meaning: variable for meaning, variable in chosen.items() if variable.type == kind}
-                parts.append(Values(made, self.is_2, verb, kind, alike))
-        self.said = {}
+                part = Values(made, self.is_2, verb, kind, alike)
+                if causality == "input":
+                    self.inputs.append((part, [known.index(meaning) for meaning in part.meanings]))
+                else:
+                    self.outputs.append(part)
+                    self.said += part.meanings
+        self.do_step = function_of(made, f"fmi{2 if self.is_2 else 3}DoStep")
+        self.told = [] if self.is_2 else [ctypes.byref(each) for each in (ctypes.c_bool(), ctypes.c_bool(), ctypes.c_bool(), ctypes.c_double())]
 
     def step(self, given):
-        for part in self.inputs:
-            part.values[:] = [given[meaning] for meaning in part.meanings]
+        for part, places in self.inputs:
+            part.values[:] = [given[place] for place in places]
             part.move()
-        self.fmu.doStep(self.steps * self.period, self.period)
+        if self.do_step(self.fmu.component, self.steps * self.period, self.period, True, *self.told) > WARNING:
+            raise RuntimeError(f"its step at {self.steps * self.period:g} s failed")
         self.steps += 1
+        said = []
         for part in self.outputs:
             part.move()
-            self.said.update(zip(part.meanings, part.values))
-        return self.said
+            said += part.values[:]
+        return said
 
     def close(self):
         shutil.rmtree(self.folder, ignore_errors=True)
@@ -214,96 +228,108 @@ class Answers:
         from slewlab_msgs import controller_state_t, encoder_t, operator_t, torque_t
 
         self.bus, self.controller, self.groups, self.sends_state = bus, controller, groups, sends_state
-        self.encoder_t, self.operator_t = encoder_t, operator_t
-        self.torque, self.state = torque_t(), controller_state_t()
-        self.torque.group_count = self.state.group_count = groups
-        self.torque.state_follows = sends_state
+        self.encoder, self.operator = MessageLayout(encoder_t, groups), MessageLayout(operator_t, groups)
+        self.torque, self.state = MessageLayout(torque_t, groups), MessageLayout(controller_state_t, groups)
+        self.encoder_t = encoder_t
+        self.head_of = self.encoder.getter("sequence", "simulated_time", "configuration_hash", "run_identity", "operator_sequence")
+        self.measured_of = self.encoder.getter("shaft_speed", "shaft_position")
+        self.asked_of = self.operator.getter("speed_request", "emergency_stop", "acknowledge")
+        self.place_of_run = self.operator.places["run_identity"][0]
+        self.place_of_sequence = self.operator.places["sequence"][0]
         self.run, self.operators = None, {}  # the newest OPERATOR of each run that was heard of
         self.answered, self.answered_time, self.leaps, self.count = -1, 0, 0, 0
         self.first_time, self.given = None, None  # [ns] at which the FMU's time begins; inputs of its newest step
         self.bytes = None
+        # What the FMU does not say stands behind what it says: enable, brake, acknowledge.
+        said = [*controller.said, ("enable", None), ("brake", None), ("acknowledge", None)]
+        switches = [said.index((name, None)) for name in ("enable", "brake", "acknowledge")]
+        self.torque_places = [*switches, *(said.index(("motor_torque", group)) for group in range(groups))]
+        self.state_places = [said.index((name, None)) for name in STATE_SCALARS] if sends_state else []
+        self.array_places = [said.index((name, group)) for name in STATE_ARRAYS for group in range(groups)] if sends_state else []
         for channel, handler in (("OPERATOR", self.on_operator), ("ENCODER", self.on_encoder)):
             bus.subscribe(channel, handler)
+        bus.hear_subscribed_only()
 
     def on_operator(self, data):
-        try:
-            message = self.operator_t.decode(data)
-        except (ValueError, struct.error):
+        message = self.operator.unpack(data)
+        if message is None:
             return
-        held = self.operators.get(message.run_identity)
-        if held is None or message.sequence > held.sequence:
+        run = message[self.place_of_run]
+        held = self.operators.get(run)
+        if held is None or message[self.place_of_sequence] > held[self.place_of_sequence]:
             self.operators = {self.run: self.operators.get(self.run)} if len(self.operators) > 8 else self.operators
-            self.operators[message.run_identity] = message
+            self.operators[run] = message
 
-    def comes_in_its_time(self, encoder):
+    def comes_in_its_time(self, sequence, time):
         """A sequence that leaps while the time does not may be a bit that turned over; the second in a row counts."""
-        cycles = encoder.sequence - self.answered
-        elapsed = (encoder.simulated_time - self.answered_time) * 1e-9
+        cycles = sequence - self.answered
+        elapsed = (time - self.answered_time) * 1e-9
         period = self.controller.period
         fits = self.answered < 0 or cycles == 1 or abs(elapsed - cycles * period) <= HALF * period
         self.leaps = 0 if fits else self.leaps + 1
         return fits or self.leaps >= 2
 
     def on_encoder(self, data):
-        try:
-            encoder = self.encoder_t.decode(data)
-        except (ValueError, struct.error):
+        encoder = self.encoder.unpack(data)
+        head, measured = (self.head_of(encoder), self.measured_of(encoder)) if encoder else (self.head_of_other(data), None)
+        if head is None:
             return
+        sequence, time, _, run, operator_sequence = head
         if self.run is None:
-            self.run = encoder.run_identity
-        if encoder.run_identity != self.run or encoder.sequence < self.answered:
+            self.run = run
+        if run != self.run or sequence < self.answered:
             return
-        if encoder.sequence > self.answered:
-            operator = self.operators.get(self.run)
-            if operator is None or operator.sequence < encoder.operator_sequence:
+        if sequence > self.answered:
+            operator = self.operators.get(run)
+            if operator is None or operator[self.place_of_sequence] < operator_sequence:
                 return  # that OPERATOR was lost; both will be sent again
-            if not self.comes_in_its_time(encoder):
+            if not self.comes_in_its_time(sequence, time):
                 return
-            self.compute(encoder, operator)
+            self.compute(head, measured, operator)
         if self.sends_state:
             self.bus.publish("CONTROLLER_STATE", self.bytes[0])
         self.bus.publish("TORQUE", self.bytes[1])
 
-    def compute(self, encoder, operator):
-        said = self.said_to(encoder, operator) if encoder.group_count == self.groups else self.let_go()
-        torque, state = self.torque, self.state
-        for message in (torque, state):
-            message.sequence = self.count
-            message.simulated_time = encoder.simulated_time
-            message.configuration_hash = encoder.configuration_hash
-            message.run_identity = encoder.run_identity
-            message.answered_sequence = encoder.sequence
-        torque.alive_counter = self.count
-        torque.enable = bool(said.get(("enable", None), True))
-        torque.brake = bool(said.get(("brake", None), False))
-        torque.acknowledge = bool(said.get(("acknowledge", None), operator.acknowledge and operator.speed_request == 0.0))
-        torque.motor_torque = [said["motor_torque", group] for group in range(self.groups)]
+    def head_of_other(self, data):
+        """Of an ENCODER of another number of groups; None where it is none at all."""
+        try:
+            message = self.encoder_t.decode(data)
+        except (ValueError, struct.error):
+            return None
+        return message.sequence, message.simulated_time, message.configuration_hash, message.run_identity, message.operator_sequence
+
+    def compute(self, head, measured, operator):
+        sequence, time, configuration, run, _ = head
+        request, stop, acknowledge = self.asked_of(operator)
+        if measured is None:
+            said = self.let_go()
+        else:
+            said = self.said_to(time, (request, stop, acknowledge, *measured))
+            said += (True, False, acknowledge and request == 0.0)
+        torque = [said[place] for place in self.torque_places]
+        torque[:3] = map(bool, torque[:3])
+        count = self.count
         state_bytes = None
         if self.sends_state:
-            for name in STATE_SCALARS:
-                setattr(state, name, said[name, None])
-            for name in STATE_ARRAYS:
-                setattr(state, name, [said[name, group] for group in range(self.groups)])
-            state_bytes = state.encode()
+            state_bytes = self.state.pack(count, time, configuration, run, sequence, int(said[self.state_places[0]]),
+                                          *[said[place] for place in self.state_places[1:]], self.groups,
+                                          *[said[place] for place in self.array_places])
+        torque_bytes = self.torque.pack(count, time, configuration, run, sequence, count, *torque[:3], self.sends_state, self.groups, *torque[3:])
         self.count += 1
-        self.answered, self.answered_time = encoder.sequence, encoder.simulated_time
-        self.bytes = (state_bytes, torque.encode())
+        self.answered, self.answered_time = sequence, time
+        self.bytes = (state_bytes, torque_bytes)
 
     def let_go(self):
         """An ENCODER of another number of motor groups is nothing to control by: no torque, brakes."""
-        said = {(name, None): 0 for name in STATE_SCALARS} | {("enable", None): False, ("brake", None): True}
-        return said | {(name, group): 0.0 for name in ("motor_torque", *STATE_ARRAYS) for group in range(self.groups)}
+        said = [0] * (len(self.controller.said) + len(self.torque_places) - self.groups)
+        said[self.torque_places[1]] = True
+        return said
 
-    def said_to(self, encoder, operator):
+    def said_to(self, time, given):
         """What the FMU's outputs say behind its next step."""
-        given = {("speed_request", None): operator.speed_request, ("emergency_stop", None): operator.emergency_stop,
-                 ("operator_acknowledge", None): operator.acknowledge}
-        for group in range(self.groups):
-            given["shaft_speed", group] = encoder.shaft_speed[group]
-            given["shaft_position", group] = encoder.shaft_position[group]
         if self.first_time is None:
-            self.first_time = encoder.simulated_time
-        due = round((encoder.simulated_time - self.first_time) * 1e-9 / self.controller.period)
+            self.first_time = time
+        due = round((time - self.first_time) * 1e-9 / self.controller.period)
         for _ in range(min(due - self.controller.steps, LONGEST_GAP)):  # ENCODER that were lost: a cycle with the inputs before
             self.controller.step(self.given or given)
         self.given = given
@@ -324,9 +350,12 @@ def answer(path, model, found, period, groups):
     controller = None
     try:
         signal.signal(signal.SIGTERM, end)
-        controller = FmuController(path, model, found, period)
+        known = [(name, None) for name in ("speed_request", "emergency_stop", "operator_acknowledge")]
+        known += [(name, group) for name in ("shaft_speed", "shaft_position") for group in range(groups)]
+        controller = FmuController(path, model, found, period, known)
         bus = WireBus(os.environ["SLEWLAB_BUS"])
         answers = Answers(bus, controller, groups, sends_state)
+        gc.freeze()  # what is there now stays; a step leaves nothing that only a collection finds
         while answers:
             bus.handle()
     except (Ended, KeyboardInterrupt):

@@ -35,6 +35,11 @@ def escaped(words):
     return html.escape(str(words))
 
 
+def printed(unit):
+    """A unit as people read it: m/s² of m/s^2, which files and tables have."""
+    return unit.replace("^2", "²").replace("^3", "³").replace("^4", "⁴")
+
+
 def table(heads, rows):
     """`rows`: lists of cells in HTML; one that begins with <td stands as it is."""
     head = "".join(f"<th scope=col>{each}</th>" for each in heads)

@@ -2,6 +2,7 @@
 thread that waits is the one that reads (liblcm's reader thread costs two changes of thread in every round trip), and a signal's handler
 runs while it waits. Messages of one datagram alone, as all of slewlab's are."""
 
+import ctypes
 import socket
 import struct
 from urllib.parse import parse_qs, urlsplit
@@ -9,6 +10,8 @@ from urllib.parse import parse_qs, urlsplit
 WORD = 0x4C433032  # "LC02"
 HEAD = struct.Struct(">II")  # the word, a running number
 LARGEST_DATAGRAM = 65_507  # [bytes] of UDP over IPv4
+UDP_HEAD = 8  # [bytes] before the datagram's own, of what the kernel's filter sees
+SO_ATTACH_FILTER = 26  # asm-generic/socket.h; Python's module has no name for it
 RECEIVE_BUFFER = 4 << 20  # [bytes] for all that may arrive while this side does not run
 
 
@@ -36,6 +39,19 @@ class WireBus:
     def subscribe(self, channel, handler):
         """`handler(data)` is called of every message on the channel."""
         self.handlers[channel.encode()] = handler
+
+    def hear_subscribed_only(self):
+        """Nobody is woken for a datagram of another channel: what the bus carries besides (its own messages come back too) is dropped by the
+        kernel, by a filter of the classic Berkeley form over the first four letters of the channel, three and its zero. After the last subscribe()."""
+        begins = sorted({(channel + b"\0")[:4] for channel in self.handlers})
+        if any(len(begin) < 4 for begin in begins):
+            raise ValueError("a channel's name of less than three letters cannot be told by the kernel's filter")
+        load, equal, answer = 0x20, 0x15, 0x06  # linux/bpf_common.h: ld [k]; jeq #k, jt, jf; ret #k
+        steps = [(load, 0, 0, UDP_HEAD + HEAD.size)]
+        steps += [(equal, len(begins) - number, 0, int.from_bytes(begin, "big")) for number, begin in enumerate(begins)]
+        steps += [(answer, 0, 0, 0), (answer, 0, 0, LARGEST_DATAGRAM + UDP_HEAD)]
+        program = ctypes.create_string_buffer(b"".join(struct.pack("HBBI", *step) for step in steps))
+        self.socket.setsockopt(socket.SOL_SOCKET, SO_ATTACH_FILTER, struct.pack("HP", len(steps), ctypes.addressof(program)))
 
     def publish(self, channel, data):
         self.sender.send(HEAD.pack(WORD, self.sent & 0xFFFFFFFF) + channel.encode() + b"\0" + data)

@@ -40,6 +40,22 @@ TEST_F(CommandPages, AManualPageForEveryCommandThatIsShown) {
   EXPECT_EQ(pages[0].text.find("not for people"), std::string::npos);
 }
 
+// A command whose command line another program reads: from what that one says of itself, or by a word that it is to be asked.
+TEST_F(CommandPages, OfACommandThatAnotherProgramReadsWhatThatOneTakes) {
+  app_.add_subcommand("report", "Draw a run")->prefix_command();
+  const TemporaryFolder folder;
+  std::ofstream(folder.path() / "commands.json") << R"({"report": [["RUN", "folder of a run", true], ["-o,--out", "the page", false]]})";
+  const ForeignOptions foreign = read_foreign_options(folder.path() / "commands.json");
+  const std::string page = manual_pages(app_, "0.2.0", foreign).back().text;
+  EXPECT_NE(page.find(".SH ARGUMENTS\n.TP\n.B RUN\nfolder of a run\n"), std::string::npos) << page;
+  EXPECT_NE(page.find(".SH OPTIONS\n.TP\n.B \\-o,\\-\\-out\nthe page\n"), std::string::npos) << page;
+  EXPECT_NE(completion_script(app_, foreign).find("report) words=\"--out\""), std::string::npos);
+  EXPECT_NE(manual_pages(app_, "0.2.0").back().text.find("slewlab report \\-\\-help"), std::string::npos);
+  EXPECT_TRUE(read_foreign_options(folder.path() / "none.json").empty());
+  std::ofstream(folder.path() / "broken.json") << "[1]";
+  EXPECT_THROW(read_foreign_options(folder.path() / "broken.json"), std::runtime_error);
+}
+
 // Asked by bash itself, as it asks at the Tab key.
 TEST_F(CommandPages, CompletionAnswersBash) {
   const TemporaryFolder folder;

@@ -28,8 +28,9 @@ class ArgumentsTest(unittest.TestCase):
                          "slewlab export: error: '--colour' is no option of it, expected one of --help, --format")
 
     def test_a_choice_that_is_none_is_answered_with_the_near_one(self):
-        self.assertEqual(self.refused("run", "--format", "mcp"),
-                         "slewlab export: error: argument --format: found 'mcp', expected 'mcap' (or one of parquet, csv, mcap)")
+        for typo in ("mcp", "mpac"):
+            self.assertEqual(self.refused("run", "--format", typo),
+                             f"slewlab export: error: argument --format: found '{typo}', expected 'mcap' (or one of parquet, csv, mcap)")
 
     def test_a_port_is_a_number_that_a_computer_has(self):
         self.parser.add_argument("--port", type=port)

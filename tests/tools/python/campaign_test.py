@@ -231,6 +231,83 @@ class CampaignTest(unittest.TestCase):
         ended = subprocess.run([PROGRAM, "check", write_study(self.folder)], capture_output=True, text=True, check=False)
         self.assertEqual((ended.returncode, ended.stdout), (0, f"{self.folder / 'study.yaml'}: OK\n"), ended.stderr)
 
+    def subject(self, name, text):
+        config = slewlab.config()
+        path = self.folder / name
+        path.write_text("kind: campaign\n" + text.format(crane=config / "cranes" / "thesis.yaml", controller=config / "controllers" / "thesis.yaml",
+                                                        soak=config / "soak" / "thesis.yaml"))
+        return path
+
+    def soak(self, runs):
+        return self.subject("soak.yaml", "soak: {{settings: {soak}, crane: {crane}, controller: {controller}, faults: {{value: true, source: test}}}}\n"
+                            f'runs: {{{{value: {runs}, unit: "-", source: test}}}}\nseed: {{{{value: 3, unit: "-", source: test}}}}\n')
+
+    def test_a_soak_is_a_campaign_of_its_tasks(self):
+        for workers in (0, 2):
+            slewlab.campaign(self.soak(3), self.folder / str(workers), workers=workers, progress=False)
+        self.assertEqual(self.bytes_of("2"), self.bytes_of("0"))
+        frame = slewlab.campaign(self.soak(4), self.folder / "2", workers=0, progress=False)  # made longer
+        self.assertEqual(list(frame["outcome"]), 4 * ["accepted"])
+        self.assertTrue((frame["verdict.energy_balance"] == "pass").all())
+        self.assertTrue((frame["measured.energy_balance"] < frame["limit.energy_balance"]).all())
+        self.assertNotIn("verdict.memory", frame)
+        # The tasks are those of `slewlab soak`, by its own journal.
+        task_hours = 120 / 3600
+        ended = subprocess.run([PROGRAM, "soak", "--hours", str(4 * task_hours), "--seed", "3", "--faults", "--out", self.folder / "soak"],
+                               stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=100, check=False)
+        self.assertEqual(ended.returncode, 0, ended.stdout + ended.stderr)
+        tasks = {line["task"]: line for line in map(json.loads, (self.folder / "soak" / "journal.jsonl").read_text().splitlines()[1:])}
+        for run, row in frame.iterrows():
+            self.assertEqual((row["log_digest"], row["trips"], row["play_crossings"], row["description"]),
+                             tuple(tasks[run][key] for key in ("log_digest", "trips", "play_crossings", "description")))
+        again = subprocess.run([PROGRAM, *shlex.split(frame["command"][2])[1:], "--out", self.folder / "again"], stdin=subprocess.DEVNULL,
+                               capture_output=True, text=True, timeout=100, check=False)
+        self.assertEqual(again.returncode, 0, again.stderr)
+        self.assertIn(f"digest {frame['log_digest'][2]}", again.stdout)
+
+    def test_a_task_that_breaks_an_invariant_is_a_row_that_says_which(self):
+        limits = self.folder / "strict.yaml"
+        limits.write_text(f"include: {slewlab.config('soak/thesis.yaml')}\nlimits:\n  house_speed: {{value: 0.01, unit: rad/s, source: test}}\n")
+        study = self.soak(1)
+        study.write_text(study.read_text().replace(str(slewlab.config("soak/thesis.yaml")), str(limits)))
+        row = slewlab.campaign(study, self.folder / "out", workers=0, progress=False).loc[0]
+        self.assertEqual((row["outcome"], row["broken"], row["verdict.speed_limit"]), ("not accepted", "speed_limit", "fail"))
+        self.assertIn("speed_limit at ", row["reason"])
+
+    def test_withheld_cases_are_a_campaign_and_stay_sealed(self):
+        study = self.subject("withheld.yaml", "withheld: {{crane: {crane}, controller: {controller}, rate: {{value: 50, unit: Hz, source: test}},\n"
+                             "  sensors: {{value: none, source: test}}}}\n"
+                             'runs: {{value: 2, unit: "-", source: test}}\nseed: {{value: 7, unit: "-", source: test}}\n')
+        for workers in (1, 2):
+            slewlab.campaign(study, self.folder / str(workers), workers=workers, progress=False)
+        self.assertEqual(self.bytes_of("2"), self.bytes_of("1"))
+        frame = slewlab.read_table(self.folder / "2" / "campaign.parquet")
+        self.assertEqual(list(frame["case"]), ["case_0001", "case_0002"])
+        # The set is that of the command of a row: made again beside it, nothing differs.
+        words = [str(self.folder / "again") if word == "cases" else word for word in shlex.split(frame["command"][0])]
+        ended = subprocess.run([PROGRAM, *words[1:]], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=300, check=False)
+        self.assertEqual(ended.returncode, 0, ended.stderr)
+        made = {path.relative_to(self.folder / "again"): path.read_bytes() for path in (self.folder / "again").rglob("*") if path.is_file()}
+        ours = {path.relative_to(self.folder / "2" / "cases"): path.read_bytes() for path in (self.folder / "2" / "cases").rglob("*") if path.is_file()}
+        self.assertIn(Path("sealed/answers.json"), made)
+        self.assertEqual(ours, made)
+        # Nothing of the answers is in the table: neither kind nor law.
+        answers = json.loads((self.folder / "again" / "sealed" / "answers.json").read_text())
+        told = frame.to_csv()
+        for case in answers["cases"]:
+            for word in [f",{case['kind']},", *(effect["law"] for effect in case["effects"])]:
+                self.assertNotIn(word, told)
+
+    def test_options_and_parts_that_cannot_matter_are_refused(self):
+        ended = subprocess.run([PROGRAM, "campaign", self.soak(1), "--controller", "true", "--out", self.folder / "out"], stdin=subprocess.DEVNULL,
+                               capture_output=True, text=True, timeout=100, check=False)
+        self.assertEqual(ended.returncode, 2)
+        self.assertIn("--controller: found it beside a soak", ended.stderr)
+        study = self.soak(1)
+        study.write_text(study.read_text() + f"scenarios: [{{file: {slewlab.config('scenarios/thesis_slew.yaml')}}}]\n")
+        with self.assertRaisesRegex(slewlab.InputError, "scenarios"):
+            load_study(study)
+
 
 class PageTest(unittest.TestCase):
     def test_separation_is_the_area_under_the_curve(self):

@@ -280,7 +280,7 @@ class FigureTest(unittest.TestCase):
         run = slewlab.Scenario(SLEW).run(channels=["SENSORS", "TORQUE"])
         figure = slewlab.overview(run, run, most_points=500)
         titles = [figure.layout[f"yaxis{number}"].title.text for number in ("", 3)]  # two columns: the odd axes are the first's
-        self.assertEqual(titles, ["motor torque [N m]", "tip acceleration [m/s^2]"])
+        self.assertEqual(titles, ["motor torque [N m]", "tip acceleration [m/s²]"])
         drawn = next(trace for trace in figure.data if trace.name == "tip_acceleration")
         self.assertLessEqual(len(drawn.y), 500)
         acceleration = run["SENSORS"].tip_acceleration

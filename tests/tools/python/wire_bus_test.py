@@ -45,6 +45,20 @@ class WireBusTest(unittest.TestCase):
             self.bus.handle()
         self.assertEqual(heard, [b"data"])
 
+    def test_it_is_woken_by_what_it_subscribed_to_alone(self):
+        heard = []
+        for channel in ("ENCODER", "ENCORE", "ABC"):
+            self.bus.subscribe(channel, lambda data, channel=channel: heard.append((channel, data)))
+        self.bus.hear_subscribed_only()
+        for channel in ("TORQUE", "ENCODER", "ABCD", "ABC", "SENSORS", "ENCORE"):
+            self.bus.publish(channel, channel.encode())
+        for _ in range(3):
+            self.bus.handle()
+        self.assertEqual(heard, [("ENCODER", b"ENCODER"), ("ABC", b"ABC"), ("ENCORE", b"ENCORE")])
+        self.bus.socket.setblocking(False)
+        with self.assertRaises(BlockingIOError):
+            self.bus.handle()
+
     def test_a_signal_ends_the_wait(self):
         class Ended(Exception):
             pass

@@ -6,11 +6,9 @@ import contextlib
 import sys
 from pathlib import Path
 
-import yaml
-
 from run_log import slewlab_program
 from whole_file import growing
-from yaml_tree import read_yaml
+from yaml_tree import file_text, flow, read_yaml
 from desk.source import Growing
 
 SLOWEST, FASTEST = 0.01, 1000.0  # of the speeds that a page may ask for; 0 is as fast as it goes
@@ -49,14 +47,9 @@ def fault_choices(group_count):
     return choices
 
 
-def flow(keys):
-    """One line of YAML, without the braces around it."""
-    return yaml.safe_dump(keys, default_flow_style=True, sort_keys=False, width=1 << 20).strip()[1:-1]
-
-
 def write_yaml(path, keys):
     with growing(path) as partial:
-        partial.write_text(yaml.safe_dump(keys, sort_keys=False, default_flow_style=None, width=120))
+        partial.write_text(file_text(keys), encoding="utf-8")
     return path
 
 
@@ -186,7 +179,7 @@ class SteeredRun:
             name = request["name"]
             if name not in self.choices:
                 raise ValueError("there is no such fault")
-            self._say(f"fault begin {name} {flow(self.choices[name][1])}" if request["on"] else f"fault end {name}")
+            self._say(f"fault begin {name} {flow(self.choices[name][1])[1:-1]}" if request["on"] else f"fault end {name}")
         elif kind == "effect":
             if request["name"] not in self.source.facts.get("switchable_effects", []):
                 raise ValueError("there is no such effect")

@@ -1,5 +1,7 @@
 """Campaigns: every run of a study judged, journalled and put into one table."""
 
+from __future__ import annotations
+
 import fcntl
 import hashlib
 import json
@@ -12,17 +14,17 @@ import time
 from collections.abc import Callable, Iterable, Mapping
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-import pandas as pd
-
-from . import _core
+from . import _core, drawn_tasks
 from .engine import WorkerDied, run_in_processes, run_on_cluster
-from .files import values
 from .scenario import ProgramFailed, Scenario
 from .study import Case, Study, load_study
 from .sweep import UNITS, ProgressBar, measures
 from .tables import Channels, open_log
+
+if TYPE_CHECKING:  # imported where a table is made: a campaign's workers make none, and it takes longer than all else
+    import pandas as pd
 
 MEASURED = ("TORQUE", "SENSORS", "TRUTH")  # what `measures` looks at
 JOURNAL, TABLE = "journal.jsonl", "campaign.parquet"
@@ -34,10 +36,14 @@ class CampaignMismatch(ValueError):
     """The folder holds another campaign."""
 
 
-def run_command(case: Case, limits: str | None, controller: str | None) -> str:
+def run_command(case: Case, study: Study, controller: str | None) -> str:
     """The one command that makes this run again."""
-    words = ["slewlab", "accept" if limits else "run", case.scenario]
-    words += ["--limits", limits] if limits else []
+    if study.soak:
+        return drawn_tasks.soak_command(case, study.soak, study.seed)
+    if study.withheld:
+        return drawn_tasks.withheld_command(study)
+    words = ["slewlab", "accept" if study.limits else "run", case.scenario]
+    words += ["--limits", study.limits] if study.limits else []
     words += ["--controller", controller] if controller else []
     for key, value in case.changes:
         words += ["--set", f"{key}={value}"]
@@ -114,13 +120,20 @@ def died(case: Case, why: WorkerDied) -> dict[str, Any]:
 
 def content_digest(path: str) -> str:
     """Of what a file says, with what it includes: no comments, no sources."""
-    table = values(path)
-    return hashlib.sha256(table[["value", "unit"]].to_csv().encode()).hexdigest()[:16]
+    lines = [f"{key},{value},{unit}\n" for key, value, unit, *_ in _core.file_values(Path(path), [])]
+    return hashlib.sha256("".join(lines).encode()).hexdigest()[:16]
 
 
 def identity(study: Study, controller: str | None) -> dict[str, Any]:
     """What has to be the same for rows of an earlier session to be rows of this one. Which runs there are is compared run by
-    run, so that a random draw may be made longer."""
+    run, so that a random draw may be made longer; the kinds of withheld cases depend on how many there are."""
+    if study.soak:
+        plan = drawn_tasks.plan_of(study.soak, study.seed)
+        return {"slewlab": _core.__version__, "soak": plan.configuration_hash, "faults": study.soak.faults, "seed": study.seed}
+    if study.withheld:
+        withheld = study.withheld
+        return {"slewlab": _core.__version__, "withheld": study.runs, "seed": study.seed, "crane": content_digest(withheld.crane),
+                "controller": content_digest(withheld.controller), "rate": withheld.rate, "sensors": withheld.sensors, "begin": withheld.begin}
     return {"slewlab": _core.__version__,
             "scenarios": {path: [content_digest(path), Scenario(path)._core.configuration_hash] for path in study.scenarios},
             "limits": content_digest(study.limits) if study.limits else None, "controller": controller}
@@ -210,7 +223,7 @@ def table_of(study: Study, rows: list[dict[str, Any]], controller: str | None = 
     found = sorted({name for row in rows for name in row} - {"run", "scenario", "changes", "units", "seed", *columns})
     for name in sorted(found, key=lambda name: (not name.startswith(("verdict.", "measured.", "limit.")), name.partition(".")[2], name)):
         columns[name] = pa.array([row.get(name) for row in rows], pa.float64() if name in numbers else None)
-    columns["command"] = pa.array([run_command(Case(row["run"], row["scenario"], tuple(row["changes"].items())), study.limits, controller)
+    columns["command"] = pa.array([run_command(Case(row["run"], row["scenario"], tuple(row["changes"].items())), study, controller)
                                    for row in rows], pa.string())
     fields = [pa.field(name, column.type, metadata={"unit": units[name]} if name in units else None) for name, column in columns.items()]
     about = {"study": study.name, "draw": study.draw, "seed": str(study.seed), "slewlab": _core.__version__,
@@ -238,17 +251,29 @@ def read_table(path: str | Path) -> pd.DataFrame:
     return frame
 
 
+def task_function(study: Study, out: Path, controller: str | None) -> Callable[[Case], dict[str, Any]]:
+    folder = os.getcwd()
+    if study.soak:
+        return partial(drawn_tasks.run_task, soak=study.soak, seed=study.seed, folder=folder)
+    if study.withheld:
+        drawn_tasks.set_of(study, out).begin()
+        return partial(drawn_tasks.make_case, study=study, out=str(out.absolute()), folder=folder)
+    return partial(run_case, limits=study.limits, folder=folder, controller=controller)
+
+
 def campaign(study: str | Path | Study, out: str | Path, *, controller: str | None = None, workers: int | None = None,
              client: Any = None, progress: bool | None = None) -> pd.DataFrame:
     """Runs what of the study is not yet in `out`, and writes `out`/campaign.parquet when all of it is there.
 
     `controller`: shell command of a program in place of the scenarios' controller; every run is one of two processes over LCM
-    then. `workers`: processes of this machine, as many as there are processors; 0: in this one. `client`: a distributed.Client in their place. The
+    then; a soak and withheld cases have none. `workers`: processes of this machine, as many as there are processors; 0: in this one. `client`: a distributed.Client in their place. The
     table's bytes depend on neither. Ended early, by whatever, the same call goes on where it was. CampaignMismatch where the
     folder holds another campaign; InputError where a file is wrong.
     """
     study = study if isinstance(study, Study) else load_study(study)
     out = Path(out)
+    if controller and (study.soak or study.withheld):
+        raise ValueError("controller: found one beside a soak or withheld cases, expected it beside scenarios; those have their study's own")
     cases = study.cases()
     journal = Journal(out / JOURNAL, identity(study, controller), cases)
     try:
@@ -256,12 +281,15 @@ def campaign(study: str | Path | Study, out: str | Path, *, controller: str | No
         bar = ProgressBar(len(cases), progress)
         open_cases = [case for case in cases if case.run not in journal.rows]
         bar.show(len(journal.rows))
-        function = partial(run_case, limits=study.limits, folder=os.getcwd(), controller=controller)
+        function = task_function(study, out, controller)
         done = run_in_processes(function, open_cases, workers) if client is None else run_on_cluster(function, open_cases, client)
         for index, row in done:
             journal.add(died(open_cases[index], row) if isinstance(row, WorkerDied) else row)
             bar.show(len(journal.rows))
-        write_table(table_of(study, [journal.rows[case.run] for case in cases], controller), out / TABLE)
+        rows = [journal.rows[case.run] for case in cases]
+        if study.withheld and all(row["outcome"] == "complete" for row in rows):
+            drawn_tasks.set_of(study, out).seal()
+        write_table(table_of(study, rows, controller), out / TABLE)
     finally:
         journal.close()
     return read_table(out / TABLE)

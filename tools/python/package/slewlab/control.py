@@ -1,12 +1,16 @@
 """The linear machine for control design: responses, speed loop, margins."""
 
+from __future__ import annotations
+
 from dataclasses import dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pandas as pd
 
 from . import _core
+
+if TYPE_CHECKING:  # imported where a table is made: a campaign's workers make none, and it takes longer than all else
+    import pandas as pd
 
 
 @dataclass(frozen=True)
@@ -59,6 +63,8 @@ class StateSpace:
         for _ in times:
             values.append(float((system.c @ state[:n] + system.d[:, 0] * size)[0]))
             state = advance @ state
+        import pandas as pd
+
         return pd.Series(values, index=pd.Index(times, name="time"), name=output)
 
     def to_control(self) -> Any:
@@ -91,6 +97,8 @@ def exponential(matrix: np.ndarray) -> np.ndarray:
 
 
 def bode_table(frequencies: np.ndarray, response: np.ndarray) -> pd.DataFrame:
+    import pandas as pd
+
     table = pd.DataFrame({"magnitude": 20.0 * np.log10(np.abs(response)), "phase": np.degrees(np.unwrap(np.angle(response)))},
                          index=pd.Index(np.asarray(frequencies, float), name="frequency"))
     table.attrs["units"] = {"magnitude": "dB", "phase": "deg", "frequency": "Hz"}

@@ -30,7 +30,7 @@ def overview(*runs: Channels, names: list[str] | None = None, most_points: int =
     figure = make_subplots(rows=len(panels), cols=len(runs), shared_xaxes=True, shared_yaxes="rows", vertical_spacing=0.03,
                            column_titles=names if len(runs) > 1 else None)
     for row, (title, unit, channel, fields, factor) in enumerate(panels, 1):
-        figure.update_yaxes(title_text=f"{title} [{unit}]", row=row, col=1)
+        figure.update_yaxes(title_text=f"{title} [{unit.replace('^2', '²')}]", row=row, col=1)
         for column, run in enumerate(runs, 1):
             if channel not in run:
                 continue

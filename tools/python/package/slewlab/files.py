@@ -1,13 +1,16 @@
 """slewlab's own files, and what stands in a file of a user's: read by the C++ core alone."""
 
+from __future__ import annotations
+
 import os
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
-
-import pandas as pd
+from typing import TYPE_CHECKING, Any
 
 from . import _core
+
+if TYPE_CHECKING:  # imported where a table is made: a campaign's workers make none, and it takes longer than all else
+    import pandas as pd
 
 Changes = Mapping[str, Any]
 
@@ -64,5 +67,7 @@ def check(path: str | Path, changes: Changes | None = None) -> list[str]:
 def values(path: str | Path, changes: Changes | None = None) -> pd.DataFrame:
     """Every value of a file, what it includes and what is changed: key as the index, value as it is written, unit, source,
     file and line."""
+    import pandas as pd
+
     rows = _core.file_values(path, pairs(changes))
     return pd.DataFrame(rows, columns=["key", "value", "unit", "source", "file", "line"]).set_index("key")

@@ -1,10 +1,14 @@
-from pathlib import Path
+from __future__ import annotations
 
-import pandas as pd
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 from . import _core
 from .control import StateSpace
 from .files import Changes, check, pairs, values
+
+if TYPE_CHECKING:  # imported where a table is made: a campaign's workers make none, and it takes longer than all else
+    import pandas as pd
 
 
 class Machine:

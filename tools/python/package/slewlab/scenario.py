@@ -1,17 +1,22 @@
+from __future__ import annotations
+
 import os
 import shutil
 import subprocess
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-import pandas as pd
 
 from . import _core
 from .control import StateSpace, bode_table
 from .files import Changes, check, pairs
 from .machine import Machine
 from .tables import Channels, Log, open_log
+
+if TYPE_CHECKING:  # imported where a table is made: a campaign's workers make none, and it takes longer than all else
+    import pandas as pd
 
 CHANNELS = ("ENCODER", "TORQUE", "OPERATOR", "SENSORS", "TRUTH", "CONTROLLER_STATE", "PLANT_STATUS", "MOTION")
 

@@ -56,6 +56,27 @@ class Case:
 
 
 @dataclass(frozen=True)
+class Soak:
+    """Tasks of a soak in place of runs of scenarios (docs/soak.md), from number 0 on."""
+
+    settings: str
+    crane: str
+    controller: str
+    faults: bool
+
+
+@dataclass(frozen=True)
+class Withheld:
+    """Withheld cases in their place (docs/withheld.md), from number 1 on."""
+
+    crane: str
+    controller: str
+    rate: float  # [Hz]
+    sensors: str
+    begin: str
+
+
+@dataclass(frozen=True)
 class Study:
     name: str
     scenarios: tuple[str, ...]
@@ -64,6 +85,8 @@ class Study:
     runs: int  # of each scenario; 0 of a grid
     seed: int
     vary: tuple[Varied, ...]
+    soak: Soak | None = None
+    withheld: Withheld | None = None
 
     def draws(self) -> list[tuple[str, ...]]:
         """The values of every run of one scenario, in the order of `vary`."""
@@ -81,7 +104,11 @@ class Study:
         return [tuple(each.at(float(share)) for each, share in zip(self.vary, row)) for row in shares]
 
     def cases(self) -> list[Case]:
-        """Run by run: the scenarios one after the other, each with the same draws."""
+        """Run by run: the scenarios one after the other, each with the same draws. Of a soak the scenario is its settings' file, of
+        withheld cases the nominal crane's: what is run is drawn of it by seed and number alone."""
+        if self.soak or self.withheld:
+            subject = self.soak.settings if self.soak else self.withheld.crane
+            return [Case(run, subject, ()) for run in range(self.runs)]
         draws = self.draws()
         return [Case(run, scenario, tuple((each.key, each.text(value)) for each, value in zip(self.vary, values)))
                 for run, (scenario, values) in enumerate(itertools.product(self.scenarios, draws))]
@@ -94,6 +121,10 @@ def load_study(path: str | Path, changes: Mapping | None = None) -> Study:
     def shown(file: Path) -> str:  # config/campaigns/../scenarios/x.yaml is config/scenarios/x.yaml
         return os.path.normpath(file)
 
+    def files(part: Mapping) -> dict:
+        return {key: shown(value) if isinstance(value, Path) else value for key, value in part.items()}
+
     vary = tuple(Varied(each["key"], each["spread"], tuple(each["values"]), each["unit"], each["whole"]) for each in told["vary"])
     return Study(Path(path).stem, tuple(map(shown, told["scenarios"])), shown(told["limits"]) if told["limits"] else None,
-                 told["draw"], told["runs"], told["seed"], vary)
+                 told["draw"], told["runs"], told["seed"], vary,
+                 Soak(**files(told["soak"])) if told["soak"] else None, Withheld(**files(told["withheld"])) if told["withheld"] else None)

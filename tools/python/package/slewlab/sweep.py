@@ -1,16 +1,20 @@
 """Many runs of one scenario, side by side, as one table with a row per run."""
 
+from __future__ import annotations
+
 import itertools
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-import pandas as pd
 
 from .engine import run_in_threads
 from .scenario import CHANNELS, Controller, Run, Scenario
 from .tables import Channels
+
+if TYPE_CHECKING:  # imported where a table is made: a campaign's workers make none, and it takes longer than all else
+    import pandas as pd
 
 Measure = Callable[[Run], Mapping[str, float]]
 
@@ -63,6 +67,8 @@ def run_all(scenario: Scenario, cases: Sequence[Mapping[str, Any]], measure: Mea
     for number, result in run_in_threads(one, cases, threads):
         found[number] = result
         bar.show(len(found))
+    import pandas as pd
+
     table = pd.DataFrame([dict(case) | dict(found[number]) for number, case in enumerate(cases)])
     table.index.name = "run"
     table.attrs["units"] = {name: unit for name, unit in UNITS.items() if name in table}

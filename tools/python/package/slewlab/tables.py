@@ -1,13 +1,18 @@
 """Messages as tables: a row per message, indexed by simulated time [s], arrays as columns name_1, name_2, ..., units in
 `table.attrs["units"]`."""
 
+from __future__ import annotations
+
 from collections.abc import Iterator
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
-import pandas as pd
 
 from . import _core, _log
+
+if TYPE_CHECKING:  # imported where a table is made: a campaign's workers make none, and it takes longer than all else
+    import pandas as pd
 
 HEAD = ("sequence", "simulated_time", "configuration_hash", "run_identity")  # of every message
 
@@ -19,6 +24,8 @@ def factor(unit: str, to: str) -> float:
 
 def frame(channel: str, messages: np.ndarray, head: bool = False) -> pd.DataFrame:
     """`head`: with sequence number, configuration and run as columns."""
+    import pandas as pd
+
     units_of = _log.signals()[channel]
     columns: dict[str, np.ndarray] = {}
     units: dict[str, str] = {}

@@ -1,0 +1,57 @@
+"""Ctrl-C in a program of the Python side: one line, exit code 130, and nothing half written."""
+
+import os
+import signal
+import subprocess
+import sys
+import tempfile
+import unittest
+from pathlib import Path
+
+from browser import until
+from run_log import REPOSITORY, messages_folder
+
+PROGRAM = messages_folder().parent / "bin" / "slewlab"
+LAUNCHER = REPOSITORY / "tools" / "python" / "launch.py"
+
+
+class LaunchTest(unittest.TestCase):
+    def setUp(self):
+        holder = tempfile.TemporaryDirectory()
+        self.addCleanup(holder.cleanup)
+        self.folder = Path(holder.name)
+
+    def test_ctrl_c_ends_it_by_one_line(self):
+        data, made = self.folder / "data.csv", self.folder / "map.yaml"
+        os.mkfifo(data)
+        running = subprocess.Popen([PROGRAM, "new", "map", made, "--data", data], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+        def is_read():  # a pipe nobody reads cannot be opened like this
+            try:
+                self.end = os.open(data, os.O_WRONLY | os.O_NONBLOCK)
+            except OSError:
+                return running.poll() is not None
+            return True
+
+        until(is_read, "the program reads the data")
+        running.send_signal(signal.SIGINT)
+        out, errors = running.communicate(timeout=60)
+        os.close(self.end)
+        self.assertEqual((running.returncode, out, errors), (130, "", "interrupted\n"))
+        self.assertFalse(made.exists())
+
+    def test_while_it_still_imports_too(self):
+        program = self.folder / "slow.py"
+        program.write_text("import os, signal\nos.kill(os.getpid(), signal.SIGINT)\nimport this_is_never_reached\n")
+        ended = subprocess.run([sys.executable, LAUNCHER, program], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=60, check=False)
+        self.assertEqual((ended.returncode, ended.stdout, ended.stderr), (130, "", "interrupted\n"))
+
+    def test_arguments_name_and_exit_code_are_the_programs_own(self):
+        program = self.folder / "own.py"
+        program.write_text("import sys\nprint(__name__, sys.argv)\nsys.exit(7)\n")
+        ended = subprocess.run([sys.executable, LAUNCHER, program, "a", "--b"], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=60, check=False)
+        self.assertEqual((ended.returncode, ended.stdout), (7, f"__main__ {[str(program), 'a', '--b']}\n"))
+
+
+if __name__ == "__main__":
+    unittest.main()
