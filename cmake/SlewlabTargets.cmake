@@ -69,6 +69,17 @@ function(slewlab_test_flags target)
   endif()
 endfunction()
 
+# slewlab_time_limit(SECONDS TEST...): after which a test counts as failed; under a sanitizer, where programs are five to fifteen times
+# slower, ten times that. What is given more time than others is begun before them (COST), so that no core idles beside a long test in
+# the end.
+function(slewlab_time_limit seconds)
+  set(limit ${seconds})
+  if(CMAKE_CXX_FLAGS MATCHES "-fsanitize")
+    math(EXPR limit "10 * ${seconds}")
+  endif()
+  set_tests_properties(${ARGN} PROPERTIES TIMEOUT ${limit} COST ${seconds})
+endfunction()
+
 # slewlab_test(NAME LABELS physics SOURCES a_test.cpp LINK x y [TIMEOUT 60] [WHOLE] [PRIVATE_NETWORK])
 # One build line per test program. Every TEST in it becomes a ctest case, unless WHOLE is given (then the
 # program is one case: for programs whose set-up is worth sharing). PRIVATE_NETWORK: every case runs inside
@@ -82,7 +93,7 @@ function(slewlab_test target)
   else()
     set(ARG_TIMEOUT 120)
   endif()
-  if(CMAKE_CXX_FLAGS MATCHES "-fsanitize")  # five to fifteen times slower
+  if(CMAKE_CXX_FLAGS MATCHES "-fsanitize")
     math(EXPR ARG_TIMEOUT "10 * ${ARG_TIMEOUT}")
   endif()
   add_executable(${target} ${ARG_SOURCES})
@@ -101,7 +112,7 @@ function(slewlab_test target)
     set_tests_properties(${target} PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT} ${cost}
                                               SKIP_REGULAR_EXPRESSION "\\[  SKIPPED \\]")
   else()
-    gtest_discover_tests(${target} DISCOVERY_MODE PRE_TEST
+    gtest_discover_tests(${target} DISCOVERY_MODE PRE_TEST DISCOVERY_TIMEOUT 120
                          PROPERTIES LABELS "${ARG_LABELS}" TIMEOUT ${ARG_TIMEOUT} ${cost})
   endif()
 endfunction()

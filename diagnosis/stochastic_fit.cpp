@@ -268,131 +268,201 @@ std::vector<Second> seconds(Problem& problem, const Screening& catalogue, const 
   return results;
 }
 
+// What the stochastic effects are tried beside.
+struct Ground {
+  std::vector<Eigen::VectorXd> delays;    // columns of the steady delays that were screened
+  std::vector<const FitResult*> besides;  // that of parameters alone first
+  FreePower free;                         // the least that a free power leaves beside any fit
+};
+
+Ground ground_of(Problem& problem, const Screening& screening, const FitResult& nothing, const std::vector<FitResult>& fits) {
+  Ground ground{.delays = {}, .besides = {&nothing}, .free = free_power(problem, nothing.difference)};
+  for (const Screened& screened : screening.tried) {
+    if (is_steady_delay(problem.catalogue.at(screened.start.name))) ground.delays.push_back(screened.column);
+  }
+  std::size_t singles = 0;
+  for (const FitResult& result : fits) {
+    const FreePower of_this = free_power(problem, result.difference);
+    if (of_this.cost < ground.free.cost) ground.free = of_this;
+    const std::vector<common::EffectInstance>& effects = result.point.effects;
+    if (mean_among(problem.catalogue, effects) || (effects.size() == 1 && singles++ < kBeside)) ground.besides.push_back(&result);
+  }
+  return ground;
+}
+
+// A start of a stochastic effect: the power of its draws in the screening, and how much of it each fit of the ground has.
+struct DrawnStart {
+  const Screened* start = nullptr;
+  Power power;
+  std::vector<PowerFit> found;
+};
+
+std::vector<DrawnStart> drawn_powers(Problem& problem, const Screening& screening, const Ground& ground) {
+  const auto count = ground.besides.front()->difference.size();
+  std::vector<DrawnStart> drawn;
+  for (const Screened& screened : screening.tried) {
+    if (is_stochastic(problem.catalogue.at(screened.start.name))) drawn.push_back({.start = &screened, .power = {}, .found = {}});
+  }
+  share_out(problem, drawn.size(), [&](std::size_t i) {
+    DrawnStart& one = drawn[i];
+    const common::EffectAbout& about = problem.catalogue.at(one.start->start.name);
+    const Eigen::VectorXd& column = one.start->column;
+    one.power = power_of(
+        problem, std::vector<Eigen::VectorXd>{(is_stochastic_delay(about) ? without_columns(column, ground.delays) : column).head(count)});
+    const PowerScales scales(one.power);
+    const double most = largest_scale(about, one.start->start);
+    for (const FitResult* beside : ground.besides) {
+      PowerFit here = scales.fit(beside->difference);
+      if (here.scale > most) here = power_at(beside->difference, one.power, most);
+      one.found.push_back(here);
+    }
+  });
+  return drawn;
+}
+
+// The place of the best power among those drawn, by the effect and the place of the fit among the ground's. No fit is copied before it is
+// known to be worth it.
+using BestDrawn = std::map<std::pair<std::string, std::size_t>, std::size_t>;
+BestDrawn best_of_drawn(const std::vector<DrawnStart>& drawn) {
+  BestDrawn best;
+  for (std::size_t i = 0; i < drawn.size(); ++i) {
+    for (std::size_t b = 0; b < drawn[i].found.size(); ++b) {
+      const PowerFit& found = drawn[i].found[b];
+      if (found.scale == 0.0) continue;
+      const auto [entry, is_new] = best.try_emplace({drawn[i].start->start.name, b}, i);
+      if (!is_new && found.cost < drawn[entry->second].found[b].cost) entry->second = i;
+    }
+  }
+  return best;
+}
+
+// Of each stochastic effect beside each fit the best power, drawn again where the fit stands.
+std::list<Try> tries_of(Problem& problem, const Ground& ground, const std::vector<DrawnStart>& drawn, const Progress& tell) {
+  const BestDrawn best = best_of_drawn(drawn);
+  const auto count = ground.besides.front()->difference.size();
+  std::list<Try> tries;
+  std::size_t told = 0;
+  for (const auto& [key, i] : best) {
+    const auto& [name, b] = key;
+    tell(static_cast<double>(told++) / static_cast<double>(best.size()), "drawing " + name);
+    const FitResult& beside = *ground.besides[b];
+    const PowerFit& found = drawn[i].found[b];
+    const double fall = problem.settings.independent_share * (beside.difference.squaredNorm() - found.cost);
+    if (fall < kLeastFall || above_free_power(found, ground.free, count) >= kWorthALook) continue;
+    const common::EffectAbout& about = problem.catalogue.at(name);
+    const std::optional<std::size_t> mean = is_stochastic_delay(about) ? mean_among(problem.catalogue, beside.point.effects) : std::nullopt;
+    tries.push_back({beside, mean, with_power(about, drawn[i].start->start, found.scale), found, drawn[i].power});
+    look(problem, ground.delays, tries.back());
+  }
+  return tries;
+}
+
+bool is_near_enough(const Problem& problem, const Try& one, const FreePower& least) {
+  const double limit = is_stochastic_delay(problem.catalogue.at(one.effect.name)) ? kNearFreePower : kNearForce;
+  return above_free_power(one.found, least, one.fit.difference.size()) < limit;
+}
+
+// What is near enough with a second effect is offered without it too: the second one may only stand for what laws differ in.
+// `near` are the effects whose power comes near enough, alone or beside another.
+bool may_be_it(const Problem& problem, const std::set<std::string>& near, const Try& one, const FreePower& least) {
+  return is_near_enough(problem, one, least) || (one.is_alone() && near.contains(one.effect.name));
+}
+
+bool is_cheaper(const Try& one, const Try* other) {
+  return other == nullptr || one.found.cost + one.mean_cost < other->found.cost + other->mean_cost;
+}
+
+// Which tries are candidates as they stand, and which are fitted closer.
+struct Sorted {
+  std::vector<const Try*> near;                 // with their powers, in the order of the tries
+  std::map<std::string, const Try*> alone_of;   // the best of each effect alone
+  const Try* alone = nullptr;                   // the best of these
+  const Try* beside_another = nullptr;          // the best that is not near, where nothing is
+};
+
+Sorted sorted(const Problem& problem, const std::list<Try>& tries, const std::set<std::string>& near, const FreePower& free, bool much_is_left) {
+  Sorted result;
+  for (const Try& one : tries) {
+    const bool is_alone = one.is_alone(), is_near = may_be_it(problem, near, one, free);
+    if (is_near) result.near.push_back(&one);
+    if (!is_near && !(near.empty() && much_is_left)) continue;
+    if (is_alone) {
+      const Try*& best = result.alone_of[one.effect.name];
+      if (is_cheaper(one, best)) best = &one;
+    }
+    if (!is_alone && !is_near && is_cheaper(one, result.beside_another)) result.beside_another = &one;
+  }
+  for (const auto& [name, one] : result.alone_of) {
+    if (is_cheaper(*one, result.alone)) result.alone = one;
+  }
+  return result;
+}
+
+// The cheapest fit of each set of effects. Low frequencies say of any force little more than that it turns the crane: such an effect must be the
+// one whose axes fit best.
+class BestOfEachSet {
+ public:
+  BestOfEachSet(Problem& problem, const Screening& screening) : problem_(problem), screening_(screening) {}
+
+  void keep(const Try& one, FitResult result) {
+    if (!is_stochastic_delay(problem_.catalogue.at(one.effect.name))) {
+      if (axes_.empty()) axes_ = screened_axes(problem_, screening_, one.fit.difference.size());
+      if (!has_best_axes(problem_, axes_, one.effect.name, one.fit.difference)) return;
+    }
+    std::set<std::string> names;
+    for (const common::EffectInstance& effect : result.point.effects) names.insert(effect.name);
+    const auto [entry, is_new] = best_.try_emplace(names, result);
+    if (!is_new && result.cost < entry->second.cost) entry->second = std::move(result);
+  }
+
+  std::vector<FitResult> take() {
+    std::vector<FitResult> results;
+    for (auto& [names, result] : best_) results.push_back(std::move(result));
+    return results;
+  }
+
+ private:
+  Problem& problem_;
+  const Screening& screening_;
+  EffectAxes axes_;  // made where they are asked for
+  std::map<std::set<std::string>, FitResult> best_;
+};
+
 }  // namespace
 
 std::vector<FitResult> stochastic_fits(Problem& problem, const Screening& screening, const FitResult& nothing,
                                    const std::vector<FitResult>& fits, const Progress& tell) {
-  std::vector<Eigen::VectorXd> delays;
-  for (const Screened& screened : screening.tried) {
-    if (is_steady_delay(problem.catalogue.at(screened.start.name))) delays.push_back(screened.column);
-  }
-  FreePower free = free_power(problem, nothing.difference);
-  std::vector<const FitResult*> besides{&nothing};
-  std::size_t singles = 0;
-  for (const FitResult& result : fits) {
-    const FreePower of_this = free_power(problem, result.difference);
-    if (of_this.cost < free.cost) free = of_this;
-    const std::vector<common::EffectInstance>& effects = result.point.effects;
-    if (mean_among(problem.catalogue, effects) || (effects.size() == 1 && singles++ < kBeside)) besides.push_back(&result);
-  }
-  // Of each stochastic effect and each fit the best power of the screening.
-  const auto count = nothing.difference.size();
-  std::vector<const Screened*> drawn;
-  for (const Screened& screened : screening.tried) {
-    if (is_stochastic(problem.catalogue.at(screened.start.name))) drawn.push_back(&screened);
-  }
-  std::vector<Power> powers(drawn.size());
-  std::vector<std::vector<PowerFit>> found(drawn.size());  // beside each fit
-  share_out(problem, drawn.size(), [&](std::size_t i) {
-    const Eigen::VectorXd& column = drawn[i]->column;
-    const bool delays_too = is_stochastic_delay(problem.catalogue.at(drawn[i]->start.name));
-    powers[i] = power_of(problem, std::vector<Eigen::VectorXd>{(delays_too ? without_columns(column, delays) : column).head(count)});
-    const PowerScales scales(powers[i]);
-    const double most = largest_scale(problem.catalogue.at(drawn[i]->start.name), drawn[i]->start);
-    for (const FitResult* beside : besides) {
-      PowerFit here = scales.fit(beside->difference);
-      if (here.scale > most) here = power_at(beside->difference, powers[i], most);
-      found[i].push_back(here);
-    }
-  });
-  // The place of the best power among those drawn; no fit is copied before it is known to be worth it.
-  std::map<std::pair<std::string, std::size_t>, std::size_t> best_drawn;  // by the effect and the place of the fit among `besides`
-  for (std::size_t i = 0; i < drawn.size(); ++i) {
-    for (std::size_t b = 0; b < besides.size(); ++b) {
-      if (found[i][b].scale == 0.0) continue;
-      const auto [entry, is_new] = best_drawn.try_emplace({drawn[i]->start.name, b}, i);
-      if (!is_new && found[i][b].cost < found[entry->second][b].cost) entry->second = i;
-    }
-  }
-  std::map<std::set<std::string>, FitResult> best;
-  EffectAxes axes;  // made where they are asked for
-  // Low frequencies say of any force little more than that it turns the crane; it must be the one whose axes fit best.
-  const auto keep = [&](const Try& one, FitResult result) {
-    if (!is_stochastic_delay(problem.catalogue.at(one.effect.name))) {
-      if (axes.empty()) axes = screened_axes(problem, screening, count);
-      if (!has_best_axes(problem, axes, one.effect.name, one.fit.difference)) return;
-    }
-    std::set<std::string> names;
-    for (const common::EffectInstance& effect : result.point.effects) names.insert(effect.name);
-    const auto [entry, is_new] = best.try_emplace(names, result);
-    if (!is_new && result.cost < entry->second.cost) entry->second = std::move(result);
-  };
-  const auto is_near_enough = [&](const Try& one, const FreePower& least) {
-    return above_free_power(one.found, least, count) < (is_stochastic_delay(problem.catalogue.at(one.effect.name)) ? kNearFreePower : kNearForce);
-  };
-  std::list<Try> tries;
-  std::set<std::string> near;  // stochastic effects whose power comes near enough, alone or beside another
-  std::size_t told = 0;
-  const Progress draw = within(tell, {0.0, 0.5});
-  for (const auto& [key, i] : best_drawn) {
-    const auto& [name, b] = key;
-    draw(static_cast<double>(told++) / static_cast<double>(best_drawn.size()), "drawing " + name);
-    const FitResult& beside = *besides[b];
-    const double fall = problem.settings.independent_share * (beside.difference.squaredNorm() - found[i][b].cost);
-    if (fall < kLeastFall || above_free_power(found[i][b], free, count) >= kWorthALook) continue;
-    const common::EffectAbout& about = problem.catalogue.at(name);
-    const std::optional<std::size_t> mean = is_stochastic_delay(about) ? mean_among(problem.catalogue, beside.point.effects) : std::nullopt;
-    tries.push_back({beside, mean, with_power(about, drawn[i]->start, found[i][b].scale), found[i][b], powers[i]});
-    Try& one = tries.back();
-    look(problem, delays, one);
-    if (is_near_enough(one, free)) near.insert(name);
+  const Ground ground = ground_of(problem, screening, nothing, fits);
+  const std::list<Try> tries = tries_of(problem, ground, drawn_powers(problem, screening, ground), within(tell, {0.0, 0.5}));
+  std::set<std::string> near;
+  for (const Try& one : tries) {
+    if (is_near_enough(problem, one, ground.free)) near.insert(one.effect.name);
   }
   // Where no power is near and much is left, a second effect may be what is too much for the best of them alone.
   const bool much_is_left = std::all_of(fits.begin(), fits.end(), [](const FitResult& result) { return result.excess > kMuch; });
-  // What is near enough with a second effect is offered without it too: the second one may only stand for what laws differ in.
-  const auto may_be_it = [&](const Try& one, const FreePower& least) {
-    return is_near_enough(one, least) || (one.is_alone() && near.contains(one.effect.name));
-  };
-  const auto cheaper = [](const Try* a, const Try* b) {
-    return b == nullptr || a->found.cost + a->mean_cost < b->found.cost + b->mean_cost;
-  };
-  std::map<std::string, const Try*> alone_of;  // the best of each stochastic effect
-  const Try* beside_another = nullptr;
-  for (const Try& tried : tries) {
-    const Try* const one = &tried;
-    const bool is_alone = one->is_alone(), is_near = may_be_it(*one, free);
-    const bool is_open = is_near || (near.empty() && much_is_left);
-    if (is_alone && is_open) {
-      const Try*& best_alone = alone_of[one->effect.name];
-      if (cheaper(one, best_alone)) best_alone = one;
-    }
-    if (!is_alone && !is_near && is_open && cheaper(one, beside_another)) beside_another = one;
-    if (!is_near) continue;
+  const Sorted candidates = sorted(problem, tries, near, ground.free, much_is_left);
+
+  BestOfEachSet best(problem, screening);
+  for (const Try* one : candidates.near) {
     const AddedPower added{one->power, one->found.scale};
-    keep(*one, with_stochastic_effect(problem, *one, one->fit, divided(added, one->fit.difference), divided_columns(added, one->fit.columns),
-                     logarithms(added)));
+    best.keep(*one, with_stochastic_effect(problem, *one, one->fit, divided(added, one->fit.difference),
+                                           divided_columns(added, one->fit.columns), logarithms(added)));
   }
   const auto keep_if_near = [&](Second second) {
     const FreePower here = free_power(problem, second.one.fit.difference);
-    if (may_be_it(second.one, here.cost < free.cost ? here : free)) keep(second.one, std::move(second.fit));
+    if (may_be_it(problem, near, second.one, here.cost < ground.free.cost ? here : ground.free)) best.keep(second.one, std::move(second.fit));
   };
-  const Try* alone = nullptr;
-  for (const auto& [name, one] : alone_of) {
-    if (cheaper(one, alone)) alone = one;
+  for (const auto& [name, one] : candidates.alone_of) {
+    if (one != candidates.alone && may_be_it(problem, near, *one, ground.free)) keep_if_near(fit_closer(problem, ground.delays, *one));
   }
-  for (const auto& [name, one] : alone_of) {
-    if (one != alone && may_be_it(*one, free)) keep_if_near(fit_closer(problem, delays, *one));
-  }
-  if (alone != nullptr) {
+  if (candidates.alone != nullptr) {
     const auto tell_second = [&, second = within(tell, {0.5, 1.0})](double share, const std::string& doing) {
-      second(share, doing + " beside " + alone->effect.name);
+      second(share, doing + " beside " + candidates.alone->effect.name);
     };
-    for (Second& second : seconds(problem, screening, *alone, delays, tell_second)) keep_if_near(std::move(second));
+    for (Second& second : seconds(problem, screening, *candidates.alone, ground.delays, tell_second)) keep_if_near(std::move(second));
   }
-  if (beside_another != nullptr) keep_if_near(fit_closer(problem, delays, *beside_another));
-  std::vector<FitResult> results;
-  for (auto& [names, result] : best) results.push_back(std::move(result));
-  return results;
+  if (candidates.beside_another != nullptr) keep_if_near(fit_closer(problem, ground.delays, *candidates.beside_another));
+  return best.take();
 }
 
 }  // namespace slewlab::diagnosis

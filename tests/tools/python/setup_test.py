@@ -72,6 +72,13 @@ class SetupTest(unittest.TestCase):
         self.assertEqual((code, calls), (1, []))
         self.assertIn("As root, run: apt-get install ninja-build", output)
 
+    def test_the_hunt_asks_for_its_compiler(self):
+        shutil.copy(REPOSITORY / "tools" / "fuzz", self.root / "tools" / "fuzz")
+        self.stand_in("tools/setup", 'echo "$SLEWLAB_MORE_PACKAGES"; exit 7')
+        ended = subprocess.run([self.root / "tools" / "fuzz"], stdin=subprocess.DEVNULL, capture_output=True, text=True)
+        # The preset `fuzz` names clang; SUNDIALS' package asks for OpenMP.
+        self.assertEqual((ended.returncode, ended.stdout.split()), (7, ["clang", "libomp-dev"]), ended.stderr)
+
     def test_other_requirements_make_the_python_side_anew_and_a_half_made_one_does_not_count(self):
         requirements = self.root / "tools" / "python" / "requirements.txt"
         requirements.write_text("--no-such-option\n")

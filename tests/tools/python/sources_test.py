@@ -1,7 +1,9 @@
 """The form of the C++ sources (tools/format), and slips that clang-tidy finds. It takes seconds a file where a header is large,
 so that the suite looks at the two rooms that everything stands on."""
 
+import ast
 import os
+import re
 import runpy
 import subprocess
 import unittest
@@ -12,6 +14,8 @@ from run_log import REPOSITORY, messages_folder
 
 ENVIRONMENT = {name: value for name, value in os.environ.items() if name != "LD_PRELOAD"}  # a sanitizer's runtime is not for them
 PROGRAMS = REPOSITORY / ".venv" / "bin"
+ROOMS = ("common", "controller", "diagnosis", "examples", "msgs", "sim", "tools")
+MOST_LINES = 100  # of a function, its name and arguments left out
 
 
 class FormatTest(unittest.TestCase):
@@ -25,6 +29,47 @@ class FormatTest(unittest.TestCase):
         # As clang-format tells it: (offset, length, blanks).
         replacements = [(3, 2, b" "), (6, 0, b" "), (7, 0, b" "), (9, 1, b"  "), (29, 3, b" "), (55, 3, b" ")]
         self.assertEqual(merged(text, replacements), b"int  a = 1;  // one\nint b = f(1,\n  2);\nint table[]{10,   2};\n")
+
+
+def long_blocks(text):
+    """Where blocks of braces begin that have more than MOST_LINES and are no scope of names. A block's end stands as far from the
+    margin as the statement that opens it."""
+    lines, found = text.splitlines(), []
+    for opening, line in enumerate(lines):
+        if not line.endswith("{"):
+            continue
+        first = opening
+        while first > 0 and re.search(r"[^;{}>:\s]$", lines[first - 1]) and not lines[first - 1].lstrip().startswith(("//", "#")):
+            first -= 1
+        if re.match(r"\s*(export )?(namespace|extern|class|struct|union|enum)\b", lines[first]):
+            continue
+        end = re.compile(" {0,%d}}" % (len(lines[first]) - len(lines[first].lstrip())))
+        last = next((i for i in range(opening + 1, len(lines)) if end.match(lines[i])), opening)
+        if last - opening - 1 > MOST_LINES:
+            found.append(first + 1)
+    return found
+
+
+def long_functions(path):
+    text = path.read_text(encoding="utf-8")
+    if path.suffix != ".py":
+        return long_blocks(text)
+    return [node.lineno for node in ast.walk(ast.parse(text))
+            if isinstance(node, (ast.FunctionDef, ast.AsyncFunctionDef)) and node.end_lineno - node.lineno > MOST_LINES]
+
+
+class LengthTest(unittest.TestCase):
+    def test_a_block_that_is_too_long_is_noticed(self):
+        body = "  f();\n" * (MOST_LINES + 1)
+        self.assertEqual(long_blocks("int g() { return 1; }\nvoid h() {\n" + body + "}\n"), [2])
+        self.assertEqual(long_blocks("int h(int a,\n      int b) {\n" + body + "}\n"), [1])
+        self.assertEqual(long_blocks("namespace a {\n" + body + "}\nvoid h() {\n" + body[7:] + "}\n"), [])
+
+    def test_no_function_is_long(self):
+        sources = [path for room in ROOMS for path in sorted((REPOSITORY / room).rglob("*"))
+                   if path.suffix in (".h", ".cpp", ".c", ".py", ".js") and not {"vendor", "fmi"} & set(path.parts)]
+        self.assertGreater(len(sources), 300)
+        self.assertEqual([f"{path.relative_to(REPOSITORY)}:{line}" for path in sources for line in long_functions(path)], [])
 
 
 class TidyTest(unittest.TestCase):
