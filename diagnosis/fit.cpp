@@ -39,6 +39,7 @@ constexpr double kEffectStep = 0.05;   // [standard deviations] the same for eff
 constexpr double kSpellStep = 0.05;    // of the time in which a spell fades: its beginning and end are as sharp as that
 constexpr double kStepDeviations = 2.0;  // the step where it is known how well the records tell the parameter, in what they leave open
 constexpr double kSmallestStep = 0.2;    // share of the first step, large against rounding
+constexpr std::size_t kMostRoom = std::size_t{1} << 28;  // [bytes] of the series of one thread's simulations: eight of ten minutes at 1 kHz
 
 }  // namespace
 
@@ -466,10 +467,19 @@ void share_out(Problem& problem, std::size_t count, const std::function<void(std
 
 namespace {
 
-// Simulations that one thread takes on at once: as many machines as a batch has lanes, no more where that leaves a thread without work.
+// Series of one machine's Shadow [bytes].
+std::size_t room_for(const Record& record) {
+  const auto accelerometers = static_cast<std::size_t>(std::count_if(record.acceleration.begin(), record.acceleration.end(),
+                                                                     [](const std::vector<double>& series) { return !series.empty(); }));
+  return (static_cast<std::size_t>(record.group_count) + accelerometers) * record.size() * sizeof(double);
+}
+
+// Simulations that one thread takes on at once: as many machines as a batch has lanes, no more where that leaves a thread without work, nor
+// than there is room for: of an hour at 1 kHz, one.
 std::size_t side_by_side(const Problem& problem, std::size_t points) {
   const auto threads = static_cast<std::size_t>(problem.threads), records = problem.records.size();
-  const std::size_t most = sim::is_supported(sim::BatchWidth::eight) ? 8 : 4;
+  std::size_t most = sim::is_supported(sim::BatchWidth::eight) ? 8 : 4;
+  for (const Record& record : problem.records) most = std::clamp(kMostRoom / std::max<std::size_t>(1, room_for(record)), std::size_t{1}, most);
   const std::size_t shares = std::max<std::size_t>(1, threads / records);  // of the points, one for each thread
   return std::clamp((points + shares - 1) / shares, std::size_t{1}, most);
 }
@@ -477,23 +487,22 @@ std::size_t side_by_side(const Problem& problem, std::size_t points) {
 // The whitened differences of some of the points from one of the records. A machine that is not there, because its boom buckles, is far off.
 void differ(Problem& problem, std::span<const Point> points, std::span<const std::optional<Follower>> followers, std::size_t r,
             const DriveCourse& drives, std::span<Eigen::VectorXd> results, Eigen::Index first_row) {
-  std::vector<std::unique_ptr<SimulationRoom>> rooms(points.size());
+  std::unique_ptr<SimulationRoom> room = problem.stock.take_room();
+  if (room->shadows.size() < points.size()) room->shadows.resize(points.size());
   std::vector<Shadowing> shadowings;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (!followers[i]) continue;
-    rooms[i] = problem.stock.take_room();
-    shadowings.push_back(shadowing_at(problem, *followers[i], points[i], r, rooms[i]->shadow));
+    if (followers[i]) shadowings.push_back(shadowing_at(problem, *followers[i], points[i], r, room->shadows[i]));
   }
   shadow(std::move(shadowings), problem.records[r], drives, problem.gains);
   for (std::size_t i = 0; i < points.size(); ++i) {
     auto rows = results[i].segment(first_row, problem.whitening[r].size());
-    if (rooms[i]) {
-      whiten(problem.whitening[r], rooms[i]->shadow, rooms[i]->transform, rows);
-      problem.stock.give_back(std::move(rooms[i]));
+    if (followers[i]) {
+      whiten(problem.whitening[r], room->shadows[i], room->transform, rows);
     } else {
       rows.setConstant(kVeryFarOff);
     }
   }
+  problem.stock.give_back(std::move(room));
   problem.simulations += static_cast<std::int64_t>(points.size());
 }
 

@@ -62,10 +62,10 @@ sim::MachineSettings machine_at(const sim::MachineSettings& nominal, const Nuisa
 
 struct AddedPower;  // stochastic.h
 
-// What one simulation works in, used again by the next one.
+// What machines side by side are simulated in, used again by the next ones.
 struct SimulationRoom {
-  Shadow shadow;
-  TransformRoom transform;
+  std::vector<Shadow> shadows;  // one for each machine
+  TransformRoom transform;      // for one after the other
 };
 
 // What the simulations of a problem have in common, made when it is first asked for. The records must not change from then on.

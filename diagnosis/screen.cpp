@@ -264,6 +264,43 @@ std::vector<common::EffectInstance> best_starts(const Problem& problem, const Sc
   return starts;
 }
 
+namespace {
+
+// Between the starts of one effect that have been looked at: better angles, beginnings and ends.
+void look_between(const common::EffectCatalogue& catalogue, std::span<const Screened> tried, const Eigen::VectorXd& gap, std::vector<Screened>& between) {
+  std::vector<const Screened*> endless;
+  for (std::size_t i = 0; i < tried.size(); ++i) {
+    const common::EffectAbout& about = catalogue.at(tried[i].start.name);
+    const std::vector<std::size_t> angles = turning_angles(about);
+    const auto is_turned = [&](std::size_t one, std::size_t other, std::size_t angle) {
+      return other < tried.size() && is_quarter_on(tried[one].start, tried[other].start, angle);
+    };
+    if (angles.size() == 1 && is_turned(i, i + 1, angles[0])) {
+      between.push_back(between_quarters(tried[i].start, tried[i].column, tried[i + 1].column, angles[0], gap));
+    }
+    if (about.angles_multiply && is_turned(i, i + 1, angles[0]) && is_turned(i, i + 2, angles[1]) && is_turned(i + 2, i + 3, angles[0])) {
+      between.push_back(between_quarters(tried.subspan(i, 4), angles[0], angles[1], gap));
+    }
+    if (about.spell && tried[i].start.values[places_of(about).duration] == about.parameters[places_of(about).duration].upper) endless.push_back(&tried[i]);
+  }
+  if (endless.size() > 1) between.push_back(between_beginnings(catalogue, endless, gap));
+}
+
+// Hundreds of columns of a long record are gigabytes: of each effect the best starts keep theirs, and those of which draws and delays are made.
+void keep_the_best(const common::EffectCatalogue& catalogue, std::span<Screened> tried) {
+  std::map<std::string, std::vector<Screened*>> by_effect;
+  for (Screened& one : tried) {
+    const common::EffectAbout& about = catalogue.at(one.start.name);
+    if (!is_stochastic(about) && !is_steady_delay(about)) by_effect[one.start.name].push_back(&one);
+  }
+  for (auto& [name, starts] : by_effect) {
+    std::stable_sort(starts.begin(), starts.end(), [](const Screened* a, const Screened* b) { return a->left < b->left; });
+    for (std::size_t k = kStartsPerEffect; k < starts.size(); ++k) starts[k]->column = {};
+  }
+}
+
+}  // namespace
+
 Screening screen(Problem& problem, const FitResult& from, const Projector& project, std::span<const common::EffectInstance> starts,
                  const Progress& tell) {
   // One simulation from each start.
@@ -286,37 +323,25 @@ Screening screen(Problem& problem, const FitResult& from, const Projector& proje
     screened.visibility = screened.column.squaredNorm();
     try_amount(problem.catalogue, screened.column, gap, screened, farthest);
   };
+  std::vector<Screened> between;
+  std::size_t closed = 0;  // starts of effects all of whose starts have been looked at: those of one effect stand together
   {
     const std::size_t batch = 8 * static_cast<std::size_t>(std::max(1, problem.threads));
     for (std::size_t first = 0; first < points.size(); first += batch) {
-      const std::size_t count = std::min(batch, points.size() - first);
+      const std::size_t count = std::min(batch, points.size() - first), seen = first + count;
       const auto results = differences(problem, std::span<const Point>(points).subspan(first, count));
       share_out(problem, count, [&](std::size_t i) { look(tried[first + i], results[i], kLargestAmount); });
-      tell(0.9 * static_cast<double>(first + count) / static_cast<double>(points.size()), "trying every effect of the catalogue");
+      for (std::size_t end = closed + 1; end <= seen; ++end) {
+        const bool is_last = end == tried.size() || tried[end].start.name != tried[closed].start.name;
+        if (!is_last) continue;
+        look_between(problem.catalogue, std::span<const Screened>(tried).subspan(closed, end - closed), gap, between);
+        closed = end;
+      }
+      keep_the_best(problem.catalogue, std::span(tried).first(closed));
+      tell(0.9 * static_cast<double>(seen) / static_cast<double>(points.size()), "trying every effect of the catalogue");
     }
   }
   // Closer looks at the best of each effect at the size just found: few laws are linear from nothing to their typical size.
-  std::vector<Screened> between;
-  std::map<std::string, std::vector<const Screened*>> endless;
-  for (std::size_t i = 0; i < tried.size(); ++i) {
-    const common::EffectAbout& about = problem.catalogue.at(tried[i].start.name);
-    const std::vector<std::size_t> angles = turning_angles(about);
-    const auto is_turned = [&](std::size_t one, std::size_t other, std::size_t angle) {
-      return other < tried.size() && is_quarter_on(tried[one].start, tried[other].start, angle);
-    };
-    if (angles.size() == 1 && is_turned(i, i + 1, angles[0])) {
-      between.push_back(between_quarters(tried[i].start, tried[i].column, tried[i + 1].column, angles[0], gap));
-    }
-    if (about.angles_multiply && is_turned(i, i + 1, angles[0]) && is_turned(i, i + 2, angles[1]) && is_turned(i + 2, i + 3, angles[0])) {
-      between.push_back(between_quarters(std::span<const Screened>(tried).subspan(i, 4), angles[0], angles[1], gap));
-    }
-    if (about.spell && tried[i].start.values[places_of(about).duration] == about.parameters[places_of(about).duration].upper) {
-      endless[tried[i].start.name].push_back(&tried[i]);
-    }
-  }
-  for (const auto& [name, beginnings] : endless) {
-    if (beginnings.size() > 1) between.push_back(between_beginnings(problem.catalogue, beginnings, gap));
-  }
   std::vector<const Screened*> looks;
   for (const Screened& screened : tried) looks.push_back(&screened);
   for (const Screened& screened : between) looks.push_back(&screened);
@@ -334,6 +359,7 @@ Screening screen(Problem& problem, const FitResult& from, const Projector& proje
     share_out(problem, again.size(), [&](std::size_t i) { look(again[i], results[i], kCloserAmount); });
     const std::size_t known = tried.size();
     tried.insert(tried.end(), std::make_move_iterator(again.begin()), std::make_move_iterator(again.end()));
+    keep_the_best(problem.catalogue, tried);
     looks.clear();
     for (std::size_t i = known; i < tried.size(); ++i) looks.push_back(&tried[i]);
   }

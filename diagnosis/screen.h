@@ -20,6 +20,7 @@ namespace slewlab::diagnosis {
 
 inline constexpr double kLargestAmount = 20.0;         // of the screened size that a linear forecast is trusted with
 inline constexpr double kLeastGain = 6.0;              // fall of the cost, forecast linearly, for which an effect is refined
+inline constexpr std::size_t kStartsPerEffect = 2;     // that are refined at most
 
 // The points from which an effect is tried: its typical size, and a fraction of it, where most laws are still linear;
 // other sizes where the size enters not proportionally; other shapes. An angle that enters as a sine needs two
@@ -30,7 +31,7 @@ std::vector<common::EffectInstance> starts_of(const common::EffectAbout& about, 
 
 struct Screened {
   common::EffectInstance start;
-  Eigen::VectorXd column;       // change of the differences by the start's size
+  Eigen::VectorXd column;       // change of the differences by the start's size; empty where nobody asks for it any more
   double visibility = 0.0;      // sum of squares of the column, nuisances taken out
   double amount = 0.0;          // of the start's size, fitted
   double left = 0.0;            // sum of squares that it leaves, linearly
@@ -94,7 +95,7 @@ bool has_effect(std::span<const common::EffectInstance> effects, std::string_vie
 
 struct Screening {
   std::set<std::string> names;               // of the effects that were tried
-  std::vector<Screened> tried;               // all starts and closer looks
+  std::vector<Screened> tried;               // all starts and closer looks; with their columns the best of each effect, and all that the power of draws is asked of
   std::map<std::string, double> visibility;  // largest of each effect's
   Eigen::VectorXd gap;                       // what parameters alone leave, as the projector shows it
 };

@@ -16,7 +16,6 @@ namespace {
 
 constexpr double kLeastPairGain = 40.0;         // fall of the excess below the best single effect's, forecast, to try a pair
 constexpr double kSameMotion = 1e-6;            // relative difference of two signatures below which two effects are one motion
-constexpr int kStartsPerEffect = 2;             // that are refined
 constexpr double kNearRival = 30.0;              // cost above the best fit's, below which the order may be that of convergence
 constexpr std::size_t kMostRivals = 2;
 constexpr int kFreshRounds = 5;                 // at most, for a leader
@@ -236,14 +235,14 @@ Found search(Problem& problem, const FitResult& base, const Screening& screening
 
   // Refine the best ones with everything free: what takes away more than chance would.
   std::vector<const Screened*> chosen;
-  std::map<std::string, int> seen;
+  std::map<std::string, std::size_t> seen;
   // Two effects that are the same motion are fitted once and named both.
   std::map<std::string, std::string> same_as;
   for (const Screened* screened : ranked) {
     if (static_cast<int>(chosen.size()) >= settings.singles_to_refine || forecast(problem, base, screening, *screened) < kLeastGain) break;
     if (same_as.count(screened->start.name) != 0) continue;
     const auto same = std::find_if(chosen.begin(), chosen.end(), [&](const Screened* other) {
-      return other->start.name != screened->start.name && other->start.values == screened->start.values &&
+      return other->start.name != screened->start.name && other->start.values == screened->start.values && screened->column.size() > 0 &&
              (other->column - screened->column).squaredNorm() <= kSameMotion * kSameMotion * screened->visibility;
     });
     if (same != chosen.end()) {

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <span>
 
 #include "diagnosis/recorded_drive.h"
 #include "sim/effects/catalogue.h"
@@ -49,13 +50,28 @@ class LaterReading {
       weight_[static_cast<std::size_t>(i)] = weight;
     }
   }
-  double operator()(const std::vector<double>& series, std::size_t n) const {
-    const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(n) + whole_ - kBefore;
+  bool is_like(const LaterReading& other) const { return points_ == other.points_; }
+  // Of `result.size()` points from `n` on: the sums of neighbouring points, each in its order, side by side.
+  void read(const std::vector<double>& series, std::size_t n, std::span<double> result) const {
+    const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(n) + whole_ - kBefore, count = static_cast<std::ptrdiff_t>(result.size());
     const auto size = static_cast<std::ptrdiff_t>(series.size());
-    if (is_whole_ || first < 0 || first + kPoints > size) return value_at(series, place_at(static_cast<double>(n) + points_, series.size()));
-    double sum = 0.0;
-    for (std::ptrdiff_t i = 0; i < kPoints; ++i) sum += weight_[static_cast<std::size_t>(i)] * series[static_cast<std::size_t>(first + i)];
-    return sum;
+    // Those whose sixteen points are all there; the others by a line.
+    const std::ptrdiff_t from = is_whole_ ? count : std::clamp<std::ptrdiff_t>(-first, 0, count);
+    const std::ptrdiff_t to = is_whole_ ? count : std::clamp<std::ptrdiff_t>(size - kPoints + 1 - first, from, count);
+    double* const sums = result.data();
+    const auto by_line = [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
+      for (std::ptrdiff_t k = begin; k < end; ++k) {
+        sums[k] = value_at(series, place_at(static_cast<double>(n + static_cast<std::size_t>(k)) + points_, series.size()));
+      }
+    };
+    by_line(0, from);
+    by_line(to, count);
+    std::fill(sums + from, sums + to, 0.0);
+    for (std::ptrdiff_t i = 0; i < kPoints; ++i) {
+      const double weight = weight_[static_cast<std::size_t>(i)];
+      const double* const values = series.data() + first + i;
+      for (std::ptrdiff_t k = from; k < to; ++k) sums[k] += weight * values[k];
+    }
   }
 
  private:
@@ -65,6 +81,10 @@ class LaterReading {
   bool is_whole_ = false;
   std::array<double, static_cast<std::size_t>(kPoints)> weight_{};
 };
+
+// Positions of the next grid points, of each group: many at once, for each alone waits for its own additions.
+constexpr std::size_t kAhead = 64;
+using ReadAhead = std::array<std::array<double, kAhead>, sim::kMaximumGroupCount>;
 
 // From what the shadow's sensor says at every step to measured - shadow, taken where the sensor was sampled and straight in between, as
 // the record is: what sampling takes away it takes from both.
@@ -279,6 +299,7 @@ Observer::Observer(Follower follower, const Record& record, const ShadowGains& g
   GroupAngles first{};
   for (std::size_t i = 0; i < groups_; ++i) first[i] = beginning.motor_offset[i] * machine_.model.ratio;
   past_error_.assign(std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(gains.speed_window / record.step))), first);
+  speed_window_ = step_ * static_cast<double>(past_error_.size());
 }
 
 Observer::Moment Observer::advance(const sim::DriveCommand& command, const Measured& measured) {
@@ -296,7 +317,7 @@ Observer::Moment Observer::compare(const Measured& measured) {
   const sim::MachineReadings readings = sim::read(machine_);
   for (std::size_t i = 0; i < groups_; ++i) {
     const double error = measured.position[i] - origin_[i] - readings.shaft_position[i];
-    const double missing = gains_.speed * (error - past_error_[oldest_][i]) / (step_ * static_cast<double>(past_error_.size())) + gains_.position * error;
+    const double missing = gains_.speed * (error - past_error_[oldest_][i]) / speed_window_ + gains_.position * error;
     past_error_[oldest_][i] = error;
     moment.missing_torque[i] = missing;
     // Past the actuators: what is missing at a motor is not limited or delayed by its drive.
@@ -329,10 +350,14 @@ void shadow(std::vector<Shadowing> shadowings, const Record& record, const Drive
   }
   std::vector<Observer> observers;
   std::vector<LaterReading> position;
+  std::vector<ReadAhead> ahead(shadowings.size());
+  std::vector<std::size_t> reads_as;     // per machine, the first one whose encoders read as late
   observers.reserve(shadowings.size());  // machines stay where they are
   std::vector<sim::Machine*> machines;  // that step as the grid does; the others one by one
   for (Shadowing& shadowing : shadowings) {
     position.emplace_back(shadowing.encoder_latency / record.step + shadowing.follower.encoder_delay);
+    const auto alike = std::find_if(position.begin(), position.end(), [&](const LaterReading& one) { return one.is_like(position.back()); });
+    reads_as.push_back(static_cast<std::size_t>(alike - position.begin()));
     observers.emplace_back(std::move(shadowing.follower), record, gains, shadowing.beginning);
     if (observers.back().steps() == 1) machines.push_back(&observers.back().machine());
     Shadow& result = *shadowing.result;
@@ -353,8 +378,12 @@ void shadow(std::vector<Shadowing> shadowings, const Record& record, const Drive
       command.brake_torque[i] = drives.brake_torque[i][n];
     }
     if (has_tip) measured.tip_acceleration = &record.acceleration[kTip][n];
+    const std::size_t place = n % kAhead;
     for (std::size_t f = 0; f < shadowings.size(); ++f) {
-      for (std::size_t i = 0; i < groups; ++i) measured.position[i] = position[f](record.shaft_position[i], n);
+      if (place == 0 && reads_as[f] == f) {
+        for (std::size_t i = 0; i < groups; ++i) position[f].read(record.shaft_position[i], n, std::span(ahead[f][i]).first(std::min(kAhead, count - n)));
+      }
+      for (std::size_t i = 0; i < groups; ++i) measured.position[i] = ahead[reads_as[f]][i][place];
       const Observer::Moment moment = observers[f].compare(measured);
       Shadow& result = *shadowings[f].result;
       for (std::size_t i = 0; i < groups; ++i) result.missing_torque[i][n] = moment.missing_torque[i];

@@ -130,6 +130,7 @@ class Observer {
   std::size_t groups_;
   GroupAngles origin_{};  // [rad] of the shafts' positions
   std::vector<GroupAngles> past_error_;  // [rad] of the last m points, in turn
+  double speed_window_ = 0.0;            // [s] m steps
   std::size_t oldest_ = 0;
   double leak_, forget_;
   // The tip's sensor may have an offset, which must not lead the shadow: at first what differs at rest, or turning evenly.

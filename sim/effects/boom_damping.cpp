@@ -8,7 +8,7 @@ namespace slewlab::sim {
 
 namespace {
 
-void change(const common::EffectValues& values, MachineParameters& parameters) {
+void change_boom_damping(const common::EffectValues& values, MachineParameters& parameters) {
   parameters.crane.boom.damping_ratio *= values["factor"];
 }
 
@@ -31,7 +31,7 @@ const EffectDescription& boom_damping() {
                 .needs = {.flexible_boom = true},
                 .stands_for = {"boom damping"}},
       .ports = {EffectPort::parameters},
-      .change = change};
+      .change = change_boom_damping};
   return description;
 }
 

@@ -8,7 +8,7 @@ namespace slewlab::sim {
 
 namespace {
 
-void change(const common::EffectValues& values, MachineParameters& parameters) {
+void change_boom_stiffness(const common::EffectValues& values, MachineParameters& parameters) {
   parameters.crane.boom.youngs_modulus *= values["factor"];
   parameters.crane.boom.shear_modulus *= values["factor"];
 }
@@ -33,7 +33,7 @@ const EffectDescription& boom_stiffness() {
                 .family = common::Family::elasticity,
                 .stands_for = {"boom bending stiffness", "boom torsional stiffness"}},
       .ports = {EffectPort::parameters},
-      .change = change};
+      .change = change_boom_stiffness};
   return description;
 }
 

@@ -16,7 +16,7 @@ namespace slewlab::sim {
 
 namespace {
 
-void change(const common::EffectValues& values, MachineParameters& parameters) {
+void change_compression_softening(const common::EffectValues& values, MachineParameters& parameters) {
   BoomParameters& boom = parameters.crane.boom;
   if (values["compression"] == 0.0 || boom.element_count == 0) return;
   if (boom.type == BoomType::box_girder || boom.type == BoomType::knuckle) {
@@ -57,7 +57,7 @@ const EffectDescription& compression_softening() {
                 .needs = {.flexible_boom = true},
                 .family = common::Family::elasticity},
       .ports = {EffectPort::parameters},
-      .change = change};
+      .change = change_compression_softening};
   return description;
 }
 

@@ -11,7 +11,7 @@ namespace slewlab::sim {
 
 namespace {
 
-void change(const common::EffectValues& values, MachineParameters& parameters) {
+void change_flyjib_torsion(const common::EffectValues& values, MachineParameters& parameters) {
   parameters.crane.boom.jib_mass += values["mass"];
   parameters.crane.boom.jib_eccentricity += values["eccentricity"];
 }
@@ -47,7 +47,7 @@ const EffectDescription& flyjib_torsion() {
                 .needs = {.boom = true},
                 .family = common::Family::mass},
       .ports = {EffectPort::parameters},
-      .change = change};
+      .change = change_flyjib_torsion};
   return description;
 }
 

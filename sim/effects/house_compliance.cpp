@@ -13,7 +13,7 @@ namespace slewlab::sim {
 
 namespace {
 
-void change(const common::EffectValues& values, MachineParameters& parameters) {
+void change_house_compliance(const common::EffectValues& values, MachineParameters& parameters) {
   parameters.crane.house.stiffness = values["stiffness"];
   parameters.crane.house.ring_share = values["ring_share"];
 }
@@ -47,7 +47,7 @@ const EffectDescription& house_compliance() {
                 .needs = {.gears = true, .boom = true},
                 .family = common::Family::elasticity},
       .ports = {EffectPort::parameters},
-      .change = change};
+      .change = change_house_compliance};
   return description;
 }
 

@@ -7,7 +7,7 @@ namespace slewlab::sim {
 
 namespace {
 
-void change(const common::EffectValues& values, MachineParameters& parameters) {
+void change_house_inertia(const common::EffectValues& values, MachineParameters& parameters) {
   parameters.crane.house.inertia *= values["factor"];
 }
 
@@ -30,7 +30,7 @@ const EffectDescription& house_inertia() {
                 .family = common::Family::mass,
                 .stands_for = {"house inertia"}},
       .ports = {EffectPort::parameters},
-      .change = change};
+      .change = change_house_inertia};
   return description;
 }
 

@@ -11,7 +11,7 @@ namespace slewlab::sim {
 
 namespace {
 
-void change(const common::EffectValues& values, MachineParameters& parameters) {
+void change_hydraulic_compliance(const common::EffectValues& values, MachineParameters& parameters) {
   for (GearContact& gear : parameters.gear) {
     const double share = values["oil_stiffness"] / (gear.stiffness + values["oil_stiffness"]);
     gear.stiffness *= share;
@@ -49,7 +49,7 @@ const EffectDescription& hydraulic_compliance() {
                 .needs = {.gears = true},
                 .family = common::Family::elasticity},
       .ports = {EffectPort::parameters},
-      .change = change};
+      .change = change_hydraulic_compliance};
   return description;
 }
 

@@ -7,7 +7,7 @@ namespace slewlab::sim {
 
 namespace {
 
-void change(const common::EffectValues& values, MachineParameters& parameters) {
+void change_larger_play(const common::EffectValues& values, MachineParameters& parameters) {
   for (GearContact& gear : parameters.gear) gear.half_play += 0.5 * values["added_play"];
 }
 
@@ -31,7 +31,7 @@ const EffectDescription& larger_play() {
                 .needs = {.gears = true},
                 .family = common::Family::play},
       .ports = {EffectPort::parameters},
-      .change = change};
+      .change = change_larger_play};
   return description;
 }
 

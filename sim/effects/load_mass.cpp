@@ -6,7 +6,7 @@ namespace slewlab::sim {
 
 namespace {
 
-void change(const common::EffectValues& values, MachineParameters& parameters) { parameters.crane.load.mass *= values["factor"]; }
+void change_load_mass(const common::EffectValues& values, MachineParameters& parameters) { parameters.crane.load.mass *= values["factor"]; }
 
 }  // namespace
 
@@ -28,7 +28,7 @@ const EffectDescription& load_mass() {
                 .family = common::Family::mass,
                 .stands_for = {"load mass"}},
       .ports = {EffectPort::parameters},
-      .change = change};
+      .change = change_load_mass};
   return description;
 }
 

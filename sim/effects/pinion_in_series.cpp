@@ -12,7 +12,7 @@ namespace slewlab::sim {
 
 namespace {
 
-void change(const common::EffectValues& values, MachineParameters& parameters) {
+void change_pinion_in_series(const common::EffectValues& values, MachineParameters& parameters) {
   const DriveParameters& drive = parameters.crane.drive;
   const double pinion = values["pinion_stiffness"] * drive.motors_per_group * drive.pinion_ratio * drive.pinion_ratio;
   for (GearContact& gear : parameters.gear) {
@@ -52,7 +52,7 @@ const EffectDescription& pinion_in_series() {
                 .needs = {.gears = true},
                 .family = common::Family::elasticity},
       .ports = {EffectPort::parameters},
-      .change = change};
+      .change = change_pinion_in_series};
   return description;
 }
 

@@ -7,7 +7,7 @@ namespace slewlab::sim {
 
 namespace {
 
-void change(const common::EffectValues& values, MachineParameters& parameters) {
+void change_rope_length(const common::EffectValues& values, MachineParameters& parameters) {
   parameters.crane.load.rope_length *= values["factor"];
 }
 
@@ -30,7 +30,7 @@ const EffectDescription& rope_length() {
                 .needs = {.load = true},
                 .stands_for = {"rope length"}},
       .ports = {EffectPort::parameters},
-      .change = change};
+      .change = change_rope_length};
   return description;
 }
 

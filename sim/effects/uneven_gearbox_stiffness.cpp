@@ -8,7 +8,7 @@ namespace slewlab::sim {
 
 namespace {
 
-void change(const common::EffectValues& values, MachineParameters& parameters) {
+void change_uneven_gearbox_stiffness(const common::EffectValues& values, MachineParameters& parameters) {
   const int count = parameters.crane.drive.group_count;
   for (int i = 0; i < count; ++i) parameters.gear[i].stiffness *= 1.0 + values["share"] * group_side(i, count);
 }
@@ -32,7 +32,7 @@ const EffectDescription& uneven_gearbox_stiffness() {
                 .needs = {.gears = true, .groups = 2},
                 .family = common::Family::elasticity},
       .ports = {EffectPort::parameters},
-      .change = change};
+      .change = change_uneven_gearbox_stiffness};
   return description;
 }
 

@@ -8,7 +8,7 @@ namespace slewlab::sim {
 
 namespace {
 
-void change(const common::EffectValues& values, MachineParameters& parameters) {
+void change_uneven_motor_inertia(const common::EffectValues& values, MachineParameters& parameters) {
   const int count = parameters.crane.drive.group_count;
   for (int i = 0; i < count; ++i) parameters.group_inertia[i] *= 1.0 + values["share"] * group_side(i, count);
 }
@@ -32,7 +32,7 @@ const EffectDescription& uneven_motor_inertia() {
                 .needs = {.groups = 2},
                 .family = common::Family::mass},
       .ports = {EffectPort::parameters},
-      .change = change};
+      .change = change_uneven_motor_inertia};
   return description;
 }
 

@@ -10,7 +10,7 @@ namespace slewlab::sim {
 
 namespace {
 
-void change(const common::EffectValues& values, MachineParameters& parameters) {
+void change_uneven_play(const common::EffectValues& values, MachineParameters& parameters) {
   const int count = parameters.crane.drive.group_count;
   for (int i = 0; i < count; ++i) {
     double& half_play = parameters.gear[i].half_play;
@@ -40,7 +40,7 @@ const EffectDescription& uneven_play() {
            .needs = {.gears = true, .groups = 2},
            .family = common::Family::play},
       .ports = {EffectPort::parameters},
-      .change = change};
+      .change = change_uneven_play};
   return description;
 }
 

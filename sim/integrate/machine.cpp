@@ -219,7 +219,7 @@ void sense(Machine& machine) {
 
 }  // namespace
 
-PlantInput begin_step(Machine& machine, const DriveCommand& command) {
+void begin_step(Machine& machine, const DriveCommand& command, PlantInput& input) {
   const PlantModel& model = machine.model;
   const double time = time_of(machine);
   while (machine.next_switch < machine.switches.size() && machine.switches[machine.next_switch].step <= machine.state.step_count) {
@@ -230,16 +230,19 @@ PlantInput begin_step(Machine& machine, const DriveCommand& command) {
   if (!machine.motion.luffing.is_still() && machine.state.step_count % machine.steps_per_boom_angle == 0) follow_boom_angle(machine);
 
   const DriveCommand* arrived = &command;
-  DriveCommand changed;
   if (!machine.message.empty()) {
-    changed = command;
-    for (const std::size_t i : machine.message) if (machine.is_on[i]) machine.effects[i]->message(time, changed);
-    arrived = &changed;
+    machine.arrived = command;
+    for (const std::size_t i : machine.message) if (machine.is_on[i]) machine.effects[i]->message(time, machine.arrived);
+    arrived = &machine.arrived;
   }
 
-  PlantInput input;
   input.ports = machine.outside;
-  if (arrived->enable) input.motor_torque = arrived->motor_torque;
+  if (arrived->enable) {
+    input.motor_torque = arrived->motor_torque;
+  } else {
+    input.motor_torque.fill(0.0);
+  }
+  input.friction = {};
   for (int i = 0; i < model.group_count; ++i) {
     input.friction.motor[i] =
         arrived->brake_torque[i] * model.parameters.drive.motors_per_group * model.ratio;
@@ -267,7 +270,6 @@ PlantInput begin_step(Machine& machine, const DriveCommand& command) {
     }
   }
   machine.applied_torque = input.motor_torque;
-  return input;
 }
 
 void end_step(Machine& machine) {
@@ -276,8 +278,8 @@ void end_step(Machine& machine) {
 }
 
 void step(Machine& machine, const DriveCommand& command) {
-  const PlantInput input = begin_step(machine, command);
-  step(machine.model, machine.workspace, input, machine.state);
+  begin_step(machine, command, machine.input);
+  step(machine.model, machine.workspace, machine.input, machine.state);
   machine.has_acceleration = machine.needs_moment || is_sensed(machine);
   if (machine.has_acceleration) machine.acceleration = accelerations(machine.model, machine.state);
   end_step(machine);

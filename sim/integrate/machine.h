@@ -70,6 +70,8 @@ struct Machine {
   std::size_t newest = 0;
   std::array<EffectMoment, 2> ends;
   EffectMoment middle;
+  DriveCommand arrived;                 // at the drives in the last step, kept where there is a message path
+  PlantInput input;                     // of the last step, where step() made it
   bool has_acceleration = false;        // `acceleration` is that of the last step's end
   Accelerations acceleration;
   MachineReadings sensed;               // kept only where a sensor effect is on or the crane moves otherwise than slewing
@@ -91,9 +93,9 @@ MachineParameters machine_parameters(const MachineSettings& settings);
 
 void step(Machine& machine, const DriveCommand& command);
 
-// The same in parts, for who steps many plants at once (machine_batch.h): what goes into the plant's step; and after it, with the state and
-// the accelerations of its end, the sensors.
-PlantInput begin_step(Machine& machine, const DriveCommand& command);
+// The same in parts, for who steps many plants at once (machine_batch.h): what goes into the plant's step, all of it written anew; and after
+// the step, with the state and the accelerations of its end, the sensors.
+void begin_step(Machine& machine, const DriveCommand& command, PlantInput& input);
 void end_step(Machine& machine);
 
 // From the next step on; an effect that is off keeps its memory. False where the machine has none of that name that can be switched.

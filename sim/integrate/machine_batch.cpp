@@ -38,7 +38,7 @@ void step(MachineGroup& group, const DriveCommand& command) {
     for (Machine* const machine : group.machines) step(*machine, command);
     return;
   }
-  for (std::size_t m = 0; m < group.machines.size(); ++m) group.inputs[m] = begin_step(*group.machines[m], command);
+  for (std::size_t m = 0; m < group.machines.size(); ++m) begin_step(*group.machines[m], command, group.inputs[m]);
   step_batch(*group.plants, group.inputs.data());
   observe_batch(*group.plants, group.states.data(), group.accelerations.data());
   for (Machine* const machine : group.machines) {

@@ -174,16 +174,30 @@ void expect_same_answer(const Diagnosis& own, const Diagnosis& other, double tor
 // Dry friction of 1e5 Nm on the thesis's crane, a fifth of what its motors give at rated torque.
 std::vector<common::EffectInstance> friction(const Scaling& scaling) { return {{"bearing_coulomb", {1e5 * scaling.torque(), 0.0, 3e-5}}}; }
 
+// What the machine of its own size is diagnosed to have, which is compared with that of every other size.
+const Diagnosis& own_with_nothing() {
+  static const Diagnosis kFound = diagnose_case(make_case(kOwnSize, {}));
+  return kFound;
+}
+const Diagnosis& own_with_friction() {
+  static const Diagnosis kFound = diagnose_case(make_case(kOwnSize, friction(kOwnSize)));
+  return kFound;
+}
+const Diagnosis& own_with_friction_without_controller() {
+  static const Diagnosis kFound = diagnose_case(make_case(kOwnSize, friction(kOwnSize)), false);
+  return kFound;
+}
+
 TEST_P(InAnotherSize, TheAnswerIsTheSame) {
   const double relative = scaling.root_time == 1.0 ? 1e-6 : 1e-3;
-  expect_same_answer(diagnose_case(own), diagnose_case(other), 1.0, relative);
-  const Diagnosis found = diagnose_case(make_case(kOwnSize, friction(kOwnSize)));
+  expect_same_answer(own_with_nothing(), diagnose_case(other), 1.0, relative);
+  const Diagnosis& found = own_with_friction();
   EXPECT_EQ(found.verdict, "bearing_coulomb");
   expect_same_answer(found, diagnose_case(make_case(scaling, friction(scaling))), scaling.torque(), relative);
 }
 
 TEST_P(InAnotherSize, TheAnswerIsTheSameWithoutTheController) {
-  const Diagnosis found = diagnose_case(make_case(kOwnSize, friction(kOwnSize)), false);
+  const Diagnosis& found = own_with_friction_without_controller();
   EXPECT_EQ(found.verdict, "bearing_coulomb");
   expect_same_answer(found, diagnose_case(make_case(scaling, friction(scaling)), false), scaling.torque(), scaling.root_time == 1.0 ? 1e-6 : 1e-3);
 }

@@ -3,17 +3,15 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "sim/model/boom.h"
 #include "sim/model/crane.h"
 #include "sim/model/drive_line.h"
+#include "tests/sim/angles.h"
 #include "tests/sim/thesis_crane.h"
 
 namespace slewlab::sim {
 namespace {
-
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
 // A rigid boom on one group: two inertias, a spring and a damper, in closed form.
 TEST(Bode, TwoMassesInClosedForm) {

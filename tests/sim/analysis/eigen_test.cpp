@@ -3,18 +3,16 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "sim/model/boom.h"
 #include "sim/model/drive_line.h"
 #include "sim/model/house.h"
+#include "tests/sim/angles.h"
 #include "tests/sim/scaled_crane.h"
 #include "tests/sim/thesis_crane.h"
 
 namespace slewlab::sim {
 namespace {
-
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
 int count_of(const std::vector<Mode>& modes, ModeKind kind) {
   int count = 0;

@@ -1,16 +1,14 @@
 #include "sim/analysis/spectrum.h"
+#include "tests/sim/angles.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <cstdint>
-#include <numbers>
 #include <stdexcept>
 
 namespace slewlab::sim {
 namespace {
-
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
 template <typename Function>
 std::vector<double> sampled(double step, int count, Function value) {

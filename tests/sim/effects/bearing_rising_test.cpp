@@ -8,17 +8,10 @@
 namespace slewlab::sim {
 namespace {
 
-CraneParameters without_play() {
-  CraneParameters crane = rigid_crane();
-  crane.drive.gear_damping_ratio = 0.5;
-  crane.drive.gearbox_play = crane.drive.pinion_play = 0.0;
-  return crane;
-}
-
 // Slowed by friction alone, d(omega)/dt = -T(omega) / J at every speed on the way down; the quotient over 20 ms against the
 // law at its middle, by direction.
 TEST(BearingRising, RisesAsTheCurveSays) {
-  const CraneParameters crane = without_play();
+  const CraneParameters crane = rigid_crane_without_play();
   constexpr double kTorque = 3e5, kSpeed = 0.008, kAtRest = 0.25, kAsymmetry = 0.2;
   for (const double side : {1.0, -1.0}) {
     const auto samples = run(crane, "bearing_rising", {kTorque, kSpeed, kAtRest, kAsymmetry}, 15.0, no_drive, {.slew_speed = side * 0.03});
@@ -35,7 +28,7 @@ TEST(BearingRising, RisesAsTheCurveSays) {
 
 // At rest it holds its share, and no more.
 TEST(BearingRising, HoldsItsShareAtRest) {
-  const CraneParameters crane = without_play();
+  const CraneParameters crane = rigid_crane_without_play();
   for (const double share : {0.95, 1.05}) {
     const double torque = share * 0.5 * 2e5 / (2.0 * torque_factor(crane));  // [Nm] per motor
     const auto samples = run(crane, "bearing_rising", {2e5, 0.01, 0.5, 0.0}, 14.0, [&](double time) {
@@ -51,7 +44,7 @@ TEST(BearingRising, HoldsItsShareAtRest) {
 
 // All of it held at rest is dry friction, to the bit.
 TEST(BearingRising, WithAllOfItAtRestIsCoulomb) {
-  const CraneParameters crane = without_play();
+  const CraneParameters crane = rigid_crane_without_play();
   const auto rising = run(crane, "bearing_rising", {2e5, 0.01, 1.0, 0.2}, 4.0, no_drive, {.slew_speed = 0.01});
   const auto coulomb = run(crane, "bearing_coulomb", {2e5, 0.2, 0.0}, 4.0, no_drive, {.slew_speed = 0.01});
   EXPECT_EQ(rising.back().house_angle, coulomb.back().house_angle);

@@ -8,16 +8,9 @@
 namespace slewlab::sim {
 namespace {
 
-CraneParameters without_play() {
-  CraneParameters crane = rigid_crane();
-  crane.drive.gear_damping_ratio = 0.5;
-  crane.drive.gearbox_play = crane.drive.pinion_play = 0.0;
-  return crane;
-}
-
 // Torque brought up slowly: nothing moves below the breakaway torque, and the crane moves above it.
 TEST(BearingStribeck, HoldsUpToTheBreakawayTorque) {
-  const CraneParameters crane = without_play();
+  const CraneParameters crane = rigid_crane_without_play();
   const double breakaway = 3e5 / (2.0 * torque_factor(crane));  // [Nm] per motor
   for (const double share : {0.95, 1.05}) {
     const auto samples = run(crane, "bearing_stribeck", {1.5e5, 1.5e5, 0.005, 0.0, 0.0}, 14.0, [&](double time) {
@@ -35,7 +28,7 @@ TEST(BearingStribeck, HoldsUpToTheBreakawayTorque) {
 
 // Far above the Stribeck speed only the Coulomb torque is left.
 TEST(BearingStribeck, IsCoulombAtSpeed) {
-  const CraneParameters crane = without_play();
+  const CraneParameters crane = rigid_crane_without_play();
   const auto samples =
       run(crane, "bearing_stribeck", {1.5e5, 1.5e5, 0.002, 0.0, 0.0}, 4.0, no_drive, {.slew_speed = 0.05});
   const double expected = 1.5e5 / whole_inertia(crane);
@@ -45,7 +38,7 @@ TEST(BearingStribeck, IsCoulombAtSpeed) {
 // The fall itself: slowed by friction alone, d(omega)/dt = -(T_c + T_s exp(-(omega / omega_s)^2)) / J at every speed on the way down;
 // the quotient over 20 ms against the law at its middle.
 TEST(BearingStribeck, FallsAsTheCurveSays) {
-  const CraneParameters crane = without_play();
+  const CraneParameters crane = rigid_crane_without_play();
   constexpr double kCoulomb = 1.5e5, kExcess = 3e5, kStribeckSpeed = 0.01;
   const auto samples = run(crane, "bearing_stribeck", {kCoulomb, kExcess, kStribeckSpeed, 0.0, 0.0}, 15.0, no_drive, {.slew_speed = 0.025});
   for (const double share : {2.0, 1.0, 0.5}) {
@@ -59,7 +52,7 @@ TEST(BearingStribeck, FallsAsTheCurveSays) {
 
 // Without excess it is bearing_coulomb, to the bit.
 TEST(BearingStribeck, WithoutExcessIsCoulomb) {
-  const CraneParameters crane = without_play();
+  const CraneParameters crane = rigid_crane_without_play();
   for (const double give : {0.0, 5e-5}) {
     const auto stribeck =
         run(crane, "bearing_stribeck", {2e5, 0.0, 0.005, 0.2, give}, 2.0, no_drive, {.slew_speed = 0.01});

@@ -9,26 +9,10 @@
 namespace slewlab::sim {
 namespace {
 
-CraneParameters without_play() {
-  CraneParameters crane = rigid_crane();
-  crane.drive.gear_damping_ratio = 0.5;
-  crane.drive.gearbox_play = crane.drive.pinion_play = 0.0;
-  return crane;
-}
-
-// [J] of motion, house and boom and the motors.
-double energy(const CraneParameters& crane, const BenchSample& sample) {
-  const double house = house_and_boom_inertia(crane), motors = 0.5 * (whole_inertia(crane) - house);
-  double sum = 0.5 * house * sample.house_speed * sample.house_speed;
-  for (const int group : {0, 1}) sum += 0.5 * motors * sample.motor_speed[group] * sample.motor_speed[group];
-  return sum;
-}
-double lost(const CraneParameters& crane, const BenchSample& from, const BenchSample& to) { return energy(crane, from) - energy(crane, to); }
-
 // Coasting, the crane loses the integral of the friction over the way: T_c (theta + v / k (sin(k theta + phi))
 // - a / 2k cos(2 k theta) + b / 2k sin(2 k theta)), k = 2 pi / l.
 TEST(BearingUneven, TakesTheIntegralOverTheWay) {
-  const CraneParameters crane = without_play();
+  const CraneParameters crane = rigid_crane_without_play();
   constexpr double kTorque = 1e5, kVariation = 0.6, kLength = 0.08, kPhase = 0.7, kSine = 0.2, kCosine = -0.1;
   const double k = 2.0 * std::numbers::pi / kLength;
   const auto work = [&](double angle) {
@@ -38,13 +22,13 @@ TEST(BearingUneven, TakesTheIntegralOverTheWay) {
   const auto samples = run(crane, "bearing_uneven", {kTorque, kVariation, kLength, kPhase, kSine, kCosine}, 9.0, no_drive, {.slew_speed = 0.02});
   for (const std::size_t end : {2999u, 4999u, 7999u}) {
     const double expected = work(samples[end].house_angle) - work(samples[1499].house_angle);
-    EXPECT_NEAR(lost(crane, samples[1499], samples[end]), expected, 2e-3 * expected);
+    EXPECT_NEAR(motion_lost(crane, samples[1499], samples[end]), expected, 2e-3 * expected);
   }
 }
 
 // At rest it holds what its place holds: twice the mean where the variation is 1 and the phase 0, next to nothing half a wavelength on.
 TEST(BearingUneven, HoldsByItsPlace) {
-  const CraneParameters crane = without_play();
+  const CraneParameters crane = rigid_crane_without_play();
   constexpr double kTorque = 1e5;
   const double torque = 1.9 * kTorque / (2.0 * torque_factor(crane));  // [Nm] per motor
   const auto slowly = [&](double time) { return constant_drive(torque * std::min(1.0, time / 5.0), torque * std::min(1.0, time / 5.0))(time); };
@@ -56,7 +40,7 @@ TEST(BearingUneven, HoldsByItsPlace) {
 
 // Even all along it is dry friction, to the bit.
 TEST(BearingUneven, WithoutVariationIsCoulomb) {
-  const CraneParameters crane = without_play();
+  const CraneParameters crane = rigid_crane_without_play();
   const auto uneven = run(crane, "bearing_uneven", {2e5, 0.0, 1.0, 0.3, 0.0, 0.0}, 4.0, no_drive, {.slew_speed = 0.01});
   const auto coulomb = run(crane, "bearing_coulomb", {2e5, 0.0, 0.0}, 4.0, no_drive, {.slew_speed = 0.01});
   EXPECT_EQ(uneven.back().house_angle, coulomb.back().house_angle);

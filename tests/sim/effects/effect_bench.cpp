@@ -17,6 +17,13 @@ CraneParameters rigid_crane() {
   return crane;
 }
 
+CraneParameters rigid_crane_without_play() {
+  CraneParameters crane = rigid_crane();
+  crane.drive.gear_damping_ratio = 0.5;
+  crane.drive.gearbox_play = crane.drive.pinion_play = 0.0;
+  return crane;
+}
+
 CraneParameters rigid_crane_with_load(double rod_length) {
   CraneParameters crane = thesis_crane(0);
   crane.load.rod_length = rod_length;
@@ -46,6 +53,16 @@ double torque_factor(const CraneParameters& crane) {
 }
 double group_gear_stiffness(const CraneParameters& crane) { return group_stiffness(crane.drive); }
 double group_half_play(const CraneParameters& crane) { return half_play(crane.drive); }
+
+double energy_of_motion(const CraneParameters& crane, const BenchSample& sample) {
+  const double house = house_and_boom_inertia(crane), motors = 0.5 * (whole_inertia(crane) - house);
+  double sum = 0.5 * house * sample.house_speed * sample.house_speed;
+  for (const int group : {0, 1}) sum += 0.5 * motors * sample.motor_speed[group] * sample.motor_speed[group];
+  return sum;
+}
+double motion_lost(const CraneParameters& crane, const BenchSample& from, const BenchSample& to) {
+  return energy_of_motion(crane, from) - energy_of_motion(crane, to);
+}
 
 DriveCommand no_drive(double) { return {}; }
 

@@ -15,6 +15,7 @@ namespace slewlab::sim {
 // The thesis's crane, and parts of it.
 CraneParameters flexible_crane();  // all of it, 6 elements
 CraneParameters rigid_crane();     // boom as a rigid inertia, no load
+CraneParameters rigid_crane_without_play();  // and gears that settle within a second
 CraneParameters rigid_crane_with_load(double rod_length = 0.0);
 // The same on a house so heavy that it stays where it is: the load alone.
 CraneParameters pendulum(double mass = 30e3, double rope_length = 60.0);
@@ -44,6 +45,10 @@ struct BenchStart {
   double rope_angle = 0.0;   // [rad]
   GroupArray gear_torque{};  // [Nm] on the house per group, gears wound up for it
 };
+
+// [J] of motion, house and boom and the motors; and what of it is gone from one moment to another.
+double energy_of_motion(const CraneParameters& crane, const BenchSample& sample);
+double motion_lost(const CraneParameters& crane, const BenchSample& from, const BenchSample& to);
 
 using Drive = std::function<DriveCommand(double time)>;
 DriveCommand no_drive(double time);

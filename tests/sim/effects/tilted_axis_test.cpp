@@ -8,16 +8,9 @@
 namespace slewlab::sim {
 namespace {
 
-CraneParameters without_play() {
-  CraneParameters crane = rigid_crane();
-  crane.drive.gear_damping_ratio = 0.5;
-  crane.drive.gearbox_play = crane.drive.pinion_play = 0.0;
-  return crane;
-}
-
 // About its lowest place the axis swings as a physical pendulum: 2 pi sqrt(J / T_g), longer by 1 + a^2 / 16 of its amplitude a.
 TEST(TiltedAxis, SwingsAboutItsLowestPlace) {
-  const CraneParameters crane = without_play();
+  const CraneParameters crane = rigid_crane_without_play();
   constexpr double kTorque = 2e6, kSpeed = 0.02;
   const double frequency = std::sqrt(kTorque / whole_inertia(crane)), amplitude = kSpeed / frequency;
   const auto samples = run(crane, "tilted_axis", {kTorque, 0.0}, 130.0, no_drive, {.slew_speed = kSpeed});
@@ -27,7 +20,7 @@ TEST(TiltedAxis, SwingsAboutItsLowestPlace) {
 
 // A quarter turn from there it falls with T_g / J.
 TEST(TiltedAxis, FallsTowardsIt) {
-  const CraneParameters crane = without_play();
+  const CraneParameters crane = rigid_crane_without_play();
   for (const double side : {1.0, -1.0}) {
     const auto samples = run(crane, "tilted_axis", {1e5, side * 0.5 * std::numbers::pi}, 4.0);
     const double expected = side * 1e5 / whole_inertia(crane);

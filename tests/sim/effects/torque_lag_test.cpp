@@ -7,12 +7,12 @@
 namespace slewlab::sim {
 namespace {
 
-constexpr double kStep = 0.001;  // [s]
+constexpr double kLagStep = 0.001;  // [s]
 
 // Step response of a first-order lag that began at 0, mean over the step that ends at `end` [s].
 double mean_response(double time_constant, double end) {
-  if (end < 0.5 * kStep) return 0.0;
-  return 1.0 - time_constant / kStep * (std::exp(-(end - kStep) / time_constant) - std::exp(-end / time_constant));
+  if (end < 0.5 * kLagStep) return 0.0;
+  return 1.0 - time_constant / kLagStep * (std::exp(-(end - kLagStep) / time_constant) - std::exp(-end / time_constant));
 }
 
 // Behind a delay of n + s steps: the step response, 1 - s of it n steps late and s of it n + 1 steps.
@@ -20,11 +20,11 @@ TEST(TorqueLag, FollowsTheDelayedExponential) {
   constexpr double kTime = 0.05;
   for (const double share : {0.0, 0.21, 0.4, 0.5}) {
     const auto samples = run(fixed_house(), "torque_lag", {kTime, share}, 0.3, constant_drive(100.0, -50.0));
-    const double tau = (1.0 - share) * kTime, delay = share * kTime / kStep;
+    const double tau = (1.0 - share) * kTime, delay = share * kTime / kLagStep;
     const double whole = std::floor(delay + 1e-9), part = delay - whole;
     for (const BenchSample& sample : samples) {
-      const double mean = (1.0 - part) * mean_response(tau, sample.time - whole * kStep) +
-                          part * mean_response(tau, sample.time - (whole + 1.0) * kStep);
+      const double mean = (1.0 - part) * mean_response(tau, sample.time - whole * kLagStep) +
+                          part * mean_response(tau, sample.time - (whole + 1.0) * kLagStep);
       EXPECT_NEAR(sample.applied_torque[0], 100.0 * mean, 1e-9) << share << " " << sample.time;
       EXPECT_NEAR(sample.applied_torque[1], -50.0 * mean, 1e-9) << share << " " << sample.time;
     }
@@ -42,7 +42,7 @@ TEST(TorqueLag, RampComesTheWholeTimeLateAtEveryShare) {
         command.motor_torque = {kRate * now, -kRate * now};
         return command;
       });
-      const double late = samples.back().time - kStep - samples.back().applied_torque[0] / kRate;
+      const double late = samples.back().time - kLagStep - samples.back().applied_torque[0] / kRate;
       EXPECT_NEAR(late, time, 1e-12) << time << " " << share;
       EXPECT_EQ(samples.back().applied_torque[1], -samples.back().applied_torque[0]);
     }

@@ -6,13 +6,11 @@
 #include <cmath>
 #include <numbers>
 
+#include "tests/sim/angles.h"
 #include "tests/sim/thesis_crane.h"
 
 namespace slewlab::sim {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
 BoomParameters homogeneous_boom(int elements) {
   BoomParameters boom = thesis_crane(elements).boom;
@@ -101,9 +99,9 @@ TEST(Boom, ElementsHoldNoStrainInRigidMotionAndTheRightInertia) {
 
 TEST(Boom, InertiaOfSection210) {
   BoomParameters boom = thesis_crane().boom;
-  boom.angle = 80.0 * kDegree;
+  boom.angle = 80.0 * kRadiansPerDegree;
   EXPECT_NEAR(boom_inertia(boom, 1.47), 5.23e6, 0.01e6);
-  boom.angle = 50.0 * kDegree;
+  boom.angle = 50.0 * kRadiansPerDegree;
   EXPECT_NEAR(boom_inertia(boom, 1.47), 3.39e7, 0.02e7);
 }
 

@@ -9,13 +9,11 @@
 #include "sim/model/boom.h"
 #include "sim/model/box_section.h"
 #include "sim/model/crane.h"
+#include "tests/sim/angles.h"
 #include "tests/sim/thesis_crane.h"
 
 namespace slewlab::sim {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;  // [rad]
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
 BoomParameters uniform_box(int elements) {
   BoomParameters boom = thesis_crane(elements).boom;
@@ -117,7 +115,7 @@ TEST(BoomTypes, ABentBoomTurnsWithoutStrain) {
   BoomParameters boom = uniform_box(9);
   boom.type = BoomType::knuckle;
   boom.knuckle_position = 0.55;
-  boom.knuckle_angle = -10.0 * kDegree;
+  boom.knuckle_angle = -10.0 * kRadiansPerDegree;
   const BoomMatrices matrices = assemble_boom(boom);
   Eigen::VectorXd rigid(matrices.mass.rows());
   for (int node = 0; node <= boom.element_count; ++node) {
@@ -133,7 +131,7 @@ TEST(BoomTypes, ABentBoomTurnsWithoutStrain) {
 TEST(BoomTypes, ARightAngleTwistsItsUprightPart) {
   BoomParameters boom = uniform_box(10);
   boom.type = BoomType::knuckle;
-  boom.angle = 90.0 * kDegree;
+  boom.angle = 90.0 * kRadiansPerDegree;
   boom.knuckle_position = 0.6;
   boom.knuckle_angle = 0.0;
   const BoomMatrices matrices = assemble_boom(boom);

@@ -10,12 +10,11 @@
 #include "sim/model/boom.h"
 #include "sim/model/drive_line.h"
 #include "sim/model/house.h"
+#include "tests/sim/angles.h"
 #include "tests/sim/thesis_crane.h"
 
 namespace slewlab::sim {
 namespace {
-
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
 
 // All of the crane turned by one radian as one body; the rope follows the tip.
 Eigen::VectorXd rigid_turn(const CraneParameters& crane, const CraneMatrices& matrices) {

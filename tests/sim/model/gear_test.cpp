@@ -1,4 +1,5 @@
 #include "sim/model/gear.h"
+#include "tests/sim/angles.h"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +9,6 @@
 namespace slewlab::sim {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
-
 TEST(Gear, MeshFrequenciesOfTable21) {
   EXPECT_NEAR(planetary_mesh_frequency(110, 8, 20.0), 149.15, 0.01);  // (2.2): 110*8/118*20
   EXPECT_NEAR(pinion_mesh_frequency(12, 0.1), 1.2, 1e-12);            // (2.3)
@@ -17,8 +16,8 @@ TEST(Gear, MeshFrequenciesOfTable21) {
 
 TEST(Gear, PinionPlayOfSection261) {
   // 2 % and 4 % of a module of 24 mm over a radius of 180 mm.
-  EXPECT_NEAR(pinion_play(0.02, 0.024, 0.18) / kDegree, 0.153, 5e-4);
-  EXPECT_NEAR(pinion_play(0.04, 0.024, 0.18) / kDegree, 0.306, 5e-4);
+  EXPECT_NEAR(pinion_play(0.02, 0.024, 0.18) / kRadiansPerDegree, 0.153, 5e-4);
+  EXPECT_NEAR(pinion_play(0.04, 0.024, 0.18) / kRadiansPerDegree, 0.306, 5e-4);
 }
 
 TEST(Gear, PinionMeshStiffnessIsContactAndBendingInSeries) {

@@ -4,20 +4,17 @@
 
 #include <Eigen/Eigenvalues>
 #include <cmath>
-#include <numbers>
 
 #include "sim/model/boom.h"
+#include "tests/sim/angles.h"
 #include "tests/sim/thesis_crane.h"
 
 namespace slewlab::sim {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180.0;
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
-
 TEST(Load, SinglePendulumOfSection343) {
   EXPECT_NEAR(1.0 / pendulum_frequency(60.0), 15.5, 0.05);               // (2.17)
-  EXPECT_NEAR(swing_angle(1.75, 60.0) / kDegree, 4.1, 0.05);             // (3.29)
+  EXPECT_NEAR(swing_angle(1.75, 60.0) / kRadiansPerDegree, 4.1, 0.05);             // (3.29)
   EXPECT_NEAR(1.0 / pendulum_frequency(60.0), kTwoPi * std::sqrt(60.0 / 9.81), 1e-12);
 }
 
@@ -77,10 +74,10 @@ TEST(Load, Erratum1MassMatrixIsTheRodsKineticEnergy) {
 TEST(Load, Erratum7MomentArmOfTheLoad) {
   BoomParameters boom = thesis_crane().boom;
   const double arm = tip_radius(boom);
-  const double side_force = 30e3 * kGravity * std::sin(5.0 * kDegree);
-  EXPECT_NEAR(quasi_static_slewing_moment(5.4e7, 0.0, 30e3, arm, 5.0 * kDegree), side_force * arm, 1e-6);
-  const double printed = quasi_static_slewing_moment(5.4e7, 0.0156, 30e3, 60.0, 5.0 * kDegree);
-  const double right = quasi_static_slewing_moment(5.4e7, 0.0156, 30e3, arm, 5.0 * kDegree);
+  const double side_force = 30e3 * kGravity * std::sin(5.0 * kRadiansPerDegree);
+  EXPECT_NEAR(quasi_static_slewing_moment(5.4e7, 0.0, 30e3, arm, 5.0 * kRadiansPerDegree), side_force * arm, 1e-6);
+  const double printed = quasi_static_slewing_moment(5.4e7, 0.0156, 30e3, 60.0, 5.0 * kRadiansPerDegree);
+  const double right = quasi_static_slewing_moment(5.4e7, 0.0156, 30e3, arm, 5.0 * kRadiansPerDegree);
   EXPECT_NEAR(printed - right, side_force * (60.0 - arm), 1e-6);
 }
 

@@ -3,23 +3,21 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <numbers>
 
 #include "sim/model/boom.h"
 #include "sim/model/cannot_be_built.h"
+#include "tests/sim/angles.h"
 #include "tests/sim/thesis_crane.h"
 
 namespace slewlab::sim {
 namespace {
-
-constexpr double kDegree = std::numbers::pi / 180.0;  // [rad]
 
 CraneParameters bent_crane(int elements) {
   CraneParameters crane = thesis_crane(elements);
   crane.boom.type = BoomType::knuckle;
   crane.boom.side_plate = crane.boom.flange_plate = 0.012;
   crane.boom.knuckle_position = 0.6;
-  crane.boom.knuckle_angle = 20.0 * kDegree;
+  crane.boom.knuckle_angle = 20.0 * kRadiansPerDegree;
   return crane;
 }
 
@@ -49,19 +47,19 @@ void expect_the_modes_of(const CraneParameters& at_start, const CraneParameters&
 TEST(Luffing, ModesAreThoseOfTheAngle) {
   for (const double angle : {0.0, 20.0, 53.5, 75.0, 90.0}) {
     CraneParameters there = thesis_crane();
-    there.boom.angle = angle * kDegree;
+    there.boom.angle = angle * kRadiansPerDegree;
     there.boom.jib_mass = 2000.0;
     there.boom.jib_eccentricity = 3.0;
     CraneParameters at_start = there;
-    at_start.boom.angle = 40.0 * kDegree;
+    at_start.boom.angle = 40.0 * kRadiansPerDegree;
     expect_the_modes_of(at_start, there);
   }
 }
 
 TEST(Luffing, AKnuckleKeepsItsBend) {
   CraneParameters there = bent_crane(8);
-  there.boom.angle += 15.0 * kDegree;
-  there.boom.knuckle_angle += 15.0 * kDegree;
+  there.boom.angle += 15.0 * kRadiansPerDegree;
+  there.boom.knuckle_angle += 15.0 * kRadiansPerDegree;
   expect_the_modes_of(bent_crane(8), there);
 }
 
