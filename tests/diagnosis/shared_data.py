@@ -38,8 +38,8 @@ class SharedDataTest(unittest.TestCase):
         self.quietly(import_data.main, "--map", map_file, DATA / machine / f"{record}.csv", "--out", log)
         return log
 
-    def diagnosed(self, option, file, logs, out):
-        """diagnosis.json of these logs against the machine of the file."""
-        said = subprocess.run([SLEWLAB, "diagnose", option, file, "--log", *logs, "--out", out], capture_output=True, text=True)
+    def diagnosed(self, option, file, logs, out, *more):
+        """diagnosis.json of these logs against the machine of the file, with more options."""
+        said = subprocess.run([SLEWLAB, "diagnose", option, file, "--log", *logs, "--out", out, *more], capture_output=True, text=True)
         self.assertEqual(said.returncode, 0, said.stderr)
         return json.loads((out / "diagnosis.json").read_text())
