@@ -385,6 +385,16 @@ void share_with_other_laws(Diagnosis& diagnosis) {
   }
 }
 
+// Of a controller whose answers could not be compared nobody knows whether it is as its settings say: that nothing is missing is then no more
+// certain than effects of the controller are rare, among all effects alone or as one of two.
+void leave_room_for_the_controller(std::size_t of_the_controller, std::size_t all, const EvidenceSettings& evidence, Diagnosis& diagnosis) {
+  Cause* const nothing = nothing_missing(diagnosis);
+  if (nothing == nullptr || all == 0) return;
+  const double share = static_cast<double>(of_the_controller) / static_cast<double>(all);
+  const double room = evidence.prior_single * share + evidence.prior_pair * (1.0 - (1.0 - share) * (1.0 - share));
+  take_away(room / (evidence.prior_nothing + room), false, *nothing, diagnosis);
+}
+
 // The fit whose residual nobody has explained: that of the answer, or of parameters alone where there is none. Null where only draws of its stochastic
 // effects are left, which follow nothing.
 const FitResult* unexplained_fit(const Problem& problem, const Found& found, const Diagnosis& diagnosis, const Cause& first) {
@@ -494,8 +504,12 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
     if (is_nothing_left) doubt_the_unknown_below_the_noise(diagnosis);
   }
   if (!is_nothing_left) share_with_other_laws(diagnosis);
+  const common::EffectCatalogue of_the_controller = controller ? controller::effects_for(*controller) : common::EffectCatalogue{};
+  const common::EffectCatalogue known = joined(problem.catalogue, of_the_controller);
+  if (controller && !diagnosis.has_controller) {
+    leave_room_for_the_controller(of_the_controller.effects.size(), known.effects.size(), settings.evidence, diagnosis);
+  }
   sort_causes(diagnosis.causes);
-  const common::EffectCatalogue known = controller ? joined(problem.catalogue, controller::effects_for(*controller)) : problem.catalogue;
   add_up(known, diagnosis);
   static const Cause kNone;
   const Cause& first = diagnosis.causes.empty() ? kNone : diagnosis.causes.front();

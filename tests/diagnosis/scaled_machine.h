@@ -31,10 +31,13 @@ inline controller::ControllerSettings scaled(controller::ControllerSettings cont
   controller.limits.torque *= scaling.torque();
   controller.limits.rate *= scaling.torque() / scaling.root_time;
   for (double* time : {&controller.period, &controller.speed_filter_time, &controller.speed_control.integral_time, &controller.ramp.acceleration_time,
-                       &controller.ramp.deceleration_time, &controller.ramp.emergency_stop_time}) {
+                       &controller.ramp.deceleration_time, &controller.ramp.emergency_stop_time, &controller.plausibility.timeout}) {
     *time *= scaling.root_time;
   }
-  for (double* speed : {&controller.ramp.top_speed, &controller.speed_control.droop}) *speed *= scaling.speed();
+  for (double* speed : {&controller.ramp.top_speed, &controller.speed_control.droop, &controller.plausibility.speed_limit, &controller.plausibility.tolerance}) {
+    *speed *= scaling.speed();
+  }
+  controller.plausibility.acceleration_limit *= scaling.speed() / scaling.root_time;
   controller.speed_control.proportional_gain *= scaling.torque() / scaling.speed();
   return controller;
 }
