@@ -171,27 +171,25 @@ Following follow_from_rest(const Problem& problem, const Play& play, Record& rec
 }
 
 // What several groups do beside each other tells where their gears are. A machine that stands in the middle of its play until the drives are on, or on its flanks
-// and unloaded, begins there. Any other begins where its gears are pressed, boom and load as they may then swing; but at rest where they are pressed later only and
-// it is followed better from there, for a brake that drags holds gears in the midst of their play as flanks would.
+// and unloaded, begins there. Any other begins where its gears are pressed, boom and load as they may then swing; but at rest where it is followed better from
+// there, for a brake that drags holds gears in the midst of their play as flanks would.
 Following follow_from_its_beginning(const Problem& problem, Record& record, const WhiteningSettings& whitening) {
   const double time = problem.thresholds.time;
   const Play play = play_of(problem.nominal.crane, time);
   const bool can_be_told = play.half > 0.0 && (record.group_count > 1 || record.begins_in_motion);
   const std::optional<std::size_t> pressed = can_be_told ? pressed_from(play, record, time) : std::nullopt;
   const bool is_unloaded = !record.begins_in_motion && begins_unloaded(record, time);
-  if (!pressed) return follow_from_rest(problem, play, record, whitening);
-  const std::size_t from = *pressed;
-  if ((is_unloaded && from == 0) || (!record.begins_in_motion && from > 0 && came_from_the_middle(problem, play, record, from))) {
+  if (!pressed || (is_unloaded && *pressed == 0) || (!record.begins_in_motion && *pressed > 0 && came_from_the_middle(problem, play, record, *pressed))) {
     return follow_from_rest(problem, play, record, whitening);
   }
   Record later = record;
-  leave_out_beginning(later, from);
+  leave_out_beginning(later, *pressed);
   later.begins_bent = later.begins_on_flanks = true;
   Following from_later = follow(problem, later, whitening);
-  if (!record.begins_in_motion && from > 0) {
+  if (!record.begins_in_motion) {
     Following from_rest = follow_from_rest(problem, play, record, whitening);
     const auto forgotten = static_cast<std::size_t>(whitening.after_impact / record.step);
-    if (missing_power(record, from_rest.follower, from + forgotten) < missing_power(later, from_later.follower, forgotten)) return from_rest;
+    if (missing_power(record, from_rest.follower, *pressed + forgotten) < missing_power(later, from_later.follower, forgotten)) return from_rest;
   }
   record = std::move(later);
   return from_later;

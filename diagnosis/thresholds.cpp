@@ -64,6 +64,7 @@ WhiteningSettings whitening_settings(const sim::MachineDescription& machine, dou
   WhiteningSettings settings;
   settings.lowest_frequency = 0.02 / time;
   settings.highest_frequency = highest;
+  settings.encoder_noise_from = 0.5 * highest;
   settings.corner_from = 0.05 * highest;
   settings.before_impact = 0.3 * time;
   settings.after_impact = 2.5 * time;

@@ -6,11 +6,9 @@
 #include <array>
 #include <cmath>
 #include <complex>
-#include <functional>
 #include <limits>
 #include <numeric>
 #include <numbers>
-#include <span>
 #include <unsupported/Eigen/FFT>
 
 namespace slewlab::diagnosis {
@@ -57,49 +55,26 @@ double window_energy(const std::vector<double>& window) {
   return energy;
 }
 
-constexpr std::size_t kOrders = 6;  // of differences
-
-// Differences of the orders from 2 on, one after the other: motion is smooth over a few samples, noise is not, so what a series has of it falls with the
-// order. `of` gets them with what white noise of a variance of 1 has in them, C(2 m, m) for order m: the sum of the squared binomial coefficients.
-void for_each_order(std::vector<double> values, const std::function<void(std::size_t order, std::span<const double>, double gain)>& of) {
-  double gain = 1.0;
+// Variance of a white sensor noise, from the median size of differences of some order: motion is smooth over a few samples, noise is not.
+// What motion adds falls with the order, the more slowly the fewer samples it is given, so the least of several orders is taken. White
+// noise has sum of the squared binomial coefficients, C(2 m, m), times its variance in differences of order m.
+double noise_variance(std::vector<double> values) {
+  constexpr std::size_t kOrders = 6;
+  double least = std::numeric_limits<double>::infinity(), gain = 1.0;
+  std::vector<double> sizes;
   for (std::size_t order = 1; order <= kOrders && values.size() > 1; ++order) {
     for (std::size_t n = 1; n < values.size(); ++n) values[n - 1] = values[n] - values[n - 1];
     values.pop_back();
     gain *= 2.0 * static_cast<double>(2 * order - 1) / static_cast<double>(order);
-    if (order >= 2) of(order, values, gain);
-  }
-}
-
-// Variance of a white sensor noise, from the median size of differences: the least of several orders, for the fewer samples motion is given, the more of
-// it is left.
-double noise_variance(const std::vector<double>& values) {
-  double least = std::numeric_limits<double>::infinity();
-  std::vector<double> sizes;
-  for_each_order(values, [&](std::size_t, std::span<const double> differences, double gain) {
+    if (order < 2) continue;
     sizes.clear();
-    for (const double value : differences) sizes.push_back(std::fabs(value));
+    for (const double value : values) sizes.push_back(std::fabs(value));
     const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
     std::nth_element(sizes.begin(), middle, sizes.end());
     const double deviation = *middle / 0.6745;  // of a normal distribution, by its median size
     least = std::min(least, deviation * deviation / gain);
-  });
+  }
   return std::isfinite(least) ? least : 0.0;
-}
-
-// The same from mean squares, each value weighed: what steps of the motion add is in it, and what stands still counts for what it is.
-double mean_noise(const std::vector<double>& values, std::span<const double> weight) {
-  double least = std::numeric_limits<double>::infinity();
-  for_each_order(values, [&](std::size_t order, std::span<const double> differences, double gain) {
-    double square = 0.0, weights = 0.0;
-    for (std::size_t n = 0; n < differences.size(); ++n) {
-      const double w = weight[n + order / 2] * weight[n + order / 2];
-      square += w * differences[n] * differences[n];
-      weights += w;
-    }
-    if (weights > 0.0) least = std::min(least, square / (weights * gain));
-  });
-  return least;
 }
 
 // Of an accelerometer, as if white on the grid. One that is sampled less often has its noise in fewer, longer pieces.
@@ -108,16 +83,12 @@ double accelerometer_variance(const Record& record, std::size_t accelerometer) {
   return noise_variance(record.sampled_acceleration[accelerometer]) * record.sensor_period / record.step;
 }
 
-// Variance of a reading of an encoder's position under the window: counts are off by anything between two of them, but by one and the same while the
-// motor stands. Told by the readings alone: what a model leaves is smaller or larger than the noise where the model is wrong.
-double encoder_variance(const Record& record, std::size_t group, std::span<const double> window) {
-  std::vector<double> read, weight;
-  for (std::size_t n = 0; n < record.size(); n += reading_stride(record)) {
-    read.push_back(record.shaft_position[group][n]);
-    weight.push_back(window[n]);
-  }
-  const double most = std::max(record.encoder_quantum * record.encoder_quantum / 12.0, noise_variance(read));
-  return std::clamp(mean_noise(read, weight), kLeastNoise * most, most);
+// Variance of a reading of an encoder's position: counts are off by anything between two of them.
+double encoder_variance(const Record& record, std::size_t group) {
+  const std::vector<double>& position = record.shaft_position[group];
+  std::vector<double> read;
+  for (std::size_t n = 0; n < position.size(); n += reading_stride(record)) read.push_back(position[n]);
+  return std::max(record.encoder_quantum * record.encoder_quantum / 12.0, noise_variance(read));
 }
 
 // Power of the counting error itself, where counts are so coarse that it is not white: slow motion stays between two counts for
@@ -173,6 +144,9 @@ double rounding_power(const std::vector<double>& sum, double least, const Whiten
   return 1e-9 * sum.back() / static_cast<double>(sum.size() - 1) + least * least * window_energy(whitening.window);
 }
 
+// How much of their counts' noise the encoders have.
+using EncoderShares = std::array<double, sim::kMaximumGroupCount>;
+
 // The power at each bin that the sensors' noise has in a channel.
 class NoisePowers {
  public:
@@ -181,7 +155,7 @@ class NoisePowers {
     const double energy = window_energy(whitening.window), stride = static_cast<double>(reading_stride(record));
     const bool is_coarse = record.encoder_quantum >= kCoarseCount;
     for (std::size_t g = 0; g < groups_; ++g) {
-      const double white = encoder_variance(record, g, whitening.window) * energy / stride;
+      const double white = encoder_variance(record, g) * energy / stride;
       encoder_[g].assign(whitening.transform_length / 2 + 1, white);
       if (!is_coarse) continue;
       std::vector<double> sum{0.0};
@@ -195,7 +169,7 @@ class NoisePowers {
   }
   // A data sheet says how noise may rise; a sensor that is sampled slowly, or a better one, is white from a lower frequency on. What the
   // nominal machine leaves is noise and more, so in no band may there be more noise.
-  void lower_corners(const Whitening& whitening, const Shadow& nominal, double from) {
+  void lower_corners(const Whitening& whitening, const Shadow& nominal, const EncoderShares& shares, double from) {
     Transform transform(whitening);
     for (const Channel& channel : whitening.channels) {
       const auto i = static_cast<std::size_t>(channel.index);
@@ -213,7 +187,7 @@ class NoisePowers {
         for (std::size_t k = low; k < high; ++k) {
           const double own_response = own > 0.0 ? response_.tip.acceleration[i][k] : 1.0;
           const double rise = accelerometer_[i] * own_response / (static_cast<double>(k) * bin_width_);
-          excess += std::norm(spectrum[k]) - (at(channel, k) - corner_[i] * rise);
+          excess += std::norm(spectrum[k]) - (at(channel, k, shares) - corner_[i] * rise);
           per_corner += rise;
           square += std::norm(spectrum[k]) * std::norm(spectrum[k]);
         }
@@ -223,12 +197,12 @@ class NoisePowers {
       }
     }
   }
-  double at(const Channel& channel, std::size_t k) const {
+  double at(const Channel& channel, std::size_t k, const EncoderShares& shares) const {
     const auto i = static_cast<std::size_t>(channel.index);
     const auto of = [&](const SourceResponse& source) { return channel.is_torque ? source.torque[i][k] : source.acceleration[i][k]; };
     const auto flicker = [&](std::size_t a) { return accelerometer_[a] * (1.0 + corner_[a] / (static_cast<double>(k) * bin_width_)); };
     double noise = channel.is_torque || i == kTip ? 0.0 : flicker(i);
-    for (std::size_t g = 0; g < groups_; ++g) noise += encoder_[g][k] * of(response_.encoder[g]);
+    for (std::size_t g = 0; g < groups_; ++g) noise += shares[g] * encoder_[g][k] * of(response_.encoder[g]);
     if (accelerometer_[kTip] > 0.0) noise += flicker(kTip) * of(response_.tip);
     return noise;
   }
@@ -318,7 +292,25 @@ Whitening make_whitening(const Record& record, const std::vector<bool>& trusted,
   std::vector<const std::vector<double>*> torques;
   for (int g = 0; g < record.group_count; ++g) torques.push_back(&record.motor_torque[static_cast<std::size_t>(g)]);
   const std::vector<double> torque_power = running_power(torques, whitening);
-  noise.lower_corners(whitening, nominal, settings.corner_from);
+  EncoderShares shares;
+  shares.fill(1.0);
+  EncoderShares shown = shares;
+  Transform transform(whitening);
+  for (int g = 0; g < record.group_count; ++g) {
+    const auto i = static_cast<std::size_t>(g);
+    const auto& missing = transform(nominal.missing_torque[i]);
+    std::vector<double> ratios;
+    for (std::size_t k = whitening.first_bin; k < whitening.first_bin + whitening.bin_count; ++k) {
+      if (static_cast<double>(k) * whitening.bin_width < settings.encoder_noise_from) continue;
+      ratios.push_back(std::norm(missing[k]) / (noise.at({true, g}, k, shares) + rounding_power(torque_power, settings.least_torque, whitening)));
+    }
+    if (ratios.empty()) continue;
+    const auto middle = ratios.begin() + static_cast<std::ptrdiff_t>(ratios.size() / 2);
+    std::nth_element(ratios.begin(), middle, ratios.end());
+    // Power in a bin of noise has an exponential distribution, whose median is ln 2 of its mean.
+    shown[i] = std::clamp(*middle / std::numbers::ln2, kLeastNoise, 1.0);
+  }
+  noise.lower_corners(whitening, nominal, shown, settings.corner_from);
   for (const Channel& channel : whitening.channels) {
     const auto i = static_cast<std::size_t>(channel.index);
     const std::vector<double> sum = channel.is_torque ? torque_power : running_power({&record.acceleration[i]}, whitening);
@@ -328,7 +320,7 @@ Whitening make_whitening(const Record& record, const std::vector<bool>& trusted,
       const std::size_t k = whitening.first_bin + b;
       const std::size_t half = 4 + static_cast<std::size_t>(0.5 * settings.smoothing * static_cast<double>(k));
       const double missed = settings.discrepancy_share * settings.discrepancy_share * mean_around(sum, k, half);
-      weight(static_cast<Eigen::Index>(b)) = std::numbers::sqrt2 / std::sqrt(missed + rounding + noise.at(channel, k));
+      weight(static_cast<Eigen::Index>(b)) = std::numbers::sqrt2 / std::sqrt(missed + rounding + noise.at(channel, k, shown));
     }
     whitening.weight.push_back(weight);
   }

@@ -31,6 +31,7 @@ struct WhiteningSettings {
   double lowest_frequency = 0.0;     // [Hz] below which a record knows nothing
   double noise_corner = 0.0;         // [Hz] below which an accelerometer's noise rises as 1/f, at most (its data sheet)
   double corner_from = 0.0;          // [Hz] above which what the nominal machine leaves may lower that
+  double encoder_noise_from = 0.0;   // [Hz] from which torque channels hold the encoders' noise alone
   double before_impact = 0.0;        // [s] a real machine may let go a little before its model
   double after_impact = 0.0;         // [s] in which the observer forgets an impact, three of its slowest time constants
   double soft_edge = 0.0;            // [s] over which the window falls beside a stretch that is taken out
@@ -57,8 +58,8 @@ struct Whitening {
 };
 
 // `trusted` holds for each grid point whether it may be judged; the window falls to 0 where it may not. `response`, of a transform of
-// transform_length(), turns the sensors' noise into the channels'. How much an encoder has, its readings under the window tell; how far an
-// accelerometer's rises at low frequencies, what the `nominal` shadow misses.
+// transform_length(), turns the sensors' noise into the channels'. An encoder that stands makes no noise, so how much of it there is shows
+// in what the `nominal` shadow misses above `encoder_noise_from`, where motors hardly move; at most what its counts may make.
 Whitening make_whitening(const Record& record, const std::vector<bool>& trusted, const NoiseResponse& response,
                          const Shadow& nominal, const WhiteningSettings& settings);
 

@@ -72,6 +72,7 @@ TEST_P(ThresholdsInAnotherSize, GoWithTheMachine) {
   expect(other.shadow.offset_time, own.shadow.offset_time, time, "offset time");
   expect(other.whitening.lowest_frequency, own.whitening.lowest_frequency, 1.0 / time, "lowest frequency");
   expect(other.whitening.highest_frequency, own.whitening.highest_frequency, 1.0 / time, "highest frequency");
+  expect(other.whitening.encoder_noise_from, own.whitening.encoder_noise_from, 1.0 / time, "encoder noise");
   expect(other.whitening.before_impact, own.whitening.before_impact, time, "before an impact");
   expect(other.whitening.after_impact, own.whitening.after_impact, time, "after an impact");
   expect(other.whitening.soft_edge, own.whitening.soft_edge, time, "soft edge");

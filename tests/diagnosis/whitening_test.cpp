@@ -11,7 +11,7 @@ namespace {
 constexpr std::size_t kCount = 30000;  // 30 s at 1 kHz
 
 // Of noise that is white: no corner.
-const WhiteningSettings kSettings{.highest_frequency = 40.0, .lowest_frequency = 0.02, .noise_corner = 0.0, .soft_edge = 0.4,
+const WhiteningSettings kSettings{.highest_frequency = 40.0, .lowest_frequency = 0.02, .noise_corner = 0.0, .encoder_noise_from = 20.0, .soft_edge = 0.4,
                                   .least_torque = 1e-6, .least_acceleration = 1e-6};
 
 std::vector<double> white(double deviation, unsigned seed) {
