@@ -303,11 +303,7 @@ void seal(const MakeSettings& settings) {
   write_whole(settings.directory / "digest.txt", sha256(text) + "  sealed/answers.json\n");
 }
 
-}  // namespace
-
-namespace {
-
-// Throws where the set cannot be made, or the folder holds another one.
+// Throws where the set cannot be made.
 Nominal checked_nominal(const MakeSettings& settings) {
   check_seed(settings.seed, settings.purpose);
   if (whole_steps(settings.record_period) < 1 || whole_steps(settings.controller_period) < 1) {
@@ -317,6 +313,7 @@ Nominal checked_nominal(const MakeSettings& settings) {
   return load_nominal(settings);
 }
 
+// Throws where the folder holds another set.
 void begin(const MakeSettings& settings, const Nominal& nominal) {
   fs::create_directories(settings.directory / "sealed");
   const std::string about = about_text(settings, nominal).dump(1) + "\n";
