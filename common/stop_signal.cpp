@@ -1,18 +1,22 @@
 #include "common/stop_signal.h"
 
+#include <atomic>
 #include <csignal>
 
 namespace slewlab::common {
 namespace {
 
-volatile std::sig_atomic_t received = 0;
+// Threads ask while a handler answers, in whichever thread the signal comes.
+std::atomic<int> received{0};
+static_assert(std::atomic<int>::is_always_lock_free, "a signal handler may use no other");
 
 }  // namespace
 
 void catch_stop_signals() {
   struct sigaction action{};
   action.sa_handler = [](int number) {
-    if (received == 0) received = number;
+    int none = 0;
+    received.compare_exchange_strong(none, number);
   };
   // Of two that come at once the second waits until the first is noted.
   sigaddset(&action.sa_mask, SIGINT);
