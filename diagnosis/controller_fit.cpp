@@ -31,7 +31,8 @@ struct Grid {
 };
 constexpr Grid kFine{0.25, 0.5}, kCoarse{1.0, 1.5};
 constexpr double kSizeReach = 4.0, kOtherReach = 3.0;
-constexpr int kStartsToGoOn = 3;
+constexpr std::size_t kStartsToGoOn = 3;
+constexpr double kRounding = 1e-9;  // share of a sum of squares by which another order of its additions may change it, and far more
 constexpr double kFirstStride = 0.1, kLastStride = 1e-4;  // [standard deviations] of the search without slopes
 constexpr double kExact = 1e-9;         // share of the difference below which nothing is left to find
 constexpr int kSinglesToPair = 3;
@@ -42,16 +43,21 @@ constexpr double kPairPrior = 0.1;     // of two effects, against one
 
 using Effects = std::vector<common::EffectInstance>;
 
-// Of the changes over `change_time` [s]; of the torques themselves where that is 0. `known_from` [s] of each record.
-Eigen::VectorXd torque_differences(std::span<const Record> records, const std::vector<std::optional<double>>& known_from,
-                                   const controller::ControllerSettings& settings, double change_time) {
+// Of the changes over `change_time` [s]; of the torques themselves where that is 0. `known_from` [s] of each record. Nothing where the sum of
+// their squares is above `most`: of such a replay nobody asks more, and most of them are so within a part of the record.
+std::optional<Eigen::VectorXd> torque_differences(std::span<const Record> records, const std::vector<std::optional<double>>& known_from,
+                                                  const controller::ControllerSettings& settings, double change_time, double most) {
   std::vector<double> all;
+  double left = (1.0 + kRounding) * most;
   for (std::size_t r = 0; r < records.size(); ++r) {
     const Record& record = records[r];
-    const std::vector<double> difference = replay_controller(record, settings, known_from[r]).difference;
     // The groups' values stand in turns.
     const std::size_t lag =
         static_cast<std::size_t>(record.group_count) * static_cast<std::size_t>(std::lround(change_time / record.encoder_period));
+    const ControllerReplay replay = replay_controller(record, settings, known_from[r], {lag, left});
+    if (replay.is_given_up) return std::nullopt;
+    left -= replay.change_square;
+    const std::vector<double>& difference = replay.difference;
     for (std::size_t n = lag; n < difference.size(); ++n) all.push_back(difference[n] - (lag > 0 ? difference[n - lag] : 0.0));
   }
   return Eigen::Map<Eigen::VectorXd>(all.data(), static_cast<Eigen::Index>(all.size()));
@@ -75,8 +81,12 @@ struct Replays {
   std::vector<std::optional<double>> known_from;  // [s] of each record, by the nominal controller: every effect is compared over the same cycles
   double change_time;  // [s] short against ramps and integral times, long enough to see a ramp that is late
   Eigen::VectorXd operator()(const Effects& effects, double time) const {
+    return std::move(*below(std::numeric_limits<double>::infinity(), effects, time));
+  }
+  // Nothing where the sum of squares is above `most`.
+  std::optional<Eigen::VectorXd> below(double most, const Effects& effects, double time) const {
     if (is_stopped && is_stopped()) throw Interrupted{};
-    return torque_differences(records, known_from, controller::with_effects(nominal, effects), time);
+    return torque_differences(records, known_from, controller::with_effects(nominal, effects), time, most);
   }
 };
 
@@ -126,7 +136,9 @@ Eigen::VectorXd descend(const Replays& replays, double change_time, Effects& eff
   problem.attempt = [&](const Eigen::VectorXd& step) -> std::optional<double> {
     trial = effect_coordinates(replays.catalogue, effects_at(replays.catalogue, effects, x + step));
     if (trial == x) return std::nullopt;
-    trial_difference = replays(effects_at(replays.catalogue, effects, trial), change_time);
+    std::optional<Eigen::VectorXd> found = replays.below(difference.squaredNorm(), effects_at(replays.catalogue, effects, trial), change_time);
+    if (!found) return std::numeric_limits<double>::infinity();
+    trial_difference = std::move(*found);
     return trial_difference.squaredNorm();
   };
   problem.accept = [&] {
@@ -151,9 +163,9 @@ void feel_around(const Replays& replays, double change_time, Effects& effects) {
         Eigen::VectorXd moved = x;
         moved(p) += direction * stride;
         moved = effect_coordinates(replays.catalogue, effects_at(replays.catalogue, effects, moved));
-        const double square = replays(effects_at(replays.catalogue, effects, moved), change_time).squaredNorm();
-        if (square >= least) continue;
-        least = square;
+        const std::optional<Eigen::VectorXd> found = replays.below(least, effects_at(replays.catalogue, effects, moved), change_time);
+        if (!found || found->squaredNorm() >= least) continue;
+        least = found->squaredNorm();
         x = moved;
         fell = true;
         break;
@@ -166,11 +178,19 @@ void feel_around(const Replays& replays, double change_time, Effects& effects) {
 
 // The starts that leave least of the changes.
 std::vector<Effects> best_of(const Replays& replays, const std::vector<Effects>& starts) {
+  constexpr double kInfinity = std::numeric_limits<double>::infinity();
   std::vector<std::pair<double, std::size_t>> ranked;
-  for (std::size_t i = 0; i < starts.size(); ++i) ranked.emplace_back(replays(starts[i], replays.change_time).squaredNorm(), i);
-  std::sort(ranked.begin(), ranked.end());
+  for (std::size_t i = 0; i < starts.size(); ++i) {
+    const bool is_full = ranked.size() == kStartsToGoOn;
+    const std::optional<Eigen::VectorXd> found = replays.below(is_full ? ranked.back().first : kInfinity, starts[i], replays.change_time);
+    if (!found) continue;
+    const double square = found->squaredNorm();
+    ranked.emplace_back(std::isfinite(square) ? square : kInfinity, i);
+    std::sort(ranked.begin(), ranked.end());
+    if (is_full) ranked.pop_back();
+  }
   std::vector<Effects> best;
-  for (std::size_t i = 0; i < std::min<std::size_t>(kStartsToGoOn, ranked.size()); ++i) best.push_back(starts[ranked[i].second]);
+  for (const auto& [square, i] : ranked) best.push_back(starts[i]);
   return best;
 }
 

@@ -128,7 +128,7 @@ ControllerReplay replay_controller(const Record& record, const controller::Contr
   return replay_controller(record, settings, controller_known_from(record, settings));
 }
 
-ControllerReplay replay_controller(const Record& record, controller::ControllerSettings settings, std::optional<double> known_from) {
+ControllerReplay replay_controller(const Record& record, controller::ControllerSettings settings, std::optional<double> known_from, const GiveUp& give_up) {
   if (settings.group_count != record.group_count) {
     throw NotAdmitted(fmt::format("{}: the log has {} motor groups, the controller {}", record.name,
                                   record.group_count, settings.group_count));
@@ -188,11 +188,20 @@ ControllerReplay replay_controller(const Record& record, controller::ControllerS
       const double difference = recorded - output.motor_torque[i];
       square += recorded * recorded;
       difference_square += difference * difference;
+      const std::size_t entry = replay.difference.size();
       replay.difference.push_back(difference);
+      if (entry >= give_up.lag) {
+        const double change = difference - (give_up.lag > 0 ? replay.difference[entry - give_up.lag] : 0.0);
+        replay.change_square += change * change;
+      }
       if (std::fabs(difference) > replay.largest_difference) {
         replay.largest_difference = std::fabs(difference);
         replay.largest_time = static_cast<double>(encoder.simulated_time) * 1e-9;
       }
+    }
+    if (replay.change_square > give_up.above) {
+      replay.is_given_up = true;
+      return replay;
     }
   }
   if (!replay.difference.empty()) {

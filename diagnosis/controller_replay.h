@@ -2,6 +2,7 @@
 // recorded torques. What differs here is the controller's and nobody else's.
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -18,6 +19,15 @@ struct ControllerReplay {
   double difference_rms = 0.0;  // [Nm] recorded minus computed
   double largest_difference = 0.0;
   double largest_time = 0.0;    // [s] of the largest difference
+  double change_square = 0.0;   // [Nm^2] sum over the changes of the difference that GiveUp speaks of, as far as the replay went
+  bool is_given_up = false;     // before the record's end; the torque's and the difference's size are not filled
+};
+
+// Where only a replay is of use whose difference, or its change over so many entries where `lag` is not 0, stays small: the sum of squares
+// beyond which nobody wants to know the rest.
+struct GiveUp {
+  std::size_t lag = 0;
+  double above = std::numeric_limits<double>::infinity();  // [Nm^2]
 };
 
 // Throws NotAdmitted where the motors turn and nobody asks them to.
@@ -31,7 +41,8 @@ std::optional<double> controller_known_from(const Record& record, const controll
 // A cycle whose ENCODER is missing from the log is computed with the speed between its neighbours. The settings' period and group count
 // are taken from the record. Until `known_from` [s] its integrals are those with which it answers as was recorded, and only what follows is
 // compared; nothing where it is never known. Throws NotAdmitted where they cannot fit.
-ControllerReplay replay_controller(const Record& record, controller::ControllerSettings settings, std::optional<double> known_from);
+ControllerReplay replay_controller(const Record& record, controller::ControllerSettings settings, std::optional<double> known_from,
+                                   const GiveUp& give_up = {});
 // From when the settings themselves say that the controller is known. Other settings are compared over the same cycles from that moment.
 ControllerReplay replay_controller(const Record& record, const controller::ControllerSettings& settings);
 
