@@ -24,7 +24,7 @@ FENCE = re.compile(r"^(```|~~~).*?^\1", re.DOTALL | re.MULTILINE)
 OTHER_PAGES = {"README.md": "overview.md", "CHANGELOG.md": "changelog.md", "CONTRIBUTING.md": "contributing.md"}
 # The index's headings, in its order, and what the site adds to them.
 KINDS = {"Tutorials": [], "How to": [], "Reference": ["api/python.md", "api/cpp.md"], "Explanation": []}
-ASIDE = ["overview.md", "benchmarks.md", "history/diagnosis.md", "history/step.md", "changelog.md", "contributing.md"]
+ASIDE = ["overview.md", "benchmarks.md", "history/diagnosis.md", "history/robustness.md", "history/step.md", "changelog.md", "contributing.md"]
 
 
 class SiteFailed(Exception):
