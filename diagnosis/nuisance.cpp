@@ -66,7 +66,7 @@ double swing_reach(const Nuisances& nuisances, const std::vector<double>& amount
 PriorTerm nuisance_prior(const Nuisances& nuisances, std::size_t k, double z) {
   PriorTerm term{z * z, z, 1.0};
   const double beyond = std::fabs(z) - kSpreadEnds;
-  if (k < nuisances.common_count() && beyond > 0.0) {
+  if (k < nuisances.parameters.size() && beyond > 0.0) {
     term.cost += kSteepness * beyond * beyond;
     term.slope += std::copysign(kSteepness * beyond, z);
     term.curvature += kSteepness;

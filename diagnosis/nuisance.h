@@ -65,8 +65,7 @@ struct PriorTerm {
 // Where a parameter's spread from unit to unit ends: 1.73 standard deviations are the 5 %; a little more for what mesh and step make wrong.
 inline constexpr double kSpreadEnds = 2.0;  // [standard deviations]
 
-// Of amount `z` of nuisance `k`: normal; of a parameter within its spread from unit to unit, and of the encoders' latency, with a steep cost where
-// that ends: what is later still is a delay, and an effect's.
+// Of amount `z` of nuisance `k`: normal; of a parameter within its spread from unit to unit, with a steep cost where that ends.
 PriorTerm nuisance_prior(const Nuisances& nuisances, std::size_t k, double z);
 
 // Whether nuisance `k` is what the effect itself says of the machine: beside "the rope is longer", the rope's length is not
