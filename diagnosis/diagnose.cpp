@@ -308,13 +308,29 @@ void validate_lead(Problem& problem, const WhiteningSettings& whitening, const s
   }
 }
 
+// A record that cannot be judged is refused before the work, not behind it. Throws NotAdmitted.
+void check_unseen(const Problem& problem, const WhiteningSettings& whitening, const std::vector<Record>& unseen) {
+  for (const Record& record : unseen) {
+    std::vector<std::string> remarks;
+    HeldOutData(problem, whitening, record, remarks);
+  }
+}
+
 // The answer on records that had no part in it.
 void judge_unseen(Problem& problem, const WhiteningSettings& whitening, const std::optional<controller::ControllerSettings>& controller,
                   const Point& parameters_of_all, std::vector<Record> unseen, Diagnosis& diagnosis) {
   std::optional<Point> answer;
   if (!diagnosis.is_unknown && !diagnosis.causes.empty()) answer = fitted_part(problem.catalogue, diagnosis.causes.front());
   for (Record& record : unseen) {
-    HeldOutData data(problem, whitening, std::move(record), diagnosis.remarks);
+    const std::string name = record.name;
+    std::optional<HeldOutData> admitted;
+    try {
+      admitted.emplace(problem, whitening, std::move(record), diagnosis.remarks);
+    } catch (const NotAdmitted& problem_of_it) {
+      diagnosis.remarks.push_back(fmt::format("{} could not be predicted: {}", name, problem_of_it.what()));
+      continue;
+    }
+    HeldOutData& data = *admitted;
     const HeldOut parameters = data.fit(parameters_of_all);
     const HeldOut cause = answer ? data.fit(*answer) : parameters;
     UnseenRecord judged{parameters.record, {data.error({}, controller), data.error(parameters, controller), {}, {}, false},
@@ -450,6 +466,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   if (settings.noise_corner) problem.thresholds.whitening.noise_corner = *settings.noise_corner;
   const WhiteningSettings whitening = whitening_for(problem.thresholds, has_coarse_counts(records));
   diagnosis.followed = admit(std::move(records), whitening, problem, diagnosis.remarks);
+  check_unseen(problem, whitening, unseen);
   diagnosis.nuisances = problem.nuisances;
 
   tell(0.0, "replaying the controller");

@@ -221,12 +221,12 @@ void take_effects(const sim::MachineFile& axis, double first_position, AxisDiagn
   sim::BalanceEffects found = sim::effects_of_balance(
       {.dry = size("dry"), .viscous = size("viscous"), .viscous_difference = size("viscous", 1), .dry_difference = is_named("offset") ? 0.0 : size("offset"), .offset = is_named("offset") ? size("offset") : 0.0,
        .breakaway_excess = size("stribeck"), .stribeck_speed = shape("stribeck"), .rising = size("rising"), .rising_speed = shape("rising"),
-       .gravity_sine = size("gravity", 0), .gravity_cosine = size("gravity", 1), .first_position = first_position},
+       .gravity_sine = size("gravity", 0), .gravity_cosine = size("gravity", 1), .first_position = first_position, .lag = size("lag")},
       sim::effects_for(axis));
   diagnosis.effects = std::move(found.effects);
   diagnosis.remarks.insert(diagnosis.remarks.end(), found.left_out.begin(), found.left_out.end());
   for (const BalanceTerm& term : model.terms) {
-    constexpr std::string_view kWritten[] = {"dry", "viscous", "offset", "stribeck", "rising", "gravity"};
+    constexpr std::string_view kWritten[] = {"dry", "viscous", "offset", "stribeck", "rising", "gravity", "lag"};
     if (std::find(std::begin(kWritten), std::end(kWritten), term.law) != std::end(kWritten)) continue;
     diagnosis.remarks.push_back(term.words + ": no effect of the catalogue has this law with these sizes; it is not in the file");
   }
@@ -256,6 +256,13 @@ void doubt_what_an_unknown_may_imitate(AxisDiagnosis& diagnosis) {
       term.probability *= term.share / (term.share + diagnosis.unexplained);
     }
   }
+}
+
+// What is left, in words.
+std::string what_it_follows(const sim::MachineFile& axis, const AxisDiagnosis& diagnosis) {
+  const std::string& rest = diagnosis.answer.remainder.variable;
+  if (!rest.empty()) return "follows the " + rest;
+  return fmt::format("follows neither speed, position, time nor {}", axis.axis.is_linear ? "force" : "torque");
 }
 
 void name_answer(const sim::MachineFile& axis, double inertia_spread, AxisDiagnosis& diagnosis) {
@@ -290,6 +297,12 @@ void name_answer(const sim::MachineFile& axis, double inertia_spread, AxisDiagno
     diagnosis.verdict = "cannot tell: no law predicts " + validation.place + " better than the nominal axis, in torque balance and forward simulation";
     return;
   }
+  if (!diagnosis.is_physical) {
+    keep_only(0.0, diagnosis.answer);
+    diagnosis.verdict = fmt::format("cannot tell: {} predicts {}, but fitted to all records a size comes out that it cannot have, or that they do not determine",
+                                    best.terms.empty() ? "another inertia" : best.words(), validation.place);
+    return;
+  }
   diagnosis.is_stated = true;
   diagnosis.unexplained = 1.0 - share;
   diagnosis.has_remainder = validation.cause.balance > kAboveNoise * validation.noise && !validation.is_other_direction;
@@ -317,12 +330,32 @@ void name_answer(const sim::MachineFile& axis, double inertia_spread, AxisDiagno
   }
   if (is_inertia_off) words += (best.terms.empty() ? "" : ", beside ") + inertia_words(axis, nominal, best.inertia);
   diagnosis.verdict = fmt::format("{}: {:.1f} % of the gap on data that were not fitted", words, 100.0 * share);
-  const std::string follows = rest.empty() ? "follows neither speed, position, time nor torque" : "follows the " + rest;
+  const std::string follows = what_it_follows(axis, diagnosis);
   if (diagnosis.has_remainder) {
     diagnosis.verdict += fmt::format("; what is left, {:.3g} {} of {:.3g}, is of no known law (unknown) and {}", validation.cause.balance,
                                      axis.axis.is_linear ? "N" : "Nm", validation.effort, follows);
   } else if (!rest.empty() || diagnosis.unexplained > kWorthSaying) {
     diagnosis.verdict += "; the rest " + follows;
+  }
+}
+
+// One sentence that a person can act on.
+void say_what_to_do(const sim::MachineFile& axis, AxisDiagnosis& diagnosis) {
+  const std::string look = what_it_follows(axis, diagnosis);
+  const std::vector<BalanceTerm>& terms = diagnosis.answer.best.terms;
+  const bool is_sure = std::all_of(terms.begin(), terms.end(), [](const BalanceTerm& term) { return term.probability >= kSure; });
+  if (!diagnosis.gap) {
+    diagnosis.action = "Keep the axis's file: it describes this axis.";
+  } else if (!diagnosis.is_stated && diagnosis.verdict.rfind("cannot tell", 0) == 0) {
+    diagnosis.action = "Record one more log of moves in both directions, at several steady speeds and with ramps between them, and ask again with all logs.";
+  } else if (!diagnosis.is_stated) {
+    diagnosis.action = fmt::format("Look at the axis for what {}; no file is changed.", look);
+  } else if (diagnosis.has_remainder) {
+    diagnosis.action = fmt::format("Use axis_with_effect.yaml in place of the axis's file, and look at the axis for what {}.", look);
+  } else if (!is_sure) {
+    diagnosis.action = "Use axis_with_effect.yaml in place of the axis's file; a log of several steady speeds, slow ones among them, in both directions would tell the laws apart.";
+  } else {
+    diagnosis.action = "Use axis_with_effect.yaml in place of the axis's file.";
   }
 }
 
@@ -388,8 +421,12 @@ std::vector<double> forward_speed(const AxisRecord& record, const BalanceMotion&
   const double step = record.step / kFiner;
   std::vector<double> speeds(record.position.size());
   LawMoment moment{record.start_time, along(motion.position, 0), along(motion.speed, 0), 0.0};
-  for (std::size_t n = 0; n < speeds.size(); ++n) {
-    if (n % stretch == 0) {
+  moment.is_exact = true;
+  // The first speed that is known is that in the middle of the first window: what acts before it has already acted.
+  std::fill(speeds.begin(), speeds.begin() + static_cast<std::ptrdiff_t>(first), moment.speed);
+  moment.time += record.step * static_cast<double>(first);
+  for (std::size_t n = first; n < speeds.size(); ++n) {
+    if ((n - first) % stretch == 0) {
       moment.position = along(motion.position, n);
       moment.speed = along(motion.speed, n);
     }
@@ -441,8 +478,10 @@ AxisDiagnosis diagnose_axis(const sim::MachineFile& axis, const std::vector<Name
     }
     const std::vector<BalanceRecord> smooth = smoothed(records, balance);
     choose_and_validate(records, balance, diagnosis.nominal_inertia, diagnosis);
+    if (axis.axis.is_linear) diagnosis.answer.remainder.variable = of_a_linear_axis(diagnosis.answer.remainder.variable);
     BalanceModel& best = diagnosis.answer.best;
-    FittedSizes sizes = refitted(smooth, balance.laws, diagnosis.validated, balance.resolved_speed);
+    FittedSizes sizes = refitted(smooth, balance.laws, diagnosis.validated, diagnosis.nominal_inertia, balance.resolved_speed);
+    diagnosis.is_physical = sizes.is_physical;
     best = std::move(sizes.best);
     diagnosis.answer.models.front() = std::move(sizes.stated);
     check_units(diagnosis.nominal_inertia, best);
@@ -457,7 +496,8 @@ AxisDiagnosis diagnose_axis(const sim::MachineFile& axis, const std::vector<Name
     if (parameter.name == "inertia" || parameter.name == "mass") spread = parameter.spread;
   }
   name_answer(axis, spread, diagnosis);
-  if (diagnosis.is_stated && diagnosis.gap) take_effects(axis, records.front().position.front(), diagnosis);
+  say_what_to_do(axis, diagnosis);
+  if (diagnosis.is_stated && diagnosis.gap && !diagnosis.answer.best.terms.empty()) take_effects(axis, records.front().position.front(), diagnosis);
   if (!axis.parameters.drive.is_rigid) {
     diagnosis.remarks.push_back("the balance takes motor and load for one inertia: what swings behind the transmission is part of what is left");
   }

@@ -68,9 +68,11 @@ struct AxisDiagnosis {
   AxisValidation validation;
   bool gap = false;              // the nominal axis is not as good as noise and the spread of its inertia allow
   bool is_stated = false;        // the best model is an answer; otherwise the verdict says why not
+  bool is_physical = true;       // its laws fit all records with sizes that they can have
   double unexplained = 0.0;      // share of the gap that the stated laws leave on data that were not fitted
   bool has_remainder = false;    // and that is more than noise and laws known no better make
   std::string verdict;
+  std::string action;            // one sentence: what to do with it
   std::vector<common::EffectInstance> effects;  // of the best model, where the catalogue has its laws
   std::vector<std::string> remarks;
   std::vector<AxisSeries> series;               // per record
@@ -82,7 +84,8 @@ struct AxisDiagnosis {
 // `without`: names of laws (balance_law_names()) that are not tried, nor what is a detail of them. Throws NoBalance.
 AxisDiagnosis diagnose_axis(const sim::MachineFile& axis, const std::vector<NamedRun>& runs, const std::vector<std::string>& without = {});
 
-// The speed of the axis by the recorded effort alone, on the record's grid; begun at the first instant and anew after each `stretch` samples.
+// The speed of the axis by the recorded effort alone, on the record's grid; begun where the motion is first known and anew after each `stretch`
+// samples.
 std::vector<double> forward_speed(const AxisRecord& record, const BalanceMotion& motion, const std::vector<BalanceLaw>& laws,
                                   const BalanceModel& model, std::size_t stretch = std::numeric_limits<std::size_t>::max());
 

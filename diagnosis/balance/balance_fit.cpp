@@ -20,7 +20,8 @@ constexpr int kBlocksPerRecord = 10;
 constexpr int kStretchesPerBlock = 4;
 constexpr double kSignificance = 2.0;      // [standard errors] by which an addition must help the left-out blocks
 constexpr double kLeastShare = kLawDiscrepancy * kLawDiscrepancy;  // of the gap, below which an addition is what a known law leaves
-constexpr double kLongestWindow = 0.2;       // [s]: the shortest move that an axis makes on purpose; chosen
+constexpr double kLongestWindow = 0.5;       // of the time in which the axis changes its speed, in which laws are taken for constant; chosen
+constexpr double kInertiaPrior = 0.5;        // of the file's inertia, one standard deviation: 20 to 50 % off is an ordinary machine; chosen
 constexpr double kResolved = 2e-3;           // of top speed, below which no friction is judged; chosen
 constexpr double kNoises = 3.0;              // standard deviations of the speed's noise, likewise
 constexpr double kFrictionPrior = 0.3;     // odds of an ordinary friction more, its Occam factor included: learned likewise
@@ -66,6 +67,7 @@ struct Block {
 struct Regression {
   std::vector<Column> columns;
   Eigen::VectorXd ridge;                  // of each column: what its prior adds to the products
+  double nominal_inertia = 0.0;           // about which the acceleration's prior is; those of the others are about 0
   std::vector<Block> blocks;
   std::vector<Eigen::MatrixXd> values;    // per record, judged samples
   std::vector<Eigen::VectorXd> efforts;
@@ -185,6 +187,7 @@ struct Sums {
 Sums sums_of(const Regression& regression, const std::vector<Eigen::Index>& columns, const std::function<bool(const Block&)>& is_in) {
   const auto size = static_cast<Eigen::Index>(columns.size());
   Sums sums{regression.ridge(columns).asDiagonal(), Eigen::VectorXd::Zero(size)};
+  if (columns.front() == 0) sums.with_effort(0) = regression.ridge(0) * regression.nominal_inertia;
   for (const Block& block : regression.blocks) {
     if (!is_in(block)) continue;
     sums.products += block.products(columns, columns);
@@ -242,6 +245,19 @@ bool has_possible_sizes(const Regression& regression, const std::vector<BalanceL
   return size >= 0.0 && size <= shape.largest && !(shape.is_leaning && std::fabs(sizes(first - columns.begin() + 1)) > size);
 }
 
+// The columns whose sizes the records must tell: a difference of the directions has its prior, without which records of one direction would
+// tell no viscous friction.
+std::vector<Eigen::Index> told_by_records(const Regression& regression, const std::vector<BalanceLaw>& laws, const std::vector<Eigen::Index>& columns) {
+  std::vector<Eigen::Index> told;
+  for (std::size_t k = 0; k < columns.size(); ++k) {
+    const Column& column = regression.columns[static_cast<std::size_t>(columns[k])];
+    const bool is_second = k > 0 && column.law >= 0 && regression.columns[static_cast<std::size_t>(columns[k - 1])].law == column.law;
+    if (is_second && laws[static_cast<std::size_t>(column.law)].shapes[column.shape].is_leaning) continue;
+    told.push_back(columns[k]);
+  }
+  return told;
+}
+
 Validated validate(const Regression& regression, const std::vector<BalanceLaw>& laws, const Choice& choice, std::size_t records) {
   Validated result;
   result.choice = choice;
@@ -253,10 +269,12 @@ Validated validate(const Regression& regression, const std::vector<BalanceLaw>& 
     result.block_error.push_back(error / left_out.count);
     result.of_blocks += error / regression.count;
   }
-  const double determined = least_determined(sums_of(regression, columns, [](const Block&) { return true; }));
+  const std::vector<Eigen::Index> told = told_by_records(regression, laws, columns);
+  const double determined = least_determined(sums_of(regression, told, [](const Block&) { return true; }));
   for (std::size_t r = 0; r < records && records > 1; ++r) {
-    const Sums others = sums_of(regression, columns, [&](const Block& block) { return block.record != r; });
-    if (least_determined(others) < kLeastDetermined * determined) {
+    const auto is_other = [&](const Block& block) { return block.record != r; };
+    const Sums others = sums_of(regression, columns, is_other);
+    if (least_determined(sums_of(regression, told, is_other)) < kLeastDetermined * determined) {
       result.record_error.clear();
       result.record_block_error.clear();
       break;
@@ -378,7 +396,8 @@ std::optional<std::pair<int, std::size_t>> chosen_law(const std::vector<BalanceL
   return std::pair(static_cast<int>(found - laws.begin()), std::size_t{0});
 }
 
-// Priors of what every machine and recorder has a little of: normal about 0, against the noise that the ordinary laws leave.
+// Priors of what every machine and recorder has a little of: normal, about 0 but for the inertia, against the noise that the ordinary laws leave.
+//   inertia                                         kInertiaPrior of the file's, about that
 //   skew between the channels                       kSkewPrior of a sample and kDriveLag of the motion's time
 //   viscous friction's difference of the directions kLean of it
 void add_priors(const std::vector<BalanceRecord>& records, const std::vector<BalanceLaw>& laws, Regression& regression) {
@@ -403,6 +422,8 @@ void add_priors(const std::vector<BalanceRecord>& records, const std::vector<Bal
   double square = 0.0;
   for (const Block& block : regression.blocks) square += std::max(0.0, squared_error(block, columns, base.sizes));
   const double noise = square / regression.count * correlation_length(regression, base);
+  const double inertia_deviation = kInertiaPrior * regression.nominal_inertia;
+  regression.ridge(0) = inertia_deviation > 0.0 ? noise / (inertia_deviation * inertia_deviation) : 0.0;
   if (regression.is_skewed) {
     const double prior = std::hypot(kSkewPrior * step, acceleration > 0.0 ? kDriveLag * std::sqrt(speed / acceleration) : 0.0);
     regression.ridge(kSkewColumn) = noise / (prior * prior);
@@ -754,7 +775,7 @@ BalanceModel to_model(const Regression& regression, const std::vector<BalanceLaw
   model.validation = compared(validated, validated).first;
   for (const auto& [law, shape] : validated.choice.laws) {
     const BalanceLaw& description = laws[static_cast<std::size_t>(law)];
-    BalanceTerm term{description.name, description.words, description.family, description.shapes[shape].shape, {}, {}, 0.0};
+    BalanceTerm term{description.name, description.words, description.family, description.shapes[shape].shape, description.is_dissipative, {}, {}, 0.0};
     for (std::size_t k = 0; k < columns.size(); ++k) {
       const Column& column = regression.columns[static_cast<std::size_t>(columns[k])];
       if (column.law != law || column.shape != shape) continue;
@@ -766,8 +787,32 @@ BalanceModel to_model(const Regression& regression, const std::vector<BalanceLaw
   return model;
 }
 
-Regression prepared(const std::vector<BalanceRecord>& records, const std::vector<BalanceLaw>& laws, double resolved_speed) {
+// [s] in which the axis changes its speed: RMS of the speed over that of the acceleration, without what noise of the positions makes of it.
+double motion_time(const AxisRecord& record, std::size_t half_window) {
+  const BalanceRecord smooth = make_balance_record(record, half_window);
+  double speed = 0.0, acceleration = 0.0;
+  for (std::size_t n = 0; n < smooth.speed.size(); ++n) {
+    speed += smooth.speed[n] * smooth.speed[n];
+    acceleration += smooth.acceleration[n] * smooth.acceleration[n];
+  }
+  const double noise = acceleration_noise(record, half_window);
+  acceleration -= noise * noise * static_cast<double>(smooth.speed.size());
+  return acceleration > 0.0 ? std::sqrt(speed / acceleration) : std::numeric_limits<double>::infinity();
+}
+
+// As long as the noise asks for, unless the axis changes its speed faster than that.
+std::size_t half_window_of(const AxisRecord& record, double inertia) {
+  constexpr double kRoom = 0.2;  // of the record, that a window takes at most
+  std::size_t half = balance_half_window(record, inertia, kRoom * record.step * static_cast<double>(record.position.size()));
+  while (2.0 * static_cast<double>(half) * record.step > kLongestWindow * motion_time(record, half) && half > kFewestHalf) {
+    half = std::max(kFewestHalf, half - std::max<std::size_t>(1, half / 5));
+  }
+  return half;
+}
+
+Regression prepared(const std::vector<BalanceRecord>& records, const std::vector<BalanceLaw>& laws, double nominal_inertia, double resolved_speed) {
   Regression regression = make_regression(records, laws, resolved_speed);
+  regression.nominal_inertia = nominal_inertia;
   add_priors(records, laws, regression);
   return regression;
 }
@@ -819,7 +864,7 @@ std::string BalanceModel::words() const {
 
 BalanceAnswer fit_balance(const std::vector<BalanceRecord>& records, const std::vector<BalanceLaw>& laws, double nominal_inertia,
                           double resolved_speed) {
-  const Regression regression = prepared(records, laws, resolved_speed);
+  const Regression regression = prepared(records, laws, nominal_inertia, resolved_speed);
   BalanceAnswer answer;
   answer.judged_share = regression.count / regression.all;
   for (const Block& block : regression.blocks) {
@@ -879,14 +924,12 @@ BalanceAnswer fit_balance(const std::vector<BalanceRecord>& records, const std::
     answer.best.terms[k].share = gap > 0.0 ? std::max(0.0, (without - with) / gap) : 0.0;
   }
   BalanceModel stated = answer.best;
-  if (!best.choice.laws.empty()) {
-    const Validated whole = with_details(regression, laws, best, records.size());
-    BalanceModel with = to_model(regression, laws, whole, answer.independent_count);
-    take_details(answer.best, with);
-    for (BalanceTerm& term : with.details) term.probability = inclusion[static_cast<std::size_t>(chosen_law(laws, term.law)->first)];
-    answer.best = std::move(with);
-    widen(answer.best, stated);
-  }
+  const Validated whole = with_details(regression, laws, best, records.size());
+  BalanceModel with = to_model(regression, laws, whole, answer.independent_count);
+  take_details(answer.best, with);
+  for (BalanceTerm& term : with.details) term.probability = inclusion[static_cast<std::size_t>(chosen_law(laws, term.law)->first)];
+  answer.best = std::move(with);
+  widen(answer.best, stated);
   // The answer first, though another may be a little likelier than it.
   const auto is_best = [&](const BalanceModel& model) { return model.words() == answer.best.words(); };
   std::stable_sort(answer.models.begin(), answer.models.end(), [&](const BalanceModel& a, const BalanceModel& b) {
@@ -900,7 +943,7 @@ BalanceAnswer fit_balance(const std::vector<BalanceRecord>& records, const std::
 
 Balance balance_of(const std::vector<AxisRecord>& records, double inertia, double top_speed, bool is_rotary) {
   Balance balance;
-  for (const AxisRecord& record : records) balance.half_window = std::max(balance.half_window, balance_half_window(record, inertia, kLongestWindow));
+  for (const AxisRecord& record : records) balance.half_window = std::max(balance.half_window, half_window_of(record, inertia));
   balance.resolved_speed = kResolved * top_speed;
   BalanceScales scales;
   double low = std::numeric_limits<double>::infinity(), high = -low, speed = 0.0, acceleration = 0.0, step = 0.0;
@@ -937,8 +980,8 @@ std::vector<BalanceRecord> smoothed(const std::vector<AxisRecord>& records, cons
 }
 
 FittedSizes refitted(const std::vector<BalanceRecord>& records, const std::vector<BalanceLaw>& laws, const BalanceModel& model,
-                      double resolved_speed) {
-  const Regression regression = prepared(records, laws, resolved_speed);
+                      double nominal_inertia, double resolved_speed) {
+  const Regression regression = prepared(records, laws, nominal_inertia, resolved_speed);
   Choice choice;
   for (std::size_t l = 0; l < laws.size(); ++l) {
     for (const BalanceTerm& term : model.terms) {
@@ -949,12 +992,11 @@ FittedSizes refitted(const std::vector<BalanceRecord>& records, const std::vecto
   const double independent = regression.count / correlation_length(regression, named);
   BalanceModel stated = to_model(regression, laws, named, independent);
   take_details(model, stated);
-  if (choice.laws.empty()) return {stated, stated};
   const Validated whole = with_details(regression, laws, named, records.size());
   BalanceModel best = to_model(regression, laws, whole, regression.count / correlation_length(regression, whole));
   take_details(model, best);
   widen(best, stated);
-  return {std::move(best), std::move(stated)};
+  return {std::move(best), std::move(stated), named.is_physical};
 }
 
 const LawShape& shape_of(const std::vector<BalanceLaw>& laws, const BalanceTerm& term) {

@@ -8,9 +8,10 @@
 // than kSignificance of its standard errors and no left-out record gets worse by more than it gains elsewhere. A law whose size has a sign
 // that its physics forbids (friction that pushes) is no candidate.
 //
-// Part of every fit, under priors of their own: a skew between the channels of the recorder, and viscous friction's difference of the
-// directions. The answer's sizes are fitted beside those ordinary laws that are not named (`details`): every machine has a little of them,
-// and what predicts must not do worse than least squares with all of them.
+// Part of every fit, under priors of their own: the inertia about the file's, a skew between the channels of the recorder, and viscous
+// friction's difference of the directions. So records in which an axis hardly changes its speed leave the inertia where the file has it. The
+// answer's sizes are fitted beside those ordinary laws that are not named (`details`), where none is named too: every machine has a little of
+// them, and what predicts must not do worse than least squares with all of them.
 //
 // Samples slower than the speed that the positions resolve are left out: what dry friction holds at rest is not determined.
 //
@@ -39,6 +40,7 @@ struct LawMoment {
   double time = 0.0, position = 0.0, speed = 0.0;
   double effort_rate = 0.0;  // per second
   const double* late = nullptr;  // BalanceMotion::late
+  bool is_exact = false;         // the speed is no measured one: dry friction changes its side at 0 and holds there
 };
 
 // One law in one shape: size * value(moment), for each of its sizes.
@@ -46,7 +48,8 @@ struct LawShape {
   double shape = 0.0;  // 0 where the law has none
   std::vector<std::function<double(const LawMoment&)>> columns;
   double largest = std::numeric_limits<double>::infinity();  // that the first size can be
-  bool is_leaning = false;                                   // the second size is half a difference of the directions: no more than the first
+  bool is_leaning = false;                                   // the second size is half a difference of the directions: no more than the first;
+                                                             // it has a prior of its own, so records need not tell it
 };
 
 struct BalanceLaw {
@@ -90,6 +93,7 @@ struct BalanceTerm {
   std::string law, words;
   LawFamily family = LawFamily::friction;
   double shape = 0.0;
+  bool is_dissipative = false;  // its first size cannot be negative
   std::vector<double> size, deviation;
   double share = 0.0;  // of the gap, that is lost on validation data without this term
   double probability = 0.0;  // of its law, alone or beside any others
@@ -149,10 +153,11 @@ BalanceAnswer fit_balance(const std::vector<BalanceRecord>& records, const std::
 // move them.
 struct FittedSizes {
   BalanceModel best, stated;
+  bool is_physical = true;  // no size has a sign that its law cannot have, and the records determine all of them
 };
 // The same laws in the same shapes, their sizes fitted to other records.
 FittedSizes refitted(const std::vector<BalanceRecord>& records, const std::vector<BalanceLaw>& laws, const BalanceModel& model,
-                      double resolved_speed);
+                      double nominal_inertia, double resolved_speed);
 
 // The shape that a term has among the laws. Throws std::invalid_argument where they have none.
 const LawShape& shape_of(const std::vector<BalanceLaw>& laws, const BalanceTerm& term);

@@ -24,7 +24,9 @@ constexpr double kLeastTurn = 0.25;  // [rad] half range
 
 std::vector<BalanceLaw> balance_laws(const BalanceScales& scales) {
   const double resolved = scales.resolved_speed, top = scales.top_speed;
-  const auto direction = [resolved](const LawMoment& m) { return std::tanh(m.speed / resolved); };
+  const auto direction = [resolved](const LawMoment& m) {
+    return m.is_exact ? static_cast<double>((m.speed > 0.0) - (m.speed < 0.0)) : std::tanh(m.speed / resolved);
+  };
   std::vector<BalanceLaw> laws;
   laws.push_back({"dry", LawFamily::friction, "dry friction", {{0.0, {direction}}}, true, "", true});
   // No two directions are quite alike: half their difference goes with |v|.

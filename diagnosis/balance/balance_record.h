@@ -53,7 +53,9 @@ double position_noise(const std::vector<double>& position);
 // [unit of position per s^2] standard deviation of the acceleration under a window of so many samples to either side.
 double acceleration_noise(const AxisRecord& record, std::size_t half_window);
 
-// Half of the window that the noise asks for, at least 3 samples, at most `longest` [s].
+inline constexpr std::size_t kFewestHalf = 3;  // [samples]: a cubic over seven
+
+// Half of the window that the noise asks for, at least kFewestHalf samples, at most `longest` [s].
 std::size_t balance_half_window(const AxisRecord& record, double inertia, double longest);
 
 // `late_times` [s]: time constants of the lags that laws ask for. Throws std::invalid_argument where the record is shorter than four windows.

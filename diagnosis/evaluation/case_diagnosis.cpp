@@ -60,7 +60,11 @@ withheld::CaseResult diagnose_case(const withheld::CaseInput& input, const CaseS
     result.simulations = diagnosis.simulations;
     for (const Cause& cause : diagnosis.causes) {
       withheld::NamedCause named{cause.effects, cause.probability, {}, {}, cause.excess, cause.prior,
-                                 {cause.information.begin(), cause.information.end()}};
+                                 {cause.information.begin(), cause.information.end()}, cause.mean_square, {}, {}};
+      if (cause.validation) {
+        named.held_out_ratio = cause.validation->cause.residual_ratio;
+        named.nominal_held_out_ratio = cause.validation->nominal.residual_ratio;
+      }
       for (const Alike& other : cause.group) named.group.push_back(other.name);
       for (const Size& size : cause.sizes) {
         const std::size_t dot = size.parameter.find('.');

@@ -10,6 +10,10 @@ using nlohmann::json;
 namespace {
 
 // null where there is none.
+json optional_number(const std::optional<double>& number) { return number ? json(*number) : json(nullptr); }
+
+std::optional<double> number_from(const json& j) { return j.is_null() ? std::nullopt : std::optional<double>(j.get<double>()); }
+
 json planned(const std::optional<Manoeuvre>& manoeuvre) {
   if (!manoeuvre) return nullptr;
   json requests = json::array();
@@ -43,6 +47,9 @@ json to_json(const CaseResult& result) {
                       {"excess", cause.excess},
                       {"prior", cause.prior},
                       {"information", cause.information},
+                      {"residual_ratio", cause.residual_ratio},
+                      {"held_out_ratio", optional_number(cause.held_out_ratio)},
+                      {"nominal_held_out_ratio", optional_number(cause.nominal_held_out_ratio)},
                       {"sizes", sizes}});
   }
   for (const auto& [name, probability] : result.subsystems) {
@@ -70,7 +77,8 @@ CaseResult result_from(const json& j) {
   result.gap = j.at("gap");
   result.probability_unknown = j.at("probability_unknown");
   for (const json& c : j.at("causes")) {
-    NamedCause cause{c.at("effects"), c.at("probability"), c.at("group"), {}, c.at("excess"), c.at("prior"), c.at("information")};
+    NamedCause cause{c.at("effects"), c.at("probability"), c.at("group"), {}, c.at("excess"), c.at("prior"), c.at("information"), c.at("residual_ratio"),
+                     number_from(c.at("held_out_ratio")), number_from(c.at("nominal_held_out_ratio"))};
     // JSON has no infinity: a bound that is not given lies there.
     const auto bound = [](const json& value, double otherwise) {
       return value.is_null() ? otherwise : value.get<double>();

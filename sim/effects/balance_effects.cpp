@@ -60,6 +60,7 @@ BalanceEffects effects_of_balance(const BalanceSizes& sizes, const common::Effec
     const double direction = std::atan2(-sizes.gravity_cosine, sizes.gravity_sine) - sizes.first_position;
     add("tilted_axis", {{"torque", std::hypot(sizes.gravity_sine, sizes.gravity_cosine)}, {"direction", std::remainder(direction, 2.0 * std::numbers::pi)}});
   }
+  if (sizes.lag != 0.0) add("torque_lag", {{"time_constant", sizes.lag}, {"delay_share", 0.0}});
   return result;
 }
 

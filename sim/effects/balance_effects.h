@@ -19,6 +19,7 @@ struct BalanceSizes {
   double rising = 0.0, rising_speed = 0.0;
   double gravity_sine = 0.0, gravity_cosine = 0.0;
   double first_position = 0.0;                     // of the axis in the balance's angle
+  double lag = 0.0;                                // [s] by which the torque comes late
 };
 
 struct BalanceEffects {

@@ -528,6 +528,10 @@ TEST(Diagnose, LeavesOutALogThatLiesNearImpacts) {
   sim::MachineSettings nominal;
   nominal.crane = bench().crane;
   EXPECT_THROW(diagnose(nominal, bench().controller, {knocked}, {}), NotAdmitted);
+  // Of a log that the answer is to be tried on it is said before the work.
+  double done = 0.0;
+  EXPECT_THROW(diagnose(nominal, bench().controller, {sound}, {}, [&done](double share, const std::string&) { done = std::max(done, share); }, {}, {knocked}), NotAdmitted);
+  EXPECT_EQ(done, 0.0);
   DiagnosisSettings settings;
   settings.search.joint_pairs = 0;
   settings.hold_out = true;

@@ -33,16 +33,26 @@ using diagnosis::BalanceTerm;
 
 // Units of what is told.
 struct Words {
-  const char *effort, *speed, *position, *inertia, *inertia_name;
+  const char *effort, *speed, *position, *inertia, *inertia_name, *damping;
 };
 
 Words words_of(const sim::MachineFile& axis) {
-  return axis.axis.is_linear ? Words{"N", "m/s", "m", "kg", "mass"} : Words{"Nm", "rad/s", "rad", "kg m^2", "inertia"};
+  return axis.axis.is_linear ? Words{"N", "m/s", "m", "kg", "mass", "N s/m"} : Words{"Nm", "rad/s", "rad", "kg m^2", "inertia", "Nm s/rad"};
+}
+
+struct Interval {
+  double low = 0.0, high = 0.0;
+};
+
+// 90 % of a normal size; of one that cannot be negative, what of it is above zero.
+Interval interval_of(double value, double deviation, bool is_positive) {
+  const double low = value - kNinetyPercent * deviation;
+  return {is_positive ? std::max(0.0, low) : low, value + kNinetyPercent * deviation};
 }
 
 // Of a law's first size; shapes are in the unit of what they are about.
 std::string unit_of(const BalanceTerm& term, const Words& words) {
-  if (term.law == "viscous") return std::string(words.effort) + " per " + words.speed;
+  if (term.law == "viscous") return words.damping;
   if (term.law == "lag") return "s";
   return words.effort;
 }
@@ -52,16 +62,16 @@ nlohmann::json to_json(const AxisError& error) { return {{"balance_rms", error.b
 nlohmann::json to_json(const BalanceModel& model, const Words& words) {
   nlohmann::json json{{"laws", nlohmann::json::array()}, {"words", model.words()}, {"probability", model.probability},
                       {"sizes", nlohmann::json::array()}};
-  const auto add_size = [&](const std::string& name, double value, double deviation, const std::string& unit) {
-    json["sizes"].push_back({{"parameter", name}, {"value", value}, {"unit", unit}, {"low_90", value - kNinetyPercent * deviation},
-                             {"high_90", value + kNinetyPercent * deviation}});
+  const auto add_size = [&](const std::string& name, double value, double deviation, const std::string& unit, bool is_positive) {
+    const Interval interval = interval_of(value, deviation, is_positive);
+    json["sizes"].push_back({{"parameter", name}, {"value", value}, {"unit", unit}, {"low_90", interval.low}, {"high_90", interval.high}});
   };
-  add_size(words.inertia_name, model.inertia, model.inertia_deviation, words.inertia);
+  add_size(words.inertia_name, model.inertia, model.inertia_deviation, words.inertia, true);
   const auto add_term = [&](const BalanceTerm& term) {
     for (std::size_t k = 0; k < term.size.size(); ++k) {
-      add_size(term.size.size() == 1 ? term.law : fmt::format("{}.{}", term.law, k + 1), term.size[k], term.deviation[k], unit_of(term, words));
+      add_size(term.size.size() == 1 ? term.law : fmt::format("{}.{}", term.law, k + 1), term.size[k], term.deviation[k], unit_of(term, words), k == 0 && term.is_dissipative);
     }
-    if (term.shape != 0.0) add_size(term.law + ".shape", term.shape, 0.0, term.law == "warming" || term.law == "lag" ? "s" : words.speed);
+    if (term.shape != 0.0) add_size(term.law + ".shape", term.shape, 0.0, term.law == "warming" || term.law == "lag" ? "s" : words.speed, true);
   };
   for (const BalanceTerm& term : model.terms) {
     json["laws"].push_back(term.law);
@@ -83,6 +93,7 @@ nlohmann::json to_json(const AxisDiagnosis& found, const sim::MachineFile& axis,
                       {"gap", found.gap},
                       {"is_stated", found.is_stated},
                       {"verdict", found.verdict},
+                      {"action", found.action},
                       {"unit", words.effort},
                       {"coordinate", axis.axis.is_linear ? "linear" : "rotary"},
                       {"position_unit", words.position},
@@ -113,8 +124,8 @@ nlohmann::json to_json(const AxisDiagnosis& found, const sim::MachineFile& axis,
 
 std::string summary_text(const AxisDiagnosis& found, const Words& words) {
   const auto& validation = found.validation;
-  std::string text = fmt::format("{}\n\nIs there a gap?  {}. Torque balance on {} (not fitted), RMS of the residual: nominal axis {:.4g} {}, {} alone {:.4g} {}",
-                                 found.verdict, found.gap ? "Yes" : "No", validation.place, validation.nominal.balance, words.effort,
+  std::string text = fmt::format("{}.\n{}\n\nIs there a gap?  {}. Torque balance on {} (not fitted), RMS of the residual: nominal axis {:.4g} {}, {} alone {:.4g} {}",
+                                 found.verdict, found.action, found.gap ? "Yes" : "No", validation.place, validation.nominal.balance, words.effort,
                                  words.inertia_name, validation.inertia.balance, words.effort);
   if (found.gap) text += fmt::format(", with {} {:.4g} {}", found.validated.words(), validation.cause.balance, words.effort);
   text += fmt::format(" (measured {:.4g} {}).\n", validation.effort, words.effort);
@@ -140,15 +151,15 @@ std::string summary_text(const AxisDiagnosis& found, const Words& words) {
     if (!is_best && model.probability < kWorthNaming) continue;
     text += fmt::format("  {:5.1f} %  {}\n", 100 * model.probability, model.words());
     if (!is_best) continue;
+    const Interval inertia = interval_of(model.inertia, model.inertia_deviation, true);
     text += fmt::format("            {} = {:.4g} {} (90 %: {:.4g} to {:.4g}; the file has {:.4g})\n", words.inertia_name, model.inertia, words.inertia,
-                        model.inertia - kNinetyPercent * model.inertia_deviation, model.inertia + kNinetyPercent * model.inertia_deviation,
-                        found.nominal_inertia);
+                        inertia.low, inertia.high, found.nominal_inertia);
     for (const BalanceTerm& term : model.terms) {
       for (std::size_t k = 0; k < term.size.size(); ++k) {
-        const double reach = kNinetyPercent * term.deviation[k];
+        const Interval interval = interval_of(term.size[k], term.deviation[k], k == 0 && term.is_dissipative);
         text += fmt::format("            {}{} = {:.4g} {} (90 %: {:.4g} to {:.4g}; there with {:.0f} %; without it {:.1f} % more of the gap are left)\n", term.words,
                             k == 1 && term.law == "viscous" ? ", half the difference of the directions" : "", term.size[k],
-                            unit_of(term, words), term.size[k] - reach, term.size[k] + reach, 100 * term.probability, 100 * term.share);
+                            unit_of(term, words), interval.low, interval.high, 100 * term.probability, 100 * term.share);
       }
     }
   }

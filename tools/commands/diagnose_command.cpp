@@ -132,7 +132,9 @@ std::string answer_sentence(const Diagnosis& diagnosis) {
                        followed.empty() ? "follows neither speed nor angle, time or torque: look behind the motors, and at what is faster" : followed);
   }
   const Cause& first = diagnosis.causes.front();
-  std::string text = fmt::format("{}{}, {:.0f} %", first.probability < diagnosis::kSure ? "Not sure: " : "", name_of(first), 100 * first.probability);
+  const auto failed = std::find_if(diagnosis.unseen.begin(), diagnosis.unseen.end(), [](const diagnosis::UnseenRecord& one) { return !one.validation.holds; });
+  const bool is_refuted = failed != diagnosis.unseen.end() && first.validation;
+  std::string text = fmt::format("{}{}, {:.0f} %", first.probability < diagnosis::kSure || is_refuted ? "Not sure: " : "", name_of(first), 100 * first.probability);
   if (!first.validation && !first.point.effects.empty()) {
     text += "; not tested on data that were not fitted, because its sizes are read off the records";
   }
@@ -146,6 +148,7 @@ std::string answer_sentence(const Diagnosis& diagnosis) {
     const std::string followed = followed_text(diagnosis);
     if (left > kWorthFollowing && !followed.empty()) text += "; the rest " + followed;
   }
+  if (is_refuted) text += fmt::format("; but it does not predict {} better than the nominal machine and parameters alone do", failed->record);
   if (!first.group.empty()) text += "; these records cannot tell it from " + first.group.front().name + (first.group.size() > 1 ? " and others" : "");
   return text + ".";
 }
@@ -272,7 +275,7 @@ std::string in_per_cent(std::span<const std::pair<std::string, double>> probabil
 // Of a record that had no part in the answer.
 std::string unseen_text(const diagnosis::UnseenRecord& one, const Diagnosis& diagnosis) {
   const diagnosis::Validation& validation = one.validation;
-  const bool has_cause = !diagnosis.is_unknown && !diagnosis.causes.empty() && !diagnosis.causes.front().effects.empty();
+  const bool has_cause = !diagnosis.is_unknown && !diagnosis.causes.empty() && diagnosis.causes.front().validation;  // else it has no fit of the machine
   const auto line = [&](const char* what, double nominal, double parameters, double cause, const char* unit) {
     std::string text = fmt::format("  {:24} nominal {:.4g}, best parameters {:.4g}", what, nominal, parameters);
     if (has_cause) text += fmt::format(", with {} {:.4g}", name_of(diagnosis.causes.front()), cause);

@@ -237,6 +237,7 @@ TEST(AxisDiagnosis, NamesADriveThatLags) {
   const AxisDiagnosis found = diagnose_axis(axis_file(), {first, second});
   ASSERT_TRUE(found.is_stated) << found.verdict;
   EXPECT_NEAR(size_of(found.answer.best, "lag"), kLag, 0.2 * kLag) << found.verdict;
+  EXPECT_TRUE(std::any_of(found.effects.begin(), found.effects.end(), [](const auto& effect) { return effect.name == "torque_lag"; }));
 }
 
 // Beside friction that is named, a torque of time alone is said to be unknown, with how much it leaves.
@@ -326,6 +327,66 @@ TEST(AxisDiagnosis, TellsWhatIsFarFromTheMotorsRatings) {
   EXPECT_NE(refusal(1.0, 1e-3).find("times the top speed of 3 rad/s of its file: check the units of position (deg, mm) and time"), std::string::npos) << refusal(1.0, 1e-3);
 }
 
+// Moves at steady speeds tell frictions and no inertia: the file's stays, and friction is found beside it.
+TEST(AxisDiagnosis, SteadySpeedsLeaveTheInertiaOfTheFile) {
+  // The torque that holds each speed; the axis has reached it when the record begins, and changes are slow.
+  const auto held = [](double time) {
+    const double speed = 1.5 * std::sin(0.05 * time) + 0.6 * std::sin(0.13 * time + 1.0);
+    return 1.5 * std::tanh(speed / 0.02) + 4.0 * speed;
+  };
+  SimulatedAxis axis = noisy([](double, double, double speed) { return 1.5 * std::tanh(speed / 1e-3) + 4.0 * speed; });
+  axis.effort = held;
+  axis.duration = 120.0;
+  const AxisDiagnosis found = diagnose_axis(axis_file(), two_runs(axis));
+  ASSERT_TRUE(found.is_stated) << found.verdict;
+  EXPECT_NEAR(size_of(found.answer.best, "viscous"), 4.0, 0.4);
+  EXPECT_GT(found.answer.best.inertia, 0.3 * kInertia) << found.verdict;
+  EXPECT_LT(found.answer.best.inertia, 1.7 * kInertia) << found.verdict;
+}
+
+// A spindle that turns one way only: its viscous friction is told, though the difference of its directions is not.
+TEST(AxisDiagnosis, OneDirectionTellsViscousFriction) {
+  SimulatedAxis axis = noisy([](double, double, double speed) { return 2.5 * speed; });
+  axis.effort = [](double time) { return std::fmod(time, 4.0) < 2.0 ? 6.0 : 3.0; };
+  SimulatedAxis other = axis;
+  other.seed = 2;
+  other.effort = [](double time) { return std::fmod(time, 5.0) < 2.0 ? 5.0 : 2.0; };
+  const AxisDiagnosis found = diagnose_axis(axis_file(), {logged(axis, "a"), logged(other, "b")});
+  ASSERT_TRUE(found.is_stated) << found.verdict;
+  EXPECT_NEAR(size_of(found.answer.best, "viscous"), 2.5, 0.4) << found.verdict;
+}
+
+// What dry friction holds stands still in forward simulation, however long.
+TEST(AxisDiagnosis, DryFrictionHoldsInForwardSimulation) {
+  AxisRecord record{"held", 0.01, std::vector<double>(3000, 0.2), std::vector<double>(3000, 1.0)};
+  const BalanceRecord smooth = make_balance_record(record, 3);
+  const std::vector<BalanceLaw> laws = balance_laws({3.0, 6e-3, 30.0, 0.0, 1.0, true, {}});
+  BalanceModel model;
+  model.inertia = kInertia;
+  model.terms = {{"dry", "", LawFamily::friction, 0.0, true, {1.5}, {}, 0.0}};
+  for (const double speed : forward_speed(record, smooth.motion, laws, model)) ASSERT_NEAR(speed, 0.0, 1e-9);
+}
+
+// A small quick axis: its moves last milliseconds, and no window may be longer than they are.
+TEST(AxisDiagnosis, AWindowIsNoLongerThanAMove) {
+  for (const double faster : {1.0, 30.0}) {
+    SimulatedAxis axis = noisy(friction);
+    axis.noise = 2e-3;
+    axis.step = 0.01 / faster;
+    axis.duration = 20.0 / faster;
+    axis.effort = [faster](double time) { return switched(time * faster); };
+    const Balance balance = balance_of({record_of(axis)}, kInertia, 3.0, true);
+    EXPECT_LT(2.0 * static_cast<double>(balance.half_window) * axis.step, 1.3 / faster) << faster << ": 1.3 s between two changes of the torque";
+    EXPECT_GE(balance.half_window, kFewestHalf);
+  }
+}
+
+// What to do stands in one sentence behind the answer.
+TEST(AxisDiagnosis, SaysWhatToDo) {
+  EXPECT_EQ(diagnose_axis(axis_file(), two_runs(noisy([](double, double, double) { return 0.0; }))).action, "Keep the axis's file: it describes this axis.");
+  EXPECT_EQ(diagnose_axis(axis_file(), two_runs(noisy(friction))).action.rfind("Use axis_with_effect.yaml in place of the axis's file", 0), 0u);
+}
+
 // Forward simulation against the finer integration that made the record.
 TEST(AxisDiagnosis, ForwardSpeedIsTheIntegratedOne) {
   SimulatedAxis axis = noisy(friction);
@@ -335,7 +396,7 @@ TEST(AxisDiagnosis, ForwardSpeedIsTheIntegratedOne) {
   const std::vector<BalanceLaw> laws = balance_laws({3.0, 1e-3, 20.0, 0.0, 1.0, true, {}});
   BalanceModel model;
   model.inertia = kInertia;
-  model.terms = {{"dry", "", LawFamily::friction, 0.0, {1.5}, {}, 0.0}, {"viscous", "", LawFamily::friction, 0.0, {0.8}, {}, 0.0}};
+  model.terms = {{"dry", "", LawFamily::friction, 0.0, true, {1.5}, {}, 0.0}, {"viscous", "", LawFamily::friction, 0.0, true, {0.8}, {}, 0.0}};
   const std::vector<double> forward = forward_speed(record, smooth.motion, laws, model);
   const std::size_t first = (record.position.size() - smooth.motion.speed.size()) / 2;
   double largest = 0.0;
