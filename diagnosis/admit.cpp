@@ -20,6 +20,7 @@ namespace {
 constexpr double kLeastTrusted = 0.3;      // share of a record that must lie away from impacts
 constexpr double kAllTrusted = 0.999;      // share from which nothing is said of impacts
 constexpr double kSlowFollower = 4.0;      // by which the observer is slower behind coarse counts, or they would shake its boom
+constexpr double kModelStep = 1e-3;         // of the characteristic time, of the model where forces act between readings: that of config/scenarios, of the thesis's crane
 constexpr double kCoarseDiscrepancy = 5.0;  // by which mesh and step miss more there
 // Of half the play with the gears wound up by the rated torque: where a motor stands when the drives are off, or still swings just after
 // they were switched on; chosen.
@@ -214,6 +215,7 @@ void set_machine(const sim::MachineSettings& nominal, const std::vector<Record>&
   if (!problem.nominal.scales) problem.nominal.scales = sim::effect_scales(nominal.crane, nominal.drive_protection);
   problem.catalogue = sim::effects_for(problem.nominal);
   problem.nominal.crane.boom.highest_frequency = problem.thresholds.highest_mode;
+  problem.nominal.step = kModelStep * problem.thresholds.time;
   double period = 0.0;
   for (const Record& record : records) period = std::max(period, record.encoder_period);
   const bool is_coarse = has_coarse_counts(records);

@@ -12,6 +12,7 @@
 
 #include "controller/effects/catalogue.h"
 #include "diagnosis/admit.h"
+#include "diagnosis/model_step.h"
 #include "diagnosis/stochastic.h"
 #include "diagnosis/screen.h"
 
@@ -28,6 +29,11 @@ constexpr double kDoubtful = 0.4;  // share of its probability that a doubted ca
 // Of what is "unknown", by how often it was on machines that no score uses; the rest are known effects whose law is another one than the catalogue's.
 constexpr double kOutsideTheCatalogue = 0.7;
 constexpr double kOtherLawTemper = 5.0;  // chosen: by which the evidence among these counts less
+// How sure a lead is at most, by how often it was right on machines that no score uses (docs/history/diagnosis.md): where one effect is the answer, parameters
+// or that effect hid a second one so often; where the answer leaves more than the noise can be off by, it was another one so often; and so likely is
+// something small where parameters alone leave that.
+constexpr double kHiddenBeside = 0.12, kAboveTheNoise = 0.25, kSmallBesideNothing = 0.25;
+constexpr double kClearLead = 0.6;  // probability, beyond which no other answer can come to lead by that
 constexpr int kRoundsAsCut = 3;        // at most, of a fit with the boom cut as its file has it
 constexpr double kBetterAsCut = 20.0;  // fall of the cost, several times what chance lets it fall by
 constexpr int kMostValidated = 4;      // causes that are asked to predict before none is believed
@@ -162,6 +168,14 @@ void add_up(const common::EffectCatalogue& known, Diagnosis& diagnosis) {
     std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
     return all;
   };
+  diagnosis.lead_acts = 0.0;
+  for (const Cause& cause : diagnosis.causes) {
+    const Cause& first = diagnosis.causes.front();
+    const bool has_all = first.effects.empty() ? cause.effects.empty() : std::all_of(first.effects.begin(), first.effects.end(), [&](const std::string& one) {
+      return std::find(cause.effects.begin(), cause.effects.end(), one) != cause.effects.end();
+    });
+    if (has_all) diagnosis.lead_acts += cause.probability;
+  }
   diagnosis.subsystems = falling(by_subsystem);
   diagnosis.effects = falling(by_effect);
 }
@@ -411,6 +425,23 @@ void leave_room_for_the_controller(std::size_t of_the_controller, std::size_t al
   take_away(room / (evidence.prior_nothing + room), false, *nothing, diagnosis);
 }
 
+// What the evidence cannot know of the lead: it weighs hypotheses as they are fitted, and each is less sure than its best fit says.
+void calibrate_lead(Diagnosis& diagnosis) {
+  sort_causes(diagnosis.causes);
+  if (diagnosis.causes.empty()) return;
+  Cause& lead = diagnosis.causes.front();
+  if (diagnosis.probability_unknown >= lead.probability) return;
+  const double above = std::clamp((lead.mean_square - 1.0) / kNoise, 0.0, 1.0);
+  if (lead.effects.empty()) {
+    const double room = kSmallBesideNothing * above;
+    return take_away(room / (1.0 + room), false, lead, diagnosis);
+  }
+  const double spare = std::max(0.0, 1.0 - diagnosis.probability_unknown / lead.probability);
+  take_away(std::min(kAboveTheNoise * above, 0.5 * spare), false, lead, diagnosis);
+  if (lead.effects.size() > 1 || lead.probability < kClearLead) return;
+  hand_on(kHiddenBeside, [](const std::string&) { return false; }, false, lead, diagnosis);
+}
+
 // The fit whose residual nobody has explained: that of the answer, or of parameters alone where there is none. Null where only draws of its stochastic
 // effects are left, which follow nothing.
 const FitResult* unexplained_fit(const Problem& problem, const Found& found, const Diagnosis& diagnosis, const Cause& first) {
@@ -469,6 +500,9 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   check_unseen(problem, whitening, unseen);
   diagnosis.nuisances = problem.nuisances;
 
+  problem.force_steps = steps_for_forces(problem, catalogue_starts(problem.catalogue, problem.nominal, settings.without, longest_record(problem), problem.thresholds.spell_every),
+                                         settings.evidence);
+
   tell(0.0, "replaying the controller");
   if (controller) replay(problem, *controller, diagnosis);
 
@@ -526,6 +560,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   if (controller && !diagnosis.has_controller) {
     leave_room_for_the_controller(of_the_controller.effects.size(), known.effects.size(), settings.evidence, diagnosis);
   }
+  calibrate_lead(diagnosis);
   sort_causes(diagnosis.causes);
   add_up(known, diagnosis);
   static const Cause kNone;

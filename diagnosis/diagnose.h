@@ -53,6 +53,7 @@ struct Diagnosis {
   std::string verdict;                  // one line
   std::vector<std::pair<std::string, double>> subsystems;  // probability by subsystem, falling
   std::vector<std::pair<std::string, double>> effects;     // probability that each acts, alone or beside another, falling
+  double lead_acts = 0.0;               // that the effects of the first cause act, alone or beside another; of one without effects its own
   int boom_elements = 0;                 // into which the boom was cut
   std::vector<BandShare> bands;
   std::vector<Moment> moments;

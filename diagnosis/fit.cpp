@@ -430,7 +430,7 @@ std::vector<Eigen::Index> first_rows(const Problem& problem) {
 Shadow shadow_at(const Problem& problem, const Point& point, std::size_t record) {
   Shadow result;
   std::vector<Shadowing> alone;
-  alone.push_back(shadowing_at(problem, follower_of(machine_at(problem.nominal, problem.nuisances, point), problem.records[record].step), point, record,
+  alone.push_back(shadowing_at(problem, follower_of(machine_at(problem.nominal, problem.nuisances, point), problem.records[record].step, problem.force_steps), point, record,
                                result));
   shadow(std::move(alone), problem.records[record], drives_of(problem, record), problem.gains);
   return result;
@@ -517,7 +517,7 @@ std::vector<Eigen::VectorXd> differences_under(Problem& problem, std::span<const
   // Nothing where its boom buckles; any other error is one of the program's.
   const auto machine_for = [&](const Point& point, const Record& record) -> std::optional<Follower> {
     try {
-      return follower_of(machine_at(problem.nominal, problem.nuisances, point), record.step);
+      return follower_of(machine_at(problem.nominal, problem.nuisances, point), record.step, problem.force_steps);
     } catch (const sim::CannotBeBuilt&) {
       return std::nullopt;
     }

@@ -119,6 +119,7 @@ struct Problem {
   Thresholds thresholds;
   Nuisances nuisances;
   ShadowGains gains;                 // of the nominal crane
+  ForceSteps force_steps;            // of the model between two readings (model_step.h)
   Records records;
   std::vector<Whitening> whitening;  // per record
   FitSettings settings;

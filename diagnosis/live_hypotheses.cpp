@@ -17,7 +17,7 @@ bool is_sure(const Diagnosis& found) {
   if (!found.gap) return found.probability_nothing >= kSure;
   if (found.is_unknown || found.causes.empty()) return false;
   const Cause& first = found.causes.front();
-  return first.probability >= kSure && first.group.empty();
+  return found.lead_acts >= kSure && first.group.empty();
 }
 
 std::vector<Hypothesis> live_hypotheses(const sim::MachineSettings& nominal, const controller::ControllerSettings& controller,

@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
+#include <initializer_list>
 #include <span>
 
 #include "diagnosis/recorded_drive.h"
@@ -17,7 +18,7 @@ namespace slewlab::diagnosis {
 namespace {
 
 constexpr double kNanosecond = 1e-9;  // [s]
-constexpr int kMostSteps = 4;         // per reading, chosen: a delay of parts of a step is then right within a sixteenth of what it is without
+constexpr int kMostSteps = 4;         // per reading, of what acts on commands, chosen: a delay of parts of a step is then right within a sixteenth of what it is without
 constexpr double kFastest = 1.0;      // speed rate times period: half of what a feedback once per period holds stable
 
 // A place between the points of series of equal length; at their ends they stand still.
@@ -251,7 +252,20 @@ ShadowSettings not_faster_than(ShadowSettings settings, double period) {
   return settings;
 }
 
-Follower follower_of(const sim::MachineSettings& settings, double step) {
+namespace {
+
+bool acts_on_any(std::string_view effect, std::initializer_list<sim::EffectPort> ports) {
+  const sim::EffectDescription* description = sim::find_effect(effect);
+  return description != nullptr && std::any_of(description->ports.begin(), description->ports.end(), [&](sim::EffectPort port) {
+           return std::find(ports.begin(), ports.end(), port) != ports.end();
+         });
+}
+
+}  // namespace
+
+bool acts_by_force(std::string_view effect) { return acts_on_any(effect, {sim::EffectPort::force, sim::EffectPort::friction}); }
+
+Follower follower_of(const sim::MachineSettings& settings, double step, const ForceSteps& force_steps) {
   Follower follower;
   sim::MachineSettings with_step = settings;
   std::erase_if(with_step.effects, [&](const common::EffectInstance& effect) {
@@ -260,13 +274,13 @@ Follower follower_of(const sim::MachineSettings& settings, double step) {
     follower.encoder_delay += effect.values[common::kSize] / step;
     return true;
   });
-  const bool acts_between = std::any_of(with_step.effects.begin(), with_step.effects.end(), [](const common::EffectInstance& effect) {
-    const sim::EffectDescription* description = sim::find_effect(effect.name);
-    return description != nullptr && std::any_of(description->ports.begin(), description->ports.end(), [](sim::EffectPort port) {
-             return port == sim::EffectPort::message || port == sim::EffectPort::actuator;
-           });
-  });
-  if (acts_between) follower.steps = std::clamp(static_cast<int>(std::lround(step / settings.step)), 1, kMostSteps);
+  const int of_the_settings = std::max(1, static_cast<int>(std::lround(step / settings.step)));
+  for (const common::EffectInstance& effect : with_step.effects) {
+    if (acts_on_any(effect.name, {sim::EffectPort::message, sim::EffectPort::actuator})) follower.steps = std::max(follower.steps, std::min(kMostSteps, of_the_settings));
+    if (!acts_by_force(effect.name)) continue;
+    const auto found = force_steps.find(effect.name);
+    follower.steps = std::max(follower.steps, found == force_steps.end() ? of_the_settings : std::min(found->second, of_the_settings));
+  }
   with_step.step = step / follower.steps;
   follower.machine = sim::make_machine(with_step);
   follower.to_slew_axis = settings.crane.drive.motors_per_group * follower.machine.model.ratio;

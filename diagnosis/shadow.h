@@ -12,6 +12,9 @@
 #pragma once
 
 #include <array>
+#include <map>
+#include <string>
+#include <string_view>
 #include <vector>
 
 #include "diagnosis/record.h"
@@ -79,16 +82,22 @@ struct Beginning {
 Shadow shadow(const sim::MachineSettings& machine, const Record& record, const ShadowGains& gains,
               double encoder_latency = 0.0, const Beginning& beginning = {});
 
-// A machine that is to follow records on a grid of one step: made once for all of them. Where an effect acts on commands or on what the drives make of
-// them, and so between two readings too, the machine takes steps of its own below the grid's, down to those of its settings.
+// By the name of an effect that is a force or a friction: steps of the machine per step of the grid, at most. One that has no entry gets those of the
+// settings.
+using ForceSteps = std::map<std::string, int, std::less<>>;
+
+// A machine that is to follow records on a grid of one step: made once for all of them. Where an effect acts between two readings - on commands, on what
+// the drives make of them, as a force or a friction - the machine takes steps of its own below the grid's, down to those of its settings.
 struct Follower {
   sim::Machine machine;
   double encoder_delay = 0.0;  // [steps] of its own encoders; the machine itself has none
   int steps = 1;               // of the machine per step of the grid
   double to_slew_axis = 0.0;   // torque of a group there per torque of one motor
 };
-// Throws as shadow().
-Follower follower_of(const sim::MachineSettings& machine, double step);
+// `force_steps` as model_step.h has them. Throws as shadow().
+Follower follower_of(const sim::MachineSettings& machine, double step, const ForceSteps& force_steps = {});
+// Whether an effect is a force or a friction.
+bool acts_by_force(std::string_view effect);
 
 // [rad/s^2] slew axis, of all as one body under the torques of a grid point.
 double rigid_acceleration(const sim::PlantModel& model, const Record& record, std::size_t point);

@@ -39,6 +39,7 @@ std::unique_ptr<Problem> same_machine(const Problem& problem) {
   other->thresholds = problem.thresholds;
   other->nuisances = problem.nuisances;
   other->gains = problem.gains;
+  other->force_steps = problem.force_steps;
   other->settings = problem.settings;
   other->threads = problem.threads;
   other->is_stopped = problem.is_stopped;

@@ -40,7 +40,7 @@ class OtherSimulatorTest(SharedDataTest):
         found = self.answer("c", "tip.yaml")
         first = found["causes"][0]
         self.assertEqual(first["effects"], ["bearing_viscous"], found["verdict"])
-        self.assertGreater(first["probability"], SURE)
+        self.assertGreater(found["effects"]["bearing_viscous"], SURE)  # alone, or beside what these records may hide
         self.assertTrue(first["validation"]["holds"])
         size = first["sizes"][0]
         self.assertLess(size["low_90"], 4e6)  # the README's 4e6 Nms/rad

@@ -134,7 +134,8 @@ std::string answer_sentence(const Diagnosis& diagnosis) {
   const Cause& first = diagnosis.causes.front();
   const auto failed = std::find_if(diagnosis.unseen.begin(), diagnosis.unseen.end(), [](const diagnosis::UnseenRecord& one) { return !one.validation.holds; });
   const bool is_refuted = failed != diagnosis.unseen.end() && first.validation;
-  std::string text = fmt::format("{}{}, {:.0f} %", first.probability < diagnosis::kSure || is_refuted ? "Not sure: " : "", name_of(first), 100 * first.probability);
+  std::string text = fmt::format("{}{}, {:.0f} %", diagnosis.lead_acts < diagnosis::kSure || is_refuted ? "Not sure: " : "", name_of(first), 100 * diagnosis.lead_acts);
+  if (diagnosis.lead_acts - first.probability > kWorthNaming) text += fmt::format(" ({:.0f} % alone, the rest beside what these records may hide)", 100 * first.probability);
   if (!first.validation && !first.point.effects.empty()) {
     text += "; not tested on data that were not fitted, because its sizes are read off the records";
   }

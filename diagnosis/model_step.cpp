@@ -1,0 +1,52 @@
+#include "diagnosis/model_step.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+namespace slewlab::diagnosis {
+
+ForceSteps steps_for_forces(Problem& problem, std::span<const common::EffectInstance> starts, const EvidenceSettings& evidence) {
+  int most = 1;
+  for (const Record& record : problem.records) most = std::max(most, static_cast<int>(std::lround(record.step / problem.nominal.step)));
+  ForceSteps found;
+  std::vector<Point> open;  // that need more steps than were tried
+  for (const common::EffectInstance& start : starts) {
+    if (!acts_by_force(start.name) || !found.emplace(start.name, most).second) continue;
+    open.emplace_back();
+    open.back().effects = {start};
+  }
+  if (most == 1) return found;
+  const ForceSteps before = problem.force_steps;
+  const auto with_steps = [&](int steps) {
+    for (const Point& point : open) problem.force_steps[point.effects.front().name] = steps;
+    return differences(problem, open);
+  };
+  std::vector<Eigen::VectorXd> finest = with_steps(most);
+  const Eigen::VectorXd none = differences(problem, Point{});
+  const double share = problem.settings.independent_share;
+  const auto is_enough = [&](const Eigen::VectorXd& coarse, const Eigen::VectorXd& fine) {
+    const double gap = share * (fine - none).squaredNorm();
+    return share * (coarse - fine).squaredNorm() <= kStepShare * (evidence.law_freedom + evidence.law_share * gap);
+  };
+  for (int steps = 1; steps < most && !open.empty(); steps *= 2) {
+    const std::vector<Eigen::VectorXd> coarse = with_steps(steps);
+    std::vector<Point> still_open;
+    std::vector<Eigen::VectorXd> still_finest;
+    for (std::size_t i = 0; i < open.size(); ++i) {
+      if (is_enough(coarse[i], finest[i])) {
+        found[open[i].effects.front().name] = steps;
+        continue;
+      }
+      still_open.push_back(open[i]);
+      still_finest.push_back(std::move(finest[i]));
+    }
+    open = std::move(still_open);
+    finest = std::move(still_finest);
+  }
+  problem.force_steps = before;
+  return found;
+}
+
+}  // namespace slewlab::diagnosis
