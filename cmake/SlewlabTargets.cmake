@@ -78,10 +78,11 @@ function(slewlab_program target)
   set_target_properties(${target} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
 endfunction()
 
-# What a test computes itself is little beside what the libraries compute for it: it is compiled in half of the time.
+# What a test computes itself is little beside what the libraries compute for it: it is compiled in half of the time, with a sanitizer
+# (RelWithDebInfo) too.
 function(slewlab_test_flags target)
   slewlab_flags(${target})
-  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1>)
+  target_compile_options(${target} PRIVATE $<$<CONFIG:Release>:-O1> $<$<CONFIG:RelWithDebInfo>:-O0>)
   if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")  # with which GCC 12 follows Eigen's storage less far
     target_compile_options(${target} PRIVATE $<$<COMPILE_LANGUAGE:CXX>:-Wno-maybe-uninitialized>)
   endif()
