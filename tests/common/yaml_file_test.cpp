@@ -99,7 +99,7 @@ TEST_F(YamlFile, ReportsWhatIsNotYaml) {
 TEST_F(YamlFile, TextThatIsNotUtf8IsRefusedAtItsLine) {
   load(write("latin.yaml", "kind: crane\nangle: {value: 53.5, unit: \xB0, source: a}\n"));
   ASSERT_EQ(problems_.size(), 1u);
-  EXPECT_EQ(to_text(problems_[0]), (folder_ / "latin.yaml").string() + ":2: angle.unit: found \xEF\xBF\xBD, which is not UTF-8, expected text in UTF-8");
+  EXPECT_EQ(to_text(problems_[0]), (folder_ / "latin.yaml").string() + ":2:28: key 'angle.unit': found \xEF\xBF\xBD, which is not UTF-8, expected text in UTF-8");
   problems_.clear();
   load(write("escape.yaml", "kind: \"\\\xB0\"\n"));
   ASSERT_EQ(problems_.size(), 1u);
