@@ -24,7 +24,7 @@ class Sizes:
     """Of one signal, a block of `length` [s] after the other: its size (root mean square), what is usual, whether it is more than that."""
 
     def __init__(self, floor, length):
-        self.floor, self.length, self.sizes, self.square, self.count, self.block = floor, collections.deque(maxlen=600), 0.0, 0, None
+        self.floor, self.length, self.sizes, self.square, self.count, self.block = floor, length, collections.deque(maxlen=600), 0.0, 0, None
         self.newest, self.is_open = math.nan, False
 
     @property
