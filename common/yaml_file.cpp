@@ -13,6 +13,7 @@
 #include <unordered_map>
 
 #include "common/unit.h"
+#include "common/utf8_text.h"
 #include "common/yaml_reader.h"
 
 namespace slewlab::common {
@@ -61,6 +62,10 @@ class TreeBuilder : public YAML::EventHandler {
     if (!is_null) {
       node.kind = YamlNode::Kind::scalar;
       node.scalar = value;
+      if (!is_utf8(value)) {
+        node.scalar = utf8_text(value);
+        problems_.push_back({at(mark), path(), excerpt(node) + ", which is not UTF-8", "text in UTF-8"});
+      }
     }
     add(std::move(node));
   }
@@ -243,7 +248,7 @@ YamlNode parse_text(std::string text, const FileName& file_name, InputProblems& 
     }
   } catch (const YAML::Exception& error) {
     problems.push_back({{file_name, error.mark.line + 1, error.mark.column + 1}, "",
-                        "what is not YAML (" + error.msg + ")", "well-formed YAML"});
+                        "what is not YAML (" + utf8_text(error.msg) + ")", "well-formed YAML"});
     return {};
   }
   return std::move(builder.root);

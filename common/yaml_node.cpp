@@ -6,6 +6,8 @@
 #include <cmath>
 #include <limits>
 
+#include "common/utf8_text.h"
+
 namespace slewlab::common {
 
 const YamlNode* YamlNode::find(std::string_view key) const {
@@ -71,7 +73,7 @@ std::string excerpt(const YamlNode& node) {
     case YamlNode::Kind::scalar: {
       constexpr std::size_t kLongest = 60;
       const std::string text =
-          node.scalar.size() > kLongest ? node.scalar.substr(0, kLongest) + "..." : node.scalar;
+          node.scalar.size() > kLongest ? std::string(first_characters(node.scalar, kLongest)) + "..." : node.scalar;
       return node.quoted ? '"' + text + '"' : text;
     }
     case YamlNode::Kind::sequence:

@@ -7,9 +7,6 @@ namespace slewlab::diagnosis {
 
 namespace {
 
-// Chosen: the period of the lowest mode and a third of it take about as long as the thesis's crane takes to top speed with its rated torque.
-constexpr double kLowestModePeriods = 1.3;
-
 // The judged band ends above the fifth bending mode of a boom (thesis 4.2), which is the eighth structural mode: two of the drive and
 // one of torsion lie below it. Chosen: a twentieth above it, where its resonance has fallen off.
 constexpr std::size_t kModesThatMatter = 8;
@@ -101,8 +98,7 @@ std::vector<double> edges_between(const std::vector<double>& pendulum, const std
 Thresholds thresholds_of(const sim::MachineDescription& machine) {
   const std::vector<double> structural = sim::structural_modes(machine.machine, kModesThatMatter);
   Thresholds thresholds;
-  thresholds.time = machine.scales.acceleration_time;
-  if (!structural.empty()) thresholds.time = std::max(thresholds.time, kLowestModePeriods / structural.front());
+  thresholds.time = sim::characteristic_time(machine.scales, structural);
   const double time = thresholds.time, highest = highest_frequency(structural, time);
   thresholds.admission = admission_settings(machine, time, highest);
   thresholds.shadow = shadow_settings(time, highest);

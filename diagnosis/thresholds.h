@@ -1,7 +1,7 @@
 // Every threshold, window, gain and band edge of the diagnosis that has a dimension: a dimensionless number times a scale of the
 // machine (sim/machine/scales.h), so that one machine in another size is judged alike.
 //
-//   characteristic time T = max(acceleration time, 1.3 / lowest structural mode)
+//   characteristic time T (scales.h)
 //   frequencies           = shares of the highest structural mode that matters, or of 1 / T
 //   torques               = shares of the rated torque;  angles and ratios as they are
 //

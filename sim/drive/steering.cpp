@@ -8,11 +8,11 @@
 #include "common/yaml_file.h"
 #include "common/yaml_reader.h"
 #include "sim/drive/fault_file.h"
+#include "sim/machine/scales.h"
 
 namespace slewlab::sim {
 namespace {
 
-constexpr std::int64_t kAfterLoss = 30'000'000'000;  // [ns] chosen: twice what the slowest ramp takes to stop
 constexpr std::int64_t kMostCycles = 1'000'000;
 
 std::string in_seconds(std::int64_t time) {
@@ -25,7 +25,11 @@ bool same_buttons(const OperatorMove& a, const OperatorMove& b) {
   return a.emergency_stop == b.emergency_stop && a.acknowledge == b.acknowledge;
 }
 
+constexpr double kAfterLoss = 30.0;  // [-] of the characteristic time
+
 }  // namespace
+
+std::int64_t after_loss_of(const CraneParameters& machine) { return std::llround(kAfterLoss * characteristic_time(machine) * 1e9); }
 
 void Steering::take(std::string line) {
   std::istringstream words(line);
@@ -175,7 +179,7 @@ SteeredPeriod Steering::begin_period(std::int64_t time) {
   period.play_compensation = std::exchange(play_compensation_wish_, std::nullopt);
   if (period.play_compensation) news_.push_back(std::string("play_compensation ") + (*period.play_compensation ? "on " : "off ") + in_seconds(time));
   if (lost_ && !lost_at_) lost_at_ = time;
-  period.ends_run = ended_ || (lost_at_ && time - *lost_at_ >= kAfterLoss);
+  period.ends_run = ended_ || (lost_at_ && time - *lost_at_ >= settings_.after_loss);
   return period;
 }
 

@@ -11,7 +11,7 @@
 //   play_compensation on|off            of the controller
 //   pause, resume, cycle, speed FACTOR  of a lockstep run: FACTOR simulated seconds per second, 0 as fast as it goes
 //   end                                 the run is over, as if its duration had come
-//   lost                                nobody is there any more: the lever springs back, and the run ends when the crane stands
+//   lost                                nobody is there any more: the lever springs back, and the run ends when the machine stands
 //
 // Within one period only the lever's last place counts; a button that was pressed or let go is seen in a period of its own.
 
@@ -49,7 +49,12 @@ struct SteeringSettings {
   std::uint64_t seed = 0;              // of the scenario
   std::size_t scenario_faults = 0;     // how many there are in the scenario
   std::vector<std::string> effects{};  // that can be switched
+  std::int64_t after_loss = 0;         // [ns] from the loss of the operator to the end of the run: after_loss_of()
 };
+
+// [ns] In which a machine comes to rest on its own: 30 of its characteristic times. Chosen: twice what a ramp takes that uses a fifteenth of
+// the rated torque.
+std::int64_t after_loss_of(const CraneParameters& machine);
 
 class Steering {
  public:

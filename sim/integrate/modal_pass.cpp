@@ -164,4 +164,13 @@ const ModalPasses& modal_passes() {
   return wide != nullptr ? *wide : portable_passes();
 }
 
+double mode_product(const std::vector<double>& a, const std::vector<double>& b) {
+  double sum[2] = {};
+  for (std::size_t k = 0; k + 1 < a.size(); k += 2) {
+    sum[0] += a[k] * b[k];
+    sum[1] += a[k + 1] * b[k + 1];
+  }
+  return sum[0] + sum[1];
+}
+
 }  // namespace slewlab::sim

@@ -88,4 +88,7 @@ const ModalPasses& portable_passes();
 const ModalPasses* wide_passes();
 const ModalPasses& modal_passes();
 
+// The sum over the modes of the products of two of their numbers, in the order of the first two passes.
+double mode_product(const std::vector<double>& a, const std::vector<double>& b);
+
 }  // namespace slewlab::sim

@@ -35,6 +35,19 @@ struct PlantInput {
   PortForces ports;
 };
 
+// What pushes during a step or a part of it, on the slew axis.
+struct Push {
+  GroupArray motor;  // motors and ports, held
+  double house;      // ports on the house, held
+  double tip;        // ports on the tip, held
+  double uniform;    // ports along the boom, held
+  double luffing;    // port of a boom that luffs, held
+  double load;
+  double rod;
+  FrictionLevels friction;
+  bool has_friction;
+};
+
 // What can be measured at the end of a step; accelerations with the forces of that step. What is not at a motor is what
 // SENSORS says of a machine (msgs/sensors_t.lcm).
 struct PlantReadings : msgs::SensorReadings {

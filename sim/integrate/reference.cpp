@@ -5,7 +5,7 @@
 #include <nvector/nvector_serial.h>
 #include <sundials/sundials_linearsolver.h>
 
-#include <Eigen/LU>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <new>
@@ -14,6 +14,8 @@
 #include <utility>
 
 #include "sim/integrate/fast_vector.h"
+#include "sim/integrate/reference_equations.h"
+#include "sim/integrate/reference_newton.h"
 #include "sim/model/boom.h"
 #include "sim/model/drive_line.h"
 
@@ -25,10 +27,6 @@ constexpr double kScaleSpeed = 0.2;           // of the top speed: the motion th
 constexpr double kArithmetic = 1e-14;         // relative accuracy that the arithmetic can hold
 constexpr double kContactNoise = 1e-13;       // [-] what rounding alone can make of an angle: 450 times that of 1
 constexpr long kMostSteps = 50'000'000;       // in one call of advance()
-constexpr int kChannels = kMaximumGroupCount + 3;
-
-using Coupling = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, kChannels, kChannels>;
-using Channels = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, kChannels, 1>;
 
 struct VectorDeleter {
   void operator()(N_Vector vector) const { N_VDestroy(vector); }
@@ -44,45 +42,19 @@ using Owned = std::unique_ptr<std::remove_pointer_t<Handle>, Deleter>;
 
 }  // namespace
 
-// State vector: motor angles and speeds less the held torque's share, q, v, load_q, load_v, extra states.
-struct Reference {
-  ReferenceMachine machine;
-  ReferenceExtra extra;
+struct Reference : ReferenceEquations {
   ReferenceOptions options;
-  int group_count = 0;  // that move for themselves: none where the drive is rigid
-  int rigid_groups = 0; // that turn with the house
-  int mode_count = 0;
-  int load_count = 0;  // 2 or 0
-  bool has_axis_force = false;
-  int size = 0;
-  double ratio = 1.0;
-  std::vector<double> square;
-  LoadOnSpring load;
-  std::array<double, 2> load_square{}, load_damping{}, load_from_tip{}, load_from_tip_velocity{};
-
-  // The held torque: angle and speed it has given each motor up to `held_since`. A rigid drive's acts on the house.
-  GroupArray held{};  // [Nm] whole group, slew axis
-  GroupArray held_angle{}, held_speed{};
-  double held_since = 0.0;
   double now = 0.0;
   double small_angle = 0.0;  // [rad] that the fastest speed turns in the time of the fastest vibration
 
-  std::array<int, kMaximumGroupCount> contact{}, last_flank{};
+  std::array<int, kMaximumGroupCount> last_flank{};
   std::array<std::int64_t, kMaximumGroupCount> crossings{};
   ReferenceCounts count;
   std::int64_t finished_steps = 0, finished_evaluations = 0;  // of CVODE before its last restart
   std::string complaint;                                      // SUNDIALS' last error message
 
-  std::vector<double> modal_force;  // room for an extra's forces
-  std::vector<double> rates;        // room for modal_accelerations()
-
-  // Newton's system for one gamma and one set of contacts.
-  double solver_gamma = -1.0;
-  std::vector<double> inverse;
-  std::array<double, 2> load_inverse{};
-  Eigen::PartialPivLU<Coupling> coupling;
-  int closed_count = 0;
-  std::array<int, kMaximumGroupCount> closed{};
+  std::vector<double> rates;  // room for modal_accelerations()
+  ReferenceNewton newton;
 
   // In the order in which they may be destroyed last to first.
   Owned<SUNContext, ContextDeleter> context;
@@ -90,13 +62,7 @@ struct Reference {
   Owned<SUNLinearSolver, SolverDeleter> solver;
   void* integrator = nullptr;
 
-  int speeds() const { return group_count; }
-  int q() const { return 2 * group_count; }
-  int v() const { return q() + mode_count; }
-  int load_q() const { return v() + mode_count; }
-  int load_v() const { return load_q() + load_count; }
-  int extra_start() const { return load_v() + load_count; }
-
+  Reference(ReferenceEquations equations, const ReferenceOptions& how) : ReferenceEquations(std::move(equations)), options(how) {}
   ~Reference() {
     if (integrator != nullptr) {
       options.method == ReferenceMethod::kBdf ? CVodeFree(&integrator) : ARKStepFree(&integrator);
@@ -108,152 +74,6 @@ void ReferenceDeleter::operator()(Reference* reference) const { delete reference
 
 namespace {
 
-struct Motion {
-  ReferenceMotion seen;
-  GroupArray motor_angle{}, motor_speed{}, gear_torque{};
-  ReferenceGears gears;
-};
-
-// Depth and push of one flank, both > 0 in contact; the smaller one is the contact function.
-double contact_function(const GearContact& gear, int side, double deflection, double rate) {
-  const double depth = side * deflection - gear.half_play;
-  return std::min(depth, depth + gear.damping / gear.stiffness * side * rate);
-}
-
-void observe(const Reference& r, double t, const double* y, Motion& motion) {
-  const double since = t - r.held_since;
-  for (int i = 0; i < r.group_count; ++i) {
-    const double acceleration = r.held[i] / r.machine.group_inertia[i];
-    motion.motor_angle[i] =
-        y[i] + r.held_angle[i] + since * (r.held_speed[i] + 0.5 * since * acceleration);
-    motion.motor_speed[i] = y[r.speeds() + i] + r.held_speed[i] + since * acceleration;
-  }
-  ReferenceMotion& seen = motion.seen;
-  seen.time = t;
-  seen.motor_torque = r.held.data();
-  seen.motor_angle = motion.motor_angle.data();
-  seen.motor_speed = motion.motor_speed.data();
-  seen.gear_torque = motion.gear_torque.data();
-  const double* q = y + r.q();
-  const double* v = y + r.v();
-  const double* house = r.machine.modes.house.data();
-  const double* tip = r.machine.modes.tip.data();
-  double house_angle = 0.0, house_speed = 0.0, tip_displacement = 0.0, tip_velocity = 0.0;
-  for (int k = 0; k < r.mode_count; ++k) {
-    house_angle += house[k] * q[k];
-    house_speed += house[k] * v[k];
-    tip_displacement += tip[k] * q[k];
-    tip_velocity += tip[k] * v[k];
-  }
-  seen.house_angle = house_angle;
-  seen.house_speed = house_speed;
-  seen.tip_displacement = tip_displacement;
-  seen.tip_velocity = tip_velocity;
-  for (int i = 0; i < r.rigid_groups; ++i) {
-    motion.motor_angle[i] = house_angle;
-    motion.motor_speed[i] = house_speed;
-  }
-  seen.q = q;
-  seen.v = v;
-  if (r.load_count > 0) {
-    const double* lq = y + r.load_q();
-    const double* lv = y + r.load_v();
-    const Eigen::Matrix2d& modes = r.load.modes;
-    seen.rope_end_displacement = modes(0, 0) * lq[0] + modes(0, 1) * lq[1];
-    seen.rope_end_velocity = modes(0, 0) * lv[0] + modes(0, 1) * lv[1];
-    seen.rod_angle = modes(1, 0) * lq[0] + modes(1, 1) * lq[1];
-    seen.rod_rate = modes(1, 0) * lv[0] + modes(1, 1) * lv[1];
-  }
-  if (r.extra.gears) {
-    motion.gears.stiffness_share.fill(1.0);
-    motion.gears.offset.fill(0.0);
-    motion.gears.offset_rate.fill(0.0);
-    r.extra.gears(seen, y + r.extra_start(), motion.gears);
-  }
-}
-
-GearContact gear_now(const Reference& r, const Motion& motion, int i) {
-  GearContact gear = r.machine.gear[i];
-  if (r.extra.gears) gear.stiffness *= motion.gears.stiffness_share[i];
-  return gear;
-}
-
-double deflection_of(const Reference& r, const Motion& motion, int i) {
-  const double deflection = motion.motor_angle[i] - motion.seen.house_angle;
-  return r.extra.gears ? deflection + motion.gears.offset[i] : deflection;
-}
-
-double deflection_rate_of(const Reference& r, const Motion& motion, int i) {
-  const double rate = motion.motor_speed[i] - motion.seen.house_speed;
-  return r.extra.gears ? rate + motion.gears.offset_rate[i] : rate;
-}
-
-// Torques of the gears with the contacts as they are latched: smooth between two contact changes.
-double fill_gear_torques(const Reference& r, Motion& motion) {
-  double sum = 0.0;
-  for (int i = 0; i < r.group_count; ++i) {
-    motion.gear_torque[i] = 0.0;
-    if (r.contact[i] == 0) continue;
-    const GearContact gear = gear_now(r, motion, i);
-    motion.gear_torque[i] = gear.stiffness * (deflection_of(r, motion, i) - r.contact[i] * gear.half_play) +
-                            gear.damping * deflection_rate_of(r, motion, i);
-    sum += motion.gear_torque[i];
-  }
-  return sum;
-}
-
-double rope_force(const Reference& r, const ReferenceMotion& seen) {
-  if (r.load_count == 0) return 0.0;
-  return r.load.rope_stiffness * (seen.rope_end_displacement - seen.tip_displacement) +
-         r.load.damping(0, 0) * (seen.rope_end_velocity - seen.tip_velocity) +
-         r.load.damping(0, 1) * seen.rod_rate;
-}
-
-// Right-hand side; leaves the accelerations of the modes at rates[v()].
-void derive(Reference& r, double t, const double* y, double* rates) {
-  Motion motion;
-  observe(r, t, y, motion);
-  double house_torque = fill_gear_torques(r, motion);
-  if (r.has_axis_force) house_torque += axis_force_at(r.machine.crane.axis_force, motion.seen.house_angle);
-  double tip_force = rope_force(r, motion.seen);
-  ReferenceForces forces;
-  const bool extra = static_cast<bool>(r.extra.forces);
-  if (extra) {
-    std::fill(r.modal_force.begin(), r.modal_force.end(), 0.0);
-    forces.modal_force = r.modal_force.data();
-    r.extra.forces(motion.seen, y + r.extra_start(), forces, rates + r.extra_start());
-    house_torque += forces.house_torque;
-    tip_force += forces.tip_force;
-  }
-  for (int i = 0; i < r.rigid_groups; ++i) house_torque += r.held[i] + forces.motor_torque[i];
-  for (int i = 0; i < r.group_count; ++i) {
-    rates[i] = y[r.speeds() + i];
-    rates[r.speeds() + i] = (forces.motor_torque[i] - motion.gear_torque[i]) / r.machine.group_inertia[i];
-  }
-  const double* q = y + r.q();
-  const double* v = y + r.v();
-  double* q_rate = rates + r.q();
-  double* v_rate = rates + r.v();
-  const FreeHouseModes& modes = r.machine.modes;
-  for (int k = 0; k < r.mode_count; ++k) {
-    q_rate[k] = v[k];
-    v_rate[k] = modes.house[k] * house_torque + modes.tip[k] * tip_force - r.square[k] * q[k] -
-                modes.damping_rate[k] * v[k];
-  }
-  if (extra) {
-    for (int k = 0; k < r.mode_count; ++k) {
-      v_rate[k] += modes.uniform_load[k] * forces.uniform_force + r.modal_force[k];
-    }
-  }
-  for (int j = 0; j < r.load_count; ++j) {
-    rates[r.load_q() + j] = y[r.load_v() + j];
-    rates[r.load_v() + j] = -r.load_square[j] * y[r.load_q() + j] - r.load_damping[j] * y[r.load_v() + j] +
-                            r.load_from_tip[j] * motion.seen.tip_displacement +
-                            r.load_from_tip_velocity[j] * motion.seen.tip_velocity +
-                            r.load.modes(0, j) * forces.load_force + r.load.modes(1, j) * forces.rod_moment;
-  }
-}
-
 int right_hand_side(double t, N_Vector y, N_Vector rates, void* user) {
   derive(*static_cast<Reference*>(user), t, N_VGetArrayPointer(y), N_VGetArrayPointer(rates));
   return 0;
@@ -261,7 +81,7 @@ int right_hand_side(double t, N_Vector y, N_Vector rates, void* user) {
 
 int contact_functions(double t, N_Vector y, double* values, void* user) {
   const Reference& r = *static_cast<Reference*>(user);
-  Motion motion;
+  ReferencePlace motion;
   observe(r, t, N_VGetArrayPointer(y), motion);
   for (int i = 0; i < r.group_count; ++i) {
     const GearContact gear = gear_now(r, motion, i);
@@ -272,121 +92,6 @@ int contact_functions(double t, N_Vector y, double* values, void* user) {
   return 0;
 }
 
-// (I - gamma J) is, without the forces that couple, a set of 2x2 blocks [1, -gamma; gamma w^2, 1 + gamma d].
-// The couplings are few: each closed gear's torque, the rope's force, tip displacement and velocity on the load.
-void prepare_solver(Reference& r, double gamma) {
-  r.solver_gamma = gamma;
-  const FreeHouseModes& modes = r.machine.modes;
-  double house_house = 0.0, house_tip = 0.0, tip_tip = 0.0;
-  for (int k = 0; k < r.mode_count; ++k) {
-    r.inverse[k] = 1.0 / (1.0 + gamma * (modes.damping_rate[k] + gamma * r.square[k]));
-    house_house += modes.house[k] * modes.house[k] * r.inverse[k];
-    house_tip += modes.house[k] * modes.tip[k] * r.inverse[k];
-    tip_tip += modes.tip[k] * modes.tip[k] * r.inverse[k];
-  }
-  r.closed_count = 0;
-  for (int i = 0; i < r.group_count; ++i) {
-    if (r.contact[i] != 0) r.closed[r.closed_count++] = i;
-  }
-  const int gears = r.closed_count;
-  const int channels = gears + (r.load_count > 0 ? 3 : 0);
-  Coupling system = Coupling::Identity(channels, channels);
-  for (int row = 0; row < gears; ++row) {
-    const GearContact& gear = r.machine.gear[r.closed[row]];
-    const double factor = gamma * (gamma * gear.stiffness + gear.damping);
-    for (int column = 0; column < gears; ++column) system(row, column) += factor * house_house;
-    system(row, row) += factor / r.machine.group_inertia[r.closed[row]];
-    if (r.load_count > 0) system(row, gears) += factor * house_tip;
-  }
-  if (r.load_count > 0) {
-    const double k = r.load.rope_stiffness, c = r.load.damping(0, 0), c_rod = r.load.damping(0, 1);
-    for (int column = 0; column < gears; ++column) {
-      system(gears, column) += gamma * (gamma * k + c) * house_tip;
-      system(gears + 1, column) -= gamma * gamma * house_tip;
-      system(gears + 2, column) -= gamma * house_tip;
-    }
-    system(gears, gears) += gamma * (gamma * k + c) * tip_tip;
-    system(gears + 1, gears) -= gamma * gamma * tip_tip;
-    system(gears + 2, gears) -= gamma * tip_tip;
-    for (int j = 0; j < 2; ++j) {
-      r.load_inverse[j] = 1.0 / (1.0 + gamma * (r.load_damping[j] + gamma * r.load_square[j]));
-      const double force_per_speed =
-          r.load.modes(0, j) * (gamma * k + c) + r.load.modes(1, j) * c_rod;
-      system(gears, gears + 1) -= force_per_speed * gamma * r.load_inverse[j] * r.load_from_tip[j];
-      system(gears, gears + 2) -= force_per_speed * gamma * r.load_inverse[j] * r.load_from_tip_velocity[j];
-    }
-  }
-  if (channels > 0) r.coupling.compute(system);
-}
-
-void solve(Reference& r, double gamma, const double* b, double* x) {
-  if (gamma != r.solver_gamma) prepare_solver(r, gamma);
-  const FreeHouseModes& modes = r.machine.modes;
-  const int n = r.mode_count;
-  for (int i = 0; i < r.group_count; ++i) x[r.speeds() + i] = b[r.speeds() + i];
-  double house_speed = 0.0, tip_velocity = 0.0, house_angle = 0.0, tip_displacement = 0.0;
-  const double* bq = b + r.q();
-  const double* bv = b + r.v();
-  double* xq = x + r.q();
-  double* xv = x + r.v();
-  for (int k = 0; k < n; ++k) {
-    xv[k] = (bv[k] - gamma * r.square[k] * bq[k]) * r.inverse[k];
-    house_speed += modes.house[k] * xv[k];
-    tip_velocity += modes.tip[k] * xv[k];
-    house_angle += modes.house[k] * bq[k];
-    tip_displacement += modes.tip[k] * bq[k];
-  }
-  house_angle += gamma * house_speed;
-  tip_displacement += gamma * tip_velocity;
-
-  const int gears = r.closed_count;
-  Channels force(gears + (r.load_count > 0 ? 3 : 0));
-  for (int row = 0; row < gears; ++row) {
-    const int i = r.closed[row];
-    const double angle = b[i] + gamma * x[r.speeds() + i];
-    force(row) = r.machine.gear[i].stiffness * (angle - house_angle) +
-                 r.machine.gear[i].damping * (x[r.speeds() + i] - house_speed);
-  }
-  if (r.load_count > 0) {
-    double end = 0.0, end_velocity = 0.0, rod_rate = 0.0;
-    for (int j = 0; j < 2; ++j) {
-      const double position = b[r.load_q() + j];
-      double& speed = x[r.load_v() + j];
-      speed = (b[r.load_v() + j] - gamma * r.load_square[j] * position) * r.load_inverse[j];
-      end += r.load.modes(0, j) * (position + gamma * speed);
-      end_velocity += r.load.modes(0, j) * speed;
-      rod_rate += r.load.modes(1, j) * speed;
-    }
-    force(gears) = r.load.rope_stiffness * (end - tip_displacement) +
-                   r.load.damping(0, 0) * (end_velocity - tip_velocity) + r.load.damping(0, 1) * rod_rate;
-    force(gears + 1) = tip_displacement;
-    force(gears + 2) = tip_velocity;
-  }
-  if (force.size() > 0) force = r.coupling.solve(force).eval();
-
-  double house_torque = 0.0, tip_force = 0.0;
-  for (int row = 0; row < gears; ++row) {
-    const int i = r.closed[row];
-    house_torque += force(row);
-    x[r.speeds() + i] -= gamma * force(row) / r.machine.group_inertia[i];
-  }
-  if (r.load_count > 0) {
-    tip_force = force(gears);
-    for (int j = 0; j < 2; ++j) {
-      x[r.load_v() + j] += gamma * r.load_inverse[j] *
-                           (r.load_from_tip[j] * force(gears + 1) + r.load_from_tip_velocity[j] * force(gears + 2));
-    }
-  }
-  for (int k = 0; k < n; ++k) {
-    xv[k] += gamma * r.inverse[k] * (modes.house[k] * house_torque + modes.tip[k] * tip_force);
-    xq[k] = bq[k] + gamma * xv[k];
-  }
-  for (int i = 0; i < r.group_count; ++i) x[i] = b[i] + gamma * x[r.speeds() + i];
-  for (int j = 0; j < r.load_count; ++j) x[r.load_q() + j] = b[r.load_q() + j] + gamma * x[r.load_v() + j];
-  // Extra states: their rates are left out of the Jacobian.
-  std::copy(b + r.extra_start(), b + r.size, x + r.extra_start());
-}
-
 int solve_newton(SUNLinearSolver solver, SUNMatrix, N_Vector x, N_Vector b, double) {
   Reference& r = *static_cast<Reference*>(solver->content);
   double gamma = 0.0;
@@ -395,7 +100,7 @@ int solve_newton(SUNLinearSolver solver, SUNMatrix, N_Vector x, N_Vector b, doub
   } else {
     ARKStepGetCurrentGamma(r.integrator, &gamma);
   }
-  solve(r, gamma, N_VGetArrayPointer(b), N_VGetArrayPointer(x));
+  solve(r, r.newton, gamma, N_VGetArrayPointer(b), N_VGetArrayPointer(x));
   return SUNLS_SUCCESS;
 }
 
@@ -523,7 +228,7 @@ void take_counts(Reference& r) {
 }
 
 void restart(Reference& r) {
-  r.solver_gamma = -1.0;
+  r.newton.gamma = -1.0;
   ++r.count.restarts;
   if (r.options.method == ReferenceMethod::kBdf) {
     take_counts(r);
@@ -546,7 +251,7 @@ void change_contact(Reference& r, int group, int contact) {
 
 // [rad] Depth that rounding alone can make of the angles, and of the moment to which a root is found: 100 roundings of the time
 // (CVODE's documentation, root finding).
-double contact_noise(const Reference& r, const Motion& motion, int group, double rate) {
+double contact_noise(const Reference& r, const ReferencePlace& motion, int group, double rate) {
   const double turned = std::fabs(motion.motor_angle[group]) + std::fabs(motion.motor_angle[group] - deflection_of(r, motion, group));
   return kContactNoise * (r.small_angle + turned + std::fabs(rate) * r.now);
 }
@@ -554,7 +259,7 @@ double contact_noise(const Reference& r, const Motion& motion, int group, double
 // Sets every contact that differs from the law; true when one did. Teeth that touch and approach each other count
 // as closed: a root function that starts at zero would not be seen to rise.
 bool put_contacts_right(Reference& r) {
-  Motion motion;
+  ReferencePlace motion;
   observe(r, r.now, N_VGetArrayPointer(r.state.get()), motion);
   bool changed = false;
   for (int i = 0; i < r.group_count; ++i) {
@@ -588,63 +293,9 @@ ReferencePointer make_reference(const CraneParameters& crane, const ReferenceOpt
 }
 
 ReferencePointer make_reference(ReferenceMachine machine, const ReferenceOptions& options, ReferenceExtra extra) {
-  const int groups = machine.crane.drive.group_count;
-  if (groups < 1 || groups > kMaximumGroupCount) {
-    throw std::invalid_argument("the number of motor groups must be 1 ... 8");
-  }
-  const bool is_rigid = machine.crane.drive.is_rigid;
-  if (is_rigid && (machine.modes.frequency.size() > 1 || machine.crane.load.mass > 0.0)) {
-    throw std::invalid_argument("a rigid drive is one inertia: it goes with neither a boom that bends nor a load on a rope");
-  }
-  for (int i = 0; i < groups && !is_rigid; ++i) {
-    if (!(machine.group_inertia[i] > 0.0)) throw std::invalid_argument("a motor group needs an inertia above 0");
-    if (!(machine.gear[i].stiffness > 0.0)) throw std::invalid_argument("gearboxes need a stiffness above 0");
-  }
-  if (!(machine.crane.drive.top_speed > 0.0)) throw std::invalid_argument("the reference's tolerance needs a top speed above 0");
-  if (is_rigid && !(machine.crane.drive.rated_torque > 0.0)) {
-    throw std::invalid_argument("the reference's tolerance of a rigid machine needs a rated torque above 0");
-  }
   if (!(options.tolerance > 0.0)) throw std::invalid_argument("the reference's tolerance must be greater than 0");
-  if (extra.start.size() != extra.scale.size()) {
-    throw std::invalid_argument("an extra needs a scale for each of its states");
-  }
-
-  ReferencePointer reference(new Reference);
+  ReferencePointer reference(new Reference(make_reference_equations(std::move(machine), std::move(extra)), options));
   Reference& r = *reference;
-  r.machine = std::move(machine);
-  r.extra = std::move(extra);
-  r.options = options;
-  r.group_count = is_rigid ? 0 : groups;
-  r.rigid_groups = is_rigid ? groups : 0;
-  if (is_rigid) {
-    double inertia = driven_inertia(r.machine.crane);
-    for (int i = 0; i < groups; ++i) inertia += r.machine.group_inertia[i];
-    // The modes are those of what the motors drive; with them, it turns by less for the same torque.
-    const double share = std::sqrt(driven_inertia(r.machine.crane) / inertia);
-    FreeHouseModes& modes = r.machine.modes;
-    for (auto* shape : {&modes.house, &modes.pivot, &modes.tip, &modes.middle, &modes.tip_twist, &modes.uniform_load}) {
-      shape->front() *= share;
-    }
-  }
-  r.has_axis_force = r.machine.crane.axis_force.constant != 0.0 || r.machine.crane.axis_force.gravity != 0.0;
-  r.mode_count = static_cast<int>(r.machine.modes.frequency.size());
-  r.ratio = total_ratio(r.machine.crane.drive);
-  for (const double frequency : r.machine.modes.frequency) r.square.push_back(frequency * frequency);
-  r.modal_force.assign(r.square.size(), 0.0);
-  r.inverse.assign(r.square.size(), 1.0);
-  if (r.machine.crane.load.mass > 0.0) {
-    r.load_count = 2;
-    r.load = load_on_spring(r.machine.crane.load);
-    const Eigen::Matrix2d damping = r.load.modes.transpose() * r.load.damping * r.load.modes;
-    const Eigen::Vector2d from_velocity = r.load.modes.transpose() * r.load.damping.col(0);
-    for (int j = 0; j < 2; ++j) {
-      r.load_square[j] = r.load.frequency(j) * r.load.frequency(j);
-      r.load_damping[j] = damping(j, j);
-      r.load_from_tip[j] = r.load.modes(0, j) * r.load.rope_stiffness;
-      r.load_from_tip_velocity[j] = from_velocity(j);
-    }
-  }
-  r.size = r.extra_start() + static_cast<int>(r.extra.start.size());
   make_integrator(r);
   std::copy(r.extra.start.begin(), r.extra.start.end(), N_VGetArrayPointer(r.state.get()) + r.extra_start());
   restart(r);
@@ -785,8 +436,8 @@ double time(const Reference& r) { return r.now; }
 
 namespace {
 
-Motion motion_now(const Reference& r) {
-  Motion motion;
+ReferencePlace motion_now(const Reference& r) {
+  ReferencePlace motion;
   observe(r, r.now, N_VGetArrayPointer(r.state.get()), motion);
   fill_gear_torques(r, motion);
   return motion;
@@ -799,7 +450,7 @@ PlantReadings read(const Reference& reference) {
   Reference& r = const_cast<Reference&>(reference);
   std::vector<double> rates(static_cast<std::size_t>(r.size), 0.0);
   derive(r, r.now, N_VGetArrayPointer(r.state.get()), rates.data());
-  const Motion motion = motion_now(r);
+  const ReferencePlace motion = motion_now(r);
   PlantReadings readings;
   for (int i = 0; i < r.group_count + r.rigid_groups; ++i) {
     readings.shaft_speed[i] = motion.motor_speed[i] * r.ratio;
@@ -832,7 +483,7 @@ GroupArray gear_torques(const Reference& reference) {
 }
 
 double gear_deflection(const Reference& r, int group) {
-  const Motion motion = motion_now(r);
+  const ReferencePlace motion = motion_now(r);
   return motion.motor_angle[group] - motion.seen.house_angle;
 }
 
@@ -857,7 +508,7 @@ void shear_forces(const Reference& r, double* shear) {
 }
 
 double mechanical_energy(const Reference& r) {
-  const Motion motion = motion_now(r);
+  const ReferencePlace motion = motion_now(r);
   const double* y = N_VGetArrayPointer(r.state.get());
   double energy = 0.0;
   for (int k = 0; k < r.mode_count; ++k) {

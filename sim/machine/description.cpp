@@ -21,7 +21,7 @@ constexpr double kAccelerationCorner = 50.0;  // [Hz] of 1/f noise, as data shee
 constexpr double kSpeedNoise = 0.02;          // [rad/s]
 constexpr double kSlewAngleNoise = 2.4e-5;    // [rad] 18 bits on the slew ring
 constexpr double kScaleNoise = 1e-6;          // [m] of a glass scale
-// Of top speed, of a linear motor: the share that kSpeedNoise is of a motor's 137 rad/s.
+// [-] of top speed, of a linear motor: the share that kSpeedNoise is of an asynchronous motor of four poles at 50 Hz, 1300 to 1500 rev/min.
 constexpr double kLinearSpeedNoise = 1.5e-4;
 
 std::string of_group(std::string_view what, int group, int count) {

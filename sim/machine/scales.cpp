@@ -15,6 +15,8 @@ namespace {
 
 // Enough for the modes that matter: five bending modes stand within 0.5 % of a fine mesh (thesis Figure 4.3).
 constexpr int kMeshOfScales = 16;
+// Chosen: the period of the lowest mode and a third of it take about as long as the thesis's crane takes to top speed with its rated torque.
+constexpr double kLowestModePeriods = 1.3;
 
 std::vector<double> frequencies(const CraneParameters& machine, bool of_load) {
   CraneParameters meshed = machine;
@@ -56,6 +58,13 @@ std::vector<double> structural_modes(const CraneParameters& machine, std::size_t
   if (modes.size() > most) modes.resize(most);
   return modes;
 }
+
+double characteristic_time(const Scales& scales, const std::vector<double>& structural_modes) {
+  if (structural_modes.empty()) return scales.acceleration_time;
+  return std::max(scales.acceleration_time, kLowestModePeriods / structural_modes.front());
+}
+
+double characteristic_time(const CraneParameters& machine) { return characteristic_time(scales_of(machine), structural_modes(machine, 1)); }
 
 std::vector<double> pendulum_modes(const CraneParameters& machine) { return frequencies(machine, true); }
 

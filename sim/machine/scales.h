@@ -39,6 +39,11 @@ Scales scales_of(const CraneParameters& machine);
 // first `most` of them. A rigid machine has none.
 std::vector<double> structural_modes(const CraneParameters& machine, std::size_t most);
 
+// [s] T, the characteristic time: the longer one of what the motors need to top speed and of 1.3 periods of the lowest of the
+// structural modes, rising.
+double characteristic_time(const Scales& scales, const std::vector<double>& structural_modes);
+double characteristic_time(const CraneParameters& machine);
+
 // [Hz] of the load's pendulum modes, rising; none without a load.
 std::vector<double> pendulum_modes(const CraneParameters& machine);
 

@@ -393,7 +393,7 @@ int run(const Options& options) {
   if (options.steered) {
     settings.operator_moves.clear();  // the operator is at the desk
     steered = {settings.controller_period, scenario.crane.parameters.drive, static_cast<std::uint64_t>(scenario.seed),
-               scenario.faults.size(), plant.machine().switchable};
+               scenario.faults.size(), plant.machine().switchable, after_loss_of(scenario.crane.parameters)};
   }
   return options.realtime ? run_in_real_time(options, settings, plant, *bus, log, steered)
                           : run_in_lockstep(settings, plant, *bus, log, steered);

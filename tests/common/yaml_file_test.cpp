@@ -6,6 +6,8 @@
 #include <filesystem>
 #include <fstream>
 
+#include "common/utf8_text.h"
+
 namespace slewlab::common {
 namespace {
 
@@ -91,6 +93,26 @@ TEST_F(YamlFile, ReportsWhatIsNotYaml) {
   EXPECT_EQ(problems_[0].where.file, file.string());
   EXPECT_GE(problems_[0].where.line, 2);
   EXPECT_NE(said().find("well-formed YAML"), std::string::npos) << said();
+}
+
+// As an editor that saves in Latin-1 writes a degree sign. What is told of it is UTF-8.
+TEST_F(YamlFile, TextThatIsNotUtf8IsRefusedAtItsLine) {
+  load(write("latin.yaml", "kind: crane\nangle: {value: 53.5, unit: \xB0, source: a}\n"));
+  ASSERT_EQ(problems_.size(), 1u);
+  EXPECT_EQ(to_text(problems_[0]), (folder_ / "latin.yaml").string() + ":2:28: key 'angle.unit': found \xEF\xBF\xBD, which is not UTF-8, expected text in UTF-8");
+  problems_.clear();
+  load(write("escape.yaml", "kind: \"\\\xB0\"\n"));
+  ASSERT_EQ(problems_.size(), 1u);
+  EXPECT_TRUE(is_utf8(to_text(problems_[0]))) << to_text(problems_[0]);
+}
+
+TEST_F(YamlFile, AnExcerptEndsBetweenCharacters) {
+  std::string degrees;
+  for (int i = 0; i < 40; ++i) degrees += "\xC2\xB0";
+  YamlNode node;
+  node.kind = YamlNode::Kind::scalar;
+  node.scalar = "a" + degrees;
+  EXPECT_TRUE(is_utf8(excerpt(node))) << excerpt(node);
 }
 
 TEST_F(YamlFile, RefusesAnchorsAndAliases) {

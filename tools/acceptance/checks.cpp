@@ -20,7 +20,6 @@ constexpr double kPercent = 100.0;
 constexpr double kDegrees = 180.0 / std::numbers::pi;
 constexpr auto kRunning = static_cast<std::int8_t>(sim::DriveState::running);
 constexpr auto kTripped = static_cast<std::int8_t>(sim::DriveState::tripped);  // from here on: tripped, braked
-constexpr std::int64_t kLongestHole = 1'000'000'000;  // [ns] chosen: stops and settling are judged to some tenths
 constexpr double kForever = std::numeric_limits<double>::infinity();
 
 double seconds(std::int64_t nanoseconds) { return static_cast<double>(nanoseconds) / kNanosecondsPerSecond; }
@@ -462,7 +461,7 @@ std::string why_no_verdict(const msgs::RunLogs& logs, const ExpectedRun& expecte
     return fmt::format("the log ends at {:.3f} s of {:.3f} s: the run did not come to its end, or the log is cut off",
                        seconds(end), seconds(expected.duration));
   };
-  if (run.encoder.front().simulated_time > kLongestHole) {
+  if (run.encoder.front().simulated_time > expected.longest_hole) {
     return fmt::format("the log begins at {:.3f} s: the run's beginning is missing", seconds(run.encoder.front().simulated_time));
   }
   if (run.encoder.back().simulated_time < expected.duration - expected.controller_period) {
@@ -473,7 +472,7 @@ std::string why_no_verdict(const msgs::RunLogs& logs, const ExpectedRun& expecte
   }
   for (std::size_t i = 1; i < run.encoder.size(); ++i) {
     const std::int64_t hole = run.encoder[i].simulated_time - run.encoder[i - 1].simulated_time;
-    if (hole > kLongestHole) {
+    if (hole > expected.longest_hole) {
       return fmt::format("the log has a hole of {:.3f} s behind {:.3f} s", seconds(hole), seconds(run.encoder[i - 1].simulated_time));
     }
   }

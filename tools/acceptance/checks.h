@@ -62,12 +62,13 @@ std::vector<CheckResult> acceptance_checks(const msgs::RunLog& run, const Accept
 // No check failed, and at least one passed.
 bool accepted(const std::vector<CheckResult>& results);
 
-// Why a run must not be judged: its log is cut off, damaged or has a hole; empty where it may. `duration` and the periods
-// [ns] are the scenario's.
+// Why a run must not be judged: its log is cut off, damaged or has a hole; empty where it may. Its numbers are in
+// nanoseconds, the scenario's and the machine's.
 struct ExpectedRun {
   std::int64_t duration = 0;
   std::int64_t controller_period = 0;
   std::int64_t sensors_period = 0;
+  std::int64_t longest_hole = 0;  // of ENCODER: what happens in it nobody judges
 };
 std::string why_no_verdict(const msgs::RunLogs& logs, const ExpectedRun& expected);
 

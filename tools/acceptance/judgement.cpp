@@ -3,11 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "msgs/configuration_hash.h"
 #include "msgs/log_reader.h"
 #include "msgs/run_log.h"
 #include "sim/drive/fault_expectation.h"
+#include "sim/machine/scales.h"
 #include "sim/model/drive_line.h"
 
 namespace slewlab::tools {
@@ -37,6 +39,13 @@ CheckResult expected_reaction(const sim::FaultExpectation& expectation, const ms
   return result;
 }
 
+// [ns] Chosen: the machine's characteristic time, in which it gathers or loses its speed; and no hole are ten periods, which faults on
+// purpose may take from the wire.
+std::int64_t longest_hole(const sim::Scenario& scenario) {
+  const double time = sim::characteristic_time(scenario.crane.parameters);
+  return std::max(std::int64_t{10} * scenario.controller_period, static_cast<std::int64_t>(std::llround(time * kNanosecondsPerSecond)));
+}
+
 }  // namespace
 
 CheckResult failed_check(const char* name, const std::string& reason) {
@@ -63,7 +72,7 @@ Judgement judge_log(const sim::Scenario& scenario, const fs::path& log, const Ac
   judgement.machine = accepted_machine(scenario);
   const msgs::RunLogs logs = msgs::read_run_logs(log);
   judgement.remarks = logs.remarks;
-  judgement.no_verdict = why_no_verdict(logs, {scenario.duration, scenario.controller_period, scenario.sensors_period});
+  judgement.no_verdict = why_no_verdict(logs, {scenario.duration, scenario.controller_period, scenario.sensors_period, longest_hole(scenario)});
   if (judgement.no_verdict.empty()) judgement.no_verdict = why_another_log(log, written_digest);
   if (!judgement.no_verdict.empty()) {
     judgement.checks.push_back(failed_check("log", judgement.no_verdict));

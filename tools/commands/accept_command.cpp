@@ -55,7 +55,7 @@ void draw(const char* script, const fs::path& folder) {
   ChildOptions options;
   options.name = "page";
   options.command = {python.string(), (home() / "tools" / "python" / script).string(), folder.string()};
-  options.environment = {{"SLEWLAB_PYTHON_MESSAGES", python_messages().string()}};
+  options.environment = python_environment();
   ChildProcess page(options);
   const auto show = [](const std::string& line) { std::printf("%s\n", line.c_str()); };
   while (!page.ended()) {

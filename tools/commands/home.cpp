@@ -53,4 +53,14 @@ fs::path python_messages() {
   return fs::exists(built) ? built : home() / "python";
 }
 
+std::vector<std::pair<std::string, std::string>> python_environment() {
+  std::vector<std::pair<std::string, std::string>> environment{{"SLEWLAB_PYTHON_MESSAGES", python_messages().string()}};
+#ifdef SLEWLAB_SANITIZER_RUNTIME
+  const char* options = std::getenv("ASAN_OPTIONS");
+  environment.emplace_back("LD_PRELOAD", SLEWLAB_SANITIZER_RUNTIME);
+  environment.emplace_back("ASAN_OPTIONS", std::string(options != nullptr ? options : "") + ":detect_leaks=0");
+#endif
+  return environment;
+}
+
 }  // namespace slewlab::tools

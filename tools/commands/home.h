@@ -9,6 +9,9 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
+#include <utility>
+#include <vector>
 
 namespace slewlab::tools {
 
@@ -23,5 +26,9 @@ std::filesystem::path fmu_parts();
 
 // The folder with the messages as Python classes (lcm-gen).
 std::filesystem::path python_messages();
+
+// What a program of tools/python has in its environment beside ours: SLEWLAB_PYTHON_MESSAGES, and in a build under a sanitizer its runtime,
+// which has to be there before our extension. What the interpreter keeps for ever is no leak of ours.
+std::vector<std::pair<std::string, std::string>> python_environment();
 
 }  // namespace slewlab::tools

@@ -33,13 +33,8 @@ int run_python(const std::string& script, const std::vector<std::string>& argume
   std::vector<char*> words{const_cast<char*>(python.c_str()), const_cast<char*>(launcher.c_str()), const_cast<char*>(script.c_str())};
   for (const std::string& argument : arguments) words.push_back(const_cast<char*>(argument.c_str()));
   words.push_back(nullptr);
-  ::setenv("SLEWLAB_PYTHON_MESSAGES", python_messages().c_str(), 1);
+  for (const auto& [name, value] : python_environment()) ::setenv(name.c_str(), value.c_str(), 1);
   ::setenv("SLEWLAB_PROGRAM", std::filesystem::read_symlink("/proc/self/exe").c_str(), 1);
-#ifdef SLEWLAB_SANITIZER_RUNTIME  // before our extension, and what the interpreter keeps for ever is no leak of ours
-  ::setenv("LD_PRELOAD", SLEWLAB_SANITIZER_RUNTIME, 1);
-  const char* options = std::getenv("ASAN_OPTIONS");
-  ::setenv("ASAN_OPTIONS", (std::string(options != nullptr ? options : "") + ":detect_leaks=0").c_str(), 1);
-#endif
   ::execv(python.c_str(), words.data());
   std::fprintf(stderr, "slewlab: %s: %s; tools/setup makes it\n", python.c_str(), std::strerror(errno));
   return 1;

@@ -161,6 +161,9 @@ void ask_process(const ReplayOptions& options, const fs::path& controller_file, 
                        {"LCM_DEFAULT_URL", url},
                        {"SLEWLAB_PYTHON_MESSAGES", python_messages().string()},
                        {"SLEWLAB_CONTROLLER_PERIOD_MS", fmt::format("{:.9g}", static_cast<double>(period) / 1e6)}};
+  if (!options.controller_fmu.empty()) {
+    for (const auto& variable : python_environment()) child.environment.push_back(variable);
+  }
   if (!controller_file.empty()) {
     child.environment.emplace_back("SLEWLAB_CONTROLLER_CONFIG", fs::absolute(controller_file).string());
   }

@@ -475,6 +475,9 @@ ChildOptions controller_child(const RunOptions& options, const Prepared& run, co
                        {"SLEWLAB_CONTROLLER_PERIOD_MS", milliseconds_text(run.scenario.controller_period)},
                        {"SLEWLAB_PYTHON_MESSAGES", python_messages().string()}};
   if (options.realtime) child.environment.emplace_back("SLEWLAB_REALTIME_SPEED", speed_text(options));
+  if (!options.controller_fmu.empty()) {
+    for (const auto& variable : python_environment()) child.environment.push_back(variable);
+  }
   return child;
 }
 

@@ -3,7 +3,7 @@
 import sys
 from pathlib import Path
 
-from import_data import fail_if_wrong, read_map
+from import_map import fail_if_wrong, read_map
 from input_map import InputProblems
 
 

@@ -1,11 +1,11 @@
-"""JSON Schema of import maps, `slewlab schema import_map`: made by letting the reader of maps (import_data.read_root) ask for
+"""JSON Schema of import maps, `slewlab schema import_map`: made by letting the reader of maps (import_map.read_root) ask for
 its keys, of every kind of machine and of every unit, and writing down what it asks for."""
 
 import json
 import sys
 from pathlib import Path
 
-from import_data import machine_named, read_root
+from import_map import machine_named, read_root
 from machine import Axis
 from unit import SPELLINGS, spellings_of
 

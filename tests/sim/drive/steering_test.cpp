@@ -2,12 +2,16 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/sim/scaled_crane.h"
+#include "tests/sim/thesis_crane.h"
+
 namespace slewlab::sim {
 namespace {
 
-constexpr std::int64_t kPeriod = 10'000'000;  // [ns]
+constexpr std::int64_t kPeriod = 10'000'000;       // [ns]
+constexpr std::int64_t kAfterLoss = 12'000'000'000;  // [ns]
 
-Steering steering() { return Steering({.controller_period = kPeriod, .drive = {.group_count = 2}, .seed = 1, .scenario_faults = 3}); }
+Steering steering() { return Steering({.controller_period = kPeriod, .drive = {.group_count = 2}, .seed = 1, .scenario_faults = 3, .after_loss = kAfterLoss}); }
 
 using News = std::vector<std::string>;
 
@@ -48,8 +52,17 @@ TEST(Steering, LossLetsGoOfTheLeverAndKeepsTheEmergencyStop) {
   ASSERT_TRUE(move);
   EXPECT_EQ(move->speed_request, 0.0);
   EXPECT_TRUE(move->emergency_stop);
-  EXPECT_FALSE(desk.begin_period(kPeriod + 29'990'000'000).ends_run);
-  EXPECT_TRUE(desk.begin_period(kPeriod + 30'000'000'000).ends_run) << "30 s later the crane stands";
+  EXPECT_FALSE(desk.begin_period(kAfterLoss).ends_run);
+  EXPECT_TRUE(desk.begin_period(kPeriod + kAfterLoss).ends_run) << "the machine stands by then";
+}
+
+// Whatever the crane's size: times go with the root of its lengths, and do not know its masses. Of the thesis's T is 1.0 s (method.md).
+TEST(Steering, TheEndAfterALossComesInTheMachinesOwnTime) {
+  const auto seconds = [](const CraneParameters& crane) { return static_cast<double>(after_loss_of(crane)) * 1e-9; };
+  const double thesis = seconds(thesis_crane());
+  EXPECT_NEAR(thesis, 30.0, 1.0);
+  EXPECT_NEAR(seconds(with_lengths_times(thesis_crane(), 0.25)), 0.5 * thesis, 1e-5);
+  EXPECT_NEAR(seconds(with_masses_times(thesis_crane(), 1e-3)), thesis, 1e-5);
 }
 
 TEST(Steering, APauseLetsSingleCyclesPass) {

@@ -198,7 +198,7 @@ TEST(AcceptanceChecks, ARunThatDidNotComeToItsEndGetsNoVerdict) {
   const auto why = [](const msgs::RunLog& log) {
     msgs::RunLogs logs;
     logs.runs = {log};
-    return why_no_verdict(logs, {20'000'000'000, 10'000'000, 1'000'000});
+    return why_no_verdict(logs, {20'000'000'000, 10'000'000, 1'000'000, 1'000'000'000});
   };
   const msgs::RunLog whole = log_of(run);
   EXPECT_EQ(why(whole), "");
@@ -215,7 +215,7 @@ TEST(AcceptanceChecks, ARunThatDidNotComeToItsEndGetsNoVerdict) {
   msgs::RunLogs damaged;
   damaged.runs = {whole};
   damaged.lost_bytes = 7;
-  EXPECT_NE(why_no_verdict(damaged, {20'000'000'000, 10'000'000, 1'000'000}).find("7 bytes"), std::string::npos);
+  EXPECT_NE(why_no_verdict(damaged, {20'000'000'000, 10'000'000, 1'000'000, 1'000'000'000}).find("7 bytes"), std::string::npos);
 }
 
 TEST(AcceptanceChecks, JUnitTellsPassFailAndSkipped) {

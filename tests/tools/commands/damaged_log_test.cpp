@@ -23,8 +23,12 @@ const std::string kSlewlab = SLEWLAB_BINARY_DIR "/bin/slewlab";
 const std::string kThesis = SLEWLAB_SOURCE_DIR "/config/scenarios/thesis_slew.yaml";
 const std::string kPython = SLEWLAB_SOURCE_DIR "/.venv/bin/python";
 
+#if defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)  // whose shadow takes more address space than any limit, and ten times as long
+constexpr const char *kMemory = "unlimited", *kPatience = "1200";
+#else
 constexpr const char* kMemory = "4000000";  // [KiB] of address space: ten times what the whole log takes
 constexpr const char* kPatience = "120";    // [s] wall clock; a whole log takes one
+#endif
 
 std::string damaged(std::string log, std::mt19937_64& random) {
   const auto place = [&] { return static_cast<std::size_t>(random() % log.size()); };

@@ -86,6 +86,22 @@ class Instance:
             shutil.rmtree(self.folder, ignore_errors=True)
 
 
+def answers(controller, run, periods=None):
+    """Feeds a controller of two groups with what a run's controller heard, period by period: yields each period, when it has answered."""
+    encoder, moves = run.messages("ENCODER"), run.messages("OPERATOR")
+    by_sequence = {move["sequence"]: move for move in moves}
+    for k in range(len(run.messages("TORQUE")) if periods is None else periods):
+        move = by_sequence[encoder["operator_sequence"][k]]
+        controller.set("speed_request", float(move["speed_request"]))
+        controller.set("emergency_stop", bool(move["emergency_stop"]))
+        controller.set("operator_acknowledge", bool(move["acknowledge"]))
+        for group in range(2):
+            controller.set(f"shaft_speed[{group + 1}]", float(encoder["shaft_speed"][k][group]))
+            controller.set(f"shaft_position[{group + 1}]", float(encoder["shaft_position"][k][group]))
+        controller.step()
+        yield k
+
+
 def command(plant, torque):
     plant.set("enable", bool(torque["enable"]))
     plant.set("brake", bool(torque["brake"]))
@@ -193,20 +209,13 @@ effects:
 
     def test_the_controller_gives_the_bits_of_the_demo(self):
         run = demo()
-        encoder, torque, state, moves = (run.messages(channel) for channel in ("ENCODER", "TORQUE", "CONTROLLER_STATE", "OPERATOR"))
-        by_sequence = {move["sequence"]: move for move in moves}
+        torque, state = run.messages("TORQUE"), run.messages("CONTROLLER_STATE")
         for version in ("2", "3"):
             with self.subTest(version=version):
                 controller = Instance(str(self.fmus["controller", version])).start()
-                for k in range(len(torque)):
-                    move = by_sequence[encoder["operator_sequence"][k]]
-                    controller.set("speed_request", float(move["speed_request"]))
-                    controller.set("emergency_stop", bool(move["emergency_stop"]))
-                    controller.set("operator_acknowledge", bool(move["acknowledge"]))
-                    for group in range(2):
-                        controller.set(f"shaft_speed[{group + 1}]", float(encoder["shaft_speed"][k][group]))
-                        controller.set(f"shaft_position[{group + 1}]", float(encoder["shaft_position"][k][group]))
-                    controller.step()
+                answered = 0
+                for k in answers(controller, run):
+                    answered += 1
                     for group in range(2):
                         self.assertEqual(controller.get(f"motor_torque[{group + 1}]"), torque["motor_torque"][k][group], k)
                     if k % SAMPLES == 0:
@@ -214,6 +223,7 @@ effects:
                         self.assertEqual(controller.get("mode"), state["mode"][k], k)
                         self.assertEqual(controller.get("integral_torque[2]"), state["integral_torque"][k][1], k)
                 controller.close()
+                self.assertEqual(answered, len(torque))
 
     def test_libcosim_gives_the_bits_of_the_demo(self):
         from libcosimpy.CosimExecution import CosimExecution

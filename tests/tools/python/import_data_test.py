@@ -4,15 +4,13 @@ import contextlib
 import io
 import tempfile
 import unittest
-import unittest.mock
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 
 import import_data
-import signals
-from run_log import REPOSITORY, read_run_log, seconds
+from run_log import read_run_log, seconds
 
 RATIO = 2735.58
 A, W = 0.02, 2 * np.pi * 0.5  # [rad], [rad/s] of the crane
@@ -344,26 +342,8 @@ motor_torque: {column: f, unit: N m, on: axis}
         self.assertEqual(self.call(data, MAP + "rows: {first: 101, last: 301}\n"), (0, ""))
         self.assertEqual(len(read_run_log(self.out).channel("ENCODER")), 201)
 
-    def test_a_sensor_of_the_wire_is_one_of_the_map(self):
-        """What SENSORS says is what a map may name: nothing lists the sensors a second time."""
-        known = {channel: dict(fields) for channel, fields in signals.table().items()}
-        known["SENSORS"] |= {"mast_acceleration": "m/s^2", "mast_angle": "rad"}
-        text = MAP + "mast_acceleration: {column: a, unit: mm/s^2}\nmast_angle: {column: b, unit: deg}\n"
-        (self.folder / "map.yaml").write_text(text)
-        with unittest.mock.patch.object(signals, "table", lambda: known):
-            mapping = import_data.read_map(self.folder / "map.yaml")
-        self.assertEqual(mapping.lines, [])
-        self.assertEqual([(mapping.signals[name][0].column, mapping.signals[name][0].unit) for name in ("mast_acceleration", "mast_angle")],
-                         [("a", "m/s^2"), ("b", "rad")])
-        self.assertNotEqual(import_data.read_map(self.folder / "map.yaml").lines, [])
-
     def test_a_request_in_the_wrong_unit(self):
         self.refused(table(), "a request of 80", text=MAP.replace('wish, unit: "%"', 'wish, unit: "-"'))
-
-    def test_the_map_printed_in_the_documents_is_one(self):
-        printed = (REPOSITORY / "docs" / "import.md").read_text().split("```yaml\n")[1].split("```")[0]
-        (self.folder / "printed.yaml").write_text(printed)
-        self.assertEqual(import_data.read_map(self.folder / "printed.yaml").lines, [])
 
     def test_files_that_are_none(self):
         self.refused(None, "there is no such file", write=lambda f: None)

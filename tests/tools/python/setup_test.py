@@ -76,8 +76,14 @@ class SetupTest(unittest.TestCase):
         shutil.copy(REPOSITORY / "tools" / "fuzz", self.root / "tools" / "fuzz")
         self.stand_in("tools/setup", 'echo "$SLEWLAB_MORE_PACKAGES"; exit 7')
         ended = subprocess.run([self.root / "tools" / "fuzz"], stdin=subprocess.DEVNULL, capture_output=True, text=True)
-        # The preset `fuzz` names clang; SUNDIALS' package asks for OpenMP.
-        self.assertEqual((ended.returncode, ended.stdout.split()), (7, ["clang", "libomp-dev"]), ended.stderr)
+        # Clang's sanitizers and libFuzzer are a package of their own.
+        self.assertEqual((ended.returncode, ended.stdout.split()), (7, ["libclang-rt-dev"]), ended.stderr)
+
+    def test_the_second_compiler_is_installed_with_the_first(self):
+        """tools/compare-compilers is skipped where there is no clang, or none that knows the OpenMP that SUNDIALS' package asks for."""
+        code, output, calls = self.run_setup(missing=["clang", "libomp-dev"])
+        self.assertEqual(code, 0, output)
+        self.assertEqual([w for w in calls[1].split()[2:] if not w.startswith("-")], ["clang", "libomp-dev"])
 
     def test_other_requirements_make_the_python_side_anew_and_a_half_made_one_does_not_count(self):
         requirements = self.root / "tools" / "python" / "requirements.txt"

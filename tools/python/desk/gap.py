@@ -12,9 +12,8 @@ from run_log import messages_folder
 from desk.source import EVENT, SYNC
 
 CHANNEL = "OBSERVER"
-BLOCK = 1.0        # [s] over which sizes are taken: root mean squares
 FEWEST_BLOCKS = 10  # until something is called usual
-UNUSUAL = 4.0      # times the usual size, chosen: sizes of noise over a second stay within a third of each other
+UNUSUAL = 4.0      # times the usual size, chosen: sizes of noise over a block stay within a third of each other
 FLOOR_SHARE = 0.02  # of the rated torque, chosen: below it a missing torque is none that anybody looks for
 FLOOR_ACCELERATION = 0.02  # [m/s^2] chosen: four times the noise of an ordinary accelerometer
 MOST_WAITING = 1 << 26  # [bytes] that the observer may be behind
@@ -22,10 +21,10 @@ USED = ("ENCODER", "TORQUE", "SENSORS", "PLANT_STATUS")
 
 
 class Sizes:
-    """Of one signal, a block of time after the other: its size, what is usual, whether it is more than that."""
+    """Of one signal, a block of `length` [s] after the other: its size (root mean square), what is usual, whether it is more than that."""
 
-    def __init__(self, floor):
-        self.floor, self.sizes, self.square, self.count, self.block = floor, collections.deque(maxlen=600), 0.0, 0, None
+    def __init__(self, floor, length):
+        self.floor, self.length, self.sizes, self.square, self.count, self.block = floor, length, collections.deque(maxlen=600), 0.0, 0, None
         self.newest, self.is_open = math.nan, False
 
     @property
@@ -34,8 +33,9 @@ class Sizes:
         return float(np.median(self.sizes)) if len(self.sizes) >= FEWEST_BLOCKS else math.nan
 
     def add(self, time, values):
-        for block in np.unique(np.floor(time / BLOCK)):
-            mine = values[(np.floor(time / BLOCK) == block) & np.isfinite(values)]
+        blocks = np.floor(time / self.length)
+        for block in np.unique(blocks):
+            mine = values[(blocks == block) & np.isfinite(values)]
             if block != self.block:
                 self._close()
                 self.block = block
@@ -56,6 +56,7 @@ class Gap:
         """`minute` keeps the newest events, for a diagnosis."""
         self.source, self.nominal, self.minute = source, nominal, minute
         self.sizes, self.since, self.problem, self.remark = {}, None, "", ""
+        self.block = math.nan  # [s] the machine's characteristic time, which the observer says first
         source.incoming.tap = self.feed
 
     async def start(self):
@@ -79,7 +80,9 @@ class Gap:
     async def _listen(self):
         async for line in self.process.stdout:
             said = json.loads(line)
-            if "time" in said:
+            if "characteristic_time" in said:
+                self.block = said["characteristic_time"]
+            elif "time" in said:
                 self._take(said)
             elif "begins_again" in said:
                 self.remark = f"the observer began again: {said['begins_again']}"
@@ -103,7 +106,7 @@ class Gap:
 
     def _size(self, signal, label, floor, time, values):
         if signal not in self.sizes:
-            self.sizes[signal] = label, Sizes(floor)
+            self.sizes[signal] = label, Sizes(floor, self.block)
         self.sizes[signal][1].add(time, values)
 
     def state(self):

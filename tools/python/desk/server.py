@@ -41,8 +41,8 @@ GONE = "the page that had the joystick was closed or is out of sight"
 MOST_PIXELS = 4096
 MOST_SIGNALS = 200
 LARGEST_REQUEST = 1 << 16  # [bytes]
-SPECTRUM_SPAN = 20.0  # [s] before the cursor that its spectrum is of
-LOWEST, HIGHEST = 0.1, 100.0  # [Hz] that are shown of it
+SPECTRUM_SEGMENTS = 4  # lengths of a spectrum that tells the machine's frequencies apart (run_numbers.Band), before the cursor: it is of these
+LOWEST, HIGHEST = 0.2, 2.3  # of the band's ends, that are shown of it: the load's swing, and twice the highest mode that is looked for
 
 
 def number(value, lowest, highest):
@@ -233,12 +233,12 @@ class Page:
         self.seen = max(source.store.last for source in self.desk.sources)
 
     async def spectrum(self, request):
-        """{"at" [s]}: amplitudes of the accelerations over the last SPECTRUM_SPAN before it, of the first source."""
+        """{"at" [s]}: amplitudes of the accelerations over the span [s] before it, of every source."""
         at = number(request["at"], -1e9, 1e9)
         lines = []
         for source in self.desk.sources:
             lines.append(spectra(source, at))
-        await self.say({"type": "spectrum", "at": at, "span": SPECTRUM_SPAN, "sources": lines})
+        await self.say({"type": "spectrum", "at": at, "span": round(spectrum_span(self.desk.sources[0]), 1), "sources": lines})
 
     async def diagnose(self):
         """Hands the newest minute over to slewlab diagnose: who may steer may ask for it."""
@@ -283,25 +283,30 @@ def page_facts(facts):
                                         "play_compensation", "controller_period", "plant_step") if key in facts}
 
 
+def spectrum_span(source):
+    from run_numbers import band_of
+
+    return SPECTRUM_SEGMENTS * band_of(source.facts).segment
+
+
 def spectra(source, at):
     from run_numbers import band_of
     from spectrum import amplitude_spectrum
 
-    store = source.store
-
+    store, band = source.store, band_of(source.facts)
     found = []
     for name in ("tip", "house"):
         signal = f"SENSORS.{name}_acceleration"
         if not charts.is_there(signal, store):
             continue
         channel, row = store.places[signal]
-        time_, values = store.channels[channel].samples(at - SPECTRUM_SPAN, at)
+        time_, values = store.channels[channel].samples(at - spectrum_span(source), at)
         if len(time_) < 64:
             continue
         step = (time_[-1] - time_[0]) / (len(time_) - 1)
         even = np.interp(np.arange(time_[0], time_[-1], step), time_, values[row])
-        frequency, amplitude = amplitude_spectrum(even, step, band_of(source.facts).segment)
-        shown = (frequency >= LOWEST) & (frequency <= HIGHEST)
+        frequency, amplitude = amplitude_spectrum(even, step, band.segment)
+        shown = (frequency >= LOWEST * band.lowest) & (frequency <= HIGHEST * band.highest)
         if shown.any():
             found.append({"label": name, "frequency": [round(float(f), 4) for f in frequency[shown]],
                           "amplitude": [float(f"{a:.4g}") for a in amplitude[shown]]})
