@@ -2,11 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numeric>
 #include <span>
 
 #include "diagnosis/loop/loop.h"
+#include "diagnosis/shadow.h"
 
 namespace slewlab::diagnosis {
 
@@ -64,8 +66,14 @@ std::vector<sim::OperatorMove> moves_of(const Record& record) {
   return moves;
 }
 
+// Steps of the machine per step of the grid: its own where a force or a friction acts between two readings, else the grid's.
+std::int64_t steps_per_point(const sim::MachineSettings& machine, double step) {
+  const bool has_forces = std::any_of(machine.effects.begin(), machine.effects.end(), [](const common::EffectInstance& effect) { return acts_by_force(effect.name); });
+  return has_forces ? std::max<std::int64_t>(1, std::llround(step / machine.step)) : 1;
+}
+
 // The series of a record, on its grid, as machine and controller make them in closed loop.
-Record simulated(const LoopSettings& settings, const Record& record) {
+Record simulated(const LoopSettings& settings, const Record& record, std::int64_t steps) {
   Record series;
   series.name = record.name;
   series.step = record.step;
@@ -74,7 +82,8 @@ Record simulated(const LoopSettings& settings, const Record& record) {
   MachineLoop loop(settings);
   loop.course.ends_with_answer = true;  // the last point of a record is one of its grid, too
   LoopHooks hooks;
-  hooks.instant = [&](const LoopMoment&) {
+  hooks.instant = [&](const LoopMoment& moment) {
+    if (moment.step % steps != 0) return;
     const sim::MachineReadings readings = sim::read(loop.plant.machine());
     for (std::size_t g = 0; g < static_cast<std::size_t>(record.group_count); ++g) {
       series.motor_torque[g].push_back(loop.controller.torque().motor_torque[g]);
@@ -94,13 +103,14 @@ Prediction predict(const sim::MachineSettings& machine, const controller::Contro
                    double from_time) {
   LoopSettings settings;
   settings.machine = machine;
-  settings.machine.step = record.step;
+  const std::int64_t steps = steps_per_point(machine, record.step);
+  settings.machine.step = record.step / static_cast<double>(steps);
   settings.controller = controller;
   settings.controller.period = record.encoder_period;
   settings.operator_moves = moves_of(record);
   settings.duration = record.step * static_cast<double>(record.size() - 1);
   Prediction prediction;
-  prediction.series = simulated(settings, record);
+  prediction.series = simulated(settings, record, steps);
   prediction.gaps = signal_gaps(record, prediction.series, from_time);
   double sum = 0.0;
   for (const SignalGap& gap : prediction.gaps) {

@@ -506,6 +506,18 @@ TEST(Diagnose, FindsAResonanceBetweenItsStarts) {
   EXPECT_NEAR(found.causes[0].sizes[0].value, 4.4e7, 0.1 * 4.4e7);
 }
 
+// That one effect alone is the answer is never surer than that it acts: a second one may hide beside it.
+TEST(Diagnose, IsSurerThatAnEffectActsThanThatItActsAlone) {
+  const Diagnosis found = diagnose_machine({{"bearing_viscous", {6e6, 0.0}}}, bench().controller, 22);
+  ASSERT_FALSE(found.causes.empty());
+  ASSERT_EQ(found.causes[0].effects, std::vector<std::string>{"bearing_viscous"}) << found.verdict;
+  EXPECT_GT(found.lead_acts, 0.9);
+  EXPECT_LT(found.causes[0].probability, 0.9);
+  double sum = found.probability_unknown;
+  for (const Cause& cause : found.causes) sum += cause.probability;
+  EXPECT_NEAR(sum, 1.0, 1e-9);
+}
+
 // Half a minute of waves with a period that lies between the starts.
 TEST(Diagnose, FindsARollOfAnyPeriod) {
   const Diagnosis found = diagnose_machine({{"vessel_roll", {5e-4, 8.05, 2.1, 1.3, 20.0}}}, bench().controller, 20);

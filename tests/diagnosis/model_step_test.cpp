@@ -1,0 +1,91 @@
+// Steps between readings at a PLC's rate, of logs without noise: as many as a law needs, and with them a machine follows its own log.
+#include "diagnosis/model_step.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "diagnosis/admit.h"
+#include "diagnosis/loop/loop_log.h"
+#include "diagnosis/screen.h"
+#include "tests/diagnosis/bench.h"
+
+namespace slewlab::diagnosis {
+namespace {
+
+constexpr double kPlcPeriod = 0.01;  // [s]
+constexpr int kFinest = 10;          // steps of a thousandth of the characteristic time (1.007 s) in one period of the PLC
+
+sim::MachineSettings sticking_crane() {
+  sim::MachineSettings machine;
+  machine.crane = bench().crane;
+  machine.effects = {{"bearing_coulomb", {1e5, 0.0, 3e-5}}};
+  return machine;
+}
+
+Record plc_record(const sim::MachineSettings& machine) {
+  LoopSettings settings;
+  settings.machine = machine;
+  settings.machine.step = kStep;
+  settings.controller = bench().controller;
+  settings.controller.period = kPlcPeriod;
+  settings.duration = kDuration;
+  for (const Move& move : kThereAndBack) settings.operator_moves.push_back({.time = std::llround(move.time * 1e9), .speed_request = move.speed_request});
+  return make_record(logged_run(settings, {.sensors = 10'000'000, .truth = 1'000'000'000, .status = 1'000'000'000}), "plc", bench().admission);
+}
+
+double mean_square(const sim::MachineSettings& nominal, const ForceSteps& steps) {
+  Problem problem;
+  std::vector<Record> records{plc_record(sticking_crane())};
+  set_machine(nominal, records, problem);
+  std::vector<std::string> remarks;
+  admit(std::move(records), whitening_for(problem.thresholds, false), problem, remarks);
+  problem.force_steps = steps;
+  const Eigen::VectorXd found = differences(problem, Point{});
+  return found.squaredNorm() / static_cast<double>(found.size());
+}
+
+TEST(ModelStep, AMachineFollowsItsOwnLogAtThePlcsRate) {
+  sim::MachineSettings nominal;
+  nominal.crane = bench().crane;
+  const double without = mean_square(nominal, {}), coarse = mean_square(sticking_crane(), {{"bearing_coulomb", 1}}), own = mean_square(sticking_crane(), {});
+  EXPECT_GT(coarse, 1.0) << "one step per reading is not what the log was made with";
+  EXPECT_LT(own, 0.01 * coarse);
+  EXPECT_LT(own, 0.001 * without);
+}
+
+TEST(ModelStep, EachLawGetsWhatItNeedsAndNoMore) {
+  Problem problem;
+  sim::MachineSettings nominal;
+  nominal.crane = bench().crane;
+  std::vector<Record> records{plc_record(sticking_crane())};
+  set_machine(nominal, records, problem);
+  std::vector<std::string> remarks;
+  admit(std::move(records), whitening_for(problem.thresholds, false), problem, remarks);
+  const ForceSteps steps = steps_for_forces(problem, catalogue_starts(problem.catalogue, problem.nominal, {}, longest_record(problem), problem.thresholds.spell_every), {});
+  for (const auto& [effect, count] : steps) {
+    EXPECT_TRUE(acts_by_force(effect)) << effect;
+    EXPECT_GE(count, 1) << effect;
+    EXPECT_LE(count, kFinest) << effect;
+  }
+  // A friction whose size changes every few degrees needs more than a film of grease.
+  EXPECT_GT(steps.at("bearing_uneven"), steps.at("bearing_viscous"));
+  EXPECT_FALSE(steps.contains("boom_stiffness"));
+  EXPECT_TRUE(problem.force_steps.empty()) << "asking changes nothing";
+}
+
+TEST(ModelStep, RecordsOfTheModelsOwnRateNeedOneStep) {
+  Problem problem;
+  sim::MachineSettings nominal;
+  nominal.crane = bench().crane;
+  std::vector<Record> records{make_record(simulated_log(sticking_crane(), bench().controller, kThereAndBack, kDuration, 3), "fine", bench().admission)};
+  set_machine(nominal, records, problem);
+  std::vector<std::string> remarks;
+  admit(std::move(records), whitening_for(problem.thresholds, false), problem, remarks);
+  for (const auto& [effect, count] : steps_for_forces(problem, catalogue_starts(problem.catalogue, problem.nominal, {}, longest_record(problem), problem.thresholds.spell_every), {})) {
+    EXPECT_EQ(count, 1) << effect;
+  }
+}
+
+}  // namespace
+}  // namespace slewlab::diagnosis
