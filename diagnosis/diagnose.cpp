@@ -330,6 +330,21 @@ void check_unseen(const Problem& problem, const WhiteningSettings& whitening, co
   }
 }
 
+// From the records to the problem that is fitted. Gives how their differences are whitened. Throws NotAdmitted.
+WhiteningSettings take_records(const sim::MachineSettings& nominal, std::vector<Record> records, const std::vector<Record>& unseen, const DiagnosisSettings& settings,
+                               Problem& problem, Diagnosis& diagnosis) {
+  set_machine(nominal, records, problem);
+  if (settings.noise_corner) problem.thresholds.whitening.noise_corner = *settings.noise_corner;
+  const WhiteningSettings whitening = whitening_for(problem.thresholds, has_coarse_counts(records));
+  diagnosis.followed = admit(std::move(records), whitening, problem, diagnosis.remarks);
+  check_unseen(problem, whitening, unseen);
+  diagnosis.nuisances = problem.nuisances;
+  const std::vector<common::EffectInstance> starts =
+      catalogue_starts(problem.catalogue, problem.nominal, settings.without, longest_record(problem), problem.thresholds.spell_every);
+  problem.force_steps = steps_for_forces(problem, starts, settings.evidence);
+  return whitening;
+}
+
 // The answer on records that had no part in it.
 void judge_unseen(Problem& problem, const WhiteningSettings& whitening, const std::optional<controller::ControllerSettings>& controller,
                   const Point& parameters_of_all, std::vector<Record> unseen, Diagnosis& diagnosis) {
@@ -493,15 +508,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   problem.settings = settings.fit;
   problem.threads = settings.threads;
   if (is_stopped) problem.is_stopped = is_stopped;
-  set_machine(nominal, records, problem);
-  if (settings.noise_corner) problem.thresholds.whitening.noise_corner = *settings.noise_corner;
-  const WhiteningSettings whitening = whitening_for(problem.thresholds, has_coarse_counts(records));
-  diagnosis.followed = admit(std::move(records), whitening, problem, diagnosis.remarks);
-  check_unseen(problem, whitening, unseen);
-  diagnosis.nuisances = problem.nuisances;
-
-  problem.force_steps = steps_for_forces(problem, catalogue_starts(problem.catalogue, problem.nominal, settings.without, longest_record(problem), problem.thresholds.spell_every),
-                                         settings.evidence);
+  const WhiteningSettings whitening = take_records(nominal, std::move(records), unseen, settings, problem, diagnosis);
 
   tell(0.0, "replaying the controller");
   if (controller) replay(problem, *controller, diagnosis);
