@@ -9,7 +9,7 @@ namespace slewlab::diagnosis {
 
 ForceSteps steps_for_forces(Problem& problem, std::span<const common::EffectInstance> starts, const EvidenceSettings& evidence) {
   int most = 1;
-  for (const Record& record : problem.records) most = std::max(most, static_cast<int>(std::lround(record.step / problem.nominal.step)));
+  for (const Record& record : problem.records) most = std::max(most, steps_of_the_settings(problem.nominal, record.step));
   ForceSteps found;
   std::vector<Point> open;  // that need more steps than were tried
   for (const common::EffectInstance& start : starts) {

@@ -67,13 +67,13 @@ std::vector<sim::OperatorMove> moves_of(const Record& record) {
 }
 
 // Steps of the machine per step of the grid: its own where a force or a friction acts between two readings, else the grid's.
-std::int64_t steps_per_point(const sim::MachineSettings& machine, double step) {
+int steps_per_point(const sim::MachineSettings& machine, double step) {
   const bool has_forces = std::any_of(machine.effects.begin(), machine.effects.end(), [](const common::EffectInstance& effect) { return acts_by_force(effect.name); });
-  return has_forces ? std::max<std::int64_t>(1, std::llround(step / machine.step)) : 1;
+  return has_forces ? steps_of_the_settings(machine, step) : 1;
 }
 
 // The series of a record, on its grid, as machine and controller make them in closed loop.
-Record simulated(const LoopSettings& settings, const Record& record, std::int64_t steps) {
+Record simulated(const LoopSettings& settings, const Record& record, int steps) {
   Record series;
   series.name = record.name;
   series.step = record.step;
@@ -103,8 +103,8 @@ Prediction predict(const sim::MachineSettings& machine, const controller::Contro
                    double from_time) {
   LoopSettings settings;
   settings.machine = machine;
-  const std::int64_t steps = steps_per_point(machine, record.step);
-  settings.machine.step = record.step / static_cast<double>(steps);
+  const int steps = steps_per_point(machine, record.step);
+  settings.machine.step = record.step / steps;
   settings.controller = controller;
   settings.controller.period = record.encoder_period;
   settings.operator_moves = moves_of(record);

@@ -263,6 +263,8 @@ bool acts_on_any(std::string_view effect, std::initializer_list<sim::EffectPort>
 
 }  // namespace
 
+int steps_of_the_settings(const sim::MachineSettings& machine, double step) { return std::max(1, static_cast<int>(std::lround(step / machine.step))); }
+
 bool acts_by_force(std::string_view effect) { return acts_on_any(effect, {sim::EffectPort::force, sim::EffectPort::friction}); }
 
 Follower follower_of(const sim::MachineSettings& settings, double step, const ForceSteps& force_steps) {
@@ -274,7 +276,7 @@ Follower follower_of(const sim::MachineSettings& settings, double step, const Fo
     follower.encoder_delay += effect.values[common::kSize] / step;
     return true;
   });
-  const int of_the_settings = std::max(1, static_cast<int>(std::lround(step / settings.step)));
+  const int of_the_settings = steps_of_the_settings(settings, step);
   for (const common::EffectInstance& effect : with_step.effects) {
     if (acts_on_any(effect.name, {sim::EffectPort::message, sim::EffectPort::actuator})) follower.steps = std::max(follower.steps, std::min(kMostSteps, of_the_settings));
     if (!acts_by_force(effect.name)) continue;

@@ -96,6 +96,8 @@ struct Follower {
 };
 // `force_steps` as model_step.h has them. Throws as shadow().
 Follower follower_of(const sim::MachineSettings& machine, double step, const ForceSteps& force_steps = {});
+// As many steps as the settings' go into one of the grid, at least 1.
+int steps_of_the_settings(const sim::MachineSettings& machine, double step);
 // Whether an effect is a force or a friction.
 bool acts_by_force(std::string_view effect);
 

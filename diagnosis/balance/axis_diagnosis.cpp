@@ -265,6 +265,10 @@ std::string what_it_follows(const sim::MachineFile& axis, const AxisDiagnosis& d
   return fmt::format("follows neither speed, position, time nor {}", axis.axis.is_linear ? "force" : "torque");
 }
 
+bool is_each_sure(const BalanceModel& model) {
+  return std::all_of(model.terms.begin(), model.terms.end(), [](const BalanceTerm& term) { return term.probability >= kSure; });
+}
+
 void name_answer(const sim::MachineFile& axis, double inertia_spread, AxisDiagnosis& diagnosis) {
   BalanceModel& best = diagnosis.answer.best;
   const AxisValidation& validation = diagnosis.validation;
@@ -313,8 +317,7 @@ void name_answer(const sim::MachineFile& axis, double inertia_spread, AxisDiagno
   }
   std::string words = best.terms.empty() ? "only " : best.words();
   // Where the members of a family cannot be told, the family leads.
-  const bool is_sure = std::all_of(best.terms.begin(), best.terms.end(), [](const BalanceTerm& term) { return term.probability >= kSure; });
-  if (!is_sure) {
+  if (!is_each_sure(best)) {
     words.clear();
     for (const FamilyProbability& family : family_probabilities(diagnosis.answer)) {
       std::string members;
@@ -342,8 +345,6 @@ void name_answer(const sim::MachineFile& axis, double inertia_spread, AxisDiagno
 // One sentence that a person can act on.
 void say_what_to_do(const sim::MachineFile& axis, AxisDiagnosis& diagnosis) {
   const std::string look = what_it_follows(axis, diagnosis);
-  const std::vector<BalanceTerm>& terms = diagnosis.answer.best.terms;
-  const bool is_sure = std::all_of(terms.begin(), terms.end(), [](const BalanceTerm& term) { return term.probability >= kSure; });
   if (!diagnosis.gap) {
     diagnosis.action = "Keep the axis's file: it describes this axis.";
   } else if (!diagnosis.is_stated && diagnosis.verdict.rfind("cannot tell", 0) == 0) {
@@ -352,7 +353,7 @@ void say_what_to_do(const sim::MachineFile& axis, AxisDiagnosis& diagnosis) {
     diagnosis.action = fmt::format("Look at the axis for what {}; no file is changed.", look);
   } else if (diagnosis.has_remainder) {
     diagnosis.action = fmt::format("Use axis_with_effect.yaml in place of the axis's file, and look at the axis for what {}.", look);
-  } else if (!is_sure) {
+  } else if (!is_each_sure(diagnosis.answer.best)) {
     diagnosis.action = "Use axis_with_effect.yaml in place of the axis's file; a log of several steady speeds, slow ones among them, in both directions would tell the laws apart.";
   } else {
     diagnosis.action = "Use axis_with_effect.yaml in place of the axis's file.";

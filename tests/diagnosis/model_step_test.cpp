@@ -34,12 +34,20 @@ Record plc_record(const sim::MachineSettings& machine) {
   return make_record(logged_run(settings, {.sensors = 10'000'000, .truth = 1'000'000'000, .status = 1'000'000'000}), "plc", bench().admission);
 }
 
-double mean_square(const sim::MachineSettings& nominal, const ForceSteps& steps) {
-  Problem problem;
-  std::vector<Record> records{plc_record(sticking_crane())};
+void take(const sim::MachineSettings& nominal, Record record, Problem& problem) {
+  std::vector<Record> records{std::move(record)};
   set_machine(nominal, records, problem);
   std::vector<std::string> remarks;
   admit(std::move(records), whitening_for(problem.thresholds, false), problem, remarks);
+}
+
+ForceSteps steps_of(Problem& problem) {
+  return steps_for_forces(problem, catalogue_starts(problem.catalogue, problem.nominal, {}, longest_record(problem), problem.thresholds.spell_every), {});
+}
+
+double mean_square(const sim::MachineSettings& nominal, const ForceSteps& steps) {
+  Problem problem;
+  take(nominal, plc_record(sticking_crane()), problem);
   problem.force_steps = steps;
   const Eigen::VectorXd found = differences(problem, Point{});
   return found.squaredNorm() / static_cast<double>(found.size());
@@ -58,11 +66,8 @@ TEST(ModelStep, EachLawGetsWhatItNeedsAndNoMore) {
   Problem problem;
   sim::MachineSettings nominal;
   nominal.crane = bench().crane;
-  std::vector<Record> records{plc_record(sticking_crane())};
-  set_machine(nominal, records, problem);
-  std::vector<std::string> remarks;
-  admit(std::move(records), whitening_for(problem.thresholds, false), problem, remarks);
-  const ForceSteps steps = steps_for_forces(problem, catalogue_starts(problem.catalogue, problem.nominal, {}, longest_record(problem), problem.thresholds.spell_every), {});
+  take(nominal, plc_record(sticking_crane()), problem);
+  const ForceSteps steps = steps_of(problem);
   for (const auto& [effect, count] : steps) {
     EXPECT_TRUE(acts_by_force(effect)) << effect;
     EXPECT_GE(count, 1) << effect;
@@ -78,11 +83,8 @@ TEST(ModelStep, RecordsOfTheModelsOwnRateNeedOneStep) {
   Problem problem;
   sim::MachineSettings nominal;
   nominal.crane = bench().crane;
-  std::vector<Record> records{make_record(simulated_log(sticking_crane(), bench().controller, kThereAndBack, kDuration, 3), "fine", bench().admission)};
-  set_machine(nominal, records, problem);
-  std::vector<std::string> remarks;
-  admit(std::move(records), whitening_for(problem.thresholds, false), problem, remarks);
-  for (const auto& [effect, count] : steps_for_forces(problem, catalogue_starts(problem.catalogue, problem.nominal, {}, longest_record(problem), problem.thresholds.spell_every), {})) {
+  take(nominal, make_record(simulated_log(sticking_crane(), bench().controller, kThereAndBack, kDuration, 3), "fine", bench().admission), problem);
+  for (const auto& [effect, count] : steps_of(problem)) {
     EXPECT_EQ(count, 1) << effect;
   }
 }

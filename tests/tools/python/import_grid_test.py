@@ -1,6 +1,5 @@
 """Times of rows, and the even grid that is made of them."""
 
-import tempfile
 import unittest
 from pathlib import Path
 
@@ -9,18 +8,11 @@ import numpy as np
 import import_grid
 import import_map
 import import_table
-from column_shelf import Shelf
 from import_data_test import MAP
+from shelf_test_case import ShelfTestCase
 
 
-class ImportGridTest(unittest.TestCase):
-    def setUp(self):
-        temporary = tempfile.TemporaryDirectory()
-        self.addCleanup(temporary.cleanup)
-        self.folder = Path(temporary.name)
-        self.shelf = Shelf(self.folder)
-        self.addCleanup(self.shelf.close)
-
+class ImportGridTest(ShelfTestCase):
     def grid(self, milliseconds, text=MAP):
         """None where there is a complaint, which stands in self.lines then."""
         (self.folder / "map.yaml").write_text(text)

@@ -1,22 +1,17 @@
 """What columns give from instant to instant: resampled, and derived, against closed forms."""
 
-import tempfile
 import unittest
-from pathlib import Path
 
 import numpy as np
 
-from column_shelf import Shelf
 from import_grid import Grid
 from import_signals import DerivedSpeed, Resampled
+from shelf_test_case import ShelfTestCase
 
 
-class ResampledTest(unittest.TestCase):
+class ResampledTest(ShelfTestCase):
     def setUp(self):
-        temporary = tempfile.TemporaryDirectory()
-        self.addCleanup(temporary.cleanup)
-        self.shelf = Shelf(Path(temporary.name))
-        self.addCleanup(self.shelf.close)
+        super().setUp()
         self.seconds = self.shelf.column()
         self.seconds.append(0.01 * np.arange(101))
 

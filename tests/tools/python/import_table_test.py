@@ -1,26 +1,17 @@
 """The columns that a map names, as numbers on disk."""
 
-import tempfile
 import unittest
-from pathlib import Path
 
 import numpy as np
 
 import import_map
 import import_table
-from column_shelf import Shelf
 from input_map import InputProblems
 from import_data_test import MAP
+from shelf_test_case import ShelfTestCase
 
 
-class ImportTableTest(unittest.TestCase):
-    def setUp(self):
-        temporary = tempfile.TemporaryDirectory()
-        self.addCleanup(temporary.cleanup)
-        self.folder = Path(temporary.name)
-        self.shelf = Shelf(self.folder)
-        self.addCleanup(self.shelf.close)
-
+class ImportTableTest(ShelfTestCase):
     def read(self, csv, more=""):
         (self.folder / "data.csv").write_text(csv)
         (self.folder / "map.yaml").write_text(MAP + more)
