@@ -20,8 +20,39 @@ constexpr int kTakeUpSteps = 20;    // of the integrals: each leaves what the dr
 // Of the rated torque: below it a taken-up integral is exact.
 constexpr double kTakenUpExactly = 1e-12;
 
+// A ramp under way shows in the speed: from one such share of the longest ramp to the next the mean speed changes by more than this share of the top speed.
+// A change of the request that is too small for that has a ramp that is shorter than the share.
+constexpr double kSteadyShare = 0.25, kSteadySpeed = 0.005;
+
 double settling_time(const controller::RampSettings& ramp) {
   return kRampTimes * std::max(ramp.acceleration_time + ramp.deceleration_time, ramp.emergency_stop_time);
+}
+
+// [rad/s] Mean of all groups' measured speeds over a time [s]; nothing where no reading lies in it.
+std::optional<double> mean_speed(const Record& record, double from, double to) {
+  const auto time_of = [](const msgs::Encoder& encoder) { return 1e-9 * static_cast<double>(encoder.simulated_time); };
+  const auto first = std::partition_point(record.encoder.begin(), record.encoder.end(), [&](const msgs::Encoder& one) { return time_of(one) < from; });
+  double sum = 0.0;
+  std::size_t count = 0;
+  for (auto one = first; one != record.encoder.end() && time_of(*one) < to; ++one) {
+    for (int g = 0; g < record.group_count; ++g, ++count) sum += one->shaft_speed[static_cast<std::size_t>(g)];
+  }
+  if (count == 0) return {};
+  return sum / static_cast<double>(count);
+}
+
+// [s] When no ramp is under way any more, the joystick standing still from one moment to another [s]: where it does so for longer than any ramp takes, or sooner,
+// where the speed has ceased to change. The first share of the longest ramp is left to one that is only beginning, the last one to the end of its curve.
+std::optional<double> ramp_ended(const Record& record, const controller::ControllerSettings& settings, double still_from, double until) {
+  const double settled = still_from + settling_time(settings.ramp);
+  const double share = kSteadyShare * std::max({settings.ramp.acceleration_time, settings.ramp.deceleration_time, settings.ramp.emergency_stop_time});
+  const double least = kSteadySpeed * settings.ramp.top_speed * settings.total_ratio;
+  for (double from = still_from + share; share > 0.0 && from + 2.0 * share < std::min(until, settled); from += 0.25 * share) {
+    const std::optional<double> before = mean_speed(record, from, from + 0.5 * share), after = mean_speed(record, from + 0.5 * share, from + share);
+    if (before && after && std::fabs(*after - *before) < least) return from + 2.0 * share;
+  }
+  if (until >= settled) return settled;
+  return {};
 }
 
 // The integrals with which the controller answers this cycle as it was recorded, all else being known.
@@ -109,7 +140,6 @@ std::optional<double> controller_known_from(const Record& record, const controll
     if (is_fresh(record, settings)) return record.start_time;
     return integrals_known_from(record, settings, record.start_time + kFilterTimes * settings.speed_filter_time + kFirstCycles * record.encoder_period);
   }
-  const double end = record.time(record.size() - 1), settling = settling_time(settings.ramp);
   double still_from = record.start_time;
   const OperatorMove* before = nullptr;
   for (const OperatorMove& move : record.operator_moves) {
@@ -117,11 +147,12 @@ std::optional<double> controller_known_from(const Record& record, const controll
     before = &move;
     if (!is_change) continue;
     const double at = 1e-9 * static_cast<double>(move.simulated_time);
-    if (at - still_from >= settling) break;
+    if (const std::optional<double> ended = ramp_ended(record, settings, still_from, at)) return integrals_known_from(record, settings, *ended);
     still_from = std::max(record.start_time, at);
   }
-  if (end - still_from < settling) return {};
-  return integrals_known_from(record, settings, still_from + settling);
+  const std::optional<double> ended = ramp_ended(record, settings, still_from, record.time(record.size() - 1));
+  if (!ended) return {};
+  return integrals_known_from(record, settings, *ended);
 }
 
 ControllerReplay replay_controller(const Record& record, const controller::ControllerSettings& settings) {

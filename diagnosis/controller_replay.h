@@ -35,7 +35,7 @@ void check_replayable(const Record& record);
 
 // [s] From when on the controller's state is known: of a record that begins at rest, from its beginning, or where the drives were on before,
 // a few cycles later; of one in motion, from when the joystick has stood still for so long that the ramp has come to its end, whatever it
-// did before. Where the integrals are to be told by an answer, from the first one on that is not limited. Nothing where there is no such moment.
+// did before, or the measured speed shows that it has. Where the integrals are to be told by an answer, from the first one on that is not limited. Nothing where there is no such moment.
 std::optional<double> controller_known_from(const Record& record, const controller::ControllerSettings& settings);
 
 // A cycle whose ENCODER is missing from the log is computed with the speed between its neighbours. The settings' period and group count

@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <iterator>
 #include <numbers>
@@ -17,7 +18,8 @@ namespace slewlab::diagnosis {
 namespace {
 
 constexpr int kHeldOutRounds = 3;       // at most, with fresh columns
-constexpr int kHeldOutSteps = 4;       // Gauss-Newton steps; what differs there is small, and linear nearly
+constexpr int kHeldOutSteps = 8;       // Gauss-Newton steps at most
+constexpr std::array<double, 3> kHeldOutDampings{0.0, 1.0, 10.0};  // the next where the one before did not make the cost fall
 constexpr double kIdleStep = 1.0;      // fall of the cost that was too small for another one: a fifth of kBetter
 constexpr double kHeldOutStep = 0.1;   // [standard deviations] of a difference quotient
 constexpr int kDrawRounds = 2;        // of draws and a fit under their power
@@ -27,8 +29,10 @@ constexpr double kSizeDeviation = 0.3, kUnknownDeviation = 0.5;
 constexpr double kMeanDeviation = 0.4;  // of the mean of its draws, as in the search (stochastic_fit.cpp)
 constexpr double kBetter = 4.6;         // -2 ln of odds of one to ten: what chance takes off a residual that was not fitted
 // Relative closed-loop error beyond which two runs are no longer the same motion (two independent ones differ by 1.4), and the share
-// by which one may be worse though it is the truth.
-constexpr double kDecorrelated = 0.7, kWorse = 1.05;
+// by which one may be worse though it is the truth. What leaves noise alone where it was led along moves as the machine does: its free run then differs by what small
+// differences grow to, as behind an impact, and may be worse by half; chosen.
+constexpr double kDecorrelated = 0.7, kWorse = 1.05, kWorseByChance = 1.5;
+constexpr double kNoiseAlone = 1.1;  // residual variance ratio: the noise is known to a tenth
 // Share of a record away from impacts, below which free runs across them are not compared; chosen.
 constexpr double kFreeOfImpacts = 0.8;
 
@@ -95,28 +99,41 @@ Predicted predicted_from(Problem& problem, Point point, const Eigen::MatrixXd& o
     return discounted(excess(difference, problem.settings), problem.settings.law_freedom) + at.squaredNorm();
   };
   Predicted result{differences(problem, point), 0.0};
-  for (int step = 0; step < kHeldOutSteps && axes.cols() > 0; ++step) {
-    std::vector<Point> points;
-    for (Eigen::Index k = 0; k < axes.cols(); ++k) points.push_back(moved(problem.catalogue, point, kHeldOutStep * axes.col(k)));
-    const std::vector<Eigen::VectorXd> there = differences(problem, points);
-    Eigen::MatrixXd columns(result.difference.size(), axes.cols());
-    for (Eigen::Index k = 0; k < axes.cols(); ++k) columns.col(k) = (there[static_cast<std::size_t>(k)] - result.difference) / kHeldOutStep;
+  if (axes.cols() == 0) return result;
+  Eigen::MatrixXd columns(result.difference.size(), axes.cols());
+  bool is_here = false;  // whether the columns are those of where the descent stands
+  double occam = 0.0;
+  Eigen::VectorXd trial_amount, trial_difference;
+  Point trial;
+  Descending problem_here;
+  problem_here.model = [&]() -> LocalModel {
+    if (!is_here) {
+      std::vector<Point> points;
+      for (Eigen::Index k = 0; k < axes.cols(); ++k) points.push_back(moved(problem.catalogue, point, kHeldOutStep * axes.col(k)));
+      const std::vector<Eigen::VectorXd> there = differences(problem, points);
+      for (Eigen::Index k = 0; k < axes.cols(); ++k) columns.col(k) = (there[static_cast<std::size_t>(k)] - result.difference) / kHeldOutStep;
+      is_here = true;
+    }
     const double weight = data_weight(result.difference, problem.settings);
-    Eigen::MatrixXd curvature = weight * columns.transpose() * columns;
-    curvature.diagonal().array() += 1.0;  // the prior's
-    const Eigen::LDLT<Eigen::MatrixXd> factor(curvature);
-    result.prior_cost = amount.squaredNorm() + factor.vectorD().array().max(1.0).log().sum();
-    const Eigen::VectorXd change = -factor.solve(weight * columns.transpose() * result.difference + amount);
-    Point moved_point = moved(problem.catalogue, point, axes * change);
-    Eigen::VectorXd after = differences(problem, moved_point);
-    const double fall = cost(result.difference, amount) - cost(after, amount + change);
-    if (!(fall > 0.0)) break;
-    result.prior_cost += (amount + change).squaredNorm() - amount.squaredNorm();
-    amount += change;
-    point = std::move(moved_point);
-    result.difference = std::move(after);
-    if (fall < kIdleStep) break;
-  }
+    LocalModel model{weight * columns.transpose() * columns, weight * columns.transpose() * result.difference + amount};
+    model.curvature.diagonal().array() += 1.0;  // the prior's
+    occam = Eigen::LDLT<Eigen::MatrixXd>(model.curvature).vectorD().array().max(1.0).log().sum();
+    return model;
+  };
+  problem_here.attempt = [&](const Eigen::VectorXd& change) -> std::optional<double> {
+    trial = moved(problem.catalogue, point, axes * change);
+    trial_difference = differences(problem, trial);
+    trial_amount = amount + change;
+    return cost(trial_difference, trial_amount);
+  };
+  problem_here.accept = [&] {
+    point = trial;
+    result.difference = trial_difference;
+    amount = trial_amount;
+    is_here = false;
+  };
+  descend(problem_here, cost(result.difference, amount), {kHeldOutSteps, kHeldOutDampings, kIdleStep, 0.0});
+  result.prior_cost = amount.squaredNorm() + occam;
   return result;
 }
 
@@ -321,7 +338,8 @@ ValidationError together(const ValidationError& one, const ValidationError& othe
 bool is_better(const ValidationError& cause, const ValidationError& than) {
   if (!(than.cost - cause.cost > kBetter)) return false;
   if (!cause.closed_loop || !than.closed_loop || *than.closed_loop > kDecorrelated) return true;
-  return *cause.closed_loop <= kWorse * *than.closed_loop;
+  const bool is_noise = cause.residual_ratio <= kNoiseAlone && than.residual_ratio > kNoiseAlone;
+  return *cause.closed_loop <= (is_noise ? kWorseByChance : kWorse) * *than.closed_loop;
 }
 
 bool holds(const Validation& validation) {

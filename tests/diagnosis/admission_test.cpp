@@ -197,35 +197,57 @@ TEST_F(Admission, RefusesAControllersLogWithoutTheOperator) {
   EXPECT_NE(refusal().find("no OPERATOR message asks for it"), std::string::npos) << refusal();
 }
 
-// The joystick stands still from the log's 5000th message on until it is let go, but for less than the ramps may take; from the 9000th, where
-// the crane stands, for long enough. What is recorded there is then answered as it was.
-TEST_F(Admission, AControllerIsKnownOnceItsRampHasComeToItsEnd) {
-  begin_in_motion();
-  EXPECT_EQ(refusal(), "");
-  const Record moving = make_record(log_, "log", bench().admission);
-  EXPECT_TRUE(moving.begins_in_motion);
-  EXPECT_FALSE(controller_known_from(moving, bench().controller));
-  EXPECT_TRUE(replay_controller(moving, bench().controller).difference.empty());
-  controller::ControllerSettings quick = bench().controller;
-  quick.ramp.acceleration_time = quick.ramp.deceleration_time = quick.ramp.emergency_stop_time = 1.0;
+// Wherever a record begins in motion: once the controller counts as known, the ramp is at its end and what is recorded from there on is answered as it was. Also of a
+// controller whose ramp takes twice as long as the settings say.
+TEST_F(Admission, AControllerIsKnownOnceItsSpeedShowsThatTheRampIsAtItsEnd) {
   sim::MachineSettings truth;
   truth.crane = bench().crane;
-  log_ = simulated_log(truth, quick, {{1.0, 0.1}, {10.0, 0.0}}, 16.0, 3);
-  const auto first = log_.encoder[5000].simulated_time;
+  controller::ControllerSettings slow = bench().controller;
+  slow.ramp.acceleration_time *= 2.0;
+  slow.ramp.deceleration_time *= 2.0;
+  const msgs::RunLog slow_log = simulated_log(truth, slow, {{0.5, 0.5}, {9.0, 0.0}}, 18.0, 3);
+  for (const auto& [whole, with] : {std::pair(sound_log(), bench().controller), std::pair(slow_log, slow)}) {
+    for (const int first : {2200, 2600, 3200, 4000, 5000}) {
+      log_ = whole;
+      const auto begin_at = [&](auto& messages) { messages.erase(messages.begin(), messages.begin() + first); };
+      begin_at(log_.encoder);
+      begin_at(log_.torque);
+      begin_at(log_.sensors);
+      const Record record = make_record(log_, "log", bench().admission);
+      ASSERT_TRUE(record.begins_in_motion) << first;
+      const std::optional<double> known_from = controller_known_from(record, bench().controller);
+      ASSERT_TRUE(known_from) << first;
+      const ControllerReplay replay = replay_controller(record, with, known_from);
+      ASSERT_FALSE(replay.difference.empty());
+      EXPECT_LT(replay.difference_rms, 1e-9 * replay.torque_rms) << first;
+      controller::ControllerSettings other = with;
+      other.speed_control.proportional_gain *= 1.1;
+      const ControllerReplay differs = replay_controller(record, other, known_from);
+      EXPECT_GT(differs.difference_rms, 1e-3 * differs.torque_rms) << first;
+    }
+  }
+}
+
+// A speed that does not come to rest shows no end of a ramp: then it is known once no ramp can take longer, or never.
+TEST_F(Admission, AControllerIsKnownOnceNoRampCanTakeLonger) {
   begin_in_motion();
-  const Record record = make_record(log_, "log", bench().admission);
-  ASSERT_TRUE(record.begins_in_motion);
+  EXPECT_EQ(refusal(), "");
+  Record record = make_record(log_, "log", bench().admission);
+  const double top_speed = bench().controller.ramp.top_speed * bench().controller.total_ratio;
+  for (msgs::Encoder& reading : record.encoder) {
+    for (double& speed : reading.shaft_speed) speed += 0.1 * top_speed * 1e-9 * static_cast<double>(reading.simulated_time - record.encoder.front().simulated_time);
+  }
+  EXPECT_FALSE(controller_known_from(record, bench().controller));
+  EXPECT_TRUE(replay_controller(record, bench().controller).difference.empty());
+  controller::ControllerSettings quick = bench().controller;
+  quick.ramp.acceleration_time = quick.ramp.deceleration_time = quick.ramp.emergency_stop_time = 1.0;
+  for (msgs::Encoder& reading : record.encoder) {
+    for (double& speed : reading.shaft_speed) speed *= 2.0;
+  }
   // The ramps there and back take two seconds; half as long again.
   const std::optional<double> known_from = controller_known_from(record, quick);
   ASSERT_TRUE(known_from);
-  EXPECT_NEAR(*known_from, 1e-9 * static_cast<double>(first) + 3.0, 1e-9);
-  const ControllerReplay replay = replay_controller(record, quick);
-  ASSERT_FALSE(replay.difference.empty());
-  EXPECT_LT(replay.difference_rms, 1e-9 * replay.torque_rms);
-  controller::ControllerSettings other = quick;
-  other.speed_control.proportional_gain *= 1.1;
-  const ControllerReplay differs = replay_controller(record, other);
-  EXPECT_GT(differs.difference_rms, 1e-3 * differs.torque_rms);
+  EXPECT_NEAR(*known_from, record.start_time + 3.0, 1e-9);
 }
 
 // A recorder that was started after the drives: what the controller's integrals and filters held by then is in its first answers.
@@ -269,7 +291,9 @@ TEST_F(Admission, ARecordThatBeginsOnTheWayToASpeedBeginsInMotion) {
   for (int n = 0; n < 50; ++n) first += record.position_rate[0][static_cast<std::size_t>(n)] / 50.0;
   EXPECT_LT(std::fabs(first), 0.05 * largest);  // nearly at rest
   EXPECT_TRUE(record.begins_in_motion);
-  EXPECT_FALSE(controller_known_from(record, bench().controller));
+  const std::optional<double> known_from = controller_known_from(record, bench().controller);
+  ASSERT_TRUE(known_from);
+  EXPECT_GT(*known_from, 0.6 * bench().controller.ramp.acceleration_time);  // the ramp's length, to 0.6 of the top speed
 }
 
 TEST_F(Admission, AControllerThatWasOnBeforeIsKnownAfterAFewCycles) {
