@@ -30,10 +30,16 @@ struct Luffing {
     double on_house = gear_torque + now.sheave_radius * tip_force + uniform_turn * ports.uniform_force -
                       luffing.speed * seen.house_speed * now.inertia_slope;
     double inertia = now.inertia;
+    // Of the whole stiffness on what deflects and what damps it; the cylinders' is no diagonal.
+    const CylinderHold hold = further_hold(boom, now.angle);
+    const bool is_held = boom.cylinder_twist.size() > 0;
+    const double twist_moment = is_held ? hold.torsion * boom.cylinder_twist.dot(deflection + boom.damping * rate) : 0.0;
+    const double lateral_force = is_held ? hold.lateral * boom.cylinder_deflection.dot(deflection + boom.damping * rate) : 0.0;
     for (Eigen::Index j = 0; j < clamped; ++j) {
       const double square = boom.square[static_cast<std::size_t>(j)], c = now.coupling(j);
       force(j) = boom.sheave(j) * tip_force + boom.uniform(j) * ports.uniform_force - 2.0 * luffing.speed * seen.house_speed * now.coupling_slope(j) -
                  square * (deflection(j) + boom.damping * rate(j));
+      if (is_held) force(j) -= twist_moment * boom.cylinder_twist(j) + lateral_force * boom.cylinder_deflection(j);
       on_house -= c * force(j);
       inertia -= c * c;
     }

@@ -117,22 +117,43 @@ LuffingCylinders read_cylinders(YamlReader reader) {
   cylinders.spacing = reader.number("spacing", Unit::metre, not_negative());
   cylinders.base_radius = reader.number("base_radius", Unit::metre, common::any_number());
   cylinders.base_height = reader.number("base_height", Unit::metre, common::any_number());
+  if (reader.has("oil_column")) cylinders.oil_column = sized(reader, "oil_column", Unit::metre, positive(), kLength);
   reader.finish();
   return cylinders;
 }
+
+// Half of the boom's weight at its tip, on a lever of a hundredth of the boom, is fifty times it: a slip of the geometry.
+constexpr double kMostWeights = 50.0;
 
 // Where the cylinders have no lever on the boom, they hold nothing.
 void carry(YamlReader& reader, CraneParameters& crane) {
   BoomParameters& boom = crane.boom;
   if (boom.cylinders.stiffness == 0.0 || boom.length == 0.0) return;
   boom.cylinders.force = cylinder_force(boom, crane.load.mass + boom.jib_mass);
-  // Half of the boom's weight at its tip, on a lever of a hundredth of the boom, is fifty times it: a slip of the geometry.
-  constexpr double kMostWeights = 50.0;
   const double weight = kGravity * (boom.mass + crane.load.mass);
-  if (boom.cylinders.force > kMostWeights * weight || !std::isfinite(boom.cylinders.force)) {
+  if (!(std::fabs(boom.cylinders.force) <= kMostWeights * weight)) {
     reader.report("boom", "luffing_cylinders that lie along the boom: they would carry " + common::shortest(std::round(boom.cylinders.force)) + " N",
                   "a base_radius and base_height that give them a lever about the pivot");
   }
+}
+
+// The same at the ends of the range. Between them the lever has a single extremum and no zero that the ends do not show, and the cylinders grow
+// or shrink all the way.
+void expect_cylinders_to_luff(YamlReader& luffing, const CraneParameters& crane, const MotionParameters& motions) {
+  const BoomParameters& boom = crane.boom;
+  if (boom.cylinders.stiffness == 0.0 || boom.length == 0.0) return;
+  const auto look = [&](const char* key, double angle) {
+    const std::string at = common::shortest(angle) + " rad, where the cylinders ";
+    const double lever = cylinder_lever(boom, angle);
+    const double weight = kGravity * (boom.mass + crane.load.mass), moment = std::cos(angle) * boom.length * kGravity * (0.5 * boom.mass + crane.load.mass + boom.jib_mass);
+    if (lever * cylinder_lever(boom, boom.angle) <= 0.0 || std::fabs(moment) > kMostWeights * weight * std::fabs(lever)) {
+      luffing.report(key, at + "have a lever of " + common::shortest(lever) + " m about the pivot", "an angle at which they carry the boom, or another base_radius and base_height");
+    } else if (boom.cylinders.oil_column > 0.0 && oil_column(boom, angle) <= 0.0) {
+      luffing.report(key, at + "have an oil column of " + common::shortest(oil_column(boom, angle)) + " m", "an angle with some of it left, or a longer boom.luffing_cylinders.oil_column");
+    }
+  };
+  look("lowest_angle", motions.lowest_angle);
+  look("highest_angle", motions.highest_angle);
 }
 
 MotionRates read_rates(YamlReader& reader, Unit speed, Unit acceleration) {
@@ -163,9 +184,7 @@ MotionParameters read_motions(YamlReader& reader, const CraneParameters& crane, 
       luffing.report("lowest_angle", common::shortest(motions.lowest_angle) + " rad to highest_angle " + common::shortest(motions.highest_angle) + " rad",
                      "a range with boom.angle in it, " + common::shortest(crane.boom.angle) + " rad");
     }
-    if (crane.boom.type == BoomType::a_frame) {
-      reader.report("luffing", "a boom of type a_frame that luffs", "no such section: what its cylinders hold changes with the angle, which is not modelled");
-    }
+    if (has_boom) expect_cylinders_to_luff(luffing, crane, motions);
   }
   if (reader.has("travelling")) {
     YamlReader travelling = reader.map("travelling");

@@ -161,33 +161,41 @@ namespace {
 
 // A cylinder from its lower end to the boom.
 struct CylinderLine {
-  double length;    // [m]
-  double sine;      // of the angle between cylinder and boom
+  double length;  // [m]
+  double sine;    // of the angle between cylinder and boom, positive where the lower end lies below the boom
 };
 
-CylinderLine cylinder_line(const BoomParameters& boom) {
-  const double along = boom.length * boom.cylinders.position;
-  const double level = boom.pivot_radius + along * std::cos(boom.angle) - boom.cylinders.base_radius;
-  const double up = along * std::sin(boom.angle) - boom.cylinders.base_height;
+CylinderLine cylinder_line(const BoomParameters& boom, double angle) {
+  const double along = boom.length * boom.cylinders.position, c = std::cos(angle), s = std::sin(angle);
+  const double level = boom.pivot_radius + along * c - boom.cylinders.base_radius;
+  const double up = along * s - boom.cylinders.base_height;
   const double length = std::hypot(level, up);
-  return {length, std::fabs(std::cos(boom.angle) * up - std::sin(boom.angle) * level) / length};
+  return {length, (c * up - s * level) / length};
 }
 
 }  // namespace
 
-double cylinder_torsion_stiffness(const BoomParameters& boom) {
-  if (boom.cylinders.stiffness == 0.0) return 0.0;
-  const double sine = cylinder_line(boom).sine;
-  return 0.5 * boom.cylinders.stiffness * sine * sine * boom.cylinders.spacing * boom.cylinders.spacing;
-}
+double cylinder_lever(const BoomParameters& boom, double angle) { return boom.length * boom.cylinders.position * cylinder_line(boom, angle).sine; }
 
-double cylinder_lateral_stiffness(const BoomParameters& boom) {
-  return boom.cylinders.stiffness == 0.0 ? 0.0 : -boom.cylinders.force / cylinder_line(boom).length;
+double oil_column(const BoomParameters& boom, double angle) {
+  return boom.cylinders.oil_column + cylinder_line(boom, angle).length - cylinder_line(boom, boom.angle).length;
 }
 
 double cylinder_force(const BoomParameters& boom, double at_tip) {
   const double moment = kGravity * std::cos(boom.angle) * boom.length * (0.5 * boom.mass + at_tip);
-  return moment / (boom.length * boom.cylinders.position * cylinder_line(boom).sine);
+  return moment / cylinder_lever(boom, boom.angle);
+}
+
+CylinderHold cylinder_hold(const BoomParameters& boom, double angle) {
+  const LuffingCylinders& cylinders = boom.cylinders;
+  if (cylinders.stiffness == 0.0) return {};
+  const CylinderLine line = cylinder_line(boom, angle);
+  double stiffness = cylinders.stiffness, force = cylinders.force;
+  if (angle != boom.angle) {
+    if (cylinders.oil_column > 0.0) stiffness *= cylinders.oil_column / oil_column(boom, angle);
+    force *= std::cos(angle) / std::cos(boom.angle) * cylinder_line(boom, boom.angle).sine / line.sine;
+  }
+  return {.torsion = 0.5 * stiffness * line.sine * line.sine * cylinders.spacing * cylinders.spacing, .lateral = -force / line.length};
 }
 
 double lateral_stiffness(double youngs_modulus, double second_moment, double length) {
@@ -306,28 +314,22 @@ double stiffness_damping_coefficient_as_printed(double damping_ratio, double fir
          (second_frequency * second_frequency + first_frequency * first_frequency);
 }
 
-namespace {
-
-// What the luffing cylinders hold: the twist and the deflection, where they carry the boom, beyond where the turning pivot carries it.
-void add_cylinders(const BoomParameters& boom, Eigen::MatrixXd& stiffness) {
+CylinderPlace cylinder_place(const BoomParameters& boom) {
   const double at = boom.cylinders.position * boom.element_count;
   const int e = std::min(static_cast<int>(at), boom.element_count - 1);
   const double s = at - e, h = boom.length / boom.element_count, s2 = s * s, s3 = s2 * s;
-  Eigen::VectorXd twist = Eigen::VectorXd::Zero(stiffness.rows()), deflection = twist;
-  twist(3 * e + 2) += 1.0 - s;
-  twist(3 * e + 5) += s;
-  twist(2) -= 1.0;
-  deflection(3 * e) += 1.0 - 3.0 * s2 + 2.0 * s3;
-  deflection(3 * e + 1) += h * (s - 2.0 * s2 + s3);
-  deflection(3 * e + 3) += 3.0 * s2 - 2.0 * s3;
-  deflection(3 * e + 4) += h * (s3 - s2);
-  deflection(0) -= 1.0;
-  deflection(1) -= boom.length * boom.cylinders.position;
-  stiffness += cylinder_torsion_stiffness(boom) * twist * twist.transpose() +
-               cylinder_lateral_stiffness(boom) * deflection * deflection.transpose();
+  CylinderPlace place{.twist = Eigen::VectorXd::Zero(3 * (boom.element_count + 1)), .deflection = Eigen::VectorXd::Zero(3 * (boom.element_count + 1))};
+  place.twist(3 * e + 2) += 1.0 - s;
+  place.twist(3 * e + 5) += s;
+  place.twist(2) -= 1.0;
+  place.deflection(3 * e) += 1.0 - 3.0 * s2 + 2.0 * s3;
+  place.deflection(3 * e + 1) += h * (s - 2.0 * s2 + s3);
+  place.deflection(3 * e + 3) += 3.0 * s2 - 2.0 * s3;
+  place.deflection(3 * e + 4) += h * (s3 - s2);
+  place.deflection(0) -= 1.0;
+  place.deflection(1) -= boom.length * boom.cylinders.position;
+  return place;
 }
-
-}  // namespace
 
 BoomMatrices assemble_boom(const BoomParameters& boom) {
   const int count = boom.element_count;
@@ -357,7 +359,11 @@ BoomMatrices assemble_boom(const BoomParameters& boom) {
     matrices.mass.block<6, 6>(3 * e, 3 * e) += mass;
     matrices.stiffness.block<6, 6>(3 * e, 3 * e) += stiffness;
   }
-  if (boom.cylinders.stiffness > 0.0) add_cylinders(boom, matrices.stiffness);
+  if (boom.cylinders.stiffness > 0.0) {
+    const CylinderHold hold = cylinder_hold(boom, boom.angle);
+    const CylinderPlace place = cylinder_place(boom);
+    matrices.stiffness += hold.torsion * place.twist * place.twist.transpose() + hold.lateral * place.deflection * place.deflection.transpose();
+  }
   // The jib moves with y + e psi of the tip.
   const double e = boom.jib_eccentricity;
   matrices.mass(size - 3, size - 3) += boom.jib_mass;

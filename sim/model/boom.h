@@ -109,11 +109,22 @@ Eigen::Matrix2d behind_knuckle(const BoomParameters& boom);
 // [N m^2] Torsional rigidity of a stretch of the boom: what twists as the stretch does under one torque.
 double mean_torsional_rigidity(const BoomParameters& boom, double from_position, double to_position);
 
-// [Nm/rad] of the luffing cylinders against a twist of the boom where they carry it, 2 k sin^2(b) (spacing / 2)^2 with their angle b to the
-// boom; [N/m] against its deflection to the side, which compression makes negative: the cylinders lean with it, -F / L.
-double cylinder_torsion_stiffness(const BoomParameters& boom);
-double cylinder_lateral_stiffness(const BoomParameters& boom);
-// [N] that the cylinders carry of the boom's own weight and `at_tip` [kg].
+// What the luffing cylinders hold where they carry the boom, with the boom at an angle [rad]: [Nm/rad] against its twist,
+// 2 k sin^2(b) (spacing / 2)^2 with their angle b to the boom; [N/m] against its deflection to the side, which compression makes negative: the
+// cylinders lean with it, -F / L. k goes with the inverse of the oil column, F with the weight's lever over the cylinders'.
+struct CylinderHold {
+  double torsion = 0.0, lateral = 0.0;
+};
+CylinderHold cylinder_hold(const BoomParameters& boom, double angle);
+// [m] from the boom's pivot to the cylinders' line, positive where their lower ends lie below the boom; [m] of oil column in them.
+double cylinder_lever(const BoomParameters& boom, double angle);
+double oil_column(const BoomParameters& boom, double angle);
+// Twist and deflection there, beyond where the turning pivot carries the boom, as sums over the nodes.
+struct CylinderPlace {
+  Eigen::VectorXd twist, deflection;
+};
+CylinderPlace cylinder_place(const BoomParameters& boom);
+// [N] that the cylinders carry of the boom's own weight and `at_tip` [kg], with the boom at its angle.
 double cylinder_force(const BoomParameters& boom, double at_tip);
 
 // [m] from the slew axis to the tip, level.

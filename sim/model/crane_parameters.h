@@ -65,12 +65,13 @@ enum class BoomType {
 
 // Cylinders between house and boom, in planes along the boom; their ends are ball joints.
 struct LuffingCylinders {
-  double stiffness = 0.0;    // [N/m] of each, along itself; 0: there are none
+  double stiffness = 0.0;    // [N/m] of each, along itself, at the boom's angle; 0: there are none
   double position = 0.0;     // share of the boom's length where they carry it
   double spacing = 0.0;      // [m] between the two; 0 of a single one
   double base_radius = 0.0;  // [m] of the lower ends from the slew axis
   double base_height = 0.0;  // [m] of the lower ends above the boom's pivot
-  double force = 0.0;        // [N] that all of them carry, positive in compression
+  double oil_column = 0.0;   // [m] that gives them their stiffness, at the boom's angle; 0: the stiffness does not change with their length
+  double force = 0.0;        // [N] that all of them carry at the boom's angle, positive in compression
 };
 
 struct BoomParameters {

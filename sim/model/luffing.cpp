@@ -13,6 +13,8 @@ namespace {
 // Of what couples a clamped mode to the house, as a share of the root of the inertia: a mode that a turn does not stir at all (torsion of a
 // level boom) keeps a place between its poles.
 constexpr double kLeastCoupling = 1e-12;
+// As a share of the lower of two poles: modes of the held boom may pass each other while it luffs, the secular equation needs a gap.
+constexpr double kLeastGap = 1e-9;
 constexpr int kMostSteps = 200;      // to a root; five to ten are usual
 constexpr double kRounding = 4e-16;  // [-] of a number
 
@@ -101,14 +103,14 @@ Readers readers_of(const BoomParameters& boom, const std::vector<double>& rigidi
 struct Secular {
   double value, slope;
 };
-Secular secular(const LuffingBoom& boom, const LuffedBasis& basis, double pole, double offset) {
+Secular secular(const LuffedBasis& basis, double pole, double offset) {
   Secular f{.value = basis.inertia, .slope = 0.0};
   const double lambda = pole + offset;
-  for (std::size_t j = 0; j < boom.square.size(); ++j) {
-    const double c = basis.coupling(static_cast<Eigen::Index>(j));
-    const double per_distance = c / ((boom.square[j] - pole) - offset);
+  for (std::size_t j = 0; j < basis.square.size(); ++j) {
+    const double c = basis.held_coupling(static_cast<Eigen::Index>(j));
+    const double per_distance = c / ((basis.square[j] - pole) - offset);
     f.value += lambda * c * per_distance;
-    f.slope += boom.square[j] * per_distance * per_distance;
+    f.slope += basis.square[j] * per_distance * per_distance;
   }
   return f;
 }
@@ -119,20 +121,20 @@ struct Root {
 
 // The root between the k-th pole and the next, or above the last; f rises from minus to plus infinity between two poles. Newton's steps on
 // offset * f, which has no pole where the offset is 0, within a bracket that is halved where they leave it.
-Root root_above(const LuffingBoom& boom, const LuffedBasis& basis, std::size_t k) {
-  const bool is_last = k + 1 == boom.square.size();
-  const double left = boom.square[k];
-  double gap = is_last ? left : boom.square[k + 1] - left;
+Root root_above(const LuffedBasis& basis, std::size_t k) {
+  const bool is_last = k + 1 == basis.square.size();
+  const double left = basis.square[k];
+  double gap = is_last ? left : basis.square[k + 1] - left;
   if (is_last) {
     // f rises towards I - sum c^2, which is positive.
-    while (secular(boom, basis, left, gap).value < 0.0) gap *= 2.0;
+    while (secular(basis, left, gap).value < 0.0) gap *= 2.0;
   }
-  const bool is_left = is_last || secular(boom, basis, left, 0.5 * gap).value >= 0.0;
-  const double pole = is_left ? left : boom.square[k + 1];
+  const bool is_left = is_last || secular(basis, left, 0.5 * gap).value >= 0.0;
+  const double pole = is_left ? left : basis.square[k + 1];
   double low = is_left ? 0.0 : -0.5 * gap, high = is_left ? (is_last ? gap : 0.5 * gap) : 0.0;
   double offset = 0.5 * (low + high);
   for (int i = 0; i < kMostSteps; ++i) {
-    const Secular f = secular(boom, basis, pole, offset);
+    const Secular f = secular(basis, pole, offset);
     (f.value < 0.0 ? low : high) = offset;
     double next = offset - offset * f.value / (f.value + offset * f.slope);
     if (!(next > low && next < high)) next = 0.5 * (low + high);
@@ -143,13 +145,63 @@ Root root_above(const LuffingBoom& boom, const LuffedBasis& basis, std::size_t k
   return {pole, offset};
 }
 
+// Eigenvalues and, as columns of `shapes`, eigenvectors of the solver's matrix. Eigen's own way from a full matrix to its eigenvectors takes
+// memory for the reflections; here they are applied to the eigenvectors of the tridiagonal matrix where these stand.
+void solve(HeldSolver& solver, Eigen::MatrixXd& shapes) {
+  solver.tridiagonal.compute(solver.matrix);
+  const Eigen::MatrixXd& packed = solver.tridiagonal.packedMatrix();
+  solver.diagonal = packed.diagonal();
+  solver.beside = packed.diagonal<-1>();
+  solver.modes.computeFromTridiagonal(solver.diagonal, solver.beside);
+  shapes = solver.modes.eigenvectors();
+  const Eigen::Index size = shapes.rows();
+  for (Eigen::Index i = size - 2; i >= 0; --i) {
+    // I - h v v^T on the rows behind i, v = [1, what stands below the second diagonal].
+    const auto v = packed.col(i).tail(size - i - 2);
+    const double square = v.squaredNorm();
+    if (square == 0.0) continue;
+    const double h = 2.0 / (1.0 + square);
+    for (Eigen::Index k = 0; k < size; ++k) {
+      const double reflected = h * (shapes(i + 1, k) + v.dot(shapes.col(k).tail(size - i - 2)));
+      shapes(i + 1, k) -= reflected;
+      shapes.col(k).tail(size - i - 2) -= reflected * v;
+    }
+  }
+}
+
+// The clamped boom's own modes at the angle, where its cylinders hold it otherwise than at the start.
+void hold(const LuffingBoom& boom, LuffedBasis& basis) {
+  const CylinderHold further = further_hold(boom, basis.angle);
+  const Eigen::VectorXd &twist = boom.cylinder_twist, &deflection = boom.cylinder_deflection;
+  Eigen::MatrixXd& stiffness = basis.solver.matrix;
+  for (Eigen::Index j = 0; j < twist.size(); ++j) {
+    for (Eigen::Index i = 0; i < twist.size(); ++i) {
+      stiffness(i, j) = further.torsion * twist(i) * twist(j) + further.lateral * deflection(i) * deflection(j);
+    }
+    stiffness(j, j) += boom.square[static_cast<std::size_t>(j)];
+  }
+  solve(basis.solver, basis.held_shapes);
+  double below = 0.0;
+  for (std::size_t j = 0; j < basis.square.size(); ++j) {
+    below = basis.square[j] = std::max(basis.solver.modes.eigenvalues()(static_cast<Eigen::Index>(j)), below * (1.0 + kLeastGap));
+  }
+}
+
+void expect_it_holds(const LuffingBoom& boom, double angle) {
+  LuffedBasis basis = basis_at(boom, angle, 1);
+  hold(boom, basis);
+  if (!(basis.solver.modes.eigenvalues()(0) > 0.0)) {
+    throw CannotBeBuilt("the luffing cylinders push the boom over to the side at " + std::to_string(angle) + " rad: they carry too much for their length");
+  }
+}
+
 }  // namespace
 
 LuffingBoom luffing_boom(const CraneParameters& crane) {
   const BoomParameters& boom = crane.boom;
   if (crane.house.stiffness > 0.0) throw CannotBeBuilt("a boom luffs on a rigid house only: the house of this machine is a ring on a spring");
-  if (boom.cylinders.stiffness > 0.0) throw CannotBeBuilt("a boom on luffing cylinders stays at its angle here: what they hold changes with it");
   LuffingBoom result;
+  result.parameters = boom;
   result.house_inertia = crane.house.inertia;
   result.jib_eccentricity = boom.jib_eccentricity;
   result.pivot_radius = boom.pivot_radius;
@@ -188,14 +240,36 @@ LuffingBoom luffing_boom(const CraneParameters& crane) {
   result.twist = shapes.transpose() * readers.twist.tail(free);
   result.uniform = shapes.transpose() * readers.uniform.tail(free);
   result.shear = readers.shear.rightCols(free) * shapes;
+  if (boom.cylinders.stiffness > 0.0) {
+    const CylinderPlace place = cylinder_place(boom);
+    result.cylinder_twist = shapes.transpose() * place.twist.tail(free);
+    result.cylinder_deflection = shapes.transpose() * place.deflection.tail(free);
+    for (const double angle : {crane.motions.lowest_angle, crane.motions.highest_angle}) {
+      if (crane.motions.luffing.top_speed > 0.0) expect_it_holds(result, angle);
+    }
+  }
   return result;
+}
+
+CylinderHold further_hold(const LuffingBoom& boom, double angle) {
+  const CylinderHold start = cylinder_hold(boom.parameters, boom.parameters.angle), now = cylinder_hold(boom.parameters, angle);
+  return {.torsion = now.torsion - start.torsion, .lateral = now.lateral - start.lateral};
 }
 
 LuffedBasis basis_at(const LuffingBoom& boom, double angle, int mode_count) {
   const auto count = static_cast<Eigen::Index>(boom.square.size());
   const auto modes = static_cast<std::size_t>(mode_count);
   LuffedBasis basis;
-  basis.coupling = basis.coupling_slope = Eigen::VectorXd::Zero(count);
+  basis.coupling = basis.coupling_slope = basis.held_coupling = basis.room = Eigen::VectorXd::Zero(count);
+  basis.square = boom.square;
+  if (boom.cylinder_twist.size() > 0) {
+    basis.held_shapes = Eigen::MatrixXd::Zero(count, count);
+    basis.solver = {.matrix = Eigen::MatrixXd::Zero(count, count),
+                    .diagonal = Eigen::VectorXd::Zero(count),
+                    .beside = Eigen::VectorXd::Zero(count - 1),
+                    .tridiagonal = Eigen::Tridiagonalization<Eigen::MatrixXd>(count),
+                    .modes = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(count)};
+  }
   basis.house = Eigen::VectorXd::Zero(mode_count);
   basis.deflection = Eigen::MatrixXd::Zero(count, mode_count);
   FreeHouseModes& free = basis.modes;
@@ -207,39 +281,60 @@ LuffedBasis basis_at(const LuffingBoom& boom, double angle, int mode_count) {
   return basis;
 }
 
-void luff_to(const LuffingBoom& boom, double angle, LuffedBasis& basis) {
+namespace {
+
+// Masses, and the modes of the clamped boom where they are asked for.
+void turn_to(const LuffingBoom& boom, double angle, LuffedBasis& basis) {
   const Eigen::Vector3d u = turn(boom.pivot_radius, angle), slope = turn_slope(angle);
   basis.angle = angle;
   const Eigen::Vector3d rigid = boom.rigid * u;
   basis.inertia = boom.house_inertia + u.dot(rigid);
   basis.inertia_slope = 2.0 * slope.dot(rigid);
   basis.sheave_radius = boom.sheave_turn.dot(u);
-  const auto count = static_cast<Eigen::Index>(boom.square.size());
   const double least = kLeastCoupling * std::sqrt(basis.inertia);
-  for (Eigen::Index j = 0; j < count; ++j) {
+  const auto at_least = [least](double c) { return std::fabs(c) > least ? c : std::copysign(least, c); };
+  for (Eigen::Index j = 0; j < basis.coupling.size(); ++j) {
     double c = 0.0, c_slope = 0.0;
     for (Eigen::Index i = 0; i < 3; ++i) {
       c += boom.coupling(j, i) * u(i);
       c_slope += boom.coupling(j, i) * slope(i);
     }
-    basis.coupling(j) = std::fabs(c) > least ? c : std::copysign(least, c);
+    basis.coupling(j) = at_least(c);
     basis.coupling_slope(j) = c_slope;
   }
+  basis.held_coupling = basis.coupling;
+  if (boom.cylinder_twist.size() == 0 || basis.house.size() < 2) return;
+  hold(boom, basis);
+  basis.held_coupling.noalias() = basis.held_shapes.transpose() * basis.coupling;
+  for (double& c : basis.held_coupling) c = at_least(c);
+}
+
+}  // namespace
+
+void luff_to(const LuffingBoom& boom, double angle, LuffedBasis& basis) {
+  turn_to(boom, angle, basis);
+  const Eigen::Vector3d u = turn(boom.pivot_radius, angle);
+  const auto count = static_cast<Eigen::Index>(boom.square.size());
+  const bool is_held = boom.cylinder_twist.size() > 0;
   const double sheave_turn = basis.sheave_radius, middle_turn = boom.middle_turn.dot(u);
   const double twist_turn = boom.twist_turn.dot(u), uniform_turn = boom.uniform_turn.dot(u);
 
   FreeHouseModes& free = basis.modes;
   for (Eigen::Index k = 0; k < basis.house.size(); ++k) {
     const auto mode = static_cast<std::size_t>(k);
-    const Root root = k == 0 ? Root{0.0, 0.0} : root_above(boom, basis, mode - 1);
+    const Root root = k == 0 ? Root{0.0, 0.0} : root_above(basis, mode - 1);
     const double lambda = root.pole + root.offset;
     // Of a turn by 1 rad; then all of it over the root of its modal mass.
     double mass = basis.inertia;
     for (Eigen::Index j = 0; j < count; ++j) {
-      const double c = basis.coupling(j);
-      const double eta = k == 0 ? 0.0 : lambda * c / ((boom.square[static_cast<std::size_t>(j)] - root.pole) - root.offset);
+      const double c = basis.held_coupling(j);
+      const double eta = k == 0 ? 0.0 : lambda * c / ((basis.square[static_cast<std::size_t>(j)] - root.pole) - root.offset);
       basis.deflection(j, k) = eta;
       mass += (2.0 * c + eta) * eta;
+    }
+    if (is_held && k > 0) {
+      basis.room.noalias() = basis.held_shapes * basis.deflection.col(k);
+      basis.deflection.col(k) = basis.room;
     }
     double scale = 1.0 / std::sqrt(mass);
     double sheave = sheave_turn, middle = middle_turn, twist = twist_turn, uniform = uniform_turn;

@@ -11,6 +11,7 @@
 
 #include "common/xml_text.h"
 #include "sim/drive/drive_fault.h"
+#include "tools/acceptance/dead_time.h"
 
 namespace slewlab::tools {
 namespace {
@@ -198,6 +199,7 @@ class Checks {
     torque_share();
     emergency_stop();
     drive();
+    dead_time();
     return std::move(results_);
   }
 
@@ -413,6 +415,17 @@ class Checks {
     add(result);
   }
 
+  void dead_time() {
+    if (!limits_.dead_time) return;
+    if (!machine_.encoder_noise) return add(not_applicable("dead time", "the scenario puts no noise on the encoders"));
+    const double from = machine_.encoder_noise->from;
+    const AnswerToNoise found = answer_to_noise(run_, from, std::min(machine_.encoder_noise->until, view_.trip));
+    if (found.lag < 0) return add(not_applicable("dead time", "the torque does not answer the encoders' noise"));
+    constexpr double kMilliseconds = 1e3;
+    add(at_most("dead time", {from, found.lag * machine_.controller_period}, *limits_.dead_time, kMilliseconds, "ms",
+                "from a reading to the first torque that it moves, by the noise on the encoders"));
+  }
+
   const msgs::RunLog& run_;
   const AcceptanceLimits& limits_;
   const AcceptedMachine& machine_;
@@ -484,7 +497,7 @@ std::string why_no_verdict(const msgs::RunLogs& logs, const ExpectedRun& expecte
 const std::vector<std::string>& acceptance_check_names() {
   static const std::vector<std::string> kNames{"direction", "overshoot", "settling", "play crossings", "play offset", "sidelead",
                                                "torque share", "stop distance", "stop time", "stop overshoot", "tip acceleration",
-                                               "trips", "reaction", "expectation", "run", "log"};
+                                               "trips", "reaction", "dead time", "expectation", "run", "log"};
   return kNames;
 }
 

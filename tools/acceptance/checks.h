@@ -21,6 +21,8 @@
 //   trips              of the drive, where the scenario has no faults on purpose (PLANT_STATUS)
 //   reaction           where it has: if the drive trips, the crane stands still in time and stays so,
 //                      until the drive runs again
+//   dead time          from a reading to the first torque that it moves (dead_time.h), where the scenario puts noise on the
+//                      encoders: while it does, until another fault on purpose or a trip
 //
 // A trip is dated by trip_time of PLANT_STATUS, that is when it happened, and not by when it was told.
 // The other checks look at the run up to the drive's trip or the first fault on purpose, whichever comes first.
@@ -39,6 +41,11 @@ namespace slewlab::tools {
 struct AcceptedMachine {
   double total_ratio = 1.0;     // [-] turns of a motor per turn of the crane
   std::optional<double> first_fault;  // [s] of a fault on purpose
+  struct Noise {
+    double from = 0.0, until = 0.0;  // [s]
+  };
+  std::optional<Noise> encoder_noise{};  // on purpose and with no other fault
+  double controller_period = 0.0;        // [s]
 };
 
 enum class Verdict { pass, fail, not_applicable };

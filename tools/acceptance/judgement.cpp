@@ -58,10 +58,18 @@ CheckResult failed_check(const char* name, const std::string& reason) {
 
 AcceptedMachine accepted_machine(const sim::Scenario& scenario) {
   AcceptedMachine machine;
+  machine.controller_period = static_cast<double>(scenario.controller_period) / kNanosecondsPerSecond;
   machine.total_ratio = sim::total_ratio(scenario.crane.parameters.drive);
   for (const sim::Fault& fault : scenario.faults) {
     const double from = static_cast<double>(fault.from) / kNanosecondsPerSecond;
     machine.first_fault = std::min(machine.first_fault.value_or(from), from);
+    if (fault.kind == sim::FaultKind::encoder_noisy && !machine.encoder_noise) {
+      machine.encoder_noise = {from, static_cast<double>(fault.until) / kNanosecondsPerSecond};
+    }
+  }
+  for (const sim::Fault& fault : scenario.faults) {
+    if (fault.kind == sim::FaultKind::encoder_noisy || !machine.encoder_noise) continue;
+    machine.encoder_noise->until = std::min(machine.encoder_noise->until, static_cast<double>(fault.from) / kNanosecondsPerSecond);
   }
   return machine;
 }

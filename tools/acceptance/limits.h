@@ -31,6 +31,7 @@ struct AcceptanceLimits {
   std::optional<double> tip_acceleration;  // [m/s^2] after the emergency stop
   std::optional<int> trips;                // of the drive, where the scenario has no faults
   std::optional<double> standstill_after_trip;  // [s]
+  std::optional<double> dead_time;         // [s] from a reading to the first torque that it moves
 };
 
 // The limits of an opened file, but for finish().

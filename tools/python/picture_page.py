@@ -17,7 +17,7 @@ KEPT_BITS = 14  # of a drawn value's fraction: 3e-5 of it; a screen shows a thou
 
 # Every colour of a picture that has to change on a dark page.
 DARK_PALETTE = {"#222222": "#e0e0e0", "#999999": "#a0a0a0", "#eeeeee": "#30363d", "#888888": "#7d8590", "#666666": "#9aa4af",
-                "#aa0000": "#ff7b72", "#C00000": "#ff7b72", "#bbbbbb": "#565d66", "#777777": "#b0b7bf", "#0072B2": "#58b0e8", "#D55E00": "#ff8f45",
+                "#aa0000": "#ff7b72", "#C00000": "#ff7b72", "#bbbbbb": "#565d66", "#707070": "#b0b7bf", "#0072B2": "#58b0e8", "#D55E00": "#ff8f45",
                 "#009E73": "#35c99c", "#8E4B9E": "#cf9ae0", "#8C564B": "#c99186", "#c44e52": "#f0797d", "#2a7f9e": "#5cb8da", "#7F7F7F": "#a8a8a8"}
 
 STYLE = """

@@ -20,6 +20,7 @@ from panel import DARK, GREEN, GREY, GROUP_COLOURS, PURPLE, Panel, dash_of, line
 from picture_page import STYLE, picture
 from run_log import LogProblem
 from run_numbers import read_run, shown_path, table, table_text
+from run_overview import phase_of
 from whole_file import growing
 
 ROW_HEIGHT = 205  # [px]
@@ -98,16 +99,13 @@ def draw_load_angles(run):
 def draw_spectra(phase):
     def draw(run):
         traces = []
-        for number, (name, _, _) in enumerate(run.overview.phases):
-            if name != phase:
+        number = phase_of([name for name, _, _ in run.overview.phases], phase)
+        for measured, label, colour in (("house_acceleration", "house", GROUP_COLOURS[5]), ("tip_acceleration", "tip", GREEN)):
+            if number is None or not run.overview.measured(measured):
                 continue
-            for measured, label, colour in (("house_acceleration", "house", GROUP_COLOURS[5]),
-                                            ("tip_acceleration", "tip", GREEN)):
-                if not run.overview.measured(measured):
-                    continue
-                frequency, amplitude = run.overview.spectra[number][measured]
-                shown = (frequency >= 0.8 * run.band.lowest) & (frequency <= 1.33 * run.band.highest)
-                traces.append(line(frequency[shown], amplitude[shown], label, colour))
+            frequency, amplitude = run.overview.spectra[number][measured]
+            shown = (frequency >= 0.8 * run.band.lowest) & (frequency <= 1.33 * run.band.highest)
+            traces.append(line(frequency[shown], amplitude[shown], label, colour))
         return traces
 
     return draw
@@ -304,7 +302,7 @@ def mark_modes(fig, run, x_axis, y_axis):
                       y0=0, y1=1, line=dict(color="#bbbbbb", width=1, dash="dash"), layer="below")
         fig.add_annotation(xref=x_axis, yref=f"{y_axis} domain", x=np.log10(mode["frequency"]), y=0.98, textangle=-90,
                            name="mode", text=f"{mode['name']} · {mode['frequency']:.3g} Hz", showarrow=False, xanchor="right",
-                           yanchor="top", xshift=1, font=dict(size=9, color="#777777"))
+                           yanchor="top", xshift=1, font=dict(size=9, color="#707070"))
 
 
 def set_scales(fig, layout, rows, columns):

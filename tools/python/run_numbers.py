@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from run_log import LogProblem, read_run_log
-from run_overview import Overview
+from run_overview import AFTER_STOP, BEFORE_STOP, Overview, phase_of
 from spectrum import find_peaks
 
 # Of the frequencies that are looked for: from between the load's swing and the machine's first mode to above its boom's fifth
@@ -121,8 +121,9 @@ def table(runs):
     def row(label, phase, key, text):
         cells = []
         for run, n in zip(runs, all_numbers):
-            value = n.get(phase, {}).get(key)
-            cells.append("not in the log" if value is None else text(run, value))
+            number = phase_of(n["phases"], phase)
+            value = None if number is None else n[n["phases"][number]].get(key)
+            cells.append("no stop" if number is None else "not in the log" if value is None else text(run, value))
         return (label + (f", {phase}" if phase else ""), cells)
 
     def of_rated(run, torque):
@@ -172,7 +173,7 @@ def table_text(headings, rows):
 def finding(with_compensation, without_compensation):
     """One sentence on what play compensation did, from the numbers of the two runs."""
     on, off = numbers(with_compensation), numbers(without_compensation)
-    before, after = "before the stop", "after the stop"
+    before, after = BEFORE_STOP, AFTER_STOP
     if not all(before in n and "play_crossings" in n[before] for n in (on, off)):
         return "The runs have no emergency stop or no TRUTH in their logs, so there is nothing to compare."
 

@@ -66,6 +66,16 @@ class EvenSeries:
         return np.interp(grid, time, value)
 
 
+BEFORE_STOP, AFTER_STOP = "before the stop", "after the stop"
+
+
+def phase_of(names, name):
+    """Which of a run's phases has the name: all of a run without an emergency stop lies before one. None where the run has no such phase."""
+    if name == BEFORE_STOP and names == [""]:
+        return 0
+    return names.index(name) if name in names else None
+
+
 class Overview:
     def __init__(self, log, segment):
         """`segment` [s] of the spectra of its accelerations."""
@@ -75,7 +85,7 @@ class Overview:
         end = np.nextafter(max(table.last for table in log.tables.values()), np.inf)
         self.phases = [("", 0.0, end)]
         if self.stop is not None and 0 < self.stop < end:
-            self.phases = [("before the stop", 0.0, self.stop), ("after the stop", self.stop, end)]
+            self.phases = [(BEFORE_STOP, 0.0, self.stop), (AFTER_STOP, self.stop, end)]
         self._unmeasured = set()
         self.largest = [collections.defaultdict(float) for _ in self.phases]
         self.spectra = [{} for _ in self.phases]

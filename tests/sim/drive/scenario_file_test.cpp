@@ -135,6 +135,7 @@ TEST(ScenarioFile, OtherMotionsAreNoMovesOfTheJoystick) {
   EXPECT_EQ(scenario.motion_requests.luffing[0].share, -1.0);
   EXPECT_EQ(scenario.motion_requests.travelling.size(), 2u);
   EXPECT_TRUE(load_scenario_file(kThesis).motion_requests.empty());
+  EXPECT_EQ(load_scenario_file(SLEWLAB_SOURCE_DIR "/config/scenarios/a_frame_luffing.yaml").motion_requests.luffing.size(), 4u);
 
   // An emergency stop ends what moves, and nothing else.
   const Scenario stopped = load_scenario_file(file, {{"operator.3.emergency_stop", "{value: true, source: test}"}});

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <string>
 
+#include "sim/model/boom.h"
 #include "tests/sim/thesis_crane.h"
 
 namespace slewlab::sim {
@@ -164,6 +165,14 @@ TEST(CraneFile, MotionsAreReadWithTheirLimits) {
   EXPECT_NE(complaint({{"hoisting.shortest_rope", "70 m"}}, "thesis_moving.yaml").find("found 70 m, expected not more than load.rope_length, 60 m"), std::string::npos)
       << complaint({{"hoisting.shortest_rope", "70 m"}}, "thesis_moving.yaml");
   EXPECT_NE(complaint({{"boom.angle", "10 deg"}}, "thesis_moving.yaml").find("a range with boom.angle in it"), std::string::npos);
+  // A boom on cylinders goes as far as their lever and their oil do.
+  const CraneParameters frame = load_machine_file(kFolder + "a_frame.yaml").parameters;
+  EXPECT_GT(frame.motions.luffing.top_speed, 0.0);
+  EXPECT_GT(oil_column(frame.boom, frame.motions.lowest_angle), 0.4);  // [m]
+  EXPECT_NE(complaint({{"luffing.lowest_angle", "30 deg"}}, "a_frame.yaml").find("key 'luffing.lowest_angle': found 0.5235987755982988 rad, where the cylinders have an oil column of -"), std::string::npos)
+      << complaint({{"luffing.lowest_angle", "30 deg"}}, "a_frame.yaml");
+  EXPECT_NE(complaint({{"luffing.lowest_angle", "0 deg"}, {"boom.luffing_cylinders.base_radius", "2.5 m"}, {"boom.luffing_cylinders.base_height", "0.1 m"}}, "a_frame.yaml").find("about the pivot"), std::string::npos)
+      << complaint({{"luffing.lowest_angle", "0 deg"}, {"boom.luffing_cylinders.base_radius", "2.5 m"}, {"boom.luffing_cylinders.base_height", "0.1 m"}}, "a_frame.yaml");
   EXPECT_NE(complaint({{"load", "null"}}, "thesis_moving.yaml").find("key 'hoisting': found a winch"), std::string::npos) << complaint({{"load", "null"}}, "thesis_moving.yaml");
 }
 

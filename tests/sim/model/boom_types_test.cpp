@@ -69,7 +69,7 @@ TEST(BoomTypes, CylindersHoldTheTwist) {
   const double level = boom.length * std::cos(boom.angle), up = boom.length * std::sin(boom.angle) + 10.0;
   const double between = std::atan2(up, level) - boom.angle;
   const double spring = 2.0 * 3e7 * std::sin(between) * std::sin(between) * 2.0 * 2.0;
-  EXPECT_NEAR(cylinder_torsion_stiffness(boom) / spring, 1.0, 1e-12);
+  EXPECT_NEAR(cylinder_hold(boom, boom.angle).torsion / spring, 1.0, 1e-12);
   double low = 0.5 * std::numbers::pi, high = std::numbers::pi;
   for (int i = 0; i < 60; ++i) {
     const double x = 0.5 * (low + high);
@@ -89,7 +89,34 @@ TEST(BoomTypes, CylindersCarryTheWeight) {
   boom.cylinders = {.stiffness = 1e8, .position = 0.5, .spacing = 2.0, .base_radius = boom.pivot_radius + 0.5 * boom.length, .base_height = -4.0};
   boom.cylinders.force = cylinder_force(boom, 1000.0);
   EXPECT_NEAR(boom.cylinders.force, 2.0 * 1000.0 * kGravity, 1e-6);
-  EXPECT_NEAR(cylinder_lateral_stiffness(boom), -2.0 * 1000.0 * kGravity / 4.0, 1e-6);
+  EXPECT_NEAR(cylinder_hold(boom, boom.angle).lateral, -2.0 * 1000.0 * kGravity / 4.0, 1e-6);
+}
+
+// At another angle they hold what a boom that is built at that angle is held by; with an oil column, the stiffness goes with its inverse.
+TEST(BoomTypes, CylindersHoldOtherwiseAtAnotherAngle) {
+  BoomParameters boom = thesis_crane().boom;
+  boom.type = BoomType::a_frame;
+  boom.cylinders = {.stiffness = 1e8, .position = 0.35, .spacing = 3.0, .base_radius = 6.0, .base_height = -4.0};
+  boom.cylinders.force = cylinder_force(boom, 3e4);
+  for (const double angle : {0.3, 0.9, 1.3}) {
+    BoomParameters there = boom;
+    there.angle = angle;
+    there.cylinders.force = cylinder_force(there, 3e4);
+    const CylinderHold hold = cylinder_hold(boom, angle), built = cylinder_hold(there, angle);
+    EXPECT_NEAR(hold.torsion / built.torsion, 1.0, 1e-12);
+    EXPECT_NEAR(hold.lateral / built.lateral, 1.0, 1e-12);
+    // The line from lower end to boom, by its two ends.
+    const auto line = [&](double a) {
+      const double along = 0.35 * boom.length;
+      return std::hypot(boom.pivot_radius + along * std::cos(a) - 6.0, along * std::sin(a) + 4.0);
+    };
+    BoomParameters on_oil = boom;
+    on_oil.cylinders.oil_column = 5.0;
+    const double column = 5.0 + line(angle) - line(boom.angle);
+    EXPECT_NEAR(oil_column(on_oil, angle), column, 1e-12);
+    EXPECT_NEAR(cylinder_hold(on_oil, angle).torsion / hold.torsion, 5.0 / column, 1e-12);
+    EXPECT_DOUBLE_EQ(cylinder_hold(on_oil, angle).lateral, hold.lateral);
+  }
 }
 
 // A knuckle that does not bend is a straight boom, whatever the number of elements before it.

@@ -2,10 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "sim/model/boom.h"
 #include "sim/model/cannot_be_built.h"
+#include "tests/sim/a_frame_crane.h"
 #include "tests/sim/angles.h"
 #include "tests/sim/thesis_crane.h"
 
@@ -61,6 +63,76 @@ TEST(Luffing, AKnuckleKeepsItsBend) {
   there.boom.angle += 15.0 * kRadiansPerDegree;
   there.boom.knuckle_angle += 15.0 * kRadiansPerDegree;
   expect_the_modes_of(bent_crane(8), there);
+}
+
+// On luffing cylinders, whose hold changes with the angle; a crane that is built at the angle has the weight's lever and the oil of that angle.
+// The boom's damping stays that of the start, which is within a percent of the other's.
+TEST(Luffing, CylindersHoldAsTheAngleHasThem) {
+  for (const double jib_mass : {0.0, 2000.0}) {
+    CraneParameters at_start = a_frame_crane();
+    at_start.boom.jib_mass = jib_mass;
+    at_start.boom.jib_eccentricity = 3.0;
+    at_start.boom.cylinders.force = cylinder_force(at_start.boom, at_start.load.mass + jib_mass);
+    double least = INFINITY, most = 0.0;  // [Nm/rad]
+    for (const double angle : {30.0, 53.5, 54.0, 80.0}) {
+      CraneParameters there = at_start;
+      there.boom.angle = angle * kRadiansPerDegree;
+      there.boom.cylinders.oil_column = oil_column(at_start.boom, there.boom.angle);
+      there.boom.cylinders.stiffness *= at_start.boom.cylinders.oil_column / there.boom.cylinders.oil_column;
+      there.boom.cylinders.force = cylinder_force(there.boom, at_start.load.mass + jib_mass);
+      expect_the_modes_of(at_start, there);
+      EXPECT_NEAR(luffing_boom(at_start).damping / boom_damping_coefficient(there.boom), 1.0, 0.01);
+      const double held = cylinder_hold(there.boom, there.boom.angle).torsion;
+      least = std::min(least, held);
+      most = std::max(most, held);
+    }
+    EXPECT_GT(most, 2.0 * least);  // it is no small change
+  }
+}
+
+// Where two modes of the held boom have one frequency, here bending and torsion that a straight boom does not couple, its modes are those of the
+// assembled matrices still. The torsion constant that makes them one at this angle is found by thirds.
+TEST(Luffing, ModesMayPassEachOther) {
+  constexpr double kAngle = 1.1;  // [rad]
+  const auto crane_of = [](double torsion_constant) {
+    CraneParameters crane = a_frame_crane();
+    crane.boom.torsion_constant = torsion_constant;
+    return crane;
+  };
+  const auto gap = [&](double torsion_constant) {
+    const LuffingBoom boom = luffing_boom(crane_of(torsion_constant));
+    const LuffedBasis basis = basis_at(boom, kAngle, static_cast<int>(boom.square.size()) + 1);
+    return std::min({basis.square[1] / basis.square[0], basis.square[2] / basis.square[1], basis.square[3] / basis.square[2]}) - 1.0;
+  };
+  double nearest = 0.01;  // [m^4]
+  for (double constant = nearest; constant < 0.06; constant *= 1.01) nearest = gap(constant) < gap(nearest) ? constant : nearest;
+  double low = nearest / 1.01, high = nearest * 1.01;
+  for (int i = 0; i < 60; ++i) {
+    const double third = (high - low) / 3.0;
+    if (gap(low + third) < gap(high - third)) {
+      high -= third;
+    } else {
+      low += third;
+    }
+  }
+  const CraneParameters crane = crane_of(0.5 * (low + high));
+  EXPECT_LT(gap(crane.boom.torsion_constant), 1e-8);
+  CraneParameters there = crane;
+  there.boom.angle = kAngle;
+  there.boom.cylinders.oil_column = oil_column(crane.boom, kAngle);
+  there.boom.cylinders.stiffness *= crane.boom.cylinders.oil_column / there.boom.cylinders.oil_column;
+  there.boom.cylinders.force = cylinder_force(there.boom, crane.load.mass);
+  expect_the_modes_of(crane, there);
+}
+
+TEST(Luffing, CylindersThatPushTheBoomOverDoNotLuffIt) {
+  CraneParameters crane = a_frame_crane();
+  crane.motions.luffing = {0.02, 0.01};
+  crane.motions.lowest_angle = 0.5;
+  crane.motions.highest_angle = 1.4;
+  EXPECT_NO_THROW(luffing_boom(crane));
+  crane.boom.cylinders.force *= 2000.0;
+  EXPECT_THROW(luffing_boom(crane), CannotBeBuilt);
 }
 
 // A rigid boom is its inertia alone; dI/da against a difference.

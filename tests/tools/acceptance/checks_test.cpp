@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 #include <numbers>
+#include <random>
 
 namespace slewlab::tools {
 namespace {
@@ -222,10 +223,41 @@ TEST(AcceptanceChecks, JUnitTellsPassFailAndSkipped) {
   MadeUp run;
   run.requests = {{2.0, -1.0}};
   const std::string xml = junit_xml("a <run>", acceptance_checks(log_of(run), limits(), {kRatio, {}}));
-  EXPECT_NE(xml.find("<testsuite name=\"a &lt;run&gt;\" tests=\"12\" failures=\"1\" errors=\"0\" skipped=\"6\">"), std::string::npos)
+  EXPECT_NE(xml.find("<testsuite name=\"a &lt;run&gt;\" tests=\"13\" failures=\"1\" errors=\"0\" skipped=\"7\">"), std::string::npos)
       << xml;
   EXPECT_NE(xml.find("name=\"settling\"><failure message=\"the request at 2.00 s is never settled"), std::string::npos) << xml;
   EXPECT_NE(xml.find("name=\"stop time\"><skipped message=\"no emergency stop in the run\"/>"), std::string::npos) << xml;
+}
+
+// Noise of 0.2 rad/s on the encoders from 5 s on, and a torque of -40 N m s/rad times the reading of `lag` cycles before.
+CheckResult dead_time_of(int lag, double trip = -1.0) {
+  MadeUp made;
+  made.trip = trip;
+  msgs::RunLog log = log_of(made);
+  std::mt19937_64 draw(1);
+  std::normal_distribution<double> noise(0.0, 0.2);  // [rad/s]
+  for (std::size_t k = 500; k < log.encoder.size(); ++k) {
+    for (double& speed : log.encoder[k].shaft_speed) speed += noise(draw);
+  }
+  for (std::size_t k = 500; k < log.torque.size(); ++k) {
+    const std::vector<double>& speed = log.encoder[k - static_cast<std::size_t>(lag)].shaft_speed;
+    for (std::size_t i = 0; i < speed.size(); ++i) log.torque[k].motor_torque[i] = -40.0 * speed[i];
+  }
+  const AcceptedMachine machine{.total_ratio = kRatio, .first_fault = 5.0, .encoder_noise = {{5.0, 18.0}}, .controller_period = 0.01};
+  for (const CheckResult& result : acceptance_checks(log, limits(), machine)) {
+    if (result.name == "dead time") return result;
+  }
+  ADD_FAILURE() << "no dead time";
+  return {};
+}
+
+TEST(AcceptanceChecks, ATorqueOfAnEarlierReadingIsCaught) {
+  EXPECT_EQ(dead_time_of(0).verdict, Verdict::pass) << dead_time_of(0).reason;
+  const CheckResult late = dead_time_of(1);
+  EXPECT_EQ(late.verdict, Verdict::fail);
+  EXPECT_NEAR(late.measured, 10.0, 1e-9);  // [ms]
+  EXPECT_EQ(dead_time_of(1, 5.0).verdict, Verdict::not_applicable);  // tripped when the noise begins
+  EXPECT_EQ(check({}, "dead time").reason, "the scenario puts no noise on the encoders");
 }
 
 }  // namespace

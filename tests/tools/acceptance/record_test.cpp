@@ -8,6 +8,7 @@
 
 #include "common/input_error.h"
 #include "tests/msgs/temporary_folder.h"
+#include "tools/acceptance/judgement.h"
 
 namespace slewlab::tools {
 namespace {
@@ -144,6 +145,20 @@ TEST(AcceptancePlan, WhatIsWrongIsToldAtItsLine) {
   EXPECT_NE(said("{test: slew, check: sidelad}", "").find("'sidelead'"), std::string::npos);
   EXPECT_NE(said("", "").find("found nothing, expected at least one"), std::string::npos);
   EXPECT_NE(said("{test: slew, check: direction}", "deviations: [{requirement: R2, text: t, agreed_by: a}]\n").find("'R1'"), std::string::npos);
+}
+
+// Noise on the encoders counts until another fault begins.
+TEST(AcceptanceRecord, NoiseOnTheEncodersIsThatOfTheScenario) {
+  sim::Scenario scenario;
+  scenario.controller_period = 5'000'000;
+  EXPECT_FALSE(accepted_machine(scenario).encoder_noise);
+  scenario.faults = {{.kind = sim::FaultKind::encoder_noisy, .from = 2'000'000'000, .until = 30'000'000'000},
+                     {.kind = sim::FaultKind::message_lost, .from = 20'000'000'000}};
+  const AcceptedMachine machine = accepted_machine(scenario);
+  ASSERT_TRUE(machine.encoder_noise);
+  EXPECT_EQ(machine.encoder_noise->from, 2.0);
+  EXPECT_EQ(machine.encoder_noise->until, 20.0);
+  EXPECT_EQ(machine.controller_period, 0.005);
 }
 
 }  // namespace

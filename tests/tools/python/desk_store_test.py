@@ -191,6 +191,13 @@ class ChartsTest(unittest.TestCase):
         self.assertEqual(found["acceleration, measured minus observer"], ["OBSERVER.tip_difference"])
         self.assertEqual(found["acceleration, lateral"], ["SENSORS.tip_acceleration"])
 
+    def test_a_signal_with_gaps_stays(self):
+        store = Store(64)  # what is old is forgotten
+        for k in range(20):
+            time = 16 * k + np.arange(16.0)
+            store.append("OBSERVER", time, {"tip_difference": np.full(16, 1.0 if k == 3 else np.nan)})
+            self.assertEqual(charts.is_there("OBSERVER.tip_difference", store), k >= 3)
+
     def test_the_bands_of_the_play_compensation_are_drawn_once_it_has_acted(self):
         store = Store()
         time, torque = np.arange(100) * 0.01, np.zeros((100, 2))

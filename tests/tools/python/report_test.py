@@ -12,10 +12,10 @@ import numpy as np
 
 import made_run
 import report
-from browser import Browser, overlaps
+from browser import Browser, contrast_of, overlaps
 from panel import slim
 from picture_page import rounded, series_of, unpacked
-from report import ticks
+from report import panels, ticks
 from run_numbers import band_of, finding, numbers, read_run, table
 
 
@@ -100,6 +100,24 @@ class ReportTest(unittest.TestCase):
             self.assertIn(title, drawn)
         self.assertIn("plotly.js", unpacked(text, "library")[:100])
         self.assertEqual(list(folder.glob("*.partial")), [])
+
+    def test_a_run_without_a_stop_stands_before_the_others_stop(self):
+        calm = made_run.messages()
+        for _, _, message in calm:
+            if hasattr(message, "emergency_stop"):
+                message.emergency_stop = False
+        made_run.write_run(self.folder / "calm", events=calm)
+        made_run.write_run(self.folder / "stopped")
+        code, out, err = self.call(self.folder / "calm", self.folder / "stopped", "--out", self.folder / "page.html")
+        self.assertEqual((code, err), (0, ""))
+        alone = read_run(self.folder / "calm").overview.largest[0]["tip_acceleration"]
+        self.assertRegex(out, rf"peak tip acceleration, before the stop +{alone:.2f} m/s²  ")
+        self.assertRegex(out, r"peak tip acceleration, after the stop +no stop  ")
+        self.assertNotIn("not in the log", out)
+        drawn = unpacked((self.folder / "page.html").read_text())
+        before = panels([read_run(self.folder / name) for name in ("calm", "stopped")])[-2]
+        self.assertEqual((before.title, len(before.draw(read_run(self.folder / "calm")))), ("spectrum before the stop", 2))
+        self.assertIn("spectrum after the stop", drawn)
 
     def test_a_real_cranes_log_alone_is_drawn_as_far_as_it_goes(self):
         events = [e for e in made_run.messages() if e[0] in ("ENCODER", "TORQUE", "SENSORS")]
@@ -223,6 +241,7 @@ class ReportTest(unittest.TestCase):
                 back = page.value("getComputedStyle(document.body).backgroundColor")
                 bright = [sum(map(int, re.findall(r"\d+", colour)[:3])) / 765 for colour in (fill, back)]
                 self.assertGreater(bright[0] - bright[1] if dark else bright[1] - bright[0], 0.6, (fill, back))
+                self.assertGreater(contrast_of(page, "#picture .annotation:last-child .annotation-text"), 4.5)  # WCAG 2.2, 1.4.3; the modes' names are the faintest
                 self.assertEqual(page.complaints, [])
                 browser.close(page)
 

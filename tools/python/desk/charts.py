@@ -4,7 +4,6 @@ import numpy as np
 
 from desk.source import HELD
 
-A_FEW = 64  # [samples] that tell whether a signal is there
 GROUPS = 8  # [-] the most that a machine has
 
 DRIVE_STATES = {0: "ready", 1: "running", 2: "tripped", 3: "braked"}
@@ -79,12 +78,7 @@ def charts(facts, store):
 def is_there(signal, store):
     if signal in DERIVED:
         return all(store.has(part) for part in DERIVED[signal])
-    if not store.has(signal):
-        return False
-    name, row = store.places[signal]  # what a machine has no sensor for stands in its log as NaN
-    level = store.channels[name].levels[0]
-    values = level.low[row, :level.count]
-    return bool(np.isfinite(values[:A_FEW]).any() or np.isfinite(values[-A_FEW:]).any())  # an observer begins without some
+    return store.told(signal)
 
 
 def compensates(store):

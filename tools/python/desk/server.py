@@ -1,7 +1,8 @@
 """Serves the page and its data on one port: the page's files by HTTP, everything else by a WebSocket (docs/desk.md).
 
 A page asks for a window of time and gets the envelopes of its charts, the crane's pose and the state at its cursor in one answer;
-it asks again when it has drawn. So a slow page is sent less, a closed one nothing, and what is sent is bounded by its pixels.
+it asks again when that has come, one at a time. So a slow page is sent less, a closed one nothing, and what is sent is bounded by
+its pixels.
 """
 
 import asyncio
@@ -71,7 +72,7 @@ class Desk:
         if self.watch is not None:
             self.gap = await self.watch(self.sources[0])
         while True:
-            had_news = False
+            next_look, had_news = time.monotonic() + POLL, False
             for source in self.sources:
                 had_news = source.poll() or had_news
             if self.run is not None and not self.restarting:
@@ -80,7 +81,7 @@ class Desk:
             if had_news:
                 async with self.news:
                     self.news.notify_all()
-            await asyncio.sleep(POLL)
+            await asyncio.sleep(next_look - time.monotonic())  # at once where taking it took longer
 
     async def start_anew(self, play_compensation):
         """The run ends and another begins from rest: what is recorded from here stands in a folder of its own."""

@@ -67,6 +67,7 @@ class Channel:
     def __init__(self, names, capacity=CAPACITY):
         self.names = list(names)
         self.levels = [Level(len(self.names), capacity, k > 0) for k in range(LEVELS)]
+        self.told = np.zeros(len(self.names), bool)  # signals of which there was ever a number
 
     @property
     def last_time(self):
@@ -79,6 +80,8 @@ class Channel:
         for first in range(0, len(time), step):
             piece = np.maximum.accumulate(np.maximum(time[first:first + step], self.last_time))
             part = np.asarray(values[:, first:first + step], np.float32)
+            if not self.told.all():
+                self.told |= np.isfinite(part).any(1)
             self._append(piece, part)
 
     def _append(self, time, values):
@@ -184,6 +187,13 @@ class Store:
 
     def has(self, signal):
         return signal in self.places
+
+    def told(self, signal):
+        """Whether there was ever a number of a signal: what a machine has no sensor for stands in its log as NaN."""
+        if signal not in self.places:
+            return False
+        name, row = self.places[signal]
+        return bool(self.channels[name].told[row])
 
     def at(self, signal, time, between=False):
         """The value of a signal at a time, nan where there is none."""

@@ -1,4 +1,4 @@
-// The page's main loop: asks for a window, draws it, asks again.
+// The page's main loop: asks for a window, asks for the next when it has come, and draws what came.
 "use strict";
 
 const SPECTRUM_EVERY = 500;  // [ms]
@@ -193,31 +193,34 @@ class Desk {
     const values = new Float32Array(buffer, 4 + length), size = 2 * header.bins, found = {};
     let place = 0;
     header.signals.forEach((names, source) => names.forEach((name) => { found[`${source}:${name}`] = values.subarray(place, place + size); place += size; }));
-    requestAnimationFrame(() => this.draw(header, found));
-  }
-
-  draw(header, found) {
     this.layout.sources.forEach((source, number) => { source.first = header.sources[number].first; source.last = header.sources[number].last; });
     this.range();
     if (this.following) this.at = header.at;
-    const times = new Float64Array(2 * header.bins), step = (header.to - header.from) / header.bins;
-    for (let k = 0; k < header.bins; ++k) times[2 * k] = times[2 * k + 1] = header.from + (k + 0.5) * step;
-    for (const chart of this.charts) if (!chart.description.isSpectrum) chart.draw(times, found, header.from, header.to, header.at, header.bins);
-    const cranes = header.sources.slice(0, 2).map((source, number) => ({facts: this.layout.sources[number].facts, pose: source.pose}));
-    this.picture.draw(by("compare").value === "none" ? cranes.slice(0, 1) : cranes);
-    this.showState(header);
-    by("scrub").value = this.at;
-    by("clock").textContent = `${header.at.toFixed(3)} s of ${this.last.toFixed(1)} s`;
-    this.showRun(header.run);
-    this.showGap(header.gap, header.diagnosis);
-    this.drawn += 1;
     if (this.playing) {
       const now = performance.now();
       this.at += (now - this.played) / 1000 * Number(by("rate").value);
       this.played = now;
       if (this.at >= this.last) { this.at = this.last; this.play(false); }
     }
+    // Before this window is drawn: the next one is made meanwhile. Where two come between two pictures, the newer one is drawn.
+    if (!this.waiting) requestAnimationFrame(() => { const waiting = this.waiting; this.waiting = null; this.draw(...waiting); });
+    this.waiting = [header, found];
     if (this.playing || this.following || this.again) this.ask();
+  }
+
+  draw(header, found) {
+    // The picture first: it asks for its size, which is known as long as no text of the page has changed.
+    const cranes = header.sources.slice(0, 2).map((source, number) => ({facts: this.layout.sources[number].facts, pose: source.pose}));
+    this.picture.draw(by("compare").value === "none" ? cranes.slice(0, 1) : cranes);
+    const times = new Float64Array(2 * header.bins), step = (header.to - header.from) / header.bins;
+    for (let k = 0; k < header.bins; ++k) times[2 * k] = times[2 * k + 1] = header.from + (k + 0.5) * step;
+    for (const chart of this.charts) if (!chart.description.isSpectrum) chart.draw(times, found, header.from, header.to, header.at, header.bins);
+    this.showState(header);
+    by("scrub").value = header.at;
+    by("clock").textContent = `${header.at.toFixed(3)} s of ${this.last.toFixed(1)} s`;
+    this.showRun(header.run);
+    this.showGap(header.gap, header.diagnosis);
+    this.drawn += 1;
   }
 
   showRun(run) {

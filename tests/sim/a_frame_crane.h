@@ -1,0 +1,24 @@
+// The thesis's crane with the boom of config/cranes/a_frame.yaml, on luffing cylinders with 4 m of oil in them, so that the boom may go down to
+// 20 degrees.
+#pragma once
+
+#include "sim/model/boom.h"
+#include "tests/sim/thesis_crane.h"
+
+namespace slewlab::sim {
+
+inline CraneParameters a_frame_crane(int element_count = 8) {
+  CraneParameters crane = thesis_crane(element_count);
+  BoomParameters& boom = crane.boom;
+  boom.type = BoomType::a_frame;
+  boom.mass = 40e3;
+  boom.chord_outer_diameter = 0.5;
+  boom.chord_inner_diameter = 0.45;
+  boom.torsion_constant = 0.02;
+  boom.profile = {{0.0, 3.0, 0.24}, {1.0, 0.5, 0.24}};
+  boom.cylinders = {.stiffness = 120e6, .position = 0.35, .spacing = 3.0, .base_radius = 6.0, .base_height = -4.0, .oil_column = 4.0};
+  boom.cylinders.force = cylinder_force(boom, crane.load.mass);
+  return crane;
+}
+
+}  // namespace slewlab::sim
