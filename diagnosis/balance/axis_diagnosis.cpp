@@ -10,6 +10,8 @@
 #include <stdexcept>
 
 #include "common/unit.h"
+#include "diagnosis/balance/balance_setup.h"
+#include "diagnosis/balance/balance_sizes.h"
 #include "sim/drive/scenario_run.h"
 #include "sim/effects/balance_effects.h"
 #include "sim/effects/catalogue.h"
@@ -33,7 +35,7 @@ constexpr double kSure = 0.9;                // probability from which a law is 
 constexpr double kMost = 0.5;                // share of the gap on data that were not fitted, that an answer explains at least
 constexpr double kWorthSaying = 0.1;         // share of the gap that is left unexplained and named
 constexpr double kBeyondRating = 20.0;       // times the rated torque or the top speed: no motor is overloaded so far
-constexpr double kSlowestJudged = 2e-3;      // of the top speed, below which nothing is judged (balance_fit.cpp)
+constexpr double kSlowestJudged = 2e-3;      // of the top speed, below which nothing is judged (balance_setup.cpp)
 constexpr double kFewMoves = 0.01;           // of a record, by which it moves in a direction
 constexpr int kFiner = 4;                    // steps of the forward simulation per sample
 constexpr int kHalvings = 40;                // of the bracket of a speed
@@ -276,9 +278,8 @@ void name_answer(const sim::MachineFile& axis, double inertia_spread, AxisDiagno
   const bool is_inertia_off =
       std::fabs(best.inertia - nominal) > kInertiaDeviations * std::hypot(inertia_spread * nominal, best.inertia_deviation);
   const bool is_more_than_noise = validation.nominal.balance > kAboveNoise * validation.noise;
-  diagnosis.gap = !best.terms.empty() || is_inertia_off || is_more_than_noise;
-  if (!diagnosis.gap) {
-    diagnosis.is_stated = true;
+  if (best.terms.empty() && !is_inertia_off && !is_more_than_noise) {
+    diagnosis.outcome = AxisOutcome::nothing_missing;
     diagnosis.verdict = "no effect is missing; the inertia is within its spread";
     return;
   }
@@ -288,6 +289,7 @@ void name_answer(const sim::MachineFile& axis, double inertia_spread, AxisDiagno
   const bool is_answer = !best.terms.empty() || is_inertia_off;
   const bool explains_most = is_answer && !(is_more_than_noise && validation.holds && share < kMost);
   if (diagnosis.answer.probability_unknown > best.probability || !explains_most) {
+    diagnosis.outcome = AxisOutcome::unknown;
     diagnosis.verdict = fmt::format("outside the catalogue (unknown): {:.3g} {} of {:.3g} are missing on {}, and {}", validation.nominal.balance,
                                     axis.axis.is_linear ? "N" : "Nm", validation.effort, validation.place,
                                     explains_most ? "a smooth function of speed, position and time predicts them better than the known laws"
@@ -297,17 +299,19 @@ void name_answer(const sim::MachineFile& axis, double inertia_spread, AxisDiagno
     return;
   }
   if (!validation.holds) {
+    diagnosis.outcome = AxisOutcome::not_identifiable;
     keep_only(0.0, diagnosis.answer);
     diagnosis.verdict = "cannot tell: no law predicts " + validation.place + " better than the nominal axis, in torque balance and forward simulation";
     return;
   }
   if (!diagnosis.is_physical) {
+    diagnosis.outcome = AxisOutcome::not_identifiable;
     keep_only(0.0, diagnosis.answer);
     diagnosis.verdict = fmt::format("cannot tell: {} predicts {}, but fitted to all records a size comes out that it cannot have, or that they do not determine",
                                     best.terms.empty() ? "another inertia" : best.words(), validation.place);
     return;
   }
-  diagnosis.is_stated = true;
+  diagnosis.outcome = AxisOutcome::stated;
   diagnosis.unexplained = 1.0 - share;
   diagnosis.has_remainder = validation.cause.balance > kAboveNoise * validation.noise && !validation.is_other_direction;
   if (diagnosis.has_remainder) doubt_what_an_unknown_may_imitate(diagnosis);
@@ -345,11 +349,11 @@ void name_answer(const sim::MachineFile& axis, double inertia_spread, AxisDiagno
 // One sentence that a person can act on.
 void say_what_to_do(const sim::MachineFile& axis, AxisDiagnosis& diagnosis) {
   const std::string look = what_it_follows(axis, diagnosis);
-  if (!diagnosis.gap) {
+  if (diagnosis.outcome == AxisOutcome::nothing_missing) {
     diagnosis.action = "Keep the axis's file: it describes this axis.";
-  } else if (!diagnosis.is_stated && diagnosis.verdict.rfind("cannot tell", 0) == 0) {
+  } else if (diagnosis.outcome == AxisOutcome::not_identifiable) {
     diagnosis.action = "Record one more log of moves in both directions, at several steady speeds and with ramps between them, and ask again with all logs.";
-  } else if (!diagnosis.is_stated) {
+  } else if (diagnosis.outcome == AxisOutcome::unknown) {
     diagnosis.action = fmt::format("Look at the axis for what {}; no file is changed.", look);
   } else if (diagnosis.has_remainder) {
     diagnosis.action = fmt::format("Use axis_with_effect.yaml in place of the axis's file, and look at the axis for what {}.", look);
@@ -498,7 +502,7 @@ AxisDiagnosis diagnose_axis(const sim::MachineFile& axis, const std::vector<Name
   }
   name_answer(axis, spread, diagnosis);
   say_what_to_do(axis, diagnosis);
-  if (diagnosis.is_stated && diagnosis.gap && !diagnosis.answer.best.terms.empty()) take_effects(axis, records.front().position.front(), diagnosis);
+  if (diagnosis.outcome == AxisOutcome::stated && !diagnosis.answer.best.terms.empty()) take_effects(axis, records.front().position.front(), diagnosis);
   if (!axis.parameters.drive.is_rigid) {
     diagnosis.remarks.push_back("the balance takes motor and load for one inertia: what swings behind the transmission is part of what is left");
   }

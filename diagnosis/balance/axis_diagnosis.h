@@ -61,13 +61,20 @@ struct AxisSeries {
   std::vector<double> time, position, speed, effort, nominal_residual, residual;
 };
 
+// What a diagnosis comes to; the verdict says it in words.
+enum class AxisOutcome {
+  nothing_missing,   // the nominal axis is as good as noise and the spread of its inertia allow
+  stated,            // the best model is the answer
+  not_identifiable,  // the best model does not predict data that were not fitted, or has sizes that its laws cannot have
+  unknown,           // no known law explains most of the gap, or a smooth function predicts better than they
+};
+
 struct AxisDiagnosis {
   double nominal_inertia = 0.0;
   BalanceAnswer answer;          // without the part held out; the sizes of `best` from all records
   BalanceModel validated;        // `best` with the sizes that were validated
   AxisValidation validation;
-  bool gap = false;              // the nominal axis is not as good as noise and the spread of its inertia allow
-  bool is_stated = false;        // the best model is an answer; otherwise the verdict says why not
+  AxisOutcome outcome = AxisOutcome::nothing_missing;
   bool is_physical = true;       // its laws fit all records with sizes that they can have
   double unexplained = 0.0;      // share of the gap that the stated laws leave on data that were not fitted
   bool has_remainder = false;    // and that is more than noise and laws known no better make

@@ -1,10 +1,8 @@
-// The laws of balance_fit.h.
+#include "diagnosis/balance/balance_laws.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
-
-#include "diagnosis/balance/balance_fit.h"
 
 namespace slewlab::diagnosis {
 
@@ -21,6 +19,15 @@ constexpr double kMostWithheld = 1.3;
 constexpr double kLeastTurn = 0.25;  // [rad] half range
 
 }  // namespace
+
+std::string words_of(LawFamily family) {
+  switch (family) {
+    case LawFamily::friction: return "friction";
+    case LawFamily::load: return "a load";
+    case LawFamily::drive: return "a drive that acts late";
+  }
+  return "";
+}
 
 std::vector<BalanceLaw> balance_laws(const BalanceScales& scales) {
   const double resolved = scales.resolved_speed, top = scales.top_speed;
@@ -91,6 +98,15 @@ std::vector<std::string> balance_law_names() {
     }
   }
   return names;
+}
+
+std::vector<double> law_column(const BalanceRecord& record, const std::function<double(const LawMoment&)>& value) {
+  std::vector<double> along(record.motion.time.size());
+  for (std::size_t n = 0; n < along.size(); ++n) {
+    const double* late = record.motion.late_count > 0 ? &record.motion.late[n * record.motion.late_count] : nullptr;
+    along[n] = value({record.motion.time[n], record.motion.position[n], record.motion.speed[n], record.motion.effort_rate[n], late});
+  }
+  return balance_smoothed(along, record.half_window);
 }
 
 }  // namespace slewlab::diagnosis

@@ -165,4 +165,12 @@ std::vector<double> balance_smoothed(const std::vector<double>& values, std::siz
   return convolved(values, half_window, mean_weights(half_window), true);
 }
 
+std::vector<std::size_t> moving_samples(const BalanceRecord& record, double resolved_speed) {
+  std::vector<std::size_t> judged;
+  for (std::size_t n = 0; n < record.speed.size(); ++n) {
+    if (std::fabs(record.speed[n]) > resolved_speed) judged.push_back(n);
+  }
+  return judged;
+}
+
 }  // namespace slewlab::diagnosis

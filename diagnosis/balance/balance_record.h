@@ -64,4 +64,7 @@ BalanceRecord make_balance_record(const AxisRecord& record, std::size_t half_win
 // The filter of the balance on a series along the motion.
 std::vector<double> balance_smoothed(const std::vector<double>& values, std::size_t half_window);
 
+// Indices of the samples that move faster than this.
+std::vector<std::size_t> moving_samples(const BalanceRecord& record, double resolved_speed);
+
 }  // namespace slewlab::diagnosis

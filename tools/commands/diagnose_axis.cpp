@@ -27,6 +27,7 @@ constexpr double kNinetyPercent = 1.645;  // standard deviations of a normal 90 
 
 using diagnosis::AxisDiagnosis;
 using diagnosis::AxisError;
+using diagnosis::AxisOutcome;
 using diagnosis::AxisSeries;
 using diagnosis::BalanceModel;
 using diagnosis::BalanceTerm;
@@ -90,8 +91,8 @@ nlohmann::json to_json(const BalanceModel& model, const Words& words) {
 nlohmann::json to_json(const AxisDiagnosis& found, const sim::MachineFile& axis, const Words& words) {
   const auto& validation = found.validation;
   nlohmann::json json{{"kind", "axis"},
-                      {"gap", found.gap},
-                      {"is_stated", found.is_stated},
+                      {"gap", found.outcome != AxisOutcome::nothing_missing},
+                      {"is_stated", found.outcome == AxisOutcome::nothing_missing || found.outcome == AxisOutcome::stated},
                       {"verdict", found.verdict},
                       {"action", found.action},
                       {"unit", words.effort},
@@ -124,12 +125,13 @@ nlohmann::json to_json(const AxisDiagnosis& found, const sim::MachineFile& axis,
 
 std::string summary_text(const AxisDiagnosis& found, const Words& words) {
   const auto& validation = found.validation;
+  const bool is_gap = found.outcome != AxisOutcome::nothing_missing;
   std::string text = fmt::format("{}.\n{}\n\nIs there a gap?  {}. Torque balance on {} (not fitted), RMS of the residual: nominal axis {:.4g} {}, {} alone {:.4g} {}",
-                                 found.verdict, found.action, found.gap ? "Yes" : "No", validation.place, validation.nominal.balance, words.effort,
+                                 found.verdict, found.action, is_gap ? "Yes" : "No", validation.place, validation.nominal.balance, words.effort,
                                  words.inertia_name, validation.inertia.balance, words.effort);
-  if (found.gap) text += fmt::format(", with {} {:.4g} {}", found.validated.words(), validation.cause.balance, words.effort);
+  if (is_gap) text += fmt::format(", with {} {:.4g} {}", found.validated.words(), validation.cause.balance, words.effort);
   text += fmt::format(" (measured {:.4g} {}).\n", validation.effort, words.effort);
-  if (found.is_stated && found.gap) {
+  if (found.outcome == AxisOutcome::stated) {
     text += "\nFamilies of laws, and which of their laws are there, alone or beside others\n";
     for (const diagnosis::FamilyProbability& one : diagnosis::family_probabilities(found.answer)) {
       if (one.probability < kWorthNaming) continue;
@@ -164,7 +166,7 @@ std::string summary_text(const AxisDiagnosis& found, const Words& words) {
     }
   }
   if (!is_unknown_told) text += unknown;
-  if (!found.answer.best.details.empty() && found.is_stated && found.gap) {
+  if (!found.answer.best.details.empty() && found.outcome == AxisOutcome::stated) {
     text += "            carried along, as every machine has a little of it, not sure to be there:";
     for (const BalanceTerm& term : found.answer.best.details) {
       text += fmt::format("{} {} {:.3g} +- {:.2g} {}", &term == &found.answer.best.details.front() ? "" : ",", term.words, term.size[0],
@@ -200,7 +202,7 @@ std::string series_text(const AxisSeries& series) {
 // The axis's file with what was found laid over it.
 std::string with_effect_text(const AxisDiagnosis& found, const sim::MachineFile& axis, const std::string& file) {
   std::string text = fmt::format("include: {}\ndescription: The nominal axis with what slewlab diagnose found.\n", file);
-  if (!found.is_stated || !found.gap) return text;
+  if (found.outcome != AxisOutcome::stated) return text;
   // The motor's own inertia stays; what it moves takes the difference.
   const double own = found.nominal_inertia - axis.parameters.house.inertia;
   if (const double moved = found.answer.best.inertia - own; moved > 0.0) {

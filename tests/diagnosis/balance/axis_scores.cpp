@@ -44,7 +44,7 @@ void judge(const std::string& kind, unsigned seed, Tally& tally) {
   try {
     const sim::MachineFile axis = machine_of(drawn);
     const AxisDiagnosis found = diagnose_axis(axis, drawn.runs);
-    const bool is_named = found.is_stated && found.gap && !found.answer.best.terms.empty();
+    const bool is_named = found.outcome == AxisOutcome::stated && !found.answer.best.terms.empty();
     bool is_wrong = false, is_all = drawn.laws.empty() == found.answer.best.terms.empty();
     for (const BalanceTerm& term : found.answer.best.terms) {
       laws += fmt::format(" {} {:.2f}", term.law, term.probability);
@@ -53,10 +53,10 @@ void judge(const std::string& kind, unsigned seed, Tally& tally) {
     for (const std::string& law : drawn.laws) {
       is_all = is_all && std::any_of(found.answer.best.terms.begin(), found.answer.best.terms.end(), [&](const BalanceTerm& term) { return term.law == law; });
     }
-    const bool is_unknown = found.verdict.rfind("outside", 0) == 0;
+    const bool is_unknown = found.outcome == AxisOutcome::unknown;
     tally.unknown_said += is_unknown || found.has_remainder;
     const bool is_friction = std::any_of(found.answer.best.terms.begin(), found.answer.best.terms.end(), [](const BalanceTerm& term) { return term.family == LawFamily::friction; });
-    outcome = is_named ? "stated" : is_unknown ? "unknown" : found.verdict.rfind("cannot", 0) == 0 ? "cannot tell" : "nothing";
+    outcome = is_named ? "stated" : is_unknown ? "unknown" : found.outcome == AxisOutcome::not_identifiable ? "cannot tell" : "nothing";
     tally.stated += outcome == "stated";
     tally.nothing += outcome == "nothing";
     tally.unknown += outcome == "unknown";

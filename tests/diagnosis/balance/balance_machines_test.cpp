@@ -122,7 +122,7 @@ TEST_P(RealMachine, FrictionIsNamedAndPredictsWhatWasNotFittedAsWellAsLeastSquar
   if (!fs::exists(data_folder())) GTEST_SKIP() << "no records of real machines at " << data_folder() << " (SLEWLAB_SHARED_DATA names another folder)";
   const Judged judged = judge(GetParam());
   const BalanceModel& best = judged.found.answer.best;
-  EXPECT_TRUE(judged.found.is_stated) << judged.found.verdict;
+  EXPECT_EQ(judged.found.outcome, AxisOutcome::stated) << judged.found.verdict;
   for (const char* law : {"dry", "viscous"}) {
     EXPECT_TRUE(std::any_of(best.terms.begin(), best.terms.end(), [&](const BalanceTerm& term) { return term.law == law; })) << judged.found.verdict;
   }
@@ -138,7 +138,7 @@ TEST_P(RealMachine, OtherMassesAndForcesGiveTheSameAnswer) {
   const Judged one = judge(GetParam());
   for (const double factor : {1e3, 1e-6}) {
     const Judged other = judge(GetParam(), factor);
-    EXPECT_EQ(other.found.is_stated, one.found.is_stated);
+    EXPECT_EQ(other.found.outcome, one.found.outcome);
     EXPECT_EQ(other.found.has_remainder, one.found.has_remainder);
     EXPECT_NEAR(other.found.unexplained, one.found.unexplained, 1e-6);
     for (std::size_t l = 0; l < one.found.answer.laws.size(); ++l) EXPECT_NEAR(other.found.answer.laws[l].probability, one.found.answer.laws[l].probability, 1e-6);

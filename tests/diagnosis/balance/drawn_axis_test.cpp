@@ -34,7 +34,7 @@ TEST_P(DrawnAxisDiagnosis, SaysWhatItWasGivenAndNothingElseForSure) {
     EXPECT_TRUE(terms.empty()) << said;
     return;
   }
-  ASSERT_TRUE(found.is_stated) << said;
+  ASSERT_EQ(found.outcome, AxisOutcome::stated) << said;
   EXPECT_TRUE(std::any_of(terms.begin(), terms.end(), [&](const BalanceTerm& term) { return term.law == decisive; })) << said;
   for (const BalanceTerm& term : terms) {
     EXPECT_TRUE(term.probability < kSure || drawn.laws.contains(term.law) || drawn.alike.contains(term.law)) << term.words << " " << term.probability << ": " << said;

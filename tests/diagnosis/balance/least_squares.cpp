@@ -6,6 +6,7 @@
 #include <functional>
 #include <limits>
 
+#include "diagnosis/balance/balance_setup.h"
 #include "sim/machine/machine_file.h"
 #include "sim/model/crane.h"
 

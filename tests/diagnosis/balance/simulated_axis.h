@@ -13,7 +13,7 @@ namespace slewlab::diagnosis {
 struct SimulatedAxis {
   double inertia = 2.0;
   std::function<double(double time, double position, double speed)> resistance = [](double, double, double) { return 0.0; };
-  std::function<double(double time)> effort;
+  std::function<double(double time)> effort = {};
   double duration = 20.0;   // [s]
   double step = 0.01;       // [s] of the record
   double noise = 0.0;       // standard deviation of the positions

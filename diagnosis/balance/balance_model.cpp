@@ -1,0 +1,48 @@
+#include "diagnosis/balance/balance_model.h"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace slewlab::diagnosis {
+
+std::vector<BalanceTerm> BalanceModel::acting() const {
+  std::vector<BalanceTerm> all = terms;
+  all.insert(all.end(), details.begin(), details.end());
+  return all;
+}
+
+std::string BalanceModel::words() const {
+  if (terms.empty()) return "the inertia alone";
+  std::string text;
+  for (std::size_t k = 0; k < terms.size(); ++k) text += (k == 0 ? "" : k + 1 == terms.size() ? " and " : ", ") + terms[k].words;
+  return text;
+}
+
+const LawShape& shape_of(const std::vector<BalanceLaw>& laws, const BalanceTerm& term) {
+  const auto law = std::find_if(laws.begin(), laws.end(), [&](const BalanceLaw& one) { return one.name == term.law; });
+  if (law == laws.end()) throw std::invalid_argument("the balance has no law called " + term.law);
+  const auto shape = std::find_if(law->shapes.begin(), law->shapes.end(), [&](const LawShape& one) { return one.shape == term.shape; });
+  if (shape == law->shapes.end()) throw std::invalid_argument("the law " + term.law + " has no such shape");
+  return *shape;
+}
+
+std::vector<double> balance_residual(const BalanceRecord& record, const std::vector<BalanceLaw>& laws, const BalanceModel& model,
+                                     double resolved_speed) {
+  const std::vector<std::size_t> judged = moving_samples(record, resolved_speed);
+  std::vector<double> residual(judged.size());
+  for (std::size_t i = 0; i < judged.size(); ++i) residual[i] = record.effort[judged[i]] - model.inertia * record.acceleration[judged[i]];
+  if (model.skew != 0.0) {
+    const std::vector<double> rate = law_column(record, [](const LawMoment& m) { return m.effort_rate; });
+    for (std::size_t i = 0; i < judged.size(); ++i) residual[i] -= model.skew * rate[judged[i]];
+  }
+  for (const BalanceTerm& term : model.acting()) {
+    const LawShape& shape = shape_of(laws, term);
+    for (std::size_t c = 0; c < shape.columns.size(); ++c) {
+      const std::vector<double> column = law_column(record, shape.columns[c]);
+      for (std::size_t i = 0; i < judged.size(); ++i) residual[i] -= term.size[c] * column[judged[i]];
+    }
+  }
+  return residual;
+}
+
+}  // namespace slewlab::diagnosis

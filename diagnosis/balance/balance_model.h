@@ -1,0 +1,51 @@
+// A model of an axis: its inertia and laws with their sizes, and what it leaves of a record.
+//
+//   r = F - J q'' - tau dF/dt - sum over laws of size * law(q', q, t)                                 (1)
+//
+// tau: skew between the channels of the recorder [s]. All series of (1) have passed the balance's filter (balance_record.h).
+// Units: those of the axis (balance_laws.h).
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "diagnosis/balance/balance_laws.h"
+
+namespace slewlab::diagnosis {
+
+struct BalanceTerm {
+  std::string law, words;
+  LawFamily family = LawFamily::friction;
+  double shape = 0.0;
+  bool is_dissipative = false;  // its first size cannot be negative
+  std::vector<double> size, deviation;
+  double share = 0.0;  // of the gap, that is lost on validation data without this term
+  double probability = 0.0;  // of its law, alone or beside any others
+};
+
+struct BalanceModel {
+  double inertia = 0.0, inertia_deviation = 0.0;
+  double skew = 0.0;                // [s] by which the torque is recorded ahead of the motion; a recorder's channels are never quite at one time
+  std::vector<BalanceTerm> terms;   // what is named
+  std::vector<BalanceTerm> details; // ordinary laws that are not sure to be there, and with which left-out data are predicted better
+  double validation = 0.0;          // mean square of the residual on blocks and records that were left out
+  double probability = 0.0;
+  std::string words() const;        // "dry friction and viscous friction"
+  std::vector<BalanceTerm> acting() const;  // terms and details
+};
+
+// What the residual follows, of what is left.
+struct Remainder {
+  std::string variable;  // "speed", "position", "time", "torque"; empty: none
+  double share = 0.0;    // of the remaining mean square, on left-out blocks
+};
+
+// The shape that a term has among the laws. Throws std::invalid_argument where they have none.
+const LawShape& shape_of(const std::vector<BalanceLaw>& laws, const BalanceTerm& term);
+
+// Equation (1) on a record that was not fitted, at its samples faster than `resolved_speed`. Throws std::invalid_argument where `laws` lack one of
+// the model's.
+std::vector<double> balance_residual(const BalanceRecord& record, const std::vector<BalanceLaw>& laws, const BalanceModel& model,
+                                     double resolved_speed);
+
+}  // namespace slewlab::diagnosis

@@ -1,0 +1,55 @@
+// A model in words, and what it leaves of a record that was made by it.
+#include "diagnosis/balance/balance_model.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "tests/diagnosis/balance/prepared_axis.h"
+
+namespace slewlab::diagnosis {
+namespace {
+
+BalanceTerm term(const std::string& law, const std::string& words, std::vector<double> size) { return {law, words, LawFamily::friction, 0.0, true, std::move(size), {}, 0.0}; }
+
+TEST(BalanceModel, NamesItsTermsAndNotItsDetails) {
+  BalanceModel model;
+  EXPECT_EQ(model.words(), "the inertia alone");
+  model.details = {term("offset", "constant torque", {0.1})};
+  EXPECT_EQ(model.words(), "the inertia alone");
+  model.terms = {term("dry", "dry friction", {1.0})};
+  EXPECT_EQ(model.words(), "dry friction");
+  model.terms.push_back(term("viscous", "viscous friction", {1.0, 0.0}));
+  EXPECT_EQ(model.words(), "dry friction and viscous friction");
+  model.terms.push_back(term("gravity", "gravity on a tilted axis", {1.0, 0.0}));
+  EXPECT_EQ(model.words(), "dry friction, viscous friction and gravity on a tilted axis");
+  ASSERT_EQ(model.acting().size(), 4u);
+  EXPECT_EQ(model.acting().back().law, "offset");
+}
+
+TEST(BalanceModel, TheModelThatMadeARecordLeavesNothingOfIt) {
+  const SimulatedAxis axis{.resistance = [](double, double, double speed) { return 0.8 * speed + 0.5; }};
+  const std::vector<AxisRecord> records = two_records(axis);
+  const Balance balance = balance_of(records, axis.inertia, 8.0, true);
+  BalanceModel model;
+  model.inertia = axis.inertia;
+  model.terms = {term("viscous", "", {0.8, 0.0})};
+  model.details = {term("offset", "", {0.5})};
+  for (const BalanceRecord& record : smoothed(records, balance)) {
+    const std::vector<double> residual = balance_residual(record, balance.laws, model, balance.resolved_speed);
+    ASSERT_EQ(residual.size(), moving_samples(record, balance.resolved_speed).size());
+    for (const double one : residual) EXPECT_NEAR(one, 0.0, 0.06) << "[Nm] of 10: the torque is held over a sample of the record, and not in the integration";
+  }
+}
+
+TEST(BalanceModel, ALawThatIsNotThereIsRefused) {
+  const std::vector<BalanceLaw> laws = balance_laws({1.0, 1e-3, 20.0, 0.0, 0.0, true, {}});
+  EXPECT_EQ(&shape_of(laws, term("dry", "", {})), laws.front().shapes.data());
+  EXPECT_THROW(shape_of(laws, term("magic", "", {})), std::invalid_argument);
+  BalanceTerm bent = term("stribeck", "", {});
+  bent.shape = 123.0;
+  EXPECT_THROW(shape_of(laws, bent), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace slewlab::diagnosis
