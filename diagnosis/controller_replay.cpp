@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "controller/process/computed_answer.h"
 
@@ -55,9 +56,11 @@ std::optional<double> ramp_ended(const Record& record, const controller::Control
   return {};
 }
 
-// The integrals with which the controller answers this cycle as it was recorded, all else being known.
-void take_up_integrals(const controller::ControllerSettings& settings, const controller::ControllerInput& input, const msgs::Torque& recorded,
+// The integrals with which the controller answers this cycle as it was recorded, all else being known. How fast a command may change has no part in it: what was
+// commanded before is not the replay's.
+void take_up_integrals(controller::ControllerSettings settings, const controller::ControllerInput& input, const msgs::Torque& recorded,
                        controller::ControllerState& state) {
+  settings.limits.rate = std::numeric_limits<double>::infinity();
   controller::ControllerOutput output;
   for (int step = 0; step < kTakeUpSteps; ++step) {
     controller::ControllerState trial = state;
@@ -211,6 +214,7 @@ ControllerReplay replay_controller(const Record& record, controller::ControllerS
       if (answered) take_up_integrals(settings, input, record.torque[answer], state);
     }
     controller::step(settings, state, input, output);
+    if (!is_known && answered) std::copy_n(record.torque[answer].motor_torque.begin(), record.group_count, state.commanded_torque.begin());
     for (int g = 0; g < record.group_count; ++g) {
       const auto i = static_cast<std::size_t>(g);
       replay.motor_torque[i].push_back(output.motor_torque[i]);

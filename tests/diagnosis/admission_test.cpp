@@ -311,6 +311,24 @@ TEST_F(Admission, AControllerThatWasOnBeforeIsKnownAfterAFewCycles) {
   EXPECT_LT(replay.difference_rms, 1e-9 * replay.torque_rms);
 }
 
+// A command that may change by less per cycle than the first one is large does not wind the integrals up.
+TEST_F(Admission, AControllerWhoseCommandsChangeSlowlyIsKnownAfterAFewCyclesToo) {
+  sim::MachineSettings truth;
+  truth.crane = bench().crane;
+  controller::ControllerSettings slow = bench().controller;
+  slow.limits.rate = 2000.0;  // [N m/s] 2 N m per cycle, of offsets of some 31
+  log_ = simulated_log(truth, slow, kThereAndBack, 12.0, 3);
+  const auto cut = [](auto& messages) { messages.erase(messages.begin(), messages.begin() + 1500); };
+  cut(log_.encoder);
+  cut(log_.torque);
+  cut(log_.sensors);
+  const Record record = make_record(log_, "log", bench().admission);
+  const std::optional<double> known_from = controller_known_from(record, slow);
+  ASSERT_TRUE(known_from);
+  const ControllerReplay replay = replay_controller(record, slow);
+  EXPECT_LT(replay.difference_rms, 1e-9 * replay.torque_rms);
+}
+
 TEST_F(Admission, RefusesAClippedAccelerometer) {
   for (auto& sensors : log_.sensors) sensors.tip_acceleration = std::clamp(sensors.tip_acceleration, -0.1, 0.1);
   EXPECT_NE(refusal().find("clipped"), std::string::npos) << refusal();
