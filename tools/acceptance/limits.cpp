@@ -34,7 +34,7 @@ AcceptanceLimits read_acceptance_limits(common::YamlReader& reader) {
   limits.tip_acceleration = reader.optional_number("tip_acceleration", Unit::metre_per_second_squared, positive());
   limits.trips = count("trips");
   limits.standstill_after_trip = reader.optional_number("standstill_after_trip", Unit::second, positive());
-  limits.dead_time = reader.optional_number("dead_time", Unit::second, not_negative());
+  limits.dead_time = reader.optional_number("controller_dead_time", Unit::second, not_negative());
   return limits;
 }
 
