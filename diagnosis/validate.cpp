@@ -100,25 +100,23 @@ Predicted predicted_from(Problem& problem, Point point, const Eigen::MatrixXd& o
   };
   Predicted result{differences(problem, point), 0.0};
   if (axes.cols() == 0) return result;
-  Eigen::MatrixXd columns(result.difference.size(), axes.cols());
-  bool is_here = false;  // whether the columns are those of where the descent stands
+  std::optional<LocalModel> here;  // where the descent stands; none: not yet made
   double occam = 0.0;
   Eigen::VectorXd trial_amount, trial_difference;
   Point trial;
   Descending problem_here;
   problem_here.model = [&]() -> LocalModel {
-    if (!is_here) {
-      std::vector<Point> points;
-      for (Eigen::Index k = 0; k < axes.cols(); ++k) points.push_back(moved(problem.catalogue, point, kHeldOutStep * axes.col(k)));
-      const std::vector<Eigen::VectorXd> there = differences(problem, points);
-      for (Eigen::Index k = 0; k < axes.cols(); ++k) columns.col(k) = (there[static_cast<std::size_t>(k)] - result.difference) / kHeldOutStep;
-      is_here = true;
-    }
+    if (here) return *here;
+    std::vector<Point> points;
+    for (Eigen::Index k = 0; k < axes.cols(); ++k) points.push_back(moved(problem.catalogue, point, kHeldOutStep * axes.col(k)));
+    const std::vector<Eigen::VectorXd> there = differences(problem, points);
+    Eigen::MatrixXd columns(result.difference.size(), axes.cols());
+    for (Eigen::Index k = 0; k < axes.cols(); ++k) columns.col(k) = (there[static_cast<std::size_t>(k)] - result.difference) / kHeldOutStep;
     const double weight = data_weight(result.difference, problem.settings);
-    LocalModel model{weight * columns.transpose() * columns, weight * columns.transpose() * result.difference + amount};
-    model.curvature.diagonal().array() += 1.0;  // the prior's
-    occam = Eigen::LDLT<Eigen::MatrixXd>(model.curvature).vectorD().array().max(1.0).log().sum();
-    return model;
+    here = {weight * columns.transpose() * columns, weight * columns.transpose() * result.difference + amount};
+    here->curvature.diagonal().array() += 1.0;  // the prior's
+    occam = Eigen::LDLT<Eigen::MatrixXd>(here->curvature).vectorD().array().max(1.0).log().sum();
+    return *here;
   };
   problem_here.attempt = [&](const Eigen::VectorXd& change) -> std::optional<double> {
     trial = moved(problem.catalogue, point, axes * change);
@@ -130,7 +128,7 @@ Predicted predicted_from(Problem& problem, Point point, const Eigen::MatrixXd& o
     point = trial;
     result.difference = trial_difference;
     amount = trial_amount;
-    is_here = false;
+    here.reset();
   };
   descend(problem_here, cost(result.difference, amount), {kHeldOutSteps, kHeldOutDampings, kIdleStep, 0.0});
   result.prior_cost = amount.squaredNorm() + occam;

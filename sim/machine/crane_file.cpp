@@ -122,16 +122,25 @@ LuffingCylinders read_cylinders(YamlReader reader) {
   return cylinders;
 }
 
-// Half of the boom's weight at its tip, on a lever of a hundredth of the boom, is fifty times it: a slip of the geometry.
-constexpr double kMostWeights = 50.0;
+// Whether the boom's luffing cylinders have a lever on it that carries it: half of the boom's weight at its tip, on a lever of a hundredth of the boom, is
+// fifty times it, a slip of the geometry.
+bool is_carried(const CraneParameters& crane, double force) {
+  constexpr double kMostWeights = 50.0;
+  return std::fabs(force) <= kMostWeights * kGravity * (crane.boom.mass + crane.load.mass);
+}
+
+double carried_force(const CraneParameters& crane, double angle) {
+  BoomParameters there = crane.boom;
+  there.angle = angle;
+  return cylinder_force(there, crane.load.mass + there.jib_mass);
+}
 
 // Where the cylinders have no lever on the boom, they hold nothing.
 void carry(YamlReader& reader, CraneParameters& crane) {
   BoomParameters& boom = crane.boom;
   if (boom.cylinders.stiffness == 0.0 || boom.length == 0.0) return;
-  boom.cylinders.force = cylinder_force(boom, crane.load.mass + boom.jib_mass);
-  const double weight = kGravity * (boom.mass + crane.load.mass);
-  if (!(std::fabs(boom.cylinders.force) <= kMostWeights * weight)) {
+  boom.cylinders.force = carried_force(crane, boom.angle);
+  if (!is_carried(crane, boom.cylinders.force)) {
     reader.report("boom", "luffing_cylinders that lie along the boom: they would carry " + common::shortest(std::round(boom.cylinders.force)) + " N",
                   "a base_radius and base_height that give them a lever about the pivot");
   }
@@ -145,8 +154,7 @@ void expect_cylinders_to_luff(YamlReader& luffing, const CraneParameters& crane,
   const auto look = [&](const char* key, double angle) {
     const std::string at = common::shortest(angle) + " rad, where the cylinders ";
     const double lever = cylinder_lever(boom, angle);
-    const double weight = kGravity * (boom.mass + crane.load.mass), moment = std::cos(angle) * boom.length * kGravity * (0.5 * boom.mass + crane.load.mass + boom.jib_mass);
-    if (lever * cylinder_lever(boom, boom.angle) <= 0.0 || std::fabs(moment) > kMostWeights * weight * std::fabs(lever)) {
+    if (lever * cylinder_lever(boom, boom.angle) <= 0.0 || !is_carried(crane, carried_force(crane, angle))) {
       luffing.report(key, at + "have a lever of " + common::shortest(lever) + " m about the pivot", "an angle at which they carry the boom, or another base_radius and base_height");
     } else if (boom.cylinders.oil_column > 0.0 && oil_column(boom, angle) <= 0.0) {
       luffing.report(key, at + "have an oil column of " + common::shortest(oil_column(boom, angle)) + " m", "an angle with some of it left, or a longer boom.luffing_cylinders.oil_column");

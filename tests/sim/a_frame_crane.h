@@ -21,4 +21,15 @@ inline CraneParameters a_frame_crane(int element_count = 8) {
   return crane;
 }
 
+// The crane as it would be built at another boom angle [rad]: with the weight's lever and the oil of that angle.
+inline CraneParameters built_at(CraneParameters crane, double angle) {
+  BoomParameters& boom = crane.boom;
+  const double column = oil_column(boom, angle);
+  boom.angle = angle;
+  boom.cylinders.stiffness *= boom.cylinders.oil_column / column;
+  boom.cylinders.oil_column = column;
+  boom.cylinders.force = cylinder_force(boom, crane.load.mass + boom.jib_mass);
+  return crane;
+}
+
 }  // namespace slewlab::sim

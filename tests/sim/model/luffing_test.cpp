@@ -75,11 +75,7 @@ TEST(Luffing, CylindersHoldAsTheAngleHasThem) {
     at_start.boom.cylinders.force = cylinder_force(at_start.boom, at_start.load.mass + jib_mass);
     double least = INFINITY, most = 0.0;  // [Nm/rad]
     for (const double angle : {30.0, 53.5, 54.0, 80.0}) {
-      CraneParameters there = at_start;
-      there.boom.angle = angle * kRadiansPerDegree;
-      there.boom.cylinders.oil_column = oil_column(at_start.boom, there.boom.angle);
-      there.boom.cylinders.stiffness *= at_start.boom.cylinders.oil_column / there.boom.cylinders.oil_column;
-      there.boom.cylinders.force = cylinder_force(there.boom, at_start.load.mass + jib_mass);
+      const CraneParameters there = built_at(at_start, angle * kRadiansPerDegree);
       expect_the_modes_of(at_start, there);
       EXPECT_NEAR(luffing_boom(at_start).damping / boom_damping_coefficient(there.boom), 1.0, 0.01);
       const double held = cylinder_hold(there.boom, there.boom.angle).torsion;
@@ -117,12 +113,7 @@ TEST(Luffing, ModesMayPassEachOther) {
   }
   const CraneParameters crane = crane_of(0.5 * (low + high));
   EXPECT_LT(gap(crane.boom.torsion_constant), 1e-8);
-  CraneParameters there = crane;
-  there.boom.angle = kAngle;
-  there.boom.cylinders.oil_column = oil_column(crane.boom, kAngle);
-  there.boom.cylinders.stiffness *= crane.boom.cylinders.oil_column / there.boom.cylinders.oil_column;
-  there.boom.cylinders.force = cylinder_force(there.boom, crane.load.mass);
-  expect_the_modes_of(crane, there);
+  expect_the_modes_of(crane, built_at(crane, kAngle));
 }
 
 TEST(Luffing, CylindersThatPushTheBoomOverDoNotLuffIt) {
