@@ -13,6 +13,7 @@ LARGEST_DATAGRAM = 65_507  # [bytes] of UDP over IPv4
 UDP_HEAD = 8  # [bytes] before the datagram's own, of what the kernel's filter sees
 SO_ATTACH_FILTER = 26  # asm-generic/socket.h; Python's module has no name for it
 RECEIVE_BUFFER = 4 << 20  # [bytes] for all that may arrive while this side does not run
+LONGEST_WAIT = 200_000  # [us] for which a signal may go unnoticed that came just before the wait and does not interrupt it
 
 
 class WireBus:
@@ -25,6 +26,7 @@ class WireBus:
         self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
         self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEPORT, 1)
         self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVBUF, RECEIVE_BUFFER)
+        self.socket.setsockopt(socket.SOL_SOCKET, socket.SO_RCVTIMEO, struct.pack("ll", 0, LONGEST_WAIT))
         self.socket.bind(self.group)  # to the group: other groups on the port are not heard
         everywhere = socket.inet_aton(self.group[0]) + socket.inet_aton("0.0.0.0")
         self.socket.setsockopt(socket.IPPROTO_IP, socket.IP_ADD_MEMBERSHIP, everywhere)
@@ -58,8 +60,11 @@ class WireBus:
         self.sent += 1
 
     def handle(self):
-        """Waits for a datagram; its handler, where its channel has one."""
-        datagram = self.socket.recv(LARGEST_DATAGRAM)
+        """Waits for a datagram, not for ever; its handler, where its channel has one."""
+        try:
+            datagram = self.socket.recv(LARGEST_DATAGRAM)
+        except BlockingIOError:
+            return
         end = datagram.find(b"\0", HEAD.size)
         if end < 0 or HEAD.unpack_from(datagram)[0] != WORD:
             return
