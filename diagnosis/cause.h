@@ -35,6 +35,7 @@ struct Cause {
   double mean_square = 0.0;
   double excess = 0.0, prior = 0.0;    // as in evidence.h
   Eigen::VectorXd information;         // as in evidence.h
+  double prior_chance = 1.0;           // that machines of one make lie so far from their nominal values
   Ending ending = Ending::settled;     // why its fit ended
   std::vector<Size> sizes;            // of all effects' parameters
   Point point;                                              // the machine's part

@@ -22,6 +22,8 @@ namespace {
 
 constexpr double kNoise = 0.1;         // share by which the sensors' noise is known
 constexpr double kFarOff = 2.6;        // [standard deviations] of a parameter, beyond which it may be another crane
+constexpr double kFarTogether = 0.01;  // chance of all parameters together to be as far off, below which something else may hide in them: one machine in a hundred
+constexpr double kMostMachines = 1e6;   // that are spoken of: the chance is not known better
 constexpr double kWorthASwing = 2e-3;  // [rad] of the load at a record's beginning: a five-hundredth of the rope's length
 constexpr std::size_t kMoments = 8;    // that are named
 constexpr double kUnknownBelowNoise = 0.4;  // of the probability that no known effect is missing, where parameters leave noise alone
@@ -126,6 +128,7 @@ Weighed weigh_fits(Problem& problem, const Found& found, std::size_t effect_coun
     Cause cause = make_cause(problem.catalogue, result);
     cause.excess = relaxed.excess;
     cause.prior = relaxed.prior;
+    cause.prior_chance = chance_of_prior(cause.prior, cause.information, evidence.independent_share);
     candidates.push_back({cause.effects, cause.excess, cause.prior, cause.information});
     weighed.causes.push_back(std::move(cause));
   };
@@ -381,7 +384,8 @@ void judge_unseen(Problem& problem, const WhiteningSettings& whitening, const st
 
 // An effect that was fitted to the end of its range is no sure answer: a larger one would fit better. Nor is one whose interval
 // goes beyond its range: the records do not say that it is there; nor one beside which a parameter is farther off than machines of one
-// make differ. What is taken goes to nothing missing where parameters alone leave noise.
+// make differ, or all together are: then something else may hide in them, beside nothing missing as well. What is taken from an effect goes to
+// nothing missing where parameters alone leave noise.
 void doubt_what_no_machine_has(const Problem& problem, bool is_nothing_left, Diagnosis& diagnosis) {
   const common::EffectCatalogue& catalogue = problem.catalogue;
   constexpr double kAtTheEnd = 1e-6;  // of the range
@@ -389,7 +393,8 @@ void doubt_what_no_machine_has(const Problem& problem, bool is_nothing_left, Dia
     const auto parameters = cause.point.nuisance.begin();
     const auto count = static_cast<std::ptrdiff_t>(std::min(cause.point.nuisance.size(), problem.nuisances.parameters.size()));
     const bool is_far_off = std::any_of(parameters, parameters + count, [](double amount) { return std::fabs(amount) > kFarOff; });
-    if (is_far_off && !cause.point.effects.empty()) take_away(kDoubtful, is_nothing_left, cause, diagnosis);
+    const bool is_nothing = cause.effects.empty();
+    if ((is_far_off && !is_nothing) || cause.prior_chance < kFarTogether) take_away(kDoubtful, is_nothing_left && !is_nothing, cause, diagnosis);
     for (const common::EffectInstance& effect : cause.point.effects) {
       const common::EffectAbout& about = catalogue.at(effect.name);
       // Of its size: shares and shapes may well lie at an end of theirs.
@@ -478,7 +483,11 @@ const FitResult* unexplained_fit(const Problem& problem, const Found& found, con
 }
 
 // What the answer's parameters say: swings of the load, and parameters that had to go farther than machines of one make differ.
-void remark_parameters(const Problem& problem, const Point& answer, Diagnosis& diagnosis) {
+void remark_parameters(const Problem& problem, const Point& answer, double prior_chance, Diagnosis& diagnosis) {
+  if (!diagnosis.is_unknown && prior_chance < kFarTogether) {
+    diagnosis.remarks.push_back(fmt::format("with this answer the parameters are, all together, further off than in one machine of one make in {:.0f}; an effect that they imitate may hide in them",
+                                            std::min(kMostMachines, 1.0 / prior_chance)));
+  }
   std::string far;
   const std::vector<sim::Parameter>& parameters = problem.nuisances.parameters;
   for (std::size_t k = 0; k < std::min(answer.nuisance.size(), parameters.size()); ++k) {
@@ -587,7 +596,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   if (!unseen.empty()) tell(kFollow.from, "predicting what was not fitted");
   judge_unseen(problem, whitening, controller, found.nothing.point, std::move(unseen), diagnosis);
   const Point& answer = first.point.nuisance.empty() ? base.point : first.point;
-  remark_parameters(problem, answer, diagnosis);
+  remark_parameters(problem, answer, first.prior_chance, diagnosis);
 
   Point followed = answer;
   const auto is_fitted = [&](const common::EffectInstance& effect) { return has_fit(known.at(effect.name)); };

@@ -70,4 +70,12 @@ Probabilities weigh(const std::vector<Candidate>& candidates, int single_count, 
   return result;
 }
 
+double chance_of_prior(double prior, const Eigen::VectorXd& information, double independent_share) {
+  const Eigen::ArrayXd weighed = independent_share * information.array();
+  const double determined = (weighed / (1.0 + weighed)).sum();
+  if (determined < 1.0) return 1.0;
+  const double variance = 2.0 / (9.0 * determined);  // of the cube root of p / N, about 1 - variance
+  return 0.5 * std::erfc((std::cbrt(std::max(0.0, prior) / determined) - (1.0 - variance)) / std::sqrt(2.0 * variance));
+}
+
 }  // namespace slewlab::diagnosis

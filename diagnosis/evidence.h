@@ -65,4 +65,9 @@ struct Probabilities {
 // the prior of a single cause, and all pairs of them that of a pair.
 Probabilities weigh(const std::vector<Candidate>& candidates, int single_count, const EvidenceSettings& settings);
 
+// The chance that machines as the file describes them lie as far from their nominal values as p says, or further: p is the sum of the squares of those
+// parameters that the records determine, N = sum(s lambda / (1 + s lambda)) of them, hence chi squared of N degrees of freedom (by Wilson and Hilferty's normal
+// approximation, Proc. Natl. Acad. Sci. 17, 1931, within 0.001 from N = 3 on). 1 where the records determine less than one.
+double chance_of_prior(double prior, const Eigen::VectorXd& information, double independent_share);
+
 }  // namespace slewlab::diagnosis

@@ -67,6 +67,23 @@ TEST(Evidence, TheSlopeOfAMisfitsCostIsItsDerivative) {
   }
 }
 
+// Upper tails of chi squared as tables have them (Abramowitz and Stegun, table 26.8); what the records do not determine does not count.
+TEST(Evidence, TheChanceOfParametersIsThatOfChiSquared) {
+  const auto chance = [](double prior, int determined) {
+    Eigen::VectorXd information = Eigen::VectorXd::Zero(determined + 5);
+    information.head(determined).setConstant(1e12);
+    return chance_of_prior(prior, information, 0.3);
+  };
+  EXPECT_NEAR(chance(7.81473, 3), 0.05, 1e-3);
+  EXPECT_NEAR(chance(18.3070, 10), 0.05, 1e-3);
+  EXPECT_NEAR(chance(37.5662, 20), 0.01, 1e-3);
+  EXPECT_NEAR(chance(45.3147, 20), 0.001, 1e-4);
+  EXPECT_NEAR(chance(15.4518, 20), 0.75, 2e-3);
+  EXPECT_EQ(chance(50.0, 0), 1.0);
+  // Half determined is half a degree of freedom: s lambda = 1 of twenty are ten.
+  EXPECT_NEAR(chance_of_prior(18.3070, Eigen::VectorXd::Constant(20, 1.0 / 0.3), 0.3), 0.05, 1e-3);
+}
+
 TEST(Evidence, WantsTheCandidateWithoutEffects) {
   EXPECT_THROW(weigh({{{"a"}, 1.0, 0.0}}, 40, {}), std::invalid_argument);
 }

@@ -91,6 +91,7 @@ nlohmann::json to_json(const Cause& cause, const std::vector<sim::Parameter>& pa
                       {"explained_share", cause.explained},
                       {"excess", cause.excess},
                       {"prior", cause.prior},
+                      {"prior_chance", cause.prior_chance},
                       {"mean_square_left", cause.mean_square},
                       {"fit_ended", diagnosis::name_of(cause.ending)},
                       {"cannot_be_told_from", nlohmann::json::array()},
@@ -122,8 +123,9 @@ std::string followed_text(const Diagnosis& diagnosis) {
 // What a person acts on, in one sentence.
 std::string answer_sentence(const Diagnosis& diagnosis) {
   if (!diagnosis.gap) {
-    return diagnosis.mean_square_nominal <= 1.0 ? "No effect is missing: the nominal machine leaves no more than noise."
-                                                : "No effect is missing: parameters within their spread explain the records.";
+    if (diagnosis.mean_square_nominal <= 1.0) return "No effect is missing: the nominal machine leaves no more than noise.";
+    if (diagnosis.probability_nothing >= diagnosis::kSure) return "No effect is missing: parameters within their spread explain the records.";
+    return fmt::format("Not sure: no effect is missing, {:.0f} %; parameters explain the records.", 100 * diagnosis.probability_nothing);
   }
   if (diagnosis.is_unknown || diagnosis.causes.empty()) {
     const std::string followed = followed_text(diagnosis);
