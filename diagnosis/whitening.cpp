@@ -18,6 +18,10 @@ namespace {
 constexpr double kLeastNoise = 0.02;   // of the noise that counts may make
 constexpr std::size_t kCornerBins = 40;  // at least, from whose mean power a corner is told
 constexpr double kCornerDeviations = 2.0;  // above that, or the least of several would be too low
+// Of 1/f where differences of sixth order, the least that noise_variance() takes, see noise, times the highest frequency: the mean of pi / w under
+// sin(w / 2)^12.
+constexpr double kRiseInDifferences = 1.186;
+constexpr double kTellsARise = 3.0;  // times as much as there 1/f must be in a band, before it tells of a rise; chosen
 constexpr std::size_t kCountBins = 8;    // either side, over which the power of the counting error is smoothed
 constexpr int kCountPlaces = 4;          // between two counts, at which a motion may have begun
 constexpr double kTaper = 0.02;  // share of the record over which the window rises and falls
@@ -166,6 +170,7 @@ class NoisePowers {
       corner_[a] = settings.noise_corner;
       if (!record.acceleration[a].empty()) accelerometer_[a] = accelerometer_variance(record, a) * energy;
     }
+    rise_in_differences_ = kRiseInDifferences * 2.0 * (record.sampled_at.empty() ? record.step : record.sensor_period);
   }
   // A data sheet says how noise may rise; a sensor that is sampled slowly, or a better one, is white from a lower frequency on. What the
   // nominal machine leaves is noise and more, so in no band may there be more noise.
@@ -178,29 +183,31 @@ class NoisePowers {
       const double mean = mean_under(whitening, left);
       for (double& value : left) value -= mean;
       const auto& spectrum = transform(left);
-      const double own = accelerometer_[i] * (i == kTip ? 1.0 : 0.0);
+      const bool is_own = i == kTip;  // which leads the observer, so that its own noise answers as well
       const std::size_t end = whitening.first_bin + whitening.bin_count;
       for (std::size_t low = std::max(whitening.first_bin, static_cast<std::size_t>(from / bin_width_)), high; low < end; low = high) {
         high = std::min(end, low + std::max(kCornerBins, low / 4));
         if (high - low < kCornerBins) break;
-        double excess = 0.0, per_corner = 0.0, square = 0.0;
+        // What the bins hold is (white + corner rise) / (1 + corner d) besides what other sensors add, d the rise where the differences see it.
+        double left_over = 0.0, white = 0.0, rise = 0.0, square = 0.0;
         for (std::size_t k = low; k < high; ++k) {
-          const double own_response = own > 0.0 ? response_.tip.acceleration[i][k] : 1.0;
-          const double rise = accelerometer_[i] * own_response / (static_cast<double>(k) * bin_width_);
-          excess += std::norm(spectrum[k]) - (at(channel, k, shares) - corner_[i] * rise);
-          per_corner += rise;
+          const double own_white = accelerometer_[i] * (is_own ? response_.tip.acceleration[i][k] : 1.0), frequency = static_cast<double>(k) * bin_width_;
+          left_over += std::norm(spectrum[k]) - (at(channel, k, shares) - own_white * rising(i, frequency));
+          white += own_white;
+          rise += own_white / frequency;
           square += std::norm(spectrum[k]) * std::norm(spectrum[k]);
         }
         // Power in a bin of noise deviates by its mean, whose square is half of the mean square.
-        const double deviation = std::sqrt(0.5 * square) / per_corner;
-        corner_[i] = std::min(corner_[i], std::max(0.0, excess / per_corner + kCornerDeviations * deviation));
+        const double most = left_over + kCornerDeviations * std::sqrt(0.5 * square);
+        const double per_corner = rise - most * rise_in_differences_;
+        if (rise > kTellsARise * rise_in_differences_ * white && per_corner > 0.0) corner_[i] = std::min(corner_[i], std::max(0.0, (most - white) / per_corner));
       }
     }
   }
   double at(const Channel& channel, std::size_t k, const EncoderShares& shares) const {
     const auto i = static_cast<std::size_t>(channel.index);
     const auto of = [&](const SourceResponse& source) { return channel.is_torque ? source.torque[i][k] : source.acceleration[i][k]; };
-    const auto flicker = [&](std::size_t a) { return accelerometer_[a] * (1.0 + corner_[a] / (static_cast<double>(k) * bin_width_)); };
+    const auto flicker = [&](std::size_t a) { return accelerometer_[a] * rising(a, static_cast<double>(k) * bin_width_); };
     double noise = channel.is_torque || i == kTip ? 0.0 : flicker(i);
     for (std::size_t g = 0; g < groups_; ++g) noise += shares[g] * encoder_[g][k] * of(response_.encoder[g]);
     if (accelerometer_[kTip] > 0.0) noise += flicker(kTip) * of(response_.tip);
@@ -208,8 +215,12 @@ class NoisePowers {
   }
 
  private:
+  // The power of an accelerometer's noise at a frequency, over what its fastest differences show.
+  double rising(std::size_t a, double frequency) const { return (1.0 + corner_[a] / frequency) / (1.0 + corner_[a] * rise_in_differences_); }
+
   const NoiseResponse& response_;
   double bin_width_;  // [Hz]
+  double rise_in_differences_ = 0.0;  // [1/Hz]
   std::size_t groups_;
   std::array<std::vector<double>, sim::kMaximumGroupCount> encoder_;   // [rad^2] per reading
   std::array<double, kAccelerometerCount> accelerometer_{}, corner_{};  // [(m/s^2)^2], [Hz]

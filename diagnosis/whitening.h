@@ -6,8 +6,8 @@
 // P is the smoothed power of the measured signal itself, e the share of it that mesh, step and laws of a good
 // model still miss (learned from machines with nothing missing), the 2 because real and imaginary part share a
 // bin's power: noise alone leaves parts of variance 1, N the sensors' noise as the observer's loop has it (noise_response.h). An
-// accelerometer's is white as the record's fastest differences show it, rising as 1/f below a corner, that of its data sheet or, where
-// what the nominal machine leaves allows less, a lower one;
+// accelerometer's is white and rises as 1/f below a corner f_c, that of its data sheet or, where what the nominal machine leaves allows less, a lower
+// one: v (1 + f_c / f) / (1 + f_c d), v as the record's fastest differences show it, which hold 1/f noise as well, d = 1.186 over half their rate;
 // an encoder's that of its counts, q^2 / 12 per reading, or what its fastest differences show.
 #pragma once
 
