@@ -21,6 +21,7 @@ constexpr double kCornerDeviations = 2.0;  // above that, or the least of severa
 // Of 1/f where differences of sixth order, the least that noise_variance() takes, see noise, times the highest frequency: the mean of pi / w under
 // sin(w / 2)^12.
 constexpr double kRiseInDifferences = 1.186;
+constexpr double kLeastWhite = 0.1;  // of what the differences show; chosen
 constexpr double kTellsARise = 3.0;  // times as much as there 1/f must be in a band, before it tells of a rise; chosen
 constexpr std::size_t kCountBins = 8;    // either side, over which the power of the counting error is smoothed
 constexpr int kCountPlaces = 4;          // between two counts, at which a motion may have begun
@@ -155,7 +156,8 @@ using EncoderShares = std::array<double, sim::kMaximumGroupCount>;
 class NoisePowers {
  public:
   NoisePowers(const Record& record, const Whitening& whitening, const NoiseResponse& response, const WhiteningSettings& settings)
-      : response_(response), bin_width_(whitening.bin_width), groups_(static_cast<std::size_t>(record.group_count)) {
+      : response_(response), bin_width_(whitening.bin_width),
+        rise_in_differences_(kRiseInDifferences * 2.0 * (record.sampled_at.empty() ? record.step : record.sensor_period)), groups_(static_cast<std::size_t>(record.group_count)) {
     const double energy = window_energy(whitening.window), stride = static_cast<double>(reading_stride(record));
     const bool is_coarse = record.encoder_quantum >= kCoarseCount;
     for (std::size_t g = 0; g < groups_; ++g) {
@@ -167,10 +169,10 @@ class NoisePowers {
       for (std::size_t k = 1; k < encoder_[g].size(); ++k) encoder_[g][k] = std::max(white, mean_around(sum, k, kCountBins));
     }
     for (std::size_t a = 0; a < kAccelerometerCount; ++a) {
-      corner_[a] = settings.noise_corner;
+      // A data sheet's is that of the noise as the differences show it.
+      corner_[a] = settings.noise_corner / std::max(kLeastWhite, 1.0 - settings.noise_corner * rise_in_differences_);
       if (!record.acceleration[a].empty()) accelerometer_[a] = accelerometer_variance(record, a) * energy;
     }
-    rise_in_differences_ = kRiseInDifferences * 2.0 * (record.sampled_at.empty() ? record.step : record.sensor_period);
   }
   // A data sheet says how noise may rise; a sensor that is sampled slowly, or a better one, is white from a lower frequency on. What the
   // nominal machine leaves is noise and more, so in no band may there be more noise.
@@ -220,7 +222,7 @@ class NoisePowers {
 
   const NoiseResponse& response_;
   double bin_width_;  // [Hz]
-  double rise_in_differences_ = 0.0;  // [1/Hz]
+  double rise_in_differences_;  // [1/Hz]
   std::size_t groups_;
   std::array<std::vector<double>, sim::kMaximumGroupCount> encoder_;   // [rad^2] per reading
   std::array<double, kAccelerometerCount> accelerometer_{}, corner_{};  // [(m/s^2)^2], [Hz]
