@@ -22,7 +22,7 @@ namespace {
 
 constexpr double kNoise = 0.1;         // share by which the sensors' noise is known
 constexpr double kFarOff = 2.6;        // [standard deviations] of a parameter, beyond which it may be another crane
-constexpr double kFarTogether = 0.01;  // chance of all parameters together to be as far off, below which something else may hide in them: one machine in a hundred
+constexpr double kFarTogether = 0.01;  // chance of all parameters and beginnings together to be as far off, below which something else may hide in them: one machine in a hundred
 constexpr double kMostMachines = 1e6;   // that are spoken of: the chance is not known better
 constexpr double kWorthASwing = 2e-3;  // [rad] of the load at a record's beginning: a five-hundredth of the rope's length
 constexpr std::size_t kMoments = 8;    // that are named
@@ -485,7 +485,7 @@ const FitResult* unexplained_fit(const Problem& problem, const Found& found, con
 // What the answer's parameters say: swings of the load, and parameters that had to go farther than machines of one make differ.
 void remark_parameters(const Problem& problem, const Point& answer, double prior_chance, Diagnosis& diagnosis) {
   if (!diagnosis.is_unknown && prior_chance < kFarTogether) {
-    diagnosis.remarks.push_back(fmt::format("with this answer the parameters are, all together, further off than in one machine of one make in {:.0f}; an effect that they imitate may hide in them",
+    diagnosis.remarks.push_back(fmt::format("with this answer the parameters, and what swings when the records begin, are all together further off than in one machine of one make in {:.0f}; an effect that they imitate may hide in them",
                                             std::min(kMostMachines, 1.0 / prior_chance)));
   }
   std::string far;
