@@ -306,7 +306,7 @@ void validate_lead(Problem& problem, const WhiteningSettings& whitening, const s
     lead.validation = validation;
     if (validation.holds) {
       const std::optional<double> before = validation.parameters.closed_loop, after = validation.cause.closed_loop;
-      if (before && after && *after > *before) {
+      if (before && after && *after > kWorse * *before) {
         diagnosis.remarks.push_back(fmt::format("the closed loop with {} is further off than with parameters alone ({:.2g} after {:.2g} of the signals), though where the model "
                                                 "is led along, it leaves {:.2g} times the noise and not {:.2g}",
                                                 name_of(lead), *after, *before, validation.cause.residual_ratio, validation.parameters.residual_ratio));

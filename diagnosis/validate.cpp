@@ -28,10 +28,9 @@ constexpr int kDrawRounds = 2;        // of draws and a fit under their power
 constexpr double kSizeDeviation = 0.3, kUnknownDeviation = 0.5;
 constexpr double kMeanDeviation = 0.4;  // of the mean of its draws, as in the search (stochastic_fit.cpp)
 constexpr double kBetter = 4.6;         // -2 ln of odds of one to ten: what chance takes off a residual that was not fitted
-// Relative closed-loop error beyond which two runs are no longer the same motion (two independent ones differ by 1.4), and the share
-// by which one may be worse though it is the truth. What leaves noise alone where it was led along moves as the machine does: its free run then differs by what small
+// Relative closed-loop error beyond which two runs are no longer the same motion (two independent ones differ by 1.4). What leaves noise alone where it was led along moves as the machine does: its free run then differs by what small
 // differences grow to, as behind an impact, and may be worse by half; chosen.
-constexpr double kDecorrelated = 0.7, kWorse = 1.05, kWorseByChance = 1.5;
+constexpr double kDecorrelated = 0.7, kWorseByChance = 1.5;
 constexpr double kNoiseAlone = 1.1;  // residual variance ratio: the noise is known to a tenth
 // Share of a record away from impacts, below which free runs across them are not compared; chosen.
 constexpr double kFreeOfImpacts = 0.8;

@@ -66,6 +66,9 @@ bool has_fit(const common::EffectAbout& effect);
 std::vector<common::EffectInstance> stochastic_part(const common::EffectCatalogue& catalogue, const Point& point);
 Point without_stochastic(const common::EffectCatalogue& catalogue, Point point);
 
+// Times the error of another hypothesis in closed loop, up to which the true one may be further off; chosen.
+inline constexpr double kWorse = 1.05;
+
 // Whether the cause's residual falls by more than chance lets it, and its closed loop does not get worse.
 bool is_better(const ValidationError& cause, const ValidationError& than);
 // Whether it is better than the nominal machine and parameters alone, and than an unknown power.
