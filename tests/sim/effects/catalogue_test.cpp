@@ -209,6 +209,35 @@ TEST(EffectCatalogue, JointsThatGiveAreRightWithinAShareOfTheirEffect) {
   }
 }
 
+// A law that feeds what it acts on grows without bounds, on one crane and not on another: each effect at its typical size and at the ends of its range, on
+// cranes of three makers' proportions whose load swings while half the rated torque starts and stops them. Twenty times the top speed is more than
+// a constant torque at its end pushes any of them to within the run.
+TEST(EffectCatalogue, NoEffectOfAnySizeLeavesWhatACraneCanDo) {
+  for (const char* name : {"thesis", "harbour_5t", "offshore_900t"}) {
+    MachineSettings settings;
+    settings.crane = load_machine_file(std::string(SLEWLAB_SOURCE_DIR) + "/config/cranes/" + name + ".yaml").parameters;
+    settings.scales = effect_scales(settings.crane, settings.drive_protection);
+    const auto drive = [torque = 0.5 * settings.crane.drive.rated_torque](double time) {
+      const double share = time < 5.0 ? 1.0 : time >= 10.0 && time < 15.0 ? -1.0 : 0.0;
+      return constant_drive(share * torque, share * torque)(time);
+    };
+    for (const common::EffectAbout& about : effects_for(settings.crane).effects) {
+      const common::EffectParameter& size = about.parameters[common::kSize];
+      for (const double value : {size.typical, size.upper, size.lower}) {
+        if (!std::isfinite(value)) continue;
+        common::EffectInstance effect = common::typical_instance(about);
+        effect.values[common::kSize] = value;
+        settings.effects = {effect};
+        double fastest = 0.0;
+        for (const BenchSample& sample : run(settings, 20.0, drive, {.rope_angle = 0.15})) {
+          fastest = std::fabs(sample.house_speed) <= fastest ? fastest : std::fabs(sample.house_speed);
+        }
+        EXPECT_LT(fastest, 20.0 * settings.crane.drive.top_speed) << name << ", " << about.name << " of " << value;
+      }
+    }
+  }
+}
+
 TEST(EffectCatalogue, ReadsBackWhatItWrites) {
   std::vector<common::EffectInstance> all;
   const common::EffectCatalogue catalogue = effects_for(flexible_crane());
