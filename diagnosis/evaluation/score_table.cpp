@@ -69,6 +69,24 @@ bool names_alone(const Given& given, const std::string& effect) {
   return given.cause->effects[0] == effect || std::find(group.begin(), group.end(), effect) != group.end();
 }
 
+// The effects of a cause of a group, which is "a", "a with b", ... (diagnosis/cause.h).
+std::set<std::string> names_in(const std::string& cause) {
+  static const std::string kWith = " with ";
+  std::set<std::string> effects;
+  for (std::size_t begin = 0, end; begin <= cause.size(); begin = end + kWith.size()) {
+    end = std::min(cause.find(kWith, begin), cause.size());
+    effects.insert(cause.substr(begin, end - begin));
+  }
+  return effects;
+}
+
+// The same of several true effects, or of none.
+bool names_all(const Given& given, const std::set<std::string>& effects) {
+  if (given.unknown) return false;
+  const std::vector<std::string>& group = given.cause->group;
+  return names(*given.cause) == effects || std::any_of(group.begin(), group.end(), [&](const std::string& other) { return names_in(other) == effects; });
+}
+
 // One over the number of causes that the answer declares as not to be told apart.
 double share_of_group(const Given& given, const std::string& effect) {
   return names_alone(given, effect) ? 1.0 / static_cast<double>(1 + given.cause->group.size()) : 0.0;
@@ -79,7 +97,7 @@ bool first_is_right(const CaseAnswer& answer, const CaseResult& result) {
   const Given first = ranked(result).front();
   if (is_outside(answer.kind)) return first.unknown;
   if (answer.kind == Kind::kOneEffect) return names_alone(first, answer.effects.at(0).effect);
-  return !first.unknown && names(*first.cause) == names(answer);
+  return names_all(first, names(answer));
 }
 
 std::string label(const Given& given) {

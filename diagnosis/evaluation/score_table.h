@@ -12,7 +12,7 @@
 // - first cause: one effect; the first answer names it, alone. First three: one of the first three answers does. Given besides: where
 //   an answer counts one over the number of causes that it declares as not to be told apart.
 // - probability on the true cause: one effect; that of the cause with the true effect alone.
-// - two effects: the first answer names both, where each of them alone is visible beside the other; also given where they are visible together.
+// - two effects: the first answer names both (or declares them as one with those that it names), where each of them alone is visible beside the other; also given where they are visible together.
 // - unknown: left-out and no-catalogue cases whose first answer is "outside the catalogue". Its variable: of those of laws that follow one, the
 //   share in which it is among those that the diagnosis says is followed.
 // - calibration: the first answer's probability against how often it is right, 10 bins, mean absolute difference

@@ -152,6 +152,14 @@ TEST(Score, BothOfTwoAreNamedTogetherInAnyOrder) {
   EXPECT_DOUBLE_EQ(score_named(table, "both of two effects named").value, 0.5);
 }
 
+// A declared group names pairs as it names single effects; a pair of which it holds one effect alone is not named.
+TEST(Score, ADeclaredGroupOfPairsIsOneAnswer) {
+  const ScoreTable table =
+      tabulate({judged(Kind::kTwoEffects, {"lag", "wind"}, 9, {cause({"wind", "delay"}, 0.8, {"wind with loss", "wind with lag"})}, 0, true),
+                judged(Kind::kTwoEffects, {"lag", "wind"}, 9, {cause({"wind", "delay"}, 0.8, {"wind with loss", "lag with heel"})}, 0, true)});
+  EXPECT_DOUBLE_EQ(score_named(table, "both of two effects named").value, 0.5);
+}
+
 // A pair of which one alone changes no signal by three floors is a pair like any other, but not one of two visible effects.
 TEST(Score, PairsOfTwoVisibleEffectsAreCountedBesides) {
   std::vector<Judged> cases{judged(Kind::kTwoEffects, {"lag", "wind"}, 9, {cause({"wind", "lag"}, 0.8)}, 0, true),
