@@ -28,8 +28,8 @@ struct NamedCause {
   double excess = 0.0, prior = 0.0;
   std::vector<double> information;
   double residual_ratio = 0.0;                // residual variance ratio of the fit
-  std::optional<double> held_out_ratio;       // on what was held out, and of the nominal machine there; nothing where the cause was not asked
-  std::optional<double> nominal_held_out_ratio;
+  std::optional<double> held_out_ratio{};       // on what was held out, and of the nominal machine there; nothing where the cause was not asked
+  std::optional<double> nominal_held_out_ratio{};
 };
 
 struct CaseResult {
