@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <limits>
 #include <optional>
 
@@ -27,6 +28,8 @@ constexpr double kCoarseDiscrepancy = 5.0;  // by which mesh and step miss more 
 constexpr double kOffsetShare = 0.2;
 constexpr double kBesideTheMiddle = 0.8;  // of half the play, chosen: within which a motor that stood beside the middle can be found from there
 constexpr double kUnloaded = 0.03, kUnloadedFor = 0.25;  // of the largest torque; of the characteristic time; chosen
+constexpr double kCreeping = 2e-3;  // of the top speed, above which a motor does not stand; chosen
+constexpr std::size_t kFirstReadings = 3;  // grid points, chosen: more than one, and too few for drives that were just switched on to move anything
 constexpr double kKeptAtFirst = 0.4;  // of that time, for which a record's beginning must last before somebody moves the joystick
 // Of the encoders' period, chosen: readings and commands of one cycle are taken to be of one instant; what a fieldbus adds beyond is a delay, and answered as one.
 constexpr double kLatencyOfPeriod = 0.1;
@@ -171,15 +174,27 @@ Following follow_from_rest(const Problem& problem, const Play& play, Record& rec
   return record.begins_on_flanks ? std::move(other) : std::move(best);
 }
 
+// Whether every motor stands when the record begins. What has just pressed the gears against each other lets boom and load swing, and the motors with them.
+bool begins_at_rest(const Record& record, const AdmissionSettings& settings) {
+  const std::size_t first = std::min<std::size_t>(record.size(), kFirstReadings);
+  for (int g = 0; g < record.group_count; ++g) {
+    const std::vector<double>& speed = record.shaft_speed[static_cast<std::size_t>(g)];
+    const double mean = std::accumulate(speed.begin(), speed.begin() + static_cast<std::ptrdiff_t>(first), 0.0) / static_cast<double>(first);
+    if (std::fabs(mean) > kCreeping * settings.turn / settings.time) return false;
+  }
+  return true;
+}
+
 // What several groups do beside each other tells where their gears are. A machine that stands in the middle of its play until the drives are on, or on its flanks
-// and unloaded, begins there. Any other begins where its gears are pressed, boom and load as they may then swing; but at rest where it is followed better from
+// and unloaded, begins there. Any other begins where its gears are pressed, boom and load as they may then swing; but at rest where its motors stand and it is followed better from
 // there, for a brake that drags holds gears in the midst of their play as flanks would.
 Following follow_from_its_beginning(const Problem& problem, Record& record, const WhiteningSettings& whitening) {
   const double time = problem.thresholds.time;
   const Play play = play_of(problem.nominal.crane, time);
   const bool can_be_told = play.half > 0.0 && (record.group_count > 1 || record.begins_in_motion);
   const std::optional<std::size_t> pressed = can_be_told ? pressed_from(play, record, time) : std::nullopt;
-  const bool is_unloaded = !record.begins_in_motion && begins_unloaded(record, time);
+  const bool is_at_rest = !record.begins_in_motion && begins_at_rest(record, problem.thresholds.admission);
+  const bool is_unloaded = is_at_rest && begins_unloaded(record, time);
   if (!pressed || (is_unloaded && *pressed == 0) || (!record.begins_in_motion && *pressed > 0 && came_from_the_middle(problem, play, record, *pressed))) {
     return follow_from_rest(problem, play, record, whitening);
   }
@@ -187,7 +202,7 @@ Following follow_from_its_beginning(const Problem& problem, Record& record, cons
   leave_out_beginning(later, *pressed);
   later.begins_bent = later.begins_on_flanks = true;
   Following from_later = follow(problem, later, whitening);
-  if (!record.begins_in_motion) {
+  if (is_at_rest) {
     Following from_rest = follow_from_rest(problem, play, record, whitening);
     const auto forgotten = static_cast<std::size_t>(whitening.after_impact / record.step);
     if (missing_power(record, from_rest.follower, *pressed + forgotten) < missing_power(later, from_later.follower, forgotten)) return from_rest;
