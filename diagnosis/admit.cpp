@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 #include <limits>
+#include <numeric>
 #include <optional>
 
 #include "diagnosis/plausibility.h"
@@ -28,7 +28,6 @@ constexpr double kCoarseDiscrepancy = 5.0;  // by which mesh and step miss more 
 constexpr double kOffsetShare = 0.2;
 constexpr double kBesideTheMiddle = 0.8;  // of half the play, chosen: within which a motor that stood beside the middle can be found from there
 constexpr double kUnloaded = 0.03, kUnloadedFor = 0.25;  // of the largest torque; of the characteristic time; chosen
-constexpr double kCreeping = 2e-3;  // of the top speed, above which a motor does not stand; chosen
 constexpr std::size_t kFirstReadings = 3;  // grid points, chosen: more than one, and too few for drives that were just switched on to move anything
 constexpr double kKeptAtFirst = 0.4;  // of that time, for which a record's beginning must last before somebody moves the joystick
 // Of the encoders' period, chosen: readings and commands of one cycle are taken to be of one instant; what a fieldbus adds beyond is a delay, and answered as one.
@@ -180,7 +179,7 @@ bool begins_at_rest(const Record& record, const AdmissionSettings& settings) {
   for (int g = 0; g < record.group_count; ++g) {
     const std::vector<double>& speed = record.shaft_speed[static_cast<std::size_t>(g)];
     const double mean = std::accumulate(speed.begin(), speed.begin() + static_cast<std::ptrdiff_t>(first), 0.0) / static_cast<double>(first);
-    if (std::fabs(mean) > kCreeping * settings.turn / settings.time) return false;
+    if (std::fabs(mean) > creeping_speed(settings)) return false;
   }
   return true;
 }

@@ -202,6 +202,8 @@ double mean_torque(const Record& record, std::size_t n) {
   return mean;
 }
 
+double creeping_speed(const AdmissionSettings& settings) { return kCreeping * settings.turn / settings.time; }
+
 std::size_t reading_stride(const Record& record) {
   return std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(record.encoder_period / record.step)));
 }
@@ -412,7 +414,7 @@ FirstSpeed first_speed(const Record& record, const AdmissionSettings& settings) 
 // as it comes to rest after a move. A run that begins with a request pushes with nothing yet; a torque that holds an axis still moves nothing.
 bool begins_in_motion(const msgs::RunLog& run, const Record& record, const AdmissionSettings& settings) {
   const FirstSpeed speed = first_speed(record, settings);
-  const double creeping = kCreeping * settings.turn / settings.time;
+  const double creeping = creeping_speed(settings);
   if (std::fabs(speed.mean) > std::max(kStanding * speed.largest, creeping)) return true;
   double largest = 0.0;
   for (std::size_t n = 0; n < record.size(); ++n) largest = std::max(largest, std::fabs(mean_torque(record, n)));

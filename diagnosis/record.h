@@ -114,6 +114,9 @@ struct AdmissionSettings {
   double slow = 0.0;             // [s] half width of what is slower than the structure
 };
 
+// [rad/s] of a motor, up to which it may be that of a load that swings on a machine at rest.
+double creeping_speed(const AdmissionSettings& settings);
+
 // Slope of the cubic that fits 2 `half_width` + 1 values best, at its middle (Savitzky, Golay 1964, Analytical Chemistry
 // 36, p. 1627); near the ends with fewer values, two at least. `half_width` >= 2.
 std::vector<double> cubic_slope(const std::vector<double>& values, std::size_t half_width, double step);

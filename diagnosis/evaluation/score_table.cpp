@@ -62,13 +62,6 @@ bool acts(const CaseAnswer& answer, const std::string& name) {
   return answer.effects.empty() ? name == kNothingMissing : names(answer).contains(name);
 }
 
-// A single true effect is named alone by this answer, or is one of those that it declares as not to be told apart.
-bool names_alone(const Given& given, const std::string& effect) {
-  if (given.unknown || given.cause->effects.size() != 1) return false;
-  const std::vector<std::string>& group = given.cause->group;
-  return given.cause->effects[0] == effect || std::find(group.begin(), group.end(), effect) != group.end();
-}
-
 // The effects of a cause of a group, which is "a", "a with b", ... (diagnosis/cause.h).
 std::set<std::string> names_in(const std::string& cause) {
   static const std::string kWith = " with ";
@@ -80,7 +73,7 @@ std::set<std::string> names_in(const std::string& cause) {
   return effects;
 }
 
-// The same of several true effects, or of none.
+// The answer names these effects and no other, or declares that it cannot be told from a cause that does.
 bool names_all(const Given& given, const std::set<std::string>& effects) {
   if (given.unknown) return false;
   const std::vector<std::string>& group = given.cause->group;
@@ -89,14 +82,13 @@ bool names_all(const Given& given, const std::set<std::string>& effects) {
 
 // One over the number of causes that the answer declares as not to be told apart.
 double share_of_group(const Given& given, const std::string& effect) {
-  return names_alone(given, effect) ? 1.0 / static_cast<double>(1 + given.cause->group.size()) : 0.0;
+  return names_all(given, {effect}) ? 1.0 / static_cast<double>(1 + given.cause->group.size()) : 0.0;
 }
 
 bool first_is_right(const CaseAnswer& answer, const CaseResult& result) {
   if (!result.refusal.empty()) return false;  // which says nothing, not even that it is unknown
   const Given first = ranked(result).front();
   if (is_outside(answer.kind)) return first.unknown;
-  if (answer.kind == Kind::kOneEffect) return names_alone(first, answer.effects.at(0).effect);
   return names_all(first, names(answer));
 }
 
@@ -266,7 +258,7 @@ void count_one_effect(const Counted& one, const Judged& judged, Tallies& tallies
   const TrueEffect& truth = one.answer.effects.at(0);
   const std::size_t three = std::min<std::size_t>(3, one.given.size());
   const bool in_three = std::any_of(one.given.begin(), one.given.begin() + static_cast<std::ptrdiff_t>(three),
-                                    [&](const Given& given) { return names_alone(given, truth.effect); });
+                                    [&](const Given& given) { return names_all(given, {truth.effect}); });
   double on_truth = 0.0;
   for (const Given& given : one.given) {
     if (!given.unknown && names(*given.cause) == names(one.answer)) on_truth += given.probability;

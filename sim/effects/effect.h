@@ -46,7 +46,6 @@ struct EffectMoment {
   double house_acceleration = 0.0;  // [rad/s^2]
   double tip_displacement = 0.0;    // [m]
   double tip_velocity = 0.0;        // [m/s]
-  double tip_acceleration = 0.0;    // [m/s^2]
   double boom_acceleration = 0.0;   // [m^2/s^2] integral of the lateral acceleration along the boom
   double load_displacement = 0.0;   // [m] of the rope's lower end
   double load_velocity = 0.0;       // [m/s]

@@ -30,7 +30,6 @@ void observe(const PlantModel& model, const PlantState& state, const Acceleratio
   moment.tip_displacement = state.tip_displacement;
   moment.tip_velocity = state.tip_velocity;
   moment.house_acceleration = acceleration.house;
-  moment.tip_acceleration = acceleration.tip;
   moment.boom_acceleration = acceleration.boom;
   moment.rope_force = state.rope_force;
   if (!model.has_load) return;
@@ -59,7 +58,6 @@ void find_middle(const PlantState& state, int group_count, const EffectMoment& n
   m.house_acceleration = ahead(now.house_acceleration, before.house_acceleration);
   m.tip_velocity = ahead(now.tip_velocity, before.tip_velocity);
   m.tip_displacement = now.tip_displacement + 0.25 * h * (now.tip_velocity + m.tip_velocity);
-  m.tip_acceleration = ahead(now.tip_acceleration, before.tip_acceleration);
   m.boom_acceleration = ahead(now.boom_acceleration, before.boom_acceleration);
   m.load_velocity = ahead(now.load_velocity, before.load_velocity);
   m.load_displacement = now.load_displacement + 0.25 * h * (now.load_velocity + m.load_velocity);

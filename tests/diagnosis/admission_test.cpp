@@ -42,10 +42,7 @@ class Admission : public testing::Test {
   }
   // The log as it is from its 5000th message of each channel on: in the middle of a ramp.
   void begin_in_motion() {
-    const auto begin_at = [](auto& messages) { messages.erase(messages.begin(), messages.begin() + 5000); };
-    begin_at(log_.encoder);
-    begin_at(log_.torque);
-    begin_at(log_.sensors);
+    leave_out_beginning(log_, 5000);
   }
   msgs::RunLog log_ = sound_log();
 };
@@ -209,10 +206,7 @@ TEST_F(Admission, AControllerIsKnownOnceItsSpeedShowsThatTheRampIsAtItsEnd) {
   for (const auto& [whole, with] : {std::pair(sound_log(), bench().controller), std::pair(slow_log, slow)}) {
     for (const int first : {2200, 2600, 3200, 4000, 5000}) {
       log_ = whole;
-      const auto begin_at = [&](auto& messages) { messages.erase(messages.begin(), messages.begin() + first); };
-      begin_at(log_.encoder);
-      begin_at(log_.torque);
-      begin_at(log_.sensors);
+      leave_out_beginning(log_, first);
       const Record record = make_record(log_, "log", bench().admission);
       ASSERT_TRUE(record.begins_in_motion) << first;
       const std::optional<double> known_from = controller_known_from(record, bench().controller);
@@ -279,10 +273,7 @@ TEST_F(Admission, ARecordThatBeginsOnTheWayToASpeedBeginsInMotion) {
   const msgs::RunLog from_the_start = simulated_log(truth, bench().controller, {{0.0, 0.6}}, 6.0, 3);
   EXPECT_FALSE(make_record(from_the_start, "log", bench().admission).begins_in_motion);
   log_ = from_the_start;
-  const auto cut = [](auto& messages) { messages.erase(messages.begin(), messages.begin() + 200); };
-  cut(log_.encoder);
-  cut(log_.torque);
-  cut(log_.sensors);
+  leave_out_beginning(log_, 200);
   log_.operator_moves.resize(1);
   log_.operator_moves[0].simulated_time = log_.encoder[0].simulated_time;
   const Record record = make_record(log_, "log", bench().admission);
@@ -297,10 +288,7 @@ TEST_F(Admission, ARecordThatBeginsOnTheWayToASpeedBeginsInMotion) {
 }
 
 TEST_F(Admission, AControllerThatWasOnBeforeIsKnownAfterAFewCycles) {
-  const auto cut = [](auto& messages) { messages.erase(messages.begin(), messages.begin() + 1500); };
-  cut(log_.encoder);
-  cut(log_.torque);
-  cut(log_.sensors);
+  leave_out_beginning(log_, 1500);
   const Record record = make_record(log_, "log", bench().admission);
   ASSERT_FALSE(record.begins_in_motion);
   const std::optional<double> known_from = controller_known_from(record, bench().controller);
@@ -318,10 +306,7 @@ TEST_F(Admission, AControllerWhoseCommandsChangeSlowlyIsKnownAfterAFewCyclesToo)
   controller::ControllerSettings slow = bench().controller;
   slow.limits.rate = 2000.0;  // [N m/s] 2 N m per cycle, of offsets of some 31
   log_ = simulated_log(truth, slow, kThereAndBack, 12.0, 3);
-  const auto cut = [](auto& messages) { messages.erase(messages.begin(), messages.begin() + 1500); };
-  cut(log_.encoder);
-  cut(log_.torque);
-  cut(log_.sensors);
+  leave_out_beginning(log_, 1500);
   const Record record = make_record(log_, "log", bench().admission);
   const std::optional<double> known_from = controller_known_from(record, slow);
   ASSERT_TRUE(known_from);

@@ -8,9 +8,9 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <optional>
 #include <map>
 #include <numbers>
+#include <optional>
 #include <random>
 #include <set>
 #include <string_view>
@@ -100,10 +100,7 @@ TEST(FitController, FindsAnEffectOfAControllerThatWasOnBefore) {
     sim::MachineSettings truth;
     truth.crane = bench().crane;
     msgs::RunLog log = simulated_log(truth, controller::with_effects(bench().controller, {effect}), kThereAndBack, kDuration, 5);
-    const auto cut = [](auto& messages) { messages.erase(messages.begin(), messages.begin() + 1500); };
-    cut(log.encoder);
-    cut(log.torque);
-    cut(log.sensors);
+    leave_out_beginning(log, 1500);
     const std::vector<Record> records{make_record(log, "a", bench().admission)};
     const ControllerCause first = fit_controller(records, bench().controller, {}).front();
     ASSERT_EQ(first.effects.size(), 1u);
@@ -274,10 +271,7 @@ TEST(Diagnose, SaysNothingIsMissingOfALogThatBeginsWithTheDrivesOn) {
   std::vector<Record> records;
   for (const auto* moves : {&kThereAndBack, &kInching}) {
     msgs::RunLog log = simulated_log(truth, bench().controller, *moves, kDuration, 33);
-    const auto cut = [](auto& messages) { messages.erase(messages.begin(), messages.begin() + 1500); };
-    cut(log.encoder);
-    cut(log.torque);
-    cut(log.sensors);
+    leave_out_beginning(log, 1500);
     for (msgs::Encoder& encoder : log.encoder) encoder.shaft_position[1] += 0.4;  // [rad]
     records.push_back(make_record(log, moves == &kInching ? "b" : "a", bench().admission));
   }
@@ -293,14 +287,11 @@ TEST(Diagnose, SaysNothingIsMissingOfALogThatBeginsWhileACraneAtRestStillSwings)
   nominal.crane = bench().crane;
   truth.crane = spread_crane(33);
   msgs::RunLog log = simulated_log(truth, bench().controller, kThereAndBack, kDuration, 33);
-  const double creeping = 2e-3 * bench().admission.turn / bench().admission.time;  // [rad/s]
+  const double creeping = creeping_speed(bench().admission);
   std::optional<Record> record;
   for (std::size_t from = 4000; !record && from < 14000; from += 100) {
     msgs::RunLog rest = log;
-    const auto cut = [&](auto& messages) { messages.erase(messages.begin(), messages.begin() + static_cast<std::ptrdiff_t>(from)); };
-    cut(rest.encoder);
-    cut(rest.torque);
-    cut(rest.sensors);
+    leave_out_beginning(rest, static_cast<std::ptrdiff_t>(from));
     const Record one = make_record(rest, "a", bench().admission);
     const bool swings = std::fabs(one.shaft_speed[0][0]) > 3.0 * creeping || std::fabs(one.shaft_speed[1][0]) > 3.0 * creeping;
     if (!one.begins_in_motion && swings) record = one;

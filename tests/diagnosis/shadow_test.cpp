@@ -23,10 +23,7 @@ TEST(Shadow, WhatGoesWithTheAngleHasItsPhaseInARecordThatBeginsElsewhere) {
   truth.effects = {{"pinion_mesh_variation", {0.1, 1.0, 0.2, 0.0}}};
   msgs::RunLog log = simulated_log(truth, bench().controller, kThereAndBack, kDuration, 5);
   constexpr std::size_t kFrom = 6500;  // messages
-  const auto cut = [](auto& messages) { messages.erase(messages.begin(), messages.begin() + kFrom); };
-  cut(log.encoder);
-  cut(log.torque);
-  cut(log.sensors);
+  leave_out_beginning(log, kFrom);
   log.operator_moves.clear();
   sim::MachineSettings nominal;
   nominal.crane = bench().crane;

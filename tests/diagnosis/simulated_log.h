@@ -87,4 +87,12 @@ inline msgs::RunLog simulated_log(sim::MachineSettings machine, const controller
   return simulated_log(sim::make_machine(machine), controller, moves, duration, seed, machine.drive_protection);
 }
 
+// The log of a recorder that was switched on so many messages of each channel later.
+inline void leave_out_beginning(msgs::RunLog& log, std::ptrdiff_t count) {
+  const auto cut = [&](auto& messages) { messages.erase(messages.begin(), messages.begin() + count); };
+  cut(log.encoder);
+  cut(log.torque);
+  cut(log.sensors);
+}
+
 }  // namespace slewlab::diagnosis

@@ -24,30 +24,27 @@ std::vector<double> white(double deviation, unsigned seed) {
   return values;
 }
 
-// One group whose encoder stands, one accelerometer with noise of 0.01 m/s^2 alone.
-Record noisy_record() {
+// One group whose encoder stands, one accelerometer with noise alone, of 0.01 m/s^2 at 1 kHz unless it is given.
+Record noisy_record(std::vector<double> noise = white(0.01, 1), double step = 1e-3) {
   Record record;
-  record.step = record.encoder_period = 1e-3;
+  record.step = record.encoder_period = step;
   record.group_count = 1;
-  record.motor_torque[0].assign(kCount, 0.0);
-  record.shaft_speed[0].assign(kCount, 0.0);
-  record.position_rate[0].assign(kCount, 0.0);
-  record.shaft_position[0].assign(kCount, 0.0);
-  record.acceleration[kTip] = white(0.01, 1);
+  for (auto* series : {&record.motor_torque[0], &record.shaft_speed[0], &record.position_rate[0], &record.shaft_position[0]}) series->assign(noise.size(), 0.0);
+  record.acceleration[kTip] = std::move(noise);
   return record;
 }
 
 Shadow shadow_of(std::vector<double> tip_difference) {
   Shadow shadow;
-  shadow.missing_torque[0].assign(kCount, 0.0);
+  shadow.missing_torque[0].assign(tip_difference.size(), 0.0);
+  shadow.contact_lost.assign(tip_difference.size(), false);
   shadow.acceleration_difference[kTip] = std::move(tip_difference);
-  shadow.contact_lost.assign(kCount, false);
   return shadow;
 }
 
 // Of an observer that neither the encoder nor the tip leads: what they read off is what it differs by.
-NoiseResponse as_read() {
-  const std::vector<double> one(transform_length(kCount) / 2 + 1, 1.0), none(one.size(), 0.0);
+NoiseResponse as_read(std::size_t count = kCount) {
+  const std::vector<double> one(transform_length(count) / 2 + 1, 1.0), none(one.size(), 0.0);
   NoiseResponse response;
   response.encoder[0].torque[0] = response.tip.acceleration[kTip] = one;
   response.encoder[0].acceleration[kTip] = response.tip.torque[0] = none;
@@ -100,24 +97,13 @@ TEST(Whitening, TellsHowTheNoiseOfAnAccelerometerRises) {
   for (const double corner : {0.5, 5.0, 15.0}) {
     std::array<double, 3> square{}, numbers{};
     for (unsigned seed = 1; seed <= 8; ++seed) {
-      Record record;
-      record.step = record.encoder_period = kStep;
-      record.group_count = 1;
-      for (auto* series : {&record.motor_torque[0], &record.shaft_speed[0], &record.position_rate[0], &record.shaft_position[0]}) series->assign(kPoints, 0.0);
-      record.acceleration[kTip] = flickering(corner, kStep, kPoints, seed);
-      Shadow shadow;
-      shadow.missing_torque[0].assign(kPoints, 0.0);
-      shadow.acceleration_difference[kTip] = record.acceleration[kTip];
-      shadow.contact_lost.assign(kPoints, false);
-      const std::vector<double> one(transform_length(kPoints) / 2 + 1, 1.0), none(one.size(), 0.0);
-      NoiseResponse response;
-      response.encoder[0].torque[0] = response.tip.acceleration[kTip] = one;
-      response.encoder[0].acceleration[kTip] = response.tip.torque[0] = none;
+      const Record record = noisy_record(flickering(corner, kStep, kPoints, seed), kStep);
+      const Shadow shadow = shadow_of(record.acceleration[kTip]);
       WhiteningSettings settings = kSettings;
       settings.noise_corner = 50.0;
       settings.corner_from = 2.0;
       settings.discrepancy_share = 0.0;
-      const Whitening whitening = make_whitening(record, std::vector<bool>(kPoints, true), response, shadow, settings);
+      const Whitening whitening = make_whitening(record, std::vector<bool>(kPoints, true), as_read(kPoints), shadow, settings);
       const Eigen::VectorXd all = whiten(whitening, shadow).tail(static_cast<Eigen::Index>(2 * whitening.bin_count));
       for (std::size_t b = 0; b < whitening.bin_count; ++b) {
         const double frequency = static_cast<double>(whitening.first_bin + b) * whitening.bin_width;
