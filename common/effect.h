@@ -141,6 +141,8 @@ struct EffectAbout {
   // Parameters of the machine (sim/machine/description.h, by name) of which the size is a factor: while the effect is
   // fitted they are not free as well.
   std::vector<std::string_view> stands_for = {};
+  // Every machine does it, and a linear model leaves it out: no cause, but a part of the machine where the records show it.
+  bool of_every_machine = false;
 };
 
 inline constexpr std::size_t kSize = 0;  // index of an effect's size among its parameters

@@ -8,6 +8,7 @@
 #include <map>
 #include <mutex>
 #include <set>
+#include <utility>
 #include <span>
 
 #include "controller/effects/catalogue.h"
@@ -36,8 +37,9 @@ constexpr double kOtherLawTemper = 5.0;  // chosen: by which the evidence among 
 // something small where parameters alone leave that.
 constexpr double kHiddenBeside = 0.12, kAboveTheNoise = 0.25, kSmallBesideNothing = 0.25;
 constexpr double kClearLead = 0.6;  // probability, beyond which no other answer can come to lead by that
-constexpr int kRoundsAsCut = 3;        // at most, of a fit with the boom cut as its file has it
-constexpr double kBetterAsCut = 20.0;  // fall of the cost, several times what chance lets it fall by
+constexpr int kRoundsAsBuilt = 3;        // at most, of a fit of the nominal machine built otherwise: its boom cut as its file has it, or what every machine does
+constexpr double kBetterAsCut = 20.0;    // fall of the cost, several times what chance lets it fall by
+constexpr double kBetterWithAll = 6.0;   // the same for what every machine does: only that it shows is asked
 constexpr int kMostValidated = 4;      // causes that are asked to predict before none is believed
 // On a log of the wire both sides are exact; a thousandth leaves room for logs that were rounded.
 constexpr double kSameTorque = 1e-3;
@@ -69,36 +71,99 @@ struct Searched {
   FitResult base;  // parameters alone
   Screening screening;
   Found found;
+
+  const FitResult& best(const common::EffectCatalogue& catalogue) const {
+    const FitResult* best = &found.nothing;
+    for (const FitResult& one : found.fits) {
+      const bool is_motion = stochastic_part(catalogue, one.point).empty();
+      if (is_motion && one.cost < best->cost) best = &one;
+    }
+    return *best;
+  }
 };
 
-Searched search_all(Problem& problem, const FitResult& nominal_machine, const DiagnosisSettings& settings, const Progress& tell) {
-  tell(kFitParameters.from, "fitting the parameters alone");
-  FitResult base = fit_nuisances(problem, nominal_machine);
+// A fit goes on with the nominal machine built otherwise, which stays so.
+FitResult go_on_with(Problem& problem, const sim::MachineSettings& nominal, const FitResult& fitted) {
+  problem.nominal = nominal;
+  const auto nuisances = static_cast<Eigen::Index>(fitted.point.nuisance.size());
+  FitResult other = fit(problem, fitted.columns.leftCols(nuisances), fitted.point);
+  settle(problem, other, kRoundsAsBuilt);
+  return other;
+}
+
+// What every machine does, as it is; nothing of what the file has or the catalogue lacks, or the user left out.
+std::vector<common::EffectInstance> what_all_do(const Problem& problem, std::span<const std::string> without) {
+  std::vector<common::EffectInstance> all;
+  for (const common::EffectAbout& about : problem.catalogue.effects) {
+    const bool is_left_out = std::find(without.begin(), without.end(), about.name) != without.end();
+    if (about.of_every_machine && !is_left_out && !has_effect(problem.nominal.effects, about.name)) all.push_back(common::typical_instance(about));
+  }
+  return all;
+}
+
+// Takes what every machine does into the nominal machine where the fit shows it, and goes on from there. A log that slewlab itself made has it
+// not, and small swings do not show it.
+bool take_what_shows(Problem& problem, const std::vector<common::EffectInstance>& of_all, FitResult& fitted) {
+  if (of_all.empty()) return false;
+  const sim::MachineSettings before = problem.nominal;
+  sim::MachineSettings with = before;
+  with.effects.insert(with.effects.end(), of_all.begin(), of_all.end());
+  FitResult other = go_on_with(problem, with, fitted);
+  if (other.cost < fitted.cost - kBetterWithAll) {
+    conclude(problem, other);
+    fitted = std::move(other);
+    return true;
+  }
+  problem.nominal = before;
+  return false;
+}
+
+Searched search_all(Problem& problem, FitResult base, const DiagnosisSettings& settings, const TakesMore& takes_more, const Progress& tell) {
   const Projector project(base.columns, prior_rows(problem, base.point), data_weight(base.difference, settings.fit));
   const std::vector<common::EffectInstance> starts =
       catalogue_starts(problem.catalogue, problem.nominal, settings.without, longest_record(problem), problem.thresholds.spell_every);
   Screening screening = screen(problem, base, project, starts, within(tell, kScreen));
-  Found found = search(problem, base, screening, settings.search, tell);
+  Found found = search(problem, base, screening, settings.search, takes_more, tell);
   return {std::move(base), std::move(screening), std::move(found)};
 }
 
 // Whether the best fit, where it leaves more than noise, leaves less on a machine whose boom is cut as its file has it: a log that slewlab
 // itself made of that file. Another machine's boom is not cut at all.
 bool is_better_as_cut(Problem& problem, int as_cut, const Searched& searched) {
-  const int cut = problem.nominal.crane.boom.element_count;
-  if (cut == as_cut) return false;
-  const FitResult* best = &searched.found.nothing;
-  for (const FitResult& one : searched.found.fits) {
-    const bool is_motion = stochastic_part(problem.catalogue, one.point).empty();
-    if (is_motion && one.cost < best->cost) best = &one;
+  const FitResult& best = searched.best(problem.catalogue);
+  if (problem.nominal.crane.boom.element_count == as_cut || best.mean_square <= 1.0) return false;
+  const sim::MachineSettings before = problem.nominal;
+  sim::MachineSettings with = before;
+  with.crane.boom.element_count = as_cut;
+  const FitResult other = go_on_with(problem, with, best);
+  problem.nominal = before;
+  return other.cost < best.cost - kBetterAsCut;
+}
+
+// The search on the machine as its records show it to be built: first as parameters alone show it, then, where the best fit shows it otherwise, again.
+Searched search_as_built(Problem& problem, int as_cut, FitResult& nominal_machine, const DiagnosisSettings& settings, Diagnosis& diagnosis, const Progress& tell) {
+  std::vector<common::EffectInstance> of_all;
+  if (nominal_machine.mean_square > 1.0) of_all = what_all_do(problem, settings.without);
+  const auto take = [&](FitResult& fitted) {
+    if (!take_what_shows(problem, of_all, fitted)) return false;
+    diagnosis.of_every_machine = std::exchange(of_all, {});
+    return true;
+  };
+  const auto search_anew = [&] {
+    tell(kFitParameters.from, "fitting the parameters alone");
+    FitResult base = fit_nuisances(problem, nominal_machine);
+    take(base);
+    return search_all(problem, std::move(base), settings, take, tell);
+  };
+  Searched searched = search_anew();
+  if (is_better_as_cut(problem, as_cut, searched)) {
+    problem.nominal.crane.boom.element_count = as_cut;
+    nominal_machine = nominal_fit(problem);
+    searched = search_anew();
   }
-  if (best->mean_square <= 1.0) return false;
-  problem.nominal.crane.boom.element_count = as_cut;
-  const auto nuisances = static_cast<Eigen::Index>(best->point.nuisance.size());
-  FitResult other = fit(problem, best->columns.leftCols(nuisances), best->point);
-  settle(problem, other, kRoundsAsCut);
-  problem.nominal.crane.boom.element_count = cut;
-  return other.cost < best->cost - kBetterAsCut;
+  FitResult best = searched.best(problem.catalogue);
+  if (best.columns.size() > 0 && take(best)) searched = search_anew();
+  return searched;
 }
 
 // From fits to causes with probabilities, in the order of the fits, that without effects first.
@@ -256,9 +321,10 @@ void hand_on(double share, const std::function<bool(const std::string&)>& is_dou
 }
 
 // No cause leads that does not predict data that were not fitted better than the nominal machine and than parameters alone.
-// `parameters_of_all` is where parameters alone stand, fitted to all records.
+// `parameters_of_all` is where parameters alone stand, fitted to all records. Where they stand farther off than machines of one make do, they are no rival of an
+// effect that is one of them grown: both predict the same.
 void validate_lead(Problem& problem, const WhiteningSettings& whitening, const std::optional<controller::ControllerSettings>& controller,
-                   const Point& parameters_of_all, Diagnosis& diagnosis) {
+                   const Point& parameters_of_all, bool are_parameters_likely, Diagnosis& diagnosis) {
   std::vector<HeldOutData> parts;  // held out each in its turn, once there is a lead to ask
   std::vector<Point> parameters_points;               // of each part
   std::vector<ValidationError> nominal, parameters;  // on each part
@@ -278,7 +344,11 @@ void validate_lead(Problem& problem, const WhiteningSettings& whitening, const s
         parameters_points.push_back(fitted.point);
       }
     }
-    const bool is_nothing_left = std::min(on_both(nominal).residual_ratio, on_both(parameters).residual_ratio) <= 1.0;
+    const bool is_nothing_left = are_parameters_likely && std::min(on_both(nominal).residual_ratio, on_both(parameters).residual_ratio) <= 1.0;
+    const bool is_said_by_parameters =
+        !are_parameters_likely && std::all_of(part->effects.begin(), part->effects.end(), [&](const common::EffectInstance& effect) {
+          return !problem.catalogue.at(effect.name).stands_for.empty();
+        });
     if (tried == kMostValidated) {
       for (Cause& cause : diagnosis.causes) {
         if (!cause.effects.empty()) take_away(1.0, is_nothing_left, cause, diagnosis);
@@ -302,7 +372,7 @@ void validate_lead(Problem& problem, const WhiteningSettings& whitening, const s
     } else {
       validation.cause = together(validation.cause, parts[1].error(fitted[1], with));
     }
-    validation.holds = holds(validation);
+    validation.holds = holds(validation, is_said_by_parameters);
     lead.validation = validation;
     if (validation.holds) {
       const std::optional<double> before = validation.parameters.closed_loop, after = validation.cause.closed_loop;
@@ -331,22 +401,12 @@ void validate_lead(Problem& problem, const WhiteningSettings& whitening, const s
   }
 }
 
-// A record that cannot be judged is refused before the work, not behind it. Throws NotAdmitted.
-void check_unseen(const Problem& problem, const WhiteningSettings& whitening, const std::vector<Record>& unseen) {
-  for (const Record& record : unseen) {
-    std::vector<std::string> remarks;
-    HeldOutData(problem, whitening, record, remarks);
-  }
-}
-
 // From the records to the problem that is fitted. Gives how their differences are whitened. Throws NotAdmitted.
-WhiteningSettings take_records(const sim::MachineSettings& nominal, std::vector<Record> records, const std::vector<Record>& unseen, const DiagnosisSettings& settings,
-                               Problem& problem, Diagnosis& diagnosis) {
+WhiteningSettings take_records(const sim::MachineSettings& nominal, std::vector<Record> records, const DiagnosisSettings& settings, Problem& problem, Diagnosis& diagnosis) {
   set_machine(nominal, records, problem);
   if (settings.noise_corner) problem.thresholds.whitening.noise_corner = *settings.noise_corner;
   const WhiteningSettings whitening = whitening_for(problem.thresholds, has_coarse_counts(records));
   diagnosis.followed = admit(std::move(records), whitening, problem, diagnosis.remarks);
-  check_unseen(problem, whitening, unseen);
   diagnosis.nuisances = problem.nuisances;
   const std::vector<common::EffectInstance> starts =
       catalogue_starts(problem.catalogue, problem.nominal, settings.without, longest_record(problem), problem.thresholds.spell_every);
@@ -509,6 +569,12 @@ void remark_parameters(const Problem& problem, const Point& answer, double prior
 
 }  // namespace
 
+sim::MachineSettings as_fitted(sim::MachineSettings nominal, const Diagnosis& diagnosis) {
+  sim::MachineSettings machine = with_boom_elements(std::move(nominal), diagnosis.boom_elements);
+  machine.effects.insert(machine.effects.end(), diagnosis.of_every_machine.begin(), diagnosis.of_every_machine.end());
+  return machine;
+}
+
 Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<controller::ControllerSettings>& controller,
                    std::vector<Record> records, const DiagnosisSettings& settings, const Progress& progress,
                    const std::function<bool()>& is_stopped, std::vector<Record> unseen) {
@@ -523,7 +589,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   problem.settings = settings.fit;
   problem.threads = settings.threads;
   if (is_stopped) problem.is_stopped = is_stopped;
-  const WhiteningSettings whitening = take_records(nominal, std::move(records), unseen, settings, problem, diagnosis);
+  const WhiteningSettings whitening = take_records(nominal, std::move(records), settings, problem, diagnosis);
 
   tell(0.0, "replaying the controller");
   if (controller) replay(problem, *controller, diagnosis);
@@ -535,12 +601,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
     problem.nominal = with_boom_elements(problem.nominal, kBoomElements);
     nominal_machine = nominal_fit(problem);
   }
-  Searched searched = search_all(problem, nominal_machine, settings, tell);
-  if (is_better_as_cut(problem, as_cut, searched)) {
-    problem.nominal.crane.boom.element_count = as_cut;
-    nominal_machine = nominal_fit(problem);
-    searched = search_all(problem, nominal_machine, settings, tell);
-  }
+  const Searched searched = search_as_built(problem, as_cut, nominal_machine, settings, diagnosis, tell);
   const auto& [base, screening, found] = searched;
   diagnosis.boom_elements = problem.nominal.crane.boom.element_count;
   diagnosis.mean_square_nominal = nominal_machine.mean_square;
@@ -558,6 +619,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   diagnosis.bands = bands_of_gap(problem, base.difference, is_taken ? answer_fit->difference : Eigen::VectorXd::Ones(base.difference.size()));
   find_groups(problem, base, project, found.fits, std::span(weighed.probabilities.candidate).subspan(1), std::span(weighed.causes).subspan(1));
 
+  const bool are_parameters_likely = weighed.causes.front().prior_chance >= kFarTogether;  // with nothing missing
   Ranking ranking{std::move(weighed.causes), weighed.probabilities.unknown};
   if (diagnosis.controller_differs) {
     tell(kHoldOut.from, "fitting the controller");
@@ -568,12 +630,12 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   diagnosis.causes = std::move(ranking.causes);
   diagnosis.probability_unknown = ranking.unknown;
   if (diagnosis.mean_square_nominal <= 1.0 && !diagnosis.controller_differs && diagnosis.counts == 0.0) settle_on_nothing(diagnosis);
-  const bool is_nothing_left = found.nothing.mean_square <= 1.0 && !diagnosis.controller_differs && diagnosis.counts == 0.0;
+  const bool is_nothing_left = found.nothing.mean_square <= 1.0 && are_parameters_likely && !diagnosis.controller_differs && diagnosis.counts == 0.0;
   if (is_nothing_left) doubt_the_unknown_below_the_noise(diagnosis);
   doubt_what_no_machine_has(problem, is_nothing_left, diagnosis);
   if (settings.hold_out && !diagnosis.causes.empty()) {
     tell(kHoldOut.from, "fitting without the last record");
-    validate_lead(problem, whitening, controller, found.nothing.point, diagnosis);
+    validate_lead(problem, whitening, controller, found.nothing.point, are_parameters_likely, diagnosis);
     if (is_nothing_left) doubt_the_unknown_below_the_noise(diagnosis);
   }
   if (!is_nothing_left) share_with_other_laws(diagnosis);
@@ -595,6 +657,10 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   }
   if (!unseen.empty()) tell(kFollow.from, "predicting what was not fitted");
   judge_unseen(problem, whitening, controller, found.nothing.point, std::move(unseen), diagnosis);
+  for (const common::EffectInstance& one : diagnosis.of_every_machine) {
+    diagnosis.remarks.push_back(fmt::format("the records show {} ({}), which every machine has and a linear model leaves out: taken as a part of this one, no cause", one.name,
+                                            known.at(one.name).physics));
+  }
   const Point& answer = first.point.nuisance.empty() ? base.point : first.point;
   remark_parameters(problem, answer, first.prior_chance, diagnosis);
 

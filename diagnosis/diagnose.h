@@ -55,6 +55,7 @@ struct Diagnosis {
   std::vector<std::pair<std::string, double>> effects;     // probability that each acts, alone or beside another, falling
   double lead_acts = 0.0;               // that the effects of the first cause act, alone or beside another; of one without effects its own
   int boom_elements = 0;                 // into which the boom was cut
+  std::vector<common::EffectInstance> of_every_machine;  // what every machine does, where the fits have it
   std::vector<BandShare> bands;
   std::vector<Moment> moments;
   std::vector<Discrepancy> discrepancies;  // of what the answer, or parameters alone where it is unknown, leaves; empty: no more than noise
@@ -68,6 +69,9 @@ struct Diagnosis {
   double simulation_seconds = 0.0;  // in them, summed over the threads
   double total_seconds = 0.0;
 };
+
+// The nominal machine as the fits have it: its boom cut, and with what every machine does.
+sim::MachineSettings as_fitted(sim::MachineSettings nominal, const Diagnosis& diagnosis);
 
 // `progress` is told from any thread, one at a time; `is_stopped` is asked before every simulation, from any thread, and ends it all
 // with Interrupted. `unseen` are records that the answer is tried on and that have no part in it.

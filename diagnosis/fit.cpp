@@ -4,20 +4,9 @@
 #include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
-#include <chrono>
 #include <cmath>
-#include <exception>
-#include <mutex>
 #include <numbers>
 #include <optional>
-#include <stdexcept>
-#include <thread>
-
-#include "diagnosis/stochastic.h"
-#include "sim/effects/catalogue.h"
-#include "sim/integrate/batch.h"
-#include "sim/machine/effect_scales.h"
-#include "sim/model/cannot_be_built.h"
 
 namespace slewlab::diagnosis {
 
@@ -33,13 +22,14 @@ constexpr std::array<double, 3> kFromAfar{1.0, 100.0, 10.0};
 constexpr double kNearTheNoise = 10.0;  // mean square, beyond which parameters are hardly all that is missing, and one way is enough
 constexpr int kIdleRounds = 2;         // in a row, that end a fit of the nuisances alone
 constexpr std::array<double, 4> kShortenings{0.0, 1.0, 3.0, 7.0};  // dampings that halve a step along an axis of the curvature, and again
-constexpr double kVeryFarOff = 1e3;    // whitened difference of a machine that cannot follow at all
 constexpr double kAtTheBound = 1.9;     // [standard deviations]
 constexpr double kEffectStep = 0.05;   // [standard deviations] the same for effects, around a fitted size
 constexpr double kSpellStep = 0.05;    // of the time in which a spell fades: its beginning and end are as sharp as that
 constexpr double kStepDeviations = 2.0;  // the step where it is known how well the records tell the parameter, in what they leave open
-constexpr double kSmallestStep = 0.2;    // share of the first step, large against rounding
-constexpr std::size_t kMostRoom = std::size_t{1} << 28;  // [bytes] of the series of one thread's simulations: eight of ten minutes at 1 kHz
+constexpr double kMuchTooLong = 0.3;     // open over step, below which a column is taken again
+constexpr int kMostLooks = 4;
+// Share of the first step: large against what contacts and rounding make of a change; an order of a ripple that turns hundreds of times asks for less.
+constexpr double kSmallestNuisanceStep = 0.2, kSmallestEffectStep = 1e-3;
 
 }  // namespace
 
@@ -157,7 +147,8 @@ Eigen::VectorXd steps_at(const Problem& problem, const Point& point, const Eigen
   Eigen::VectorXd steps = first_steps(problem.catalogue, point);
   for (Eigen::Index i = 0; i < steps.size(); ++i) {
     const double open = kStepDeviations * std::sqrt(variance(i));
-    if (std::isfinite(open)) steps(i) *= std::clamp(open / steps(i), kSmallestStep, 1.0);
+    const double smallest = i < static_cast<Eigen::Index>(point.nuisance.size()) ? kSmallestNuisanceStep : kSmallestEffectStep;
+    if (std::isfinite(open)) steps(i) *= std::clamp(open / steps(i), smallest, 1.0);
   }
   return steps;
 }
@@ -213,30 +204,41 @@ void hand_over(const Problem& problem, Point& point) {
   }
 }
 
-// The columns d difference / d x of the effects' parameters, by difference quotients.
-Eigen::MatrixXd effect_columns(Problem& problem, const Point& point, const Eigen::VectorXd& difference, const Eigen::VectorXd& asked) {
-  const auto nuisance_count = static_cast<Eigen::Index>(point.nuisance.size());
-  const Eigen::Index count = asked.size() - nuisance_count;
+// The columns d difference / d x of some of the effects' parameters, by difference quotients.
+void take_effect_columns(Problem& problem, const Point& point, const Eigen::VectorXd& difference, const Eigen::VectorXd& asked,
+                         const std::vector<Eigen::Index>& parameters, Eigen::MatrixXd& columns) {
   std::vector<Point> points;
   std::vector<double> steps;
-  for (Eigen::Index e = 0; e < count; ++e) {
-    Eigen::VectorXd change = Eigen::VectorXd::Zero(nuisance_count + count);
-    change(nuisance_count + e) = asked(nuisance_count + e);
+  for (const Eigen::Index i : parameters) {
+    Eigen::VectorXd change = Eigen::VectorXd::Zero(asked.size());
+    change(i) = asked(i);
     points.push_back(moved(problem.catalogue, point, change));
-    steps.push_back(step_between(problem.catalogue, point, points.back())(nuisance_count + e));
-    if (std::fabs(steps.back()) < 0.5 * asked(nuisance_count + e)) {  // at its upper bound: look the other way
+    steps.push_back(step_between(problem.catalogue, point, points.back())(i));
+    if (std::fabs(steps.back()) < 0.5 * asked(i)) {  // at its upper bound: look the other way
       points.back() = moved(problem.catalogue, point, -change);
-      steps.back() = step_between(problem.catalogue, point, points.back())(nuisance_count + e);
+      steps.back() = step_between(problem.catalogue, point, points.back())(i);
     }
   }
   const std::vector<Eigen::VectorXd> moved_differences = differences(problem, points);
-  Eigen::MatrixXd columns(difference.size(), count);
-  for (Eigen::Index e = 0; e < count; ++e) {
-    const auto i = static_cast<std::size_t>(e);
-    columns.col(e).setZero();
-    if (steps[i] != 0.0) columns.col(e) = (moved_differences[i] - difference) / steps[i];
+  for (std::size_t k = 0; k < parameters.size(); ++k) {
+    auto column = columns.col(parameters[k]);
+    column.setZero();
+    if (steps[k] != 0.0) column = (moved_differences[k] - difference) / steps[k];
   }
-  return columns;
+}
+
+// All of them. What the records leave open of a parameter is known when its column is: one whose step turns out to be much longer, as that of
+// a ripple's order, by which angles of hundreds of turns are multiplied, is taken again.
+void take_effect_columns(Problem& problem, const Point& point, const Eigen::VectorXd& difference, Eigen::VectorXd steps, Eigen::MatrixXd& columns) {
+  const auto nuisance_count = static_cast<Eigen::Index>(point.nuisance.size());
+  std::vector<Eigen::Index> parameters;
+  for (Eigen::Index i = nuisance_count; i < steps.size(); ++i) parameters.push_back(i);
+  for (int look = 0; look < kMostLooks && !parameters.empty(); ++look) {
+    take_effect_columns(problem, point, difference, steps, parameters, columns);
+    const Eigen::VectorXd open = steps_at(problem, point, difference, columns);
+    std::erase_if(parameters, [&](Eigen::Index i) { return open(i) > kMuchTooLong * steps(i); });
+    for (const Eigen::Index i : parameters) steps(i) = open(i);
+  }
 }
 
 // Steps from where `result` stands with its columns, corrected after each step by what it showed (Broyden 1965), also after one that was
@@ -310,261 +312,6 @@ double data_weight(const Eigen::VectorXd& difference, const FitSettings& setting
   return settings.independent_share * discounted_weight(excess(difference, settings), settings.law_freedom);
 }
 
-sim::MachineSettings with_boom_elements(sim::MachineSettings machine, int least) {
-  sim::BoomParameters& boom = machine.crane.boom;
-  if (boom.element_count > 0) boom.element_count = std::max(boom.element_count, least);
-  return machine;
-}
-
-sim::MachineSettings machine_at(const sim::MachineSettings& nominal, const Nuisances& nuisances, const Point& point) {
-  sim::MachineSettings settings = nominal;
-  settings.crane = with_nuisances(nuisances, settings.crane, point.nuisance);
-  if (point.seed != 0) settings.seed = point.seed;
-  settings.effects.insert(settings.effects.end(), point.effects.begin(), point.effects.end());
-  if (!settings.effects.empty() && !settings.scales) settings.scales = sim::effect_scales(nominal.crane, nominal.drive_protection);
-  return settings;
-}
-
-namespace {
-
-// Of a parameter's prior.
-double centre_of(const common::EffectParameter& parameter) {
-  return parameter.absent && std::isfinite(*parameter.absent) ? *parameter.absent : parameter.typical;
-}
-
-}  // namespace
-
-double to_coordinate(const common::EffectParameter& parameter, double value) {
-  if (parameter.scale == common::ParameterScale::logarithmic) {
-    return std::log(value / centre_of(parameter)) / parameter.prior_scale;
-  }
-  return (value - centre_of(parameter)) / parameter.prior_scale;
-}
-
-bool is_all_round(const common::EffectParameter& parameter) {
-  return parameter.unit == common::Unit::radian && !parameter.absent && parameter.lower <= -std::numbers::pi &&
-         parameter.upper >= std::numbers::pi;
-}
-
-double value_at(const common::EffectParameter& parameter, double coordinate) {
-  const double centre = centre_of(parameter);
-  const double value = parameter.scale == common::ParameterScale::logarithmic
-                           ? centre * std::exp(coordinate * parameter.prior_scale)
-                           : centre + coordinate * parameter.prior_scale;
-  return is_all_round(parameter) ? std::remainder(value, 2.0 * std::numbers::pi) : std::clamp(value, parameter.lower, parameter.upper);
-}
-
-Eigen::VectorXd effect_coordinates(const common::EffectCatalogue& catalogue, std::span<const common::EffectInstance> effects) {
-  std::vector<double> x;
-  for (const common::EffectInstance& effect : effects) {
-    const common::EffectAbout& about = catalogue.at(effect.name);
-    for (std::size_t p = 0; p < effect.values.size(); ++p) x.push_back(to_coordinate(about.parameters[p], effect.values[p]));
-  }
-  return Eigen::Map<const Eigen::VectorXd>(x.data(), static_cast<Eigen::Index>(x.size()));
-}
-
-std::vector<common::EffectInstance> effects_at(const common::EffectCatalogue& catalogue, std::vector<common::EffectInstance> effects,
-                                               const Eigen::VectorXd& coordinates) {
-  Eigen::Index i = 0;
-  for (common::EffectInstance& effect : effects) {
-    const common::EffectAbout& about = catalogue.at(effect.name);
-    for (std::size_t p = 0; p < effect.values.size(); ++p) effect.values[p] = value_at(about.parameters[p], coordinates(i++));
-  }
-  return effects;
-}
-
-double value_per_deviation(const common::EffectParameter& parameter, double value) {
-  return parameter.scale == common::ParameterScale::logarithmic ? value * parameter.prior_scale : parameter.prior_scale;
-}
-
-Eigen::Index difference_count(const Problem& problem) {
-  return first_rows(problem).back();
-}
-
-std::size_t nuisance_count(const Problem& problem) { return problem.nuisances.count(problem.records.size()); }
-
-double longest_record(const Problem& problem) {
-  double longest = 0.0;
-  for (const Record& record : problem.records) longest = std::max(longest, record.step * static_cast<double>(record.size()));
-  return longest;
-}
-
-const DriveCourse& SimulationStock::drives(const Record& record, std::size_t index, const sim::DriveProtectionSettings& protection) {
-  const std::lock_guard lock(mutex_);
-  if (drives_.size() <= index) drives_.resize(index + 1);
-  if (!drives_[index]) drives_[index] = std::make_unique<const DriveCourse>(drive_course(record, protection));
-  return *drives_[index];
-}
-
-std::unique_ptr<SimulationRoom> SimulationStock::take_room() {
-  const std::lock_guard lock(mutex_);
-  if (rooms_.empty()) return std::make_unique<SimulationRoom>();
-  std::unique_ptr<SimulationRoom> room = std::move(rooms_.back());
-  rooms_.pop_back();
-  return room;
-}
-
-void SimulationStock::give_back(std::unique_ptr<SimulationRoom> room) {
-  const std::lock_guard lock(mutex_);
-  rooms_.push_back(std::move(room));
-}
-
-namespace {
-
-Shadowing shadowing_at(const Problem& problem, Follower follower, const Point& point, std::size_t record, Shadow& result) {
-  return {std::move(follower), encoder_latency(problem.nuisances, point.nuisance), beginning_of(problem.nuisances, point.nuisance, record), &result};
-}
-
-const DriveCourse& drives_of(const Problem& problem, std::size_t record) {
-  return problem.stock.drives(problem.records[record], record, problem.nominal.drive_protection);
-}
-
-}  // namespace
-
-std::vector<Eigen::Index> first_rows(const Problem& problem) {
-  std::vector<Eigen::Index> rows{0};
-  for (const Whitening& whitening : problem.whitening) rows.push_back(rows.back() + whitening.size());
-  return rows;
-}
-
-Shadow shadow_at(const Problem& problem, const Point& point, std::size_t record) {
-  Shadow result;
-  std::vector<Shadowing> alone;
-  alone.push_back(shadowing_at(problem, follower_of(machine_at(problem.nominal, problem.nuisances, point), problem.records[record].step, problem.force_steps), point, record,
-                               result));
-  shadow(std::move(alone), problem.records[record], drives_of(problem, record), problem.gains);
-  return result;
-}
-
-void share_out(Problem& problem, std::size_t count, const std::function<void(std::size_t)>& work) {
-  std::atomic<std::size_t> next{0};
-  std::mutex failing;
-  std::exception_ptr failure;
-  const auto take_shares = [&] {
-    try {
-      for (std::size_t i = next++; i < count; i = next++) work(i);
-    } catch (...) {
-      next = count;
-      const std::lock_guard lock(failing);
-      if (!failure) failure = std::current_exception();
-    }
-  };
-  std::vector<std::jthread> helpers;
-  while (helpers.size() + 1 < count) {
-    if (++problem.helpers >= problem.threads) {
-      --problem.helpers;
-      break;
-    }
-    helpers.emplace_back([&] {
-      take_shares();
-      --problem.helpers;
-    });
-  }
-  take_shares();
-  helpers.clear();
-  if (failure) std::rethrow_exception(failure);
-}
-
-namespace {
-
-// Series of one machine's Shadow [bytes].
-std::size_t room_for(const Record& record) {
-  const auto accelerometers = static_cast<std::size_t>(std::count_if(record.acceleration.begin(), record.acceleration.end(),
-                                                                     [](const std::vector<double>& series) { return !series.empty(); }));
-  return (static_cast<std::size_t>(record.group_count) + accelerometers) * record.size() * sizeof(double);
-}
-
-// Simulations that one thread takes on at once: as many machines as a batch has lanes, no more where that leaves a thread without work, nor
-// than there is room for: of an hour at 1 kHz, one.
-std::size_t side_by_side(const Problem& problem, std::size_t points) {
-  const auto threads = static_cast<std::size_t>(problem.threads), records = problem.records.size();
-  std::size_t most = sim::is_supported(sim::BatchWidth::eight) ? 8 : 4;
-  for (const Record& record : problem.records) most = std::clamp(kMostRoom / std::max<std::size_t>(1, room_for(record)), std::size_t{1}, most);
-  const std::size_t shares = std::max<std::size_t>(1, threads / records);  // of the points, one for each thread
-  return std::clamp((points + shares - 1) / shares, std::size_t{1}, most);
-}
-
-// The whitened differences of some of the points from one of the records. A machine that is not there, because its boom buckles, is far off.
-void differ(Problem& problem, std::span<const Point> points, std::span<const std::optional<Follower>> followers, std::size_t r,
-            const DriveCourse& drives, std::span<Eigen::VectorXd> results, Eigen::Index first_row) {
-  std::unique_ptr<SimulationRoom> room = problem.stock.take_room();
-  if (room->shadows.size() < points.size()) room->shadows.resize(points.size());
-  std::vector<Shadowing> shadowings;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (followers[i]) shadowings.push_back(shadowing_at(problem, *followers[i], points[i], r, room->shadows[i]));
-  }
-  shadow(std::move(shadowings), problem.records[r], drives, problem.gains);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    auto rows = results[i].segment(first_row, problem.whitening[r].size());
-    if (followers[i]) {
-      whiten(problem.whitening[r], room->shadows[i], room->transform, rows);
-    } else {
-      rows.setConstant(kVeryFarOff);
-    }
-  }
-  problem.stock.give_back(std::move(room));
-  problem.simulations += static_cast<std::int64_t>(points.size());
-}
-
-// `courses` empty: the records'.
-std::vector<Eigen::VectorXd> differences_under(Problem& problem, std::span<const Point> points, std::span<const DriveCourse> courses) {
-  const std::vector<Eigen::Index> first_row = first_rows(problem);
-  std::vector<Eigen::VectorXd> results(points.size(), Eigen::VectorXd(first_row.back()));
-  const auto count_time = [&](std::chrono::steady_clock::time_point begun) {
-    problem.simulation_time +=
-        std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now() - begun).count();
-  };
-  // Nothing where its boom buckles; any other error is one of the program's.
-  const auto machine_for = [&](const Point& point, const Record& record) -> std::optional<Follower> {
-    try {
-      return follower_of(machine_at(problem.nominal, problem.nuisances, point), record.step, problem.force_steps);
-    } catch (const sim::CannotBeBuilt&) {
-      return std::nullopt;
-    }
-  };
-  std::vector<std::optional<Follower>> made(points.size());
-  share_out(problem, points.size(), [&](std::size_t i) {
-    const auto begun = std::chrono::steady_clock::now();
-    made[i] = machine_for(points[i], problem.records.front());
-    count_time(begun);
-  });
-  const std::size_t together = side_by_side(problem, points.size()), records = problem.records.size();
-  share_out(problem, (points.size() + together - 1) / together * records, [&](std::size_t share) {
-    const auto begun = std::chrono::steady_clock::now();
-    const std::size_t r = share % records, first = share / records * together, count = std::min(together, points.size() - first);
-    for (std::size_t simulation = 0; simulation < count; ++simulation) {
-      if (problem.is_stopped()) throw Interrupted{};
-    }
-    std::vector<std::optional<Follower>> followers(made.begin() + static_cast<std::ptrdiff_t>(first), made.begin() + static_cast<std::ptrdiff_t>(first + count));
-    if (problem.records[r].step != problem.records.front().step) {
-      for (std::size_t i = 0; i < count; ++i) followers[i] = machine_for(points[first + i], problem.records[r]);
-    }
-    differ(problem, points.subspan(first, count), followers, r, courses.empty() ? drives_of(problem, r) : courses[r],
-           std::span(results).subspan(first, count), first_row[r]);
-    count_time(begun);
-  });
-  for (Eigen::VectorXd& result : results) {
-    // A machine that is not stable at an odd point counts as very far off as well, not as a number that spreads.
-    if (!result.allFinite()) result.setConstant(kVeryFarOff);
-    if (problem.added_power == nullptr) continue;
-    if (problem.added_power->mean.size() > 0) result += problem.added_power->mean;
-    result = divided(*problem.added_power, result);
-  }
-  return results;
-}
-
-}  // namespace
-
-Eigen::VectorXd differences(Problem& problem, const Point& point) {
-  return std::move(differences_under(problem, {&point, 1}, {}).front());
-}
-
-Eigen::VectorXd differences(Problem& problem, const Point& point, std::span<const DriveCourse> courses) {
-  return std::move(differences_under(problem, {&point, 1}, courses).front());
-}
-
-std::vector<Eigen::VectorXd> differences(Problem& problem, std::span<const Point> points) { return differences_under(problem, points, {}); }
-
 namespace {
 
 bool improve(Problem& problem, FitResult& result, bool fresh_nuisances, double law_freedom) {
@@ -573,8 +320,7 @@ bool improve(Problem& problem, FitResult& result, bool fresh_nuisances, double l
   if (fresh_nuisances) {
     result.columns.leftCols(nuisance_count) = nuisance_columns(problem, result.point, result.difference, steps);
   }
-  result.columns.rightCols(result.columns.cols() - nuisance_count) =
-      effect_columns(problem, result.point, result.difference, steps);
+  take_effect_columns(problem, result.point, result.difference, steps, result.columns);
   const double fall = descend(problem, result, law_freedom);
   return fall > problem.settings.settled + problem.settings.settled_share * std::fabs(result.cost);
 }

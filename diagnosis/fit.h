@@ -12,153 +12,15 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <atomic>
-#include <functional>
-#include <memory>
-#include <mutex>
-#include <span>
-#include <string>
-#include <utility>
 #include <vector>
 
 #include "common/effect.h"
+#include "diagnosis/coordinates.h"
 #include "diagnosis/evidence.h"
 #include "diagnosis/least_squares.h"
-#include "diagnosis/nuisance.h"
-#include "diagnosis/record.h"
-#include "diagnosis/shadow.h"
-#include "diagnosis/thresholds.h"
-#include "diagnosis/whitening.h"
-#include "sim/integrate/machine_settings.h"
+#include "diagnosis/problem.h"
 
 namespace slewlab::diagnosis {
-
-struct FitSettings {
-  double law_freedom = 100.0;      // nu
-  double independent_share = 0.3;  // s
-  int iterations = 4;      // per round, each round with fresh columns
-  int rounds = 12;         // at most, for the nuisances alone
-  // Falls of the cost that were too small to go on: the fixed part in units of -2 ln of a probability.
-  double enough = 0.5, enough_share = 0.002;   // of an iteration
-  double settled = 2.0, settled_share = 0.01;  // of a round
-};
-
-// A point in the space of hypotheses.
-struct Point {
-  std::vector<double> nuisance;                 // in standard deviations: parameters, latency, each record's swing (nuisance.h)
-  std::vector<common::EffectInstance> effects;  // parameter values in SI
-  std::uint64_t seed = 0;                       // of the effects that draw numbers
-};
-
-// Of a flexible boom, at least, whatever the machine's file has, unless the record is of a machine cut as the file has it. With half as
-// many the higher modes stand so far off that the error of a large effect is fitted by a second one; 10, 12 and 16 leave the same.
-inline constexpr int kBoomElements = 12;
-
-// The machine with its boom, where it has one that bends, cut into as many elements at least.
-sim::MachineSettings with_boom_elements(sim::MachineSettings machine, int least);
-
-// The nominal machine moved to a point.
-sim::MachineSettings machine_at(const sim::MachineSettings& nominal, const Nuisances& nuisances, const Point& point);
-
-struct AddedPower;  // stochastic.h
-
-// What machines side by side are simulated in, used again by the next ones.
-struct SimulationRoom {
-  std::vector<Shadow> shadows;  // one for each machine
-  TransformRoom transform;      // for one after the other
-};
-
-// What the simulations of a problem have in common, made when it is first asked for. The records must not change from then on.
-class SimulationStock {
- public:
-  // What a record's drives deliver.
-  const DriveCourse& drives(const Record& record, std::size_t index, const sim::DriveProtectionSettings& protection);
-  std::unique_ptr<SimulationRoom> take_room();
-  void give_back(std::unique_ptr<SimulationRoom> room);
-
- private:
-  std::mutex mutex_;
-  std::vector<std::unique_ptr<const DriveCourse>> drives_;  // per record
-  std::vector<std::unique_ptr<SimulationRoom>> rooms_;      // that nobody works in
-};
-
-// A problem's records: its own, or some that another problem owns, which must outlive it. One of an hour at 1 kHz takes half a
-// gigabyte, so that parts of a problem look at its records.
-class Records {
- public:
-  Records() = default;
-  Records(const Records&) = delete;
-  Records& operator=(const Records&) = delete;
-
-  void push_back(Record record) {
-    own_.push_back(std::move(record));
-    seen_ = own_;
-  }
-  void look_at(std::span<const Record> others) { seen_ = others; }
-
-  std::size_t size() const { return seen_.size(); }
-  bool empty() const { return seen_.empty(); }
-  const Record* data() const { return seen_.data(); }
-  auto begin() const { return seen_.begin(); }
-  auto end() const { return seen_.end(); }
-  const Record& operator[](std::size_t r) const { return seen_[r]; }
-  const Record& front() const { return seen_.front(); }
-  const Record& back() const { return seen_.back(); }
-
- private:
-  std::vector<Record> own_;
-  std::span<const Record> seen_;
-};
-
-// Everything that stays the same over one diagnosis. Counts simulations; may be asked to stop.
-struct Problem {
-  // Without the modes above `highest_mode` of the thresholds: they would take a fifth of a simulation's time and change the differences,
-  // of which none is above a fifth of it, by less than a hundredth of the noise (test).
-  sim::MachineSettings nominal;
-  common::EffectCatalogue catalogue;  // the effects that suit the nominal machine, in its units
-  Thresholds thresholds;
-  Nuisances nuisances;
-  ShadowGains gains;                 // of the nominal crane
-  ForceSteps force_steps;            // of the model between two readings (model_step.h)
-  Records records;
-  std::vector<Whitening> whitening;  // per record
-  FitSettings settings;
-  int threads = 1;
-  std::atomic<int> helpers{0};  // threads besides the caller's that are at work now
-  std::atomic<std::int64_t> simulations{0};
-  std::atomic<std::int64_t> simulation_time{0};  // [ns] in them, summed over the threads
-  mutable SimulationStock stock;
-  const AddedPower* added_power = nullptr;         // by whose power the differences are divided
-  std::function<bool()> is_stopped = [] { return false; };  // asked before every simulation: where true, unwind with Interrupted
-};
-
-struct Interrupted {};
-
-// Calls work(0) to work(count - 1), on as many threads as are free, and returns when all are done. Calls nest: a share that shares out
-// itself gets the threads that have become free by then, never more than `threads` together. Each call must write only what is its own,
-// so that the results do not depend on who did them. The first exception is thrown again, and nothing new is begun after it.
-void share_out(Problem& problem, std::size_t count, const std::function<void(std::size_t)>& work);
-
-std::size_t nuisance_count(const Problem& problem);
-double longest_record(const Problem& problem);  // [s]
-
-// The machine at a point as it follows one of the records.
-Shadow shadow_at(const Problem& problem, const Point& point, std::size_t record);
-
-// How many whitened differences all records have.
-Eigen::Index difference_count(const Problem& problem);
-
-// The whitened differences of all records, one below the other.
-Eigen::VectorXd differences(Problem& problem, const Point& point);
-
-// The same for many points.
-std::vector<Eigen::VectorXd> differences(Problem& problem, std::span<const Point> points);
-
-// The same at one point, under what `courses` say of the drives, one for each record, and not the records.
-Eigen::VectorXd differences(Problem& problem, const Point& point, std::span<const DriveCourse> courses);
-
-// Where the differences of each record begin, and where the last ones end.
-std::vector<Eigen::Index> first_rows(const Problem& problem);
 
 double mean_square(const Eigen::VectorXd& difference);
 
@@ -233,19 +95,5 @@ void settle_from_afar(Problem& problem, FitResult& result, double times, int rou
 
 // Rounds with fresh columns of both, at most as many, until one was worth little.
 void settle(Problem& problem, FitResult& result, int rounds);
-
-// Coordinates of effect parameters in standard deviations of their priors.
-double to_coordinate(const common::EffectParameter& parameter, double value);
-// The same back, within the parameter's bounds.
-double value_at(const common::EffectParameter& parameter, double coordinate);
-// An angle that may be any: what goes beyond half a turn comes back from the other side.
-bool is_all_round(const common::EffectParameter& parameter);
-// How much `value` changes per standard deviation of its prior, in its own unit.
-double value_per_deviation(const common::EffectParameter& parameter, double value);
-
-// Of all parameters of the effects, in their order; and the effects with their parameters there, within their bounds.
-Eigen::VectorXd effect_coordinates(const common::EffectCatalogue& catalogue, std::span<const common::EffectInstance> effects);
-std::vector<common::EffectInstance> effects_at(const common::EffectCatalogue& catalogue, std::vector<common::EffectInstance> effects,
-                                               const Eigen::VectorXd& coordinates);
 
 }  // namespace slewlab::diagnosis

@@ -17,14 +17,14 @@ struct Stage {
 // Of the processor's time. A single diagnosis differs by a half, because how many effects are worth a fit and how long they take to
 // settle is not known before: at the end of the screening it is a quarter to a half through. So that ends in the geometric middle; the
 // rest are means over machines where many effects promise something.
-inline constexpr Stage kFitParameters{0.0, 0.09};
-inline constexpr Stage kScreen{0.09, 0.335};
-inline constexpr Stage kRefineSingles{0.335, 0.39};
-inline constexpr Stage kConvergeSingles{0.39, 0.56};
-inline constexpr Stage kScreenBeside{0.56, 0.66};
-inline constexpr Stage kRefinePairs{0.66, 0.745};
-inline constexpr Stage kConvergePairs{0.745, 0.85};
-inline constexpr Stage kGoBack{0.85, 0.945};
+inline constexpr Stage kFitParameters{0.0, 0.08};
+inline constexpr Stage kScreen{0.08, 0.3};
+inline constexpr Stage kRefineSingles{0.3, 0.35};
+inline constexpr Stage kConvergeSingles{0.35, 0.47};
+inline constexpr Stage kScreenBeside{0.47, 0.56};
+inline constexpr Stage kRefinePairs{0.56, 0.64};
+inline constexpr Stage kConvergePairs{0.64, 0.77};
+inline constexpr Stage kGoBack{0.77, 0.945};
 inline constexpr Stage kLookForStochastic{0.945, 0.962};
 inline constexpr Stage kHoldOut{0.962, 0.985};
 inline constexpr Stage kFollow{0.985, 1.0};

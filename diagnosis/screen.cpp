@@ -228,7 +228,7 @@ std::vector<common::EffectInstance> catalogue_starts(const common::EffectCatalog
   std::vector<common::EffectInstance> starts;
   for (const common::EffectAbout& about : catalogue.effects) {
     const std::string name(about.name);
-    if (std::find(without.begin(), without.end(), name) != without.end() || about.read_off != common::ReadOff::none) continue;
+    if (std::find(without.begin(), without.end(), name) != without.end() || about.read_off != common::ReadOff::none || about.of_every_machine) continue;
     // What the nominal crane has already is not missing, and a machine takes an effect once.
     if (has_effect(nominal.effects, name)) continue;
     const std::vector<common::EffectInstance> own = starts_of(about, duration, spell_every);

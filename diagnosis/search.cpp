@@ -18,12 +18,14 @@ constexpr double kLeastPairGain = 40.0;         // fall of the excess below the 
 constexpr double kSameMotion = 1e-6;            // relative difference of two signatures below which two effects are one motion
 constexpr double kNearRival = 30.0;              // cost above the best fit's, below which the order may be that of convergence
 constexpr std::size_t kMostRivals = 2;
-constexpr int kFreshRounds = 5;                 // at most, for a leader
+constexpr int kFreshRounds = 10;                // at most, for a leader
 constexpr std::size_t kPairLeaders = 3;         // single effects beside which a second one is looked for
+constexpr int kMoreLooks = 2;                   // beside single effects that came on
 constexpr int kPairsPerLeader = 2;              // that are refined beside each of them but the best
 constexpr double kDoubtful = 1000.0;            // excess of parameters alone below which they may be the answer
 constexpr std::size_t kFromBest = 4;             // fits that try the best one's machine
 constexpr std::size_t kFewSingles = 5;          // starts that are refined, up to which a search is short
+constexpr Stage kLookAgain{0.5, 0.8};            // of going back
 constexpr double kParallel = 0.02;              // 1 - cosine^2 of two signatures below which they are not tried as a pair
 
 bool cheaper(const FitResult& a, const FitResult& b) { return a.cost < b.cost; }
@@ -44,38 +46,60 @@ void settle_leader(Problem& problem, FitResult& leader) {
   if (other.cost < leader.cost) leader = std::move(other);
 }
 
-// The best `contenders` get another round, and one from the nominal machine with their effects: where parameters had gone far to
-// stand for what an effect says now, a descent does not bring them back. The best of them goes on with fresh nuisance columns until
-// it settles; `leaders` go on with these columns, and where one of them overtakes, it gets fresh ones as well.
-void go_on(Problem& problem, const Eigen::MatrixXd& nuisance_columns, std::vector<FitResult>& fits, int contenders, int leaders,
-           const Progress& tell) {
-  if (fits.empty()) return;
-  const auto first = static_cast<double>(contenders), all = static_cast<double>(contenders + leaders);
+// Rounds with fresh columns for the best `count`, each time for the better half of them: none loses for want of convergence, and few go all the way.
+// Beside one that leaves noise alone nobody can win.
+void converge(Problem& problem, std::vector<FitResult>& fits, std::size_t count) {
+  for (; count > 1; count = (count + 1) / 2) {
+    std::stable_sort(fits.begin(), fits.end(), cheaper);
+    if (mean_square(fits.front().difference) <= 1.0) return;
+    const std::size_t now = std::min(count, fits.size());
+    share_out(problem, now, [&](std::size_t i) { improve(problem, fits[i], true); });
+    if (count == 2) break;
+  }
   std::stable_sort(fits.begin(), fits.end(), cheaper);
-  share_out(problem, std::min(fits.size(), static_cast<std::size_t>(contenders)), [&](std::size_t i) {
-    tell(static_cast<double>(i) / all, "converging " + effects_of(fits[i].point));
+}
+
+// The best `contenders` get another round, and one from the nominal machine with their effects: where parameters had gone far to
+// stand for what an effect says now, a descent does not bring them back. Pairs converge; the best one settles, and where another one is near, that one too.
+void go_on(Problem& problem, const Eigen::MatrixXd& nuisance_columns, std::vector<FitResult>& fits, int contenders, const Progress& tell) {
+  if (fits.empty()) return;
+  const auto most = static_cast<std::size_t>(contenders);
+  std::stable_sort(fits.begin(), fits.end(), cheaper);
+  share_out(problem, std::min(fits.size(), most), [&](std::size_t i) {
+    tell(0.3 * static_cast<double>(i) / static_cast<double>(contenders), "converging " + effects_of(fits[i].point));
     improve(problem, fits[i], false);
     Point start = fits[i].point;
     std::fill(start.nuisance.begin(), start.nuisance.end(), 0.0);
     FitResult again = fit(problem, nuisance_columns, start);
     if (again.cost < fits[i].cost) fits[i] = std::move(again);
   });
+  tell(0.3, "converging " + effects_of(fits.front().point));
   std::stable_sort(fits.begin(), fits.end(), cheaper);
-  tell(first / all, "settling " + effects_of(fits.front().point));
+  if (fits.front().point.effects.size() > 1) converge(problem, fits, most);
+  tell(0.6, "settling " + effects_of(fits.front().point));
   settle_leader(problem, fits.front());
-  share_out(problem, std::min(fits.size(), static_cast<std::size_t>(std::max(1, leaders))) - 1, [&](std::size_t behind) {
-    FitResult& leader = fits[behind + 1];
-    tell((first + static_cast<double>(behind + 1)) / all, "converging " + effects_of(leader.point));
-    take_nuisance_columns(problem, fits.front().columns, leader);
-    improve(problem, leader, false);
-  });
-  const auto best = std::min_element(fits.begin(), fits.end(), cheaper);
-  if (best != fits.begin()) improve(problem, *best, true);
-  std::stable_sort(fits.begin(), fits.end(), cheaper);
-  // No near rival loses for want of convergence.
-  const auto is_far = [&](const FitResult& one) { return one.cost > fits.front().cost + kNearRival; };
+  const auto is_far = [&](const FitResult& one) { return one.cost > fits.front().cost + kNearRival && mean_square(one.difference) > 1.0; };
   const auto rivals = static_cast<std::size_t>(std::find_if(fits.begin(), fits.end(), is_far) - fits.begin()) - 1;
   share_out(problem, std::min(rivals, kMostRivals), [&](std::size_t behind) { settle(problem, fits[behind + 1], kFreshRounds); });
+  std::stable_sort(fits.begin(), fits.end(), cheaper);
+}
+
+bool has_the_same(const FitResult& a, const FitResult& b) {
+  const auto is_one_name = [](const common::EffectInstance& x, const common::EffectInstance& y) { return x.name == y.name; };
+  return a.point.effects.size() == b.point.effects.size() &&
+         std::is_permutation(a.point.effects.begin(), a.point.effects.end(), b.point.effects.begin(), is_one_name);
+}
+
+// Each takes the place of the one with its effects where it is cheaper.
+void take_cheaper(std::vector<FitResult>& fits, std::vector<FitResult> others) {
+  for (FitResult& other : others) {
+    const auto same = std::find_if(fits.begin(), fits.end(), [&](const FitResult& one) { return has_the_same(one, other); });
+    if (same == fits.end()) {
+      fits.push_back(std::move(other));
+    } else if (other.cost < same->cost) {
+      *same = std::move(other);
+    }
+  }
   std::stable_sort(fits.begin(), fits.end(), cheaper);
 }
 
@@ -96,18 +120,7 @@ void go_back(Problem& problem, const Eigen::MatrixXd& nuisance_columns, std::siz
     improve(problem, again, false);
     if (again.point.effects.empty() && excess(again.difference, problem.settings) < kDoubtful) settle(problem, again, kFreshRounds);
   });
-  for (FitResult& again : fewer) {
-    const auto same = std::find_if(fits.begin(), fits.end(), [&](const FitResult& result) {
-      return std::equal(result.point.effects.begin(), result.point.effects.end(), again.point.effects.begin(), again.point.effects.end(),
-                        [](const common::EffectInstance& a, const common::EffectInstance& b) { return a.name == b.name; });
-    });
-    if (same == fits.end()) {
-      fits.push_back(std::move(again));
-    } else if (again.cost < same->cost) {
-      *same = std::move(again);
-    }
-  }
-  std::stable_sort(fits.begin(), fits.end(), cheaper);
+  take_cheaper(fits, std::move(fewer));
 }
 
 // The best fit's machine, with another one's effects: of two laws of one motion the one that ended lower need not be the better law. The next
@@ -141,6 +154,51 @@ struct PairStart {
   const FitResult* from;
 };
 
+// What is promised beside a fitted effect: the starts, and what the fit leaves of which they take away.
+struct Beside {
+  std::vector<Screened> tried;
+  double left = 0.0;
+};
+
+Projector projector_of(const Problem& problem, const FitResult& fitted) {
+  return Projector(fitted.columns, prior_rows(problem, fitted.point), data_weight(fitted.difference, problem.settings));
+}
+
+// By a screening of the catalogue there.
+Beside look_beside(Problem& problem, const FitResult& single, const Screening& screening, const std::map<std::string, std::string>& same_as,
+                   const Progress& tell) {
+  std::vector<common::EffectInstance> starts = best_starts(problem, screening);
+  std::erase_if(starts, [&](const common::EffectInstance& start) {
+    return same_as.contains(start.name) || is_stochastic(problem.catalogue.at(start.name));
+  });
+  Screening there = screen(problem, single, projector_of(problem, single), starts, tell);
+  return {std::move(there.tried), there.gap.squaredNorm()};
+}
+
+// By the columns at hand.
+Beside beside_by(const Problem& problem, const FitResult& single, const std::vector<const Screened*>& best) {
+  const Projector project = projector_of(problem, single);
+  const Eigen::VectorXd left = project.gap(single.difference);
+  Beside beside{{}, left.squaredNorm()};
+  for (const Screened* screened : best) {
+    if (screened->start.name == single.point.effects[0].name) continue;
+    beside.tried.push_back(*screened);
+    try_amount(problem.catalogue, project(screened->column), left, beside.tried.back());
+  }
+  return beside;
+}
+
+// Of a sum of squares, that a pair must promise to take away.
+double least_fall(const Problem& problem) { return kLeastPairGain / problem.settings.independent_share; }
+
+std::vector<const Screened*> worth_a_pair(const Problem& problem, const Beside& beside) {
+  std::vector<const Screened*> ranked;
+  for (const Screened& screened : beside.tried) {
+    if (beside.left - screened.left > least_fall(problem)) ranked.push_back(&screened);
+  }
+  return best_of_each(std::move(ranked));
+}
+
 // Pairs worth refining, each from one point. First a second effect beside the best single one, with the catalogue screened again
 // there: where effects are large, only that is near enough. Then, by the columns at hand, beside two more single ones. Last what two
 // columns do jointly from where nothing is added: a pair that is met both ways begins beside its larger effect.
@@ -171,8 +229,7 @@ std::vector<PairStart> pair_starts(Problem& problem, const FitResult& base, cons
   // Forecasts from where nothing is added are compared with each other, those beside a single fit with that fit.
   double best_single = gap.squaredNorm();
   for (const Screened* screened : best) best_single = std::min(best_single, screened->left);
-  const double worth = kLeastPairGain / problem.settings.independent_share;
-  std::erase_if(joint, [&](const Pair& pair) { return pair.left > best_single - worth; });
+  std::erase_if(joint, [&](const Pair& pair) { return pair.left > best_single - least_fall(problem); });
   std::vector<PairStart> starts;
   std::set<std::set<std::string>> taken;
   const auto take = [&](const Point& start, const FitResult& from) {
@@ -180,28 +237,9 @@ std::vector<PairStart> pair_starts(Problem& problem, const FitResult& base, cons
   };
   for (std::size_t leader = 0; leader < std::min<std::size_t>(kPairLeaders, singles.size()); ++leader) {
     const FitResult& single = singles[leader];
-    const Projector project(single.columns, prior_rows(problem, single.point), data_weight(single.difference, problem.settings));
-    const Eigen::VectorXd left = project.gap(single.difference);
-    std::vector<Screened> beside;
     const bool is_best = leader == 0;
-    if (is_best) {
-      std::vector<common::EffectInstance> starts_here = best_starts(problem, screening);
-      std::erase_if(starts_here, [&](const common::EffectInstance& start) {
-        return same_as.contains(start.name) || is_stochastic(problem.catalogue.at(start.name));
-      });
-      beside = screen(problem, single, project, starts_here, tell).tried;
-    } else {
-      for (const Screened* screened : best) {
-        if (screened->start.name == single.point.effects[0].name) continue;
-        beside.push_back(*screened);
-        try_amount(problem.catalogue, project(screened->column), left, beside.back());
-      }
-    }
-    std::vector<const Screened*> ranked;
-    for (const Screened& screened : beside) {
-      if (left.squaredNorm() - screened.left > worth) ranked.push_back(&screened);
-    }
-    ranked = best_of_each(std::move(ranked));
+    const Beside look = is_best ? look_beside(problem, single, screening, same_as, tell) : beside_by(problem, single, best);
+    const std::vector<const Screened*> ranked = worth_a_pair(problem, look);
     const auto most = static_cast<std::size_t>(is_best ? settings.beside_the_best : kPairsPerLeader);
     for (std::size_t k = 0; k < std::min(most, ranked.size()); ++k) {
       take(with_amount(problem.catalogue, single.point, *ranked[k], ranked[k]->amount), single);
@@ -221,9 +259,68 @@ std::vector<PairStart> pair_starts(Problem& problem, const FitResult& base, cons
   return starts;
 }
 
+// The pairs from their starts; the leaders go on. Columns of nuisances that nothing is known of are taken from the best single fit.
+std::vector<FitResult> fit_pairs(Problem& problem, const FitResult& base, const std::vector<PairStart>& starts, const FitResult& best_single,
+                                 const SearchSettings& settings, const Progress& refining, const Progress& converging) {
+  std::vector<FitResult> pairs(starts.size());
+  share_out(problem, starts.size(), [&](std::size_t i) {
+    const auto& [start, from] = starts[i];
+    refining(static_cast<double>(i) / static_cast<double>(starts.size()), "refining " + effects_of(start));
+    const auto nuisances = static_cast<Eigen::Index>(start.nuisance.size());
+    pairs[i] = fit(problem, from->columns.leftCols(nuisances), start);
+    take_nuisance_columns(problem, best_single.columns, pairs[i]);
+  });
+  go_on(problem, base.columns, pairs, settings.pair_contenders, converging);
+  return pairs;
+}
+
+// The best single effects converge behind the pairs: before, they draw parameters far off to stand for what a second effect says, and a pair that begins there
+// does not come back.
+void converge_singles(Problem& problem, std::vector<FitResult>& fits, std::size_t count) {
+  std::vector<FitResult> singles;
+  for (FitResult& one : fits) {
+    if (one.point.effects.size() == 1) singles.push_back(std::move(one));
+  }
+  std::erase_if(fits, [](const FitResult& one) { return one.columns.size() == 0; });
+  converge(problem, singles, count);
+  if (!singles.empty()) settle_leader(problem, singles.front());
+  fits.insert(fits.end(), std::make_move_iterator(singles.begin()), std::make_move_iterator(singles.end()));
+  std::stable_sort(fits.begin(), fits.end(), cheaper);
+}
+
+// A fit of one effect that came on only beside a second one leaves something else than what seconds were looked for in: they are looked for
+// again from where it stands now, until the best single effect is one that was looked beside there.
+void look_again(Problem& problem, const FitResult& base, const Screening& screening, const std::map<std::string, std::string>& same_as,
+                const SearchSettings& settings, FitResult looked_beside, std::vector<FitResult>& fits, const Progress& tell) {
+  for (int look = 0; look < kMoreLooks; ++look) {
+    const auto is_single = [](const FitResult& one) { return one.point.effects.size() == 1; };
+    const auto single = std::find_if(fits.begin(), fits.end(), is_single);
+    if (single == fits.end()) return;
+    settle(problem, *single, kFreshRounds);
+    const bool is_looked_beside = has_the_same(*single, looked_beside) && single->cost > looked_beside.cost - kNearRival;
+    if (is_looked_beside || mean_square(single->difference) <= 1.0) return;
+    looked_beside = *single;
+    const double first = static_cast<double>(look) / kMoreLooks, third = 1.0 / (3.0 * kMoreLooks);
+    const auto part = [&](int k) { return within(tell, {first + k * third, first + (k + 1) * third}); };
+    const Beside beside = look_beside(problem, looked_beside, screening, same_as, part(0));
+    std::vector<PairStart> starts;
+    for (const Screened* screened : worth_a_pair(problem, beside)) {
+      if (starts.size() == static_cast<std::size_t>(settings.beside_the_best)) break;
+      starts.push_back({with_amount(problem.catalogue, looked_beside.point, *screened, screened->amount), &looked_beside});
+    }
+    take_cheaper(fits, fit_pairs(problem, base, starts, looked_beside, settings, part(1), part(2)));
+    go_back(problem, base.columns, 2, fits);
+  }
+}
+
+// A fit goes on with a nominal machine that has changed.
+FitResult as_built_now(Problem& problem, const FitResult& fitted) {
+  return fit(problem, fitted.columns.leftCols(static_cast<Eigen::Index>(fitted.point.nuisance.size())), fitted.point);
+}
+
 }  // namespace
 
-Found search(Problem& problem, const FitResult& base, const Screening& screening, const SearchSettings& settings,
+Found search(Problem& problem, FitResult& base, const Screening& screening, const SearchSettings& settings, const TakesMore& takes_more,
              const Progress& tell_all) {
   // All starts by what they leave, and of them the best of each effect.
   std::vector<const Screened*> ranked;
@@ -267,22 +364,23 @@ Found search(Problem& problem, const FitResult& base, const Screening& screening
   std::stable_sort(fits.begin(), fits.end(), cheaper);
   seen.clear();
   std::erase_if(fits, [&](const FitResult& result) { return ++seen[result.point.effects[0].name] > 1; });
-  go_on(problem, base.columns, fits, settings.contenders, settings.leaders, within(tell, kConvergeSingles));
+  go_on(problem, base.columns, fits, settings.contenders, within(tell, kConvergeSingles));
+  // The best single effect may show what the nominal machine lacks, which parameters alone did not.
+  if (!fits.empty() && takes_more(fits.front())) {
+    share_out(problem, fits.size(), [&](std::size_t i) { fits[i] = as_built_now(problem, fits[i]); });
+    base = as_built_now(problem, base);
+    conclude(problem, base);
+    std::stable_sort(fits.begin(), fits.end(), cheaper);
+  }
+  FitResult looked_beside;
   if (!fits.empty() && settings.joint_pairs > 0) {
     const auto beside_best = [&, beside = within(tell, kScreenBeside)](double share, const std::string& doing) {
       beside(share, doing + " beside " + effects_of(fits.front().point));
     };
     const std::vector<PairStart> starts = pair_starts(problem, base, screening, best, fits, same_as, settings, beside_best);
-    std::vector<FitResult> pairs(starts.size());
-    const Progress refining_pairs = within(tell, kRefinePairs);
-    share_out(problem, starts.size(), [&](std::size_t i) {
-      const auto& [start, from] = starts[i];
-      refining_pairs(static_cast<double>(i) / static_cast<double>(starts.size()), "refining " + effects_of(start));
-      const auto nuisances = static_cast<Eigen::Index>(start.nuisance.size());
-      pairs[i] = fit(problem, from->columns.leftCols(nuisances), start);
-      take_nuisance_columns(problem, fits.front().columns, pairs[i]);
-    });
-    go_on(problem, base.columns, pairs, settings.pair_contenders, settings.pair_leaders, within(tell, kConvergePairs));
+    looked_beside = fits.front();
+    std::vector<FitResult> pairs =
+        fit_pairs(problem, base, starts, looked_beside, settings, within(tell, kRefinePairs), within(tell, kConvergePairs));
     fits.insert(fits.end(), std::make_move_iterator(pairs.begin()), std::make_move_iterator(pairs.end()));
   }
 
@@ -293,6 +391,8 @@ Found search(Problem& problem, const FitResult& base, const Screening& screening
   // What fits with one effect more may show the way to those with less: a descent that stopped short elsewhere goes on from there.
   going_back(0.4, "going back to one effect");
   go_back(problem, base.columns, 2, fits);
+  converge_singles(problem, fits, static_cast<std::size_t>(settings.contenders));
+  if (settings.joint_pairs > 0) look_again(problem, base, screening, same_as, settings, looked_beside, fits, within(going_back, kLookAgain));
   going_back(0.8, "going back to none");
   go_back(problem, base.columns, 1, fits);
   share_out(problem, fits.size(), [&](std::size_t i) { conclude(problem, fits[i]); });

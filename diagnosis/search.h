@@ -1,6 +1,7 @@
 // From what the screening promises to fitted hypotheses: single effects, pairs, stochastic effects, and nothing missing.
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "diagnosis/fit.h"
@@ -10,19 +11,21 @@ namespace slewlab::diagnosis {
 
 struct SearchSettings {
   int singles_to_refine = 14;  // starts, two of an effect at most
-  int contenders = 5;          // of the refined ones, with another round
-  int leaders = 3;             // of these, the best with fresh columns until it settles
+  int contenders = 6;          // of the refined ones, that converge
   int joint_pairs = 4;         // tried for what two signatures do jointly; 0: no pairs at all
   int beside_the_best = 5;     // of them at most beside the best single effect
-  int pair_contenders = 3;
-  int pair_leaders = 2;
+  int pair_contenders = 4;
 };
 
 struct Found {
   FitResult nothing;            // parameters alone
   std::vector<FitResult> fits;  // of one or two effects
 };
-Found search(Problem& problem, const FitResult& base, const Screening& screening, const SearchSettings& settings,
+// Asked with the best single fit: whether the problem's nominal machine has been built otherwise, because that fit shows it.
+using TakesMore = std::function<bool(FitResult&)>;
+
+// `base` goes on where the nominal machine changes.
+Found search(Problem& problem, FitResult& base, const Screening& screening, const SearchSettings& settings, const TakesMore& takes_more,
              const Progress& tell);
 
 }  // namespace slewlab::diagnosis

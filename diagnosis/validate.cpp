@@ -76,6 +76,7 @@ double judged_share(const Whitening& whitening) {
 // fitted there, and the rest free within what the other records leave open.
 struct Predicted {
   Eigen::VectorXd difference;
+  Point point;              // with the record's own beginning
   double prior_cost = 0.0;  // of how far it moved, and Occam's
 };
 
@@ -97,7 +98,7 @@ Predicted predicted_from(Problem& problem, Point point, const Eigen::MatrixXd& o
   const auto cost = [&](const Eigen::VectorXd& difference, const Eigen::VectorXd& at) {
     return discounted(excess(difference, problem.settings), problem.settings.law_freedom) + at.squaredNorm();
   };
-  Predicted result{differences(problem, point), 0.0};
+  Predicted result{differences(problem, point), point, 0.0};
   if (axes.cols() == 0) return result;
   std::optional<LocalModel> here;  // where the descent stands; none: not yet made
   double occam = 0.0;
@@ -131,6 +132,7 @@ Predicted predicted_from(Problem& problem, Point point, const Eigen::MatrixXd& o
   };
   descend(problem_here, cost(result.difference, amount), {kHeldOutSteps, kHeldOutDampings, kIdleStep, 0.0});
   result.prior_cost = amount.squaredNorm() + occam;
+  result.point = std::move(point);
   return result;
 }
 
@@ -292,7 +294,8 @@ ValidationError HeldOutData::error(const HeldOut& fitted, const std::optional<co
 }
 
 double HeldOutData::missing_torque(const HeldOut& fitted) const {
-  const Shadow follower = shadow_at(*predicted_, without_stochastic(predicted_->catalogue, at_held_out(fitted.point)), 0);
+  const Point there = predicted_from(*predicted_, without_stochastic(predicted_->catalogue, at_held_out(fitted.point)), fitted.open).point;
+  const Shadow follower = shadow_at(*predicted_, there, 0);
   const std::vector<double>& window = predicted_->whitening.front().window;
   const int groups = predicted_->records.front().group_count;
   double square = 0.0, weight = 0.0;
@@ -339,8 +342,8 @@ bool is_better(const ValidationError& cause, const ValidationError& than) {
   return *cause.closed_loop <= (is_noise ? kWorseByChance : kWorse) * *than.closed_loop;
 }
 
-bool holds(const Validation& validation) {
-  return is_better(validation.cause, validation.nominal) && is_better(validation.cause, validation.parameters) &&
+bool holds(const Validation& validation, bool is_said_by_parameters) {
+  return is_better(validation.cause, validation.nominal) && (is_said_by_parameters || is_better(validation.cause, validation.parameters)) &&
          (!validation.unknown_cost || *validation.unknown_cost - validation.cause.cost > kBetter);
 }
 

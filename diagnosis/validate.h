@@ -72,7 +72,7 @@ inline constexpr double kWorse = 1.05;
 // Whether the cause's residual falls by more than chance lets it, and its closed loop does not get worse.
 bool is_better(const ValidationError& cause, const ValidationError& than);
 // Whether it is better than the nominal machine and parameters alone, and than an unknown power.
-bool holds(const Validation& validation);
+bool holds(const Validation& validation, bool is_said_by_parameters = false);
 
 // Of two parts held out: the ratio over all differences, the sum of the costs, the root of the mean square of the closed loops.
 ValidationError together(const ValidationError& one, const ValidationError& other);

@@ -73,7 +73,7 @@ withheld::CaseResult diagnose_case(const withheld::CaseInput& input, const CaseS
       result.causes.push_back(named);
     }
     result.follows = followed_variables(diagnosis.discrepancies);
-    const sim::MachineSettings cut = with_boom_elements(data.nominal, diagnosis.boom_elements);
+    const sim::MachineSettings cut = as_fitted(data.nominal, diagnosis);
     if (const auto next = manoeuvre_after(cut, data.controller, diagnosis, data.records.front(), is_stopped)) {
       result.next = planned(next->manoeuvre);
       result.drawn = planned(candidate_manoeuvres(1, withheld::Random(1, input.name).bits()).back());
@@ -113,7 +113,7 @@ double informed_gap(const withheld::CaseInput& input, const std::vector<std::str
     }
   }
   if (chosen != nullptr) {
-    best = predict(machine_at(with_boom_elements(data.nominal, diagnosis.boom_elements), diagnosis.nuisances, chosen->point),
+    best = predict(machine_at(as_fitted(data.nominal, diagnosis), diagnosis.nuisances, chosen->point),
                    controller::with_effects(data.controller, chosen->controller_effects), data.unseen)
                .relative_gap;
   }

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "sim/effects/catalogue.h"
+
 namespace slewlab::diagnosis::withheld {
 
 const char* name_of(Purpose purpose) { return purpose == Purpose::kTune ? "tune" : "score"; }
@@ -20,6 +22,11 @@ namespace {
 constexpr std::array<const char*, 6> kKindNames{"nothing", "parameters", "one effect", "two effects", "left out",
                                                 "no catalogue"};
 constexpr std::array<double, 6> kKindShares{0.15, 0.15, 0.40, 0.15, 0.075, 0.075};
+
+bool is_of_every_machine(const std::string& effect) {
+  const sim::EffectDescription* const description = sim::find_effect(effect);  // nothing of the controller's
+  return description != nullptr && description->about.of_every_machine;
+}
 
 }  // namespace
 
@@ -153,6 +160,7 @@ std::vector<DrawnCase> draw_cases(int count, std::uint64_t seed, const NominalMa
   std::vector<std::string> in_catalogue, outside;
   for (const Law& law : laws()) {
     if (!suits(law, nominal.description.machine, nominal.controller)) continue;
+    if (!law.effect.empty() && is_of_every_machine(law.effect)) continue;  // no cause
     (law.effect.empty() ? outside : in_catalogue).push_back(law.name);
   }
   const auto many = static_cast<std::size_t>(count);

@@ -1,42 +1,16 @@
-// Coulomb friction of the slew bearing: a torque of constant size against the house's motion, holding at
-// rest,
-//   |T| <= T_c (1 + a) against positive motion, T_c (1 - a) against negative.
-// With `give` > 0 the bearing gives before it slides (presliding.h): torque T_c (1 +- a) s, + where the held share s is
-// positive. That is continuous at s = 0, and more angle is more torque for every a.
-// Source: textbook; "static friction" is in the calculations that thesis 1.1 calls current, and not in its
-// model.
-#include "sim/effects/effect.h"
-
-#include "sim/effects/asymmetry.h"
-#include "sim/effects/presliding.h"
+// Coulomb friction of the slew bearing: a torque of constant size T_c against the house's motion, holding at rest. By direction, and with
+// a give, as bearing_friction.h.
+// Source: textbook. Not in the thesis.
+#include "sim/effects/bearing_friction.h"
 
 namespace slewlab::sim {
 
 namespace {
 
-class BearingCoulomb : public Running<BearingCoulomb> {
- public:
-  explicit BearingCoulomb(const EffectStart& start)
-      : positive_(start.value("torque") * (1.0 + start.value("asymmetry"))),
-        negative_(start.value("torque") * (1.0 - start.value("asymmetry"))),
-        joint_{.give = start.value("give")} {}
-
-  void friction(const EffectMoment&, FrictionLevels& levels) override {
-    if (joint_.give > 0.0) return;
-    levels.house_positive += positive_;
-    levels.house_negative += negative_;
-  }
-
-  void force(const EffectMoment& moment, PortForces& forces) override {
-    if (joint_.give == 0.0) return;
-    const double share = presliding_share(joint_, moment.house_angle);
-    forces.house_torque -= share * (share > 0.0 ? positive_ : negative_);
-  }
-
- private:
-  double positive_;
-  double negative_;
-  Presliding joint_;
+struct CoulombLevel {
+  double torque;  // [Nm]
+  explicit CoulombLevel(const EffectStart& start) : torque(start.value("torque")) {}
+  double operator()(const EffectMoment&) const { return torque; }
 };
 
 }  // namespace
@@ -57,12 +31,11 @@ const EffectDescription& bearing_coulomb() {
                                 .scale = common::ParameterScale::linear,
                                 .absent = 0.0},
                                asymmetry_parameter(),
-                               give_parameter("slew angle over which the bearing takes up its friction; 0: dry friction",
-                                              common::ScaleOf::axis_angle, 0.01986, 5.955e-4)},
+                               bearing_give_parameter()},
                 .family = common::Family::friction},
       .ports = {EffectPort::friction, EffectPort::force},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
-        return std::make_unique<BearingCoulomb>(start);
+        return std::make_unique<BearingFriction<CoulombLevel>>(start);
       }};
   return description;
 }

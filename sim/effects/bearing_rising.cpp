@@ -1,34 +1,24 @@
 // Friction of the axis that rises steeply from rest and flattens: grease and seals that build their film within the first
 // share of the speed, where a line through the origin (bearing_viscous) would go on to rise,
-//   |T| <= (1 +- a) T_f (s + (1 - s) (1 - exp(-|omega| / omega_f))),   + against positive motion,
-// holding s T_f at rest; T_f is what it flattens to.
+//   T_f (s + (1 - s) (1 - exp(-|omega| / omega_f))),
+// holding s T_f at rest; T_f is what it flattens to. By direction, and with a give, as bearing_friction.h.
 // Source: chosen as the simplest law that saturates; the Stribeck curve's counterpart. Not in the thesis.
-#include "sim/effects/effect.h"
+#include "sim/effects/bearing_friction.h"
 
 #include <cmath>
-
-#include "sim/effects/asymmetry.h"
 
 namespace slewlab::sim {
 
 namespace {
 
-class BearingRising : public Running<BearingRising> {
- public:
-  explicit BearingRising(const EffectStart& start)
-      : torque_(start.value("torque")), speed_(start.value("speed")), at_rest_(start.value("at_rest")), asymmetry_(start.value("asymmetry")) {}
-
-  void friction(const EffectMoment& moment, FrictionLevels& levels) override {
-    const double level = torque_ * (at_rest_ - (1.0 - at_rest_) * std::expm1(-std::fabs(moment.house_speed) / speed_));
-    levels.house_positive += (1.0 + asymmetry_) * level;
-    levels.house_negative += (1.0 - asymmetry_) * level;
+struct RisingLevel {
+  double torque;   // [Nm]
+  double speed;    // [rad/s]
+  double at_rest;  // [-]
+  explicit RisingLevel(const EffectStart& start) : torque(start.value("torque")), speed(start.value("speed")), at_rest(start.value("at_rest")) {}
+  double operator()(const EffectMoment& moment) const {
+    return torque * (at_rest - (1.0 - at_rest) * std::expm1(-std::fabs(moment.house_speed) / speed));
   }
-
- private:
-  double torque_;   // [Nm]
-  double speed_;    // [rad/s]
-  double at_rest_;  // [-]
-  double asymmetry_;
 };
 
 }  // namespace
@@ -68,11 +58,12 @@ const EffectDescription& bearing_rising() {
                                 .prior_scale = 0.3,
                                 .scale = common::ParameterScale::linear,
                                 .absent = std::nullopt},
-                               asymmetry_parameter()},
+                               asymmetry_parameter(),
+                               bearing_give_parameter()},
                 .family = common::Family::friction},
-      .ports = {EffectPort::friction},
+      .ports = {EffectPort::friction, EffectPort::force},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
-        return std::make_unique<BearingRising>(start);
+        return std::make_unique<BearingFriction<RisingLevel>>(start);
       }};
   return description;
 }

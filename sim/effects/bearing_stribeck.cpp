@@ -1,51 +1,24 @@
 // Stribeck friction of the slew bearing: dry friction that falls from its breakaway value as motion begins,
-//   |T| <= (1 +- a) (T_c + T_s exp(-(omega / omega_s)^2)),   + against positive motion,
-// holding at rest. T_s is the excess of breakaway over sliding. With `give` > 0 as bearing_coulomb.h.
+//   T_c + T_s exp(-(omega / omega_s)^2),
+// holding at rest. T_s is the excess of breakaway over sliding. By direction, and with a give, as bearing_friction.h.
 // Source: textbook (Stribeck curve); bearing friction is not in the thesis.
-#include "sim/effects/effect.h"
+#include "sim/effects/bearing_friction.h"
 
 #include <cmath>
-
-#include "sim/effects/asymmetry.h"
-#include "sim/effects/presliding.h"
 
 namespace slewlab::sim {
 
 namespace {
 
-class BearingStribeck : public Running<BearingStribeck> {
- public:
-  explicit BearingStribeck(const EffectStart& start)
-      : coulomb_(start.value("coulomb_torque")),
-        excess_(start.value("breakaway_excess")),
-        speed_(start.value("stribeck_speed")),
-        asymmetry_(start.value("asymmetry")),
-        joint_{.give = start.value("give")} {}
-
-  void friction(const EffectMoment& moment, FrictionLevels& levels) override {
-    if (joint_.give > 0.0) return;
-    const double sliding = level(moment.house_speed);
-    levels.house_positive += (1.0 + asymmetry_) * sliding;
-    levels.house_negative += (1.0 - asymmetry_) * sliding;
+struct StribeckLevel {
+  double coulomb, excess;  // [Nm]
+  double speed;            // [rad/s]
+  explicit StribeckLevel(const EffectStart& start)
+      : coulomb(start.value("coulomb_torque")), excess(start.value("breakaway_excess")), speed(start.value("stribeck_speed")) {}
+  double operator()(const EffectMoment& moment) const {
+    const double ratio = moment.house_speed / speed;
+    return coulomb + excess * std::exp(-ratio * ratio);
   }
-
-  void force(const EffectMoment& moment, PortForces& forces) override {
-    if (joint_.give == 0.0) return;
-    const double share = presliding_share(joint_, moment.house_angle);
-    forces.house_torque -= share * (share > 0.0 ? 1.0 + asymmetry_ : 1.0 - asymmetry_) * level(moment.house_speed);
-  }
-
- private:
-  double level(double house_speed) const {
-    const double ratio = house_speed / speed_;
-    return coulomb_ + excess_ * std::exp(-ratio * ratio);
-  }
-
-  double coulomb_;
-  double excess_;
-  double speed_;
-  double asymmetry_;
-  Presliding joint_;
 };
 
 }  // namespace
@@ -86,12 +59,11 @@ const EffectDescription& bearing_stribeck() {
                                 .scale = common::ParameterScale::logarithmic,
                                 .absent = std::nullopt},
                                asymmetry_parameter(),
-                               give_parameter("slew angle over which the bearing takes up its friction; 0: dry friction",
-                                              common::ScaleOf::axis_angle, 0.01986, 5.955e-4)},
+                               bearing_give_parameter()},
                 .family = common::Family::friction},
       .ports = {EffectPort::friction, EffectPort::force},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
-        return std::make_unique<BearingStribeck>(start);
+        return std::make_unique<BearingFriction<StribeckLevel>>(start);
       }};
   return description;
 }

@@ -1,44 +1,38 @@
 // Dry friction of the axis that depends on where it stands: an uneven raceway, a bent rail or spindle, seals that are tight
 // in one place,
-//   |T| <= T_c max(0, 1 + v cos(2 pi theta / l + phi) + a sin(4 pi theta / l) + b cos(4 pi theta / l)),
-// holding at rest, l the length after which it comes again: a turn of the axis, or of a pinion, or a rail's length.
+//   T_c max(0, 1 + v cos(2 pi theta / l + phi) + s sin(4 pi theta / l) + c cos(4 pi theta / l)),
+// holding at rest, l the length after which it comes again: a turn of the axis, or of a pinion, or a rail's length. By direction, and with a
+// give, as bearing_friction.h.
 // Source: textbook (Fourier series of a position-dependent Coulomb level). Not in the thesis.
-#include "sim/effects/effect.h"
+#include "sim/effects/bearing_friction.h"
+#include "sim/effects/ripple.h"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "sim/effects/ripple.h"
-
 namespace slewlab::sim {
 
 namespace {
 
-class BearingUneven : public Running<BearingUneven> {
- public:
-  explicit BearingUneven(const EffectStart& start)
-      : torque_(start.value("torque")),
-        variation_(start.value("variation")),
-        order_(2.0 * std::numbers::pi / start.value("wavelength")),
-        phase_(start.value("phase")),
-        second_sine_(start.value("second_sine")),
-        second_cosine_(start.value("second_cosine")) {}
-
-  void friction(const EffectMoment& moment, FrictionLevels& levels) override {
-    const double at = order_ * moment.house_angle;
-    const double share = 1.0 + variation_ * std::cos(at + phase_) + second_sine_ * std::sin(2.0 * at) + second_cosine_ * std::cos(2.0 * at);
-    const double level = torque_ * std::max(0.0, share);
-    levels.house_positive += level;
-    levels.house_negative += level;
+struct UnevenLevel {
+  double torque;                        // [Nm]
+  double variation;                     // [-]
+  double order;                         // [1/rad]
+  double phase;                         // [rad]
+  double second_sine, second_cosine;    // [-]
+  explicit UnevenLevel(const EffectStart& start)
+      : torque(start.value("torque")),
+        variation(start.value("variation")),
+        order(2.0 * std::numbers::pi / start.value("wavelength")),
+        phase(start.value("phase")),
+        second_sine(start.value("second_sine")),
+        second_cosine(start.value("second_cosine")) {}
+  double operator()(const EffectMoment& moment) const {
+    const double at = order * moment.house_angle;
+    const double share = 1.0 + variation * std::cos(at + phase) + second_sine * std::sin(2.0 * at) + second_cosine * std::cos(2.0 * at);
+    return torque * std::max(0.0, share);
   }
-
- private:
-  double torque_;     // [Nm]
-  double variation_;  // [-]
-  double order_;      // [1/rad]
-  double phase_;      // [rad]
-  double second_sine_, second_cosine_;  // [-]
 };
 
 // A share of the mean, where Ripple's is one of the amplitude.
@@ -85,11 +79,13 @@ const EffectDescription& bearing_uneven() {
                                 .tries = {0.1, 0.25, 0.6, 1.5}},
                                common::angle_parameter("phase", "at the start; 0: most friction there"),
                                second(second_sine_parameter(), "sine of half the wavelength, share of the mean"),
-                               second(second_cosine_parameter(), "cosine of half the wavelength, share of the mean")},
+                               second(second_cosine_parameter(), "cosine of half the wavelength, share of the mean"),
+                               asymmetry_parameter(),
+                               bearing_give_parameter()},
                 .family = common::Family::friction},
-      .ports = {EffectPort::friction},
+      .ports = {EffectPort::friction, EffectPort::force},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
-        return std::make_unique<BearingUneven>(start);
+        return std::make_unique<BearingFriction<UnevenLevel>>(start);
       }};
   return description;
 }

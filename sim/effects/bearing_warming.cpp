@@ -1,11 +1,11 @@
 // Friction of the axis that falls as it warms by moving: dry and viscous friction of the cold machine,
-//   |T| <= (T_c + d |omega|) (1 - f (1 - exp(-s / s_w))),   s = integral of |omega| over the time,
-// holding at rest. s is the way that the axis has gone since the start, to either side: what a friction of about one size
+//   (T_c + d |omega|) (1 - f (1 - exp(-s / s_w))),   s = integral of |omega| over the time,
+// holding at rest. By direction, and with a give, as bearing_friction.h. s is the way that the axis has gone since the start, to either side: what a friction of about one size
 // turns into heat goes with it. f is the share that is lost when warm, s_w the way in which 63 % of that are.
 // The way is summed by the speed in each step's middle, of second order in the step.
 // Assumption: the machine is cold at the start, and does not cool in the run.
 // Source: textbook (viscosity falls with temperature), the exponential as the simplest law. Not in the thesis.
-#include "sim/effects/effect.h"
+#include "sim/effects/bearing_friction.h"
 
 #include <cmath>
 
@@ -13,25 +13,20 @@ namespace slewlab::sim {
 
 namespace {
 
-class BearingWarming : public Running<BearingWarming> {
- public:
-  explicit BearingWarming(const EffectStart& start)
-      : torque_(start.value("torque")), coefficient_(start.value("coefficient")), fall_(start.value("fall")), way_(start.value("way")) {}
-
-  void friction(const EffectMoment& moment, FrictionLevels& levels) override {
+struct WarmingLevel {
+  double torque;       // [Nm]
+  double coefficient;  // [Nm s/rad]
+  double fall;         // [-]
+  double way;          // [rad]
+  double gone = 0.0;   // [rad] at the step's start
+  explicit WarmingLevel(const EffectStart& start)
+      : torque(start.value("torque")), coefficient(start.value("coefficient")), fall(start.value("fall")), way(start.value("way")) {}
+  double operator()(const EffectMoment& moment) {
     const double speed = std::fabs(moment.house_speed), moved = speed * moment.step;
-    const double level = (torque_ + coefficient_ * speed) * (1.0 + fall_ * std::expm1(-(gone_ + 0.5 * moved) / way_));
-    gone_ += moved;
-    levels.house_positive += level;
-    levels.house_negative += level;
+    const double level = (torque + coefficient * speed) * (1.0 + fall * std::expm1(-(gone + 0.5 * moved) / way));
+    gone += moved;
+    return level;
   }
-
- private:
-  double torque_;       // [Nm]
-  double coefficient_;  // [Nm s/rad]
-  double fall_;         // [-]
-  double way_;          // [rad]
-  double gone_ = 0.0;   // [rad] at the step's start
 };
 
 }  // namespace
@@ -80,11 +75,13 @@ const EffectDescription& bearing_warming() {
                                 .prior_scale = 1.0,
                                 .scale = common::ParameterScale::logarithmic,
                                 .absent = std::nullopt,
-                                .tries = {2.0, 50.0}}},
+                                .tries = {2.0, 50.0}},
+                               asymmetry_parameter(),
+                               bearing_give_parameter()},
                 .family = common::Family::friction},
-      .ports = {EffectPort::friction},
+      .ports = {EffectPort::friction, EffectPort::force},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
-        return std::make_unique<BearingWarming>(start);
+        return std::make_unique<BearingFriction<WarmingLevel>>(start);
       }};
   return description;
 }

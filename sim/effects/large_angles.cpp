@@ -84,7 +84,8 @@ const EffectDescription& large_angles() {
                                 .prior_scale = 1.0,
                                 .scale = common::ParameterScale::linear,
                                 .absent = 0.0}},
-                .needs = {.load = true}},
+                .needs = {.load = true},
+                .of_every_machine = true},
       .ports = {EffectPort::force},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<LargeAngles>(start);

@@ -10,9 +10,9 @@ namespace {
 
 class MeshVariation : public Running<MeshVariation> {
  public:
-  MeshVariation(const EffectStart& start, double amplitude, const Ripple& ripple, MeshAngle angle)
+  MeshVariation(const EffectStart& start, double amplitude, const GroupRipples& ripples, MeshAngle angle)
       : amplitude_(amplitude),
-        ripple_(ripple),
+        ripples_(ripples),
         angle_(angle),
         gear_(start.model.gear),
         group_count_(start.model.group_count),
@@ -34,8 +34,8 @@ class MeshVariation : public Running<MeshVariation> {
       const double motor = moment.motor_angle[i], motor_speed = moment.motor_speed[i];
       const double change = mesh_torque(
           gear_[i],
-          angle_ == MeshAngle::house ? share(moment.house_angle, moment.house_speed * moment.step)
-                                     : share(motor, motor_speed * moment.step),
+          angle_ == MeshAngle::house ? share(i, moment.house_angle, moment.house_speed * moment.step)
+                                     : share(i, motor, motor_speed * moment.step),
           motor - moment.house_angle, motor_speed - moment.house_speed);
       ports.motor_torque[i] -= change;
       ports.house_torque += change;
@@ -47,7 +47,7 @@ class MeshVariation : public Running<MeshVariation> {
     double missing = -held_;
     for (int i = 0; i < group_count_; ++i) {
       const double motor = moment.truth.shaft_position[i] / ratio_, motor_speed = moment.truth.shaft_speed[i] / ratio_;
-      missing += mesh_torque(gear_[i], share(angle_ == MeshAngle::house ? moment.house_angle : motor, 0.0),
+      missing += mesh_torque(gear_[i], share(i, angle_ == MeshAngle::house ? moment.house_angle : motor, 0.0),
                              motor - moment.house_angle, motor_speed - moment.house_speed);
     }
     add_to_accelerometers(readings, [&](std::string_view place) {
@@ -56,10 +56,12 @@ class MeshVariation : public Running<MeshVariation> {
   }
 
  private:
-  double share(double angle, double turned) const { return amplitude_ * mean_ripple(ripple_, angle, turned); }
+  double share(int group, double angle, double turned) const {
+    return amplitude_ * mean_ripple(ripples_[static_cast<std::size_t>(group)], angle, turned);
+  }
 
   double amplitude_;
-  Ripple ripple_;  // over the slew axis
+  GroupRipples ripples_;  // over the slew axis
   MeshAngle angle_;
   std::array<GearContact, kMaximumGroupCount> gear_;
   int group_count_;
@@ -70,9 +72,9 @@ class MeshVariation : public Running<MeshVariation> {
 
 }  // namespace
 
-std::unique_ptr<RunningEffect> start_mesh_variation(const EffectStart& start, double amplitude, const Ripple& ripple,
+std::unique_ptr<RunningEffect> start_mesh_variation(const EffectStart& start, double amplitude, const GroupRipples& ripples,
                                                     MeshAngle angle) {
-  return std::make_unique<MeshVariation>(start, amplitude, ripple, angle);
+  return std::make_unique<MeshVariation>(start, amplitude, ripples, angle);
 }
 
 }  // namespace slewlab::sim

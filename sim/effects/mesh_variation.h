@@ -6,6 +6,7 @@
 // of the last step of 1 ms is 27 degrees behind.
 #pragma once
 
+#include <array>
 #include <memory>
 
 #include "sim/effects/effect.h"
@@ -13,10 +14,12 @@
 
 namespace slewlab::sim {
 
+using GroupRipples = std::array<Ripple, kMaximumGroupCount>;
+
 enum class MeshAngle { house, motor };  // which one the ripple goes over, on the slew axis
 
-// `amplitude` [-] of the group's stiffness.
-std::unique_ptr<RunningEffect> start_mesh_variation(const EffectStart& start, double amplitude, const Ripple& ripple,
+// `amplitude` [-] of the group's stiffness; each group goes by its own ripple.
+std::unique_ptr<RunningEffect> start_mesh_variation(const EffectStart& start, double amplitude, const GroupRipples& ripples,
                                                     MeshAngle angle);
 
 }  // namespace slewlab::sim

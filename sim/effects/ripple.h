@@ -3,9 +3,12 @@
 // What acts over a step is the mean along the turned angle, exact for a steady speed.
 #pragma once
 
+#include <array>
+#include <cmath>
 #include <numbers>
 
 #include "common/effect.h"
+#include "sim/effects/effect.h"
 #include "sim/effects/mean_sine.h"
 
 namespace slewlab::sim {
@@ -15,6 +18,25 @@ struct Ripple {
   double phase = 0.0;         // [rad]
   double second_sine = 0.0, second_cosine = 0.0;  // a, b [-] of the first harmonic's amplitude
 };
+
+// The same wave, `by` [rad] of its first harmonic on.
+inline Ripple shifted(Ripple ripple, double by) {
+  const double sine = std::sin(2.0 * by), cosine = std::cos(2.0 * by);
+  ripple.phase += by;
+  const double second_sine = ripple.second_sine * cosine - ripple.second_cosine * sine;
+  ripple.second_cosine = ripple.second_sine * sine + ripple.second_cosine * cosine;
+  ripple.second_sine = second_sine;
+  return ripple;
+}
+
+// One wave for all groups, each half of them with a phase of its own: no two rotors and no two pinions are mounted alike.
+inline std::array<Ripple, kMaximumGroupCount> ripples_of_groups(const Ripple& first, double phase_last, int group_count) {
+  std::array<Ripple, kMaximumGroupCount> ripples{};
+  for (int i = 0; i < group_count; ++i) {
+    ripples[static_cast<std::size_t>(i)] = group_side(i, group_count) < 0.0 ? shifted(first, phase_last - first.phase) : first;
+  }
+  return ripples;
+}
 
 // Mean over a step that turns by `turned` [rad] around `angle` [rad].
 inline double mean_ripple(const Ripple& ripple, double angle, double turned) {

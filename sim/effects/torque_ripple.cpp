@@ -1,6 +1,6 @@
 // Torque ripple: on top of the command, a torque that depends on the rotor's angle,
 //   T = T_command + a (sin(n theta_motor + phase) + second_sine sin(2 n theta_motor) + second_cosine cos(2 n theta_motor)),
-// n ripples per turn of the motor. What acts over a step is its mean along the turned angle, exact for a steady speed, so
+// n ripples per turn of the motor; rotors are mounted one by one, so the last half of the groups has the same wave with a phase of its own. What acts over a step is its mean along the turned angle, exact for a steady speed, so
 // that ripples faster than the step do not fold down into slow ones.
 // Source: textbook; cogging and sixth harmonics of a three-phase machine, and their multiples. Left out in thesis 2.4.
 #include "sim/effects/effect.h"
@@ -16,22 +16,23 @@ class TorqueRipple : public Running<TorqueRipple> {
  public:
   explicit TorqueRipple(const EffectStart& start)
       : amplitude_(start.value("amplitude")),
-        ripple_{.order = start.value("order") * start.model.ratio,
-                .phase = start.value("phase"),
-                .second_sine = start.value("second_sine"),
-                .second_cosine = start.value("second_cosine")},
+        ripple_(ripples_of_groups({.order = start.value("order") * start.model.ratio,
+                                   .phase = start.value("phase"),
+                                   .second_sine = start.value("second_sine"),
+                                   .second_cosine = start.value("second_cosine")},
+                                  start.value("phase_last"), start.model.group_count)),
         group_count_(start.model.group_count) {}
 
   void actuator(const EffectMoment& moment, GroupArray& motor_torque) override {
     for (int i = 0; i < group_count_; ++i) {
       motor_torque[i] +=
-          amplitude_ * mean_ripple(ripple_, moment.motor_angle[i], moment.motor_speed[i] * moment.step);
+          amplitude_ * mean_ripple(ripple_[static_cast<std::size_t>(i)], moment.motor_angle[i], moment.motor_speed[i] * moment.step);
     }
   }
 
  private:
   double amplitude_;
-  Ripple ripple_;  // over the slew axis
+  std::array<Ripple, kMaximumGroupCount> ripple_;  // over the slew axis
   int group_count_;
 };
 
@@ -62,7 +63,8 @@ const EffectDescription& torque_ripple() {
                                 .scale = common::ParameterScale::logarithmic,
                                 .absent = std::nullopt,
                                 .tries = {1.0, 2.0, 3.0, 4.0, 12.0}},  // turn, pole pairs, their harmonics
-                               common::angle_parameter("phase", "phase of the ripple at the start"),
+                               common::angle_parameter("phase", "at the start, in the first half of the groups"),
+                               common::angle_parameter("phase_last", "at the start, in the last half"),
                                second_sine_parameter(),
                                second_cosine_parameter()},
                 .family = common::Family::ripple},

@@ -140,7 +140,7 @@ std::vector<Parameter> all_parameters_of_axis(const AxisForm& form) {
        {{"", form.is_shaft_linear ? "motor_mass" : "motor_inertia", shaft.inertia, [](C& c) -> double& { return c.drive.motor_inertia; }}}},
       {"transmission stiffness", kUnitDeviation,
        {{"transmission", "stiffness", axis.stiffness, [](C& c) -> double& { return c.drive.gearbox_stiffness; }}}},
-      {"transmission damping", kUnitDeviation,
+      {"transmission damping", kDampingDeviation,
        {{"transmission", "damping_ratio", Unit::none, [](C& c) -> double& { return c.drive.gear_damping_ratio; }}}},
       {"play", kUnitDeviation, {{"transmission", "play", axis.position, [](C& c) -> double& { return c.drive.gearbox_play; }}}},
       {"constant load", kUnitDeviation, {{"load", "constant", axis.torque, [](C& c) -> double& { return c.axis_force.constant; }}}},
@@ -171,7 +171,7 @@ std::vector<Parameter> all_parameters() {
         {"drive", "gearbox_inertia", Unit::kilogram_square_metre, [](C& c) -> double& { return c.drive.gearbox_inertia; }}}},
       {"gearbox stiffness", kUnitDeviation,
        {{"drive", "gearbox_stiffness", Unit::newton_metre_per_radian, [](C& c) -> double& { return c.drive.gearbox_stiffness; }}}},
-      {"gear damping", kUnitDeviation,
+      {"gear damping", kDampingDeviation,
        {{"drive", "gear_damping_ratio", Unit::none, [](C& c) -> double& { return c.drive.gear_damping_ratio; }}}},
       {"play", kUnitDeviation,
        {{"drive", "gearbox_play", Unit::radian, [](C& c) -> double& { return c.drive.gearbox_play; }},
@@ -185,13 +185,13 @@ std::vector<Parameter> all_parameters() {
        {{"boom", "youngs_modulus", Unit::pascal, [](C& c) -> double& { return c.boom.youngs_modulus; }}}},
       {"boom torsional stiffness", kUnitDeviation,
        {{"boom", "torsion_constant", Unit::metre_to_the_fourth, [](C& c) -> double& { return c.boom.torsion_constant; }}}},
-      {"boom damping", kUnitDeviation, {{"boom", "damping_ratio", Unit::none, [](C& c) -> double& { return c.boom.damping_ratio; }}}},
+      {"boom damping", kDampingDeviation, {{"boom", "damping_ratio", Unit::none, [](C& c) -> double& { return c.boom.damping_ratio; }}}},
       {"boom angle", kUnitDeviation, {{"boom", "angle", Unit::radian, [](C& c) -> double& { return c.boom.angle; }}}},
       {"pivot radius", kUnitDeviation, {{"boom", "pivot_radius", Unit::metre, [](C& c) -> double& { return c.boom.pivot_radius; }}}},
       {"load mass", kUnitDeviation, {{"load", "mass", Unit::kilogram, [](C& c) -> double& { return c.load.mass; }}}},
       {"rope length", kUnitDeviation, {{"load", "rope_length", Unit::metre, [](C& c) -> double& { return c.load.rope_length; }}}},
       {"rod length", kUnitDeviation, {{"load", "rod_length", Unit::metre, [](C& c) -> double& { return c.load.rod_length; }}}},
-      {"load damping", kUnitDeviation, {{"load", "damping_ratio", Unit::none, [](C& c) -> double& { return c.load.damping_ratio; }}}},
+      {"load damping", kDampingDeviation, {{"load", "damping_ratio", Unit::none, [](C& c) -> double& { return c.load.damping_ratio; }}}},
   };
 }
 

@@ -80,5 +80,7 @@ MachineDescription describe(const CraneParameters& machine);
 // make; a file may give a number's own (`spread`).
 inline constexpr double kUnitSpread = 0.05;                                 // [-] half range
 inline constexpr double kUnitDeviation = kUnitSpread / 1.7320508075688772;  // [-]
+// Damping is measured at its best and mostly guessed: chosen, a standard deviation of a fifth.
+inline constexpr double kDampingDeviation = 0.2;  // [-]
 
 }  // namespace slewlab::sim

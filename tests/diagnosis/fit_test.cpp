@@ -2,78 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <stdexcept>
-#include <thread>
-#include <vector>
-
-#include "sim/effects/catalogue.h"
-#include "sim/machine/machine_file.h"
-#include "tests/diagnosis/bench.h"
 
 namespace slewlab::diagnosis {
 namespace {
-
-// Each share once, and never more at work than `threads`, also where a share shares out itself.
-TEST(ShareOut, DoesEveryShareOnceOnAsManyThreadsAsAllowed) {
-  for (const int threads : {1, 2, 3}) {
-    Problem problem;
-    problem.threads = threads;
-    std::vector<std::atomic<int>> done(5 * 7);
-    std::atomic<int> working{0}, most{0};
-    share_out(problem, 5, [&](std::size_t outer) {
-      share_out(problem, 7, [&](std::size_t inner) {
-        const int now = ++working;
-        int before = most;
-        while (before < now && !most.compare_exchange_weak(before, now)) {
-        }
-        ++done[7 * outer + inner];
-        std::this_thread::yield();
-        --working;
-      });
-    });
-    for (const std::atomic<int>& times : done) EXPECT_EQ(times, 1);
-    EXPECT_LE(most, threads);
-    EXPECT_EQ(problem.helpers, 0);
-  }
-}
-
-TEST(ShareOut, ThrowsAgainWhatAShareThrewAndBeginsNoOther) {
-  Problem problem;
-  int begun = 0;
-  EXPECT_THROW(share_out(problem, 10,
-                         [&](std::size_t i) {
-                           ++begun;
-                           if (i == 3) throw std::invalid_argument("the fourth");
-                         }),
-               std::invalid_argument);
-  EXPECT_EQ(begun, 4);
-  problem.threads = 2;
-  EXPECT_THROW(share_out(problem, 10, [](std::size_t) { throw Interrupted{}; }), Interrupted);
-  EXPECT_EQ(problem.helpers, 0);
-}
-
-// A factor is judged by how far it is from 1, where the effect is absent: an unchanged inertia costs nothing, and factors
-// of e^0.5 and e^-0.5 as much as each other. Where absent is infinite, by how far it is from its typical size.
-TEST(Coordinates, OfALogarithmicParameterAreZeroWhereTheEffectIsAbsent) {
-  const common::EffectCatalogue catalogue = sim::effects_for(sim::load_machine_file(SLEWLAB_SOURCE_DIR "/config/cranes/thesis.yaml").parameters);
-  const common::EffectParameter& factor = catalogue.at("house_inertia").parameters[common::kSize];
-  EXPECT_EQ(to_coordinate(factor, 1.0), 0.0);
-  EXPECT_EQ(value_at(factor, 0.0), 1.0);
-  EXPECT_NEAR(to_coordinate(factor, std::exp(0.5)), 1.0, 1e-12);  // its prior's width is 0.5
-  EXPECT_NEAR(to_coordinate(factor, std::exp(-0.5)), -1.0, 1e-12);
-  EXPECT_NEAR(value_at(factor, to_coordinate(factor, 2.5)), 2.5, 1e-12);
-  const common::EffectParameter& limit = catalogue.at("torque_limit").parameters[common::kSize];
-  EXPECT_EQ(to_coordinate(limit, limit.typical), 0.0);
-  for (const common::EffectAbout& about : catalogue.effects) {
-    for (const common::EffectParameter& parameter : about.parameters) {
-      if (!parameter.absent || !std::isfinite(*parameter.absent)) continue;
-      EXPECT_EQ(to_coordinate(parameter, *parameter.absent), 0.0) << about.name << " " << parameter.name;
-    }
-  }
-}
 
 // Limits of L(c) = nu ln(1 + c / nu): c where it is small, ratios count where it is large, and no discount below 0.
 TEST(Discount, HasItsLimits) {
@@ -93,54 +25,6 @@ TEST(Excess, IsWhatStandsAboveTheNoise) {
   FitSettings settings;
   settings.independent_share = 0.5;
   EXPECT_NEAR(excess(Eigen::VectorXd::Constant(10, 2.0), settings), 0.5 * (40.0 - 10.0), 1e-12);
-}
-
-// As fine as kBoomElements, finer where the crane file is, and a rigid boom stays one.
-TEST(BoomElements, CutAFlexibleBoomFinelyEnough) {
-  sim::MachineSettings nominal;
-  for (const auto& [given, cut] : {std::pair(6, kBoomElements), std::pair(24, 24), std::pair(0, 0)}) {
-    nominal.crane.boom.element_count = given;
-    EXPECT_EQ(with_boom_elements(nominal, kBoomElements).crane.boom.element_count, cut);
-  }
-}
-
-// A boom that buckles is a point to step back from. A point that names no effect, or an effect without its values, is an error of
-// the program, which a fit that took it for a bad point would hide.
-TEST(Differences, OnlyAMachineThatCannotBeBuiltCountsAsFarOff) {
-  sim::MachineSettings truth;
-  truth.crane = bench().crane;
-  BenchProblem problem;
-  problem.add(make_record(simulated_log(sim::make_machine(truth), bench().controller, kThereAndBack, 12.0, 3), "log", bench().admission));
-  problem.nominal.crane.boom.youngs_modulus *= 1e-3;  // whose Euler load is beyond 4 MN no more
-  Point point;
-  point.effects = {{"compression_softening", {4e6}}};
-  EXPECT_GT(differences(problem, point).minCoeff(), 100.0);
-  point.effects = {{"compression_softening", {}}};
-  EXPECT_THROW(differences(problem, point), std::invalid_argument);
-  point.effects = {{"no_such_effect", {1.0}}};
-  EXPECT_THROW(differences(problem, point), std::invalid_argument);
-}
-
-// The columns of a fit are simulated side by side, whatever parameters and effects each machine has beside the others.
-TEST(Differences, OfManyPointsAreThoseOfEachAlone) {
-  sim::MachineSettings truth;
-  truth.crane = bench().crane;
-  BenchProblem problem;
-  for (const unsigned seed : {3u, 4u}) {
-    problem.add(make_record(simulated_log(sim::make_machine(truth), bench().controller, kThereAndBack, 8.0, seed), "log", bench().admission));
-  }
-  std::vector<Point> points(11);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    points[i].nuisance.assign(nuisance_count(problem), 0.0);
-    points[i].nuisance[i] = 1.0;
-  }
-  points[2].effects = {common::typical_instance(problem.catalogue.at("torque_lag"))};
-  points[5].effects = {common::typical_instance(problem.catalogue.at("wind"))};
-  points[7].effects = {common::typical_instance(problem.catalogue.at("house_inertia"))};
-  points[9].effects = {common::typical_instance(problem.catalogue.at("hoisting"))};
-  const std::vector<Eigen::VectorXd> together = differences(problem, points);
-  ASSERT_EQ(together.size(), points.size());
-  for (std::size_t i = 0; i < points.size(); ++i) EXPECT_EQ(together[i], differences(problem, points[i])) << i;
 }
 
 // One nuisance (the first) moves one difference; the fit stands at z = 3, far beyond the bound at 2, where nothing is left.

@@ -20,7 +20,7 @@ namespace {
 TEST(Shadow, WhatGoesWithTheAngleHasItsPhaseInARecordThatBeginsElsewhere) {
   sim::MachineSettings truth;
   truth.crane = bench().crane;
-  truth.effects = {{"pinion_mesh_variation", {0.1, 1.0, 0.2, 0.0}}};
+  truth.effects = {{"pinion_mesh_variation", {0.1, 1.0, 1.0, 0.2, 0.0}}};
   msgs::RunLog log = simulated_log(truth, bench().controller, kThereAndBack, kDuration, 5);
   constexpr std::size_t kFrom = 6500;  // messages
   leave_out_beginning(log, kFrom);

@@ -139,7 +139,7 @@ std::string answer_sentence(const Diagnosis& diagnosis) {
   std::string text = fmt::format("{}{}, {:.0f} %", diagnosis.lead_acts < diagnosis::kSure || is_refuted ? "Not sure: " : "", name_of(first), 100 * diagnosis.lead_acts);
   if (diagnosis.lead_acts - first.probability > kWorthNaming) text += fmt::format(" ({:.0f} % alone, the rest beside what these records may hide)", 100 * first.probability);
   if (!first.validation && !first.point.effects.empty()) {
-    text += "; not tested on data that were not fitted, because its sizes are read off the records";
+    text += "; not tested on data that were not fitted";
   }
   if (first.validation && first.validation->unknown_cost) {
     text += "; on data that were not fitted the residual has the power that it predicts";
@@ -177,6 +177,8 @@ nlohmann::json to_json(const Diagnosis& diagnosis, bool is_damaged) {
                       {"seconds", diagnosis.total_seconds},
                       {"remarks", diagnosis.remarks},
                       {"not_excited", diagnosis.not_excited},
+                      {"subsystems", nlohmann::json::object()},
+                      {"effects", nlohmann::json::object()},
                       {"causes", nlohmann::json::array()}};
   for (const auto& [subsystem, probability] : diagnosis.subsystems) json["subsystems"][subsystem] = probability;
   for (const auto& [effect, probability] : diagnosis.effects) json["effects"][effect] = probability;
@@ -213,30 +215,35 @@ struct Predicted {
 };
 
 // Measured and missing torque, and what was predicted where there is a controller: every `stride`th value of the record,
-// filtered so that nothing folds into the page's spectrogram.
-std::string series_text(const Record& record, const diagnosis::Followed& followed, const std::optional<Predicted>& predicted,
+// filtered so that nothing folds into the page's spectrogram. A record whose beginning was not followed is shown from where it was.
+std::string series_text(Record record, const diagnosis::Followed& followed, const std::optional<Predicted>& predicted,
                         std::size_t stride) {
   std::string head = "time_s";
   std::vector<std::vector<double>> columns;
+  const std::size_t left_out = record.size() - followed.nominal.missing_torque[0].size();
+  if (left_out > 0) diagnosis::leave_out_beginning(record, left_out);
   const auto add = [&](const std::string& name, const std::vector<double>& values) {
     head += ',' + name;
     columns.push_back(diagnosis::decimated(values, stride));
+  };
+  const auto add_predicted = [&](const std::string& name, const std::vector<double>& values) {
+    add(name, {values.begin() + static_cast<std::ptrdiff_t>(left_out), values.end()});
   };
   add("speed", record.shaft_speed[0]);
   add("missing_torque", followed.nominal.missing_torque[0]);
   add("missing_torque_after", followed.explained.missing_torque[0]);
   add("torque", record.motor_torque[0]);
   if (predicted) {
-    add("torque_before", predicted->before.series.motor_torque[0]);
-    add("torque_after", predicted->after.series.motor_torque[0]);
+    add_predicted("torque_before", predicted->before.series.motor_torque[0]);
+    add_predicted("torque_after", predicted->after.series.motor_torque[0]);
   }
   for (std::size_t a = 0; a < diagnosis::kAccelerometerCount; ++a) {
     if (record.acceleration[a].empty()) continue;
     const std::string name = diagnosis::accelerometer_name(static_cast<int>(a));
     add(name, record.acceleration[a]);
     if (!predicted) continue;
-    add(name + "_before", predicted->before.series.acceleration[a]);
-    add(name + "_after", predicted->after.series.acceleration[a]);
+    add_predicted(name + "_before", predicted->before.series.acceleration[a]);
+    add_predicted(name + "_after", predicted->after.series.acceleration[a]);
   }
   std::string text = head + "\n";
   for (std::size_t row = 0; row * stride < record.size(); ++row) {
@@ -614,7 +621,7 @@ int diagnose_crane_logs(const sim::MachineFile& crane, const DiagnoseOptions& op
   MeasuredRuns again = measured_runs(options.logs);
   const std::vector<Record> records = admitted_records(again, thresholds.admission);
   const Cause first = found.causes.empty() ? Cause{} : found.causes.front();
-  const Made made{options, nominal, controller, found, measured.is_damaged, diagnosis::with_boom_elements(nominal, found.boom_elements),
+  const Made made{options, nominal, controller, found, measured.is_damaged, diagnosis::as_fitted(nominal, found),
                   first, found.is_unknown ? Cause{} : first};
   const std::string summary = write_findings(made, records, thresholds);
   out << summary << "files: " << options.out.string() << std::endl;

@@ -195,7 +195,7 @@ TEST(EffectCatalogue, SmoothEffectsAreOfSecondOrderInTheStep) {
 TEST(EffectCatalogue, JointsThatGiveAreRightWithinAShareOfTheirEffect) {
   const CraneParameters crane = flexible_crane();
   const BenchStart start{.slew_speed = 0.03, .rope_angle = 0.03};
-  for (const char* name : {"dragging_brake", "bearing_coulomb", "bearing_stribeck"}) {
+  for (const char* name : {"dragging_brake", "bearing_coulomb", "bearing_stribeck", "bearing_rising", "bearing_uneven", "bearing_warming"}) {
     const common::EffectInstance instance = common::typical_instance(thesis_effect(name));
     const auto end = [&](double step, const std::vector<common::EffectInstance>& effects) {
       return run({.crane = crane, .effects = effects, .step = step}, 1.6, constant_drive(110.0, 95.0), start).back();

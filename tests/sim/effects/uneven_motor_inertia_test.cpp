@@ -11,7 +11,7 @@ namespace {
 TEST(UnevenMotorInertia, GroupsAccelerateByTheirOwnInertia) {
   CraneParameters crane = rigid_crane();
   crane.drive.gearbox_play = 10.0;
-  const auto samples = run(crane, "uneven_motor_inertia", {0.2}, 1.0, constant_drive(50.0, 50.0));
+  const auto samples = run(crane, "uneven_motor_inertia", {0.2, 0.0}, 1.0, constant_drive(50.0, 50.0));
   const double group = (whole_inertia(crane) - house_and_boom_inertia(crane)) / 2.0;
   const double angle = 0.5 * 50.0 * torque_factor(crane) / group;
   EXPECT_NEAR(samples.back().motor_angle[0], angle / 1.2, 1e-9);
@@ -21,7 +21,7 @@ TEST(UnevenMotorInertia, GroupsAccelerateByTheirOwnInertia) {
 TEST(UnevenMotorInertia, OneGroupHasNoDifference) {
   CraneParameters crane = rigid_crane();
   crane.drive.group_count = 1;
-  EXPECT_THROW(run(crane, "uneven_motor_inertia", {0.2}, 0.5, constant_drive(50.0, 0.0)), std::invalid_argument);
+  EXPECT_THROW(run(crane, "uneven_motor_inertia", {0.2, 0.0}, 0.5, constant_drive(50.0, 0.0)), std::invalid_argument);
 }
 
 }  // namespace

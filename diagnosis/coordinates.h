@@ -1,0 +1,27 @@
+// Parameters of effects as coordinates: in standard deviations of their priors, zero where the effect is absent or, where that is nowhere finite, at
+// its typical size (docs/diagnosis/method.md, 6).
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <vector>
+
+#include "common/effect.h"
+
+namespace slewlab::diagnosis {
+
+// Coordinates of effect parameters in standard deviations of their priors.
+double to_coordinate(const common::EffectParameter& parameter, double value);
+// The same back, within the parameter's bounds.
+double value_at(const common::EffectParameter& parameter, double coordinate);
+// An angle that may be any: what goes beyond half a turn comes back from the other side.
+bool is_all_round(const common::EffectParameter& parameter);
+// How much `value` changes per standard deviation of its prior, in its own unit.
+double value_per_deviation(const common::EffectParameter& parameter, double value);
+
+// Of all parameters of the effects, in their order; and the effects with their parameters there, within their bounds.
+Eigen::VectorXd effect_coordinates(const common::EffectCatalogue& catalogue, std::span<const common::EffectInstance> effects);
+std::vector<common::EffectInstance> effects_at(const common::EffectCatalogue& catalogue, std::vector<common::EffectInstance> effects,
+                                               const Eigen::VectorXd& coordinates);
+
+}  // namespace slewlab::diagnosis
