@@ -49,7 +49,7 @@ void settle_leader(Problem& problem, FitResult& leader) {
 // Rounds with fresh columns for the best `count`, each time for the better half of them: none loses for want of convergence, and few go all the way.
 // Beside one that leaves noise alone nobody can win.
 void converge(Problem& problem, std::vector<FitResult>& fits, std::size_t count) {
-  for (; count > 1; count = (count + 1) / 2) {
+  for (; count > 1 && !fits.empty(); count = (count + 1) / 2) {
     std::stable_sort(fits.begin(), fits.end(), cheaper);
     if (mean_square(fits.front().difference) <= 1.0) return;
     const std::size_t now = std::min(count, fits.size());
@@ -277,11 +277,9 @@ std::vector<FitResult> fit_pairs(Problem& problem, const FitResult& base, const 
 // The best single effects converge behind the pairs: before, they draw parameters far off to stand for what a second effect says, and a pair that begins there
 // does not come back.
 void converge_singles(Problem& problem, std::vector<FitResult>& fits, std::size_t count) {
-  std::vector<FitResult> singles;
-  for (FitResult& one : fits) {
-    if (one.point.effects.size() == 1) singles.push_back(std::move(one));
-  }
-  std::erase_if(fits, [](const FitResult& one) { return one.columns.size() == 0; });
+  const auto first = std::stable_partition(fits.begin(), fits.end(), [](const FitResult& one) { return one.point.effects.size() != 1; });
+  std::vector<FitResult> singles(std::make_move_iterator(first), std::make_move_iterator(fits.end()));
+  fits.erase(first, fits.end());
   converge(problem, singles, count);
   if (!singles.empty()) settle_leader(problem, singles.front());
   fits.insert(fits.end(), std::make_move_iterator(singles.begin()), std::make_move_iterator(singles.end()));

@@ -5,6 +5,8 @@
 #include <signal.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -16,6 +18,8 @@
 
 #include "common/effect.h"
 #include "controller/controller_file.h"
+#include "msgs/log_reader.h"
+#include "msgs/log_writer.h"
 #include "sim/effects/catalogue.h"
 #include "tests/msgs/file_contents.h"
 #include "tests/msgs/temporary_folder.h"
@@ -172,6 +176,43 @@ TEST_F(DiagnoseCommand, DrawsWhatIsMissingWhereNoControllerIsGiven) {
   const std::string page = contents(out() / "diagnosis.html");
   EXPECT_NE(page.find("What is missing at the motors"), std::string::npos);
   EXPECT_EQ(page.find("from the operator's moves"), std::string::npos);
+}
+
+// Of a recorder that was switched on while the motors go through their play, what comes before the gears are pressed is not followed: what is drawn begins there, and
+// each column ends with the record.
+TEST_F(DiagnoseCommand, DrawsARecordFromWhereItIsFollowed) {
+  constexpr std::int64_t kSwitchedOn = 300'000;  // [us] the motors are on their way through the play
+  const fs::path later = out().parent_path() / "later.lcmlog";
+  {
+    msgs::LogReader reader(log());
+    msgs::LogWriter writer(later);
+    msgs::LogEvent event;
+    while (reader.next(event)) {
+      if (event.timestamp_us >= kSwitchedOn) writer.append(event.channel, event.timestamp_us, event.data);
+    }
+    writer.finish();
+  }
+  std::vector<std::string> all{"--crane", kConfig + "cranes/thesis.yaml", "--log", later.string()};
+  leave_one(all, "dragging_brake");
+  RunningProgram diagnose(command(all));
+  ASSERT_EQ(diagnose.wait_for_end(), 0) << diagnose.complaints();
+  std::ifstream series(out() / "series.csv");
+  std::string line;
+  std::getline(series, line);
+  std::vector<double> times;
+  double largest = 0.0, square = 0.0;
+  while (std::getline(series, line)) {
+    double time = 0.0, speed = 0.0, missing = 0.0, after = 0.0;
+    ASSERT_EQ(std::sscanf(line.c_str(), "%lf,%lf,%lf,%lf", &time, &speed, &missing, &after), 4) << line;
+    times.push_back(time);
+    largest = std::max({largest, std::fabs(missing), std::fabs(after)});
+    if (time > times.front() + 3.0) square = std::max(square, after * after);  // forgets its beginning by then
+  }
+  ASSERT_GT(times.size(), 100u);
+  EXPECT_GT(times.front(), 0.8) << "the log begins at 0.3 s, and is not followed before its gears are pressed";
+  EXPECT_NEAR(times.back(), 24.0, 0.1);
+  EXPECT_LT(largest, 1000.0) << "four times what the motors can give";
+  EXPECT_LT(std::sqrt(square), 0.5 * kBrakeTorque) << "the brake that was found explains it";
 }
 
 // The catalogue that is left does not hold the answer: no crane gets an effect that is not it.
