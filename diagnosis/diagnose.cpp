@@ -8,8 +8,8 @@
 #include <map>
 #include <mutex>
 #include <set>
-#include <utility>
 #include <span>
+#include <utility>
 
 #include "controller/effects/catalogue.h"
 #include "diagnosis/admit.h"
@@ -85,8 +85,7 @@ struct Searched {
 // A fit goes on with the nominal machine built otherwise, which stays so.
 FitResult go_on_with(Problem& problem, const sim::MachineSettings& nominal, const FitResult& fitted) {
   problem.nominal = nominal;
-  const auto nuisances = static_cast<Eigen::Index>(fitted.point.nuisance.size());
-  FitResult other = fit(problem, fitted.columns.leftCols(nuisances), fitted.point);
+  FitResult other = fit_again(problem, fitted);
   settle(problem, other, kRoundsAsBuilt);
   return other;
 }
@@ -149,20 +148,21 @@ Searched search_as_built(Problem& problem, int as_cut, FitResult& nominal_machin
     diagnosis.of_every_machine = std::exchange(of_all, {});
     return true;
   };
-  const auto search_anew = [&] {
+  const auto search_from = [&](const FitResult& start) {
     tell(kFitParameters.from, "fitting the parameters alone");
-    FitResult base = fit_nuisances(problem, nominal_machine);
+    FitResult base = fit_nuisances(problem, start);
     take(base);
     return search_all(problem, std::move(base), settings, take, tell);
   };
-  Searched searched = search_anew();
+  Searched searched = search_from(nominal_machine);
   if (is_better_as_cut(problem, as_cut, searched)) {
     problem.nominal.crane.boom.element_count = as_cut;
     nominal_machine = nominal_fit(problem);
-    searched = search_anew();
+    searched = search_from(nominal_machine);
   }
+  if (of_all.empty()) return searched;
   FitResult best = searched.best(problem.catalogue);
-  if (best.columns.size() > 0 && take(best)) searched = search_anew();
+  if (take(best)) searched = search_from(nominal_fit(problem));
   return searched;
 }
 
@@ -535,9 +535,7 @@ const FitResult* unexplained_fit(const Problem& problem, const Found& found, con
   if (diagnosis.is_unknown || first.point.effects.empty()) return &found.nothing;
   if (!stochastic_part(problem.catalogue, first.point).empty()) return nullptr;
   for (const FitResult& one : found.fits) {
-    const bool is_same = std::equal(one.point.effects.begin(), one.point.effects.end(), first.point.effects.begin(), first.point.effects.end(),
-                                    [](const common::EffectInstance& a, const common::EffectInstance& b) { return a.name == b.name; });
-    if (is_same) return &one;
+    if (has_same_effects(one.point, first.point)) return &one;
   }
   return nullptr;
 }

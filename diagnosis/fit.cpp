@@ -233,8 +233,9 @@ void take_effect_columns(Problem& problem, const Point& point, const Eigen::Vect
   const auto nuisance_count = static_cast<Eigen::Index>(point.nuisance.size());
   std::vector<Eigen::Index> parameters;
   for (Eigen::Index i = nuisance_count; i < steps.size(); ++i) parameters.push_back(i);
-  for (int look = 0; look < kMostLooks && !parameters.empty(); ++look) {
+  for (int looks = 1; !parameters.empty(); ++looks) {
     take_effect_columns(problem, point, difference, steps, parameters, columns);
+    if (looks == kMostLooks) return;
     const Eigen::VectorXd open = steps_at(problem, point, difference, columns);
     std::erase_if(parameters, [&](Eigen::Index i) { return open(i) > kMuchTooLong * steps(i); });
     for (const Eigen::Index i : parameters) steps(i) = open(i);
@@ -400,6 +401,10 @@ FitResult fit(Problem& problem, const Eigen::MatrixXd& nuisance_columns, const P
   }
   improve(problem, result, false);
   return result;
+}
+
+FitResult fit_again(Problem& problem, const FitResult& fitted) {
+  return fit(problem, fitted.columns.leftCols(static_cast<Eigen::Index>(fitted.point.nuisance.size())), fitted.point);
 }
 
 void take_nuisance_columns(const Problem& problem, const Eigen::MatrixXd& columns, FitResult& result) {

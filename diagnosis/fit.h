@@ -63,6 +63,9 @@ FitResult fit_nuisances(Problem& problem, const FitResult& nominal);
 // effect stands for (EffectAbout::stands_for) stay nominal.
 FitResult fit(Problem& problem, const Eigen::MatrixXd& nuisance_columns, const Point& start);
 
+// The same from where another fit stands, with its nuisance columns: on a nominal machine that has changed since.
+FitResult fit_again(Problem& problem, const FitResult& fitted);
+
 // Goes on with the nuisance columns of another fit, where that has any.
 void take_nuisance_columns(const Problem& problem, const Eigen::MatrixXd& columns, FitResult& result);
 

@@ -21,6 +21,11 @@ constexpr std::size_t kMostRoom = std::size_t{1} << 28;  // [bytes] of the serie
 
 }  // namespace
 
+bool has_same_effects(const Point& a, const Point& b) {
+  const auto is_one_name = [](const common::EffectInstance& x, const common::EffectInstance& y) { return x.name == y.name; };
+  return a.effects.size() == b.effects.size() && std::is_permutation(a.effects.begin(), a.effects.end(), b.effects.begin(), is_one_name);
+}
+
 sim::MachineSettings with_boom_elements(sim::MachineSettings machine, int least) {
   sim::BoomParameters& boom = machine.crane.boom;
   if (boom.element_count > 0) boom.element_count = std::max(boom.element_count, least);

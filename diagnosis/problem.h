@@ -39,6 +39,9 @@ struct Point {
   std::uint64_t seed = 0;                       // of the effects that draw numbers
 };
 
+// Whether two points name the same effects, whatever their order and sizes.
+bool has_same_effects(const Point& a, const Point& b);
+
 // Of a flexible boom, at least, whatever the machine's file has, unless the record is of a machine cut as the file has it. With half as
 // many the higher modes stand so far off that the error of a large effect is fitted by a second one; 10, 12 and 16 leave the same.
 inline constexpr int kBoomElements = 12;

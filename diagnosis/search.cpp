@@ -25,6 +25,7 @@ constexpr int kPairsPerLeader = 2;              // that are refined beside each 
 constexpr double kDoubtful = 1000.0;            // excess of parameters alone below which they may be the answer
 constexpr std::size_t kFromBest = 4;             // fits that try the best one's machine
 constexpr std::size_t kFewSingles = 5;          // starts that are refined, up to which a search is short
+constexpr Stage kStartOver{0.0, 0.4};            // of converging
 constexpr Stage kLookAgain{0.5, 0.8};            // of going back
 constexpr double kParallel = 0.02;              // 1 - cosine^2 of two signatures below which they are not tried as a pair
 
@@ -59,24 +60,24 @@ void converge(Problem& problem, std::vector<FitResult>& fits, std::size_t count)
   std::stable_sort(fits.begin(), fits.end(), cheaper);
 }
 
-// The best `contenders` get another round, and one from the nominal machine with their effects: where parameters had gone far to
-// stand for what an effect says now, a descent does not bring them back. Pairs converge; the best one settles, and where another one is near, that one too.
-void go_on(Problem& problem, const Eigen::MatrixXd& nuisance_columns, std::vector<FitResult>& fits, int contenders, const Progress& tell) {
-  if (fits.empty()) return;
-  const auto most = static_cast<std::size_t>(contenders);
+// The best `count` get another round, and one from the nominal machine with their effects: where parameters had gone far to
+// stand for what an effect says now, a descent does not bring them back.
+void start_over(Problem& problem, const Eigen::MatrixXd& nuisance_columns, std::vector<FitResult>& fits, std::size_t count, const Progress& tell) {
   std::stable_sort(fits.begin(), fits.end(), cheaper);
-  share_out(problem, std::min(fits.size(), most), [&](std::size_t i) {
-    tell(0.3 * static_cast<double>(i) / static_cast<double>(contenders), "converging " + effects_of(fits[i].point));
+  share_out(problem, std::min(fits.size(), count), [&](std::size_t i) {
+    tell(static_cast<double>(i) / static_cast<double>(count), "converging " + effects_of(fits[i].point));
     improve(problem, fits[i], false);
     Point start = fits[i].point;
     std::fill(start.nuisance.begin(), start.nuisance.end(), 0.0);
     FitResult again = fit(problem, nuisance_columns, start);
     if (again.cost < fits[i].cost) fits[i] = std::move(again);
   });
-  tell(0.3, "converging " + effects_of(fits.front().point));
   std::stable_sort(fits.begin(), fits.end(), cheaper);
-  if (fits.front().point.effects.size() > 1) converge(problem, fits, most);
-  tell(0.6, "settling " + effects_of(fits.front().point));
+}
+
+// The best one, and where another one is near, that one too: none loses for want of convergence.
+void settle_best(Problem& problem, std::vector<FitResult>& fits) {
+  if (fits.empty()) return;
   settle_leader(problem, fits.front());
   const auto is_far = [&](const FitResult& one) { return one.cost > fits.front().cost + kNearRival && mean_square(one.difference) > 1.0; };
   const auto rivals = static_cast<std::size_t>(std::find_if(fits.begin(), fits.end(), is_far) - fits.begin()) - 1;
@@ -84,16 +85,10 @@ void go_on(Problem& problem, const Eigen::MatrixXd& nuisance_columns, std::vecto
   std::stable_sort(fits.begin(), fits.end(), cheaper);
 }
 
-bool has_the_same(const FitResult& a, const FitResult& b) {
-  const auto is_one_name = [](const common::EffectInstance& x, const common::EffectInstance& y) { return x.name == y.name; };
-  return a.point.effects.size() == b.point.effects.size() &&
-         std::is_permutation(a.point.effects.begin(), a.point.effects.end(), b.point.effects.begin(), is_one_name);
-}
-
 // Each takes the place of the one with its effects where it is cheaper.
 void take_cheaper(std::vector<FitResult>& fits, std::vector<FitResult> others) {
   for (FitResult& other : others) {
-    const auto same = std::find_if(fits.begin(), fits.end(), [&](const FitResult& one) { return has_the_same(one, other); });
+    const auto same = std::find_if(fits.begin(), fits.end(), [&](const FitResult& one) { return has_same_effects(one.point, other.point); });
     if (same == fits.end()) {
       fits.push_back(std::move(other));
     } else if (other.cost < same->cost) {
@@ -259,7 +254,7 @@ std::vector<PairStart> pair_starts(Problem& problem, const FitResult& base, cons
   return starts;
 }
 
-// The pairs from their starts; the leaders go on. Columns of nuisances that nothing is known of are taken from the best single fit.
+// The pairs from their starts; the best of them converge and settle. Columns of nuisances that nothing is known of are taken from the best single fit.
 std::vector<FitResult> fit_pairs(Problem& problem, const FitResult& base, const std::vector<PairStart>& starts, const FitResult& best_single,
                                  const SearchSettings& settings, const Progress& refining, const Progress& converging) {
   std::vector<FitResult> pairs(starts.size());
@@ -270,7 +265,11 @@ std::vector<FitResult> fit_pairs(Problem& problem, const FitResult& base, const 
     pairs[i] = fit(problem, from->columns.leftCols(nuisances), start);
     take_nuisance_columns(problem, best_single.columns, pairs[i]);
   });
-  go_on(problem, base.columns, pairs, settings.pair_contenders, converging);
+  const auto contenders = static_cast<std::size_t>(settings.pair_contenders);
+  start_over(problem, base.columns, pairs, contenders, within(converging, kStartOver));
+  converging(kStartOver.to, "settling pairs");
+  converge(problem, pairs, contenders);
+  settle_best(problem, pairs);
   return pairs;
 }
 
@@ -286,34 +285,50 @@ void converge_singles(Problem& problem, std::vector<FitResult>& fits, std::size_
   std::stable_sort(fits.begin(), fits.end(), cheaper);
 }
 
+// Beside which single effect seconds were looked for, and where it stood.
+struct LookedBeside {
+  Point point;
+  double cost = 0.0;
+};
+
 // A fit of one effect that came on only beside a second one leaves something else than what seconds were looked for in: they are looked for
 // again from where it stands now, until the best single effect is one that was looked beside there.
 void look_again(Problem& problem, const FitResult& base, const Screening& screening, const std::map<std::string, std::string>& same_as,
-                const SearchSettings& settings, FitResult looked_beside, std::vector<FitResult>& fits, const Progress& tell) {
+                const SearchSettings& settings, LookedBeside looked_beside, std::vector<FitResult>& fits, const Progress& tell) {
   for (int look = 0; look < kMoreLooks; ++look) {
     const auto is_single = [](const FitResult& one) { return one.point.effects.size() == 1; };
     const auto single = std::find_if(fits.begin(), fits.end(), is_single);
     if (single == fits.end()) return;
     settle(problem, *single, kFreshRounds);
-    const bool is_looked_beside = has_the_same(*single, looked_beside) && single->cost > looked_beside.cost - kNearRival;
+    const bool is_looked_beside = has_same_effects(single->point, looked_beside.point) && single->cost > looked_beside.cost - kNearRival;
     if (is_looked_beside || mean_square(single->difference) <= 1.0) return;
-    looked_beside = *single;
+    looked_beside = {single->point, single->cost};
     const double first = static_cast<double>(look) / kMoreLooks, third = 1.0 / (3.0 * kMoreLooks);
     const auto part = [&](int k) { return within(tell, {first + k * third, first + (k + 1) * third}); };
-    const Beside beside = look_beside(problem, looked_beside, screening, same_as, part(0));
+    const Beside beside = look_beside(problem, *single, screening, same_as, part(0));
     std::vector<PairStart> starts;
     for (const Screened* screened : worth_a_pair(problem, beside)) {
       if (starts.size() == static_cast<std::size_t>(settings.beside_the_best)) break;
-      starts.push_back({with_amount(problem.catalogue, looked_beside.point, *screened, screened->amount), &looked_beside});
+      starts.push_back({with_amount(problem.catalogue, single->point, *screened, screened->amount), &*single});
     }
-    take_cheaper(fits, fit_pairs(problem, base, starts, looked_beside, settings, part(1), part(2)));
+    take_cheaper(fits, fit_pairs(problem, base, starts, *single, settings, part(1), part(2)));
     go_back(problem, base.columns, 2, fits);
   }
 }
 
-// A fit goes on with a nominal machine that has changed.
-FitResult as_built_now(Problem& problem, const FitResult& fitted) {
-  return fit(problem, fitted.columns.leftCols(static_cast<Eigen::Index>(fitted.point.nuisance.size())), fitted.point);
+// Of two effects that are the same motion the one that was fitted stands for the other as well.
+void name_both(const std::map<std::string, std::string>& same_as, std::vector<FitResult>& fits) {
+  for (const auto& [name, other] : same_as) {
+    for (std::size_t i = 0; i < fits.size(); ++i) {
+      for (std::size_t e = 0; e < fits[i].point.effects.size(); ++e) {
+        if (fits[i].point.effects[e].name != other) continue;
+        FitResult renamed = fits[i];
+        renamed.point.effects[e].name = name;
+        fits.push_back(std::move(renamed));
+        break;
+      }
+    }
+  }
 }
 
 }  // namespace
@@ -362,23 +377,26 @@ Found search(Problem& problem, FitResult& base, const Screening& screening, cons
   std::stable_sort(fits.begin(), fits.end(), cheaper);
   seen.clear();
   std::erase_if(fits, [&](const FitResult& result) { return ++seen[result.point.effects[0].name] > 1; });
-  go_on(problem, base.columns, fits, settings.contenders, within(tell, kConvergeSingles));
+  const Progress converging = within(tell, kConvergeSingles);
+  start_over(problem, base.columns, fits, static_cast<std::size_t>(settings.contenders), within(converging, kStartOver));
+  converging(kStartOver.to, "settling single effects");
+  settle_best(problem, fits);
   // The best single effect may show what the nominal machine lacks, which parameters alone did not.
   if (!fits.empty() && takes_more(fits.front())) {
-    share_out(problem, fits.size(), [&](std::size_t i) { fits[i] = as_built_now(problem, fits[i]); });
-    base = as_built_now(problem, base);
+    share_out(problem, fits.size() - 1, [&](std::size_t behind) { fits[behind + 1] = fit_again(problem, fits[behind + 1]); });  // the first one went on with it
+    base = fit_again(problem, base);
     conclude(problem, base);
     std::stable_sort(fits.begin(), fits.end(), cheaper);
   }
-  FitResult looked_beside;
+  LookedBeside looked_beside;
   if (!fits.empty() && settings.joint_pairs > 0) {
     const auto beside_best = [&, beside = within(tell, kScreenBeside)](double share, const std::string& doing) {
       beside(share, doing + " beside " + effects_of(fits.front().point));
     };
     const std::vector<PairStart> starts = pair_starts(problem, base, screening, best, fits, same_as, settings, beside_best);
-    looked_beside = fits.front();
+    looked_beside = {fits.front().point, fits.front().cost};
     std::vector<FitResult> pairs =
-        fit_pairs(problem, base, starts, looked_beside, settings, within(tell, kRefinePairs), within(tell, kConvergePairs));
+        fit_pairs(problem, base, starts, fits.front(), settings, within(tell, kRefinePairs), within(tell, kConvergePairs));
     fits.insert(fits.end(), std::make_move_iterator(pairs.begin()), std::make_move_iterator(pairs.end()));
   }
 
@@ -404,17 +422,7 @@ Found search(Problem& problem, FitResult& base, const Screening& screening, cons
   }
   std::vector<FitResult> with_stochastic = stochastic_fits(problem, screening, nothing, fits, within(tell, kLookForStochastic));
   fits.insert(fits.end(), std::make_move_iterator(with_stochastic.begin()), std::make_move_iterator(with_stochastic.end()));
-  for (const auto& [name, other] : same_as) {
-    for (std::size_t i = 0; i < fits.size(); ++i) {
-      for (std::size_t e = 0; e < fits[i].point.effects.size(); ++e) {
-        if (fits[i].point.effects[e].name != other) continue;
-        FitResult renamed = fits[i];
-        renamed.point.effects[e].name = name;
-        fits.push_back(std::move(renamed));
-        break;
-      }
-    }
-  }
+  name_both(same_as, fits);
 
   // A fit whose machine could not follow the record at all is no candidate.
   std::erase_if(fits, [](const FitResult& result) { return !std::isfinite(result.cost + result.information.sum()); });

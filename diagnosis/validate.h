@@ -71,7 +71,8 @@ inline constexpr double kWorse = 1.05;
 
 // Whether the cause's residual falls by more than chance lets it, and its closed loop does not get worse.
 bool is_better(const ValidationError& cause, const ValidationError& than);
-// Whether it is better than the nominal machine and parameters alone, and than an unknown power.
+// Whether it is better than the nominal machine and parameters alone, and than an unknown power. An effect that `is_said_by_parameters` as well, because it is
+// one of them grown, predicts what they do, and is not asked to be better than these.
 bool holds(const Validation& validation, bool is_said_by_parameters = false);
 
 // Of two parts held out: the ratio over all differences, the sum of the costs, the root of the mean square of the closed loops.

@@ -1,7 +1,7 @@
 // Friction of the axis that falls as it warms by moving: dry and viscous friction of the cold machine,
 //   (T_c + d |omega|) (1 - f (1 - exp(-s / s_w))),   s = integral of |omega| over the time,
-// holding at rest. By direction, and with a give, as bearing_friction.h. s is the way that the axis has gone since the start, to either side: what a friction of about one size
-// turns into heat goes with it. f is the share that is lost when warm, s_w the way in which 63 % of that are.
+// holding at rest. By direction, and with a give, as bearing_friction.h. s is the way that the axis has gone since the start, to either side:
+// what a friction of about one size turns into heat goes with it. f is the share that is lost when warm, s_w the way in which 63 % of that are.
 // The way is summed by the speed in each step's middle, of second order in the step.
 // Assumption: the machine is cold at the start, and does not cool in the run.
 // Source: textbook (viscosity falls with temperature), the exponential as the simplest law. Not in the thesis.

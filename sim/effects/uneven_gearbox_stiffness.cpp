@@ -1,8 +1,5 @@
-// Uneven gearbox stiffness: the first half of the motor groups has more, the last half less,
-//   k_i = k (1 + m) (1 + s), k (1 + m) (1 - s).
-// The middle one of an odd number of groups keeps its own. One group has no difference.
-// Source: thesis 2.4, first cause of an uneven load distribution (small deviations between drives).
-#include "sim/effects/effect.h"
+// Uneven gearbox stiffness of the motor groups (uneven_groups.h).
+#include "sim/effects/uneven_groups.h"
 
 namespace slewlab::sim {
 
@@ -10,7 +7,7 @@ namespace {
 
 void change_uneven_gearbox_stiffness(const common::EffectValues& values, MachineParameters& parameters) {
   const int count = parameters.crane.drive.group_count;
-  for (int i = 0; i < count; ++i) parameters.gear[i].stiffness *= (1.0 + values["mean"]) * (1.0 + values["share"] * group_side(i, count));
+  for (int i = 0; i < count; ++i) parameters.gear[i].stiffness *= uneven_factor(values, i, count);
 }
 
 }  // namespace
@@ -20,25 +17,7 @@ const EffectDescription& uneven_gearbox_stiffness() {
       .about = {.name = "uneven_gearbox_stiffness",
                 .subsystem = common::Subsystem::drive,
                 .physics = "the motor groups differ in their gearbox stiffness",
-                .parameters = {{.name = "share",
-                                .unit = common::Unit::none,
-                                .meaning = "relative excess of the first half of the groups",
-                                .lower = -0.6,
-                                .upper = 0.6,
-                                .typical = 0.2,
-                                .prior_scale = 0.1,
-                                .scale = common::ParameterScale::linear,
-                                .absent = 0.0},
-                               {.name = "mean",
-                                .unit = common::Unit::none,
-                                .meaning = "relative excess of all groups: a defect sits in one of them",
-                                .lower = -0.4,
-                                .upper = 0.4,
-                                .typical = 0.0,
-                                .prior_scale = 0.1,
-                                .scale = common::ParameterScale::linear,
-                                .absent = 0.0,
-                                .detail = true}},
+                .parameters = {uneven_share_parameter(), uneven_mean_parameter()},
                 .needs = {.gears = true, .groups = 2},
                 .family = common::Family::elasticity},
       .ports = {EffectPort::parameters},

@@ -216,38 +216,38 @@ struct Predicted {
 
 // Measured and missing torque, and what was predicted where there is a controller: every `stride`th value of the record,
 // filtered so that nothing folds into the page's spectrogram. A record whose beginning was not followed is shown from where it was.
-std::string series_text(Record record, const diagnosis::Followed& followed, const std::optional<Predicted>& predicted,
+std::string series_text(const Record& record, const diagnosis::Followed& followed, const std::optional<Predicted>& predicted,
                         std::size_t stride) {
   std::string head = "time_s";
   std::vector<std::vector<double>> columns;
   const std::size_t left_out = record.size() - followed.nominal.missing_torque[0].size();
-  if (left_out > 0) diagnosis::leave_out_beginning(record, left_out);
-  const auto add = [&](const std::string& name, const std::vector<double>& values) {
+  const auto add_followed = [&](const std::string& name, const std::vector<double>& values) {
     head += ',' + name;
     columns.push_back(diagnosis::decimated(values, stride));
   };
-  const auto add_predicted = [&](const std::string& name, const std::vector<double>& values) {
-    add(name, {values.begin() + static_cast<std::ptrdiff_t>(left_out), values.end()});
+  const auto add = [&](const std::string& name, const std::vector<double>& values) {
+    if (left_out == 0) return add_followed(name, values);
+    add_followed(name, {values.begin() + static_cast<std::ptrdiff_t>(left_out), values.end()});
   };
   add("speed", record.shaft_speed[0]);
-  add("missing_torque", followed.nominal.missing_torque[0]);
-  add("missing_torque_after", followed.explained.missing_torque[0]);
+  add_followed("missing_torque", followed.nominal.missing_torque[0]);
+  add_followed("missing_torque_after", followed.explained.missing_torque[0]);
   add("torque", record.motor_torque[0]);
   if (predicted) {
-    add_predicted("torque_before", predicted->before.series.motor_torque[0]);
-    add_predicted("torque_after", predicted->after.series.motor_torque[0]);
+    add("torque_before", predicted->before.series.motor_torque[0]);
+    add("torque_after", predicted->after.series.motor_torque[0]);
   }
   for (std::size_t a = 0; a < diagnosis::kAccelerometerCount; ++a) {
     if (record.acceleration[a].empty()) continue;
     const std::string name = diagnosis::accelerometer_name(static_cast<int>(a));
     add(name, record.acceleration[a]);
     if (!predicted) continue;
-    add_predicted(name + "_before", predicted->before.series.acceleration[a]);
-    add_predicted(name + "_after", predicted->after.series.acceleration[a]);
+    add(name + "_before", predicted->before.series.acceleration[a]);
+    add(name + "_after", predicted->after.series.acceleration[a]);
   }
   std::string text = head + "\n";
-  for (std::size_t row = 0; row * stride < record.size(); ++row) {
-    text += fmt::format("{:.4f}", record.time(row * stride));
+  for (std::size_t row = 0; left_out + row * stride < record.size(); ++row) {
+    text += fmt::format("{:.4f}", record.time(left_out + row * stride));
     for (const std::vector<double>& column : columns) text += fmt::format(",{:.6g}", column[row]);
     text += "\n";
   }
