@@ -8,6 +8,7 @@
 #include <numeric>
 #include <optional>
 
+#include "diagnosis/judged_grid.h"
 #include "diagnosis/plausibility.h"
 #include "sim/effects/catalogue.h"
 #include "sim/machine/effect_scales.h"
@@ -112,7 +113,7 @@ std::optional<std::size_t> pressed_from(const Play& play, const Record& record, 
 
 // Whether groups that are pressed at a grid point have gone as far beside each other by then as from the middle of their play, where nothing winds them up.
 bool came_from_the_middle(const Problem& problem, const Play& play, const Record& record, std::size_t pressed) {
-  const sim::Machine machine = follower_of(problem.nominal, record.step).machine;
+  const sim::Machine machine = follower_of(problem.nominal, grid_of(record)).machine;
   const GroupAngles places = places_on_flanks(machine.model, record, pressed, rigid_acceleration(machine.model, record, pressed));
   for (int g = 1; g < record.group_count; ++g) {
     const auto i = static_cast<std::size_t>(g);
@@ -272,9 +273,13 @@ Followed admit(std::vector<Record> records, const WhiteningSettings& whitening, 
       remarks.push_back(fmt::format("{}: {:.0f} % of the record lie near impacts of the gears and are not judged", record.name,
                                     100.0 * (1.0 - share)));
     }
+    if (points_per_judged_point(record, whitening.highest_frequency) > 1) {
+      record = on_judged_grid(std::move(record), whitening.highest_frequency);
+      following = follow(problem, record, whitening);
+    }
     const NoiseResponse response = noise_response(problem.nominal, record, problem.gains, transform_length(record.size()));
     problem.whitening.push_back(make_whitening(record, trusted, response, follower, whitening));
-    followed = {record.name, record.begins_bent, std::move(follower), {}};  // the last one stays
+    followed = {record.name, record.begins_bent, record.start_time, record.step, std::move(follower), {}};  // the last one stays
     problem.nuisances.in_motion.push_back(record.begins_bent);
     problem.nuisances.has_motion |= record.begins_bent;
     problem.records.push_back(std::move(record));

@@ -128,8 +128,9 @@ std::vector<Eigen::VectorXd> traces(Problem& problem, const Point& point, const 
       DriveCourse course = problem.stock.drives(problem.records[r], r, problem.nominal.drive_protection);
       for (std::size_t g = 0; g < static_cast<std::size_t>(problem.records[r].group_count); ++g) {
         std::vector<double>& torque = course.motor_torque[g];
-        for (std::size_t n = 0; n < torque.size(); ++n) torque[n] += amount * shapes[i](r, n);
+        for (std::size_t n = 0; n < torque.size(); ++n) torque[n] += amount * shapes[i](r, n / course.per_point);
       }
+      hold_on_grid(course);
       drives.push_back(std::move(course));
     }
     columns[i] = differences(problem, point, drives) - difference;

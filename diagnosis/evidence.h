@@ -68,6 +68,7 @@ Probabilities weigh(const std::vector<Candidate>& candidates, int single_count, 
 // The chance that machines as the file describes them lie as far from their nominal values as p says, or further: p is the sum of the squares of those
 // parameters that the records determine, N = sum(s lambda / (1 + s lambda)) of them, hence chi squared of N degrees of freedom (by Wilson and Hilferty's normal
 // approximation, Proc. Natl. Acad. Sci. 17, 1931, within 0.001 from N = 3 on). 1 where the records determine less than one.
+inline constexpr double kFarTogether = 0.01;  // chance below which something else may hide in the parameters: one machine in a hundred
 double chance_of_prior(double prior, const Eigen::VectorXd& information, double independent_share);
 
 }  // namespace slewlab::diagnosis

@@ -12,6 +12,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <limits>
 #include <vector>
 
 #include "common/effect.h"
@@ -51,6 +52,7 @@ struct FitResult {
   double mean_square = 0.0;          // of the differences
   double excess = 0.0;
   std::vector<double> deviation;     // of each effect parameter in order, in its own unit; from the curvature
+  double cost_from_afar = std::numeric_limits<double>::infinity();  // at which it was last tried from afar
 };
 
 // The nominal machine, before anything is fitted: no columns.

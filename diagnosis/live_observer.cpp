@@ -31,7 +31,7 @@ LiveObserver::LiveObserver(const sim::MachineSettings& nominal) : nominal_(nomin
   thresholds_.admission.shortest_record = 0.0;  // nothing is fitted here
   if (!nominal_.scales) nominal_.scales = sim::effect_scales(nominal.crane, nominal.drive_protection);
   nominal_.crane.boom.highest_frequency = thresholds_.highest_mode;
-  static_cast<void>(follower_of(nominal_, 1e-3));  // whether there is such a machine
+  static_cast<void>(follower_of(nominal_, {1e-3}));  // whether there is such a machine
 }
 
 template <class Message>
@@ -67,7 +67,7 @@ void LiveObserver::forget_until(std::int64_t time) {
 void LiveObserver::begin() {
   // The teeth of a machine that turns, or that play compensation holds, are pressed; one at the beginning of its run is at rest.
   if (run_.encoder.front().sequence > 0) record_.begins_on_flanks = true;
-  observer_.emplace(follower_of(nominal_, record_.step), record_, shadow_gains(scales_, not_faster_than(thresholds_.shadow, record_.encoder_period)));
+  observer_.emplace(follower_of(nominal_, grid_of(record_)), record_, shadow_gains(scales_, not_faster_than(thresholds_.shadow, record_.encoder_period)));
   drive_.emplace(record_, nominal_.drive_protection);
   told_ = nanoseconds(record_.start_time) - 1;
 }

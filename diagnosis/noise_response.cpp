@@ -65,7 +65,7 @@ NoiseResponse noise_response(const sim::MachineSettings& nominal, const Record& 
   const auto answer = [&] {
     Shadow differences;
     std::vector<Shadowing> alone;
-    alone.push_back({follower_of(machine, record.step), 0.0, {}, &differences});
+    alone.push_back({follower_of(machine, grid_of(still)), 0.0, {}, &differences});
     shadow(std::move(alone), still, drives, gains);
     SourceResponse powers;
     for (std::size_t g = 0; g < groups; ++g) powers.torque[g] = power(differences.missing_torque[g]);

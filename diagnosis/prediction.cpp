@@ -66,10 +66,13 @@ std::vector<sim::OperatorMove> moves_of(const Record& record) {
   return moves;
 }
 
-// Steps of the machine per step of the grid: its own where a force or a friction acts between two readings, else the grid's.
-int steps_per_point(const sim::MachineSettings& machine, double step) {
+// Steps of the machine per step of the grid: its own where a force or a friction acts between two readings, else the grid's; a whole number of
+// them between two answers of the controller.
+int steps_per_point(const sim::MachineSettings& machine, const Record& record) {
   const bool has_forces = std::any_of(machine.effects.begin(), machine.effects.end(), [](const common::EffectInstance& effect) { return acts_by_force(effect.name); });
-  return has_forces ? steps_of_the_settings(machine, step) : 1;
+  const int own = has_forces ? steps_of_the_settings(machine, record.step) : 1;
+  const int answers = std::max(1, static_cast<int>(std::lround(record.step / record.encoder_period)));
+  return (own + answers - 1) / answers * answers;
 }
 
 // The series of a record, on its grid, as machine and controller make them in closed loop.
@@ -103,7 +106,7 @@ Prediction predict(const sim::MachineSettings& machine, const controller::Contro
                    double from_time) {
   LoopSettings settings;
   settings.machine = machine;
-  const int steps = steps_per_point(machine, record.step);
+  const int steps = steps_per_point(machine, record);
   settings.machine.step = record.step / steps;
   settings.controller = controller;
   settings.controller.period = record.encoder_period;

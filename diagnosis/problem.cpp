@@ -94,7 +94,7 @@ std::vector<Eigen::Index> first_rows(const Problem& problem) {
 Shadow shadow_at(const Problem& problem, const Point& point, std::size_t record) {
   Shadow result;
   std::vector<Shadowing> alone;
-  alone.push_back(shadowing_at(problem, follower_of(machine_at(problem.nominal, problem.nuisances, point), problem.records[record].step, problem.force_steps), point, record,
+  alone.push_back(shadowing_at(problem, follower_of(machine_at(problem.nominal, problem.nuisances, point), grid_of(problem.records[record]), problem.force_steps), point, record,
                                result));
   shadow(std::move(alone), problem.records[record], drives_of(problem, record), problem.gains);
   return result;
@@ -181,7 +181,7 @@ std::vector<Eigen::VectorXd> differences_under(Problem& problem, std::span<const
   // Nothing where its boom buckles; any other error is one of the program's.
   const auto machine_for = [&](const Point& point, const Record& record) -> std::optional<Follower> {
     try {
-      return follower_of(machine_at(problem.nominal, problem.nuisances, point), record.step, problem.force_steps);
+      return follower_of(machine_at(problem.nominal, problem.nuisances, point), grid_of(record), problem.force_steps);
     } catch (const sim::CannotBeBuilt&) {
       return std::nullopt;
     }
@@ -200,7 +200,7 @@ std::vector<Eigen::VectorXd> differences_under(Problem& problem, std::span<const
       if (problem.is_stopped()) throw Interrupted{};
     }
     std::vector<std::optional<Follower>> followers(made.begin() + static_cast<std::ptrdiff_t>(first), made.begin() + static_cast<std::ptrdiff_t>(first + count));
-    if (problem.records[r].step != problem.records.front().step) {
+    if (grid_of(problem.records[r]) != grid_of(problem.records.front())) {
       for (std::size_t i = 0; i < count; ++i) followers[i] = machine_for(points[first + i], problem.records[r]);
     }
     differ(problem, points.subspan(first, count), followers, r, courses.empty() ? drives_of(problem, r) : courses[r],

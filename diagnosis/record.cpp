@@ -208,9 +208,19 @@ std::size_t reading_stride(const Record& record) {
   return std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(record.encoder_period / record.step)));
 }
 
+const std::vector<double>& commands(const Record& record, std::size_t group) {
+  return record.recorded_per_point > 1 ? record.recorded_torque[group] : record.motor_torque[group];
+}
+
+double command_step(const Record& record) { return record.step / static_cast<double>(record.recorded_per_point); }
+
 void leave_out_beginning(Record& record, std::size_t points) {
   record.start_time = record.time(points);
-  const auto cut = [&](std::vector<double>& series) { series.erase(series.begin(), series.begin() + static_cast<std::ptrdiff_t>(std::min(points, series.size()))); };
+  const auto cut_by = [](std::vector<double>& series, std::size_t count) {
+    series.erase(series.begin(), series.begin() + static_cast<std::ptrdiff_t>(std::min(count, series.size())));
+  };
+  const auto cut = [&](std::vector<double>& series) { cut_by(series, points); };
+  for (std::vector<double>& series : record.recorded_torque) cut_by(series, points * record.recorded_per_point);
   for (auto* groups : {&record.motor_torque, &record.shaft_speed, &record.shaft_position, &record.position_rate}) {
     for (std::vector<double>& series : *groups) cut(series);
   }

@@ -46,6 +46,12 @@ struct OperatorMove {
   bool acknowledge = false;
 };
 
+// Variances of white noise.
+struct SensorNoise {
+  std::array<double, sim::kMaximumGroupCount> encoder{};     // [rad^2] of a motor's position, per reading
+  std::array<double, kAccelerometerCount> accelerometer{};  // [(m/s^2)^2] per grid point
+};
+
 struct Record {
   std::string name;             // file and run, for messages
   double step = 1e-3;           // [s] grid of all series below
@@ -63,6 +69,11 @@ struct Record {
   std::vector<std::int64_t> sampled_at;
   std::array<std::vector<double>, kAccelerometerCount> sampled_acceleration;
   double sensor_period = 0.0;                                               // [s]; 0 without sensors
+  // Where the grid is coarser than the recording (judged_grid.h): how often between two grid points it was recorded, the commands as often
+  // [Nm per motor], of which `motor_torque` has the means, and the sensors' noise, which no longer shows on the grid.
+  std::size_t recorded_per_point = 1;
+  std::array<std::vector<double>, sim::kMaximumGroupCount> recorded_torque;
+  std::optional<SensorNoise> noise;
   std::vector<double> slew_angle;                                           // [rad]; empty: not measured
   std::vector<OperatorMove> operator_moves;
   std::vector<msgs::Encoder> encoder;  // the messages themselves, for the controller's replay
@@ -82,8 +93,12 @@ struct Record {
 // [Nm per motor] over the groups, at a grid point: what of their torques turns the axis.
 double mean_torque(const Record& record, std::size_t n);
 
-// [grid points] from one reading of the encoders to the next.
+// [grid points] from one reading of the encoders to the next, at least one.
 std::size_t reading_stride(const Record& record);
+
+// [Nm per motor] the commands as they were recorded, and the time from one to the next [s].
+const std::vector<double>& commands(const Record& record, std::size_t group);
+double command_step(const Record& record);
 
 // [rad] Just above 2 pi / 4096: drives count 12 bits at least, 14 as a rule.
 inline constexpr double kCoarseCount = 1.6e-3;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "diagnosis/decimation.h"
+
 namespace slewlab::diagnosis {
 namespace {
 
@@ -22,14 +24,14 @@ RecordedDrive::RecordedDrive(const Record& record, const sim::DriveProtectionSet
     : record_(&record),
       protection_(protection),
       run_{record.group_count, 0, std::llround(record.encoder_period * kNanosecondsPerSecond)},
-      step_(std::llround(record.step * kNanosecondsPerSecond)) {
+      step_(std::llround(command_step(record) * kNanosecondsPerSecond)) {
   protection_.alive_timeout = protection_.silence_timeout = sim::kNever;
   message_.group_count = record.group_count;
   message_.motor_torque.resize(static_cast<std::size_t>(record.group_count));
   if (begins_at_rest() || record.size() == 0) return;
   state_.state = sim::DriveState::running;
   for (int g = 0; g < record.group_count; ++g) {
-    const double first = record.motor_torque[static_cast<std::size_t>(g)].front();
+    const double first = commands(record, static_cast<std::size_t>(g)).front();
     state_.motor_torque[g] = std::clamp(first, -protection_.torque_limit, protection_.torque_limit);
   }
 }
@@ -66,7 +68,7 @@ void RecordedDrive::command(std::int64_t time) {
   message_.answered_sequence += point_ == 0 ? 1 : std::max<std::int64_t>(1, periods);
   last_command_ = time;
   for (int g = 0; g < record_->group_count; ++g) {
-    message_.motor_torque[static_cast<std::size_t>(g)] = record_->motor_torque[static_cast<std::size_t>(g)][point_];
+    message_.motor_torque[static_cast<std::size_t>(g)] = commands(*record_, static_cast<std::size_t>(g))[point_];
   }
   ++message_.alive_counter;
   message_.enable = true;
@@ -83,10 +85,10 @@ void RecordedDrive::command(std::int64_t time) {
 }
 
 sim::DriveCommand RecordedDrive::next() {
-  const auto time = static_cast<std::int64_t>(std::llround(record_->time(point_) * kNanosecondsPerSecond));
+  const auto time = static_cast<std::int64_t>(std::llround(time_of(point_) * kNanosecondsPerSecond));
   bool is_new = look_at_messages(time) || point_ == 0;
   for (int g = 0; g < record_->group_count && !is_new; ++g) {
-    const std::vector<double>& torque = record_->motor_torque[static_cast<std::size_t>(g)];
+    const std::vector<double>& torque = commands(*record_, static_cast<std::size_t>(g));
     is_new = torque[point_] != torque[point_ - 1];
   }
   if (is_new) command(time);
@@ -96,9 +98,11 @@ sim::DriveCommand RecordedDrive::next() {
   return sim::drive_command(protection_, run_, state_, moment, step_);
 }
 
+double RecordedDrive::time_of(std::size_t point) const { return record_->start_time + command_step(*record_) * static_cast<double>(point); }
+
 void RecordedDrive::go_on_in(const Record& record) {
-  const auto until = std::llround((record_->time(point_) - record_->step) * kNanosecondsPerSecond);  // what came by then has been looked at
-  point_ = static_cast<std::size_t>(std::lround((record_->time(point_) - record.start_time) / record.step));
+  const auto until = std::llround((time_of(point_) - command_step(*record_)) * kNanosecondsPerSecond);  // what came by then has been looked at
+  point_ = static_cast<std::size_t>(std::lround((time_of(point_) - record.start_time) / command_step(record)));
   const auto looked_at = [&](const auto& messages) {
     return static_cast<std::size_t>(std::count_if(messages.begin(), messages.end(), [&](const auto& message) { return message.simulated_time <= until; }));
   };
@@ -109,14 +113,16 @@ void RecordedDrive::go_on_in(const Record& record) {
 
 DriveCourse drive_course(const Record& record, const sim::DriveProtectionSettings& protection) {
   DriveCourse course;
-  const auto groups = static_cast<std::size_t>(record.group_count);
+  course.per_point = record.recorded_per_point;
+  course.is_filtered = record.recorded_per_point > 1 && record.step > 1.5 * record.encoder_period;
+  const std::size_t groups = static_cast<std::size_t>(record.group_count), count = record.size() * course.per_point;
   for (std::size_t g = 0; g < groups; ++g) {
-    course.motor_torque[g].reserve(record.size());
-    course.brake_torque[g].reserve(record.size());
+    course.motor_torque[g].reserve(count);
+    course.brake_torque[g].reserve(count);
   }
-  course.enable.reserve(record.size());
+  course.enable.reserve(count);
   RecordedDrive drive(record, protection);
-  for (std::size_t n = 0; n < record.size(); ++n) {
+  for (std::size_t n = 0; n < count; ++n) {
     const sim::DriveCommand command = drive.next();
     for (std::size_t g = 0; g < groups; ++g) {
       course.motor_torque[g].push_back(command.motor_torque[g]);
@@ -124,7 +130,27 @@ DriveCourse drive_course(const Record& record, const sim::DriveProtectionSetting
     }
     course.enable.push_back(command.enable);
   }
+  hold_on_grid(course);
   return course;
+}
+
+void hold_on_grid(DriveCourse& course) {
+  if (course.per_point == 1) return;
+  const std::size_t points = course.per_point;
+  DriveSeries& held = course.held;
+  held.enable.clear();
+  for (std::size_t n = 0; n < course.enable.size(); n += points) {
+    held.enable.push_back(std::any_of(course.enable.begin() + static_cast<std::ptrdiff_t>(n), course.enable.begin() + static_cast<std::ptrdiff_t>(n + points),
+                                      [](bool enable) { return enable; }));
+  }
+  for (std::size_t g = 0; g < course.motor_torque.size(); ++g) {
+    std::vector<double> delivered = course.motor_torque[g];
+    for (std::size_t n = 0; n < delivered.size(); ++n) {
+      if (!course.enable[n]) delivered[n] = 0.0;
+    }
+    held.motor_torque[g] = course.is_filtered ? held_decimated(delivered, points) : means(delivered, points);
+    held.brake_torque[g] = means(course.brake_torque[g], points);
+  }
 }
 
 }  // namespace slewlab::diagnosis

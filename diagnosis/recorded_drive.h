@@ -22,8 +22,8 @@ class RecordedDrive {
   // The record must outlive this.
   RecordedDrive(const Record& record, const sim::DriveProtectionSettings& protection);
 
-  // What motors and brakes do from the next grid point, beginning with the first, to the one after. Not beyond the
-  // record's end.
+  // What motors and brakes do from the next command (commands() of record.h), beginning with the first, to the one after. Not beyond
+  // the record's end.
   sim::DriveCommand next();
 
   // Goes on in another record of the same machine, on the same grid, that holds the point before the next one; it must outlive this.
@@ -33,25 +33,35 @@ class RecordedDrive {
   bool begins_at_rest() const;
   bool look_at_messages(std::int64_t time);
   void command(std::int64_t time);
+  double time_of(std::size_t point) const;  // [s]
 
   const Record* record_;
   sim::DriveProtectionSettings protection_;
   sim::DriveRun run_;
-  std::int64_t step_;                // [ns]
+  std::int64_t step_;                // [ns] from one command to the next
   sim::DriveProtectionState state_;
   msgs::Torque message_{};
-  std::size_t point_ = 0;            // of the grid, the next
+  std::size_t point_ = 0;            // of the commands, the next
   std::size_t messages_ = 0;         // TORQUE up to this point
   std::size_t statuses_ = 0;         // PLANT_STATUS up to this point
   bool tripped_ = false;             // as the newest PLANT_STATUS says
   std::int64_t last_command_ = 0;    // [ns]
 };
 
-// The commands of a whole record, from each grid point to the next: all that a RecordedDrive says, which depends on no machine.
-struct DriveCourse {
+struct DriveSeries {
   std::array<std::vector<double>, sim::kMaximumGroupCount> motor_torque, brake_torque;  // [Nm per motor] of the groups there are
   std::vector<bool> enable;
 };
+// All that a RecordedDrive says over a whole record, which depends on no machine: at each command and, where there are several per grid point, what holds from
+// each point to the next.
+struct DriveCourse : DriveSeries {
+  std::size_t per_point = 1;
+  bool is_filtered = false;  // what holds is what the commands are in the judged band, as the encoders are (judged_grid.h); else their mean
+  DriveSeries held;          // nothing where there is one command per point
+};
 DriveCourse drive_course(const Record& record, const sim::DriveProtectionSettings& protection);
+
+// Once its commands have changed.
+void hold_on_grid(DriveCourse& course);
 
 }  // namespace slewlab::diagnosis

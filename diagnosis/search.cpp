@@ -37,14 +37,36 @@ std::string effects_of(const Point& point) {
   return names;
 }
 
-// Goes on until it settles; what leaves more than noise, from afar as well.
+// Goes on until it settles. Parameters of effects that end at their bounds may have gone there on the way and not come back: once more with these at their typical values.
+void settle_rival(Problem& problem, FitResult& fitted) {
+  settle(problem, fitted, kFreshRounds);
+  Point start = fitted.point;
+  bool is_elsewhere = false;
+  for (common::EffectInstance& effect : start.effects) {
+    const common::EffectAbout& about = problem.catalogue.at(effect.name);
+    for (std::size_t p = 0; p < about.parameters.size(); ++p) {
+      const common::EffectParameter& parameter = about.parameters[p];
+      const bool is_at_a_bound = effect.values[p] <= parameter.lower || effect.values[p] >= parameter.upper;
+      if (p == common::kSize || !is_at_a_bound || effect.values[p] == parameter.typical) continue;
+      effect.values[p] = parameter.typical;
+      is_elsewhere = true;
+    }
+  }
+  if (!is_elsewhere) return;
+  FitResult other = fit(problem, fitted.columns.leftCols(static_cast<Eigen::Index>(start.nuisance.size())), start);
+  settle(problem, other, kFreshRounds);
+  if (other.cost < fitted.cost) fitted = std::move(other);
+}
+
+// Goes on until it settles; what leaves more than noise, from afar as well, but from one place once.
 void settle_leader(Problem& problem, FitResult& leader) {
-  settle(problem, leader, kFreshRounds);
-  if (mean_square(leader.difference) <= 1.0) return;
+  settle_rival(problem, leader);
+  if (mean_square(leader.difference) <= 1.0 || leader.cost > leader.cost_from_afar - kNearRival) return;
   FitResult other = leader;
   settle_from_afar(problem, other, 1.0, kFreshRounds);
   settle(problem, other, kFreshRounds);
   if (other.cost < leader.cost) leader = std::move(other);
+  leader.cost_from_afar = leader.cost;
 }
 
 // Rounds with fresh columns for the best `count`, each time for the better half of them: none loses for want of convergence, and few go all the way.
@@ -81,7 +103,7 @@ void settle_best(Problem& problem, std::vector<FitResult>& fits) {
   settle_leader(problem, fits.front());
   const auto is_far = [&](const FitResult& one) { return one.cost > fits.front().cost + kNearRival && mean_square(one.difference) > 1.0; };
   const auto rivals = static_cast<std::size_t>(std::find_if(fits.begin(), fits.end(), is_far) - fits.begin()) - 1;
-  share_out(problem, std::min(rivals, kMostRivals), [&](std::size_t behind) { settle(problem, fits[behind + 1], kFreshRounds); });
+  share_out(problem, std::min(rivals, kMostRivals), [&](std::size_t behind) { settle_rival(problem, fits[behind + 1]); });
   std::stable_sort(fits.begin(), fits.end(), cheaper);
 }
 
@@ -280,7 +302,7 @@ void converge_singles(Problem& problem, std::vector<FitResult>& fits, std::size_
   std::vector<FitResult> singles(std::make_move_iterator(first), std::make_move_iterator(fits.end()));
   fits.erase(first, fits.end());
   converge(problem, singles, count);
-  if (!singles.empty()) settle_leader(problem, singles.front());
+  settle_best(problem, singles);
   fits.insert(fits.end(), std::make_move_iterator(singles.begin()), std::make_move_iterator(singles.end()));
   std::stable_sort(fits.begin(), fits.end(), cheaper);
 }
@@ -331,25 +353,13 @@ void name_both(const std::map<std::string, std::string>& same_as, std::vector<Fi
   }
 }
 
-}  // namespace
-
-Found search(Problem& problem, FitResult& base, const Screening& screening, const SearchSettings& settings, const TakesMore& takes_more,
-             const Progress& tell_all) {
-  // All starts by what they leave, and of them the best of each effect.
-  std::vector<const Screened*> ranked;
-  for (const Screened& screened : screening.tried) {
-    if (!is_stochastic(problem.catalogue.at(screened.start.name))) ranked.push_back(&screened);
-  }
-  std::stable_sort(ranked.begin(), ranked.end(), [](const Screened* a, const Screened* b) { return a->left < b->left; });
-  std::vector<const Screened*> best = best_of_each(ranked);
-
-  // Refine the best ones with everything free: what takes away more than chance would.
+// The starts that promise most, from where their screening was made, each effect from two at most. Of effects that are the same motion one is taken, and `same_as` says for which others.
+std::vector<const Screened*> chosen_starts(const Problem& problem, const FitResult& from, const Screening& screening, const std::vector<const Screened*>& ranked,
+                                           int most, std::map<std::string, std::string>& same_as) {
   std::vector<const Screened*> chosen;
   std::map<std::string, std::size_t> seen;
-  // Two effects that are the same motion are fitted once and named both.
-  std::map<std::string, std::string> same_as;
   for (const Screened* screened : ranked) {
-    if (static_cast<int>(chosen.size()) >= settings.singles_to_refine || forecast(problem, base, screening, *screened) < kLeastGain) break;
+    if (static_cast<int>(chosen.size()) >= most || forecast(problem, from, screening, *screened) < kLeastGain) break;
     if (same_as.count(screened->start.name) != 0) continue;
     const auto same = std::find_if(chosen.begin(), chosen.end(), [&](const Screened* other) {
       return other->start.name != screened->start.name && other->start.values == screened->start.values && screened->column.size() > 0 &&
@@ -361,6 +371,46 @@ Found search(Problem& problem, FitResult& base, const Screening& screening, cons
       chosen.push_back(screened);
     }
   }
+  return chosen;
+}
+
+// What can be refined of a screening, by what it leaves.
+std::vector<const Screened*> ranked_starts(const Problem& problem, const Screening& screening) {
+  std::vector<const Screened*> ranked;
+  for (const Screened& screened : screening.tried) {
+    if (!is_stochastic(problem.catalogue.at(screened.start.name))) ranked.push_back(&screened);
+  }
+  std::stable_sort(ranked.begin(), ranked.end(), [](const Screened* a, const Screened* b) { return a->left < b->left; });
+  return ranked;
+}
+
+// Where parameters alone have gone farther than machines of one make do, they stand for what an effect says, and beside them it promises nothing: the catalogue is looked at from the
+// nominal machine as well, and refined from there.
+std::vector<FitResult> refined_from_nominal(Problem& problem, const FitResult& base, const Screening& screening, const SearchSettings& settings,
+                                            std::map<std::string, std::string>& same_as) {
+  if (chance_of_prior(base.prior, base.information, problem.settings.independent_share) >= kFarTogether) return {};
+  FitResult from = base;
+  std::fill(from.point.nuisance.begin(), from.point.nuisance.end(), 0.0);
+  from.difference = differences(problem, from.point);
+  const Screening there = screen(problem, from, projector_of(problem, from), best_starts(problem, screening), [](double, const std::string&) {});
+  const std::vector<const Screened*> chosen = chosen_starts(problem, from, there, ranked_starts(problem, there), settings.singles_to_refine, same_as);
+  std::vector<FitResult> refined(chosen.size());
+  share_out(problem, chosen.size(), [&](std::size_t i) {
+    refined[i] = fit(problem, base.columns, with_amount(problem.catalogue, from.point, *chosen[i], chosen[i]->amount));
+  });
+  return refined;
+}
+
+}  // namespace
+
+Found search(Problem& problem, FitResult& base, const Screening& screening, const SearchSettings& settings, const TakesMore& takes_more,
+             const Progress& tell_all) {
+  const std::vector<const Screened*> ranked = ranked_starts(problem, screening);
+  std::vector<const Screened*> best = best_of_each(ranked);
+
+  // Refine the best ones with everything free: what takes away more than chance would. Two effects that are the same motion are fitted once and named both.
+  std::map<std::string, std::string> same_as;
+  const std::vector<const Screened*> chosen = chosen_starts(problem, base, screening, ranked, settings.singles_to_refine, same_as);
   std::erase_if(best, [&](const Screened* screened) { return same_as.count(screened->start.name) != 0; });
   Found found;
   std::vector<FitResult>& fits = found.fits;
@@ -372,11 +422,13 @@ Found search(Problem& problem, FitResult& base, const Screening& screening, cons
     refining(static_cast<double>(i) / static_cast<double>(chosen.size()), "refining " + chosen[i]->start.name);
     fits[i] = fit(problem, base.columns, with_amount(problem.catalogue, base.point, *chosen[i], chosen[i]->amount));
   });
+  std::vector<FitResult> others = refined_from_nominal(problem, base, screening, settings, same_as);
+  fits.insert(fits.end(), std::make_move_iterator(others.begin()), std::make_move_iterator(others.end()));
   // One fit per effect, the better one. The leaders go on, the best of them with fresh columns, so that none loses for
   // want of convergence.
   std::stable_sort(fits.begin(), fits.end(), cheaper);
-  seen.clear();
-  std::erase_if(fits, [&](const FitResult& result) { return ++seen[result.point.effects[0].name] > 1; });
+  std::set<std::string> seen;
+  std::erase_if(fits, [&](const FitResult& result) { return !seen.insert(result.point.effects[0].name).second; });
   const Progress converging = within(tell, kConvergeSingles);
   start_over(problem, base.columns, fits, static_cast<std::size_t>(settings.contenders), within(converging, kStartOver));
   converging(kStartOver.to, "settling single effects");

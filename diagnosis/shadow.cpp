@@ -5,7 +5,9 @@
 #include <cmath>
 #include <cstddef>
 #include <initializer_list>
+#include <map>
 #include <span>
+#include <utility>
 
 #include "diagnosis/recorded_drive.h"
 #include "sim/effects/catalogue.h"
@@ -267,7 +269,11 @@ int steps_of_the_settings(const sim::MachineSettings& machine, double step) { re
 
 bool acts_by_force(std::string_view effect) { return acts_on_any(effect, {sim::EffectPort::force, sim::EffectPort::friction}); }
 
-Follower follower_of(const sim::MachineSettings& settings, double step, const ForceSteps& force_steps) {
+Grid grid_of(const Record& record) { return {record.step, record.recorded_per_point}; }
+
+Follower follower_of(const sim::MachineSettings& settings, const Grid& grid, const ForceSteps& force_steps) {
+  const double step = grid.step;
+  const auto commands = static_cast<int>(grid.per_point);
   Follower follower;
   sim::MachineSettings with_step = settings;
   std::erase_if(with_step.effects, [&](const common::EffectInstance& effect) {
@@ -277,12 +283,17 @@ Follower follower_of(const sim::MachineSettings& settings, double step, const Fo
     return true;
   });
   const int of_the_settings = steps_of_the_settings(settings, step);
+  bool takes_commands = false;
   for (const common::EffectInstance& effect : with_step.effects) {
-    if (acts_on_any(effect.name, {sim::EffectPort::message, sim::EffectPort::actuator})) follower.steps = std::max(follower.steps, std::min(kMostSteps, of_the_settings));
+    if (acts_on_any(effect.name, {sim::EffectPort::message, sim::EffectPort::actuator})) {
+      takes_commands = true;
+      follower.steps = std::max(follower.steps, std::min(kMostSteps, of_the_settings));
+    }
     if (!acts_by_force(effect.name)) continue;
     const auto found = force_steps.find(effect.name);
     follower.steps = std::max(follower.steps, found == force_steps.end() ? of_the_settings : std::min(found->second, of_the_settings));
   }
+  if (takes_commands) follower.steps = (follower.steps + commands - 1) / commands * commands;
   with_step.step = step / follower.steps;
   follower.machine = sim::make_machine(with_step);
   follower.to_slew_axis = settings.crane.drive.motors_per_group * follower.machine.model.ratio;
@@ -293,7 +304,7 @@ Shadow shadow(const sim::MachineSettings& settings, const Record& record, const 
               const Beginning& beginning) {
   Shadow result;
   std::vector<Shadowing> alone;
-  alone.push_back({follower_of(settings, record.step), encoder_latency, beginning, &result});
+  alone.push_back({follower_of(settings, grid_of(record)), encoder_latency, beginning, &result});
   shadow(std::move(alone), record, drive_course(record, settings.drive_protection), gains);
   return result;
 }
@@ -320,12 +331,8 @@ Observer::Observer(Follower follower, const Record& record, const ShadowGains& g
 
 Observer::Moment Observer::advance(const sim::DriveCommand& command, const Measured& measured) {
   const Moment moment = compare(measured);
-  step(command);
-  return moment;
-}
-
-void Observer::step(const sim::DriveCommand& command) {
   for (int n = 0; n < steps_; ++n) sim::step(machine_, command);
+  return moment;
 }
 
 Observer::Moment Observer::compare(const Measured& measured) {
@@ -369,30 +376,36 @@ void shadow(std::vector<Shadowing> shadowings, const Record& record, const Drive
   std::vector<ReadAhead> ahead(shadowings.size());
   std::vector<std::size_t> reads_as;     // per machine, the first one whose encoders read as late
   observers.reserve(shadowings.size());  // machines stay where they are
-  std::vector<sim::Machine*> machines;  // that step as the grid does; the others one by one
+  std::map<int, std::vector<sim::Machine*>> machines;  // by their steps per step of the grid
   for (Shadowing& shadowing : shadowings) {
     position.emplace_back(shadowing.encoder_latency / record.step + shadowing.follower.encoder_delay);
     const auto alike = std::find_if(position.begin(), position.end(), [&](const LaterReading& one) { return one.is_like(position.back()); });
     reads_as.push_back(static_cast<std::size_t>(alike - position.begin()));
     observers.emplace_back(std::move(shadowing.follower), record, gains, shadowing.beginning);
-    if (observers.back().steps() == 1) machines.push_back(&observers.back().machine());
+    machines[observers.back().steps()].push_back(&observers.back().machine());
     Shadow& result = *shadowing.result;
     for (std::size_t g = 0; g < result.missing_torque.size(); ++g) result.missing_torque[g].resize(g < groups ? count : 0);
     for (std::size_t a = 0; a < kAccelerometerCount; ++a) result.acceleration_difference[a].resize(record.acceleration[a].empty() ? 0 : count);
     result.contact_lost.assign(count, false);
   }
-  sim::MachineBatch batch = sim::make_machine_batch(machines);
-  const std::size_t cycle = reading_stride(record);
+  std::vector<std::pair<int, sim::MachineBatch>> batches;
+  for (const auto& [steps, together] : machines) batches.emplace_back(steps, sim::make_machine_batch(together));
+  const auto cycle = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(record.encoder_period / command_step(record))));  // [commands]
+  const std::size_t per_point = drives.per_point;
+  const DriveSeries& held = per_point > 1 ? drives.held : drives;
+  const auto command_at = [&](const DriveSeries& course, std::size_t n, std::size_t command_number) {
+    sim::DriveCommand command;
+    command.sequence = static_cast<std::int64_t>(command_number / cycle);
+    command.enable = course.enable[n];
+    for (std::size_t i = 0; i < groups; ++i) {
+      command.motor_torque[i] = course.motor_torque[i][n];
+      command.brake_torque[i] = course.brake_torque[i][n];
+    }
+    return command;
+  };
   const bool has_tip = !record.acceleration[kTip].empty();
-  sim::DriveCommand command;
   Observer::Measured measured;
   for (std::size_t n = 0; n < count; ++n) {
-    command.sequence = static_cast<std::int64_t>(n / cycle);
-    command.enable = drives.enable[n];
-    for (std::size_t i = 0; i < groups; ++i) {
-      command.motor_torque[i] = drives.motor_torque[i][n];
-      command.brake_torque[i] = drives.brake_torque[i][n];
-    }
     if (has_tip) measured.tip_acceleration = &record.acceleration[kTip][n];
     const std::size_t place = n % kAhead;
     for (std::size_t f = 0; f < shadowings.size(); ++f) {
@@ -410,9 +423,14 @@ void shadow(std::vector<Shadowing> shadowings, const Record& record, const Drive
         result.acceleration_difference[a][n] = record.sampled_at.empty() ? record.acceleration[a][n] - sensed : sensed;
       }
     }
-    sim::step(batch, command);
-    for (Observer& observer : observers) {
-      if (observer.steps() > 1) observer.step(command);
+    const sim::DriveCommand command = command_at(held, n, n * per_point);
+    for (auto& [steps, batch] : batches) {
+      const auto all = static_cast<std::size_t>(steps);
+      const bool takes_each = per_point > 1 && all % per_point == 0;
+      for (std::size_t step = 0; step < all; ++step) {
+        const std::size_t one = n * per_point + step * per_point / all;
+        sim::step(batch, takes_each ? command_at(drives, one, one) : command);
+      }
     }
   }
   if (record.sampled_at.empty()) return;

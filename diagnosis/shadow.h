@@ -12,6 +12,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <map>
 #include <string>
 #include <string_view>
@@ -86,8 +87,17 @@ Shadow shadow(const sim::MachineSettings& machine, const Record& record, const S
 // settings.
 using ForceSteps = std::map<std::string, int, std::less<>>;
 
-// A machine that is to follow records on a grid of one step: made once for all of them. Where an effect acts between two readings - on commands, on what
-// the drives make of them, as a force or a friction - the machine takes steps of its own below the grid's, down to those of its settings.
+// The grid of a record.
+struct Grid {
+  double step = 0.0;            // [s]
+  std::size_t per_point = 1;    // commands per grid point
+  friend bool operator==(const Grid&, const Grid&) = default;
+};
+Grid grid_of(const Record& record);
+
+// A machine that is to follow records on one grid: made once for all of them. Where an effect acts between two readings - on commands, on what
+// the drives make of them, as a force or a friction - the machine takes steps of its own below the grid's, down to those of its settings; what acts on
+// commands gets each of them.
 struct Follower {
   sim::Machine machine;
   double encoder_delay = 0.0;  // [steps] of its own encoders; the machine itself has none
@@ -95,7 +105,7 @@ struct Follower {
   double to_slew_axis = 0.0;   // torque of a group there per torque of one motor
 };
 // `force_steps` as model_step.h has them. Throws as shadow().
-Follower follower_of(const sim::MachineSettings& machine, double step, const ForceSteps& force_steps = {});
+Follower follower_of(const sim::MachineSettings& machine, const Grid& grid, const ForceSteps& force_steps = {});
 // As many steps as the settings' go into one of the grid, at least 1.
 int steps_of_the_settings(const sim::MachineSettings& machine, double step);
 // Whether an effect is a force or a friction.
@@ -129,7 +139,6 @@ class Observer {
   // The same in parts, for who leads many machines at once: how it stands to what is measured, which says how the machine is led over the
   // next step; the step is the caller's.
   Moment compare(const Measured& measured);
-  void step(const sim::DriveCommand& command);
   sim::Machine& machine() { return machine_; }
   int steps() const { return steps_; }  // of the machine per step of the grid
 

@@ -42,6 +42,7 @@ struct HeldOut {
 struct Followed {
   std::string record;
   bool begins_bent = false;  // so that nobody knows from where its run would be simulated
+  double start_time = 0.0, step = 0.0;  // [s] of the grid on which it was judged
   Shadow nominal, explained;
 };
 

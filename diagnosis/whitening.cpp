@@ -11,6 +11,8 @@
 #include <numbers>
 #include <unsupported/Eigen/FFT>
 
+#include "diagnosis/sensor_noise.h"
+
 namespace slewlab::diagnosis {
 
 namespace {
@@ -18,7 +20,7 @@ namespace {
 constexpr double kLeastNoise = 0.02;   // of the noise that counts may make
 constexpr std::size_t kCornerBins = 40;  // at least, from whose mean power a corner is told
 constexpr double kCornerDeviations = 2.0;  // above that, or the least of several would be too low
-// Of 1/f where differences of sixth order, the least that noise_variance() takes, see noise, times the highest frequency: the mean of pi / w under
+// Of 1/f where differences of sixth order, the least that sensor_noise() takes, see noise, times the highest frequency: the mean of pi / w under
 // sin(w / 2)^12.
 constexpr double kRiseInDifferences = 1.186;
 constexpr double kLeastWhite = 0.1;  // of what the differences show; chosen
@@ -58,42 +60,6 @@ double window_energy(const std::vector<double>& window) {
   double energy = 0.0;
   for (const double w : window) energy += w * w;
   return energy;
-}
-
-// Variance of a white sensor noise, from the median size of differences of some order: motion is smooth over a few samples, noise is not.
-// What motion adds falls with the order, the more slowly the fewer samples it is given, so the least of several orders is taken. White
-// noise has sum of the squared binomial coefficients, C(2 m, m), times its variance in differences of order m.
-double noise_variance(std::vector<double> values) {
-  constexpr std::size_t kOrders = 6;
-  double least = std::numeric_limits<double>::infinity(), gain = 1.0;
-  std::vector<double> sizes;
-  for (std::size_t order = 1; order <= kOrders && values.size() > 1; ++order) {
-    for (std::size_t n = 1; n < values.size(); ++n) values[n - 1] = values[n] - values[n - 1];
-    values.pop_back();
-    gain *= 2.0 * static_cast<double>(2 * order - 1) / static_cast<double>(order);
-    if (order < 2) continue;
-    sizes.clear();
-    for (const double value : values) sizes.push_back(std::fabs(value));
-    const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-    std::nth_element(sizes.begin(), middle, sizes.end());
-    const double deviation = *middle / 0.6745;  // of a normal distribution, by its median size
-    least = std::min(least, deviation * deviation / gain);
-  }
-  return std::isfinite(least) ? least : 0.0;
-}
-
-// Of an accelerometer, as if white on the grid. One that is sampled less often has its noise in fewer, longer pieces.
-double accelerometer_variance(const Record& record, std::size_t accelerometer) {
-  if (record.sampled_at.empty()) return noise_variance(record.acceleration[accelerometer]);
-  return noise_variance(record.sampled_acceleration[accelerometer]) * record.sensor_period / record.step;
-}
-
-// Variance of a reading of an encoder's position: counts are off by anything between two of them.
-double encoder_variance(const Record& record, std::size_t group) {
-  const std::vector<double>& position = record.shaft_position[group];
-  std::vector<double> read;
-  for (std::size_t n = 0; n < position.size(); n += reading_stride(record)) read.push_back(position[n]);
-  return std::max(record.encoder_quantum * record.encoder_quantum / 12.0, noise_variance(read));
 }
 
 // Power of the counting error itself, where counts are so coarse that it is not white: slow motion stays between two counts for
@@ -157,11 +123,12 @@ class NoisePowers {
  public:
   NoisePowers(const Record& record, const Whitening& whitening, const NoiseResponse& response, const WhiteningSettings& settings)
       : response_(response), bin_width_(whitening.bin_width),
-        rise_in_differences_(kRiseInDifferences * 2.0 * (record.sampled_at.empty() ? record.step : record.sensor_period)), groups_(static_cast<std::size_t>(record.group_count)) {
+        rise_in_differences_(kRiseInDifferences * 2.0 * (record.sampled_at.empty() ? command_step(record) : record.sensor_period)), groups_(static_cast<std::size_t>(record.group_count)) {
     const double energy = window_energy(whitening.window), stride = static_cast<double>(reading_stride(record));
     const bool is_coarse = record.encoder_quantum >= kCoarseCount;
+    const SensorNoise variance = record.noise ? *record.noise : sensor_noise(record);
     for (std::size_t g = 0; g < groups_; ++g) {
-      const double white = encoder_variance(record, g) * energy / stride;
+      const double white = variance.encoder[g] * energy / stride;
       encoder_[g].assign(whitening.transform_length / 2 + 1, white);
       if (!is_coarse) continue;
       std::vector<double> sum{0.0};
@@ -171,7 +138,7 @@ class NoisePowers {
     for (std::size_t a = 0; a < kAccelerometerCount; ++a) {
       // A data sheet's is that of the noise as the differences show it.
       corner_[a] = settings.noise_corner / std::max(kLeastWhite, 1.0 - settings.noise_corner * rise_in_differences_);
-      if (!record.acceleration[a].empty()) accelerometer_[a] = accelerometer_variance(record, a) * energy;
+      if (!record.acceleration[a].empty()) accelerometer_[a] = variance.accelerometer[a] * energy;
     }
   }
   // A data sheet says how noise may rise; a sensor that is sampled slowly, or a better one, is white from a lower frequency on. What the

@@ -52,9 +52,12 @@ class Judgement {
   std::vector<ImplausibleValue> found_;
 };
 
+constexpr const char* kLoadOfBooms = "a load of %.3g times the boom's mass";
+constexpr const char* kUsualLoad = "a hundredth to five times";
+
 void judge_load(const CraneParameters& machine, Judgement& judge) {
   const LoadParameters& load = machine.load;
-  judge("load.mass", load.mass / machine.boom.mass, 0.0, 20.0, "a load of %.3g times the boom's mass", "a hundredth to five times");
+  judge("load.mass", load.mass / machine.boom.mass, 0.0, 20.0, kLoadOfBooms, kUsualLoad);
   judge("load.rope_length", load.rope_length / machine.boom.length, 5e-3, 20.0, "a rope of %.3g times the boom's length",
         "a fiftieth to three times");
   judge("load.rod_length", load.rod_length / (load.rope_length + machine.boom.length), 0.0, 1.0,
@@ -119,7 +122,9 @@ void judge_boom(const CraneParameters& machine, const Scales& scales, Judgement&
     if (!is_stiff) return;
   }
   const double buckles = critical_buckling_force(boom.youngs_modulus, mean_second_moment(boom, 0.0, 1.0), boom.length);
-  judge("boom.mass", boom.mass * kGravity / buckles, 0.0, 0.5, "a boom that weighs %.3g times what buckles it", "a thousandth to a twentieth");
+  const bool is_boom_light = judge("boom.mass", boom.mass * kGravity / buckles, 0.0, 0.5, "a boom that weighs %.3g times what buckles it", "a thousandth to a twentieth");
+  // Less than any hook; of a boom that is no boom it says nothing.
+  if (is_boom_light && machine.load.mass > 0.0) judge("load.mass", machine.load.mass / boom.mass, 2e-3, HUGE_VAL, kLoadOfBooms, kUsualLoad);
 }
 
 void judge_protection(const DriveProtectionSettings& protection, double rated_torque, std::int64_t controller_period, Judgement& judge) {

@@ -1,6 +1,7 @@
 // The diagnosis end to end on machines that the test itself makes: 20 boom elements where the diagnosis has 12,
 // parameters off by up to 5 %, noise of ordinary sensors. The truth is known, so the expected answers are it.
 #include "diagnosis/diagnose.h"
+#include "diagnosis/judged_grid.h"
 
 #include <Eigen/LU>
 #include <fmt/format.h>
@@ -378,9 +379,10 @@ TEST(HeldOutData, ARecordWithoutPartIsJudgedAsOneHeldOut) {
   const Record first = make_record(simulated_log(truth, bench().controller, kThereAndBack, kDuration, 34), "a", bench().admission);
   const Record second = make_record(simulated_log(truth, bench().controller, kInching, kDuration, 35), "b", bench().admission);
   BenchProblem both, alone;
-  both.add(first);
-  both.add(second);
-  alone.add(first);
+  const auto judged = [](const Record& record) { return on_judged_grid(record, bench().thresholds.whitening.highest_frequency); };
+  both.add(judged(first));
+  both.add(judged(second));
+  alone.add(judged(first));
   std::vector<std::string> remarks;
   HeldOutData held(both, both.thresholds.whitening, HeldOutPart::last), unseen(alone, alone.thresholds.whitening, second, remarks);
   const std::optional<controller::ControllerSettings> controller = bench().controller;

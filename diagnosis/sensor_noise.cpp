@@ -1,0 +1,57 @@
+#include "diagnosis/sensor_noise.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <vector>
+
+namespace slewlab::diagnosis {
+
+namespace {
+
+// Variance of a white sensor noise, from the median size of its differences.
+double noise_variance(std::vector<double> values) {
+  constexpr std::size_t kOrders = 6;
+  double least = std::numeric_limits<double>::infinity(), gain = 1.0;
+  std::vector<double> sizes;
+  for (std::size_t order = 1; order <= kOrders && values.size() > 1; ++order) {
+    for (std::size_t n = 1; n < values.size(); ++n) values[n - 1] = values[n] - values[n - 1];
+    values.pop_back();
+    gain *= 2.0 * static_cast<double>(2 * order - 1) / static_cast<double>(order);
+    if (order < 2) continue;
+    sizes.clear();
+    for (const double value : values) sizes.push_back(std::fabs(value));
+    const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
+    std::nth_element(sizes.begin(), middle, sizes.end());
+    const double deviation = *middle / 0.6745;  // of a normal distribution, by its median size
+    least = std::min(least, deviation * deviation / gain);
+  }
+  return std::isfinite(least) ? least : 0.0;
+}
+
+double accelerometer_variance(const Record& record, std::size_t accelerometer) {
+  if (record.sampled_at.empty()) return noise_variance(record.acceleration[accelerometer]);
+  return noise_variance(record.sampled_acceleration[accelerometer]) * record.sensor_period / record.step;
+}
+
+// Of a reading of the position: counts are off by anything between two of them.
+double encoder_variance(const Record& record, std::size_t group) {
+  const std::vector<double>& position = record.shaft_position[group];
+  std::vector<double> read;
+  for (std::size_t n = 0; n < position.size(); n += reading_stride(record)) read.push_back(position[n]);
+  return std::max(record.encoder_quantum * record.encoder_quantum / 12.0, noise_variance(read));
+}
+
+}  // namespace
+
+SensorNoise sensor_noise(const Record& record) {
+  SensorNoise noise;
+  for (std::size_t g = 0; g < static_cast<std::size_t>(record.group_count); ++g) noise.encoder[g] = encoder_variance(record, g);
+  for (std::size_t a = 0; a < kAccelerometerCount; ++a) {
+    if (!record.acceleration[a].empty()) noise.accelerometer[a] = accelerometer_variance(record, a);
+  }
+  return noise;
+}
+
+}  // namespace slewlab::diagnosis
