@@ -232,10 +232,8 @@ ControllerCause fit_effects(const Replays& replays, double gap, const std::vecto
 
 }  // namespace
 
-std::vector<ControllerCause> fit_controller(std::span<const Record> records,
-                                            const controller::ControllerSettings& nominal,
-                                            std::span<const std::string> without,
-                                            const std::function<bool()>& is_stopped) {
+std::vector<ControllerCause> fit_controller(std::span<const Record> records, const controller::ControllerSettings& nominal,
+                                            std::span<const std::string> without, const std::function<bool()>& is_stopped, const ShareOut& share) {
   const common::EffectCatalogue all = controller::effects_for(nominal);
   std::vector<std::optional<double>> known_from;
   for (const Record& record : records) known_from.push_back(controller_known_from(record, nominal));
@@ -246,34 +244,39 @@ std::vector<ControllerCause> fit_controller(std::span<const Record> records,
     if (std::find(without.begin(), without.end(), about.name) == without.end()) catalogue.push_back(&about);
   }
   const auto leaves_less = [](const ControllerCause& a, const ControllerCause& b) { return a.share_left < b.share_left; };
-  std::vector<std::vector<Effects>> singles;  // of each effect the starts to go on from
-  for (const common::EffectAbout* about : catalogue) {
+  std::vector<std::vector<Effects>> singles(catalogue.size());  // of each effect the starts to go on from
+  share(catalogue.size(), [&](std::size_t i) {
     std::vector<Effects> starts;
-    for (const common::EffectInstance& start : starts_of(*about, kFine)) starts.push_back({start});
-    singles.push_back(best_of(replays, starts));
-  }
+    for (const common::EffectInstance& start : starts_of(*catalogue[i], kFine)) starts.push_back({start});
+    singles[i] = best_of(replays, starts);
+  });
   std::vector<ControllerCause> causes;
   // The search without slopes takes longer and is left out where it is not needed.
   for (const bool without_slopes : {false, true}) {
     if (!causes.empty() && causes.front().share_left <= kExact) break;
-    causes.clear();
-    for (const std::vector<Effects>& starts : singles) causes.push_back(fit_effects(replays, gap, starts, without_slopes));
+    causes.assign(singles.size(), {});
+    share(singles.size(), [&](std::size_t i) { causes[i] = fit_effects(replays, gap, singles[i], without_slopes); });
     std::sort(causes.begin(), causes.end(), leaves_less);
   }
   // Two effects, where one is not the whole answer.
   if (!causes.empty() && causes.front().share_left > kExact) {
     const std::size_t firsts = std::min<std::size_t>(kSinglesToPair, causes.size());
     std::set<std::set<std::string>> tried;
+    std::vector<std::pair<common::EffectInstance, const common::EffectAbout*>> pairs;
     for (std::size_t i = 0; i < firsts; ++i) {
       const common::EffectInstance first = causes[i].effects.front();
       for (const common::EffectAbout* about : catalogue) {
         const std::string second(about->name);
-        if (second == first.name || !tried.insert({first.name, second}).second) continue;
-        std::vector<Effects> starts;
-        for (const common::EffectInstance& start : starts_of(*about, kCoarse)) starts.push_back({first, start});
-        causes.push_back(fit_effects(replays, gap, best_of(replays, starts), false));
+        if (second != first.name && tried.insert({first.name, second}).second) pairs.emplace_back(first, about);
       }
     }
+    const std::size_t alone = causes.size();
+    causes.resize(alone + pairs.size());
+    share(pairs.size(), [&](std::size_t i) {
+      std::vector<Effects> starts;
+      for (const common::EffectInstance& start : starts_of(*pairs[i].second, kCoarse)) starts.push_back({pairs[i].first, start});
+      causes[alone + i] = fit_effects(replays, gap, best_of(replays, starts), false);
+    });
     std::sort(causes.begin(), causes.end(), leaves_less);
   }
   double sum = 0.0;

@@ -3,6 +3,7 @@
 // next to nothing. Where one effect does not, two are tried.
 #pragma once
 
+#include <cstddef>
 #include <functional>
 #include <span>
 #include <string>
@@ -22,10 +23,15 @@ struct ControllerCause {
   double probability = 0.0;       // among the controller's effects
 };
 
+// Calls work(0) to work(count - 1), in any order or side by side, as share_out() of problem.h.
+using ShareOut = std::function<void(std::size_t count, const std::function<void(std::size_t)>& work)>;
+inline void one_after_the_other(std::size_t count, const std::function<void(std::size_t)>& work) {
+  for (std::size_t i = 0; i < count; ++i) work(i);
+}
+
 // Falling probability. Effects named in `without` are left out. `is_stopped` is asked before every replay; where true, throws Interrupted.
-std::vector<ControllerCause> fit_controller(std::span<const Record> records,
-                                            const controller::ControllerSettings& nominal,
-                                            std::span<const std::string> without,
-                                            const std::function<bool()>& is_stopped = {});
+std::vector<ControllerCause> fit_controller(std::span<const Record> records, const controller::ControllerSettings& nominal,
+                                            std::span<const std::string> without, const std::function<bool()>& is_stopped = {},
+                                            const ShareOut& share = one_after_the_other);
 
 }  // namespace slewlab::diagnosis

@@ -620,7 +620,8 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   Ranking ranking{std::move(weighed.causes), weighed.probabilities.unknown};
   if (diagnosis.controller_differs) {
     tell(kHoldOut.from, "fitting the controller");
-    diagnosis.controller_causes = fit_controller(problem.records, *controller, settings.without, problem.is_stopped);
+    diagnosis.controller_causes = fit_controller(problem.records, *controller, settings.without, problem.is_stopped,
+                                                 [&](std::size_t count, const std::function<void(std::size_t)>& work) { share_out(problem, count, work); });
     add_controller_causes(controller::effects_for(*controller), diagnosis.controller_causes, ranking);
   }
   diagnosis.counts = add_counts(problem, settings.without, ranking);

@@ -86,12 +86,17 @@ double weight_of(const Problem& problem, const Eigen::VectorXd& difference, doub
   return problem.settings.independent_share * discounted_weight(excess(difference, problem.settings), law_freedom);
 }
 
+// Products of the columns with each other.
+Eigen::MatrixXd gram_of(const Eigen::MatrixXd& columns) {
+  Eigen::MatrixXd gram = Eigen::MatrixXd::Zero(columns.cols(), columns.cols());
+  gram.selfadjointView<Eigen::Lower>().rankUpdate(columns.transpose());
+  gram.triangularView<Eigen::StrictlyUpper>() = gram.transpose();
+  return gram;
+}
+
 // The cost's, for Gauss-Newton steps.
-Eigen::MatrixXd curvature(const Problem& problem, const Point& point, const Eigen::VectorXd& difference,
-                          const Eigen::MatrixXd& columns, double law_freedom) {
-  Eigen::MatrixXd system = Eigen::MatrixXd::Zero(columns.cols(), columns.cols());
-  system.selfadjointView<Eigen::Lower>().rankUpdate(columns.transpose(), weight_of(problem, difference, law_freedom));
-  system.triangularView<Eigen::StrictlyUpper>() = system.transpose();
+Eigen::MatrixXd curvature(const Problem& problem, const Point& point, const Eigen::VectorXd& difference, const Eigen::MatrixXd& gram, double law_freedom) {
+  Eigen::MatrixXd system = weight_of(problem, difference, law_freedom) * gram;
   system.diagonal().array() += prior_rows(problem, point).slope.array().square();
   return system;
 }
@@ -128,7 +133,7 @@ Eigen::VectorXd first_steps(const common::EffectCatalogue& catalogue, const Poin
 
 // Of what the records and the priors leave open, in coordinates.
 Eigen::MatrixXd covariance(const Problem& problem, const Point& point, const Eigen::VectorXd& difference, const Eigen::MatrixXd& columns) {
-  const Eigen::MatrixXd system = curvature(problem, point, difference, columns, problem.settings.law_freedom);
+  const Eigen::MatrixXd system = curvature(problem, point, difference, gram_of(columns), problem.settings.law_freedom);
   return system.ldlt().solve(Eigen::MatrixXd::Identity(system.rows(), system.cols()));
 }
 
@@ -248,11 +253,12 @@ double descend(Problem& problem, FitResult& result, double law_freedom) {
   Point trial;
   Eigen::VectorXd trial_difference;
   double trial_cost = 0.0;
+  Eigen::MatrixXd gram = gram_of(result.columns);
   Descending problem_here;
   problem_here.model = [&]() -> LocalModel {
     const PriorRows prior = prior_rows(problem, result.point);
     const double weight = weight_of(problem, result.difference, law_freedom);
-    return {curvature(problem, result.point, result.difference, result.columns, law_freedom),
+    return {curvature(problem, result.point, result.difference, gram, law_freedom),
             weight * result.columns.transpose() * result.difference + prior.value.cwiseProduct(prior.slope)};
   };
   problem_here.attempt = [&](const Eigen::VectorXd& asked) -> std::optional<double> {
@@ -262,7 +268,10 @@ double descend(Problem& problem, FitResult& result, double law_freedom) {
     if (length == 0.0) return std::nullopt;
     trial_difference = differences(problem, trial);
     trial_cost = cost_of(problem, trial, trial_difference, law_freedom);
-    result.columns += ((trial_difference - result.difference - result.columns * step) / length) * step.transpose();
+    const Eigen::VectorXd missed = (trial_difference - result.difference - result.columns * step) / length;
+    const Eigen::VectorXd along = result.columns.transpose() * missed;
+    gram += along * step.transpose() + step * along.transpose() + missed.squaredNorm() * step * step.transpose();
+    result.columns += missed * step.transpose();
     return trial_cost;
   };
   problem_here.accept = [&] {

@@ -4,12 +4,6 @@
 
 namespace slewlab::diagnosis {
 
-namespace {
-
-constexpr double kEnoughDone = 0.05;  // of the whole, from which a time left is more than a guess
-
-}  // namespace
-
 Progress within(const Progress& tell, const Stage& stage) {
   return [tell, stage](double share, const std::string& doing) {
     if (tell) tell(stage.from + (stage.to - stage.from) * share, doing);
@@ -31,7 +25,7 @@ void Forecast::tell(double time, double share) {
 }
 
 std::optional<double> Forecast::left() const {
-  if (!from_time_ || share_ - from_share_ < kEnoughDone) return std::nullopt;
+  if (!from_time_ || share_ < kScreen.to || !(share_ > from_share_)) return std::nullopt;
   return (time_ - *from_time_) / (share_ - from_share_) * (1.0 - share_);
 }
 

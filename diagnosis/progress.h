@@ -15,22 +15,22 @@ struct Stage {
 };
 
 // Of the processor's time. A single diagnosis differs by a half, because how many effects are worth a fit and how long they take to
-// settle is not known before: at the end of the screening it is a quarter to a half through. So that ends in the geometric middle; the
+// settle is not known before: at the end of the screening it is a sixth to a half through. So nothing is forecast before that; the
 // rest are means over machines where many effects promise something.
-inline constexpr Stage kFitParameters{0.0, 0.08};
-inline constexpr Stage kScreen{0.08, 0.3};
-inline constexpr Stage kRefineSingles{0.3, 0.35};
-inline constexpr Stage kConvergeSingles{0.35, 0.47};
-inline constexpr Stage kScreenBeside{0.47, 0.56};
-inline constexpr Stage kRefinePairs{0.56, 0.64};
-inline constexpr Stage kConvergePairs{0.64, 0.77};
-inline constexpr Stage kGoBack{0.77, 0.945};
-inline constexpr Stage kLookForStochastic{0.945, 0.962};
-inline constexpr Stage kHoldOut{0.962, 0.985};
-inline constexpr Stage kFollow{0.985, 1.0};
+inline constexpr Stage kFitParameters{0.0, 0.11};
+inline constexpr Stage kScreen{0.11, 0.24};
+inline constexpr Stage kRefineSingles{0.24, 0.26};
+inline constexpr Stage kConvergeSingles{0.26, 0.37};
+inline constexpr Stage kScreenBeside{0.37, 0.41};
+inline constexpr Stage kRefinePairs{0.41, 0.46};
+inline constexpr Stage kConvergePairs{0.46, 0.58};
+inline constexpr Stage kGoBack{0.58, 0.73};
+inline constexpr Stage kLookForStochastic{0.73, 0.92};
+inline constexpr Stage kHoldOut{0.92, 0.97};
+inline constexpr Stage kFollow{0.97, 1.0};
 
 // What of the time behind the screening is left where few effects promise something and parameters alone may be the answer.
-inline constexpr double kWithFewEffects = 0.794;
+inline constexpr double kWithFewEffects = 0.7;
 Progress shortened(const Progress& tell, double left);
 
 // When it will end, from the shares that are told on the way. The fit of the parameters alone says nothing of the rest: its length depends
@@ -41,7 +41,7 @@ class Forecast {
   void tell(double time, double share);
   // Of several that are at work the one that is farthest.
   double share() const { return share_; }
-  // Time left; nothing while too little is done to say.
+  // Time left; nothing before the screening has shown how much there is to be done.
   std::optional<double> left() const;
 
  private:

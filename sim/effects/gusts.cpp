@@ -21,6 +21,8 @@ namespace {
 constexpr int kSineCount = 32;
 constexpr double kLowest = 0.01787;  // [1/swing time]: 0.01 Hz at 31.3 m of reach
 constexpr double kHighest = 8.934;   // [1/swing time]: 5 Hz there
+constexpr double kSameStep = 1e-6;   // of a step, by which times that are rounded may differ
+constexpr int kMostTurns = 1000;     // before the sines are worked out anew: an angle is then off by a thousandth of a step's at most
 
 class Gusts : public Running<Gusts> {
  public:
@@ -44,19 +46,48 @@ class Gusts : public Running<Gusts> {
   }
 
   void force(const EffectMoment& moment, PortForces& ports) override {
+    turn_to(moment.time);
     double speed = mean_;
-    for (std::size_t k = 0; k < kSineCount; ++k) {
-      speed += amplitude_[k] * std::sin(frequency_[k] * moment.time + phase_[k]);
-    }
+    for (const double sine : sine_) speed += sine;
     const double pressure =
         0.5 * kAirDensity * (speed * std::fabs(speed) - mean_ * mean_) * std::sin(direction_ - moment.house_angle);
     add_wind(areas_, pressure, pressure, ports);
   }
 
  private:
+  // From one call to the next the sines turn by the same angle as long as the step is the same: by the theorem of addition, and from time to time anew, so that its
+  // rounding does not grow.
+  void turn_to(double time) {
+    const double step = time - time_;
+    time_ = time;
+    if (std::fabs(step - step_) <= kSameStep * std::fabs(step_) && ++turns_ < kMostTurns) {
+      for (std::size_t k = 0; k < kSineCount; ++k) {
+        const double sine = sine_[k] * turn_cosine_[k] + cosine_[k] * turn_sine_[k];
+        cosine_[k] = cosine_[k] * turn_cosine_[k] - sine_[k] * turn_sine_[k];
+        sine_[k] = sine;
+      }
+      return;
+    }
+    turns_ = 0;
+    for (std::size_t k = 0; k < kSineCount; ++k) {
+      const double angle = frequency_[k] * time + phase_[k];
+      sine_[k] = amplitude_[k] * std::sin(angle);
+      cosine_[k] = amplitude_[k] * std::cos(angle);
+    }
+    if (std::fabs(step - step_) <= kSameStep * std::fabs(step_)) return;
+    step_ = step;
+    for (std::size_t k = 0; k < kSineCount; ++k) {
+      turn_sine_[k] = std::sin(frequency_[k] * step);
+      turn_cosine_[k] = std::cos(frequency_[k] * step);
+    }
+  }
+
   double mean_, direction_;
   DragAreas areas_;
   std::array<double, kSineCount> frequency_{}, phase_{}, amplitude_{};
+  double time_ = 0.0, step_ = 0.0;  // [s] of the last call, and from the one before
+  int turns_ = 0;                   // since the sines were worked out
+  std::array<double, kSineCount> sine_{}, cosine_{}, turn_sine_{}, turn_cosine_{};
 };
 
 }  // namespace
