@@ -14,6 +14,7 @@
 #include "controller/effects/catalogue.h"
 #include "diagnosis/admit.h"
 #include "diagnosis/model_step.h"
+#include "diagnosis/own_noise.h"
 #include "diagnosis/stochastic.h"
 #include "diagnosis/screen.h"
 
@@ -178,16 +179,48 @@ struct Weighed {
   }
 };
 
+// What the sensors' noise makes of a fit's machine, and what it leaves by that.
+struct OwnNoise {
+  Eigen::VectorXd variance;
+  double excess = 0.0;
+};
+
+// Differences that have been divided already by a stochastic effect's power have the less noise beside it, the more of that power there is: they are not
+// allowed more of it than in the nominal machine.
+OwnNoise noise_of(const Problem& problem, const FitResult& result) {
+  const Point rest = without_stochastic(problem.catalogue, result.point);
+  OwnNoise own{own_noise(problem, rest), 0.0};
+  if (rest.effects.size() < result.point.effects.size()) {
+    const double divided = (result.difference.array().square() * (own.variance.array().min(1.0).inverse() - 1.0)).sum();
+    return {{}, result.excess + problem.settings.independent_share * divided};
+  }
+  own.excess = problem.settings.independent_share * (result.difference.array().square() / own.variance.array() - 1.0).sum();
+  return own;
+}
+
+FitResult under(const OwnNoise& own, FitResult result) {
+  result.excess = own.excess;
+  if (own.variance.size() == 0) return result;
+  const Eigen::VectorXd scale = own.variance.cwiseSqrt().cwiseInverse();
+  result.difference = result.difference.cwiseProduct(scale);
+  result.columns = scale.asDiagonal() * result.columns;
+  return result;
+}
+
 Weighed weigh_fits(Problem& problem, const Found& found, std::size_t effect_count, EvidenceSettings evidence) {
   evidence.independent_share = problem.settings.independent_share;
   evidence.unknown_floor += kNoise * problem.settings.independent_share * static_cast<double>(difference_count(problem));
-  double least = std::min(0.0, found.nothing.excess);
-  for (const FitResult& result : found.fits) least = std::min(least, result.excess);
-  const MisfitCost misfit_cost(evidence, found.nothing.excess - least);
+  const OwnNoise of_nothing = noise_of(problem, found.nothing);
+  std::vector<OwnNoise> of_fits(found.fits.size());
+  share_out(problem, found.fits.size(), [&](std::size_t i) { of_fits[i] = noise_of(problem, found.fits[i]); });
+  double least = std::min(0.0, of_nothing.excess);
+  for (const OwnNoise& own : of_fits) least = std::min(least, own.excess);
+  const double nothing_excess = of_nothing.excess;
+  const MisfitCost misfit_cost(evidence, nothing_excess - least);
   Weighed weighed;
   std::vector<Candidate> candidates;
   std::vector<Relaxed> relaxed_fits(found.fits.size());
-  share_out(problem, found.fits.size(), [&](std::size_t i) { relaxed_fits[i] = relax(problem, found.fits[i], misfit_cost, least); });
+  share_out(problem, found.fits.size(), [&](std::size_t i) { relaxed_fits[i] = relax(problem, under(of_fits[i], found.fits[i]), misfit_cost, least); });
   const auto add_candidate = [&](const FitResult& result, const Relaxed& relaxed) {
     Cause cause = make_cause(problem.catalogue, result);
     cause.excess = relaxed.excess;
@@ -196,15 +229,15 @@ Weighed weigh_fits(Problem& problem, const Found& found, std::size_t effect_coun
     candidates.push_back({cause.effects, cause.excess, cause.prior, cause.information});
     weighed.causes.push_back(std::move(cause));
   };
-  add_candidate(found.nothing, relax(problem, found.nothing, misfit_cost, least));
+  add_candidate(found.nothing, relax(problem, under(of_nothing, found.nothing), misfit_cost, least));
   for (std::size_t i = 0; i < found.fits.size(); ++i) add_candidate(found.fits[i], relaxed_fits[i]);
   weighed.probabilities = weigh(candidates, static_cast<int>(effect_count), evidence);
   // What is explained is counted down to what the noise, or the best of all fits, leaves.
-  const double floor = weighed.probabilities.floor, gap = found.nothing.excess - floor;
+  const double floor = weighed.probabilities.floor, gap = nothing_excess - floor;
   for (std::size_t i = 0; i < weighed.causes.size(); ++i) {
     Cause& cause = weighed.causes[i];
     cause.probability = weighed.probabilities.candidate[i];
-    cause.explained = gap > 0.0 ? std::clamp((found.nothing.excess - cause.excess) / gap, 0.0, 1.0) : 0.0;
+    cause.explained = gap > 0.0 ? std::clamp((nothing_excess - cause.excess) / gap, 0.0, 1.0) : 0.0;
   }
   return weighed;
 }

@@ -5,15 +5,21 @@
 #include <unsupported/Eigen/FFT>
 #include <utility>
 
+#include "sim/effects/catalogue.h"
+
 namespace slewlab::diagnosis {
 
 namespace {
 
-// The machine whose teeth never part and from which nothing is left out: what it answers grows with what it is asked.
+// The machine whose teeth never part and in which nothing but what is linear acts while it runs: what it answers grows with what it is asked.
 sim::MachineSettings linear(sim::MachineSettings machine) {
   machine.crane.drive.gearbox_play = 0.0;
   machine.crane.drive.pinion_play = 0.0;
-  machine.effects.clear();
+  std::erase_if(machine.effects, [](const common::EffectInstance& effect) {
+    const sim::EffectDescription* description = sim::find_effect(effect.name);
+    if (description != nullptr && description->about.linear) return false;
+    return description == nullptr || std::any_of(description->ports.begin(), description->ports.end(), [](sim::EffectPort port) { return port != sim::EffectPort::parameters; });
+  });
   return machine;
 }
 
@@ -53,7 +59,7 @@ std::vector<double> power(const std::vector<double>& values) {
 
 }  // namespace
 
-NoiseResponse noise_response(const sim::MachineSettings& nominal, const Record& record, const ShadowGains& gains, std::size_t length) {
+NoiseResponse noise_response(const sim::MachineSettings& nominal, const Record& record, const ShadowGains& gains, std::size_t length, const ForceSteps& force_steps) {
   NoiseResponse response;
   const sim::MachineSettings machine = linear(nominal);
   Record still = standing(record, length);
@@ -65,7 +71,7 @@ NoiseResponse noise_response(const sim::MachineSettings& nominal, const Record& 
   const auto answer = [&] {
     Shadow differences;
     std::vector<Shadowing> alone;
-    alone.push_back({follower_of(machine, grid_of(still)), 0.0, {}, &differences});
+    alone.push_back({follower_of(machine, grid_of(still), force_steps), 0.0, {}, &differences});
     shadow(std::move(alone), still, drives, gains);
     SourceResponse powers;
     for (std::size_t g = 0; g < groups; ++g) powers.torque[g] = power(differences.missing_torque[g]);

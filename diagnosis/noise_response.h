@@ -4,7 +4,7 @@
 //
 //   N_c(f) = sum over sources s of |H_cs(f)|^2 S_s(f),    H_cs = transform of what channel c answers to one reading of s that is off by 1
 //
-// of the nominal machine with its teeth together (no play) and without effects, which is linear.
+// of the machine with its teeth together (no play) and without effects that act while it runs but the linear ones.
 #pragma once
 
 #include <array>
@@ -27,6 +27,6 @@ struct NoiseResponse {
 };
 
 // `length` points on the record's grid, an even number. Throws std::invalid_argument where the machine cannot be built.
-NoiseResponse noise_response(const sim::MachineSettings& nominal, const Record& record, const ShadowGains& gains, std::size_t length);
+NoiseResponse noise_response(const sim::MachineSettings& nominal, const Record& record, const ShadowGains& gains, std::size_t length, const ForceSteps& force_steps = {});
 
 }  // namespace slewlab::diagnosis

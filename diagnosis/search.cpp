@@ -1,9 +1,12 @@
 #include "diagnosis/search.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <iterator>
 #include <map>
+#include <numeric>
+#include <optional>
 #include <set>
 #include <string>
 
@@ -140,28 +143,60 @@ void go_back(Problem& problem, const Eigen::MatrixXd& nuisance_columns, std::siz
   take_cheaper(fits, std::move(fewer));
 }
 
-// The best fit's machine, with another one's effects: of two laws of one motion the one that ended lower need not be the better law. The next
-// best fits with as many effects try it; what both have starts where the best one has it.
-void start_from_best_machine(Problem& problem, std::vector<FitResult>& fits) {
-  if (fits.empty() || fits.front().point.effects.empty()) return;
-  const Point& best = fits.front().point;
-  const Eigen::MatrixXd nuisance_columns = fits.front().columns.leftCols(static_cast<Eigen::Index>(best.nuisance.size()));
+// The best fit's machine with the effects that another fit has too, and their columns.
+FitResult common_ground(Problem& problem, const FitResult& best, const Point& other) {
+  FitResult ground;
+  ground.point.nuisance = best.point.nuisance;
+  const auto nuisances = static_cast<Eigen::Index>(best.point.nuisance.size());
+  std::vector<Eigen::Index> kept(best.point.nuisance.size());
+  std::iota(kept.begin(), kept.end(), Eigen::Index{0});
+  Eigen::Index column = nuisances;
+  for (const common::EffectInstance& effect : best.point.effects) {
+    const bool is_common = has_effect(other.effects, effect.name);
+    if (is_common) ground.point.effects.push_back(effect);
+    for (std::size_t p = 0; p < effect.values.size(); ++p, ++column) {
+      if (is_common) kept.push_back(column);
+    }
+  }
+  ground.columns = best.columns(Eigen::all, kept);
+  ground.difference = differences(problem, ground.point);
+  return ground;
+}
+
+// Where a law begins on that ground: as much of it, or of a typical one, as takes most away there, for its own fit may have ended far from that. Two laws at once begin as they ended.
+Point start_on(Problem& problem, const FitResult& ground, const Point& other) {
+  std::vector<common::EffectInstance> starts;
+  for (const common::EffectInstance& effect : other.effects) {
+    if (has_effect(ground.point.effects, effect.name)) continue;
+    starts.push_back(effect);
+  }
+  if (starts.size() != 1) return {ground.point.nuisance, other.effects};
+  starts.push_back(common::typical_instance(problem.catalogue.at(starts.front().name)));
+  const Screening there = screen(problem, ground, Projector(ground.columns, prior_rows(problem, ground.point), data_weight(ground.difference, problem.settings)), starts,
+                                 [](double, const std::string&) {});
+  const Screened& screened = *best_of_each(there).front();
+  return with_amount(problem.catalogue, ground.point, screened, screened.amount);
+}
+
+// The best fit's machine, with another one's effects: of two laws of one motion the one that ended lower need not be the better law, and one that is a part of the other, with fewer
+// parameters, can do as well. The next best fits with as many effects try it; what both have starts where the best one has it. Whether one came on by it.
+bool start_from_best_machine(Problem& problem, std::vector<FitResult>& fits) {
+  if (fits.empty() || fits.front().point.effects.empty()) return false;
+  const FitResult& best = fits.front();
+  const Eigen::MatrixXd nuisance_columns = best.columns.leftCols(static_cast<Eigen::Index>(best.point.nuisance.size()));
   std::vector<FitResult*> others;
   for (std::size_t i = 1; i < fits.size() && others.size() < kFromBest; ++i) {
-    if (fits[i].point.effects.size() == best.effects.size()) others.push_back(&fits[i]);
+    if (fits[i].point.effects.size() == best.point.effects.size()) others.push_back(&fits[i]);
   }
+  std::atomic<bool> came_on{false};
   share_out(problem, others.size(), [&](std::size_t i) {
-    Point start = others[i]->point;
-    start.nuisance = best.nuisance;
-    for (common::EffectInstance& effect : start.effects) {
-      for (const common::EffectInstance& same : best.effects) {
-        if (same.name == effect.name) effect = same;
-      }
-    }
-    FitResult again = fit(problem, nuisance_columns, start);
-    if (again.cost < others[i]->cost) *others[i] = std::move(again);
+    FitResult again = fit(problem, nuisance_columns, start_on(problem, common_ground(problem, best, others[i]->point), others[i]->point));
+    if (again.cost >= others[i]->cost) return;
+    *others[i] = std::move(again);
+    came_on = true;
   });
   std::stable_sort(fits.begin(), fits.end(), cheaper);
+  return came_on;
 }
 
 // Where a pair is fitted from, and the fit of whose columns it begins with: those of a machine without the pair's larger effect
@@ -303,6 +338,7 @@ void converge_singles(Problem& problem, std::vector<FitResult>& fits, std::size_
   fits.erase(first, fits.end());
   converge(problem, singles, count);
   settle_best(problem, singles);
+  if (start_from_best_machine(problem, singles)) settle_best(problem, singles);
   fits.insert(fits.end(), std::make_move_iterator(singles.begin()), std::make_move_iterator(singles.end()));
   std::stable_sort(fits.begin(), fits.end(), cheaper);
 }

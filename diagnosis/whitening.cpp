@@ -182,6 +182,17 @@ class NoisePowers {
     if (accelerometer_[kTip] > 0.0) noise += flicker(kTip) * of(response_.tip);
     return noise;
   }
+  // Into the whitening: the sources, at its bins.
+  void tell_sources(const EncoderShares& shares, Whitening& whitening) const {
+    whitening.encoder_power.assign(groups_, std::vector<double>(whitening.bin_count));
+    if (accelerometer_[kTip] > 0.0) whitening.tip_power.resize(whitening.bin_count);
+    for (std::size_t b = 0; b < whitening.bin_count; ++b) {
+      const std::size_t k = whitening.first_bin + b;
+      for (std::size_t g = 0; g < groups_; ++g) whitening.encoder_power[g][b] = shares[g] * encoder_[g][k];
+      if (!whitening.tip_power.empty()) whitening.tip_power[b] = accelerometer_[kTip] * rising(kTip, static_cast<double>(k) * bin_width_);
+    }
+    whitening.answered = noise_through(whitening, response_);
+  }
 
  private:
   // The power of an accelerometer's noise at a frequency, over what its fastest differences show.
@@ -196,6 +207,22 @@ class NoisePowers {
 };
 
 }  // namespace
+
+std::vector<Eigen::VectorXd> noise_through(const Whitening& whitening, const NoiseResponse& response) {
+  std::vector<Eigen::VectorXd> powers;
+  for (const Channel& channel : whitening.channels) {
+    const auto i = static_cast<std::size_t>(channel.index);
+    const auto of = [&](const SourceResponse& source, std::size_t k) { return channel.is_torque ? source.torque[i][k] : source.acceleration[i][k]; };
+    Eigen::VectorXd& power = powers.emplace_back(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(whitening.bin_count)));
+    for (std::size_t b = 0; b < whitening.bin_count; ++b) {
+      const std::size_t k = whitening.first_bin + b;
+      double& sum = power(static_cast<Eigen::Index>(b));
+      for (std::size_t g = 0; g < whitening.encoder_power.size(); ++g) sum += whitening.encoder_power[g][b] * of(response.encoder[g], k);
+      if (!whitening.tip_power.empty()) sum += whitening.tip_power[b] * of(response.tip, k);
+    }
+  }
+  return powers;
+}
 
 std::size_t transform_length(std::size_t count) {
   for (;; ++count) {
@@ -291,6 +318,7 @@ Whitening make_whitening(const Record& record, const std::vector<bool>& trusted,
     shown[i] = std::clamp(*middle / std::numbers::ln2, kLeastNoise, 1.0);
   }
   noise.lower_corners(whitening, nominal, shown, settings.corner_from);
+  noise.tell_sources(shown, whitening);
   for (const Channel& channel : whitening.channels) {
     const auto i = static_cast<std::size_t>(channel.index);
     const std::vector<double> sum = channel.is_torque ? torque_power : running_power({&record.acceleration[i]}, whitening);

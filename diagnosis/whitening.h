@@ -54,6 +54,11 @@ struct Whitening {
   std::vector<Eigen::VectorXd> weight;  // per channel, per bin
   std::vector<double> window;           // per grid point, 0 where the record is not to be judged
   double window_sum = 0.0;              // of all its points
+  // The sensors' noise that comes through the observer, as `weight` has it: the power of each source per bin [rad^2], [(m/s^2)^2], and what the nominal machine makes of
+  // all of them, per channel and bin. For machines that make something else of it (own_noise.h).
+  std::vector<std::vector<double>> encoder_power;
+  std::vector<double> tip_power;
+  std::vector<Eigen::VectorXd> answered;
   Eigen::Index size() const { return static_cast<Eigen::Index>(2 * bin_count * channels.size()); }
 };
 
@@ -62,6 +67,9 @@ struct Whitening {
 // in what the `nominal` shadow misses above `encoder_noise_from`, where motors hardly move; at most what its counts may make.
 Whitening make_whitening(const Record& record, const std::vector<bool>& trusted, const NoiseResponse& response,
                          const Shadow& nominal, const WhiteningSettings& settings);
+
+// What a machine of that response makes of the whitening's sources, per channel and bin.
+std::vector<Eigen::VectorXd> noise_through(const Whitening& whitening, const NoiseResponse& response);
 
 // The next length for so many grid points that 2, 3 and 5 divide down to 1, where the transform is fast; an even one.
 std::size_t transform_length(std::size_t count);

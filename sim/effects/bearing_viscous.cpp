@@ -42,7 +42,8 @@ const EffectDescription& bearing_viscous() {
                                 .scale = common::ParameterScale::linear,
                                 .absent = 0.0},
                                asymmetry_parameter()},
-                .family = common::Family::friction},
+                .family = common::Family::friction,
+                .linear = true},
       .ports = {EffectPort::force},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<BearingViscous>(start);

@@ -104,7 +104,8 @@ const EffectDescription& pedestal_flexibility() {
                                 .absent = std::nullopt,
                                 .tries = {0.15}}},  // a wide resonance, which is seen from farther off
                 .needs = {.boom = true},
-                .family = common::Family::elasticity},
+                .family = common::Family::elasticity,
+                .linear = true},
       .ports = {EffectPort::force, EffectPort::sensor},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<PedestalFlexibility>(start);

@@ -61,7 +61,8 @@ const EffectDescription& tag_line() {
                                 .scale = common::ParameterScale::linear,
                                 .absent = 0.0}},
                 .needs = {.boom = true, .load = true},
-                .family = common::Family::elasticity},
+                .family = common::Family::elasticity,
+                .linear = true},
       .ports = {EffectPort::force},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<TagLine>(start);
