@@ -185,6 +185,23 @@ void bend_as_it_accelerates(sim::Machine& machine, double acceleration, double s
   incline_load(machine, {behind, 0.0}, Eigen::Vector2d::Zero());
 }
 
+// A machine that stands, its gears pressed and so its house held, is bent by what its effects do to it all the time (a heel, steady wind, a tilt); in the middle of its play it is free, and begins
+// unbent. Gives the acceleration [rad/s^2] that they would make of all as one body, which the torques of the motors hold.
+double bend_under_steady_forces(sim::Machine& machine) {
+  const sim::PlantModel& model = machine.model;
+  const sim::PortForces& steady = machine.steady;
+  const double tip_force = steady.tip_force + (model.has_load ? steady.load_force : 0.0);
+  const double moment = steady.house_torque + (model.tip[0] * tip_force + model.uniform[0] * steady.uniform_force) / model.house[0];
+  if (tip_force == 0.0 && steady.uniform_force == 0.0) return 0.0;
+  for (std::size_t mode = 1; can_bend(model, mode); ++mode) {
+    const double along = model.uniform[mode] * steady.uniform_force / model.square[mode];
+    bend(machine, mode, static_bend(model, mode, steady.house_torque - moment, tip_force) + along, 0.0);
+  }
+  double inertia = sim::driven_inertia(model.parameters);
+  for (int g = 0; g < model.group_count; ++g) inertia += model.group_inertia[static_cast<std::size_t>(g)];
+  return moment / inertia;
+}
+
 // Turned as one body to where the encoders say that it stands: what goes with the angle (meshes, an incline) has one phase in all records.
 void turn_to_first_angle(sim::Machine& machine, const Record& record) {
   const sim::PlantModel& model = machine.model;
@@ -203,6 +220,8 @@ void start(sim::Machine& machine, const Record& record, const Beginning& beginni
   if (record.begins_bent) {
     acceleration = first_acceleration(record, time) / machine.model.ratio;
     bend_as_it_accelerates(machine, acceleration, beginning.swing);
+  } else if (record.begins_on_flanks) {
+    acceleration += bend_under_steady_forces(machine);
   }
   if (record.begins_on_flanks) {
     const GroupAngles places = places_on_flanks(machine.model, record, 0, acceleration);

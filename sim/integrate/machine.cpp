@@ -69,12 +69,12 @@ void find_middle(const PlantState& state, int group_count, const EffectMoment& n
 // Before the run starts the load hangs where steady forces (heel, wind) hold it.
 void hang_load(Machine& machine) {
   const PlantModel& model = machine.model;
-  if (!model.has_load || machine.force.empty()) return;
+  if (machine.force.empty()) return;
   EffectMoment rest;
   rest.step = model.step;
-  PortForces ports;
+  PortForces& ports = machine.steady;
   for (const std::size_t i : machine.force) machine.effects[i]->force(rest, ports);
-  if (ports.load_force == 0.0 && ports.rod_moment == 0.0) return;
+  if (!model.has_load || (ports.load_force == 0.0 && ports.rod_moment == 0.0)) return;
   const Eigen::Matrix2d& stiffness = model.load.stiffness;
   const Eigen::Vector2d place(ports.load_force / stiffness(0, 0),
                               stiffness(1, 1) > 0.0 ? ports.rod_moment / stiffness(1, 1) : 0.0);

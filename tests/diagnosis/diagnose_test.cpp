@@ -835,8 +835,8 @@ TEST(Diagnose, DoubtsThatAnotherCraneIsTheNominalOne) {
   truth.crane.load.mass *= 1.5;
   truth.crane.house.inertia *= 1.6;
   DiagnosisSettings settings;
-  settings.search.singles_to_refine = 2;
-  settings.search.joint_pairs = 0;
+  settings.hold_out = true;
+  settings.threads = 2;
   sim::MachineSettings nominal;
   nominal.crane = bench().crane;
   const Diagnosis found = diagnose(

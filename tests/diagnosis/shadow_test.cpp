@@ -78,5 +78,30 @@ TEST(Shadow, ReadingAnEncoderLaterKeepsItsNoise) {
   EXPECT_NEAR(power(-0.3 * kPeriod) / power(0.0), 1.0, 0.03);
 }
 
+// A crane on a slope, its drives on and its gears pressed since 40 s: boom and load hang as the slope has them, and so does the machine that is asked for it. One that begins unbent rings for half a minute.
+TEST(Shadow, AMachineThatStandsOnASlopeBeginsBent) {
+  constexpr double kSlope = 0.015;  // [rad]
+  constexpr std::size_t kStood = 40000;  // readings
+  sim::MachineSettings nominal;
+  nominal.crane = bench().crane;
+  Problem problem;
+  set_machine(nominal, {}, problem);
+  Point sloping;
+  sloping.effects = {common::typical_instance(problem.catalogue.at("heel"))};
+  sloping.effects.front().values[common::kSize] = kSlope;
+  sim::MachineSettings truth = nominal;
+  truth.effects = sloping.effects;
+  std::vector<Record> records;
+  records.push_back(make_record(simulated_log(truth, bench().controller, {{42.0, 0.5}, {50.0, 0.0}}, 62.0, 3), "a", bench().admission));
+  leave_out_beginning(records.front(), kStood);
+  set_machine(nominal, records, problem);
+  std::vector<std::string> remarks;
+  admit(std::move(records), problem.thresholds.whitening, problem, remarks);
+  ASSERT_TRUE(problem.records[0].begins_on_flanks);
+  ASSERT_FALSE(problem.records[0].begins_bent);
+  EXPECT_GT(mean_square(differences(problem, Point{})), 10.0) << "the slope shows";
+  EXPECT_LT(mean_square(differences(problem, sloping)), 1.3);
+}
+
 }  // namespace
 }  // namespace slewlab::diagnosis
