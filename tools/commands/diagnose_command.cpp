@@ -128,6 +128,12 @@ std::string answer_sentence(const Diagnosis& diagnosis) {
     return fmt::format("Not sure: no effect is missing, {:.0f} %; parameters explain the records.", 100 * diagnosis.probability_nothing);
   }
   if (diagnosis.is_unknown || diagnosis.causes.empty()) {
+    // What is beside an effect may not be known, and the effect be likelier than that nothing known acts.
+    if (!diagnosis.effects.empty() && diagnosis.effects.front().second > diagnosis.probability_unknown) {
+      const auto& [effect, acts] = diagnosis.effects.front();
+      return fmt::format("Not sure: {} acts, {:.0f} %, alone or beside another effect that these records do not tell; outside the catalogue (unknown) {:.0f} %.", effect, 100 * acts,
+                         100 * diagnosis.probability_unknown);
+    }
     const std::string followed = followed_text(diagnosis);
     return fmt::format("Outside the catalogue (unknown), {:.0f} %: no known effect explains the gap on data that were not fitted; the missing torque {}.",
                        100 * diagnosis.probability_unknown,
