@@ -43,6 +43,7 @@ class Gusts : public Running<Gusts> {
       variance += 0.5 * amplitude_[k] * amplitude_[k];
     }
     for (double& amplitude : amplitude_) amplitude *= start.value("deviation") / std::sqrt(variance);
+    turn_cosine_.fill(1.0);  // over a step of nothing
   }
 
   void force(const EffectMoment& moment, PortForces& ports) override {
@@ -86,7 +87,7 @@ class Gusts : public Running<Gusts> {
   DragAreas areas_;
   std::array<double, kSineCount> frequency_{}, phase_{}, amplitude_{};
   double time_ = 0.0, step_ = 0.0;  // [s] of the last call, and from the one before
-  int turns_ = 0;                   // since the sines were worked out
+  int turns_ = kMostTurns;          // since the sines were worked out: not yet
   std::array<double, kSineCount> sine_{}, cosine_{}, turn_sine_{}, turn_cosine_{};
 };
 

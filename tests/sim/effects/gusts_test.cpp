@@ -5,6 +5,8 @@
 #include <numbers>
 #include <vector>
 
+#include "sim/effects/effect.h"
+#include "sim/integrate/machine.h"
 #include "tests/sim/effects/effect_bench.h"
 
 namespace slewlab::sim {
@@ -76,6 +78,31 @@ TEST(Gusts, AreTheSameAtEveryStepLength) {
   const auto fine = pressures(0.002, 0.02, 3);
   EXPECT_NEAR(coarse[0], fine[2], 1e-6 * std::fabs(coarse[0]));
   EXPECT_NE(pressures(0.010, 0.02, 4)[0], coarse[0]);
+}
+
+// Asked at a moment for the first time, after a long way in even steps, and again after others: the same gust. Nothing is known of the moment of a first call.
+TEST(Gusts, AreThoseOfTheMomentWhateverWasAskedBefore) {
+  const Machine machine = make_machine({.crane = fixed_house()});
+  const std::vector<double> values{kDeviation, kMean, std::numbers::pi / 2.0, 5.0, 80.0, 20.0};
+  const auto pressure_at = [](RunningEffect& effect, double time) {
+    EffectMoment moment;
+    moment.time = time;
+    PortForces ports;
+    effect.force(moment, ports);
+    return ports.uniform_force;
+  };
+  constexpr double kStep = 1e-3;  // [s]
+  const auto walking = started("gusts", values, machine.model, 3);
+  const double beginning = pressure_at(*walking, 0.0);
+  EXPECT_NE(beginning, 0.0);
+  EXPECT_EQ(pressure_at(*walking, 0.0), beginning);
+  for (int n = 0; n <= 5500; ++n) {
+    const double time = kStep * (n + 0.5), walked = pressure_at(*walking, time);
+    if (n % 500 != 0) continue;
+    const auto fresh = started("gusts", values, machine.model, 3);
+    EXPECT_NEAR(walked, pressure_at(*fresh, time), 1e-9 * std::fabs(walked) + 1e-9) << time;
+  }
+  EXPECT_EQ(pressure_at(*walking, 0.0), beginning);
 }
 
 }  // namespace
