@@ -143,6 +143,10 @@ void go_back(Problem& problem, const Eigen::MatrixXd& nuisance_columns, std::siz
   take_cheaper(fits, std::move(fewer));
 }
 
+Projector projector_of(const Problem& problem, const FitResult& fitted) {
+  return Projector(fitted.columns, prior_rows(problem, fitted.point), data_weight(fitted.difference, problem.settings));
+}
+
 // The best fit's machine with the effects that another fit has too, and their columns.
 FitResult common_ground(Problem& problem, const FitResult& best, const Point& other) {
   FitResult ground;
@@ -172,8 +176,7 @@ Point start_on(Problem& problem, const FitResult& ground, const Point& other) {
   }
   if (starts.size() != 1) return {ground.point.nuisance, other.effects};
   starts.push_back(common::typical_instance(problem.catalogue.at(starts.front().name)));
-  const Screening there = screen(problem, ground, Projector(ground.columns, prior_rows(problem, ground.point), data_weight(ground.difference, problem.settings)), starts,
-                                 [](double, const std::string&) {});
+  const Screening there = screen(problem, ground, projector_of(problem, ground), starts, [](double, const std::string&) {});
   const Screened& screened = *best_of_each(there).front();
   return with_amount(problem.catalogue, ground.point, screened, screened.amount);
 }
@@ -211,10 +214,6 @@ struct Beside {
   std::vector<Screened> tried;
   double left = 0.0;
 };
-
-Projector projector_of(const Problem& problem, const FitResult& fitted) {
-  return Projector(fitted.columns, prior_rows(problem, fitted.point), data_weight(fitted.difference, problem.settings));
-}
 
 // By a screening of the catalogue there.
 Beside look_beside(Problem& problem, const FitResult& single, const Screening& screening, const std::map<std::string, std::string>& same_as,

@@ -185,6 +185,13 @@ void bend_as_it_accelerates(sim::Machine& machine, double acceleration, double s
   incline_load(machine, {behind, 0.0}, Eigen::Vector2d::Zero());
 }
 
+// [kg m^2] slew axis: of all as one body.
+double whole_inertia(const sim::PlantModel& model) {
+  double inertia = sim::driven_inertia(model.parameters);
+  for (int g = 0; g < model.group_count; ++g) inertia += model.group_inertia[static_cast<std::size_t>(g)];
+  return inertia;
+}
+
 // A machine that stands, its gears pressed and so its house held, is bent by what its effects do to it all the time (a heel, steady wind, a tilt); in the middle of its play it is free, and begins
 // unbent. Gives the acceleration [rad/s^2] that they would make of all as one body, which the torques of the motors hold.
 double bend_under_steady_forces(sim::Machine& machine) {
@@ -197,9 +204,7 @@ double bend_under_steady_forces(sim::Machine& machine) {
     const double along = model.uniform[mode] * steady.uniform_force / model.square[mode];
     bend(machine, mode, static_bend(model, mode, steady.house_torque - moment, tip_force) + along, 0.0);
   }
-  double inertia = sim::driven_inertia(model.parameters);
-  for (int g = 0; g < model.group_count; ++g) inertia += model.group_inertia[static_cast<std::size_t>(g)];
-  return moment / inertia;
+  return moment / whole_inertia(model);
 }
 
 // Turned as one body to where the encoders say that it stands: what goes with the angle (meshes, an incline) has one phase in all records.
@@ -242,12 +247,9 @@ void start(sim::Machine& machine, const Record& record, const Beginning& beginni
 }  // namespace
 
 double rigid_acceleration(const sim::PlantModel& model, const Record& record, std::size_t point) {
-  double torque = 0.0, inertia = sim::driven_inertia(model.parameters);
-  for (int g = 0; g < record.group_count; ++g) {
-    torque += model.parameters.drive.motors_per_group * model.ratio * record.motor_torque[static_cast<std::size_t>(g)][point];
-    inertia += model.group_inertia[static_cast<std::size_t>(g)];
-  }
-  return torque / inertia;
+  double torque = 0.0;
+  for (int g = 0; g < record.group_count; ++g) torque += model.parameters.drive.motors_per_group * model.ratio * record.motor_torque[static_cast<std::size_t>(g)][point];
+  return torque / whole_inertia(model);
 }
 
 GroupAngles places_on_flanks(const sim::PlantModel& model, const Record& record, std::size_t point, double acceleration) {

@@ -118,6 +118,16 @@ double rounding_power(const std::vector<double>& sum, double least, const Whiten
 // How much of their counts' noise the encoders have.
 using EncoderShares = std::array<double, sim::kMaximumGroupCount>;
 
+// What comes into a channel from the encoders, each of its own power, and from the tip's accelerometer, at one bin of the transform, added to a noise of its own.
+template <typename EncoderPower>
+double add_noise_through(const NoiseResponse& response, const Channel& channel, std::size_t bin, std::size_t groups, EncoderPower&& encoder_power, double tip_power, double noise) {
+  const auto i = static_cast<std::size_t>(channel.index);
+  const auto of = [&](const SourceResponse& source) { return channel.is_torque ? source.torque[i][bin] : source.acceleration[i][bin]; };
+  for (std::size_t g = 0; g < groups; ++g) noise += encoder_power(g) * of(response.encoder[g]);
+  if (tip_power > 0.0) noise += tip_power * of(response.tip);
+  return noise;
+}
+
 // The power at each bin that the sensors' noise has in a channel.
 class NoisePowers {
  public:
@@ -175,12 +185,8 @@ class NoisePowers {
   }
   double at(const Channel& channel, std::size_t k, const EncoderShares& shares) const {
     const auto i = static_cast<std::size_t>(channel.index);
-    const auto of = [&](const SourceResponse& source) { return channel.is_torque ? source.torque[i][k] : source.acceleration[i][k]; };
-    const auto flicker = [&](std::size_t a) { return accelerometer_[a] * rising(a, static_cast<double>(k) * bin_width_); };
-    double noise = channel.is_torque || i == kTip ? 0.0 : flicker(i);
-    for (std::size_t g = 0; g < groups_; ++g) noise += shares[g] * encoder_[g][k] * of(response_.encoder[g]);
-    if (accelerometer_[kTip] > 0.0) noise += flicker(kTip) * of(response_.tip);
-    return noise;
+    return add_noise_through(response_, channel, k, groups_, [&](std::size_t g) { return shares[g] * encoder_[g][k]; }, flicker(kTip, k),
+                             channel.is_torque || i == kTip ? 0.0 : flicker(i, k));
   }
   // Into the whitening: the sources, at its bins.
   void tell_sources(const EncoderShares& shares, Whitening& whitening) const {
@@ -189,13 +195,15 @@ class NoisePowers {
     for (std::size_t b = 0; b < whitening.bin_count; ++b) {
       const std::size_t k = whitening.first_bin + b;
       for (std::size_t g = 0; g < groups_; ++g) whitening.encoder_power[g][b] = shares[g] * encoder_[g][k];
-      if (!whitening.tip_power.empty()) whitening.tip_power[b] = accelerometer_[kTip] * rising(kTip, static_cast<double>(k) * bin_width_);
+      if (!whitening.tip_power.empty()) whitening.tip_power[b] = flicker(kTip, k);
     }
     whitening.answered = noise_through(whitening, response_);
   }
 
  private:
-  // The power of an accelerometer's noise at a frequency, over what its fastest differences show.
+  // The power of an accelerometer's noise at a bin; none where it is not measured.
+  double flicker(std::size_t a, std::size_t k) const { return accelerometer_[a] > 0.0 ? accelerometer_[a] * rising(a, static_cast<double>(k) * bin_width_) : 0.0; }
+  // The same at a frequency, over what its fastest differences show.
   double rising(std::size_t a, double frequency) const { return (1.0 + corner_[a] / frequency) / (1.0 + corner_[a] * rise_in_differences_); }
 
   const NoiseResponse& response_;
@@ -211,14 +219,11 @@ class NoisePowers {
 std::vector<Eigen::VectorXd> noise_through(const Whitening& whitening, const NoiseResponse& response) {
   std::vector<Eigen::VectorXd> powers;
   for (const Channel& channel : whitening.channels) {
-    const auto i = static_cast<std::size_t>(channel.index);
-    const auto of = [&](const SourceResponse& source, std::size_t k) { return channel.is_torque ? source.torque[i][k] : source.acceleration[i][k]; };
-    Eigen::VectorXd& power = powers.emplace_back(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(whitening.bin_count)));
+    Eigen::VectorXd& power = powers.emplace_back(static_cast<Eigen::Index>(whitening.bin_count));
     for (std::size_t b = 0; b < whitening.bin_count; ++b) {
-      const std::size_t k = whitening.first_bin + b;
-      double& sum = power(static_cast<Eigen::Index>(b));
-      for (std::size_t g = 0; g < whitening.encoder_power.size(); ++g) sum += whitening.encoder_power[g][b] * of(response.encoder[g], k);
-      if (!whitening.tip_power.empty()) sum += whitening.tip_power[b] * of(response.tip, k);
+      power(static_cast<Eigen::Index>(b)) =
+          add_noise_through(response, channel, whitening.first_bin + b, whitening.encoder_power.size(), [&](std::size_t g) { return whitening.encoder_power[g][b]; },
+                            whitening.tip_power.empty() ? 0.0 : whitening.tip_power[b], 0.0);
     }
   }
   return powers;
