@@ -38,6 +38,7 @@ Record on_judged_grid(Record record, double highest) {
   SensorNoise noise = sensor_noise(record);
   for (double& variance : noise.encoder) variance /= static_cast<double>(std::max<std::size_t>(1, points / reading));
   for (double& variance : noise.accelerometer) variance /= static_cast<double>(points);
+  noise.torque /= static_cast<double>(points);
   record.noise = noise;
   const auto of_encoders = [&](std::vector<double>& series) { series = points > reading ? decimated(series, points) : every(series, points); };
   for (std::size_t g = 0; g < static_cast<std::size_t>(record.group_count); ++g) {

@@ -63,7 +63,7 @@ NoiseResponse noise_response(const sim::MachineSettings& nominal, const Record& 
   NoiseResponse response;
   const sim::MachineSettings machine = linear(nominal);
   Record still = standing(record, length);
-  const DriveCourse drives = idle_drives(still);
+  DriveCourse drives = idle_drives(still);
   const std::size_t cycle = reading_stride(record);
   // Behind the time in which the tip sensor's offset is taken, for which a reading that is off would be taken.
   const std::size_t place = std::min(length / 2, static_cast<std::size_t>(gains.first_offset / record.step) + cycle + 1);
@@ -88,6 +88,11 @@ NoiseResponse noise_response(const sim::MachineSettings& nominal, const Record& 
     }
     response.encoder[g] = answer();
     std::fill(still.shaft_position[g].begin(), still.shaft_position[g].end(), 0.0);
+  }
+  for (std::size_t g = 0; g < groups && record.torque_quantum > 0.0; ++g) {
+    drives.motor_torque[g][place] = 1.0;
+    response.torque[g] = answer();
+    drives.motor_torque[g][place] = 0.0;
   }
   if (!still.acceleration[kTip].empty()) {
     still.acceleration[kTip][place] = 1.0;

@@ -23,6 +23,7 @@ struct SourceResponse {
 };
 struct NoiseResponse {
   std::array<SourceResponse, sim::kMaximumGroupCount> encoder;  // of one reading of the position that is off by 1 rad
+  std::array<SourceResponse, sim::kMaximumGroupCount> torque;   // of a torque that is written down 1 Nm too high over one grid step; empty: none is rounded
   SourceResponse tip;  // of a tip acceleration that is off by 1 m/s^2 at one grid point; empty: not measured
 };
 

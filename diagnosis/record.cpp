@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 
 #include "diagnosis/plausibility.h"
 #include "sim/model/drive_line.h"
@@ -172,26 +173,32 @@ void check_driven(const msgs::RunLog& run, const Record& record, double moving) 
   }
 }
 
-// The step that all encoder positions are multiples of, as far as 200 samples in motion show it.
-double find_quantum(const std::vector<msgs::Encoder>& encoder) {
+// The step that all values are multiples of, as far as 100 changes between them show it; 0: none.
+double find_quantum(const std::vector<double>& values) {
   double quantum = 0.0;
-  int changes = 0;
-  std::vector<double> values;
-  for (std::size_t n = 1; n < encoder.size(); ++n) {
-    const double difference = std::fabs(encoder[n].shaft_position[0] - encoder[n - 1].shaft_position[0]);
-    if (difference > 0.0) {
-      quantum = changes == 0 ? difference : std::min(quantum, difference);
-      values.push_back(difference);
-      ++changes;
-    }
+  std::vector<double> changes;
+  for (std::size_t n = 1; n < values.size(); ++n) {
+    const double difference = std::fabs(values[n] - values[n - 1]);
+    if (difference == 0.0) continue;
+    quantum = changes.empty() ? difference : std::min(quantum, difference);
+    changes.push_back(difference);
   }
-  if (changes < 100 || quantum <= 0.0) return 0.0;
-  int fitting = 0;
-  for (const double value : values) {
+  if (changes.size() < 100) return 0.0;
+  const auto fitting = std::count_if(changes.begin(), changes.end(), [&](double value) {
     const double multiple = value / quantum;
-    if (std::fabs(multiple - std::round(multiple)) < 1e-3 * std::max(1.0, multiple)) ++fitting;
-  }
-  return fitting > static_cast<int>(0.99 * changes) ? quantum : 0.0;
+    return std::fabs(multiple - std::round(multiple)) < 1e-3 * std::max(1.0, multiple);
+  });
+  return static_cast<double>(fitting) > 0.99 * static_cast<double>(changes.size()) ? quantum : 0.0;
+}
+
+// The same of torques that were rounded when they were written down. A test signal that switches between a few of them was not.
+double find_torque_quantum(const std::vector<double>& torque) {
+  constexpr std::size_t kLevels = 32;  // chosen: more than a test signal has
+  const double quantum = find_quantum(torque);
+  if (quantum == 0.0) return 0.0;
+  std::set<long long> levels;
+  for (const double value : torque) levels.insert(std::llround(value / quantum));
+  return levels.size() >= kLevels ? quantum : 0.0;
 }
 
 }  // namespace
@@ -443,7 +450,11 @@ void take_wire(const msgs::RunLog& run, Record& record) {
   record.encoder = run.encoder;
   record.torque = run.torque;
   record.plant_status = run.plant_status;
-  record.encoder_quantum = find_quantum(run.encoder);
+  std::vector<double> position, torque;  // of the first group, as the messages have them
+  for (const msgs::Encoder& message : run.encoder) position.push_back(message.shaft_position[0]);
+  for (const msgs::Torque& message : run.torque) torque.push_back(message.motor_torque[0]);
+  record.encoder_quantum = find_quantum(position);
+  record.torque_quantum = find_torque_quantum(torque);
 }
 
 void check_motors_alive(const std::vector<std::int64_t>& encoder_times, const AdmissionSettings& settings, double moving, const Record& record) {

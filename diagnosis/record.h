@@ -50,6 +50,7 @@ struct OperatorMove {
 struct SensorNoise {
   std::array<double, sim::kMaximumGroupCount> encoder{};     // [rad^2] of a motor's position, per reading
   std::array<double, kAccelerometerCount> accelerometer{};  // [(m/s^2)^2] per grid point
+  double torque = 0.0;                                      // [Nm^2] of each motor's torque as it was written down, per grid point
 };
 
 struct Record {
@@ -84,6 +85,7 @@ struct Record {
   bool begins_bent = false;       // in motion, or where the drives have just pressed the gears: boom and load may swing
   bool begins_on_flanks = false;  // of the gears, to which the torques push; else in the middle of their play
   double encoder_quantum = 0.0;        // [rad] smallest step that the encoder positions keep to; 0: none found
+  double torque_quantum = 0.0;         // [Nm] the same of the torques
   std::vector<std::string> remarks;    // what was mended or left out, one line each
 
   std::size_t size() const { return motor_torque[0].size(); }

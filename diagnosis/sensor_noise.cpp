@@ -51,6 +51,7 @@ SensorNoise sensor_noise(const Record& record) {
   for (std::size_t a = 0; a < kAccelerometerCount; ++a) {
     if (!record.acceleration[a].empty()) noise.accelerometer[a] = accelerometer_variance(record, a);
   }
+  noise.torque = record.torque_quantum * record.torque_quantum / 12.0;
   return noise;
 }
 

@@ -2,7 +2,7 @@
 //
 // Motion is smooth over a few samples, noise is not: differences of order m of white noise have C(2 m, m) times its variance. What motion adds
 // falls with the order, the more slowly the fewer samples it is given, so the least of several orders is taken. An encoder's noise is at least
-// that of its counts, q^2 / 12 of a reading.
+// that of its counts, q^2 / 12 of a reading. Torques that were rounded when they were written down drove the machine as they were before.
 #pragma once
 
 #include <array>

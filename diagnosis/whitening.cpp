@@ -62,30 +62,38 @@ double window_energy(const std::vector<double>& window) {
   return energy;
 }
 
-// Power of the counting error itself, where counts are so coarse that it is not white: slow motion stays between two counts for
-// long. The true motion is taken as the positions' running mean, its place between two counts as any.
-std::vector<double> counting_power(const Record& record, std::size_t group, const Whitening& whitening, double smoothing) {
-  const std::vector<double>& counted = record.shaft_position[group];
-  const auto half = static_cast<std::ptrdiff_t>(smoothing / record.step);
-  const auto count = static_cast<std::ptrdiff_t>(counted.size());
-  std::vector<double> running(counted.size() + 1, 0.0);
-  for (std::size_t n = 0; n < counted.size(); ++n) running[n + 1] = running[n] + counted[n];
-  std::vector<double> power(whitening.transform_length / 2 + 1, 0.0), error(counted.size());
+// What a series would be off by if it were rounded to a quantum as its smooth course is: its running mean, so that its place between two counts is any; `place` [counts] is added to it.
+std::vector<double> rounding_error(const std::vector<double>& rounded, double quantum, double place, std::ptrdiff_t half) {
+  const auto count = static_cast<std::ptrdiff_t>(rounded.size());
+  std::vector<double> running(rounded.size() + 1, 0.0), error(rounded.size());
+  for (std::size_t n = 0; n < rounded.size(); ++n) running[n + 1] = running[n] + rounded[n];
+  for (std::ptrdiff_t n = 0; n < count; ++n) {
+    const std::ptrdiff_t low = std::max<std::ptrdiff_t>(0, n - half), high = std::min(count, n + half + 1);
+    const double course = (running[static_cast<std::size_t>(high)] - running[static_cast<std::size_t>(low)]) / (static_cast<double>(high - low) * quantum) + place;
+    error[static_cast<std::size_t>(n)] = quantum * (std::floor(course) + 0.5 - course);
+  }
+  return error;
+}
+
+// Power of that error, where steps are so coarse that it is not white: what is slow stays between two counts for long. What only its changes say (`from_start`) is off by none at first.
+std::vector<double> rounding_error_power(const std::vector<double>& rounded, double quantum, bool from_start, const Record& record, const Whitening& whitening, double smoothing) {
+  std::vector<double> power(whitening.transform_length / 2 + 1, 0.0);
   Transform transform(whitening);
   for (int part = 0; part < kCountPlaces; ++part) {
-    const double place = (part + 0.5) / kCountPlaces;  // [counts]
-    for (std::ptrdiff_t n = 0; n < count; ++n) {
-      const std::ptrdiff_t low = std::max<std::ptrdiff_t>(0, n - half), high = std::min(count, n + half + 1);
-      const double motion = (running[static_cast<std::size_t>(high)] - running[static_cast<std::size_t>(low)]) /
-                                (static_cast<double>(high - low) * record.encoder_quantum) + place;
-      error[static_cast<std::size_t>(n)] = record.encoder_quantum * (std::floor(motion) - motion);
-    }
-    const double start = error[0];
+    std::vector<double> error = rounding_error(rounded, quantum, (part + 0.5) / kCountPlaces, static_cast<std::ptrdiff_t>(smoothing / record.step));
+    const double start = from_start ? error[0] : 0.0;
     for (double& e : error) e -= start;
     const auto& spectrum = transform(error);
     for (std::size_t k = 0; k < power.size(); ++k) power[k] += std::norm(spectrum[k]) / kCountPlaces;
   }
   return power;
+}
+
+// Whether a series mostly changes by less than its quantum from one value to the next.
+bool is_slow_against(double quantum, const std::vector<double>& values) {
+  std::size_t slow = 0;
+  for (std::size_t n = 1; n < values.size(); ++n) slow += std::fabs(values[n] - values[n - 1]) < 0.5 * quantum ? 1 : 0;
+  return 2 * slow > values.size();
 }
 
 // Running sums of the mean power of some signals: they give its mean over any band at once.
@@ -118,13 +126,19 @@ double rounding_power(const std::vector<double>& sum, double least, const Whiten
 // How much of their counts' noise the encoders have.
 using EncoderShares = std::array<double, sim::kMaximumGroupCount>;
 
-// What comes into a channel from the encoders, each of its own power, and from the tip's accelerometer, at one bin of the transform, added to a noise of its own.
-template <typename EncoderPower>
-double add_noise_through(const NoiseResponse& response, const Channel& channel, std::size_t bin, std::size_t groups, EncoderPower&& encoder_power, double tip_power, double noise) {
+// What comes into a channel from the encoders, each of its own power, from the tip's accelerometer and from what the torques were rounded by, at one bin of the transform, added
+// to a noise of its own.
+template <typename EncoderPower, typename TorquePower>
+double add_noise_through(const NoiseResponse& response, const Channel& channel, std::size_t bin, std::size_t groups, EncoderPower&& encoder_power, double tip_power,
+                         TorquePower&& torque_power, double noise) {
   const auto i = static_cast<std::size_t>(channel.index);
   const auto of = [&](const SourceResponse& source) { return channel.is_torque ? source.torque[i][bin] : source.acceleration[i][bin]; };
   for (std::size_t g = 0; g < groups; ++g) noise += encoder_power(g) * of(response.encoder[g]);
   if (tip_power > 0.0) noise += tip_power * of(response.tip);
+  for (std::size_t g = 0; g < groups; ++g) {
+    const double power = torque_power(g);
+    if (power > 0.0) noise += power * of(response.torque[g]);
+  }
   return noise;
 }
 
@@ -138,12 +152,12 @@ class NoisePowers {
     const bool is_coarse = record.encoder_quantum >= kCoarseCount;
     const SensorNoise variance = record.noise ? *record.noise : sensor_noise(record);
     for (std::size_t g = 0; g < groups_; ++g) {
-      const double white = variance.encoder[g] * energy / stride;
-      encoder_[g].assign(whitening.transform_length / 2 + 1, white);
-      if (!is_coarse) continue;
-      std::vector<double> sum{0.0};
-      for (const double counting : counting_power(record, g, whitening, settings.count_smoothing)) sum.push_back(sum.back() + counting / stride);
-      for (std::size_t k = 1; k < encoder_[g].size(); ++k) encoder_[g][k] = std::max(white, mean_around(sum, k, kCountBins));
+      encoder_[g].assign(whitening.transform_length / 2 + 1, variance.encoder[g] * energy / stride);
+      if (is_coarse) raise(encoder_[g], rounding_error_power(record.shaft_position[g], record.encoder_quantum, true, record, whitening, settings.count_smoothing), 1.0 / stride);
+      if (variance.torque == 0.0) continue;
+      torque_[g].assign(whitening.transform_length / 2 + 1, variance.torque * energy);
+      if (!is_slow_against(record.torque_quantum, record.motor_torque[g])) continue;
+      raise(torque_[g], rounding_error_power(record.motor_torque[g], record.torque_quantum, false, record, whitening, settings.count_smoothing), 1.0);
     }
     for (std::size_t a = 0; a < kAccelerometerCount; ++a) {
       // A data sheet's is that of the noise as the differences show it.
@@ -186,7 +200,7 @@ class NoisePowers {
   double at(const Channel& channel, std::size_t k, const EncoderShares& shares) const {
     const auto i = static_cast<std::size_t>(channel.index);
     return add_noise_through(response_, channel, k, groups_, [&](std::size_t g) { return shares[g] * encoder_[g][k]; }, flicker(kTip, k),
-                             channel.is_torque || i == kTip ? 0.0 : flicker(i, k));
+                             [&](std::size_t g) { return torque_[g].empty() ? 0.0 : torque_[g][k]; }, channel.is_torque || i == kTip ? 0.0 : flicker(i, k));
   }
   // Into the whitening: the sources, at its bins.
   void tell_sources(const EncoderShares& shares, Whitening& whitening) const {
@@ -195,12 +209,20 @@ class NoisePowers {
     for (std::size_t b = 0; b < whitening.bin_count; ++b) {
       const std::size_t k = whitening.first_bin + b;
       for (std::size_t g = 0; g < groups_; ++g) whitening.encoder_power[g][b] = shares[g] * encoder_[g][k];
+      for (std::size_t g = 0; g < whitening.torque_power.size(); ++g) whitening.torque_power[g][b] = torque_[g][k];
       if (!whitening.tip_power.empty()) whitening.tip_power[b] = flicker(kTip, k);
     }
+    if (!torque_[0].empty()) whitening.torque_power.assign(groups_, std::vector<double>(whitening.bin_count));
     whitening.answered = noise_through(whitening, response_);
   }
 
  private:
+  // Of a source, to the mean around each bin of another power of it.
+  static void raise(std::vector<double>& power, const std::vector<double>& other, double share) {
+    std::vector<double> sum{0.0};
+    for (const double value : other) sum.push_back(sum.back() + share * value);
+    for (std::size_t k = 1; k < power.size(); ++k) power[k] = std::max(power[k], mean_around(sum, k, kCountBins));
+  }
   // The power of an accelerometer's noise at a bin; none where it is not measured.
   double flicker(std::size_t a, std::size_t k) const { return accelerometer_[a] > 0.0 ? accelerometer_[a] * rising(a, static_cast<double>(k) * bin_width_) : 0.0; }
   // The same at a frequency, over what its fastest differences show.
@@ -211,6 +233,7 @@ class NoisePowers {
   double rise_in_differences_;  // [1/Hz]
   std::size_t groups_;
   std::array<std::vector<double>, sim::kMaximumGroupCount> encoder_;   // [rad^2] per reading
+  std::array<std::vector<double>, sim::kMaximumGroupCount> torque_;   // [Nm^2]; empty: not rounded
   std::array<double, kAccelerometerCount> accelerometer_{}, corner_{};  // [(m/s^2)^2], [Hz]
 };
 
@@ -223,7 +246,8 @@ std::vector<Eigen::VectorXd> noise_through(const Whitening& whitening, const Noi
     for (std::size_t b = 0; b < whitening.bin_count; ++b) {
       power(static_cast<Eigen::Index>(b)) =
           add_noise_through(response, channel, whitening.first_bin + b, whitening.encoder_power.size(), [&](std::size_t g) { return whitening.encoder_power[g][b]; },
-                            whitening.tip_power.empty() ? 0.0 : whitening.tip_power[b], 0.0);
+                            whitening.tip_power.empty() ? 0.0 : whitening.tip_power[b],
+                            [&](std::size_t g) { return whitening.torque_power.empty() ? 0.0 : whitening.torque_power[g][b]; }, 0.0);
     }
   }
   return powers;

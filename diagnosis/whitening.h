@@ -54,10 +54,11 @@ struct Whitening {
   std::vector<Eigen::VectorXd> weight;  // per channel, per bin
   std::vector<double> window;           // per grid point, 0 where the record is not to be judged
   double window_sum = 0.0;              // of all its points
-  // The sensors' noise that comes through the observer, as `weight` has it: the power of each source per bin [rad^2], [(m/s^2)^2], and what the nominal machine makes of
+  // The sensors' noise that comes through the observer, as `weight` has it: the power of each source per bin [rad^2], [(m/s^2)^2], [Nm^2], and what the nominal machine makes of
   // all of them, per channel and bin. For machines that make something else of it (own_noise.h).
   std::vector<std::vector<double>> encoder_power;
   std::vector<double> tip_power;
+  std::vector<std::vector<double>> torque_power;
   std::vector<Eigen::VectorXd> answered;
   Eigen::Index size() const { return static_cast<Eigen::Index>(2 * bin_count * channels.size()); }
 };

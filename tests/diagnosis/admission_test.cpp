@@ -121,6 +121,21 @@ TEST_F(Admission, TakesACoarseSpeed) {
   EXPECT_EQ(refusal(), "");
 }
 
+// What was rounded when it was written down shows in the record; a test signal's few torques were not.
+TEST_F(Admission, KnowsInWhichStepsTorquesWereWrittenDown) {
+  EXPECT_EQ(make_record(log_, "log", bench().admission).torque_quantum, 0.0);
+  const auto written_in_steps_of = [&](double quantum) {
+    msgs::RunLog run = log_;
+    for (msgs::Torque& message : run.torque) {
+      for (double& torque : message.motor_torque) torque = quantum * std::round(torque / quantum);
+    }
+    return make_record(run, "log", bench().admission).torque_quantum;
+  };
+  EXPECT_NEAR(written_in_steps_of(0.1), 0.1, 1e-9);
+  const double rated = bench().admission.rated_torque;
+  EXPECT_EQ(written_in_steps_of(0.1 * rated), 0.0);
+}
+
 TEST_F(Admission, RefusesAFrozenPosition) {
   for (std::size_t n = 4000; n < log_.encoder.size(); ++n) log_.encoder[n].shaft_position[0] = log_.encoder[4000].shaft_position[0];
   EXPECT_NE(refusal().find("shaft position of group 1 is frozen"), std::string::npos) << refusal();

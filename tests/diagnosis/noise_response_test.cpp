@@ -81,15 +81,17 @@ class NoiseResponseAt : public ::testing::TestWithParam<double> {};
 // The judge: the observer itself, led by drawn noise.
 TEST_P(NoiseResponseAt, SaysWhatWhiteNoiseOfASensorMakesOfEveryChannel) {
   Noisy noisy = standing(GetParam());
+  noisy.record.torque_quantum = 1.0;
   const std::size_t count = noisy.record.size(), length = transform_length(count);
   const NoiseResponse response = noise_response(noisy.machine, noisy.record, noisy.gains, length);
   std::mt19937 generator(5);
   std::normal_distribution<double> normal;
+  DriveCourse drives = idle(count);
   const auto follow = [&] {
     Shadow result;
     std::vector<Shadowing> alone;
     alone.push_back({follower_of(noisy.machine, grid_of(noisy.record)), 0.0, {}, &result});
-    shadow(std::move(alone), noisy.record, idle(count), noisy.gains);
+    shadow(std::move(alone), noisy.record, drives, noisy.gains);
     return result;
   };
   std::vector<double>& position = noisy.record.shaft_position[0];
@@ -106,6 +108,11 @@ TEST_P(NoiseResponseAt, SaysWhatWhiteNoiseOfASensorMakesOfEveryChannel) {
   const Shadow of_tip = follow();
   expect_white(of_tip.acceleration_difference[kTip], response.tip.acceleration[kTip], step, "tip to tip");
   expect_white(of_tip.missing_torque[1], response.tip.torque[1], step, "tip to motor 2");
+  std::fill(noisy.record.acceleration[kTip].begin(), noisy.record.acceleration[kTip].end(), 0.0);
+  for (double& value : drives.motor_torque[0]) value = normal(generator);
+  const Shadow of_torque = follow();
+  expect_white(of_torque.missing_torque[0], response.torque[0].torque[0], step, "torque to motor 1");
+  expect_white(of_torque.acceleration_difference[kTip], response.torque[0].acceleration[kTip], step, "torque to tip");
 }
 
 INSTANTIATE_TEST_SUITE_P(Rates, NoiseResponseAt, ::testing::Values(1e-3, 5e-3, 1e-2));

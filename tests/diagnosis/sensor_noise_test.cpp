@@ -62,6 +62,13 @@ TEST(SensorNoise, OfAnEncoderIsAtLeastThatOfItsCounts) {
   EXPECT_DOUBLE_EQ(sensor_noise(record).encoder[0], 1e-6 / 12.0);
 }
 
+TEST(SensorNoise, OfATorqueIsThatOfItsSteps) {
+  Record record = standing();
+  EXPECT_EQ(sensor_noise(record).torque, 0.0);
+  record.torque_quantum = 0.1;  // [Nm]
+  EXPECT_DOUBLE_EQ(sensor_noise(record).torque, 0.01 / 12.0);
+}
+
 // Sampled every third step: the same noise in pieces three times as long has three times the power of what is white on the grid.
 TEST(SensorNoise, OfASlowSensorIsLongerOnTheGrid) {
   Record record = standing();

@@ -116,6 +116,40 @@ TEST(Whitening, TellsHowTheNoiseOfAnAccelerometerRises) {
   }
 }
 
+// A machine that moves as its torques were before they were written down in steps of 0.1 Nm; it answers to a torque with just that.
+double of_rounded_torque(const std::vector<double>& torque) {
+  constexpr double kQuantum = 0.1;  // [Nm]
+  Record record = noisy_record();
+  record.torque_quantum = kQuantum;
+  Shadow shadow = shadow_of(record.acceleration[kTip]);
+  for (std::size_t n = 0; n < kCount; ++n) {
+    record.motor_torque[0][n] = kQuantum * std::round(torque[n] / kQuantum);
+    shadow.missing_torque[0][n] = record.motor_torque[0][n] - torque[n];
+  }
+  NoiseResponse response = as_read();
+  response.torque[0] = response.encoder[0];
+  WhiteningSettings settings = kSettings;
+  settings.discrepancy_share = 0.0;
+  settings.count_smoothing = 0.1;
+  return mean_square(make_whitening(record, std::vector<bool>(kCount, true), response, shadow, settings), shadow, 0);
+}
+
+// Torques that change by many steps at a time are off by anything between two of them: the definition of the weights once more, of about 2400 numbers.
+TEST(Whitening, KnowsHowTorquesWereRounded) { EXPECT_NEAR(of_rounded_torque(white(5.0, 5)), 1.0, 0.15); }
+
+// Slow ones are off by the same for long, which is no white noise: such an error has sixty times the power of white noise at the frequencies of its own changes. How it falls
+// among the places between two steps is one draw of them, so a factor of two.
+TEST(Whitening, KnowsHowSlowTorquesWereRounded) {
+  std::vector<double> slow;
+  for (std::size_t n = 0; n < kCount; ++n) {
+    const double t = 1e-3 * static_cast<double>(n);  // [s]
+    slow.push_back(2.0 * std::sin(1.3 * t) + 0.5 * std::sin(3.7 * t));
+  }
+  const double left = of_rounded_torque(slow);
+  EXPECT_GT(left, 0.5);
+  EXPECT_LT(left, 2.0);
+}
+
 // What lies where the record is not trusted changes nothing.
 TEST(Whitening, ForgetsWhatIsNotTrusted) {
   const Record record = noisy_record();
