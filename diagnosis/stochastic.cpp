@@ -17,7 +17,9 @@ constexpr double kSmoothing = 0.2;  // of a frequency, over which S is smoothed 
 constexpr double kBand = 1.26;  // highest by lowest frequency of a third of an octave
 constexpr double kLeastFound = 0.1;  // of the noise, below which nothing is above it
 constexpr std::size_t kLeastBins = 6;
-constexpr Eigen::Index kNearestBins = 2;  // either side, that an axis is taken from: a draw's force has not all frequencies
+// Either side, that an axis is taken from: a draw's force has not all frequencies. Without the bin itself: along axes that follow what its draws happened to be, one would have too
+// much of their power and the others too little.
+constexpr Eigen::Index kNearestBins = 2;
 constexpr double kLowestScale = -9.0, kHighestScale = 9.0;  // ln a: a factor of 90 in size either way
 constexpr int kScales = 37;
 constexpr std::uint64_t kDraws = 6;    // whose mean and power stand for all
@@ -131,7 +133,9 @@ std::vector<ChannelAxes> axes_of(const Problem& problem, std::span<const Eigen::
         const BinValues values = across(change, record, bin);
         const BinMatrix product = values * values.adjoint();
         const Eigen::Index end = std::min(record.bins, bin + kNearestBins + 1);
-        for (Eigen::Index near = std::max<Eigen::Index>(0, bin - kNearestBins); near < end; ++near) axes_at(record, near) += product;
+        for (Eigen::Index near = std::max<Eigen::Index>(0, bin - kNearestBins); near < end; ++near) {
+          if (near != bin) axes_at(record, near) += product;
+        }
       }
     }
     for (Eigen::Index bin = 0; bin < record.bins; ++bin) {

@@ -9,7 +9,7 @@
 // near what a free power would reach.
 //
 // What one force adds to the channels of a record stands, at each frequency, in proportions that no draw changes. So the power is taken
-// along the axes that the draws have there among the channels, the eigenvectors of sum(c c^H) over the draws and the nearest bins, c
+// along the axes that the draws have there among the channels, the eigenvectors of sum(c c^H) over the draws and the nearest other bins, c
 // being their changes: along the main one they are explained, across it the differences count in full.
 // Assumes that what is missing adds to the differences independently of the rest, and linearly.
 #pragma once
