@@ -21,6 +21,7 @@ constexpr double kLeastPairGain = 40.0;         // fall of the excess below the 
 constexpr double kSameMotion = 1e-6;            // relative difference of two signatures below which two effects are one motion
 constexpr double kNearRival = 30.0;              // cost above the best fit's, below which the order may be that of convergence
 constexpr std::size_t kMostRivals = 2;
+constexpr double kNoiseAlone = 1.1;              // mean square of what noise, known to a tenth, may leave
 constexpr int kFreshRounds = 10;                // at most, for a leader
 constexpr std::size_t kPairLeaders = 3;         // single effects beside which a second one is looked for
 constexpr int kMoreLooks = 2;                   // beside single effects that came on
@@ -104,7 +105,9 @@ void start_over(Problem& problem, const Eigen::MatrixXd& nuisance_columns, std::
 void settle_best(Problem& problem, std::vector<FitResult>& fits) {
   if (fits.empty()) return;
   settle_leader(problem, fits.front());
-  const auto is_far = [&](const FitResult& one) { return one.cost > fits.front().cost + kNearRival && mean_square(one.difference) > 1.0; };
+  const auto is_far = [&](const FitResult& one) {
+    return one.cost > fits.front().cost + kNearRival && mean_square(one.difference) > (one.ending == Ending::most_iterations ? kNoiseAlone : 1.0);
+  };
   const auto rivals = static_cast<std::size_t>(std::find_if(fits.begin(), fits.end(), is_far) - fits.begin()) - 1;
   share_out(problem, std::min(rivals, kMostRivals), [&](std::size_t behind) { settle_rival(problem, fits[behind + 1]); });
   std::stable_sort(fits.begin(), fits.end(), cheaper);

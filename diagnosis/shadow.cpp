@@ -38,51 +38,67 @@ double value_at(const std::vector<double>& series, const Place& place) {
   return place.share == 0.0 ? here : here + place.share * (series[place.point + 1] - here);
 }
 
-// A series so many points later, or earlier, and parts of one: by the polynomial through eight points either side (Lagrange). A line
-// between two points would be their mean where it is half a point, and so half of the sensor's noise.
+// A series so many points later, or earlier, and parts of one: by the polynomial through 32 points either side (Lagrange). A line
+// between two points would be their mean where it is half a point, and so half of the sensor's noise; a polynomial through eight either side would still have but two thirds of it at the highest frequency
+// that encoders are judged at, 0.4 of their rate: a delay by parts of a cycle would be believed for the noise that it takes away.
 class LaterReading {
  public:
   explicit LaterReading(double points) : points_(points), whole_(static_cast<std::ptrdiff_t>(std::floor(points))) {
     const double part = points - std::floor(points);
     is_whole_ = part == 0.0;
-    for (std::ptrdiff_t i = 0; i < kPoints; ++i) {
-      double weight = 1.0;
-      for (std::ptrdiff_t j = 0; j < kPoints; ++j) {
-        if (j != i) weight *= (part - static_cast<double>(j - kBefore)) / static_cast<double>(i - j);
-      }
-      weight_[static_cast<std::size_t>(i)] = weight;
-    }
+    for (std::ptrdiff_t side = kSide; side > 0; side /= 2) weights_.push_back(weights(part, side));
   }
   bool is_like(const LaterReading& other) const { return points_ == other.points_; }
   // Of `result.size()` points from `n` on: the sums of neighbouring points, each in its order, side by side.
   void read(const std::vector<double>& series, std::size_t n, std::span<double> result) const {
-    const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(n) + whole_ - kBefore, count = static_cast<std::ptrdiff_t>(result.size());
+    const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(n) + whole_, count = static_cast<std::ptrdiff_t>(result.size());
     const auto size = static_cast<std::ptrdiff_t>(series.size());
-    // Those whose sixteen points are all there; the others by a line.
-    const std::ptrdiff_t from = is_whole_ ? count : std::clamp<std::ptrdiff_t>(-first, 0, count);
-    const std::ptrdiff_t to = is_whole_ ? count : std::clamp<std::ptrdiff_t>(size - kPoints + 1 - first, from, count);
+    // Those whose points are all there; the others, near the ends, through as many as there are.
+    const std::ptrdiff_t from = is_whole_ ? count : std::clamp<std::ptrdiff_t>(kSide - 1 - first, 0, count);
+    const std::ptrdiff_t to = is_whole_ ? count : std::clamp<std::ptrdiff_t>(size - kSide - first, from, count);
     double* const sums = result.data();
-    const auto by_line = [&](std::ptrdiff_t begin, std::ptrdiff_t end) {
-      for (std::ptrdiff_t k = begin; k < end; ++k) {
-        sums[k] = value_at(series, place_at(static_cast<double>(n + static_cast<std::size_t>(k)) + points_, series.size()));
-      }
-    };
-    by_line(0, from);
-    by_line(to, count);
+    for (std::ptrdiff_t k = 0; k < count; ++k) {
+      if (k < from || k >= to) sums[k] = near_the_end(series, n + static_cast<std::size_t>(k));
+    }
     std::fill(sums + from, sums + to, 0.0);
-    for (std::ptrdiff_t i = 0; i < kPoints; ++i) {
-      const double weight = weight_[static_cast<std::size_t>(i)];
-      const double* const values = series.data() + first + i;
+    for (std::ptrdiff_t i = 0; i < 2 * kSide; ++i) {
+      const double weight = weights_[0][static_cast<std::size_t>(i)];
+      const double* const values = series.data() + first + 1 - kSide + i;
       for (std::ptrdiff_t k = from; k < to; ++k) sums[k] += weight * values[k];
     }
   }
 
  private:
-  static constexpr std::ptrdiff_t kBefore = 7, kPoints = 16;
+  static constexpr std::ptrdiff_t kSide = 32;  // points; a power of 2
+
+  // Of so many points either side, for the place `part` behind the last one before it.
+  static std::vector<double> weights(double part, std::ptrdiff_t side) {
+    std::vector<double> result;
+    for (std::ptrdiff_t i = 1 - side; i <= side; ++i) {
+      double weight = 1.0;
+      for (std::ptrdiff_t j = 1 - side; j <= side; ++j) {
+        if (j != i) weight *= (part - static_cast<double>(j)) / static_cast<double>(i - j);
+      }
+      result.push_back(weight);
+    }
+    return result;
+  }
+  double near_the_end(const std::vector<double>& series, std::size_t n) const {
+    const std::ptrdiff_t before = static_cast<std::ptrdiff_t>(n) + whole_, size = static_cast<std::ptrdiff_t>(series.size());
+    for (std::size_t level = 0; level < weights_.size() && !is_whole_; ++level) {
+      const std::ptrdiff_t side = kSide >> level;
+      if (before + 1 < side || before + side >= size) continue;
+      double sum = 0.0;
+      for (std::ptrdiff_t i = 0; i < 2 * side; ++i) sum += weights_[level][static_cast<std::size_t>(i)] * series[static_cast<std::size_t>(before + 1 - side + i)];
+      return sum;
+    }
+    return value_at(series, place_at(static_cast<double>(n) + points_, series.size()));
+  }
+
   double points_;
   std::ptrdiff_t whole_;
   bool is_whole_ = false;
-  std::array<double, static_cast<std::size_t>(kPoints)> weight_{};
+  std::vector<std::vector<double>> weights_;  // of kSide points either side, of half as many, ... of one
 };
 
 // Positions of the next grid points, of each group: many at once, for each alone waits for its own additions.
