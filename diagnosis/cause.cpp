@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <optional>
 
 #include "common/unit.h"
@@ -73,6 +74,7 @@ void add_beside(const common::EffectInstance& effect, const std::vector<Size>& s
     cause.point.effects.push_back(effect);
     cause.probability *= known;
     for (Alike& other : cause.group) other.name += " with " + effect.name;
+    for (std::vector<std::string>& other : cause.also) other.push_back(effect.name);
     cause.sizes.insert(cause.sizes.end(), sizes.begin(), sizes.end());
   }
   ranking.unknown = 1.0 - (1.0 - ranking.unknown) * known;
@@ -80,10 +82,18 @@ void add_beside(const common::EffectInstance& effect, const std::vector<Size>& s
 
 }  // namespace
 
-std::string name_of(const Cause& cause) {
-  if (cause.effects.empty()) return "only parameters are off";
-  std::string name = cause.effects[0];
-  for (std::size_t e = 1; e < cause.effects.size(); ++e) name += " with " + cause.effects[e];
+std::string name_of(const std::vector<std::string>& effects) {
+  if (effects.empty()) return "only parameters are off";
+  std::string name = effects[0];
+  for (std::size_t e = 1; e < effects.size(); ++e) name += " with " + effects[e];
+  return name;
+}
+
+std::string name_of(const Cause& cause) { return name_of(cause.effects); }
+
+std::string told_name(const Cause& cause) {
+  std::string name = name_of(cause);
+  for (const std::vector<std::string>& other : cause.also) name += " or " + name_of(other);
   return name;
 }
 
@@ -137,6 +147,27 @@ void find_groups(const Problem& problem, const FitResult& base, const Projector&
   }
 }
 
+void merge_same_motion(const std::map<std::string, std::string>& same_as, Ranking& ranking) {
+  std::map<std::vector<std::string>, std::size_t> places;
+  std::vector<Cause> merged;
+  for (Cause& cause : ranking.causes) {
+    std::vector<std::string> motion;
+    for (const std::string& effect : cause.effects) {
+      const auto same = same_as.find(effect);
+      motion.push_back(same != same_as.end() ? same->second : effect);
+    }
+    std::sort(motion.begin(), motion.end());
+    const auto [place, is_new] = places.try_emplace(std::move(motion), merged.size());
+    if (is_new) {
+      merged.push_back(std::move(cause));
+      continue;
+    }
+    merged[place->second].probability += cause.probability;
+    merged[place->second].also.push_back(cause.effects);
+  }
+  ranking.causes = std::move(merged);
+}
+
 double add_counts(const Problem& problem, std::span<const std::string> without, Ranking& ranking) {
   double quantum = 0.0;
   for (const Record& record : problem.records) quantum = std::max(quantum, record.encoder_quantum);
@@ -162,6 +193,7 @@ void add_controller_causes(const common::EffectCatalogue& catalogue, const std::
       for (const common::EffectInstance& effect : part.effects) both.effects.push_back(effect.name);
       for (const common::EffectInstance& effect : part.effects) {
         for (Alike& other : both.group) other.name += " with " + effect.name;
+        for (std::vector<std::string>& other : both.also) other.push_back(effect.name);
       }
       both.controller_effects = part.effects;
       both.probability *= part.probability * known;

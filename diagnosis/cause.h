@@ -2,6 +2,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -41,11 +42,15 @@ struct Cause {
   Point point;                                              // the machine's part
   std::vector<common::EffectInstance> controller_effects;  // the controller's part
   std::vector<Alike> group;
+  std::vector<std::vector<std::string>> also;  // effects that move the machine just as its own do: one answer
   std::optional<Validation> validation;  // nothing where it was not asked for, or its sizes do not come from a fit
 };
 
 // "a", "a with b" or "only parameters are off".
+std::string name_of(const std::vector<std::string>& effects);
 std::string name_of(const Cause& cause);
+// The same with what else it may be called: "a or b".
+std::string told_name(const Cause& cause);
 
 // `catalogue` has the effects in the machine's units.
 Cause make_cause(const common::EffectCatalogue& catalogue, const FitResult& result);
@@ -60,6 +65,9 @@ struct Ranking {
   std::vector<Cause> causes;
   double unknown = 0.0;
 };
+
+// Causes that are one motion become one, with the probability of all of them. `same_as` has the effects that move a machine as another one does, and which.
+void merge_same_motion(const std::map<std::string, std::string>& same_as, Ranking& ranking);
 
 // Coarse counts are seen in the positions themselves, to the count: they need no fit, and every cause gets them beside what it has.
 // Gives the count [rad]; 0 where none is coarse, or the nominal machine has them.

@@ -256,12 +256,18 @@ void add_up(const common::EffectCatalogue& known, Diagnosis& diagnosis) {
   diagnosis.probability_nothing = 0.0;
   for (const Cause& cause : diagnosis.causes) {
     if (cause.effects.empty()) diagnosis.probability_nothing += cause.probability;
-    std::set<std::string> touched;
-    for (const std::string& effect : cause.effects) {
-      touched.insert(std::string(common::name_of(known.at(effect).subsystem)));
-      by_effect[effect] += cause.probability;
+    // Each of the names of one motion is as likely as the others.
+    const double share = cause.probability / static_cast<double>(1 + cause.also.size());
+    std::vector<std::vector<std::string>> names = cause.also;
+    names.push_back(cause.effects);
+    for (const std::vector<std::string>& effects : names) {
+      std::set<std::string> touched;
+      for (const std::string& effect : effects) {
+        touched.insert(std::string(common::name_of(known.at(effect).subsystem)));
+        by_effect[effect] += share;
+      }
+      for (const std::string& subsystem : touched) by_subsystem[subsystem] += share;
     }
-    for (const std::string& subsystem : touched) by_subsystem[subsystem] += cause.probability;
   }
   const auto falling = [](const std::map<std::string, double>& by_name) {
     std::vector<std::pair<std::string, double>> all(by_name.begin(), by_name.end());
@@ -289,7 +295,7 @@ void name_answer(const Cause& first, Diagnosis& diagnosis) {
   } else if (first.effects.empty()) {
     diagnosis.verdict = "no effect is missing; parameters within their spread explain the records";
   } else {
-    diagnosis.verdict = name_of(first);
+    diagnosis.verdict = told_name(first);
   }
 }
 
@@ -651,6 +657,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
 
   const bool are_parameters_likely = weighed.causes.front().prior_chance >= kFarTogether;  // with nothing missing
   Ranking ranking{std::move(weighed.causes), weighed.probabilities.unknown};
+  merge_same_motion(found.same_as, ranking);
   if (diagnosis.controller_differs) {
     tell(kHoldOut.from, "fitting the controller");
     diagnosis.controller_causes = fit_controller(problem.records, *controller, settings.without, problem.is_stopped,

@@ -447,10 +447,10 @@ Found search(Problem& problem, FitResult& base, const Screening& screening, cons
   std::vector<const Screened*> best = best_of_each(ranked);
 
   // Refine the best ones with everything free: what takes away more than chance would. Two effects that are the same motion are fitted once and named both.
-  std::map<std::string, std::string> same_as;
+  Found found;
+  std::map<std::string, std::string>& same_as = found.same_as;
   const std::vector<const Screened*> chosen = chosen_starts(problem, base, screening, ranked, settings.singles_to_refine, same_as);
   std::erase_if(best, [&](const Screened* screened) { return same_as.count(screened->start.name) != 0; });
-  Found found;
   std::vector<FitResult>& fits = found.fits;
   fits.resize(chosen.size());
   const bool is_short = chosen.size() <= kFewSingles && excess(base.difference, problem.settings) < kDoubtful;

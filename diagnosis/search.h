@@ -2,6 +2,8 @@
 #pragma once
 
 #include <functional>
+#include <map>
+#include <string>
 #include <vector>
 
 #include "diagnosis/fit.h"
@@ -20,6 +22,7 @@ struct SearchSettings {
 struct Found {
   FitResult nothing;            // parameters alone
   std::vector<FitResult> fits;  // of one or two effects
+  std::map<std::string, std::string> same_as;  // effects that move this machine as another one does, under whose name they were fitted
 };
 // Asked with the best single fit: whether the problem's nominal machine has been built otherwise, because that fit shows it.
 using TakesMore = std::function<bool(FitResult&)>;

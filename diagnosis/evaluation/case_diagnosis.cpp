@@ -65,6 +65,7 @@ withheld::CaseResult diagnose_case(const withheld::CaseInput& input, const CaseS
         named.held_out_ratio = cause.validation->cause.residual_ratio;
         named.nominal_held_out_ratio = cause.validation->nominal.residual_ratio;
       }
+      for (const std::vector<std::string>& other : cause.also) named.group.push_back(name_of(other));
       for (const Alike& other : cause.group) named.group.push_back(other.name);
       for (const Size& size : cause.sizes) {
         const std::size_t dot = size.parameter.find('.');

@@ -94,6 +94,7 @@ nlohmann::json to_json(const Cause& cause, const std::vector<sim::Parameter>& pa
                       {"prior_chance", cause.prior_chance},
                       {"mean_square_left", cause.mean_square},
                       {"fit_ended", diagnosis::name_of(cause.ending)},
+                      {"or", cause.also},
                       {"cannot_be_told_from", nlohmann::json::array()},
                       {"sizes", nlohmann::json::array()}};
   for (const diagnosis::Alike& other : cause.group) {
@@ -142,7 +143,8 @@ std::string answer_sentence(const Diagnosis& diagnosis) {
   const Cause& first = diagnosis.causes.front();
   const auto failed = std::find_if(diagnosis.unseen.begin(), diagnosis.unseen.end(), [](const diagnosis::UnseenRecord& one) { return !one.validation.holds; });
   const bool is_refuted = failed != diagnosis.unseen.end() && first.validation;
-  std::string text = fmt::format("{}{}, {:.0f} %", diagnosis.lead_acts < diagnosis::kSure || is_refuted ? "Not sure: " : "", name_of(first), 100 * diagnosis.lead_acts);
+  std::string text = fmt::format("{}{}, {:.0f} %", diagnosis.lead_acts < diagnosis::kSure || is_refuted ? "Not sure: " : "", told_name(first), 100 * diagnosis.lead_acts);
+  if (!first.also.empty()) text += ", one motion for these records";
   if (diagnosis.lead_acts - first.probability > kWorthNaming) text += fmt::format(" ({:.0f} % alone, the rest beside what these records may hide)", 100 * first.probability);
   if (!first.validation && !first.point.effects.empty()) {
     text += "; not tested on data that were not fitted";
@@ -345,7 +347,7 @@ std::string summary_text(const Diagnosis& diagnosis, bool is_damaged, const Told
       out << unknown;
       is_unknown_told = true;
     }
-    out << fmt::format("  {:5.1f} %  {} (share of the gap explained on the fitted records: {:.1f} %)\n", 100 * cause.probability, name_of(cause), 100 * cause.explained);
+    out << fmt::format("  {:5.1f} %  {} (share of the gap explained on the fitted records: {:.1f} %)\n", 100 * cause.probability, told_name(cause), 100 * cause.explained);
     if (cause.validation) {
       const diagnosis::Validation& validation = *cause.validation;
       out << fmt::format("            residual variance ratio on data that were not fitted: nominal {:.4g}, parameters alone {:.4g}, with it {:.3g}{}{}\n",

@@ -27,7 +27,9 @@ ROW, BETWEEN = 230, 44  # [px] of a signal; between two, for the title of the lo
 
 
 def cause_name(cause):
-    return " with ".join(cause["effects"]) if cause["effects"] else "only parameters are off"
+    if not cause["effects"]:
+        return "only parameters are off"
+    return " or ".join(" with ".join(effects) for effects in [cause["effects"], *cause.get("or", [])])
 
 
 def probability_figure(found):

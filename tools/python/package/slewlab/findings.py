@@ -26,6 +26,7 @@ class Cause:
     """Effects that together explain the gap; of an axis, laws of its torque balance."""
 
     effects: tuple[str, ...]
+    same_motion: tuple[tuple[str, ...], ...]  # effects that move the machine just as these do: one answer by another name
     probability: float
     sizes: tuple[Size, ...]
     cannot_be_told_from: tuple[str, ...]
@@ -50,7 +51,7 @@ class Diagnosis:
 def _cause(told: dict[str, Any]) -> Cause:
     alike = told.get("cannot_be_told_from", ())
     sizes = tuple(Size(one["parameter"], one["value"], one["low_90"], one["high_90"], one["unit"]) for one in told["sizes"])
-    return Cause(tuple(told["effects" if "effects" in told else "laws"]), told["probability"], sizes, tuple(one["cause"] for one in alike),
+    return Cause(tuple(told["effects" if "effects" in told else "laws"]), tuple(map(tuple, told.get("or", ()))), told["probability"], sizes, tuple(one["cause"] for one in alike),
                  told["validation"]["holds"] if "validation" in told else None)
 
 
