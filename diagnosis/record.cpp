@@ -18,6 +18,8 @@ constexpr double kNanosecond = 1e-9;  // [s]
 constexpr int kTripped = 2, kBraked = 3;  // drive_state of PLANT_STATUS
 constexpr int kLongestBridge = 3;     // missing messages in a row that are bridged
 constexpr double kOnGrid = 0.01;         // [steps] by which a sensor's instant may miss the grid and still be on it
+// At least, of rounded values; chosen: more levels than a test's torques have, while a coarse sensor reads few and seldom changes.
+constexpr std::size_t kChanges = 100, kTorqueLevels = 32, kAccelerationChanges = 10, kAccelerationLevels = 2;
 constexpr double kMoving = 0.2;          // of the record's largest speed, above which a motor turns
 constexpr double kPushing = 0.05;  // of the record's largest torque, above which the motors are on their way
 // Speeds that a swinging load may make of a crane at rest: shares of the largest speed of the record, and of the machine's top speed; and
@@ -132,13 +134,17 @@ void check_alive(const Record& record, const std::string& signal, const std::vec
   }
 }
 
-void check_clipped(const Record& record, const std::string& signal, const std::vector<double>& values) {
+// `step`: to which the values were rounded; 0: they were not. A crest stays on its last step for long, which it comes to by one.
+void check_clipped(const Record& record, const std::string& signal, const std::vector<double>& values, double step) {
   const auto [low, high] = std::minmax_element(values.begin(), values.end());
   for (const double extreme : {*low, *high}) {
     if (extreme == 0.0) continue;
     std::size_t run = 0, longest = 0, runs = 0;
-    for (const double value : values) {
-      run = value == extreme ? run + 1 : 0;
+    bool is_crest = false;
+    for (std::size_t n = 0; n < values.size(); ++n) {
+      if (values[n] == extreme && run == 0) is_crest = n > 0 && std::fabs(values[n] - values[n - 1]) < 1.5 * step;
+      run = values[n] == extreme && !is_crest ? run + 1 : 0;
+      if (values[n] != extreme) is_crest = false;
       if (run == 5) ++runs;
       longest = std::max(longest, run);
     }
@@ -171,34 +177,6 @@ void check_driven(const msgs::RunLog& run, const Record& record, double moving) 
     refuse_if(message.simulated_time, message.drive_state == kTripped, "PLANT_STATUS says that the drives are tripped");
     refuse_if(message.simulated_time, message.drive_state == kBraked, "PLANT_STATUS says that the brakes are on");
   }
-}
-
-// The step that all values are multiples of, as far as 100 changes between them show it; 0: none.
-double find_quantum(const std::vector<double>& values) {
-  double quantum = 0.0;
-  std::vector<double> changes;
-  for (std::size_t n = 1; n < values.size(); ++n) {
-    const double difference = std::fabs(values[n] - values[n - 1]);
-    if (difference == 0.0) continue;
-    quantum = changes.empty() ? difference : std::min(quantum, difference);
-    changes.push_back(difference);
-  }
-  if (changes.size() < 100) return 0.0;
-  const auto fitting = std::count_if(changes.begin(), changes.end(), [&](double value) {
-    const double multiple = value / quantum;
-    return std::fabs(multiple - std::round(multiple)) < 1e-3 * std::max(1.0, multiple);
-  });
-  return static_cast<double>(fitting) > 0.99 * static_cast<double>(changes.size()) ? quantum : 0.0;
-}
-
-// The same of torques that were rounded when they were written down. A test signal that switches between a few of them was not.
-double find_torque_quantum(const std::vector<double>& torque) {
-  constexpr std::size_t kLevels = 32;  // chosen: more than a test signal has
-  const double quantum = find_quantum(torque);
-  if (quantum == 0.0) return 0.0;
-  std::set<long long> levels;
-  for (const double value : torque) levels.insert(std::llround(value / quantum));
-  return levels.size() >= kLevels ? quantum : 0.0;
 }
 
 }  // namespace
@@ -377,6 +355,36 @@ void take_motors(const msgs::RunLog& run, const std::vector<std::int64_t>& encod
   }
 }
 
+// The step that all values are multiples of, as far as so many changes between them show it; 0: none.
+double find_quantum(const std::vector<double>& values, std::size_t least_changes) {
+  double quantum = 0.0;
+  std::vector<double> changes;
+  for (std::size_t n = 1; n < values.size(); ++n) {
+    const double difference = std::fabs(values[n] - values[n - 1]);
+    if (difference == 0.0) continue;
+    quantum = changes.empty() ? difference : std::min(quantum, difference);
+    changes.push_back(difference);
+  }
+  if (changes.size() < least_changes) return 0.0;
+  const auto fitting = std::count_if(changes.begin(), changes.end(), [&](double value) {
+    const double multiple = value / quantum;
+    return std::fabs(multiple - std::round(multiple)) < 1e-3 * std::max(1.0, multiple);
+  });
+  return static_cast<double>(fitting) > 0.99 * static_cast<double>(changes.size()) ? quantum : 0.0;
+}
+
+// A signal that has few values in all, as a test's that switches between some, was not rounded to them.
+Rounding find_rounding(const std::vector<double>& values, std::size_t least_changes, std::size_t least_levels) {
+  const double step = find_quantum(values, least_changes);
+  if (step == 0.0) return {};
+  std::set<long long> levels;
+  for (const double value : values) levels.insert(std::llround(value / step));
+  if (levels.size() < least_levels) return {};
+  std::size_t slow = 0;
+  for (std::size_t n = 1; n < values.size(); ++n) slow += std::fabs(values[n] - values[n - 1]) < 0.5 * step ? 1 : 0;
+  return {step, 2 * slow > values.size()};
+}
+
 void take_sensors(const msgs::RunLog& run, const std::vector<std::int64_t>& times, std::size_t count, Record& record) {
   // [steps] by which an instant lies beside the grid.
   const auto beside_grid = [&](std::int64_t time) {
@@ -386,7 +394,7 @@ void take_sensors(const msgs::RunLog& run, const std::vector<std::int64_t>& time
   const bool on_grid = record.sensor_period < 1.5 * record.step &&
                        std::all_of(times.begin(), times.end(), [&](std::int64_t time) { return beside_grid(time) < kOnGrid; });
   if (!on_grid) record.sampled_at = times;
-  const auto take = [&](auto member, std::vector<double>& into, const std::string& signal, std::vector<double>* raw) {
+  const auto take = [&](auto member, std::vector<double>& into, const std::string& signal, std::vector<double>* raw, Rounding* rounding) {
     std::vector<double> values;
     for (const msgs::Sensors& message : run.sensors) values.push_back(message.*member);
     // NaN all along is how an imported log says that the machine has no such sensor.
@@ -397,6 +405,13 @@ void take_sensors(const msgs::RunLog& run, const std::vector<std::int64_t>& time
     }
     check_finite(record, signal, times, values);
     into = resample(times, values, record, count);
+    if (rounding != nullptr) {
+      *rounding = find_rounding(values, kAccelerationChanges, kAccelerationLevels);
+      if (rounding->is_slow) {
+        record.remarks.push_back(fmt::format("{}: {} was read or written down in steps of {:.3g} m/s^2, as large as most of its changes: what is smaller cannot be told",
+                                             record.name, signal, rounding->step));
+      }
+    }
     if (raw != nullptr && !on_grid) *raw = std::move(values);
   };
   std::size_t accelerometer = 0;
@@ -405,9 +420,9 @@ void take_sensors(const msgs::RunLog& run, const std::vector<std::int64_t>& time
     std::replace(signal.begin(), signal.end(), '_', ' ');
     if (is_acceleration(field.unit)) {
       const std::size_t i = accelerometer++;
-      take(field.value, record.acceleration[i], signal, &record.sampled_acceleration[i]);
+      take(field.value, record.acceleration[i], signal, &record.sampled_acceleration[i], &record.acceleration_rounding[i]);
     } else if (field.value == &msgs::Sensors::slew_angle) {
-      take(field.value, record.slew_angle, signal, nullptr);
+      take(field.value, record.slew_angle, signal, nullptr, nullptr);
     }
   }
 }
@@ -453,8 +468,8 @@ void take_wire(const msgs::RunLog& run, Record& record) {
   std::vector<double> position, torque;  // of the first group, as the messages have them
   for (const msgs::Encoder& message : run.encoder) position.push_back(message.shaft_position[0]);
   for (const msgs::Torque& message : run.torque) torque.push_back(message.motor_torque[0]);
-  record.encoder_quantum = find_quantum(position);
-  record.torque_quantum = find_torque_quantum(torque);
+  record.encoder_quantum = find_quantum(position, kChanges);
+  record.torque_rounding = find_rounding(torque, kChanges, kTorqueLevels);
 }
 
 void check_motors_alive(const std::vector<std::int64_t>& encoder_times, const AdmissionSettings& settings, double moving, const Record& record) {
@@ -482,9 +497,11 @@ void check_accelerometers_alive(const AdmissionSettings& settings, double moving
     const auto i = static_cast<std::size_t>(a);
     if (record.acceleration[i].empty()) continue;
     const std::string signal = fmt::format("acceleration at the {}", accelerometer_name(a));
+    const double step = record.acceleration_rounding[i].is_slow ? record.acceleration_rounding[i].step : 0.0;
     // As it was sampled: lines between equal samples would hold their extreme for long.
-    check_clipped(record, signal, record.sampled_at.empty() ? record.acceleration[i] : record.sampled_acceleration[i]);
-    check_alive(record, signal, record.acceleration[i], record.shaft_speed[0], moving, settings.frozen_time);
+    check_clipped(record, signal, record.sampled_at.empty() ? record.acceleration[i] : record.sampled_acceleration[i], step);
+    // What is coarser than the acceleration stands as if it were frozen.
+    if (step == 0.0) check_alive(record, signal, record.acceleration[i], record.shaft_speed[0], moving, settings.frozen_time);
   }
 }
 

@@ -53,6 +53,12 @@ struct SensorNoise {
   double torque = 0.0;                                      // [Nm^2] of each motor's torque as it was written down, per grid point
 };
 
+// How values were rounded when they were written down.
+struct Rounding {
+  double step = 0.0;     // that all of them are multiples of; 0: not rounded
+  bool is_slow = false;  // they mostly change by less than that, so that the error stays for long
+};
+
 struct Record {
   std::string name;             // file and run, for messages
   double step = 1e-3;           // [s] grid of all series below
@@ -85,7 +91,8 @@ struct Record {
   bool begins_bent = false;       // in motion, or where the drives have just pressed the gears: boom and load may swing
   bool begins_on_flanks = false;  // of the gears, to which the torques push; else in the middle of their play
   double encoder_quantum = 0.0;        // [rad] smallest step that the encoder positions keep to; 0: none found
-  double torque_quantum = 0.0;         // [Nm] the same of the torques
+  Rounding torque_rounding;            // [Nm]
+  std::array<Rounding, kAccelerometerCount> acceleration_rounding{};  // [m/s^2]
   std::vector<std::string> remarks;    // what was mended or left out, one line each
 
   std::size_t size() const { return motor_torque[0].size(); }

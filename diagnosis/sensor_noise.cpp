@@ -30,9 +30,13 @@ double noise_variance(std::vector<double> values) {
   return std::isfinite(least) ? least : 0.0;
 }
 
+// Values are off by anything up to half a step.
+double variance_of(const Rounding& rounding) { return rounding.step * rounding.step / 12.0; }
+
 double accelerometer_variance(const Record& record, std::size_t accelerometer) {
-  if (record.sampled_at.empty()) return noise_variance(record.acceleration[accelerometer]);
-  return noise_variance(record.sampled_acceleration[accelerometer]) * record.sensor_period / record.step;
+  const double least = variance_of(record.acceleration_rounding[accelerometer]);
+  if (record.sampled_at.empty()) return std::max(least, noise_variance(record.acceleration[accelerometer]));
+  return std::max(least, noise_variance(record.sampled_acceleration[accelerometer])) * record.sensor_period / record.step;
 }
 
 // Of a reading of the position: counts are off by anything between two of them.
@@ -51,7 +55,7 @@ SensorNoise sensor_noise(const Record& record) {
   for (std::size_t a = 0; a < kAccelerometerCount; ++a) {
     if (!record.acceleration[a].empty()) noise.accelerometer[a] = accelerometer_variance(record, a);
   }
-  noise.torque = record.torque_quantum * record.torque_quantum / 12.0;
+  noise.torque = variance_of(record.torque_rounding);
   return noise;
 }
 

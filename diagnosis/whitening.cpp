@@ -89,13 +89,6 @@ std::vector<double> rounding_error_power(const std::vector<double>& rounded, dou
   return power;
 }
 
-// Whether a series mostly changes by less than its quantum from one value to the next.
-bool is_slow_against(double quantum, const std::vector<double>& values) {
-  std::size_t slow = 0;
-  for (std::size_t n = 1; n < values.size(); ++n) slow += std::fabs(values[n] - values[n - 1]) < 0.5 * quantum ? 1 : 0;
-  return 2 * slow > values.size();
-}
-
 // Running sums of the mean power of some signals: they give its mean over any band at once.
 std::vector<double> running_power(const std::vector<const std::vector<double>*>& signals, const Whitening& whitening) {
   std::vector<double> sum(whitening.transform_length / 2 + 2, 0.0);
@@ -156,13 +149,17 @@ class NoisePowers {
       if (is_coarse) raise(encoder_[g], rounding_error_power(record.shaft_position[g], record.encoder_quantum, true, record, whitening, settings.count_smoothing), 1.0 / stride);
       if (variance.torque == 0.0) continue;
       torque_[g].assign(whitening.transform_length / 2 + 1, variance.torque * energy);
-      if (!is_slow_against(record.torque_quantum, record.motor_torque[g])) continue;
-      raise(torque_[g], rounding_error_power(record.motor_torque[g], record.torque_quantum, false, record, whitening, settings.count_smoothing), 1.0);
+      if (!record.torque_rounding.is_slow) continue;
+      raise(torque_[g], rounding_error_power(record.motor_torque[g], record.torque_rounding.step, false, record, whitening, settings.count_smoothing), 1.0);
     }
     for (std::size_t a = 0; a < kAccelerometerCount; ++a) {
       // A data sheet's is that of the noise as the differences show it.
       corner_[a] = settings.noise_corner / std::max(kLeastWhite, 1.0 - settings.noise_corner * rise_in_differences_);
-      if (!record.acceleration[a].empty()) accelerometer_[a] = variance.accelerometer[a] * energy;
+      if (record.acceleration[a].empty()) continue;
+      accelerometer_[a] = variance.accelerometer[a] * energy;
+      if (!record.acceleration_rounding[a].is_slow) continue;
+      rounding_[a].assign(whitening.transform_length / 2 + 1, 0.0);
+      raise(rounding_[a], rounding_error_power(record.acceleration[a], record.acceleration_rounding[a].step, false, record, whitening, settings.count_smoothing), 1.0);
     }
   }
   // A data sheet says how noise may rise; a sensor that is sampled slowly, or a better one, is white from a lower frequency on. What the
@@ -224,7 +221,10 @@ class NoisePowers {
     for (std::size_t k = 1; k < power.size(); ++k) power[k] = std::max(power[k], mean_around(sum, k, kCountBins));
   }
   // The power of an accelerometer's noise at a bin; none where it is not measured.
-  double flicker(std::size_t a, std::size_t k) const { return accelerometer_[a] > 0.0 ? accelerometer_[a] * rising(a, static_cast<double>(k) * bin_width_) : 0.0; }
+  double flicker(std::size_t a, std::size_t k) const {
+    const double rounding = rounding_[a].empty() ? 0.0 : rounding_[a][k];
+    return accelerometer_[a] > 0.0 ? rounding + accelerometer_[a] * rising(a, static_cast<double>(k) * bin_width_) : 0.0;
+  }
   // The same at a frequency, over what its fastest differences show.
   double rising(std::size_t a, double frequency) const { return (1.0 + corner_[a] / frequency) / (1.0 + corner_[a] * rise_in_differences_); }
 
@@ -234,6 +234,7 @@ class NoisePowers {
   std::size_t groups_;
   std::array<std::vector<double>, sim::kMaximumGroupCount> encoder_;   // [rad^2] per reading
   std::array<std::vector<double>, sim::kMaximumGroupCount> torque_;   // [Nm^2]; empty: not rounded
+  std::array<std::vector<double>, kAccelerometerCount> rounding_;      // [(m/s^2)^2] of accelerometers that were; empty: not
   std::array<double, kAccelerometerCount> accelerometer_{}, corner_{};  // [(m/s^2)^2], [Hz]
 };
 

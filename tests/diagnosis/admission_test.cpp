@@ -123,17 +123,30 @@ TEST_F(Admission, TakesACoarseSpeed) {
 
 // What was rounded when it was written down shows in the record; a test signal's few torques were not.
 TEST_F(Admission, KnowsInWhichStepsTorquesWereWrittenDown) {
-  EXPECT_EQ(make_record(log_, "log", bench().admission).torque_quantum, 0.0);
+  EXPECT_EQ(make_record(log_, "log", bench().admission).torque_rounding.step, 0.0);
   const auto written_in_steps_of = [&](double quantum) {
     msgs::RunLog run = log_;
     for (msgs::Torque& message : run.torque) {
       for (double& torque : message.motor_torque) torque = quantum * std::round(torque / quantum);
     }
-    return make_record(run, "log", bench().admission).torque_quantum;
+    return make_record(run, "log", bench().admission).torque_rounding.step;
   };
   EXPECT_NEAR(written_in_steps_of(0.1), 0.1, 1e-9);
   const double rated = bench().admission.rated_torque;
   EXPECT_EQ(written_in_steps_of(0.1 * rated), 0.0);
+}
+
+// A sensor that is coarser than most of what it reads stands for seconds and holds its crests, and is neither frozen nor clipped.
+TEST_F(Admission, TakesACoarseAccelerometer) {
+  constexpr double kSteps = 0.05;  // [m/s^2] 5 mg: ten times the sensors' noise
+  for (msgs::Sensors& sensors : log_.sensors) {
+    for (double* value : {&sensors.house_acceleration, &sensors.pivot_acceleration, &sensors.middle_acceleration, &sensors.tip_acceleration}) *value = kSteps * std::round(*value / kSteps);
+  }
+  EXPECT_EQ(refusal(), "");
+  const Record record = make_record(log_, "log", bench().admission);
+  EXPECT_NEAR(record.acceleration_rounding[kTip].step, kSteps, 1e-9);
+  EXPECT_TRUE(record.acceleration_rounding[kTip].is_slow);
+  EXPECT_TRUE(std::any_of(record.remarks.begin(), record.remarks.end(), [](const std::string& remark) { return remark.find("in steps of 0.05 m/s^2") != std::string::npos; }));
 }
 
 TEST_F(Admission, RefusesAFrozenPosition) {

@@ -65,7 +65,7 @@ TEST(SensorNoise, OfAnEncoderIsAtLeastThatOfItsCounts) {
 TEST(SensorNoise, OfATorqueIsThatOfItsSteps) {
   Record record = standing();
   EXPECT_EQ(sensor_noise(record).torque, 0.0);
-  record.torque_quantum = 0.1;  // [Nm]
+  record.torque_rounding.step = 0.1;  // [Nm]
   EXPECT_DOUBLE_EQ(sensor_noise(record).torque, 0.01 / 12.0);
 }
 

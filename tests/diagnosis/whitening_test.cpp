@@ -117,10 +117,10 @@ TEST(Whitening, TellsHowTheNoiseOfAnAccelerometerRises) {
 }
 
 // A machine that moves as its torques were before they were written down in steps of 0.1 Nm; it answers to a torque with just that.
-double of_rounded_torque(const std::vector<double>& torque) {
+double of_rounded_torque(const std::vector<double>& torque, bool is_slow) {
   constexpr double kQuantum = 0.1;  // [Nm]
   Record record = noisy_record();
-  record.torque_quantum = kQuantum;
+  record.torque_rounding = {kQuantum, is_slow};
   Shadow shadow = shadow_of(record.acceleration[kTip]);
   for (std::size_t n = 0; n < kCount; ++n) {
     record.motor_torque[0][n] = kQuantum * std::round(torque[n] / kQuantum);
@@ -135,7 +135,7 @@ double of_rounded_torque(const std::vector<double>& torque) {
 }
 
 // Torques that change by many steps at a time are off by anything between two of them: the definition of the weights once more, of about 2400 numbers.
-TEST(Whitening, KnowsHowTorquesWereRounded) { EXPECT_NEAR(of_rounded_torque(white(5.0, 5)), 1.0, 0.15); }
+TEST(Whitening, KnowsHowTorquesWereRounded) { EXPECT_NEAR(of_rounded_torque(white(5.0, 5), false), 1.0, 0.15); }
 
 // Slow ones are off by the same for long, which is no white noise: such an error has sixty times the power of white noise at the frequencies of its own changes. How it falls
 // among the places between two steps is one draw of them, so a factor of two.
@@ -145,7 +145,7 @@ TEST(Whitening, KnowsHowSlowTorquesWereRounded) {
     const double t = 1e-3 * static_cast<double>(n);  // [s]
     slow.push_back(2.0 * std::sin(1.3 * t) + 0.5 * std::sin(3.7 * t));
   }
-  const double left = of_rounded_torque(slow);
+  const double left = of_rounded_torque(slow, true);
   EXPECT_GT(left, 0.5);
   EXPECT_LT(left, 2.0);
 }
