@@ -183,7 +183,10 @@ void choose_and_validate(const std::vector<AxisRecord>& records, const Balance& 
   validation.inertia = error_of(last, unseen, balance, inertia_alone);
   validation.cause = error_of(last, unseen, balance, diagnosis.validated);
   validation.effort = root_mean_square(unseen.effort);
-  validation.noise = std::hypot(nominal_inertia * acceleration_noise(last, balance.half_window), kLawDiscrepancy * validation.effort);
+  validation.floor = std::hypot(nominal_inertia * acceleration_noise(last, balance.half_window), kLawDiscrepancy * validation.effort);
+  validation.noise = std::hypot(validation.floor, smoothed_effort_noise(last, balance.half_window));
+  validation.nominal_together = correlated_rms(unseen, balance.laws, bare(nominal_inertia, inertia_alone.skew), balance.resolved_speed);
+  validation.cause_together = correlated_rms(unseen, balance.laws, diagnosis.validated, balance.resolved_speed);
   validation.speed = root_mean_square(unseen.speed);
   const auto moves = [&](const BalanceRecord& record, double sign) {
     const auto count = std::count_if(record.speed.begin(), record.speed.end(), [&](double speed) { return sign * speed > balance.resolved_speed; });
@@ -196,6 +199,12 @@ void choose_and_validate(const std::vector<AxisRecord>& records, const Balance& 
     return validation.cause.balance < kBetter * than.balance && (validation.cause.forward < kBetter * than.forward || validation.cause.tenths < kBetter * than.tenths);
   };
   validation.holds = is_better(validation.nominal) && (diagnosis.validated.terms.empty() || is_better(validation.inertia));
+}
+
+// Whether a residual is more than noise. A torque that is measured, or written down in coarse steps, brings white noise, which no law could explain: what
+// is hidden in it shows by going together over more than the window.
+bool is_above_noise(const AxisValidation& validation, double rms, double together) {
+  return rms > kAboveNoise * validation.noise || together > kAboveNoise * validation.floor;
 }
 
 const BalanceTerm* term_of(const BalanceModel& model, std::string_view law) {
@@ -277,7 +286,7 @@ void name_answer(const sim::MachineFile& axis, double inertia_spread, AxisDiagno
   const double nominal = diagnosis.nominal_inertia;
   const bool is_inertia_off =
       std::fabs(best.inertia - nominal) > kInertiaDeviations * std::hypot(inertia_spread * nominal, best.inertia_deviation);
-  const bool is_more_than_noise = validation.nominal.balance > kAboveNoise * validation.noise;
+  const bool is_more_than_noise = is_above_noise(validation, validation.nominal.balance, validation.nominal_together);
   if (best.terms.empty() && !is_inertia_off && !is_more_than_noise) {
     diagnosis.outcome = AxisOutcome::nothing_missing;
     diagnosis.verdict = "no effect is missing; the inertia is within its spread";
@@ -313,7 +322,7 @@ void name_answer(const sim::MachineFile& axis, double inertia_spread, AxisDiagno
   }
   diagnosis.outcome = AxisOutcome::stated;
   diagnosis.unexplained = 1.0 - share;
-  diagnosis.has_remainder = validation.cause.balance > kAboveNoise * validation.noise && !validation.is_other_direction;
+  diagnosis.has_remainder = is_above_noise(validation, validation.cause.balance, validation.cause_together) && !validation.is_other_direction;
   if (diagnosis.has_remainder) doubt_what_an_unknown_may_imitate(diagnosis);
   if (validation.is_other_direction && 1.0 - share > kWorthSaying) {
     diagnosis.remarks.push_back(validation.place + " moves in a direction in which the other data do not: what the laws leave there may be that direction's own "

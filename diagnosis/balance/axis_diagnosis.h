@@ -51,7 +51,10 @@ struct AxisValidation {
   std::string place;                 // the data that were not fitted, in words
   AxisError nominal, inertia, cause;
   double effort = 0.0, speed = 0.0;  // RMS of what was measured there
-  double noise = 0.0;                // RMS of what noise of the positions and laws known no better leave of the balance
+  double noise = 0.0;                // RMS of what noise of positions and efforts and laws known no better leave of the balance
+  double floor = 0.0;                // of this, what is not the efforts' noise
+  // RMS of that part of the balance's residual that is no white noise of the efforts: it goes together over more than the window.
+  double nominal_together = 0.0, cause_together = 0.0;
   bool holds = false;
   bool is_other_direction = false;   // they move in a direction in which the fitted data do not
 };

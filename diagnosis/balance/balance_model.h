@@ -48,4 +48,12 @@ const LawShape& shape_of(const std::vector<BalanceLaw>& laws, const BalanceTerm&
 std::vector<double> balance_residual(const BalanceRecord& record, const std::vector<BalanceLaw>& laws, const BalanceModel& model,
                                      double resolved_speed);
 
+// RMS of that part of (1) that goes together over more than the filter does, samples that do not move being 0:
+//
+//   sqrt(max(0, max over lags of |rho| - 2 s)) rms(r),   s^2 = (1 + 2 sum of rho_j^2) / n              (2)
+//
+// lags from one to two lengths of the filter; rho_j below them. White noise has none of it, and s is by how much chance makes it seem so
+// (Bartlett 1946, Supplement to the Journal of the Royal Statistical Society 8, p. 27).
+double correlated_rms(const BalanceRecord& record, const std::vector<BalanceLaw>& laws, const BalanceModel& model, double resolved_speed);
+
 }  // namespace slewlab::diagnosis

@@ -53,6 +53,14 @@ double position_noise(const std::vector<double>& position);
 // [unit of position per s^2] standard deviation of the acceleration under a window of so many samples to either side.
 double acceleration_noise(const AxisRecord& record, std::size_t half_window);
 
+// [unit of effort] standard deviation of white noise in the recorded efforts: of torques that were rounded when they were written down, their
+// step / sqrt(12); else from the median of their third differences, which knows nothing of a torque that is switched now and then.
+double effort_noise(const std::vector<double>& effort);
+
+// [unit of effort] what that becomes under the balance's window; and what it is that nobody recorded when, between two samples, a torque changed:
+// at any instant, so that of a change D a sample is wrong by D / sqrt(12).
+double smoothed_effort_noise(const AxisRecord& record, std::size_t half_window);
+
 inline constexpr std::size_t kFewestHalf = 3;  // [samples]: a cubic over seven
 
 // Half of the window that the noise asks for, at least kFewestHalf samples, at most `longest` [s].

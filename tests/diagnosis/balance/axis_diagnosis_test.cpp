@@ -9,6 +9,7 @@
 #include <fstream>
 #include <iomanip>
 #include <numbers>
+#include <random>
 #include <string>
 
 #include "tests/diagnosis/balance/simulated_axis.h"
@@ -78,6 +79,16 @@ std::vector<NamedRun> two_runs(const SimulatedAxis& axis, const Size& size = {})
   return {logged(axis, "a", size), logged(other, "b", size)};
 }
 
+// As if the torque were measured: white noise of so much [N m on the axis] in what is written down, none in what acts.
+std::vector<NamedRun> with_noisy_torque(std::vector<NamedRun> runs, double deviation) {
+  std::mt19937_64 generator(11);
+  std::normal_distribution<double> noise(0.0, deviation / kRatio);
+  for (NamedRun& named : runs) {
+    for (msgs::Torque& torque : named.run.torque) torque.motor_torque[0] += noise(generator);
+  }
+  return runs;
+}
+
 SimulatedAxis noisy(std::function<double(double, double, double)> resistance) {
   return {.inertia = kInertia, .resistance = std::move(resistance), .effort = switched, .noise = 2e-5};
 }
@@ -108,6 +119,19 @@ TEST(AxisDiagnosis, NamesFrictionWithItsSizesAndPredictsTheRecordThatItDidNotSee
   ASSERT_EQ(found.effects.size(), 2u);
   EXPECT_EQ(found.effects[0].name, "bearing_coulomb");
   EXPECT_EQ(found.effects[1].name, "bearing_viscous");
+}
+
+// Noise of a torque that was measured is no effect: 3 % of what acts, white, which no law could explain.
+TEST(AxisDiagnosis, NoiseOfAMeasuredTorqueIsNoEffect) {
+  for (const double deviation : {0.2, 0.5, 1.0}) {
+    const AxisDiagnosis found = diagnose_axis(axis_file(), with_noisy_torque(two_runs(noisy([](double, double, double) { return 0.0; })), deviation));
+    EXPECT_EQ(found.outcome, AxisOutcome::nothing_missing) << found.verdict;
+    EXPECT_LT(found.validation.nominal.balance, 1.2 * found.validation.noise);
+    EXPECT_LT(found.validation.nominal_together, found.validation.floor);
+  }
+  // And it hides no torque of time that is larger than the floor of what laws are known by, though it is hardly larger than the noise.
+  const auto load = [](double t, double, double) { return 1.5 * std::sin(0.8 * t); };
+  EXPECT_EQ(diagnose_axis(axis_file(), with_noisy_torque(two_runs(noisy(load)), 1.5)).outcome, AxisOutcome::unknown);
 }
 
 // Where the speeds are too few to tell the members of a family, the family leads, and each member has its own probability.

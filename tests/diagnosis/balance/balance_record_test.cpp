@@ -58,6 +58,31 @@ TEST(BalanceRecord, NoiseIsThatWhichWasPutIn) {
   EXPECT_NEAR(position_noise(counted), 0.02 / std::sqrt(12.0), 1e-4);  // evenly between two counts
 }
 
+// White noise of a measured torque; a torque that is switched now and then has none, however large its steps; one that was rounded has that of its
+// step; and what becomes of it under the window is what the window makes of it.
+TEST(BalanceRecord, NoiseOfTheEffortIsThatWhichWasPutIn) {
+  constexpr double kNoise = 0.3;
+  std::mt19937_64 generator(5);
+  std::normal_distribution<double> noise(0.0, kNoise);
+  std::vector<double> measured, switched, rounded, zeros(20000, 0.0), white;
+  for (int n = 0; n < 20000; ++n) {
+    white.push_back(noise(generator));
+    measured.push_back(6.0 * std::sin(5e-3 * n) + white.back());
+    switched.push_back((n / 40) % 2 == 0 ? 6.0 : -6.0);
+    rounded.push_back(0.25 * std::round(6.0 * std::sin(5e-3 * n) / 0.25));
+  }
+  EXPECT_NEAR(effort_noise(measured), kNoise, 0.05 * kNoise);
+  EXPECT_EQ(effort_noise(switched), 0.0);
+  EXPECT_NEAR(effort_noise(rounded), 0.25 / std::sqrt(12.0), 1e-12);
+  for (const std::size_t half : {3u, 9u}) {
+    const BalanceRecord balance = make_balance_record({"noise", 0.01, zeros, white}, half);
+    double square = 0.0;
+    for (const double effort : balance.effort) square += effort * effort;
+    // Its own differences, 2 kNoise^2 in the mean, count as changes at an unknown instant: 1 + 2 / 12 of the square.
+    EXPECT_NEAR(smoothed_effort_noise({"noise", 0.01, zeros, white}, half), std::sqrt(square / static_cast<double>(balance.effort.size()) * (1.0 + 2.0 / 12.0)), 0.05 * kNoise) << half;
+  }
+}
+
 TEST(BalanceRecord, AWindowIsAsLongAsTheNoiseAsks) {
   AxisRecord quiet{"quiet", 1e-3, {}, {}};
   std::mt19937_64 generator(3);
