@@ -202,6 +202,21 @@ BalanceRecord make_balance_record(const AxisRecord& record, std::size_t half_win
   return balance;
 }
 
+std::vector<double> effort_noise_products(double step, std::size_t half_window, const std::vector<double>& late_times) {
+  constexpr double kTail = 5.0;  // time constants after which a lag has forgotten the sample
+  const double longest = late_times.empty() ? 0.0 : *std::max_element(late_times.begin(), late_times.end());
+  const std::size_t before = 2 * half_window + 2;
+  std::vector<double> sample(2 * before + static_cast<std::size_t>(kTail * longest / step), 0.0);
+  sample[before] = 1.0;
+  std::vector<std::vector<double>> answers{balance_smoothed(about_the_samples(sample), half_window)};
+  for (const double time : late_times) answers.push_back(balance_smoothed(about_the_samples(withheld(sample, step, time)), half_window));
+  std::vector<double> products;
+  for (const std::vector<double>& one : answers) {
+    for (const std::vector<double>& other : answers) products.push_back(std::inner_product(one.begin(), one.end(), other.begin(), 0.0));
+  }
+  return products;
+}
+
 std::vector<double> balance_smoothed(const std::vector<double>& values, std::size_t half_window) {
   return convolved(values, half_window, mean_weights(half_window), true);
 }

@@ -44,6 +44,8 @@ struct BalanceRecord {
   BalanceMotion motion;
   std::vector<double> time, position, speed, acceleration, effort;
   double speed_noise = 0.0;     // standard deviation, of the motion's speed
+  // What white noise of the efforts makes under the filter: products per sample of the effort (first) and of what each lag withholds of it, row by row.
+  std::vector<double> noise_products;
 };
 
 // [unit of position] standard deviation of white noise in the positions: of counts, q / sqrt(12); of a smooth signal,
@@ -68,6 +70,9 @@ std::size_t balance_half_window(const AxisRecord& record, double inertia, double
 
 // `late_times` [s]: time constants of the lags that laws ask for. Throws std::invalid_argument where the record is shorter than four windows.
 BalanceRecord make_balance_record(const AxisRecord& record, std::size_t half_window, const std::vector<double>& late_times = {});
+
+// BalanceRecord::noise_products for white noise of 1 in the efforts, `step` [s] apart: by the answer to a single sample of 1.
+std::vector<double> effort_noise_products(double step, std::size_t half_window, const std::vector<double>& late_times);
 
 // The filter of the balance on a series along the motion.
 std::vector<double> balance_smoothed(const std::vector<double>& values, std::size_t half_window);

@@ -83,6 +83,32 @@ TEST(BalanceRecord, NoiseOfTheEffortIsThatWhichWasPutIn) {
   }
 }
 
+// What a lag withholds of white noise goes together with that noise: products of the filtered series, per sample, against sums over a long one.
+TEST(BalanceRecord, ProductsOfTheEffortsNoiseAreThoseOfALongRecord) {
+  constexpr double kStep = 0.01;
+  const std::vector<double> lags{0.02, 0.1};
+  std::mt19937_64 generator(5);
+  std::normal_distribution<double> noise(0.0, 1.0);
+  AxisRecord record{"noise", kStep, std::vector<double>(60000, 0.0), {}};
+  for (std::size_t n = 0; n < record.position.size(); ++n) record.effort.push_back(noise(generator));
+  const BalanceRecord balance = make_balance_record(record, 5, lags);
+  std::vector<std::vector<double>> series{balance.effort};
+  for (std::size_t k = 0; k < lags.size(); ++k) {
+    std::vector<double> withheld;
+    for (std::size_t n = k; n < balance.motion.late.size(); n += lags.size()) withheld.push_back(balance.motion.late[n]);
+    series.push_back(balance_smoothed(withheld, 5));
+  }
+  const std::vector<double> products = effort_noise_products(kStep, 5, lags);
+  ASSERT_EQ(products.size(), 9u);
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j) {
+      double sum = 0.0;
+      for (std::size_t n = 0; n < series[i].size(); ++n) sum += series[i][n] * series[j][n];
+      EXPECT_NEAR(sum / static_cast<double>(series[i].size()), products[3 * i + j], 0.05 * std::sqrt(products[4 * i] * products[4 * j])) << i << j;
+    }
+  }
+}
+
 TEST(BalanceRecord, AWindowIsAsLongAsTheNoiseAsks) {
   AxisRecord quiet{"quiet", 1e-3, {}, {}};
   std::mt19937_64 generator(3);
