@@ -193,6 +193,7 @@ void choose_and_validate(const std::vector<AxisRecord>& records, const Balance& 
     return static_cast<double>(count) > kFewMoves * static_cast<double>(record.speed.size());
   };
   for (const double sign : {1.0, -1.0}) {
+    validation.is_one_direction |= !moves(unseen, sign) && std::none_of(seen.begin(), seen.end(), [&](const BalanceRecord& record) { return moves(record, sign); });
     validation.is_other_direction |= moves(unseen, sign) && std::none_of(seen.begin(), seen.end(), [&](const BalanceRecord& record) { return moves(record, sign); });
   }
   const auto is_better = [&](const AxisError& than) {
@@ -327,6 +328,10 @@ void name_answer(const sim::MachineFile& axis, double inertia_spread, AxisDiagno
   if (validation.is_other_direction && 1.0 - share > kWorthSaying) {
     diagnosis.remarks.push_back(validation.place + " moves in a direction in which the other data do not: what the laws leave there may be that direction's own "
                                                    "friction; a log that goes both ways would tell");
+  }
+  if (validation.is_one_direction && (term_of(best, "dry") != nullptr || term_of(best, "offset") != nullptr)) {
+    diagnosis.remarks.push_back(fmt::format("all logs move in one direction: there dry friction and a constant {} are the same; a log that goes both ways would tell them apart",
+                                            axis.axis.is_linear ? "force" : "torque"));
   }
   std::string words = best.terms.empty() ? "only " : best.words();
   // Where the members of a family cannot be told, the family leads.

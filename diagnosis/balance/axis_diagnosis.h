@@ -57,6 +57,7 @@ struct AxisValidation {
   double nominal_together = 0.0, cause_together = 0.0;
   bool holds = false;
   bool is_other_direction = false;   // they move in a direction in which the fitted data do not
+  bool is_one_direction = false;     // all data move in one direction
 };
 
 // What the page draws, of the last record: the balance's residual before and after.

@@ -134,8 +134,9 @@ double position_noise(const std::vector<double>& position) {
 double effort_noise(const std::vector<double>& effort) { return std::max(noise_of_differences(effort), rounding_step(effort) / std::sqrt(12.0)); }
 
 double smoothed_effort_noise(const AxisRecord& record, std::size_t half_window) {
+  // A step shows in two second differences; a smooth torque, whose course between samples its neighbours tell, in none.
   double changes = 0.0;
-  for (std::size_t n = 1; n < record.effort.size(); ++n) changes += std::pow(record.effort[n] - record.effort[n - 1], 2);
+  for (std::size_t n = 2; n < record.effort.size(); ++n) changes += 0.5 * std::pow(record.effort[n] - 2.0 * record.effort[n - 1] + record.effort[n - 2], 2);
   const double unknown_instant = changes / static_cast<double>(std::max<std::size_t>(1, record.effort.size())) / 12.0;
   const Eigen::VectorXd weight = mean_weights(half_window);
   double square = 0.0;  // of the weights of single samples, each of which acts with half of either side

@@ -59,8 +59,8 @@ double acceleration_noise(const AxisRecord& record, std::size_t half_window);
 // step / sqrt(12); else from the median of their third differences, which knows nothing of a torque that is switched now and then.
 double effort_noise(const std::vector<double>& effort);
 
-// [unit of effort] what that becomes under the balance's window; and what it is that nobody recorded when, between two samples, a torque changed:
-// at any instant, so that of a change D a sample is wrong by D / sqrt(12).
+// [unit of effort] what that becomes under the balance's window; and what it is that nobody recorded when, between two samples, a torque was switched:
+// at any instant, so that of a step D a sample is wrong by D / sqrt(12).
 double smoothed_effort_noise(const AxisRecord& record, std::size_t half_window);
 
 inline constexpr std::size_t kFewestHalf = 3;  // [samples]: a cubic over seven

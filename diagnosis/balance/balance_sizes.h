@@ -19,7 +19,7 @@ namespace slewlab::diagnosis {
 // The model of a choice with its sizes and (1). `independent`: N.
 BalanceModel to_model(const Regression& regression, const std::vector<BalanceLaw>& laws, const ValidatedChoice& validated, double independent);
 
-// With the ordinary laws that are not named. Those go again that would push.
+// With the ordinary laws that are not named, where the records tell them from those that are. Those go again that would push.
 ValidatedChoice with_details(const Regression& regression, const std::vector<BalanceLaw>& laws, const ValidatedChoice& named);
 // Which of the terms of `other` are details, and how sure they are, as in `model`.
 void take_details(const BalanceModel& model, BalanceModel& other);

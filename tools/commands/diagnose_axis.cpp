@@ -60,31 +60,34 @@ std::string unit_of(const BalanceTerm& term, const Words& words) {
 
 nlohmann::json to_json(const AxisError& error) { return {{"balance_rms", error.balance}, {"forward_speed_rms", error.forward}, {"forward_speed_rms_in_tenths", error.tenths}}; }
 
-nlohmann::json to_json(const BalanceModel& model, const Words& words) {
-  nlohmann::json json{{"laws", nlohmann::json::array()}, {"words", model.words()}, {"probability", model.probability},
-                      {"sizes", nlohmann::json::array()}};
+// The inertia and the sizes of these laws.
+nlohmann::json sizes_of(const BalanceModel& model, const std::vector<BalanceTerm>& terms, const Words& words) {
+  nlohmann::json sizes = nlohmann::json::array();
   const auto add_size = [&](const std::string& name, double value, double deviation, const std::string& unit, bool is_positive) {
     const Interval interval = interval_of(value, deviation, is_positive);
-    json["sizes"].push_back({{"parameter", name}, {"value", value}, {"unit", unit}, {"low_90", interval.low}, {"high_90", interval.high}});
+    sizes.push_back({{"parameter", name}, {"value", value}, {"unit", unit}, {"low_90", interval.low}, {"high_90", interval.high}});
   };
   add_size(words.inertia_name, model.inertia, model.inertia_deviation, words.inertia, true);
-  const auto add_term = [&](const BalanceTerm& term) {
+  for (const BalanceTerm& term : terms) {
     for (std::size_t k = 0; k < term.size.size(); ++k) {
       add_size(term.size.size() == 1 ? term.law : fmt::format("{}.{}", term.law, k + 1), term.size[k], term.deviation[k], unit_of(term, words), k == 0 && term.is_dissipative);
     }
     if (term.shape != 0.0) add_size(term.law + ".shape", term.shape, 0.0, term.law == "warming" || term.law == "lag" ? "s" : words.speed, true);
-  };
+  }
+  return sizes;
+}
+
+// `predicts`: the same laws beside those that are carried along, one set of values that belong together.
+nlohmann::json to_json(const BalanceModel& model, const BalanceModel& predicts, const Words& words) {
+  nlohmann::json json{{"laws", nlohmann::json::array()}, {"words", model.words()}, {"probability", model.probability},
+                      {"sizes", sizes_of(predicts, predicts.acting(), words)}, {"details", nlohmann::json::array()}};
   for (const BalanceTerm& term : model.terms) {
     json["laws"].push_back(term.law);
     json["law_probabilities"].push_back(term.probability);
-    add_term(term);
   }
-  json["details"] = nlohmann::json::array();
-  for (const BalanceTerm& term : model.details) {
-    json["details"].push_back(term.law);
-    add_term(term);
-  }
-  json["torque_recorded_ahead_s"] = model.skew;
+  for (const BalanceTerm& term : predicts.details) json["details"].push_back(term.law);
+  if (!predicts.details.empty()) json["sizes_without_details"] = sizes_of(model, model.terms, words);
+  json["torque_recorded_ahead_s"] = predicts.skew;
   return json;
 }
 
@@ -112,7 +115,9 @@ nlohmann::json to_json(const AxisDiagnosis& found, const sim::MachineFile& axis,
                         {"cause", to_json(validation.cause)}}},
                       {"remarks", found.remarks},
                       {"causes", nlohmann::json::array()}};
-  for (const BalanceModel& model : found.answer.models) json["causes"].push_back(to_json(model, words));
+  for (const BalanceModel& model : found.answer.models) {
+    json["causes"].push_back(to_json(model, &model == &found.answer.models.front() ? found.answer.best : model, words));
+  }
   for (const diagnosis::FamilyProbability& one : diagnosis::family_probabilities(found.answer)) {
     nlohmann::json members = nlohmann::json::array();
     for (const diagnosis::LawProbability& law : diagnosis::law_probabilities(found.answer)) {
@@ -172,7 +177,8 @@ std::string summary_text(const AxisDiagnosis& found, const Words& words) {
       text += fmt::format("{} {} {:.3g} +- {:.2g} {}", &term == &found.answer.best.details.front() ? "" : ",", term.words, term.size[0],
                           kNinetyPercent * term.deviation[0], unit_of(term, words));
     }
-    for (const BalanceTerm& term : found.answer.best.terms) text += fmt::format("; with it {} {:.3g} {}", term.words, term.size[0], unit_of(term, words));
+    text += fmt::format("; with it {} {:.4g} {}", words.inertia_name, found.answer.best.inertia, words.inertia);
+    for (const BalanceTerm& term : found.answer.best.terms) text += fmt::format(", {} {:.3g} {}", term.words, term.size[0], unit_of(term, words));
     text += "\n";
   }
   text += fmt::format("\nValidation on {} (sizes fitted without it): RMS error, nominal -> {} alone -> with the cause\n", validation.place,

@@ -378,6 +378,24 @@ TEST(AxisDiagnosis, OneDirectionTellsViscousFriction) {
   EXPECT_NEAR(size_of(found.answer.best, "viscous"), 2.5, 0.4) << found.verdict;
 }
 
+// Where all logs move one way a constant torque is dry friction: none is carried along beside it, and what is written is the friction that there is.
+TEST(AxisDiagnosis, OneDirectionCarriesNoConstantTorqueAlongDryFriction) {
+  SimulatedAxis axis = noisy([](double, double, double speed) { return 3.0 * std::tanh(speed / 1e-3) + 1.0 * speed; });
+  axis.effort = [](double time) { return std::fmod(time, 4.0) < 2.0 ? 7.0 : 2.0; };
+  SimulatedAxis other = axis;
+  other.seed = 2;
+  other.effort = [](double time) { return std::fmod(time, 5.0) < 2.0 ? 6.0 : 2.5; };
+  const AxisDiagnosis found = diagnose_axis(axis_file(), {logged(axis, "a"), logged(other, "b")});
+  ASSERT_EQ(found.outcome, AxisOutcome::stated) << found.verdict;
+  double against = 0.0;  // [N m] of the motion, of what does not depend on its speed
+  for (const BalanceTerm& term : found.answer.best.acting()) {
+    if (term.law == "dry" || term.law == "offset") against += term.size[0];
+    EXPECT_FALSE(term.law == "offset" && size_of(found.answer.best, "dry") != 0.0) << term.size[0];
+  }
+  EXPECT_NEAR(against, 3.0, 0.3) << found.verdict;
+  EXPECT_TRUE(std::any_of(found.remarks.begin(), found.remarks.end(), [](const std::string& remark) { return remark.rfind("all logs move in one direction", 0) == 0; }));
+}
+
 // What dry friction holds stands still in forward simulation, however long.
 TEST(AxisDiagnosis, DryFrictionHoldsInForwardSimulation) {
   AxisRecord record{"held", 0.01, std::vector<double>(3000, 0.2), std::vector<double>(3000, 1.0)};

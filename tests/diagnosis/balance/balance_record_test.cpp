@@ -78,8 +78,8 @@ TEST(BalanceRecord, NoiseOfTheEffortIsThatWhichWasPutIn) {
     const BalanceRecord balance = make_balance_record({"noise", 0.01, zeros, white}, half);
     double square = 0.0;
     for (const double effort : balance.effort) square += effort * effort;
-    // Its own differences, 2 kNoise^2 in the mean, count as changes at an unknown instant: 1 + 2 / 12 of the square.
-    EXPECT_NEAR(smoothed_effort_noise({"noise", 0.01, zeros, white}, half), std::sqrt(square / static_cast<double>(balance.effort.size()) * (1.0 + 2.0 / 12.0)), 0.05 * kNoise) << half;
+    // Half the square of its second differences, 3 kNoise^2 in the mean, counts as changes at an unknown instant: 1 + 3 / 12 of the square.
+    EXPECT_NEAR(smoothed_effort_noise({"noise", 0.01, zeros, white}, half), std::sqrt(square / static_cast<double>(balance.effort.size()) * (1.0 + 3.0 / 12.0)), 0.05 * kNoise) << half;
   }
 }
 
