@@ -208,6 +208,19 @@ bool is_above_noise(const AxisValidation& validation, double rms, double togethe
   return rms > kAboveNoise * validation.noise || together > kAboveNoise * validation.floor;
 }
 
+// What is left of all records: how they differ shows in no fewer. What follows something is no noise.
+void take_remainder(const sim::MachineFile& axis, const FittedSizes& sizes, AxisDiagnosis& diagnosis) {
+  Remainder& remainder = diagnosis.answer.remainder;
+  remainder = sizes.remainder;
+  if (axis.axis.is_linear) {
+    remainder.variable = of_a_linear_axis(std::move(remainder.variable));
+    remainder.words = of_a_linear_axis(std::move(remainder.words));
+  }
+  AxisValidation& validation = diagnosis.validation;
+  validation.cause_together = std::max(validation.cause_together, std::sqrt(remainder.share) * sizes.rest);
+  validation.nominal_together = std::max(validation.nominal_together, validation.cause_together);
+}
+
 const BalanceTerm* term_of(const BalanceModel& model, std::string_view law) {
   for (const std::vector<BalanceTerm>* terms : {&model.terms, &model.details}) {
     const auto found = std::find_if(terms->begin(), terms->end(), [&](const BalanceTerm& term) { return term.law == law; });
@@ -272,8 +285,8 @@ void doubt_what_an_unknown_may_imitate(AxisDiagnosis& diagnosis) {
 
 // What is left, in words.
 std::string what_it_follows(const sim::MachineFile& axis, const AxisDiagnosis& diagnosis) {
-  const std::string& rest = diagnosis.answer.remainder.variable;
-  if (!rest.empty()) return "follows the " + rest;
+  const std::string& rest = diagnosis.answer.remainder.words;
+  if (!rest.empty()) return rest;
   return fmt::format("follows neither speed, position, time nor {}", axis.axis.is_linear ? "force" : "torque");
 }
 
@@ -295,7 +308,7 @@ void name_answer(const sim::MachineFile& axis, double inertia_spread, AxisDiagno
   }
   const double before = validation.nominal.balance * validation.nominal.balance, after = validation.cause.balance * validation.cause.balance;
   const double share = before > 0.0 ? 1.0 - after / before : 0.0;
-  const std::string rest = diagnosis.answer.remainder.variable;
+  const std::string rest = diagnosis.answer.remainder.words;
   const bool is_answer = !best.terms.empty() || is_inertia_off;
   const bool explains_most = is_answer && !(is_more_than_noise && validation.holds && share < kMost);
   if (diagnosis.answer.probability_unknown > best.probability || !explains_most) {
@@ -305,7 +318,7 @@ void name_answer(const sim::MachineFile& axis, double inertia_spread, AxisDiagno
                                     explains_most ? "a smooth function of speed, position and time predicts them better than the known laws"
                                                   : "no known law explains most of it");
     if (!explains_most) keep_only(is_answer ? std::clamp(share, 0.0, 1.0) : 0.0, diagnosis.answer);
-    if (!rest.empty()) diagnosis.verdict += "; what known laws leave follows the " + rest;
+    if (!rest.empty()) diagnosis.verdict += "; what known laws leave " + rest;
     return;
   }
   if (!validation.holds) {
@@ -355,7 +368,7 @@ void name_answer(const sim::MachineFile& axis, double inertia_spread, AxisDiagno
   if (diagnosis.has_remainder) {
     diagnosis.verdict += fmt::format("; what is left, {:.3g} {} of {:.3g}, is of no known law (unknown) and {}", validation.cause.balance,
                                      axis.axis.is_linear ? "N" : "Nm", validation.effort, follows);
-  } else if (!rest.empty() || diagnosis.unexplained > kWorthSaying) {
+  } else if ((!rest.empty() && validation.cause_together > validation.floor) || diagnosis.unexplained > kWorthSaying) {
     diagnosis.verdict += "; the rest " + follows;
   }
 }
@@ -497,10 +510,11 @@ AxisDiagnosis diagnose_axis(const sim::MachineFile& axis, const std::vector<Name
     }
     const std::vector<BalanceRecord> smooth = smoothed(records, balance);
     choose_and_validate(records, balance, diagnosis.nominal_inertia, diagnosis);
-    if (axis.axis.is_linear) diagnosis.answer.remainder.variable = of_a_linear_axis(diagnosis.answer.remainder.variable);
     BalanceModel& best = diagnosis.answer.best;
-    FittedSizes sizes = refitted(smooth, balance.laws, diagnosis.validated, diagnosis.nominal_inertia, balance.resolved_speed);
+    FittedSizes sizes = refitted(smooth, balance.laws, diagnosis.validated, diagnosis.nominal_inertia, balance.resolved_speed,
+                                 axis.axis.is_shaft_linear ? 0.0 : sim::total_ratio(axis.parameters.drive));
     diagnosis.is_physical = sizes.is_physical;
+    take_remainder(axis, sizes, diagnosis);
     best = std::move(sizes.best);
     diagnosis.answer.models.front() = std::move(sizes.stated);
     check_units(diagnosis.nominal_inertia, best);

@@ -36,7 +36,8 @@ struct BalanceModel {
 
 // What the residual follows, of what is left.
 struct Remainder {
-  std::string variable;  // "speed", "position", "time", "torque"; empty: none
+  std::string variable;  // "speed", "position", "time", "torque" and what else balance_unknown.cpp tries; empty: none
+  std::string words;     // "follows the speed"
   double share = 0.0;    // of the remaining mean square, on left-out blocks
 };
 

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "diagnosis/balance/balance_priors.h"
+#include "diagnosis/balance/balance_unknown.h"
 
 namespace slewlab::diagnosis {
 
@@ -126,7 +127,7 @@ void widen(const BalanceModel& with_details, BalanceModel& stated) {
 }
 
 FittedSizes refitted(const std::vector<BalanceRecord>& records, const std::vector<BalanceLaw>& laws, const BalanceModel& model,
-                     double nominal_inertia, double resolved_speed) {
+                     double nominal_inertia, double resolved_speed, double motor_angle) {
   const Regression regression = prepared_regression(records, laws, nominal_inertia, resolved_speed);
   LawChoice choice;
   for (std::size_t l = 0; l < laws.size(); ++l) {
@@ -142,7 +143,9 @@ FittedSizes refitted(const std::vector<BalanceRecord>& records, const std::vecto
   BalanceModel best = to_model(regression, laws, whole, regression.count / correlation_length(regression, whole));
   take_details(model, best);
   widen(best, stated);
-  return {std::move(best), std::move(stated), named.is_physical};
+  double square = 0.0;
+  for (std::size_t r = 0; r < records.size(); ++r) square += residual_of(regression, whole, r).squaredNorm();
+  return {std::move(best), std::move(stated), named.is_physical, find_remainder(records, regression, whole, motor_angle), std::sqrt(square / regression.count)};
 }
 
 }  // namespace slewlab::diagnosis

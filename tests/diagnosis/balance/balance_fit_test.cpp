@@ -123,7 +123,7 @@ TEST(BalanceFit, WhatNoLawKnowsIsSaidWithItsVariable) {
     return 0.8 * speed + 3.0 * std::exp(-std::pow((position - 1.5) / 0.5, 2)) * std::tanh(speed / 1e-3);
   };
   const BalanceAnswer answer = answer_of(axis).answer;
-  EXPECT_EQ(answer.remainder.variable, "position");
+  EXPECT_EQ(answer.remainder.variable, "position and direction");
 }
 
 TEST(BalanceFit, MassesAndForcesOfAnySizeGiveTheSameAnswer) {
