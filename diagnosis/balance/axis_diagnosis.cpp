@@ -31,6 +31,7 @@ constexpr double kNoises = 3.0;              // standard deviations by which it 
 constexpr double kInertiaDeviations = 2.0;   // of the spread from unit to unit, beyond which the inertia is another one
 constexpr double kBetter = 0.99;             // of an error that counts as smaller
 constexpr double kAboveNoise = 3.0;          // times what noise leaves, from which something is missing
+constexpr double kImitated = 5.0;            // times what a law leaves, that an inertia may take of it: of F |F| under a sine, 8 / (3 pi) to the rest of 0.17
 constexpr double kSure = 0.9;                // probability from which a law is named without its family
 constexpr double kMost = 0.5;                // share of the gap on data that were not fitted, that an answer explains at least
 constexpr double kWorthSaying = 0.1;         // share of the gap that is left unexplained and named
@@ -188,6 +189,7 @@ void choose_and_validate(const std::vector<AxisRecord>& records, const Balance& 
   validation.nominal_together = correlated_rms(unseen, balance.laws, bare(nominal_inertia, inertia_alone.skew), balance.resolved_speed);
   validation.cause_together = correlated_rms(unseen, balance.laws, diagnosis.validated, balance.resolved_speed);
   validation.speed = root_mean_square(unseen.speed);
+  validation.acceleration = root_mean_square(unseen.acceleration);
   const auto moves = [&](const BalanceRecord& record, double sign) {
     const auto count = std::count_if(record.speed.begin(), record.speed.end(), [&](double speed) { return sign * speed > balance.resolved_speed; });
     return static_cast<double>(count) > kFewMoves * static_cast<double>(record.speed.size());
@@ -294,51 +296,69 @@ bool is_each_sure(const BalanceModel& model) {
   return std::all_of(model.terms.begin(), model.terms.end(), [](const BalanceTerm& term) { return term.probability >= kSure; });
 }
 
-void name_answer(const sim::MachineFile& axis, double inertia_spread, AxisDiagnosis& diagnosis) {
-  BalanceModel& best = diagnosis.answer.best;
+// What the answer is decided by.
+struct Judgement {
+  bool is_inertia_off = false;      // beyond its spread, and known well enough to say so
+  bool is_gap = false;              // the nominal axis leaves more than noise
+  bool is_rest = false;             // so does the cause
+  bool is_inertia_doubted = false;  // what the cause leaves goes together, and is so large that its law may be what the inertia was fitted to
+  double share = 0.0;               // of the gap, that the cause explains on data that were not fitted
+};
+
+Judgement judged(double inertia_spread, const AxisDiagnosis& diagnosis) {
+  const BalanceModel& best = diagnosis.answer.best;
   const AxisValidation& validation = diagnosis.validation;
   const double nominal = diagnosis.nominal_inertia;
-  const bool is_inertia_off =
-      std::fabs(best.inertia - nominal) > kInertiaDeviations * std::hypot(inertia_spread * nominal, best.inertia_deviation);
-  const bool is_more_than_noise = is_above_noise(validation, validation.nominal.balance, validation.nominal_together);
-  if (best.terms.empty() && !is_inertia_off && !is_more_than_noise) {
-    diagnosis.outcome = AxisOutcome::nothing_missing;
-    diagnosis.verdict = "no effect is missing; the inertia is within its spread";
-    return;
-  }
   const double before = validation.nominal.balance * validation.nominal.balance, after = validation.cause.balance * validation.cause.balance;
-  const double share = before > 0.0 ? 1.0 - after / before : 0.0;
-  const std::string rest = diagnosis.answer.remainder.words;
-  const bool is_answer = !best.terms.empty() || is_inertia_off;
-  const bool explains_most = is_answer && !(is_more_than_noise && validation.holds && share < kMost);
-  if (diagnosis.answer.probability_unknown > best.probability || !explains_most) {
-    diagnosis.outcome = AxisOutcome::unknown;
-    diagnosis.verdict = fmt::format("outside the catalogue (unknown): {:.3g} {} of {:.3g} are missing on {}, and {}", validation.nominal.balance,
-                                    axis.axis.is_linear ? "N" : "Nm", validation.effort, validation.place,
-                                    explains_most ? "a smooth function of speed, position and time predicts them better than the known laws"
-                                                  : "no known law explains most of it");
-    if (!explains_most) keep_only(is_answer ? std::clamp(share, 0.0, 1.0) : 0.0, diagnosis.answer);
-    if (!rest.empty()) diagnosis.verdict += "; what known laws leave " + rest;
-    return;
+  Judgement judgement;
+  judgement.is_inertia_off = std::fabs(best.inertia - nominal) > kInertiaDeviations * std::hypot(inertia_spread * nominal, best.inertia_deviation);
+  judgement.is_gap = is_above_noise(validation, validation.nominal.balance, validation.nominal_together);
+  judgement.is_rest = is_above_noise(validation, validation.cause.balance, validation.cause_together);
+  const double moved = std::fabs(best.inertia - nominal) * validation.acceleration;  // by the inertia that is off
+  judgement.is_inertia_doubted = !validation.is_other_direction && validation.cause_together > validation.floor && moved < kImitated * validation.cause_together;
+  judgement.share = before > 0.0 ? 1.0 - after / before : 0.0;
+  return judgement;
+}
+
+void say_unknown(const sim::MachineFile& axis, const Judgement& judgement, const std::string& why, AxisDiagnosis& diagnosis) {
+  const AxisValidation& validation = diagnosis.validation;
+  diagnosis.outcome = AxisOutcome::unknown;
+  diagnosis.verdict = fmt::format("outside the catalogue (unknown): {:.3g} {} of {:.3g} are missing on {}, and {}", validation.nominal.balance,
+                                  axis.axis.is_linear ? "N" : "Nm", validation.effort, validation.place, why);
+  if (judgement.is_inertia_off && diagnosis.answer.best.terms.empty()) {
+    diagnosis.remarks.push_back(fmt::format("{} would explain {:.0f} % of the gap, and what it leaves is no noise: something unknown may be what looks like it",
+                                            inertia_words(axis, diagnosis.nominal_inertia, diagnosis.answer.best.inertia), 100.0 * std::clamp(judgement.share, 0.0, 1.0)));
   }
-  if (!validation.holds) {
-    diagnosis.outcome = AxisOutcome::not_identifiable;
-    keep_only(0.0, diagnosis.answer);
-    diagnosis.verdict = "cannot tell: no law predicts " + validation.place + " better than the nominal axis, in torque balance and forward simulation";
-    return;
+  if (const std::string& rest = diagnosis.answer.remainder.words; !rest.empty()) diagnosis.verdict += "; what known laws leave " + rest;
+}
+
+void say_not_identifiable(const std::string& why, AxisDiagnosis& diagnosis) {
+  diagnosis.outcome = AxisOutcome::not_identifiable;
+  const double unknown = diagnosis.answer.probability_unknown;  // that no law can be told is no sign of it
+  keep_only(0.0, diagnosis.answer);
+  diagnosis.answer.probability_unknown = unknown;
+  diagnosis.verdict = "cannot tell: " + why;
+}
+
+// The laws of the answer; where the members of a family cannot be told, the family leads.
+std::string laws_in_words(const BalanceAnswer& answer) {
+  if (is_each_sure(answer.best)) return answer.best.words();
+  std::string words;
+  for (const FamilyProbability& family : family_probabilities(answer)) {
+    std::string members;
+    for (const BalanceTerm& term : answer.best.terms) {
+      if (term.family == family.family) members += fmt::format("{}{} ({:.0f} %)", members.empty() ? "" : " and ", term.words, 100.0 * term.probability);
+    }
+    if (!members.empty()) words += fmt::format("{}{} ({:.0f} %), most likely {}", words.empty() ? "" : "; ", words_of(family.family), 100.0 * family.probability, members);
   }
-  if (!diagnosis.is_physical) {
-    diagnosis.outcome = AxisOutcome::not_identifiable;
-    keep_only(0.0, diagnosis.answer);
-    diagnosis.verdict = fmt::format("cannot tell: {} predicts {}, but fitted to all records a size comes out that it cannot have, or that they do not determine",
-                                    best.terms.empty() ? "another inertia" : best.words(), validation.place);
-    return;
-  }
-  diagnosis.outcome = AxisOutcome::stated;
-  diagnosis.unexplained = 1.0 - share;
-  diagnosis.has_remainder = is_above_noise(validation, validation.cause.balance, validation.cause_together) && !validation.is_other_direction;
-  if (diagnosis.has_remainder) doubt_what_an_unknown_may_imitate(diagnosis);
-  if (validation.is_other_direction && 1.0 - share > kWorthSaying) {
+  return words;
+}
+
+// What one may take for another where the logs do not tell.
+void remark_what_is_alike(const sim::MachineFile& axis, const Judgement& judgement, AxisDiagnosis& diagnosis) {
+  const AxisValidation& validation = diagnosis.validation;
+  const BalanceModel& best = diagnosis.answer.best;
+  if (validation.is_other_direction && 1.0 - judgement.share > kWorthSaying) {
     diagnosis.remarks.push_back(validation.place + " moves in a direction in which the other data do not: what the laws leave there may be that direction's own "
                                                    "friction; a log that goes both ways would tell");
   }
@@ -346,30 +366,69 @@ void name_answer(const sim::MachineFile& axis, double inertia_spread, AxisDiagno
     diagnosis.remarks.push_back(fmt::format("all logs move in one direction: there dry friction and a constant {} are the same; a log that goes both ways would tell them apart",
                                             axis.axis.is_linear ? "force" : "torque"));
   }
-  std::string words = best.terms.empty() ? "only " : best.words();
-  // Where the members of a family cannot be told, the family leads.
-  if (!is_each_sure(best)) {
-    words.clear();
-    for (const FamilyProbability& family : family_probabilities(diagnosis.answer)) {
-      std::string members;
-      for (const BalanceTerm& term : best.terms) {
-        if (term.family == family.family) members += fmt::format("{}{} ({:.0f} %)", members.empty() ? "" : " and ", term.words, 100.0 * term.probability);
-      }
-      if (!members.empty()) words += fmt::format("{}{} ({:.0f} %), most likely {}", words.empty() ? "" : "; ", words_of(family.family), 100.0 * family.probability, members);
-    }
-  }
-  if (is_inertia_off) {
+  if (judgement.is_inertia_off) {
     diagnosis.remarks.push_back(fmt::format("a torque constant that is {:.0f} % off would show the same; all other sizes then change by as much",
-                                            100.0 * std::fabs(nominal / best.inertia - 1.0)));
+                                            100.0 * std::fabs(diagnosis.nominal_inertia / best.inertia - 1.0)));
   }
-  if (is_inertia_off) words += (best.terms.empty() ? "" : ", beside ") + inertia_words(axis, nominal, best.inertia);
-  diagnosis.verdict = fmt::format("{}: {:.1f} % of the gap on data that were not fitted", words, 100.0 * share);
+}
+
+// An inertia that something unknown may imitate is known no better than to the file's.
+void doubt_inertia(AxisDiagnosis& diagnosis) {
+  for (BalanceModel* model : {&diagnosis.answer.best, &diagnosis.answer.models.front()}) {
+    model->inertia_deviation = std::hypot(model->inertia_deviation, model->inertia - diagnosis.nominal_inertia);
+  }
+}
+
+void state(const sim::MachineFile& axis, const Judgement& judgement, AxisDiagnosis& diagnosis) {
+  const BalanceModel& best = diagnosis.answer.best;
+  const AxisValidation& validation = diagnosis.validation;
+  diagnosis.outcome = AxisOutcome::stated;
+  diagnosis.unexplained = 1.0 - judgement.share;
+  diagnosis.has_remainder = judgement.is_rest && !validation.is_other_direction;
+  if (diagnosis.has_remainder) doubt_what_an_unknown_may_imitate(diagnosis);
+  remark_what_is_alike(axis, judgement, diagnosis);
+  std::string words = best.terms.empty() ? "only " : laws_in_words(diagnosis.answer);
+  if (judgement.is_inertia_off) {
+    words += (best.terms.empty() ? "" : judgement.is_inertia_doubted ? ", perhaps beside " : ", beside ") + inertia_words(axis, diagnosis.nominal_inertia, best.inertia);
+    if (judgement.is_inertia_doubted) doubt_inertia(diagnosis);
+  }
+  diagnosis.verdict = fmt::format("{}: {:.1f} % of the gap on data that were not fitted", words, 100.0 * judgement.share);
   const std::string follows = what_it_follows(axis, diagnosis);
   if (diagnosis.has_remainder) {
     diagnosis.verdict += fmt::format("; what is left, {:.3g} {} of {:.3g}, is of no known law (unknown) and {}", validation.cause.balance,
                                      axis.axis.is_linear ? "N" : "Nm", validation.effort, follows);
-  } else if ((!rest.empty() && validation.cause_together > validation.floor) || diagnosis.unexplained > kWorthSaying) {
+  } else if ((!diagnosis.answer.remainder.words.empty() && validation.cause_together > validation.floor) || diagnosis.unexplained > kWorthSaying) {
     diagnosis.verdict += "; the rest " + follows;
+  }
+}
+
+void name_answer(const sim::MachineFile& axis, double inertia_spread, AxisDiagnosis& diagnosis) {
+  const BalanceModel& best = diagnosis.answer.best;
+  const AxisValidation& validation = diagnosis.validation;
+  const Judgement judgement = judged(inertia_spread, diagnosis);
+  if (best.terms.empty() && !judgement.is_inertia_off && !judgement.is_gap) {
+    diagnosis.outcome = AxisOutcome::nothing_missing;
+    diagnosis.verdict = "no effect is missing; the inertia is within its spread";
+    return;
+  }
+  const bool is_answer = !best.terms.empty() || judgement.is_inertia_off;
+  const bool is_little = judgement.is_gap && validation.holds && judgement.share < kMost;
+  const bool is_unpredicted = judgement.is_gap && judgement.is_rest && !validation.holds;
+  const bool is_imitated = best.terms.empty() && judgement.is_inertia_doubted;  // the inertia alone
+  if (!is_answer || is_little || is_unpredicted || is_imitated) {
+    say_unknown(axis, judgement,
+                !is_answer || is_little ? "no known law explains most of it" : is_unpredicted ? "no known law predicts it" : "another inertia does not explain it", diagnosis);
+    keep_only(is_answer ? std::clamp(judgement.share, 0.0, kMost) : 0.0, diagnosis.answer);
+    doubt_inertia(diagnosis);
+  } else if (diagnosis.answer.probability_unknown > best.probability) {
+    say_unknown(axis, judgement, "a smooth function of speed, position and time predicts them better than the known laws", diagnosis);
+  } else if (!validation.holds) {
+    say_not_identifiable("no law predicts " + validation.place + " better than the nominal axis, in torque balance and forward simulation", diagnosis);
+  } else if (!diagnosis.is_physical) {
+    say_not_identifiable(fmt::format("{} predicts {}, but fitted to all records a size comes out that it cannot have, or that they do not determine",
+                                     best.terms.empty() ? "another inertia" : best.words(), validation.place), diagnosis);
+  } else {
+    state(axis, judgement, diagnosis);
   }
 }
 

@@ -50,7 +50,7 @@ struct AxisError {
 struct AxisValidation {
   std::string place;                 // the data that were not fitted, in words
   AxisError nominal, inertia, cause;
-  double effort = 0.0, speed = 0.0;  // RMS of what was measured there
+  double effort = 0.0, speed = 0.0, acceleration = 0.0;  // RMS of what was measured there
   double noise = 0.0;                // RMS of what noise of positions and efforts and laws known no better leave of the balance
   double floor = 0.0;                // of this, what is not the efforts' noise
   // RMS of that part of the balance's residual that is no white noise of the efforts: it goes together over more than the window.
