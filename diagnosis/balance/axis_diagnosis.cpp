@@ -245,14 +245,15 @@ void take_effects(const sim::MachineFile& axis, double first_position, AxisDiagn
   const auto is_named = [&](std::string_view law) {
     return std::any_of(model.terms.begin(), model.terms.end(), [&](const BalanceTerm& term) { return term.law == law; });
   };
+  const double offset = is_named("spring") ? 0.0 : size("offset");  // which without the spring would be no load of this axis
   sim::BalanceEffects found = sim::effects_of_balance(
-      {.dry = size("dry"), .viscous = size("viscous"), .viscous_difference = size("viscous", 1), .dry_difference = is_named("offset") ? 0.0 : size("offset"), .offset = is_named("offset") ? size("offset") : 0.0,
+      {.dry = size("dry"), .viscous = size("viscous"), .viscous_difference = size("viscous", 1), .dry_difference = is_named("offset") ? 0.0 : offset, .offset = is_named("offset") ? offset : 0.0,
        .breakaway_excess = size("stribeck"), .stribeck_speed = shape("stribeck"), .rising = size("rising"), .rising_speed = shape("rising"),
        .gravity_sine = size("gravity", 0), .gravity_cosine = size("gravity", 1), .first_position = first_position, .lag = size("lag")},
       sim::effects_for(axis));
   diagnosis.effects = std::move(found.effects);
   diagnosis.remarks.insert(diagnosis.remarks.end(), found.left_out.begin(), found.left_out.end());
-  for (const BalanceTerm& term : model.terms) {
+  for (const BalanceTerm& term : model.named()) {
     constexpr std::string_view kWritten[] = {"dry", "viscous", "offset", "stribeck", "rising", "gravity", "lag"};
     if (std::find(std::begin(kWritten), std::end(kWritten), term.law) != std::end(kWritten)) continue;
     diagnosis.remarks.push_back(term.words + ": no effect of the catalogue has this law with these sizes; it is not in the file");
@@ -276,11 +277,17 @@ void keep_only(double factor, BalanceAnswer& answer) {
 
 // Something unknown that leaves more of the gap than a rare law explains may be what that law was fitted to.
 void doubt_what_an_unknown_may_imitate(AxisDiagnosis& diagnosis) {
-  for (std::vector<BalanceTerm>* terms : {&diagnosis.answer.best.terms, &diagnosis.answer.models.front().terms}) {
-    for (BalanceTerm& term : *terms) {
-      const auto law = std::find_if(diagnosis.laws.begin(), diagnosis.laws.end(), [&](const BalanceLaw& one) { return one.name == term.law; });
-      if (law == diagnosis.laws.end() || law->is_ordinary) continue;
-      term.probability *= term.share / (term.share + diagnosis.unexplained);
+  BalanceAnswer& answer = diagnosis.answer;
+  for (LawProbability& doubted : answer.laws) {
+    const auto law = std::find_if(diagnosis.laws.begin(), diagnosis.laws.end(), [&](const BalanceLaw& one) { return one.name == doubted.law; });
+    const auto term = std::find_if(answer.best.terms.begin(), answer.best.terms.end(), [&](const BalanceTerm& one) { return one.law == doubted.law; });
+    if (law == diagnosis.laws.end() || law->is_ordinary || term == answer.best.terms.end()) continue;
+    doubted.belief = term->share / (term->share + diagnosis.unexplained);
+    doubted.probability *= doubted.belief;
+    for (std::vector<BalanceTerm>* terms : {&answer.best.terms, &answer.models.front().terms}) {
+      for (BalanceTerm& one : *terms) {
+        if (one.law == doubted.law) one.probability *= doubted.belief;
+      }
     }
   }
 }
@@ -293,7 +300,8 @@ std::string what_it_follows(const sim::MachineFile& axis, const AxisDiagnosis& d
 }
 
 bool is_each_sure(const BalanceModel& model) {
-  return std::all_of(model.terms.begin(), model.terms.end(), [](const BalanceTerm& term) { return term.probability >= kSure; });
+  const std::vector<BalanceTerm> named = model.named();
+  return std::all_of(named.begin(), named.end(), [](const BalanceTerm& term) { return term.probability >= kSure; });
 }
 
 // What the answer is decided by.
@@ -345,11 +353,16 @@ std::string laws_in_words(const BalanceAnswer& answer) {
   if (is_each_sure(answer.best)) return answer.best.words();
   std::string words;
   for (const FamilyProbability& family : family_probabilities(answer)) {
-    std::string members;
-    for (const BalanceTerm& term : answer.best.terms) {
-      if (term.family == family.family) members += fmt::format("{}{} ({:.0f} %)", members.empty() ? "" : " and ", term.words, 100.0 * term.probability);
+    std::string likely, perhaps;
+    for (const BalanceTerm& term : answer.best.named()) {
+      if (term.family != family.family) continue;
+      std::string& members = term.probability >= 0.5 ? likely : perhaps;
+      members += fmt::format("{}{} ({:.0f} %)", members.empty() ? "" : " and ", term.words, 100.0 * term.probability);
     }
-    if (!members.empty()) words += fmt::format("{}{} ({:.0f} %), most likely {}", words.empty() ? "" : "; ", words_of(family.family), 100.0 * family.probability, members);
+    if (likely.empty() && perhaps.empty()) continue;
+    words += fmt::format("{}{} ({:.0f} %)", words.empty() ? "" : "; ", words_of(family.family), 100.0 * family.probability);
+    if (!likely.empty()) words += ", most likely " + likely;
+    if (!perhaps.empty()) words += ", perhaps " + perhaps;
   }
   return words;
 }
@@ -379,6 +392,19 @@ void doubt_inertia(AxisDiagnosis& diagnosis) {
   }
 }
 
+// How stiff a load over the position is and where it rests, in the axis's own positions.
+void remark_spring(const sim::MachineFile& axis, AxisDiagnosis& diagnosis) {
+  const BalanceTerm* spring = term_of(diagnosis.answer.best, "spring");
+  if (spring == nullptr || spring->size[0] == 0.0) return;
+  const auto& along = shape_of(diagnosis.laws, *spring).columns.front();
+  const double at_zero = along({.position = 0.0}), per_unit = along({.position = 1.0}) - at_zero;
+  const BalanceTerm* constant = term_of(diagnosis.answer.best, "offset");
+  const double middle = constant == nullptr ? 0.0 : constant->size[0];  // torque in the middle of the range
+  const double stiffness = spring->size[0] * per_unit, rest = (-middle / spring->size[0] - at_zero) / per_unit;
+  diagnosis.remarks.push_back(fmt::format("{}: {:.3g} {} {} {:.4g} {}", spring->words, std::fabs(stiffness), axis.axis.is_linear ? "N/m" : "Nm/rad",
+                                          stiffness > 0.0 ? "towards" : "away from", rest, axis.axis.is_linear ? "m" : "rad"));
+}
+
 void state(const sim::MachineFile& axis, const Judgement& judgement, AxisDiagnosis& diagnosis) {
   const BalanceModel& best = diagnosis.answer.best;
   const AxisValidation& validation = diagnosis.validation;
@@ -387,6 +413,7 @@ void state(const sim::MachineFile& axis, const Judgement& judgement, AxisDiagnos
   diagnosis.has_remainder = judgement.is_rest && !validation.is_other_direction;
   if (diagnosis.has_remainder) doubt_what_an_unknown_may_imitate(diagnosis);
   remark_what_is_alike(axis, judgement, diagnosis);
+  remark_spring(axis, diagnosis);
   std::string words = best.terms.empty() ? "only " : laws_in_words(diagnosis.answer);
   if (judgement.is_inertia_off) {
     words += (best.terms.empty() ? "" : judgement.is_inertia_doubted ? ", perhaps beside " : ", beside ") + inertia_words(axis, diagnosis.nominal_inertia, best.inertia);

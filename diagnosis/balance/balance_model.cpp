@@ -13,10 +13,19 @@ std::vector<BalanceTerm> BalanceModel::acting() const {
   return all;
 }
 
+std::vector<BalanceTerm> BalanceModel::named() const {
+  std::vector<BalanceTerm> all = terms;
+  if (std::any_of(all.begin(), all.end(), [](const BalanceTerm& term) { return term.law == "spring"; })) {
+    std::erase_if(all, [](const BalanceTerm& term) { return term.law == "offset"; });
+  }
+  return all;
+}
+
 std::string BalanceModel::words() const {
-  if (terms.empty()) return "the inertia alone";
+  const std::vector<BalanceTerm> all = named();
+  if (all.empty()) return "the inertia alone";
   std::string text;
-  for (std::size_t k = 0; k < terms.size(); ++k) text += (k == 0 ? "" : k + 1 == terms.size() ? " and " : ", ") + terms[k].words;
+  for (std::size_t k = 0; k < all.size(); ++k) text += (k == 0 ? "" : k + 1 == all.size() ? " and " : ", ") + all[k].words;
   return text;
 }
 

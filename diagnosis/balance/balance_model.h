@@ -30,7 +30,9 @@ struct BalanceModel {
   std::vector<BalanceTerm> details; // ordinary laws that are not sure to be there, and with which left-out data are predicted better
   double validation = 0.0;          // mean square of the residual on blocks and records that were left out
   double probability = 0.0;
-  std::string words() const;        // "dry friction and viscous friction"
+  // The terms, each a law of its own: a constant torque beside a load over the position says where that rests, which is seldom the middle of the range.
+  std::vector<BalanceTerm> named() const;
+  std::string words() const;        // of these: "dry friction and viscous friction"
   std::vector<BalanceTerm> acting() const;  // terms and details
 };
 

@@ -81,7 +81,7 @@ nlohmann::json sizes_of(const BalanceModel& model, const std::vector<BalanceTerm
 nlohmann::json to_json(const BalanceModel& model, const BalanceModel& predicts, const Words& words) {
   nlohmann::json json{{"laws", nlohmann::json::array()}, {"words", model.words()}, {"probability", model.probability},
                       {"sizes", sizes_of(predicts, predicts.acting(), words)}, {"details", nlohmann::json::array()}};
-  for (const BalanceTerm& term : model.terms) {
+  for (const BalanceTerm& term : model.named()) {
     json["laws"].push_back(term.law);
     json["law_probabilities"].push_back(term.probability);
   }
@@ -89,6 +89,14 @@ nlohmann::json to_json(const BalanceModel& model, const BalanceModel& predicts, 
   if (!predicts.details.empty()) json["sizes_without_details"] = sizes_of(model, model.terms, words);
   json["torque_recorded_ahead_s"] = predicts.skew;
   return json;
+}
+
+// The laws of a family that were tried; a constant torque that says where a load over the position rests is none of its own.
+std::vector<diagnosis::LawProbability> members_of(const AxisDiagnosis& found, diagnosis::LawFamily family) {
+  std::vector<diagnosis::LawProbability> members = diagnosis::law_probabilities(found.answer);
+  const bool has_rest = found.answer.best.named().size() < found.answer.best.terms.size();
+  std::erase_if(members, [&](const diagnosis::LawProbability& law) { return law.family != family || (has_rest && law.law == "offset"); });
+  return members;
 }
 
 nlohmann::json to_json(const AxisDiagnosis& found, const sim::MachineFile& axis, const Words& words) {
@@ -121,8 +129,8 @@ nlohmann::json to_json(const AxisDiagnosis& found, const sim::MachineFile& axis,
   }
   for (const diagnosis::FamilyProbability& one : diagnosis::family_probabilities(found.answer)) {
     nlohmann::json members = nlohmann::json::array();
-    for (const diagnosis::LawProbability& law : diagnosis::law_probabilities(found.answer)) {
-      if (law.family == one.family) members.push_back({{"law", law.law}, {"words", law.words}, {"probability", law.probability}});
+    for (const diagnosis::LawProbability& law : members_of(found, one.family)) {
+      members.push_back({{"law", law.law}, {"words", law.words}, {"probability", law.probability}});
     }
     json["families"].push_back({{"family", diagnosis::words_of(one.family)}, {"probability", one.probability}, {"members", members}});
   }
@@ -142,8 +150,8 @@ std::string summary_text(const AxisDiagnosis& found, const Words& words) {
     for (const diagnosis::FamilyProbability& one : diagnosis::family_probabilities(found.answer)) {
       if (one.probability < kWorthNaming) continue;
       text += fmt::format("  {:5.1f} %  {}\n", 100 * one.probability, diagnosis::words_of(one.family));
-      for (const diagnosis::LawProbability& law : diagnosis::law_probabilities(found.answer)) {
-        if (law.family == one.family && law.probability >= kWorthNaming) text += fmt::format("           {:5.1f} %  {}\n", 100 * law.probability, law.words);
+      for (const diagnosis::LawProbability& law : members_of(found, one.family)) {
+        if (law.probability >= kWorthNaming) text += fmt::format("           {:5.1f} %  {}\n", 100 * law.probability, law.words);
       }
     }
   }
@@ -162,11 +170,16 @@ std::string summary_text(const AxisDiagnosis& found, const Words& words) {
     const Interval inertia = interval_of(model.inertia, model.inertia_deviation, true);
     text += fmt::format("            {} = {:.4g} {} (90 %: {:.4g} to {:.4g}; the file has {:.4g})\n", words.inertia_name, model.inertia, words.inertia,
                         inertia.low, inertia.high, found.nominal_inertia);
+    // Beside a load over the position a constant torque says where that rests.
+    const auto is_rest = [&](const BalanceTerm& term) { return term.law == "offset" && model.named().size() < model.terms.size(); };
     for (const BalanceTerm& term : model.terms) {
       for (std::size_t k = 0; k < term.size.size(); ++k) {
         const Interval interval = interval_of(term.size[k], term.deviation[k], k == 0 && term.is_dissipative);
         text += fmt::format("            {}{} = {:.4g} {} (90 %: {:.4g} to {:.4g}; there with {:.0f} %; without it {:.1f} % more of the gap are left)\n", term.words,
-                            k == 1 && term.law == "viscous" ? ", half the difference of the directions" : "", term.size[k],
+                            k == 1 && term.law == "viscous" ? ", half the difference of the directions"
+                            : term.law == "spring"               ? ", from the middle of the range to its end"
+                            : is_rest(term)                      ? ", in the middle of the range"
+                                                                 : "", term.size[k],
                             unit_of(term, words), interval.low, interval.high, 100 * term.probability, 100 * term.share);
       }
     }

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <fstream>
 #include <iomanip>
 #include <numbers>
@@ -261,6 +262,27 @@ TEST(AxisDiagnosis, AMotorThatSaturatesIsNoInertia) {
   EXPECT_LT(low, kInertia) << alone.answer.best.inertia;
   const AxisDiagnosis rubbing = diagnose_axis(axis_file(), {logged(saturating(3.0, 1, true), "a"), logged(saturating(4.3, 2, true), "b")});
   EXPECT_EQ(rubbing.verdict.find(", beside an inertia"), std::string::npos) << rubbing.verdict;
+}
+
+// A spring that rests outside the middle of the range is one law, with its stiffness and its place of rest; no constant torque beside it.
+TEST(AxisDiagnosis, ASpringRestsWhereItRests) {
+  constexpr double kStiffness = 1.8, kRest = 0.7;  // [N m / rad], [rad]
+  const auto sprung = [](double frequency, unsigned seed) {
+    SimulatedAxis axis = noisy([](double t, double q, double v) { return friction(t, q, v) + kStiffness * (q - kRest); });
+    axis.effort = [frequency](double t) { return 3.0 + 7.0 * std::cos(frequency * t) + 2.0 * std::sin(0.3 * t); };
+    axis.seed = seed;
+    return axis;
+  };
+  const AxisDiagnosis found = diagnose_axis(axis_file(), {logged(sprung(1.7, 1), "a"), logged(sprung(2.3, 2), "b")});
+  ASSERT_EQ(found.outcome, AxisOutcome::stated) << found.verdict;
+  EXPECT_NE(size_of(found.answer.best, "spring"), 0.0) << found.verdict;
+  EXPECT_EQ(found.verdict.find("constant torque"), std::string::npos) << found.verdict;
+  const auto remark = std::find_if(found.remarks.begin(), found.remarks.end(), [](const std::string& one) { return one.rfind("load that changes with the position: ", 0) == 0; });
+  ASSERT_NE(remark, found.remarks.end());
+  double stiffness = 0.0, rest = 0.0;
+  ASSERT_EQ(std::sscanf(remark->c_str(), "load that changes with the position: %lf Nm/rad towards %lf rad", &stiffness, &rest), 2) << *remark;
+  EXPECT_NEAR(stiffness, kStiffness, 0.05 * kStiffness);
+  EXPECT_NEAR(rest, kRest, 0.05);
 }
 
 // Logs at 50 Hz hold the mean of what the drive did in between: half a sample of skew is the recorder's, and no effect.
