@@ -162,6 +162,14 @@ AxisError error_of(const AxisRecord& record, const BalanceRecord& smooth, const 
           speed_error(std::max<std::size_t>(1, whole / kForwardStretches))};
 }
 
+// Better than the nominal axis and than another inertia, in torque balance and in either forward simulation.
+bool predicts_better(const AxisValidation& validation, const BalanceModel& cause) {
+  const auto is_better = [&](const AxisError& than) {
+    return validation.cause.balance < kBetter * than.balance && (validation.cause.forward < kBetter * than.forward || validation.cause.tenths < kBetter * than.tenths);
+  };
+  return is_better(validation.nominal) && (cause.terms.empty() || is_better(validation.inertia));
+}
+
 // Chooses the laws without the last record, and asks them to predict it.
 void choose_and_validate(const std::vector<AxisRecord>& records, const Balance& balance, double nominal_inertia, AxisDiagnosis& diagnosis) {
   std::vector<AxisRecord> fitted = records;
@@ -198,10 +206,21 @@ void choose_and_validate(const std::vector<AxisRecord>& records, const Balance& 
     validation.is_one_direction |= !moves(unseen, sign) && std::none_of(seen.begin(), seen.end(), [&](const BalanceRecord& record) { return moves(record, sign); });
     validation.is_other_direction |= moves(unseen, sign) && std::none_of(seen.begin(), seen.end(), [&](const BalanceRecord& record) { return moves(record, sign); });
   }
-  const auto is_better = [&](const AxisError& than) {
-    return validation.cause.balance < kBetter * than.balance && (validation.cause.forward < kBetter * than.forward || validation.cause.tenths < kBetter * than.tenths);
-  };
-  validation.holds = is_better(validation.nominal) && (diagnosis.validated.terms.empty() || is_better(validation.inertia));
+  validation.holds = predicts_better(validation, diagnosis.validated);
+}
+
+// The answer, fitted to all logs, on one that had no part in it.
+AxisValidation tried_on(const AxisRecord& record, const Balance& balance, const BalanceModel& inertia_alone, const AxisDiagnosis& diagnosis) {
+  const BalanceRecord smooth = make_balance_record(record, balance.half_window, balance.late_times);
+  AxisValidation validation;
+  validation.place = record.name;
+  validation.nominal = error_of(record, smooth, balance, bare(diagnosis.nominal_inertia, inertia_alone.skew));
+  validation.inertia = error_of(record, smooth, balance, inertia_alone);
+  validation.cause = error_of(record, smooth, balance, diagnosis.answer.best);
+  validation.effort = root_mean_square(smooth.effort);
+  validation.speed = root_mean_square(smooth.speed);
+  validation.holds = predicts_better(validation, diagnosis.answer.best);
+  return validation;
 }
 
 // Whether a residual is more than noise. A torque that is measured, or written down in coarse steps, brings white noise, which no law could explain: what
@@ -576,7 +595,8 @@ std::vector<double> forward_speed(const AxisRecord& record, const BalanceMotion&
   return speeds;
 }
 
-AxisDiagnosis diagnose_axis(const sim::MachineFile& axis, const std::vector<NamedRun>& runs, const std::vector<std::string>& without) {
+AxisDiagnosis diagnose_axis(const sim::MachineFile& axis, const std::vector<NamedRun>& runs, const std::vector<std::string>& without,
+                            const std::vector<NamedRun>& unseen) {
   AxisDiagnosis diagnosis;
   diagnosis.nominal_inertia = sim::rigid_inertia(axis.parameters);
   std::vector<AxisRecord> records;
@@ -604,6 +624,10 @@ AxisDiagnosis diagnose_axis(const sim::MachineFile& axis, const std::vector<Name
     best = std::move(sizes.best);
     diagnosis.answer.models.front() = std::move(sizes.stated);
     check_units(diagnosis.nominal_inertia, best);
+    if (!unseen.empty()) {
+      const BalanceModel inertia_alone = fit_balance(smooth, {}, diagnosis.nominal_inertia, balance.resolved_speed).best;
+      for (const NamedRun& run : unseen) diagnosis.unseen.push_back(tried_on(axis_record(run, axis), balance, inertia_alone, diagnosis));
+    }
     for (const BalanceRecord& record : smooth) {
       diagnosis.series.push_back(series_of(record, balance, diagnosis.nominal_inertia, diagnosis.answer.best));
     }
@@ -615,6 +639,12 @@ AxisDiagnosis diagnose_axis(const sim::MachineFile& axis, const std::vector<Name
     if (parameter.name == "inertia" || parameter.name == "mass") spread = parameter.spread;
   }
   name_answer(axis, spread, diagnosis);
+  if (diagnosis.outcome == AxisOutcome::stated) {
+    const auto failed = std::find_if(diagnosis.unseen.begin(), diagnosis.unseen.end(), [](const AxisValidation& one) { return !one.holds; });
+    if (failed != diagnosis.unseen.end()) {
+      diagnosis.verdict = fmt::format("Not sure: {}; but it does not predict {} better than the nominal axis and another inertia do", diagnosis.verdict, failed->place);
+    }
+  }
   say_what_to_do(axis, diagnosis);
   if (diagnosis.outcome == AxisOutcome::stated && !diagnosis.answer.best.terms.empty()) take_effects(axis, records.front().position.front(), diagnosis);
   if (!axis.parameters.drive.is_rigid) {

@@ -82,6 +82,7 @@ struct AxisDiagnosis {
   bool is_physical = true;       // its laws fit all records with sizes that they can have
   double unexplained = 0.0;      // share of the gap that the stated laws leave on data that were not fitted
   bool has_remainder = false;    // and that is more than noise and laws known no better make
+  std::vector<AxisValidation> unseen;  // on the logs that had no part in the answer, by the sizes of `best`
   std::string verdict;
   std::string action;            // one sentence: what to do with it
   std::vector<common::EffectInstance> effects;  // of the best model, where the catalogue has its laws
@@ -92,8 +93,10 @@ struct AxisDiagnosis {
   std::vector<double> late_times;               // [s] of the lags that were tried
 };
 
-// `without`: names of laws (balance_law_names()) that are not tried, nor what is a detail of them. Throws NoBalance.
-AxisDiagnosis diagnose_axis(const sim::MachineFile& axis, const std::vector<NamedRun>& runs, const std::vector<std::string>& without = {});
+// `without`: names of laws (balance_law_names()) that are not tried, nor what is a detail of them. `unseen`: logs that the answer is tried on and that
+// have no part in it. Throws NoBalance.
+AxisDiagnosis diagnose_axis(const sim::MachineFile& axis, const std::vector<NamedRun>& runs, const std::vector<std::string>& without = {},
+                            const std::vector<NamedRun>& unseen = {});
 
 // The speed of the axis by the recorded effort alone, on the record's grid; begun where the motion is first known and anew after each `stretch`
 // samples.

@@ -124,6 +124,9 @@ nlohmann::json to_json(const AxisDiagnosis& found, const sim::MachineFile& axis,
                         {"cause", to_json(validation.cause)}}},
                       {"remarks", found.remarks},
                       {"causes", nlohmann::json::array()}};
+  for (const diagnosis::AxisValidation& one : found.unseen) {
+    json["unseen"].push_back({{"log", one.place}, {"holds", one.holds}, {"nominal", to_json(one.nominal)}, {"inertia_alone", to_json(one.inertia)}, {"cause", to_json(one.cause)}});
+  }
   for (const BalanceModel& model : found.answer.models) {
     json["causes"].push_back(to_json(model, &model == &found.answer.models.front() ? found.answer.best : model, words));
   }
@@ -135,6 +138,26 @@ nlohmann::json to_json(const AxisDiagnosis& found, const sim::MachineFile& axis,
     json["families"].push_back({{"family", diagnosis::words_of(one.family)}, {"probability", one.probability}, {"members", members}});
   }
   return json;
+}
+
+// Of logs that had no part in the answer.
+std::string unseen_text(const AxisDiagnosis& found, const Words& words) {
+  const bool has_cause = found.outcome == AxisOutcome::stated;
+  std::string text;
+  for (const diagnosis::AxisValidation& one : found.unseen) {
+    const auto line = [&](const char* what, double nominal, double inertia, double cause, const char* unit) {
+      std::string told = fmt::format("  {:24} nominal {:.4g}, {} alone {:.4g}", what, nominal, words.inertia_name, inertia);
+      if (has_cause) told += fmt::format(", with {} {:.4g}", found.answer.best.words(), cause);
+      return told + " " + unit + "\n";
+    };
+    text += fmt::format("\nValidation on {} (had no part in the answer)\n", one.place);
+    text += line("torque balance, RMS", one.nominal.balance, one.inertia.balance, one.cause.balance, words.effort);
+    text += line("speed, simulated forward", one.nominal.forward, one.inertia.forward, one.cause.forward, words.speed);
+    text += line("  anew at each tenth", one.nominal.tenths, one.inertia.tenths, one.cause.tenths, words.speed);
+    if (has_cause) text += one.holds ? "  the cause predicts it better than the nominal axis and than another inertia\n"
+                                     : "  the cause does not predict it better than the nominal axis and another inertia: do not rely on it\n";
+  }
+  return text;
 }
 
 std::string summary_text(const AxisDiagnosis& found, const Words& words) {
@@ -203,6 +226,7 @@ std::string summary_text(const AxisDiagnosis& found, const Words& words) {
                       validation.inertia.forward, validation.cause.forward, words.speed);
   text += fmt::format("  {:24} {:10.4g} -> {:10.4g} -> {:10.4g} {}\n", "  anew at each tenth", validation.nominal.tenths, validation.inertia.tenths,
                       validation.cause.tenths, words.speed);
+  text += unseen_text(found, words);
   for (const std::string& remark : found.remarks) text += "  note: " + remark + "\n";
   return text;
 }
@@ -240,7 +264,12 @@ int diagnose_axis_logs(const sim::MachineFile& axis, const DiagnoseOptions& opti
   MeasuredRuns measured = measured_runs(options.logs);
   std::vector<diagnosis::NamedRun> runs;
   for (MeasuredRun& one : measured.runs) runs.push_back({one.name, std::move(one.run)});
-  AxisDiagnosis found = diagnosis::diagnose_axis(axis, runs, options.without);
+  std::vector<diagnosis::NamedRun> unseen;
+  if (!options.unseen.empty()) {
+    MeasuredRuns kept_back = measured_runs(options.unseen);
+    for (MeasuredRun& one : kept_back.runs) unseen.push_back({one.name, std::move(one.run)});
+  }
+  AxisDiagnosis found = diagnosis::diagnose_axis(axis, runs, options.without, unseen);
   for (const MeasuredRun& one : measured.runs) found.remarks.insert(found.remarks.end(), one.remarks.begin(), one.remarks.end());
   if (measured.is_damaged) found.verdict += kOfADamagedLog;
   if (!options.controller.empty()) {

@@ -460,6 +460,24 @@ TEST(AxisDiagnosis, DryFrictionHoldsInForwardSimulation) {
   for (const double speed : forward_speed(record, smooth.motion, laws, model)) ASSERT_NEAR(speed, 0.0, 1e-9);
 }
 
+// A log that has no part in the answer is predicted by it; the same log of an axis that rubs no more is not, and the first sentence says so.
+TEST(AxisDiagnosis, TheAnswerIsTriedOnLogsThatHadNoPartInIt) {
+  SimulatedAxis third = noisy(friction), free = noisy([](double, double, double) { return 0.0; });
+  third.seed = free.seed = 5;
+  third.effort = free.effort = [](double time) { return 0.8 * switched(1.3 * time + 0.7); };
+  const AxisDiagnosis plain = diagnose_axis(axis_file(), two_runs(noisy(friction)));
+  const AxisDiagnosis found = diagnose_axis(axis_file(), two_runs(noisy(friction)), {}, {logged(third, "c")});
+  EXPECT_EQ(found.verdict, plain.verdict);
+  ASSERT_EQ(found.unseen.size(), 1u);
+  EXPECT_EQ(found.unseen.front().place, "c");
+  EXPECT_TRUE(found.unseen.front().holds);
+  EXPECT_LT(found.unseen.front().cause.balance, 0.1 * found.unseen.front().nominal.balance);
+  const AxisDiagnosis refuted = diagnose_axis(axis_file(), two_runs(noisy(friction)), {}, {logged(free, "d")});
+  EXPECT_FALSE(refuted.unseen.front().holds);
+  EXPECT_EQ(refuted.verdict.rfind("Not sure: ", 0), 0u) << refuted.verdict;
+  EXPECT_NE(refuted.verdict.find("does not predict d better"), std::string::npos) << refuted.verdict;
+}
+
 // What to do stands in one sentence behind the answer.
 TEST(AxisDiagnosis, SaysWhatToDo) {
   EXPECT_EQ(diagnose_axis(axis_file(), two_runs(noisy([](double, double, double) { return 0.0; }))).action, "Keep the axis's file: it describes this axis.");
