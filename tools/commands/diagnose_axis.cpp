@@ -77,16 +77,16 @@ nlohmann::json sizes_of(const BalanceModel& model, const std::vector<BalanceTerm
   return sizes;
 }
 
-// `predicts`: the same laws beside those that are carried along, one set of values that belong together.
+// Either set of sizes belongs together: those of the laws alone, and those of the laws beside what is carried along (`predicts`).
 nlohmann::json to_json(const BalanceModel& model, const BalanceModel& predicts, const Words& words) {
   nlohmann::json json{{"laws", nlohmann::json::array()}, {"words", model.words()}, {"probability", model.probability},
-                      {"sizes", sizes_of(predicts, predicts.acting(), words)}, {"details", nlohmann::json::array()}};
+                      {"sizes", sizes_of(model, model.terms, words)}, {"details", nlohmann::json::array()}};
   for (const BalanceTerm& term : model.named()) {
     json["laws"].push_back(term.law);
     json["law_probabilities"].push_back(term.probability);
   }
   for (const BalanceTerm& term : predicts.details) json["details"].push_back(term.law);
-  if (!predicts.details.empty()) json["sizes_without_details"] = sizes_of(model, model.terms, words);
+  if (!predicts.details.empty()) json["sizes_with_details"] = sizes_of(predicts, predicts.acting(), words);
   json["torque_recorded_ahead_s"] = predicts.skew;
   return json;
 }
