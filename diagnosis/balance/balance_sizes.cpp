@@ -12,7 +12,7 @@ namespace slewlab::diagnosis {
 namespace {
 
 constexpr double kDetail = 1.0;  // of the effort, what an ordinary law that is not named may make; chosen
-constexpr double kTold = 0.05;   // of the square of a law's first column, that the named ones do not have as well, for the records to tell it; chosen
+constexpr double kTold = 0.005;  // of the square of a law's first column, that the named ones do not have as well, for the records to tell it; chosen
 
 // Whether the records tell an ordinary law from those that are named: of its first column enough is no sum of theirs. Where all move one way, a
 // constant torque is dry friction.
