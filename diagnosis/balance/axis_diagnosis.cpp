@@ -31,6 +31,7 @@ constexpr double kNoises = 3.0;              // standard deviations by which it 
 constexpr double kInertiaDeviations = 2.0;   // of the spread from unit to unit, beyond which the inertia is another one
 constexpr double kBetter = 0.99;             // of an error that counts as smaller
 constexpr double kAboveNoise = 3.0;          // times what noise leaves, from which something is missing
+constexpr double kImitated = 5.0;            // times what a law leaves, that an inertia may take of it: of F |F| under a sine, 8 / (3 pi) to the rest of 0.17
 constexpr double kSure = 0.9;                // probability from which a law is named without its family
 constexpr double kMost = 0.5;                // share of the gap on data that were not fitted, that an answer explains at least
 constexpr double kWorthSaying = 0.1;         // share of the gap that is left unexplained and named
@@ -161,6 +162,14 @@ AxisError error_of(const AxisRecord& record, const BalanceRecord& smooth, const 
           speed_error(std::max<std::size_t>(1, whole / kForwardStretches))};
 }
 
+// Better than the nominal axis and than another inertia, in torque balance and in either forward simulation.
+bool predicts_better(const AxisValidation& validation, const BalanceModel& cause) {
+  const auto is_better = [&](const AxisError& than) {
+    return validation.cause.balance < kBetter * than.balance && (validation.cause.forward < kBetter * than.forward || validation.cause.tenths < kBetter * than.tenths);
+  };
+  return is_better(validation.nominal) && (cause.terms.empty() || is_better(validation.inertia));
+}
+
 // Chooses the laws without the last record, and asks them to predict it.
 void choose_and_validate(const std::vector<AxisRecord>& records, const Balance& balance, double nominal_inertia, AxisDiagnosis& diagnosis) {
   std::vector<AxisRecord> fitted = records;
@@ -183,19 +192,54 @@ void choose_and_validate(const std::vector<AxisRecord>& records, const Balance& 
   validation.inertia = error_of(last, unseen, balance, inertia_alone);
   validation.cause = error_of(last, unseen, balance, diagnosis.validated);
   validation.effort = root_mean_square(unseen.effort);
-  validation.noise = std::hypot(nominal_inertia * acceleration_noise(last, balance.half_window), kLawDiscrepancy * validation.effort);
+  validation.floor = std::hypot(nominal_inertia * acceleration_noise(last, balance.half_window), kLawDiscrepancy * validation.effort);
+  validation.noise = std::hypot(validation.floor, smoothed_effort_noise(last, balance.half_window));
+  validation.nominal_together = correlated_rms(unseen, balance.laws, bare(nominal_inertia, inertia_alone.skew), balance.resolved_speed);
+  validation.cause_together = correlated_rms(unseen, balance.laws, diagnosis.validated, balance.resolved_speed);
   validation.speed = root_mean_square(unseen.speed);
+  validation.acceleration = root_mean_square(unseen.acceleration);
   const auto moves = [&](const BalanceRecord& record, double sign) {
     const auto count = std::count_if(record.speed.begin(), record.speed.end(), [&](double speed) { return sign * speed > balance.resolved_speed; });
     return static_cast<double>(count) > kFewMoves * static_cast<double>(record.speed.size());
   };
   for (const double sign : {1.0, -1.0}) {
+    validation.is_one_direction |= !moves(unseen, sign) && std::none_of(seen.begin(), seen.end(), [&](const BalanceRecord& record) { return moves(record, sign); });
     validation.is_other_direction |= moves(unseen, sign) && std::none_of(seen.begin(), seen.end(), [&](const BalanceRecord& record) { return moves(record, sign); });
   }
-  const auto is_better = [&](const AxisError& than) {
-    return validation.cause.balance < kBetter * than.balance && (validation.cause.forward < kBetter * than.forward || validation.cause.tenths < kBetter * than.tenths);
-  };
-  validation.holds = is_better(validation.nominal) && (diagnosis.validated.terms.empty() || is_better(validation.inertia));
+  validation.holds = predicts_better(validation, diagnosis.validated);
+}
+
+// The answer, fitted to all logs, on one that had no part in it.
+AxisValidation tried_on(const AxisRecord& record, const Balance& balance, const BalanceModel& inertia_alone, const AxisDiagnosis& diagnosis) {
+  const BalanceRecord smooth = make_balance_record(record, balance.half_window, balance.late_times);
+  AxisValidation validation;
+  validation.place = record.name;
+  validation.nominal = error_of(record, smooth, balance, bare(diagnosis.nominal_inertia, inertia_alone.skew));
+  validation.inertia = error_of(record, smooth, balance, inertia_alone);
+  validation.cause = error_of(record, smooth, balance, diagnosis.answer.best);
+  validation.effort = root_mean_square(smooth.effort);
+  validation.speed = root_mean_square(smooth.speed);
+  validation.holds = predicts_better(validation, diagnosis.answer.best);
+  return validation;
+}
+
+// Whether a residual is more than noise. A torque that is measured, or written down in coarse steps, brings white noise, which no law could explain: what
+// is hidden in it shows by going together over more than the window.
+bool is_above_noise(const AxisValidation& validation, double rms, double together) {
+  return rms > kAboveNoise * validation.noise || together > kAboveNoise * validation.floor;
+}
+
+// What is left of all records: how they differ shows in no fewer. What follows something is no noise.
+void take_remainder(const sim::MachineFile& axis, const FittedSizes& sizes, AxisDiagnosis& diagnosis) {
+  Remainder& remainder = diagnosis.answer.remainder;
+  remainder = sizes.remainder;
+  if (axis.axis.is_linear) {
+    remainder.variable = of_a_linear_axis(std::move(remainder.variable));
+    remainder.words = of_a_linear_axis(std::move(remainder.words));
+  }
+  AxisValidation& validation = diagnosis.validation;
+  validation.cause_together = std::max(validation.cause_together, std::sqrt(remainder.share) * sizes.rest);
+  validation.nominal_together = std::max(validation.nominal_together, validation.cause_together);
 }
 
 const BalanceTerm* term_of(const BalanceModel& model, std::string_view law) {
@@ -220,14 +264,15 @@ void take_effects(const sim::MachineFile& axis, double first_position, AxisDiagn
   const auto is_named = [&](std::string_view law) {
     return std::any_of(model.terms.begin(), model.terms.end(), [&](const BalanceTerm& term) { return term.law == law; });
   };
+  const double offset = is_named("spring") ? 0.0 : size("offset");  // which without the spring would be no load of this axis
   sim::BalanceEffects found = sim::effects_of_balance(
-      {.dry = size("dry"), .viscous = size("viscous"), .viscous_difference = size("viscous", 1), .dry_difference = is_named("offset") ? 0.0 : size("offset"), .offset = is_named("offset") ? size("offset") : 0.0,
+      {.dry = size("dry"), .viscous = size("viscous"), .viscous_difference = size("viscous", 1), .dry_difference = is_named("offset") ? 0.0 : offset, .offset = is_named("offset") ? offset : 0.0,
        .breakaway_excess = size("stribeck"), .stribeck_speed = shape("stribeck"), .rising = size("rising"), .rising_speed = shape("rising"),
        .gravity_sine = size("gravity", 0), .gravity_cosine = size("gravity", 1), .first_position = first_position, .lag = size("lag")},
       sim::effects_for(axis));
   diagnosis.effects = std::move(found.effects);
   diagnosis.remarks.insert(diagnosis.remarks.end(), found.left_out.begin(), found.left_out.end());
-  for (const BalanceTerm& term : model.terms) {
+  for (const BalanceTerm& term : model.named()) {
     constexpr std::string_view kWritten[] = {"dry", "viscous", "offset", "stribeck", "rising", "gravity", "lag"};
     if (std::find(std::begin(kWritten), std::end(kWritten), term.law) != std::end(kWritten)) continue;
     diagnosis.remarks.push_back(term.words + ": no effect of the catalogue has this law with these sizes; it is not in the file");
@@ -251,98 +296,185 @@ void keep_only(double factor, BalanceAnswer& answer) {
 
 // Something unknown that leaves more of the gap than a rare law explains may be what that law was fitted to.
 void doubt_what_an_unknown_may_imitate(AxisDiagnosis& diagnosis) {
-  for (std::vector<BalanceTerm>* terms : {&diagnosis.answer.best.terms, &diagnosis.answer.models.front().terms}) {
-    for (BalanceTerm& term : *terms) {
-      const auto law = std::find_if(diagnosis.laws.begin(), diagnosis.laws.end(), [&](const BalanceLaw& one) { return one.name == term.law; });
-      if (law == diagnosis.laws.end() || law->is_ordinary) continue;
-      term.probability *= term.share / (term.share + diagnosis.unexplained);
+  BalanceAnswer& answer = diagnosis.answer;
+  for (LawProbability& doubted : answer.laws) {
+    const auto law = std::find_if(diagnosis.laws.begin(), diagnosis.laws.end(), [&](const BalanceLaw& one) { return one.name == doubted.law; });
+    const auto term = std::find_if(answer.best.terms.begin(), answer.best.terms.end(), [&](const BalanceTerm& one) { return one.law == doubted.law; });
+    if (law == diagnosis.laws.end() || law->is_ordinary || term == answer.best.terms.end()) continue;
+    doubted.belief = term->share / (term->share + diagnosis.unexplained);
+    doubted.probability *= doubted.belief;
+    for (std::vector<BalanceTerm>* terms : {&answer.best.terms, &answer.models.front().terms}) {
+      for (BalanceTerm& one : *terms) {
+        if (one.law == doubted.law) one.probability *= doubted.belief;
+      }
     }
   }
 }
 
 // What is left, in words.
 std::string what_it_follows(const sim::MachineFile& axis, const AxisDiagnosis& diagnosis) {
-  const std::string& rest = diagnosis.answer.remainder.variable;
-  if (!rest.empty()) return "follows the " + rest;
+  const std::string& rest = diagnosis.answer.remainder.words;
+  if (!rest.empty()) return rest;
   return fmt::format("follows neither speed, position, time nor {}", axis.axis.is_linear ? "force" : "torque");
 }
 
 bool is_each_sure(const BalanceModel& model) {
-  return std::all_of(model.terms.begin(), model.terms.end(), [](const BalanceTerm& term) { return term.probability >= kSure; });
+  const std::vector<BalanceTerm> named = model.named();
+  return std::all_of(named.begin(), named.end(), [](const BalanceTerm& term) { return term.probability >= kSure; });
 }
 
-void name_answer(const sim::MachineFile& axis, double inertia_spread, AxisDiagnosis& diagnosis) {
-  BalanceModel& best = diagnosis.answer.best;
+// What the answer is decided by.
+struct Judgement {
+  bool is_inertia_off = false;      // beyond its spread, and known well enough to say so
+  bool is_gap = false;              // the nominal axis leaves more than noise
+  bool is_rest = false;             // so does the cause
+  bool is_inertia_doubted = false;  // what the cause leaves goes together, and is so large that its law may be what the inertia was fitted to
+  double share = 0.0;               // of the gap, that the cause explains on data that were not fitted
+};
+
+Judgement judged(double inertia_spread, const AxisDiagnosis& diagnosis) {
+  const BalanceModel& best = diagnosis.answer.best;
   const AxisValidation& validation = diagnosis.validation;
   const double nominal = diagnosis.nominal_inertia;
-  const bool is_inertia_off =
-      std::fabs(best.inertia - nominal) > kInertiaDeviations * std::hypot(inertia_spread * nominal, best.inertia_deviation);
-  const bool is_more_than_noise = validation.nominal.balance > kAboveNoise * validation.noise;
-  if (best.terms.empty() && !is_inertia_off && !is_more_than_noise) {
-    diagnosis.outcome = AxisOutcome::nothing_missing;
-    diagnosis.verdict = "no effect is missing; the inertia is within its spread";
-    return;
-  }
   const double before = validation.nominal.balance * validation.nominal.balance, after = validation.cause.balance * validation.cause.balance;
-  const double share = before > 0.0 ? 1.0 - after / before : 0.0;
-  const std::string rest = diagnosis.answer.remainder.variable;
-  const bool is_answer = !best.terms.empty() || is_inertia_off;
-  const bool explains_most = is_answer && !(is_more_than_noise && validation.holds && share < kMost);
-  if (diagnosis.answer.probability_unknown > best.probability || !explains_most) {
-    diagnosis.outcome = AxisOutcome::unknown;
-    diagnosis.verdict = fmt::format("outside the catalogue (unknown): {:.3g} {} of {:.3g} are missing on {}, and {}", validation.nominal.balance,
-                                    axis.axis.is_linear ? "N" : "Nm", validation.effort, validation.place,
-                                    explains_most ? "a smooth function of speed, position and time predicts them better than the known laws"
-                                                  : "no known law explains most of it");
-    if (!explains_most) keep_only(is_answer ? std::clamp(share, 0.0, 1.0) : 0.0, diagnosis.answer);
-    if (!rest.empty()) diagnosis.verdict += "; what known laws leave follows the " + rest;
-    return;
+  Judgement judgement;
+  judgement.is_inertia_off = std::fabs(best.inertia - nominal) > kInertiaDeviations * std::hypot(inertia_spread * nominal, best.inertia_deviation);
+  judgement.is_gap = is_above_noise(validation, validation.nominal.balance, validation.nominal_together);
+  judgement.is_rest = is_above_noise(validation, validation.cause.balance, validation.cause_together);
+  const double moved = std::fabs(best.inertia - nominal) * validation.acceleration;  // by the inertia that is off
+  judgement.is_inertia_doubted = !validation.is_other_direction && validation.cause_together > validation.floor && moved < kImitated * validation.cause_together;
+  judgement.share = before > 0.0 ? 1.0 - after / before : 0.0;
+  return judgement;
+}
+
+void say_unknown(const sim::MachineFile& axis, const Judgement& judgement, const std::string& why, AxisDiagnosis& diagnosis) {
+  const AxisValidation& validation = diagnosis.validation;
+  diagnosis.outcome = AxisOutcome::unknown;
+  diagnosis.verdict = fmt::format("outside the catalogue (unknown): {:.3g} {} of {:.3g} are missing on {}, and {}", validation.nominal.balance,
+                                  axis.axis.is_linear ? "N" : "Nm", validation.effort, validation.place, why);
+  if (judgement.is_inertia_off && diagnosis.answer.best.terms.empty()) {
+    diagnosis.remarks.push_back(fmt::format("{} would explain {:.0f} % of the gap, and what it leaves is no noise: something unknown may be what looks like it",
+                                            inertia_words(axis, diagnosis.nominal_inertia, diagnosis.answer.best.inertia), 100.0 * std::clamp(judgement.share, 0.0, 1.0)));
   }
-  if (!validation.holds) {
-    diagnosis.outcome = AxisOutcome::not_identifiable;
-    keep_only(0.0, diagnosis.answer);
-    diagnosis.verdict = "cannot tell: no law predicts " + validation.place + " better than the nominal axis, in torque balance and forward simulation";
-    return;
+  if (const std::string& rest = diagnosis.answer.remainder.words; !rest.empty()) diagnosis.verdict += "; what known laws leave " + rest;
+}
+
+void say_not_identifiable(const std::string& why, AxisDiagnosis& diagnosis) {
+  diagnosis.outcome = AxisOutcome::not_identifiable;
+  const double unknown = diagnosis.answer.probability_unknown;  // that no law can be told is no sign of it
+  keep_only(0.0, diagnosis.answer);
+  diagnosis.answer.probability_unknown = unknown;
+  diagnosis.verdict = "cannot tell: " + why;
+}
+
+// The laws of the answer; where the members of a family cannot be told, the family leads.
+std::string laws_in_words(const BalanceAnswer& answer) {
+  if (is_each_sure(answer.best)) return answer.best.words();
+  std::string words;
+  for (const FamilyProbability& family : family_probabilities(answer)) {
+    std::string likely, perhaps;
+    for (const BalanceTerm& term : answer.best.named()) {
+      if (term.family != family.family) continue;
+      std::string& members = term.probability >= 0.5 ? likely : perhaps;
+      members += fmt::format("{}{} ({:.0f} %)", members.empty() ? "" : " and ", term.words, 100.0 * term.probability);
+    }
+    if (likely.empty() && perhaps.empty()) continue;
+    words += fmt::format("{}{} ({:.0f} %)", words.empty() ? "" : "; ", words_of(family.family), 100.0 * family.probability);
+    if (!likely.empty()) words += ", most likely " + likely;
+    if (!perhaps.empty()) words += ", perhaps " + perhaps;
   }
-  if (!diagnosis.is_physical) {
-    diagnosis.outcome = AxisOutcome::not_identifiable;
-    keep_only(0.0, diagnosis.answer);
-    diagnosis.verdict = fmt::format("cannot tell: {} predicts {}, but fitted to all records a size comes out that it cannot have, or that they do not determine",
-                                    best.terms.empty() ? "another inertia" : best.words(), validation.place);
-    return;
-  }
-  diagnosis.outcome = AxisOutcome::stated;
-  diagnosis.unexplained = 1.0 - share;
-  diagnosis.has_remainder = validation.cause.balance > kAboveNoise * validation.noise && !validation.is_other_direction;
-  if (diagnosis.has_remainder) doubt_what_an_unknown_may_imitate(diagnosis);
-  if (validation.is_other_direction && 1.0 - share > kWorthSaying) {
+  return words;
+}
+
+// What one may take for another where the logs do not tell.
+void remark_what_is_alike(const sim::MachineFile& axis, const Judgement& judgement, AxisDiagnosis& diagnosis) {
+  const AxisValidation& validation = diagnosis.validation;
+  const BalanceModel& best = diagnosis.answer.best;
+  if (validation.is_other_direction && 1.0 - judgement.share > kWorthSaying) {
     diagnosis.remarks.push_back(validation.place + " moves in a direction in which the other data do not: what the laws leave there may be that direction's own "
                                                    "friction; a log that goes both ways would tell");
   }
-  std::string words = best.terms.empty() ? "only " : best.words();
-  // Where the members of a family cannot be told, the family leads.
-  if (!is_each_sure(best)) {
-    words.clear();
-    for (const FamilyProbability& family : family_probabilities(diagnosis.answer)) {
-      std::string members;
-      for (const BalanceTerm& term : best.terms) {
-        if (term.family == family.family) members += fmt::format("{}{} ({:.0f} %)", members.empty() ? "" : " and ", term.words, 100.0 * term.probability);
-      }
-      if (!members.empty()) words += fmt::format("{}{} ({:.0f} %), most likely {}", words.empty() ? "" : "; ", words_of(family.family), 100.0 * family.probability, members);
-    }
+  if (validation.is_one_direction && (term_of(best, "dry") != nullptr || term_of(best, "offset") != nullptr)) {
+    diagnosis.remarks.push_back(fmt::format("all logs move in one direction: there dry friction and a constant {} are the same; a log that goes both ways would tell them apart",
+                                            axis.axis.is_linear ? "force" : "torque"));
   }
-  if (is_inertia_off) {
+  if (judgement.is_inertia_off) {
     diagnosis.remarks.push_back(fmt::format("a torque constant that is {:.0f} % off would show the same; all other sizes then change by as much",
-                                            100.0 * std::fabs(nominal / best.inertia - 1.0)));
+                                            100.0 * std::fabs(diagnosis.nominal_inertia / best.inertia - 1.0)));
   }
-  if (is_inertia_off) words += (best.terms.empty() ? "" : ", beside ") + inertia_words(axis, nominal, best.inertia);
-  diagnosis.verdict = fmt::format("{}: {:.1f} % of the gap on data that were not fitted", words, 100.0 * share);
+}
+
+// An inertia that something unknown may imitate is known no better than to the file's.
+void doubt_inertia(AxisDiagnosis& diagnosis) {
+  for (BalanceModel* model : {&diagnosis.answer.best, &diagnosis.answer.models.front()}) {
+    model->inertia_deviation = std::hypot(model->inertia_deviation, model->inertia - diagnosis.nominal_inertia);
+  }
+}
+
+// How stiff a load over the position is and where it rests, in the axis's own positions.
+void remark_spring(const sim::MachineFile& axis, AxisDiagnosis& diagnosis) {
+  const BalanceTerm* spring = term_of(diagnosis.answer.best, "spring");
+  if (spring == nullptr || spring->size[0] == 0.0) return;
+  const auto& along = shape_of(diagnosis.laws, *spring).columns.front();
+  const double at_zero = along({.position = 0.0}), per_unit = along({.position = 1.0}) - at_zero;
+  const BalanceTerm* constant = term_of(diagnosis.answer.best, "offset");
+  const double middle = constant == nullptr ? 0.0 : constant->size[0];  // torque in the middle of the range
+  const double stiffness = spring->size[0] * per_unit, rest = (-middle / spring->size[0] - at_zero) / per_unit;
+  diagnosis.remarks.push_back(fmt::format("{}: {:.3g} {} {} {:.4g} {}", spring->words, std::fabs(stiffness), axis.axis.is_linear ? "N/m" : "Nm/rad",
+                                          stiffness > 0.0 ? "towards" : "away from", rest, axis.axis.is_linear ? "m" : "rad"));
+}
+
+void state(const sim::MachineFile& axis, const Judgement& judgement, AxisDiagnosis& diagnosis) {
+  const BalanceModel& best = diagnosis.answer.best;
+  const AxisValidation& validation = diagnosis.validation;
+  diagnosis.outcome = AxisOutcome::stated;
+  diagnosis.unexplained = 1.0 - judgement.share;
+  diagnosis.has_remainder = judgement.is_rest && !validation.is_other_direction;
+  if (diagnosis.has_remainder) doubt_what_an_unknown_may_imitate(diagnosis);
+  remark_what_is_alike(axis, judgement, diagnosis);
+  remark_spring(axis, diagnosis);
+  std::string words = best.terms.empty() ? "only " : laws_in_words(diagnosis.answer);
+  if (judgement.is_inertia_off) {
+    words += (best.terms.empty() ? "" : judgement.is_inertia_doubted ? ", perhaps beside " : ", beside ") + inertia_words(axis, diagnosis.nominal_inertia, best.inertia);
+    if (judgement.is_inertia_doubted) doubt_inertia(diagnosis);
+  }
+  diagnosis.verdict = fmt::format("{}: {:.1f} % of the gap on data that were not fitted", words, 100.0 * judgement.share);
   const std::string follows = what_it_follows(axis, diagnosis);
   if (diagnosis.has_remainder) {
     diagnosis.verdict += fmt::format("; what is left, {:.3g} {} of {:.3g}, is of no known law (unknown) and {}", validation.cause.balance,
                                      axis.axis.is_linear ? "N" : "Nm", validation.effort, follows);
-  } else if (!rest.empty() || diagnosis.unexplained > kWorthSaying) {
+  } else if ((!diagnosis.answer.remainder.words.empty() && validation.cause_together > validation.floor) || diagnosis.unexplained > kWorthSaying) {
     diagnosis.verdict += "; the rest " + follows;
+  }
+}
+
+void name_answer(const sim::MachineFile& axis, double inertia_spread, AxisDiagnosis& diagnosis) {
+  const BalanceModel& best = diagnosis.answer.best;
+  const AxisValidation& validation = diagnosis.validation;
+  const Judgement judgement = judged(inertia_spread, diagnosis);
+  if (best.terms.empty() && !judgement.is_inertia_off && !judgement.is_gap) {
+    diagnosis.outcome = AxisOutcome::nothing_missing;
+    diagnosis.verdict = "no effect is missing; the inertia is within its spread";
+    return;
+  }
+  const bool is_answer = !best.terms.empty() || judgement.is_inertia_off;
+  const bool is_little = judgement.is_gap && validation.holds && judgement.share < kMost;
+  const bool is_unpredicted = judgement.is_gap && judgement.is_rest && !validation.holds;
+  const bool is_imitated = best.terms.empty() && judgement.is_inertia_doubted;  // the inertia alone
+  if (!is_answer || is_little || is_unpredicted || is_imitated) {
+    say_unknown(axis, judgement,
+                !is_answer || is_little ? "no known law explains most of it" : is_unpredicted ? "no known law predicts it" : "another inertia does not explain it", diagnosis);
+    keep_only(is_answer ? std::clamp(judgement.share, 0.0, kMost) : 0.0, diagnosis.answer);
+    doubt_inertia(diagnosis);
+  } else if (diagnosis.answer.probability_unknown > best.probability) {
+    say_unknown(axis, judgement, "a smooth function of speed, position and time predicts them better than the known laws", diagnosis);
+  } else if (!validation.holds) {
+    say_not_identifiable("no law predicts " + validation.place + " better than the nominal axis, in torque balance and forward simulation", diagnosis);
+  } else if (!diagnosis.is_physical) {
+    say_not_identifiable(fmt::format("{} predicts {}, but fitted to all records a size comes out that it cannot have, or that they do not determine",
+                                     best.terms.empty() ? "another inertia" : best.words(), validation.place), diagnosis);
+  } else {
+    state(axis, judgement, diagnosis);
   }
 }
 
@@ -463,7 +595,8 @@ std::vector<double> forward_speed(const AxisRecord& record, const BalanceMotion&
   return speeds;
 }
 
-AxisDiagnosis diagnose_axis(const sim::MachineFile& axis, const std::vector<NamedRun>& runs, const std::vector<std::string>& without) {
+AxisDiagnosis diagnose_axis(const sim::MachineFile& axis, const std::vector<NamedRun>& runs, const std::vector<std::string>& without,
+                            const std::vector<NamedRun>& unseen) {
   AxisDiagnosis diagnosis;
   diagnosis.nominal_inertia = sim::rigid_inertia(axis.parameters);
   std::vector<AxisRecord> records;
@@ -483,13 +616,18 @@ AxisDiagnosis diagnose_axis(const sim::MachineFile& axis, const std::vector<Name
     }
     const std::vector<BalanceRecord> smooth = smoothed(records, balance);
     choose_and_validate(records, balance, diagnosis.nominal_inertia, diagnosis);
-    if (axis.axis.is_linear) diagnosis.answer.remainder.variable = of_a_linear_axis(diagnosis.answer.remainder.variable);
     BalanceModel& best = diagnosis.answer.best;
-    FittedSizes sizes = refitted(smooth, balance.laws, diagnosis.validated, diagnosis.nominal_inertia, balance.resolved_speed);
+    FittedSizes sizes = refitted(smooth, balance.laws, diagnosis.validated, diagnosis.nominal_inertia, balance.resolved_speed,
+                                 axis.axis.is_shaft_linear ? 0.0 : sim::total_ratio(axis.parameters.drive));
     diagnosis.is_physical = sizes.is_physical;
+    take_remainder(axis, sizes, diagnosis);
     best = std::move(sizes.best);
     diagnosis.answer.models.front() = std::move(sizes.stated);
     check_units(diagnosis.nominal_inertia, best);
+    if (!unseen.empty()) {
+      const BalanceModel inertia_alone = fit_balance(smooth, {}, diagnosis.nominal_inertia, balance.resolved_speed).best;
+      for (const NamedRun& run : unseen) diagnosis.unseen.push_back(tried_on(axis_record(run, axis), balance, inertia_alone, diagnosis));
+    }
     for (const BalanceRecord& record : smooth) {
       diagnosis.series.push_back(series_of(record, balance, diagnosis.nominal_inertia, diagnosis.answer.best));
     }
@@ -501,6 +639,12 @@ AxisDiagnosis diagnose_axis(const sim::MachineFile& axis, const std::vector<Name
     if (parameter.name == "inertia" || parameter.name == "mass") spread = parameter.spread;
   }
   name_answer(axis, spread, diagnosis);
+  if (diagnosis.outcome == AxisOutcome::stated) {
+    const auto failed = std::find_if(diagnosis.unseen.begin(), diagnosis.unseen.end(), [](const AxisValidation& one) { return !one.holds; });
+    if (failed != diagnosis.unseen.end()) {
+      diagnosis.verdict = fmt::format("Not sure: {}; but it does not predict {} better than the nominal axis and another inertia do", diagnosis.verdict, failed->place);
+    }
+  }
   say_what_to_do(axis, diagnosis);
   if (diagnosis.outcome == AxisOutcome::stated && !diagnosis.answer.best.terms.empty()) take_effects(axis, records.front().position.front(), diagnosis);
   if (!axis.parameters.drive.is_rigid) {

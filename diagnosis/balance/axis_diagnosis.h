@@ -50,10 +50,14 @@ struct AxisError {
 struct AxisValidation {
   std::string place;                 // the data that were not fitted, in words
   AxisError nominal, inertia, cause;
-  double effort = 0.0, speed = 0.0;  // RMS of what was measured there
-  double noise = 0.0;                // RMS of what noise of the positions and laws known no better leave of the balance
+  double effort = 0.0, speed = 0.0, acceleration = 0.0;  // RMS of what was measured there
+  double noise = 0.0;                // RMS of what noise of positions and efforts and laws known no better leave of the balance
+  double floor = 0.0;                // of this, what is not the efforts' noise
+  // RMS of that part of the balance's residual that is no white noise of the efforts: it goes together over more than the window.
+  double nominal_together = 0.0, cause_together = 0.0;
   bool holds = false;
   bool is_other_direction = false;   // they move in a direction in which the fitted data do not
+  bool is_one_direction = false;     // all data move in one direction
 };
 
 // What the page draws, of the last record: the balance's residual before and after.
@@ -78,6 +82,7 @@ struct AxisDiagnosis {
   bool is_physical = true;       // its laws fit all records with sizes that they can have
   double unexplained = 0.0;      // share of the gap that the stated laws leave on data that were not fitted
   bool has_remainder = false;    // and that is more than noise and laws known no better make
+  std::vector<AxisValidation> unseen;  // on the logs that had no part in the answer, by the sizes of `best`
   std::string verdict;
   std::string action;            // one sentence: what to do with it
   std::vector<common::EffectInstance> effects;  // of the best model, where the catalogue has its laws
@@ -88,8 +93,10 @@ struct AxisDiagnosis {
   std::vector<double> late_times;               // [s] of the lags that were tried
 };
 
-// `without`: names of laws (balance_law_names()) that are not tried, nor what is a detail of them. Throws NoBalance.
-AxisDiagnosis diagnose_axis(const sim::MachineFile& axis, const std::vector<NamedRun>& runs, const std::vector<std::string>& without = {});
+// `without`: names of laws (balance_law_names()) that are not tried, nor what is a detail of them. `unseen`: logs that the answer is tried on and that
+// have no part in it. Throws NoBalance.
+AxisDiagnosis diagnose_axis(const sim::MachineFile& axis, const std::vector<NamedRun>& runs, const std::vector<std::string>& without = {},
+                            const std::vector<NamedRun>& unseen = {});
 
 // The speed of the axis by the recorded effort alone, on the record's grid; begun where the motion is first known and anew after each `stretch`
 // samples.

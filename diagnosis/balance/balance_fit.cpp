@@ -21,9 +21,17 @@ constexpr double kNegligible = 1e-4;  // probability that is not told
 
 std::vector<FamilyProbability> family_probabilities(const BalanceAnswer& answer) {
   std::vector<FamilyProbability> families{{LawFamily::friction}, {LawFamily::load}, {LawFamily::drive}};
+  const auto belief = [&](const BalanceTerm& term) {
+    const auto law = std::find_if(answer.laws.begin(), answer.laws.end(), [&](const LawProbability& one) { return one.law == term.law; });
+    return law == answer.laws.end() ? 1.0 : law->belief;
+  };
   for (const BalanceModel& model : answer.models) {
     for (FamilyProbability& one : families) {
-      if (std::any_of(model.terms.begin(), model.terms.end(), [&](const BalanceTerm& term) { return term.family == one.family; })) one.probability += model.probability;
+      double none = 1.0;
+      for (const BalanceTerm& term : model.terms) {
+        if (term.family == one.family) none *= 1.0 - belief(term);
+      }
+      one.probability += model.probability * (1.0 - none);
     }
   }
   return families;

@@ -29,6 +29,7 @@ struct LawProbability {
   std::string law, words;
   LawFamily family = LawFamily::friction;
   double probability = 0.0;  // that it is there, alone or beside any others
+  double belief = 1.0;       // share of that which what is left takes from it not: what is unknown may be what it was fitted to
 };
 
 struct BalanceAnswer {
@@ -44,7 +45,9 @@ struct BalanceAnswer {
   std::vector<LawProbability> laws;  // of all that were tried
 };
 
-// That any law of a family is there: what may be sure where the members are not.
+// That any law of a family is there: what may be sure where the members are not. A model of doubted laws has the family unless none of them is there,
+//
+//   P = sum over models of p (1 - product over its laws of the family of (1 - belief))                 (2)
 struct FamilyProbability {
   LawFamily family = LawFamily::friction;
   double probability = 0.0;

@@ -80,7 +80,8 @@ std::vector<BalanceLaw> balance_laws(const BalanceScales& scales) {
   // What a first-order lag withholds; its size is the lag where the shape's time constant is.
   BalanceLaw lag{"lag", LawFamily::drive, "torque that comes late", {}, true, "", false};
   for (std::size_t k = 0; k < scales.late_times.size(); ++k) {
-    lag.shapes.push_back({scales.late_times[k], {[k](const LawMoment& m) { return m.late == nullptr ? 0.0 : m.late[k]; }}, kMostWithheld * scales.late_times[k]});
+    lag.shapes.push_back({scales.late_times[k], {[k](const LawMoment& m) { return m.late == nullptr ? 0.0 : m.late[k]; }}, kMostWithheld * scales.late_times[k], false,
+                          static_cast<int>(k)});
   }
   if (!lag.shapes.empty()) laws.push_back(std::move(lag));
   return laws;

@@ -40,6 +40,7 @@ struct LawShape {
   double largest = std::numeric_limits<double>::infinity();  // that the first size can be
   bool is_leaning = false;                                   // the second size is half a difference of the directions: no more than the first;
                                                              // it has a prior of its own, so records need not tell it
+  int late = -1;                                             // its column is what this lag withholds (BalanceScales::late_times); -1: none
 };
 
 struct BalanceLaw {

@@ -30,13 +30,16 @@ struct BalanceModel {
   std::vector<BalanceTerm> details; // ordinary laws that are not sure to be there, and with which left-out data are predicted better
   double validation = 0.0;          // mean square of the residual on blocks and records that were left out
   double probability = 0.0;
-  std::string words() const;        // "dry friction and viscous friction"
+  // The terms, each a law of its own: a constant torque beside a load over the position says where that rests, which is seldom the middle of the range.
+  std::vector<BalanceTerm> named() const;
+  std::string words() const;        // of these: "dry friction and viscous friction"
   std::vector<BalanceTerm> acting() const;  // terms and details
 };
 
 // What the residual follows, of what is left.
 struct Remainder {
-  std::string variable;  // "speed", "position", "time", "torque"; empty: none
+  std::string variable;  // "speed", "position", "time", "torque" and what else balance_unknown.cpp tries; empty: none
+  std::string words;     // "follows the speed"
   double share = 0.0;    // of the remaining mean square, on left-out blocks
 };
 
@@ -47,5 +50,13 @@ const LawShape& shape_of(const std::vector<BalanceLaw>& laws, const BalanceTerm&
 // the model's.
 std::vector<double> balance_residual(const BalanceRecord& record, const std::vector<BalanceLaw>& laws, const BalanceModel& model,
                                      double resolved_speed);
+
+// RMS of that part of (1) that goes together over more than the filter does, samples that do not move being 0:
+//
+//   sqrt(max(0, max over lags of |rho| - 2 s)) rms(r),   s^2 = (1 + 2 sum of rho_j^2) / n              (2)
+//
+// lags from one to two lengths of the filter; rho_j below them. White noise has none of it, and s is by how much chance makes it seem so
+// (Bartlett 1946, Supplement to the Journal of the Royal Statistical Society 8, p. 27).
+double correlated_rms(const BalanceRecord& record, const std::vector<BalanceLaw>& laws, const BalanceModel& model, double resolved_speed);
 
 }  // namespace slewlab::diagnosis

@@ -4,6 +4,8 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <set>
 #include <stdexcept>
 
 namespace slewlab::diagnosis {
@@ -90,20 +92,60 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
+// Third differences of white noise have 1 + 9 + 9 + 1 = 20 times its variance; a smooth series has next to none.
+double noise_of_differences(const std::vector<double>& values) {
+  std::vector<double> third;
+  for (std::size_t n = 3; n < values.size(); ++n) third.push_back(std::fabs(values[n] - 3.0 * values[n - 1] + 3.0 * values[n - 2] - values[n - 3]));
+  return median(std::move(third)) / 0.6745 / std::sqrt(20.0);  // 0.6745: median of |normal|
+}
+
+// 0 where nothing changes.
+double least_change(const std::vector<double>& values) {
+  double least = 0.0;
+  for (std::size_t n = 1; n < values.size(); ++n) {
+    const double change = std::fabs(values[n] - values[n - 1]);
+    if (change > 0.0 && (least == 0.0 || change < least)) least = change;
+  }
+  return least;
+}
+
+// The step that all efforts are multiples of; 0: none. A test signal that switches between a few levels was not rounded to them.
+double rounding_step(const std::vector<double>& effort) {
+  constexpr std::size_t kLevels = 32;    // chosen: more than a test signal has
+  constexpr double kOffStep = 1e-3;      // [steps] by which a multiple is missed, by the digits of a file
+  const double step = least_change(effort);
+  if (step == 0.0) return 0.0;
+  std::set<long long> levels;
+  for (const double value : effort) {
+    const double count = (value - effort.front()) / step;
+    if (std::fabs(count - std::round(count)) > kOffStep * std::max(1.0, std::fabs(count))) return 0.0;
+    levels.insert(std::llround(count));
+  }
+  return levels.size() >= kLevels ? step : 0.0;
+}
+
 }  // namespace
 
 double position_noise(const std::vector<double>& position) {
-  // Third differences of white noise have 1 + 9 + 9 + 1 = 20 times its variance; a smooth motion has next to none.
-  std::vector<double> third;
-  double least_change = 0.0;
-  for (std::size_t n = 0; n < position.size(); ++n) {
-    if (n >= 3) third.push_back(std::fabs(position[n] - 3.0 * position[n - 1] + 3.0 * position[n - 2] - position[n - 3]));
-    const double change = n > 0 ? std::fabs(position[n] - position[n - 1]) : 0.0;
-    if (change > 0.0 && (least_change == 0.0 || change < least_change)) least_change = change;
-  }
-  const double of_differences = median(std::move(third)) / 0.6745 / std::sqrt(20.0);  // 0.6745: median of |normal|
   // Counts: no change is smaller than one of them. A smooth signal's least change is far below its noise.
-  return std::max(of_differences, least_change / std::sqrt(12.0));
+  return std::max(noise_of_differences(position), least_change(position) / std::sqrt(12.0));
+}
+
+double effort_noise(const std::vector<double>& effort) { return std::max(noise_of_differences(effort), rounding_step(effort) / std::sqrt(12.0)); }
+
+double smoothed_effort_noise(const AxisRecord& record, std::size_t half_window) {
+  // A step shows in two second differences; a smooth torque, whose course between samples its neighbours tell, in none.
+  double changes = 0.0;
+  for (std::size_t n = 2; n < record.effort.size(); ++n) changes += 0.5 * std::pow(record.effort[n] - 2.0 * record.effort[n - 1] + record.effort[n - 2], 2);
+  const double unknown_instant = changes / static_cast<double>(std::max<std::size_t>(1, record.effort.size())) / 12.0;
+  const Eigen::VectorXd weight = mean_weights(half_window);
+  double square = 0.0;  // of the weights of single samples, each of which acts with half of either side
+  for (Eigen::Index i = 0; i <= weight.size(); ++i) {
+    const double sum = 0.5 * ((i < weight.size() ? weight(i) : 0.0) + (i > 0 ? weight(i - 1) : 0.0));
+    square += sum * sum;
+  }
+  const double noise = effort_noise(record.effort);
+  return std::sqrt((noise * noise + unknown_instant) * square);
 }
 
 double acceleration_noise(const AxisRecord& record, std::size_t half_window) {
@@ -159,6 +201,21 @@ BalanceRecord make_balance_record(const AxisRecord& record, std::size_t half_win
   balance.motion.time = times(balance.motion.position.size(), motion_half);
   balance.time = times(balance.position.size(), cut);
   return balance;
+}
+
+std::vector<double> effort_noise_products(double step, std::size_t half_window, const std::vector<double>& late_times) {
+  constexpr double kTail = 5.0;  // time constants after which a lag has forgotten the sample
+  const double longest = late_times.empty() ? 0.0 : *std::max_element(late_times.begin(), late_times.end());
+  const std::size_t before = 2 * half_window + 2;
+  std::vector<double> sample(2 * before + static_cast<std::size_t>(kTail * longest / step), 0.0);
+  sample[before] = 1.0;
+  std::vector<std::vector<double>> answers{balance_smoothed(about_the_samples(sample), half_window)};
+  for (const double time : late_times) answers.push_back(balance_smoothed(about_the_samples(withheld(sample, step, time)), half_window));
+  std::vector<double> products;
+  for (const std::vector<double>& one : answers) {
+    for (const std::vector<double>& other : answers) products.push_back(std::inner_product(one.begin(), one.end(), other.begin(), 0.0));
+  }
+  return products;
 }
 
 std::vector<double> balance_smoothed(const std::vector<double>& values, std::size_t half_window) {

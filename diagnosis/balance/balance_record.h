@@ -44,6 +44,8 @@ struct BalanceRecord {
   BalanceMotion motion;
   std::vector<double> time, position, speed, acceleration, effort;
   double speed_noise = 0.0;     // standard deviation, of the motion's speed
+  // What white noise of the efforts makes under the filter: products per sample of the effort (first) and of what each lag withholds of it, row by row.
+  std::vector<double> noise_products;
 };
 
 // [unit of position] standard deviation of white noise in the positions: of counts, q / sqrt(12); of a smooth signal,
@@ -53,6 +55,14 @@ double position_noise(const std::vector<double>& position);
 // [unit of position per s^2] standard deviation of the acceleration under a window of so many samples to either side.
 double acceleration_noise(const AxisRecord& record, std::size_t half_window);
 
+// [unit of effort] standard deviation of white noise in the recorded efforts: of torques that were rounded when they were written down, their
+// step / sqrt(12); else from the median of their third differences, which knows nothing of a torque that is switched now and then.
+double effort_noise(const std::vector<double>& effort);
+
+// [unit of effort] what that becomes under the balance's window; and what it is that nobody recorded when, between two samples, a torque was switched:
+// at any instant, so that of a step D a sample is wrong by D / sqrt(12).
+double smoothed_effort_noise(const AxisRecord& record, std::size_t half_window);
+
 inline constexpr std::size_t kFewestHalf = 3;  // [samples]: a cubic over seven
 
 // Half of the window that the noise asks for, at least kFewestHalf samples, at most `longest` [s].
@@ -60,6 +70,9 @@ std::size_t balance_half_window(const AxisRecord& record, double inertia, double
 
 // `late_times` [s]: time constants of the lags that laws ask for. Throws std::invalid_argument where the record is shorter than four windows.
 BalanceRecord make_balance_record(const AxisRecord& record, std::size_t half_window, const std::vector<double>& late_times = {});
+
+// BalanceRecord::noise_products for white noise of 1 in the efforts, `step` [s] apart: by the answer to a single sample of 1.
+std::vector<double> effort_noise_products(double step, std::size_t half_window, const std::vector<double>& late_times);
 
 // The filter of the balance on a series along the motion.
 std::vector<double> balance_smoothed(const std::vector<double>& values, std::size_t half_window);

@@ -13,9 +13,44 @@ namespace slewlab::diagnosis {
 namespace {
 
 constexpr double kFewestJudged = 50.0;  // samples that must move
+constexpr double kMostNoise = 0.5;      // of a column's square, from which it tells more of the noise than of the axis; chosen
 
 void add_column(const std::vector<double>& series, const std::vector<std::size_t>& judged, Eigen::MatrixXd& values, Eigen::Index column) {
   for (std::size_t i = 0; i < judged.size(); ++i) values(static_cast<Eigen::Index>(i), column) = series[judged[i]];
+}
+
+// Which lag's column each column is; -1: none.
+std::vector<int> lags_of(const Regression& regression, const std::vector<BalanceLaw>& laws) {
+  std::vector<int> lags;
+  for (const RegressionColumn& column : regression.columns) {
+    lags.push_back(column.law < 0 ? -1 : laws[static_cast<std::size_t>(column.law)].shapes[column.shape].late);
+  }
+  return lags;
+}
+
+// What noise of the efforts makes of a block's sums goes.
+void take_out_noise(const std::vector<double>& noise_products, const std::vector<int>& lags, RegressionBlock& block) {
+  if (noise_products.empty()) return;
+  const auto size = static_cast<std::size_t>(std::lround(std::sqrt(static_cast<double>(noise_products.size()))));
+  const auto product = [&](int row, int column) { return block.count * noise_products[static_cast<std::size_t>(row + 1) * size + static_cast<std::size_t>(column + 1)]; };
+  for (std::size_t i = 0; i < lags.size(); ++i) {
+    if (lags[i] < 0) continue;
+    const auto row = static_cast<Eigen::Index>(i);
+    block.with_effort(row) -= product(lags[i], -1);
+    for (std::size_t j = 0; j < lags.size(); ++j) {
+      if (lags[j] >= 0) block.products(row, static_cast<Eigen::Index>(j)) -= product(lags[i], lags[j]);
+    }
+  }
+}
+
+void mark_noise(Regression& regression) {
+  for (std::size_t c = 0; c < regression.columns.size(); ++c) {
+    const auto column = static_cast<Eigen::Index>(c);
+    double square = 0.0, left = 0.0;
+    for (const Eigen::MatrixXd& values : regression.values) square += values.col(column).squaredNorm();
+    for (const RegressionBlock& block : regression.blocks) left += block.products(column, column);
+    regression.columns[c].is_noise = left < (1.0 - kMostNoise) * square;
+  }
 }
 
 }  // namespace
@@ -40,6 +75,7 @@ Regression make_regression(const std::vector<BalanceRecord>& records, const std:
       for (std::size_t c = 0; c < laws[l].shapes[s].columns.size(); ++c) regression.columns.push_back({static_cast<int>(l), s});
     }
   }
+  const std::vector<int> lags = lags_of(regression, laws);
   for (std::size_t r = 0; r < records.size(); ++r) {
     const BalanceRecord& record = records[r];
     const std::vector<std::size_t> judged = moving_samples(record, resolved_speed);
@@ -64,6 +100,7 @@ Regression make_regression(const std::vector<BalanceRecord>& records, const std:
         block.products += rows.transpose() * rows;
         block.with_effort += rows.transpose() * targets;
       }
+      take_out_noise(record.noise_products, lags, block);
       if (block.count > 0.0) regression.blocks.push_back(std::move(block));
     }
     regression.count += static_cast<double>(judged.size());
@@ -75,6 +112,7 @@ Regression make_regression(const std::vector<BalanceRecord>& records, const std:
   if (regression.count < kFewestJudged) {
     throw std::invalid_argument("the records hold no motion that the positions resolve; a torque balance needs moves at several speeds");
   }
+  mark_noise(regression);
   regression.ridge = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(regression.columns.size()));
   return regression;
 }

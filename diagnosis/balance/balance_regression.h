@@ -7,6 +7,10 @@
 // block is several stretches spread over its record: what is left out with it is no motion that the rest does not have. Its sums are everything
 // that a fit and its error need, so a fit costs nothing per sample.
 //
+// What a lag withholds is made of the recorded efforts, and so are the efforts it has to explain: white noise of theirs would explain itself. Its
+// part, known by its size (balance_record.h), is taken out of the products and out of those with the effort (Fuller 1987, Measurement Error
+// Models, ch. 2); it stays in the square, so that a column neither gains nor loses by it.
+//
 // Shapes: A has a row per judged sample and a column per Regression::columns; sums are square in the columns that were chosen.
 // Units: those of the axis (balance_laws.h); solved with columns brought to one size, so that units do not matter.
 #pragma once
@@ -35,6 +39,7 @@ inline constexpr Eigen::Index kSkewColumn = 1;        // behind the acceleration
 struct RegressionColumn {
   int law = kAcceleration;
   std::size_t shape = 0;
+  bool is_noise = false;  // most of it is what noise of the efforts makes: it tells nothing
 };
 
 // Sums over one block: everything that a least-squares fit and its error need.

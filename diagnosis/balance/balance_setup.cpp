@@ -74,7 +74,13 @@ Balance balance_of(const std::vector<AxisRecord>& records, double inertia, doubl
 
 std::vector<BalanceRecord> smoothed(const std::vector<AxisRecord>& records, const Balance& balance) {
   std::vector<BalanceRecord> all;
-  for (const AxisRecord& record : records) all.push_back(make_balance_record(record, balance.half_window, balance.late_times));
+  for (const AxisRecord& record : records) {
+    all.push_back(make_balance_record(record, balance.half_window, balance.late_times));
+    const double noise = effort_noise(record.effort);
+    if (!(noise > 0.0)) continue;
+    all.back().noise_products = effort_noise_products(record.step, balance.half_window, balance.late_times);
+    for (double& product : all.back().noise_products) product *= noise * noise;
+  }
   return all;
 }
 

@@ -5,12 +5,36 @@
 #include <cmath>
 
 #include "diagnosis/balance/balance_priors.h"
+#include "diagnosis/balance/balance_unknown.h"
 
 namespace slewlab::diagnosis {
 
 namespace {
 
 constexpr double kDetail = 1.0;  // of the effort, what an ordinary law that is not named may make; chosen
+constexpr double kTold = 0.005;  // of the square of a law's first column, that the named ones do not have as well, for the records to tell it; chosen
+
+// Whether the records tell an ordinary law from those that are named: of its first column enough is no sum of theirs. Where all move one way, a
+// constant torque is dry friction.
+bool is_told_apart(const Regression& regression, const LawChoice& named, const std::pair<int, std::size_t>& law) {
+  LawChoice both = named;
+  both.laws.push_back(law);
+  const auto is_first = [&](Eigen::Index c) {
+    const RegressionColumn& column = regression.columns[static_cast<std::size_t>(c)];
+    return column.law == law.first && column.shape == law.second;
+  };
+  const std::vector<Eigen::Index> others = columns_of(regression, named), all = columns_of(regression, both);
+  const auto own = std::find_if(all.begin(), all.end(), is_first);
+  Eigen::MatrixXd products = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(others.size()), static_cast<Eigen::Index>(others.size()));
+  Eigen::VectorXd with = Eigen::VectorXd::Zero(products.rows());
+  double square = 0.0;
+  for (const RegressionBlock& block : regression.blocks) {
+    products += block.products(others, others);
+    with += block.products(others, *own);
+    square += block.products(*own, *own);
+  }
+  return square - with.dot(solve({products, with})) > kTold * square;
+}
 
 }  // namespace
 
@@ -45,7 +69,8 @@ ValidatedChoice with_details(const Regression& regression, const std::vector<Bal
   LawChoice whole = named.choice;
   for (std::size_t l = 0; l < laws.size(); ++l) {
     const bool is_in = std::any_of(whole.laws.begin(), whole.laws.end(), [&](const auto& law) { return law.first == static_cast<int>(l); });
-    if (laws[l].is_ordinary && !is_in) whole.laws.emplace_back(static_cast<int>(l), 0);
+    const std::pair<int, std::size_t> law{static_cast<int>(l), 0};
+    if (laws[l].is_ordinary && !is_in && is_told_apart(regression, whole, law)) whole.laws.push_back(law);
   }
   Regression shrunk = regression;
   double square = 0.0;
@@ -102,7 +127,7 @@ void widen(const BalanceModel& with_details, BalanceModel& stated) {
 }
 
 FittedSizes refitted(const std::vector<BalanceRecord>& records, const std::vector<BalanceLaw>& laws, const BalanceModel& model,
-                     double nominal_inertia, double resolved_speed) {
+                     double nominal_inertia, double resolved_speed, double motor_angle) {
   const Regression regression = prepared_regression(records, laws, nominal_inertia, resolved_speed);
   LawChoice choice;
   for (std::size_t l = 0; l < laws.size(); ++l) {
@@ -118,7 +143,9 @@ FittedSizes refitted(const std::vector<BalanceRecord>& records, const std::vecto
   BalanceModel best = to_model(regression, laws, whole, regression.count / correlation_length(regression, whole));
   take_details(model, best);
   widen(best, stated);
-  return {std::move(best), std::move(stated), named.is_physical};
+  double square = 0.0;
+  for (std::size_t r = 0; r < records.size(); ++r) square += residual_of(regression, whole, r).squaredNorm();
+  return {std::move(best), std::move(stated), named.is_physical, find_remainder(records, regression, whole, motor_angle), std::sqrt(square / regression.count)};
 }
 
 }  // namespace slewlab::diagnosis

@@ -19,7 +19,7 @@ namespace slewlab::diagnosis {
 // The model of a choice with its sizes and (1). `independent`: N.
 BalanceModel to_model(const Regression& regression, const std::vector<BalanceLaw>& laws, const ValidatedChoice& validated, double independent);
 
-// With the ordinary laws that are not named. Those go again that would push.
+// With the ordinary laws that are not named, where the records tell them from those that are. Those go again that would push.
 ValidatedChoice with_details(const Regression& regression, const std::vector<BalanceLaw>& laws, const ValidatedChoice& named);
 // Which of the terms of `other` are details, and how sure they are, as in `model`.
 void take_details(const BalanceModel& model, BalanceModel& other);
@@ -31,10 +31,12 @@ void widen(const BalanceModel& with_details, BalanceModel& stated);
 struct FittedSizes {
   BalanceModel best, stated;
   bool is_physical = true;  // no size has a sign that its law cannot have, and the records determine all of them
+  Remainder remainder;      // of `best`
+  double rest = 0.0;        // RMS of what `best` leaves of these records
 };
 // The same laws in the same shapes, their sizes fitted to other records. Throws std::invalid_argument where these do not move enough for a balance, or
-// `laws` lack one of the model's.
+// `laws` lack one of the model's. `motor_angle` as of balance_unknown.h.
 FittedSizes refitted(const std::vector<BalanceRecord>& records, const std::vector<BalanceLaw>& laws, const BalanceModel& model,
-                     double nominal_inertia, double resolved_speed);
+                     double nominal_inertia, double resolved_speed, double motor_angle = 0.0);
 
 }  // namespace slewlab::diagnosis

@@ -17,7 +17,10 @@ namespace slewlab::diagnosis {
 // What an inertia and smooth functions of speed and position leave of the effort.
 LeftOutError unknown_validation(const std::vector<BalanceRecord>& records, const Regression& regression);
 
-// Which of speed, position, time and torque the residual of a model follows most; none where that is hardly worth a word.
-Remainder find_remainder(const std::vector<BalanceRecord>& records, const Regression& regression, const ValidatedChoice& best);
+// What the residual of a model follows most; nothing where that is hardly worth a word. Tried are smooth functions of speed, position and time, of the
+// torque that the model asks for (the measured one holds the residual itself), of position, time and that torque against the motion, sines of the
+// motor's angle, these times the torque, and, of several records, what differs from one to the next as a constant torque, a friction or an
+// inertia. `motor_angle` [rad]: turn of the motor per unit of the axis; 0: no motor turns.
+Remainder find_remainder(const std::vector<BalanceRecord>& records, const Regression& regression, const FittedChoice& best, double motor_angle = 0.0);
 
 }  // namespace slewlab::diagnosis

@@ -73,7 +73,8 @@ ValidatedChoice validate(const Regression& regression, const std::vector<Balance
     result.record_error.push_back(count > 0.0 ? error / count : 0.0);
     result.of_records += error / regression.count;
   }
-  result.is_physical = result.sizes(0) > 0.0 && (choice.laws.empty() || determined > kParallel);
+  const bool is_noise = std::any_of(columns.begin(), columns.end(), [&](Eigen::Index c) { return regression.columns[static_cast<std::size_t>(c)].is_noise; });
+  result.is_physical = !is_noise && result.sizes(0) > 0.0 && (choice.laws.empty() || determined > kParallel);
   for (const auto& law : choice.laws) result.is_physical = result.is_physical && has_possible_sizes(regression, laws, columns, law, result.sizes);
   return result;
 }

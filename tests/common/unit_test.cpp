@@ -12,6 +12,12 @@ TEST(Unit, ConvertsDeclaredSpellingsToSi) {
   EXPECT_DOUBLE_EQ(*factor_to_si(Unit::radian, "deg"), std::numbers::pi / 180.0);
   EXPECT_DOUBLE_EQ(*factor_to_si(Unit::newton_metre, "kNm"), 1e3);
   EXPECT_DOUBLE_EQ(*factor_to_si(Unit::radian_per_second, "rpm"), std::numbers::pi / 30.0);
+  EXPECT_DOUBLE_EQ(*factor_to_si(Unit::radian_per_second, "1/min"), std::numbers::pi / 30.0);
+  EXPECT_DOUBLE_EQ(*factor_to_si(Unit::kilogram_square_metre, "kg cm^2"), 1e-4);
+  EXPECT_DOUBLE_EQ(*factor_to_si(Unit::kilogram_square_metre, "g cm²"), 1e-7);
+  EXPECT_DOUBLE_EQ(*factor_to_si(Unit::newton_metre, "mNm"), 1e-3);
+  EXPECT_DOUBLE_EQ(*factor_to_si(Unit::newton_metre, "MNm"), 1e6);
+  EXPECT_DOUBLE_EQ(*factor_to_si(Unit::newton_metre, "N cm"), 1e-2);
   EXPECT_DOUBLE_EQ(*factor_to_si(Unit::second, "ms"), 1e-3);
   EXPECT_DOUBLE_EQ(*factor_to_si(Unit::none, "%"), 0.01);
 }

@@ -60,32 +60,43 @@ std::string unit_of(const BalanceTerm& term, const Words& words) {
 
 nlohmann::json to_json(const AxisError& error) { return {{"balance_rms", error.balance}, {"forward_speed_rms", error.forward}, {"forward_speed_rms_in_tenths", error.tenths}}; }
 
-nlohmann::json to_json(const BalanceModel& model, const Words& words) {
-  nlohmann::json json{{"laws", nlohmann::json::array()}, {"words", model.words()}, {"probability", model.probability},
-                      {"sizes", nlohmann::json::array()}};
+// The inertia and the sizes of these laws.
+nlohmann::json sizes_of(const BalanceModel& model, const std::vector<BalanceTerm>& terms, const Words& words) {
+  nlohmann::json sizes = nlohmann::json::array();
   const auto add_size = [&](const std::string& name, double value, double deviation, const std::string& unit, bool is_positive) {
     const Interval interval = interval_of(value, deviation, is_positive);
-    json["sizes"].push_back({{"parameter", name}, {"value", value}, {"unit", unit}, {"low_90", interval.low}, {"high_90", interval.high}});
+    sizes.push_back({{"parameter", name}, {"value", value}, {"unit", unit}, {"low_90", interval.low}, {"high_90", interval.high}});
   };
   add_size(words.inertia_name, model.inertia, model.inertia_deviation, words.inertia, true);
-  const auto add_term = [&](const BalanceTerm& term) {
+  for (const BalanceTerm& term : terms) {
     for (std::size_t k = 0; k < term.size.size(); ++k) {
       add_size(term.size.size() == 1 ? term.law : fmt::format("{}.{}", term.law, k + 1), term.size[k], term.deviation[k], unit_of(term, words), k == 0 && term.is_dissipative);
     }
     if (term.shape != 0.0) add_size(term.law + ".shape", term.shape, 0.0, term.law == "warming" || term.law == "lag" ? "s" : words.speed, true);
-  };
-  for (const BalanceTerm& term : model.terms) {
+  }
+  return sizes;
+}
+
+// Either set of sizes belongs together: those of the laws alone, and those of the laws beside what is carried along (`predicts`).
+nlohmann::json to_json(const BalanceModel& model, const BalanceModel& predicts, const Words& words) {
+  nlohmann::json json{{"laws", nlohmann::json::array()}, {"words", model.words()}, {"probability", model.probability},
+                      {"sizes", sizes_of(model, model.terms, words)}, {"details", nlohmann::json::array()}};
+  for (const BalanceTerm& term : model.named()) {
     json["laws"].push_back(term.law);
     json["law_probabilities"].push_back(term.probability);
-    add_term(term);
   }
-  json["details"] = nlohmann::json::array();
-  for (const BalanceTerm& term : model.details) {
-    json["details"].push_back(term.law);
-    add_term(term);
-  }
-  json["torque_recorded_ahead_s"] = model.skew;
+  for (const BalanceTerm& term : predicts.details) json["details"].push_back(term.law);
+  if (!predicts.details.empty()) json["sizes_with_details"] = sizes_of(predicts, predicts.acting(), words);
+  json["torque_recorded_ahead_s"] = predicts.skew;
   return json;
+}
+
+// The laws of a family that were tried; a constant torque that says where a load over the position rests is none of its own.
+std::vector<diagnosis::LawProbability> members_of(const AxisDiagnosis& found, diagnosis::LawFamily family) {
+  std::vector<diagnosis::LawProbability> members = diagnosis::law_probabilities(found.answer);
+  const bool has_rest = found.answer.best.named().size() < found.answer.best.terms.size();
+  std::erase_if(members, [&](const diagnosis::LawProbability& law) { return law.family != family || (has_rest && law.law == "offset"); });
+  return members;
 }
 
 nlohmann::json to_json(const AxisDiagnosis& found, const sim::MachineFile& axis, const Words& words) {
@@ -105,22 +116,48 @@ nlohmann::json to_json(const AxisDiagnosis& found, const sim::MachineFile& axis,
                       {"unexplained_share", found.unexplained},
                       {"has_unknown_remainder", found.has_remainder},
                       {"judged_share", found.answer.judged_share},
-                      {"remainder", {{"follows", found.answer.remainder.variable}, {"share", found.answer.remainder.share}}},
+                      {"remainder", {{"follows", found.answer.remainder.variable}, {"words", found.answer.remainder.words}, {"share", found.answer.remainder.share}}},
                       {"validation",
-                       {{"on", validation.place}, {"holds", validation.holds}, {"noise_rms", validation.noise}, {"effort_rms", validation.effort}, {"speed_rms", validation.speed},
+                       {{"on", validation.place}, {"holds", validation.holds}, {"noise_rms", validation.noise}, {"floor_rms", validation.floor}, {"correlated_rms", validation.cause_together},
+                        {"effort_rms", validation.effort}, {"speed_rms", validation.speed},
                         {"nominal", to_json(validation.nominal)}, {"inertia_alone", to_json(validation.inertia)},
                         {"cause", to_json(validation.cause)}}},
                       {"remarks", found.remarks},
                       {"causes", nlohmann::json::array()}};
-  for (const BalanceModel& model : found.answer.models) json["causes"].push_back(to_json(model, words));
+  for (const diagnosis::AxisValidation& one : found.unseen) {
+    json["unseen"].push_back({{"log", one.place}, {"holds", one.holds}, {"nominal", to_json(one.nominal)}, {"inertia_alone", to_json(one.inertia)}, {"cause", to_json(one.cause)}});
+  }
+  for (const BalanceModel& model : found.answer.models) {
+    json["causes"].push_back(to_json(model, &model == &found.answer.models.front() ? found.answer.best : model, words));
+  }
   for (const diagnosis::FamilyProbability& one : diagnosis::family_probabilities(found.answer)) {
     nlohmann::json members = nlohmann::json::array();
-    for (const diagnosis::LawProbability& law : diagnosis::law_probabilities(found.answer)) {
-      if (law.family == one.family) members.push_back({{"law", law.law}, {"words", law.words}, {"probability", law.probability}});
+    for (const diagnosis::LawProbability& law : members_of(found, one.family)) {
+      members.push_back({{"law", law.law}, {"words", law.words}, {"probability", law.probability}});
     }
     json["families"].push_back({{"family", diagnosis::words_of(one.family)}, {"probability", one.probability}, {"members", members}});
   }
   return json;
+}
+
+// Of logs that had no part in the answer.
+std::string unseen_text(const AxisDiagnosis& found, const Words& words) {
+  const bool has_cause = found.outcome == AxisOutcome::stated;
+  std::string text;
+  for (const diagnosis::AxisValidation& one : found.unseen) {
+    const auto line = [&](const char* what, double nominal, double inertia, double cause, const char* unit) {
+      std::string told = fmt::format("  {:24} nominal {:.4g}, {} alone {:.4g}", what, nominal, words.inertia_name, inertia);
+      if (has_cause) told += fmt::format(", with {} {:.4g}", found.answer.best.words(), cause);
+      return told + " " + unit + "\n";
+    };
+    text += fmt::format("\nValidation on {} (had no part in the answer)\n", one.place);
+    text += line("torque balance, RMS", one.nominal.balance, one.inertia.balance, one.cause.balance, words.effort);
+    text += line("speed, simulated forward", one.nominal.forward, one.inertia.forward, one.cause.forward, words.speed);
+    text += line("  anew at each tenth", one.nominal.tenths, one.inertia.tenths, one.cause.tenths, words.speed);
+    if (has_cause) text += one.holds ? "  the cause predicts it better than the nominal axis and than another inertia\n"
+                                     : "  the cause does not predict it better than the nominal axis and another inertia: do not rely on it\n";
+  }
+  return text;
 }
 
 std::string summary_text(const AxisDiagnosis& found, const Words& words) {
@@ -136,8 +173,8 @@ std::string summary_text(const AxisDiagnosis& found, const Words& words) {
     for (const diagnosis::FamilyProbability& one : diagnosis::family_probabilities(found.answer)) {
       if (one.probability < kWorthNaming) continue;
       text += fmt::format("  {:5.1f} %  {}\n", 100 * one.probability, diagnosis::words_of(one.family));
-      for (const diagnosis::LawProbability& law : diagnosis::law_probabilities(found.answer)) {
-        if (law.family == one.family && law.probability >= kWorthNaming) text += fmt::format("           {:5.1f} %  {}\n", 100 * law.probability, law.words);
+      for (const diagnosis::LawProbability& law : members_of(found, one.family)) {
+        if (law.probability >= kWorthNaming) text += fmt::format("           {:5.1f} %  {}\n", 100 * law.probability, law.words);
       }
     }
   }
@@ -156,11 +193,16 @@ std::string summary_text(const AxisDiagnosis& found, const Words& words) {
     const Interval inertia = interval_of(model.inertia, model.inertia_deviation, true);
     text += fmt::format("            {} = {:.4g} {} (90 %: {:.4g} to {:.4g}; the file has {:.4g})\n", words.inertia_name, model.inertia, words.inertia,
                         inertia.low, inertia.high, found.nominal_inertia);
+    // Beside a load over the position a constant torque says where that rests.
+    const auto is_rest = [&](const BalanceTerm& term) { return term.law == "offset" && model.named().size() < model.terms.size(); };
     for (const BalanceTerm& term : model.terms) {
       for (std::size_t k = 0; k < term.size.size(); ++k) {
         const Interval interval = interval_of(term.size[k], term.deviation[k], k == 0 && term.is_dissipative);
         text += fmt::format("            {}{} = {:.4g} {} (90 %: {:.4g} to {:.4g}; there with {:.0f} %; without it {:.1f} % more of the gap are left)\n", term.words,
-                            k == 1 && term.law == "viscous" ? ", half the difference of the directions" : "", term.size[k],
+                            k == 1 && term.law == "viscous" ? ", half the difference of the directions"
+                            : term.law == "spring"               ? ", from the middle of the range to its end"
+                            : is_rest(term)                      ? ", in the middle of the range"
+                                                                 : "", term.size[k],
                             unit_of(term, words), interval.low, interval.high, 100 * term.probability, 100 * term.share);
       }
     }
@@ -172,7 +214,8 @@ std::string summary_text(const AxisDiagnosis& found, const Words& words) {
       text += fmt::format("{} {} {:.3g} +- {:.2g} {}", &term == &found.answer.best.details.front() ? "" : ",", term.words, term.size[0],
                           kNinetyPercent * term.deviation[0], unit_of(term, words));
     }
-    for (const BalanceTerm& term : found.answer.best.terms) text += fmt::format("; with it {} {:.3g} {}", term.words, term.size[0], unit_of(term, words));
+    text += fmt::format("; with it {} {:.4g} {}", words.inertia_name, found.answer.best.inertia, words.inertia);
+    for (const BalanceTerm& term : found.answer.best.terms) text += fmt::format(", {} {:.3g} {}", term.words, term.size[0], unit_of(term, words));
     text += "\n";
   }
   text += fmt::format("\nValidation on {} (sizes fitted without it): RMS error, nominal -> {} alone -> with the cause\n", validation.place,
@@ -183,6 +226,7 @@ std::string summary_text(const AxisDiagnosis& found, const Words& words) {
                       validation.inertia.forward, validation.cause.forward, words.speed);
   text += fmt::format("  {:24} {:10.4g} -> {:10.4g} -> {:10.4g} {}\n", "  anew at each tenth", validation.nominal.tenths, validation.inertia.tenths,
                       validation.cause.tenths, words.speed);
+  text += unseen_text(found, words);
   for (const std::string& remark : found.remarks) text += "  note: " + remark + "\n";
   return text;
 }
@@ -220,7 +264,12 @@ int diagnose_axis_logs(const sim::MachineFile& axis, const DiagnoseOptions& opti
   MeasuredRuns measured = measured_runs(options.logs);
   std::vector<diagnosis::NamedRun> runs;
   for (MeasuredRun& one : measured.runs) runs.push_back({one.name, std::move(one.run)});
-  AxisDiagnosis found = diagnosis::diagnose_axis(axis, runs, options.without);
+  std::vector<diagnosis::NamedRun> unseen;
+  if (!options.unseen.empty()) {
+    MeasuredRuns kept_back = measured_runs(options.unseen);
+    for (MeasuredRun& one : kept_back.runs) unseen.push_back({one.name, std::move(one.run)});
+  }
+  AxisDiagnosis found = diagnosis::diagnose_axis(axis, runs, options.without, unseen);
   for (const MeasuredRun& one : measured.runs) found.remarks.insert(found.remarks.end(), one.remarks.begin(), one.remarks.end());
   if (measured.is_damaged) found.verdict += kOfADamagedLog;
   if (!options.controller.empty()) {

@@ -408,9 +408,6 @@ void check_options_of_an_axis(const DiagnoseOptions& options, common::InputProbl
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
     problems.push_back({{"--without", 0, 0}, "", name, fmt::format("a law of an axis's torque balance: one of {}", fmt::join(known, ", "))});
   }
-  for (const std::filesystem::path& log : options.unseen) {
-    problems.push_back({{"--unseen", 0, 0}, "", log.string(), "no --unseen beside an axis, whose last log (of one: its second half) is the one that the answer is tried on"});
-  }
   if (options.threads) {
     problems.push_back({{"--threads", 0, 0}, "", std::to_string(*options.threads), "no --threads beside an axis, whose diagnosis takes about a second on one"});
   }

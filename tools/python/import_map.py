@@ -8,6 +8,7 @@ Of a plain axis (`machine: axis.yaml` in the map, docs/axis.md) ratio and travel
 it stands on the axis or on the shaft.
 """
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -37,6 +38,8 @@ class Signal:
     derive: str | None = None
     inverted: bool = False
     unit: str = ""        # of the message's field
+    turn: float | None = None    # of the column's angle, in the column's own numbers; None: no angle of a motion
+    unwrap: float | None = None  # after how much the column begins anew, in its own numbers
 
 
 @dataclass
@@ -107,6 +110,11 @@ def read_signal(reader, name, kind, machine=None):
         offset = reader.number("offset", quantity_of(unit or "-") or "number", 0.0, positive=False)
         found.offset = offset / (factor or 1.0)
     is_linear = linear is not None and factor is not None and factor_to_si(linear, unit) is not None
+    is_position = kind == "position" or name in ("load_position", "slew_angle")
+    if is_position and reader.has("unwrap"):
+        found.unwrap = (reader.number("unwrap", quantity_of(unit or "-") or "number", None) or 0.0) / abs((factor or 1.0) * scale) or None
+    if is_position and factor is not None and factor_to_si("angle", unit) is not None:
+        found.turn = 2.0 * math.pi / (factor * scale)
     if machine and linear:
         factor = axis_factor(reader, kind, unit, factor, machine)
         motors = reader.integer("motors", 1, 1) if kind == "torque" else 1

@@ -6,7 +6,11 @@ import numpy as np
 
 from import_grid import NANOSECONDS, even_grid, times
 from import_map import FLAGS, fail_if_wrong
-from import_table import check_numbers
+from import_table import CUT, check_numbers
+
+POSITIONS = ("shaft_position", "slew_angle")
+SPIKE = 20.0           # times the largest other second difference, chosen: motion spreads over several rows
+FEWEST_ROWS = 20       # fewer tell no motion from a jump
 
 
 def integral_of(values_of, seconds, holds, shelf):
@@ -80,6 +84,45 @@ class DerivedSpeed:
         return (x[k] - x[k - 1]) / self.period
 
 
+def unwrapped(column, period, shelf):
+    """A column that begins anew after so much, as it would have gone on: no step is longer than half of that."""
+    whole, last, turns = shelf.column(), None, 0.0
+    for _, values in column.stretches():
+        steps = np.diff(values, prepend=values[0] if last is None else last)
+        all_turns = turns - np.cumsum(np.round(steps / period))
+        whole.append(values + period * all_turns)
+        last, turns = values[-1], all_turns[-1]
+    return whole
+
+
+def check_jumps(entry, column, row, is_even):
+    """A complaint about the first row of a position from which it jumps: by a turn, as a single-turn encoder does, or, where the rows
+    are even, there and back."""
+    if column.rows < FEWEST_ROWS:
+        return
+    largest = []  # (how far a row is off its neighbours' mean, row) of the few that are furthest
+    for begin, values in column.stretches(before=3):
+        first = max(begin - 3, 0)
+        steps = np.diff(values)
+        if entry.turn:
+            # One step unlike those to either side, by about a turn: no motion is as fast for one row alone.
+            jumps = np.abs(steps[1:-1] - 0.5 * (steps[:-2] + steps[2:])) / abs(entry.turn)
+            found = np.flatnonzero((jumps > 0.7) & (jumps < 1.3) & (np.maximum(np.abs(steps[:-2]), np.abs(steps[2:])) < 0.3 * abs(entry.turn)))
+            if len(found):
+                at = found[0] + 1
+                entry.reader.report("column", f"a jump by {steps[at]:.6g}, about a turn, behind {row(first + at)} in column '{entry.column}'",
+                                    "an angle that goes on; of an encoder that begins anew after each turn unwrap: {value: 360, unit: deg, source: ...}")
+                return
+        off = np.abs(values[1:-1] - 0.5 * (values[:-2] + values[2:]))
+        largest = sorted(largest + [(off[at], first + int(at) + 1) for at in np.argsort(off)[-8:]])[-8:]
+    most, place = largest[-1]
+    # A row that is off its neighbours puts these off theirs.
+    other = max((off for off, at in largest if abs(at - place) > 1), default=0.0)
+    if is_even and other > 0.0 and most > SPIKE * other:
+        entry.reader.report("column", f"{column[place]:.6g} in column '{entry.column}' at {row(place)}, between {column[place - 1]:.6g} and {column[place + 1]:.6g}",
+                            f"a position that moves; this row jumps there and back{CUT}")
+
+
 def of_entry(entry, name, column):
     """What a map's entry makes of its column: rows `begin` to `end`."""
     def values_of(begin, end):
@@ -102,6 +145,9 @@ def convert(mapping, table, row, shelf):
     seconds = times(mapping, table, row, shelf)
     grid = even_grid(mapping, seconds, row) if seconds is not None else None
     fail_if_wrong(mapping)
+    for entry in (entry for name in POSITIONS for entry in mapping.signals.get(name, []) if entry.unwrap is None):
+        check_jumps(entry, table.columns[entry.column].numbers, row, grid.is_of_rows)
+    fail_if_wrong(mapping)
     period = (grid[-1] / NANOSECONDS - grid[0] / NANOSECONDS) / (len(grid) - 1)
     remarks = []
     if not grid.is_of_rows:
@@ -114,7 +160,8 @@ def convert(mapping, table, row, shelf):
                 signals[name].append(DerivedSpeed(signals["shaft_position"][group], period, entry.derive, len(grid)))
                 remarks.append(f"{entry.name} is derived from the position: {entry.derive}")
                 continue
-            values_of = of_entry(entry, name, table.columns[entry.column].numbers)
+            numbers = table.columns[entry.column].numbers
+            values_of = of_entry(entry, name, numbers if entry.unwrap is None else unwrapped(numbers, entry.unwrap, shelf))
             if not grid.is_of_rows:
                 holds = name in FLAGS or name in ("motor_torque", "speed_request")
                 how = "linear" if name in FLAGS else mapping.resample

@@ -6,9 +6,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <fstream>
 #include <iomanip>
 #include <numbers>
+#include <random>
 #include <string>
 
 #include "tests/diagnosis/balance/simulated_axis.h"
@@ -78,6 +80,16 @@ std::vector<NamedRun> two_runs(const SimulatedAxis& axis, const Size& size = {})
   return {logged(axis, "a", size), logged(other, "b", size)};
 }
 
+// As if the torque were measured: white noise of so much [N m on the axis] in what is written down, none in what acts.
+std::vector<NamedRun> with_noisy_torque(std::vector<NamedRun> runs, double deviation) {
+  std::mt19937_64 generator(11);
+  std::normal_distribution<double> noise(0.0, deviation / kRatio);
+  for (NamedRun& named : runs) {
+    for (msgs::Torque& torque : named.run.torque) torque.motor_torque[0] += noise(generator);
+  }
+  return runs;
+}
+
 SimulatedAxis noisy(std::function<double(double, double, double)> resistance) {
   return {.inertia = kInertia, .resistance = std::move(resistance), .effort = switched, .noise = 2e-5};
 }
@@ -108,6 +120,19 @@ TEST(AxisDiagnosis, NamesFrictionWithItsSizesAndPredictsTheRecordThatItDidNotSee
   ASSERT_EQ(found.effects.size(), 2u);
   EXPECT_EQ(found.effects[0].name, "bearing_coulomb");
   EXPECT_EQ(found.effects[1].name, "bearing_viscous");
+}
+
+// Noise of a torque that was measured is no effect: 3 % of what acts, white, which no law could explain.
+TEST(AxisDiagnosis, NoiseOfAMeasuredTorqueIsNoEffect) {
+  for (const double deviation : {0.2, 0.5, 1.0}) {
+    const AxisDiagnosis found = diagnose_axis(axis_file(), with_noisy_torque(two_runs(noisy([](double, double, double) { return 0.0; })), deviation));
+    EXPECT_EQ(found.outcome, AxisOutcome::nothing_missing) << found.verdict;
+    EXPECT_LT(found.validation.nominal.balance, 1.2 * found.validation.noise);
+    EXPECT_LT(found.validation.nominal_together, found.validation.floor);
+  }
+  // And it hides no torque of time that is larger than the floor of what laws are known by, though it is hardly larger than the noise.
+  const auto load = [](double t, double, double) { return 1.5 * std::sin(0.8 * t); };
+  EXPECT_EQ(diagnose_axis(axis_file(), with_noisy_torque(two_runs(noisy(load)), 1.5)).outcome, AxisOutcome::unknown);
 }
 
 // Where the speeds are too few to tell the members of a family, the family leads, and each member has its own probability.
@@ -206,6 +231,58 @@ TEST(AxisDiagnosis, StatesNothingThatDoesNotPredict) {
   const AxisDiagnosis found = diagnose_axis(axis_file(), runs);
   EXPECT_NE(found.outcome, AxisOutcome::stated) << found.verdict;
   EXPECT_TRUE(found.effects.empty());
+}
+
+// What is known of the records is no more than that something is missing: that is unknown, not "cannot tell"; and where one cannot tell, nothing
+// unknown is claimed.
+TEST(AxisDiagnosis, AGapThatNoLawPredictsIsUnknown) {
+  SimulatedAxis axis = noisy([](double time, double, double) { return 3.0 * std::sin(7.0 * time) * std::sin(1.7 * time); });
+  SimulatedAxis other = axis;
+  other.effort = [](double time) { return -0.9 * switched(time + 2.1); };
+  other.resistance = [](double, double, double speed) { return 2.0 * std::tanh(speed / 1e-3) * std::cos(3.0 * speed); };
+  const AxisDiagnosis found = diagnose_axis(axis_file(), {logged(axis, "a"), logged(other, "b")});
+  EXPECT_EQ(found.outcome, AxisOutcome::unknown) << found.verdict;
+  EXPECT_GE(found.answer.probability_unknown, 0.5);
+}
+
+// A motor that saturates, F - s F |F|, asks for more effort as another inertia would. Under a sine of amplitude A, 8 / (3 pi) s A^2 of it is one: up to 17 % here.
+// What is left is a fifth of that and goes together, so the inertia is no answer.
+TEST(AxisDiagnosis, AMotorThatSaturatesIsNoInertia) {
+  constexpr double kAmplitude = 9.0, kSaturation = 0.2 / kAmplitude;  // [N m], [1 / (N m)]
+  const auto saturating = [](double frequency, unsigned seed, bool rubs) {
+    const auto effort = [frequency](double t) { return kAmplitude * std::cos(frequency * t) * (0.6 + 0.4 * std::cos(0.5 * t)); };
+    SimulatedAxis axis = noisy([effort, rubs](double t, double q, double v) { return kSaturation * effort(t) * std::fabs(effort(t)) + (rubs ? friction(t, q, v) : 0.0); });
+    axis.effort = effort;
+    axis.seed = seed;
+    return axis;
+  };
+  const AxisDiagnosis alone = diagnose_axis(axis_file(), {logged(saturating(3.0, 1, false), "a"), logged(saturating(4.3, 2, false), "b")});
+  EXPECT_EQ(alone.outcome, AxisOutcome::unknown) << alone.verdict;
+  const double low = alone.answer.best.inertia - 1.645 * alone.answer.best.inertia_deviation;
+  EXPECT_LT(low, kInertia) << alone.answer.best.inertia;
+  const AxisDiagnosis rubbing = diagnose_axis(axis_file(), {logged(saturating(3.0, 1, true), "a"), logged(saturating(4.3, 2, true), "b")});
+  EXPECT_EQ(rubbing.verdict.find(", beside an inertia"), std::string::npos) << rubbing.verdict;
+}
+
+// A spring that rests outside the middle of the range is one law, with its stiffness and its place of rest; no constant torque beside it.
+TEST(AxisDiagnosis, ASpringRestsWhereItRests) {
+  constexpr double kStiffness = 1.8, kRest = 0.7;  // [N m / rad], [rad]
+  const auto sprung = [](double frequency, unsigned seed) {
+    SimulatedAxis axis = noisy([](double t, double q, double v) { return friction(t, q, v) + kStiffness * (q - kRest); });
+    axis.effort = [frequency](double t) { return 3.0 + 7.0 * std::cos(frequency * t) + 2.0 * std::sin(0.3 * t); };
+    axis.seed = seed;
+    return axis;
+  };
+  const AxisDiagnosis found = diagnose_axis(axis_file(), {logged(sprung(1.7, 1), "a"), logged(sprung(2.3, 2), "b")});
+  ASSERT_EQ(found.outcome, AxisOutcome::stated) << found.verdict;
+  EXPECT_NE(size_of(found.answer.best, "spring"), 0.0) << found.verdict;
+  EXPECT_EQ(found.verdict.find("constant torque"), std::string::npos) << found.verdict;
+  const auto remark = std::find_if(found.remarks.begin(), found.remarks.end(), [](const std::string& one) { return one.rfind("load that changes with the position: ", 0) == 0; });
+  ASSERT_NE(remark, found.remarks.end());
+  double stiffness = 0.0, rest = 0.0;
+  ASSERT_EQ(std::sscanf(remark->c_str(), "load that changes with the position: %lf Nm/rad towards %lf rad", &stiffness, &rest), 2) << *remark;
+  EXPECT_NEAR(stiffness, kStiffness, 0.05 * kStiffness);
+  EXPECT_NEAR(rest, kRest, 0.05);
 }
 
 // Logs at 50 Hz hold the mean of what the drive did in between: half a sample of skew is the recorder's, and no effect.
@@ -354,6 +431,24 @@ TEST(AxisDiagnosis, OneDirectionTellsViscousFriction) {
   EXPECT_NEAR(size_of(found.answer.best, "viscous"), 2.5, 0.4) << found.verdict;
 }
 
+// Where all logs move one way a constant torque is dry friction: none is carried along beside it, and what is written is the friction that there is.
+TEST(AxisDiagnosis, OneDirectionCarriesNoConstantTorqueAlongDryFriction) {
+  SimulatedAxis axis = noisy([](double, double, double speed) { return 3.0 * std::tanh(speed / 1e-3) + 1.0 * speed; });
+  axis.effort = [](double time) { return std::fmod(time, 4.0) < 2.0 ? 7.0 : 2.0; };
+  SimulatedAxis other = axis;
+  other.seed = 2;
+  other.effort = [](double time) { return std::fmod(time, 5.0) < 2.0 ? 6.0 : 2.5; };
+  const AxisDiagnosis found = diagnose_axis(axis_file(), {logged(axis, "a"), logged(other, "b")});
+  ASSERT_EQ(found.outcome, AxisOutcome::stated) << found.verdict;
+  double against = 0.0;  // [N m] of the motion, of what does not depend on its speed
+  for (const BalanceTerm& term : found.answer.best.acting()) {
+    if (term.law == "dry" || term.law == "offset") against += term.size[0];
+    EXPECT_FALSE(term.law == "offset" && size_of(found.answer.best, "dry") != 0.0) << term.size[0];
+  }
+  EXPECT_NEAR(against, 3.0, 0.3) << found.verdict;
+  EXPECT_TRUE(std::any_of(found.remarks.begin(), found.remarks.end(), [](const std::string& remark) { return remark.rfind("all logs move in one direction", 0) == 0; }));
+}
+
 // What dry friction holds stands still in forward simulation, however long.
 TEST(AxisDiagnosis, DryFrictionHoldsInForwardSimulation) {
   AxisRecord record{"held", 0.01, std::vector<double>(3000, 0.2), std::vector<double>(3000, 1.0)};
@@ -363,6 +458,24 @@ TEST(AxisDiagnosis, DryFrictionHoldsInForwardSimulation) {
   model.inertia = kInertia;
   model.terms = {{"dry", "", LawFamily::friction, 0.0, true, {1.5}, {}, 0.0}};
   for (const double speed : forward_speed(record, smooth.motion, laws, model)) ASSERT_NEAR(speed, 0.0, 1e-9);
+}
+
+// A log that has no part in the answer is predicted by it; the same log of an axis that rubs no more is not, and the first sentence says so.
+TEST(AxisDiagnosis, TheAnswerIsTriedOnLogsThatHadNoPartInIt) {
+  SimulatedAxis third = noisy(friction), free = noisy([](double, double, double) { return 0.0; });
+  third.seed = free.seed = 5;
+  third.effort = free.effort = [](double time) { return 0.8 * switched(1.3 * time + 0.7); };
+  const AxisDiagnosis plain = diagnose_axis(axis_file(), two_runs(noisy(friction)));
+  const AxisDiagnosis found = diagnose_axis(axis_file(), two_runs(noisy(friction)), {}, {logged(third, "c")});
+  EXPECT_EQ(found.verdict, plain.verdict);
+  ASSERT_EQ(found.unseen.size(), 1u);
+  EXPECT_EQ(found.unseen.front().place, "c");
+  EXPECT_TRUE(found.unseen.front().holds);
+  EXPECT_LT(found.unseen.front().cause.balance, 0.1 * found.unseen.front().nominal.balance);
+  const AxisDiagnosis refuted = diagnose_axis(axis_file(), two_runs(noisy(friction)), {}, {logged(free, "d")});
+  EXPECT_FALSE(refuted.unseen.front().holds);
+  EXPECT_EQ(refuted.verdict.rfind("Not sure: ", 0), 0u) << refuted.verdict;
+  EXPECT_NE(refuted.verdict.find("does not predict d better"), std::string::npos) << refuted.verdict;
 }
 
 // What to do stands in one sentence behind the answer.

@@ -123,7 +123,25 @@ TEST(BalanceFit, WhatNoLawKnowsIsSaidWithItsVariable) {
     return 0.8 * speed + 3.0 * std::exp(-std::pow((position - 1.5) / 0.5, 2)) * std::tanh(speed / 1e-3);
   };
   const BalanceAnswer answer = answer_of(axis).answer;
-  EXPECT_EQ(answer.remainder.variable, "position");
+  EXPECT_EQ(answer.remainder.variable, "position and direction");
+}
+
+// Of a law that is doubted, a family of it alone is no surer than it is; beside a law that is not doubted the family is as sure as that. By hand: 0.6 + 0.1 +
+// 0.2 of 0.3; and 0.2 of 0.9.
+TEST(BalanceFit, AFamilyIsAsSureAsItsMembersAllow) {
+  const auto model = [](double probability, const std::vector<std::string>& laws) {
+    BalanceModel made;
+    made.probability = probability;
+    for (const std::string& law : laws) made.terms.push_back({law, law, law == "lag" ? LawFamily::drive : LawFamily::friction, 0.0, true, {1.0}, {0.1}, 0.0});
+    return made;
+  };
+  BalanceAnswer answer;
+  answer.models = {model(0.6, {"dry", "rising"}), model(0.3, {"rising"}), model(0.1, {"dry"})};
+  answer.laws = {{"dry", "dry", LawFamily::friction, 0.7}, {"rising", "rising", LawFamily::friction, 0.2 * 0.9, 0.2}};
+  EXPECT_NEAR(family_probabilities(answer).front().probability, 0.76, 1e-12);
+  answer.models = {model(0.9, {"lag"})};
+  answer.laws = {{"lag", "lag", LawFamily::drive, 0.2 * 0.9, 0.2}};
+  EXPECT_NEAR(family_probabilities(answer).back().probability, law_probabilities(answer).front().probability, 1e-12);
 }
 
 TEST(BalanceFit, MassesAndForcesOfAnySizeGiveTheSameAnswer) {

@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <random>
 
 #include "tests/diagnosis/balance/prepared_axis.h"
 
@@ -40,6 +41,22 @@ TEST(BalanceModel, TheModelThatMadeARecordLeavesNothingOfIt) {
     ASSERT_EQ(residual.size(), moving_samples(record, balance.resolved_speed).size());
     for (const double one : residual) EXPECT_NEAR(one, 0.0, 0.06) << "[Nm] of 10: the torque is held over a sample of the record, and not in the integration";
   }
+}
+
+// White noise of the efforts under the filter goes together over no more than the filter; a sine does for ever, a share sqrt(1 - chance) of its RMS.
+TEST(BalanceModel, WhatGoesTogetherIsNoNoise) {
+  AxisRecord record{"", 0.01, {}, {}};
+  std::mt19937_64 generator(9);
+  std::normal_distribution<double> noise(0.0, 1.0);
+  for (int n = 0; n < 8000; ++n) {
+    record.position.push_back(0.01 * n);
+    record.effort.push_back(noise(generator));
+  }
+  BalanceModel none;
+  const BalanceRecord white = make_balance_record(record, 4);
+  EXPECT_LT(correlated_rms(white, {}, none, 0.1), 0.1);
+  for (std::size_t n = 0; n < record.effort.size(); ++n) record.effort[n] += std::sqrt(2.0) * std::sin(0.01 * static_cast<double>(n));
+  EXPECT_NEAR(correlated_rms(make_balance_record(record, 4), {}, none, 0.1), 1.0, 0.1);
 }
 
 TEST(BalanceModel, ALawThatIsNotThereIsRefused) {

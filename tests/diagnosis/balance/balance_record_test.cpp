@@ -58,6 +58,57 @@ TEST(BalanceRecord, NoiseIsThatWhichWasPutIn) {
   EXPECT_NEAR(position_noise(counted), 0.02 / std::sqrt(12.0), 1e-4);  // evenly between two counts
 }
 
+// White noise of a measured torque; a torque that is switched now and then has none, however large its steps; one that was rounded has that of its
+// step; and what becomes of it under the window is what the window makes of it.
+TEST(BalanceRecord, NoiseOfTheEffortIsThatWhichWasPutIn) {
+  constexpr double kNoise = 0.3;
+  std::mt19937_64 generator(5);
+  std::normal_distribution<double> noise(0.0, kNoise);
+  std::vector<double> measured, switched, rounded, zeros(20000, 0.0), white;
+  for (int n = 0; n < 20000; ++n) {
+    white.push_back(noise(generator));
+    measured.push_back(6.0 * std::sin(5e-3 * n) + white.back());
+    switched.push_back((n / 40) % 2 == 0 ? 6.0 : -6.0);
+    rounded.push_back(0.25 * std::round(6.0 * std::sin(5e-3 * n) / 0.25));
+  }
+  EXPECT_NEAR(effort_noise(measured), kNoise, 0.05 * kNoise);
+  EXPECT_EQ(effort_noise(switched), 0.0);
+  EXPECT_NEAR(effort_noise(rounded), 0.25 / std::sqrt(12.0), 1e-12);
+  for (const std::size_t half : {3u, 9u}) {
+    const BalanceRecord balance = make_balance_record({"noise", 0.01, zeros, white}, half);
+    double square = 0.0;
+    for (const double effort : balance.effort) square += effort * effort;
+    // Half the square of its second differences, 3 kNoise^2 in the mean, counts as changes at an unknown instant: 1 + 3 / 12 of the square.
+    EXPECT_NEAR(smoothed_effort_noise({"noise", 0.01, zeros, white}, half), std::sqrt(square / static_cast<double>(balance.effort.size()) * (1.0 + 3.0 / 12.0)), 0.05 * kNoise) << half;
+  }
+}
+
+// What a lag withholds of white noise goes together with that noise: products of the filtered series, per sample, against sums over a long one.
+TEST(BalanceRecord, ProductsOfTheEffortsNoiseAreThoseOfALongRecord) {
+  constexpr double kStep = 0.01;
+  const std::vector<double> lags{0.02, 0.1};
+  std::mt19937_64 generator(5);
+  std::normal_distribution<double> noise(0.0, 1.0);
+  AxisRecord record{"noise", kStep, std::vector<double>(60000, 0.0), {}};
+  for (std::size_t n = 0; n < record.position.size(); ++n) record.effort.push_back(noise(generator));
+  const BalanceRecord balance = make_balance_record(record, 5, lags);
+  std::vector<std::vector<double>> series{balance.effort};
+  for (std::size_t k = 0; k < lags.size(); ++k) {
+    std::vector<double> withheld;
+    for (std::size_t n = k; n < balance.motion.late.size(); n += lags.size()) withheld.push_back(balance.motion.late[n]);
+    series.push_back(balance_smoothed(withheld, 5));
+  }
+  const std::vector<double> products = effort_noise_products(kStep, 5, lags);
+  ASSERT_EQ(products.size(), 9u);
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j) {
+      double sum = 0.0;
+      for (std::size_t n = 0; n < series[i].size(); ++n) sum += series[i][n] * series[j][n];
+      EXPECT_NEAR(sum / static_cast<double>(series[i].size()), products[3 * i + j], 0.05 * std::sqrt(products[4 * i] * products[4 * j])) << i << j;
+    }
+  }
+}
+
 TEST(BalanceRecord, AWindowIsAsLongAsTheNoiseAsks) {
   AxisRecord quiet{"quiet", 1e-3, {}, {}};
   std::mt19937_64 generator(3);

@@ -86,6 +86,35 @@ TEST(BalanceRegression, ADriveThatActsLateTakesTheSkewsPlace) {
   EXPECT_NE(columns[1], kSkewColumn);
 }
 
+// Noise of a measured torque is in what a lag withholds of it as well. Least squares take it for a lag; with its part taken out none is there, and the
+// lag gains nothing by it.
+TEST(BalanceRegression, NoiseOfTheTorqueIsNoLag) {
+  std::vector<AxisRecord> records = two_records({.noise = 2e-6});
+  std::mt19937_64 generator(2);
+  std::normal_distribution<double> noise(0.0, 1.0);
+  for (AxisRecord& record : records) {
+    for (double& effort : record.effort) effort += noise(generator);
+  }
+  const Balance balance = balance_of(records, 2.0, 8.0, true);
+  const Regression regression = prepared_regression(smoothed(records, balance), balance.laws, 2.0, balance.resolved_speed);
+  const std::vector<Eigen::Index> columns = columns_of(regression, choice_of(balance.laws, {"lag"})), alone{0};
+  RegressionSums plain{Eigen::MatrixXd::Zero(2, 2), Eigen::VectorXd::Zero(2)};
+  double square = 0.0, without = 0.0;
+  for (std::size_t r = 0; r < records.size(); ++r) {
+    plain.products += regression.values[r](Eigen::all, columns).transpose() * regression.values[r](Eigen::all, columns);
+    plain.with_effort += regression.values[r](Eigen::all, columns).transpose() * regression.efforts[r];
+  }
+  const Eigen::VectorXd sizes = solve(sums_of(regression, columns)), inertia = solve(sums_of(regression, alone));
+  for (const RegressionBlock& block : regression.blocks) {
+    square += squared_error(block, columns, sizes);
+    without += squared_error(block, alone, inertia);
+  }
+  const double lag = balance.laws[static_cast<std::size_t>(regression.columns[static_cast<std::size_t>(columns[1])].law)].shapes[0].shape;
+  EXPECT_GT(solve(plain)(1), 0.3 * lag) << "or this tests nothing";
+  EXPECT_LT(std::fabs(sizes(1)), 0.1 * solve(plain)(1));
+  EXPECT_NEAR(square, without, 0.01 * without);
+}
+
 TEST(BalanceRegression, RecordsThatStandAreRefused) {
   const AxisRecord record{"standing", 0.01, std::vector<double>(2000, 1.0), std::vector<double>(2000, 0.5)};
   EXPECT_THROW(make_regression({make_balance_record(record, 5)}, balance_laws({1.0, 1e-3, 20.0, 0.0, 0.0, true, {}}), 1e-3), std::invalid_argument);

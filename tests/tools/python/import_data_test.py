@@ -292,7 +292,7 @@ motor_torque: {column: f, unit: N m, on: axis}
 
     def test_wrong_units(self):
         self.refused(table(), "map.yaml:9:29: key 'shaft_speed[1].unit': found rad, a unit of angle, expected a unit of "
-                     "angular speed: rad/s, mrad/s, deg/s, rpm or a unit of speed", text=MAP.replace("rpm", "rad"))
+                     "angular speed: rad/s, mrad/s, deg/s, rpm, 1/min or a unit of speed", text=MAP.replace("rpm", "rad"))
         self.refused(table(), "found kNn, a unit that is not known here", text=MAP.replace("kN m", "kNn"))
         self.refused(table(), "key 'motor_torque[1].metres_per_radian': found nothing, beside a column in kN",
                      text=MAP.replace("kN m", "kN"))
@@ -355,6 +355,25 @@ motor_torque: {column: f, unit: N m, on: axis}
         self.out.write_bytes(b"older")
         self.assertNotEqual(self.call(table(), MAP.replace("rpm", "rad"))[0], 0)
         self.assertEqual(self.out.read_bytes(), b"older")
+
+    def test_an_encoder_of_one_turn_goes_on_where_the_map_says_unwrap(self):
+        """Eight radians to either side, within a turn: refused with its row, and as it went with the key."""
+        data = table()
+        whole = 400.0 * data["angle_1"]
+        for wrapped in (np.mod(whole, 360.0), np.mod(whole + 180.0, 360.0) - 180.0):
+            data["angle_1"] = wrapped
+            row = int(np.flatnonzero(np.abs(np.diff(wrapped)) > 180.0)[0]) + 1
+            self.refused(data, f"about a turn, behind data row {row} (line {row + 1}) in column 'angle_1'", "unwrap: {value: 360, unit: deg")
+            text = MAP.replace("{column: angle_1, unit: deg,", "{column: angle_1, unit: deg, unwrap: {value: 360, unit: deg, source: made up},")
+            self.assertEqual(self.call(data, text), (0, ""))
+            position = read_run_log(self.out).channel("ENCODER")["shaft_position"][:, 0]
+            np.testing.assert_allclose(position, RATIO * 400.0 * A * np.sin(W * 0.01 * np.arange(501)), rtol=1e-9, atol=1e-6)
+            self.out.unlink()
+
+    def test_a_position_that_jumps_there_and_back_is_refused_with_its_row(self):
+        data = table()
+        data.loc[300, "angle_1"] += 50.0
+        self.refused(data, "column 'angle_1' at data row 301 (line 302), between", "jumps there and back")
 
 
 if __name__ == "__main__":
