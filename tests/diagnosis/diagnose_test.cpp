@@ -527,20 +527,15 @@ TEST(Diagnose, AnswersTheSameOnAnyNumberOfThreads) {
 }
 
 // A torque that waits on the wire and one that waits in the drive are one motion, beside another effect as well.
-TEST(Diagnose, DeclaresAGroupOfPairs) {
+TEST(Diagnose, GivesOneMotionBesideAnotherEffectBothItsNames) {
   const Diagnosis found = diagnose_machine({{"gear_friction", {0.12, 0.001}}, {"dead_time", {0.012}}}, bench().controller, 23);
   ASSERT_FALSE(found.causes.empty());
   const Cause& first = found.causes[0];
   ASSERT_EQ(first.effects.size(), 2u) << found.verdict;
-  std::set<std::string> named(first.effects.begin(), first.effects.end());
-  for (const Alike& other : first.group) named.insert(other.name);
-  EXPECT_TRUE(named.contains("gear_friction")) << found.verdict;
-  const bool is_dead_time = named.contains("dead_time");
-  const auto other = std::find_if(first.group.begin(), first.group.end(), [&](const Alike& alike) {
-    return alike.name.find(is_dead_time ? "command_delay" : "dead_time") != std::string::npos && alike.name.find("gear_friction") != std::string::npos;
-  });
-  ASSERT_NE(other, first.group.end()) << found.verdict;
-  EXPECT_LT(other->apart, 1e-6);
+  ASSERT_EQ(first.also.size(), 1u) << found.verdict;
+  using Names = std::set<std::string>;
+  const std::set<Names> both{Names(first.effects.begin(), first.effects.end()), Names(first.also[0].begin(), first.also[0].end())};
+  EXPECT_EQ(both, (std::set<Names>{{"dead_time", "gear_friction"}, {"command_delay", "gear_friction"}})) << found.verdict;
 }
 
 // 1.3 Hz with 3 % damping, near which no start of the catalogue lies: the nominal machine's parameters go far to stand for it, and
