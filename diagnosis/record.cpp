@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <set>
 
 #include "diagnosis/plausibility.h"
 #include "sim/model/drive_line.h"
@@ -19,7 +18,7 @@ constexpr int kTripped = 2, kBraked = 3;  // drive_state of PLANT_STATUS
 constexpr int kLongestBridge = 3;     // missing messages in a row that are bridged
 constexpr double kOnGrid = 0.01;         // [steps] by which a sensor's instant may miss the grid and still be on it
 // At least, of rounded values; chosen: more levels than a test's torques have, while a coarse sensor reads few and seldom changes.
-constexpr std::size_t kChanges = 100, kTorqueLevels = 32, kAccelerationChanges = 10, kAccelerationLevels = 2;
+constexpr std::size_t kChanges = 100, kPositionLevels = 2, kTorqueLevels = 32, kAccelerationChanges = 10, kAccelerationLevels = 2;
 constexpr double kMoving = 0.2;          // of the record's largest speed, above which a motor turns
 constexpr double kPushing = 0.05;  // of the record's largest torque, above which the motors are on their way
 // Speeds that a swinging load may make of a crane at rest: shares of the largest speed of the record, and of the machine's top speed; and
@@ -355,36 +354,6 @@ void take_motors(const msgs::RunLog& run, const std::vector<std::int64_t>& encod
   }
 }
 
-// The step that all values are multiples of, as far as so many changes between them show it; 0: none.
-double find_quantum(const std::vector<double>& values, std::size_t least_changes) {
-  double quantum = 0.0;
-  std::vector<double> changes;
-  for (std::size_t n = 1; n < values.size(); ++n) {
-    const double difference = std::fabs(values[n] - values[n - 1]);
-    if (difference == 0.0) continue;
-    quantum = changes.empty() ? difference : std::min(quantum, difference);
-    changes.push_back(difference);
-  }
-  if (changes.size() < least_changes) return 0.0;
-  const auto fitting = std::count_if(changes.begin(), changes.end(), [&](double value) {
-    const double multiple = value / quantum;
-    return std::fabs(multiple - std::round(multiple)) < 1e-3 * std::max(1.0, multiple);
-  });
-  return static_cast<double>(fitting) > 0.99 * static_cast<double>(changes.size()) ? quantum : 0.0;
-}
-
-// A signal that has few values in all, as a test's that switches between some, was not rounded to them.
-Rounding find_rounding(const std::vector<double>& values, std::size_t least_changes, std::size_t least_levels) {
-  const double step = find_quantum(values, least_changes);
-  if (step == 0.0) return {};
-  std::set<long long> levels;
-  for (const double value : values) levels.insert(std::llround(value / step));
-  if (levels.size() < least_levels) return {};
-  std::size_t slow = 0;
-  for (std::size_t n = 1; n < values.size(); ++n) slow += std::fabs(values[n] - values[n - 1]) < 0.5 * step ? 1 : 0;
-  return {step, 2 * slow > values.size()};
-}
-
 void take_sensors(const msgs::RunLog& run, const std::vector<std::int64_t>& times, std::size_t count, Record& record) {
   // [steps] by which an instant lies beside the grid.
   const auto beside_grid = [&](std::int64_t time) {
@@ -468,7 +437,7 @@ void take_wire(const msgs::RunLog& run, Record& record) {
   std::vector<double> position, torque;  // of the first group, as the messages have them
   for (const msgs::Encoder& message : run.encoder) position.push_back(message.shaft_position[0]);
   for (const msgs::Torque& message : run.torque) torque.push_back(message.motor_torque[0]);
-  record.encoder_quantum = find_quantum(position, kChanges);
+  record.encoder_quantum = find_rounding(position, kChanges, kPositionLevels).step;
   record.torque_rounding = find_rounding(torque, kChanges, kTorqueLevels);
 }
 

@@ -11,6 +11,7 @@
 #include <string_view>
 #include <vector>
 
+#include "diagnosis/rounding.h"
 #include "msgs/run_log.h"
 #include "slewlab_msgs/signals.hpp"
 #include "sim/machine/description.h"
@@ -51,12 +52,6 @@ struct SensorNoise {
   std::array<double, sim::kMaximumGroupCount> encoder{};     // [rad^2] of a motor's position, per reading
   std::array<double, kAccelerometerCount> accelerometer{};  // [(m/s^2)^2] per grid point
   double torque = 0.0;                                      // [Nm^2] of each motor's torque as it was written down, per grid point
-};
-
-// How values were rounded when they were written down.
-struct Rounding {
-  double step = 0.0;     // that all of them are multiples of; 0: not rounded
-  bool is_slow = false;  // they mostly change by less than that, so that the error stays for long
 };
 
 struct Record {

@@ -30,9 +30,6 @@ double noise_variance(std::vector<double> values) {
   return std::isfinite(least) ? least : 0.0;
 }
 
-// Values are off by anything up to half a step.
-double variance_of(const Rounding& rounding) { return rounding.step * rounding.step / 12.0; }
-
 double accelerometer_variance(const Record& record, std::size_t accelerometer) {
   const double least = variance_of(record.acceleration_rounding[accelerometer]);
   if (record.sampled_at.empty()) return std::max(least, noise_variance(record.acceleration[accelerometer]));

@@ -5,8 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
-#include <set>
 #include <stdexcept>
+
+#include "diagnosis/rounding.h"
 
 namespace slewlab::diagnosis {
 
@@ -109,21 +110,6 @@ double least_change(const std::vector<double>& values) {
   return least;
 }
 
-// The step that all efforts are multiples of; 0: none. A test signal that switches between a few levels was not rounded to them.
-double rounding_step(const std::vector<double>& effort) {
-  constexpr std::size_t kLevels = 32;    // chosen: more than a test signal has
-  constexpr double kOffStep = 1e-3;      // [steps] by which a multiple is missed, by the digits of a file
-  const double step = least_change(effort);
-  if (step == 0.0) return 0.0;
-  std::set<long long> levels;
-  for (const double value : effort) {
-    const double count = (value - effort.front()) / step;
-    if (std::fabs(count - std::round(count)) > kOffStep * std::max(1.0, std::fabs(count))) return 0.0;
-    levels.insert(std::llround(count));
-  }
-  return levels.size() >= kLevels ? step : 0.0;
-}
-
 }  // namespace
 
 double position_noise(const std::vector<double>& position) {
@@ -131,7 +117,10 @@ double position_noise(const std::vector<double>& position) {
   return std::max(noise_of_differences(position), least_change(position) / std::sqrt(12.0));
 }
 
-double effort_noise(const std::vector<double>& effort) { return std::max(noise_of_differences(effort), rounding_step(effort) / std::sqrt(12.0)); }
+double effort_noise(const std::vector<double>& effort) {
+  constexpr std::size_t kChanges = 100, kLevels = 32;  // at least, of efforts that were rounded; chosen: more levels than a test signal has
+  return std::max(noise_of_differences(effort), std::sqrt(variance_of(find_rounding(effort, kChanges, kLevels))));
+}
 
 double smoothed_effort_noise(const AxisRecord& record, std::size_t half_window) {
   // A step shows in two second differences; a smooth torque, whose course between samples its neighbours tell, in none.

@@ -1,0 +1,40 @@
+#include "diagnosis/rounding.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace slewlab::diagnosis {
+
+namespace {
+
+// [steps] by which a multiple may be missed: the least change is known to so many digits of itself, and anything is near a multiple of what is far smaller.
+double tolerance(double multiple) { return std::min(0.1, 1e-3 * std::max(1.0, multiple)); }
+
+constexpr double kFitting = 0.99;  // of the changes; a value now and then may have been mended
+
+}  // namespace
+
+Rounding find_rounding(const std::vector<double>& values, std::size_t least_changes, std::size_t least_levels) {
+  double step = 0.0;
+  std::vector<double> changes;
+  for (std::size_t n = 1; n < values.size(); ++n) {
+    const double change = std::fabs(values[n] - values[n - 1]);
+    if (change == 0.0) continue;
+    step = changes.empty() ? change : std::min(step, change);
+    changes.push_back(change);
+  }
+  if (changes.empty() || changes.size() < least_changes) return {};
+  const auto fitting = std::count_if(changes.begin(), changes.end(), [&](double change) {
+    const double multiple = change / step;
+    return std::fabs(multiple - std::round(multiple)) < tolerance(multiple);
+  });
+  if (static_cast<double>(fitting) <= kFitting * static_cast<double>(changes.size())) return {};
+  std::set<long long> levels;
+  for (const double value : values) levels.insert(std::llround((value - values.front()) / step));
+  if (levels.size() < least_levels) return {};
+  const auto changed = static_cast<std::size_t>(std::count_if(changes.begin(), changes.end(), [&](double change) { return change > 0.5 * step; }));
+  return {step, 2 * (values.size() - 1 - changed) > values.size()};
+}
+
+}  // namespace slewlab::diagnosis
