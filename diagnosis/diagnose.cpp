@@ -22,7 +22,6 @@ namespace slewlab::diagnosis {
 
 namespace {
 
-constexpr double kNoise = 0.1;         // share by which the sensors' noise is known
 constexpr double kFarOff = 2.6;        // [standard deviations] of a parameter, beyond which it may be another crane
 constexpr double kMostMachines = 1e6;   // that are spoken of: the chance is not known better
 constexpr double kWorthASwing = 2e-3;  // [rad] of the load at a record's beginning: a five-hundredth of the rope's length

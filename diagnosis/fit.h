@@ -23,6 +23,8 @@
 
 namespace slewlab::diagnosis {
 
+inline constexpr double kNoise = 0.1;                // share by which the sensors' noise is known
+inline constexpr double kNoiseAlone = 1.0 + kNoise;  // mean square of what it may leave
 double mean_square(const Eigen::VectorXd& difference);
 
 // What of the differences noise alone does not explain: s (sum(d^2) - n).

@@ -31,7 +31,7 @@ Rounding find_rounding(const std::vector<double>& values, std::size_t least_chan
   });
   if (static_cast<double>(fitting) <= kFitting * static_cast<double>(changes.size())) return {};
   std::set<long long> levels;
-  for (const double value : values) levels.insert(std::llround((value - values.front()) / step));
+  for (std::size_t n = 0; n < values.size() && levels.size() < least_levels; ++n) levels.insert(std::llround((values[n] - values.front()) / step));
   if (levels.size() < least_levels) return {};
   const auto changed = static_cast<std::size_t>(std::count_if(changes.begin(), changes.end(), [&](double change) { return change > 0.5 * step; }));
   return {step, 2 * (values.size() - 1 - changed) > values.size()};

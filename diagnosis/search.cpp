@@ -21,7 +21,6 @@ constexpr double kLeastPairGain = 40.0;         // fall of the excess below the 
 constexpr double kSameMotion = 1e-6;            // relative difference of two signatures below which two effects are one motion
 constexpr double kNearRival = 30.0;              // cost above the best fit's, below which the order may be that of convergence
 constexpr std::size_t kMostRivals = 2;
-constexpr double kNoiseAlone = 1.1;              // mean square of what noise, known to a tenth, may leave
 constexpr int kFreshRounds = 10;                // at most, for a leader
 constexpr std::size_t kPairLeaders = 3;         // single effects beside which a second one is looked for
 constexpr int kMoreLooks = 2;                   // beside single effects that came on

@@ -41,7 +41,7 @@ double encoder_variance(const Record& record, std::size_t group) {
   const std::vector<double>& position = record.shaft_position[group];
   std::vector<double> read;
   for (std::size_t n = 0; n < position.size(); n += reading_stride(record)) read.push_back(position[n]);
-  return std::max(record.encoder_quantum * record.encoder_quantum / 12.0, noise_variance(read));
+  return std::max(variance_of({record.encoder_quantum}), noise_variance(read));
 }
 
 }  // namespace

@@ -45,8 +45,7 @@ class LaterReading {
  public:
   explicit LaterReading(double points) : points_(points), whole_(static_cast<std::ptrdiff_t>(std::floor(points))) {
     const double part = points - std::floor(points);
-    is_whole_ = part == 0.0;
-    for (std::ptrdiff_t side = kSide; side > 0; side /= 2) weights_.push_back(weights(part, side));
+    for (std::ptrdiff_t side = kSide; side > 0 && part != 0.0; side /= 2) weights_.push_back(weights(part, side));
   }
   bool is_like(const LaterReading& other) const { return points_ == other.points_; }
   // Of `result.size()` points from `n` on: the sums of neighbouring points, each in its order, side by side.
@@ -54,12 +53,13 @@ class LaterReading {
     const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(n) + whole_, count = static_cast<std::ptrdiff_t>(result.size());
     const auto size = static_cast<std::ptrdiff_t>(series.size());
     // Those whose points are all there; the others, near the ends, through as many as there are.
-    const std::ptrdiff_t from = is_whole_ ? count : std::clamp<std::ptrdiff_t>(kSide - 1 - first, 0, count);
-    const std::ptrdiff_t to = is_whole_ ? count : std::clamp<std::ptrdiff_t>(size - kSide - first, from, count);
+    const std::ptrdiff_t from = weights_.empty() ? count : std::clamp<std::ptrdiff_t>(kSide - 1 - first, 0, count);
+    const std::ptrdiff_t to = weights_.empty() ? count : std::clamp<std::ptrdiff_t>(size - kSide - first, from, count);
     double* const sums = result.data();
     for (std::ptrdiff_t k = 0; k < count; ++k) {
       if (k < from || k >= to) sums[k] = near_the_end(series, n + static_cast<std::size_t>(k));
     }
+    if (from == to) return;
     std::fill(sums + from, sums + to, 0.0);
     for (std::ptrdiff_t i = 0; i < 2 * kSide; ++i) {
       const double weight = weights_[0][static_cast<std::size_t>(i)];
@@ -85,7 +85,7 @@ class LaterReading {
   }
   double near_the_end(const std::vector<double>& series, std::size_t n) const {
     const std::ptrdiff_t before = static_cast<std::ptrdiff_t>(n) + whole_, size = static_cast<std::ptrdiff_t>(series.size());
-    for (std::size_t level = 0; level < weights_.size() && !is_whole_; ++level) {
+    for (std::size_t level = 0; level < weights_.size(); ++level) {
       const std::ptrdiff_t side = kSide >> level;
       if (before + 1 < side || before + side >= size) continue;
       double sum = 0.0;
@@ -97,8 +97,7 @@ class LaterReading {
 
   double points_;
   std::ptrdiff_t whole_;
-  bool is_whole_ = false;
-  std::vector<std::vector<double>> weights_;  // of kSide points either side, of half as many, ... of one
+  std::vector<std::vector<double>> weights_;  // of kSide points either side, of half as many, ... of one; none: whole points later
 };
 
 // Positions of the next grid points, of each group: many at once, for each alone waits for its own additions.

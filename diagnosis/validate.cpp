@@ -31,7 +31,6 @@ constexpr double kBetter = 4.6;         // -2 ln of odds of one to ten: what cha
 // Relative closed-loop error beyond which two runs are no longer the same motion (two independent ones differ by 1.4). What leaves noise alone where it was led along moves as the machine does: its free run then differs by what small
 // differences grow to, as behind an impact, and may be worse by half; chosen.
 constexpr double kDecorrelated = 0.7, kWorseByChance = 1.5;
-constexpr double kNoiseAlone = 1.1;  // residual variance ratio: the noise is known to a tenth
 // Share of a record away from impacts, below which free runs across them are not compared; chosen.
 constexpr double kFreeOfImpacts = 0.8;
 

@@ -147,10 +147,8 @@ class NoisePowers {
     for (std::size_t g = 0; g < groups_; ++g) {
       encoder_[g].assign(whitening.transform_length / 2 + 1, variance.encoder[g] * energy / stride);
       if (is_coarse) raise(encoder_[g], rounding_error_power(record.shaft_position[g], record.encoder_quantum, true, record, whitening, settings.count_smoothing), 1.0 / stride);
-      if (variance.torque == 0.0) continue;
       torque_[g].assign(whitening.transform_length / 2 + 1, variance.torque * energy);
-      if (!record.torque_rounding.is_slow) continue;
-      raise(torque_[g], rounding_error_power(record.motor_torque[g], record.torque_rounding.step, false, record, whitening, settings.count_smoothing), 1.0);
+      if (record.torque_rounding.is_slow) raise(torque_[g], rounding_error_power(record.motor_torque[g], record.torque_rounding.step, false, record, whitening, settings.count_smoothing), 1.0);
     }
     for (std::size_t a = 0; a < kAccelerometerCount; ++a) {
       // A data sheet's is that of the noise as the differences show it.
@@ -197,19 +195,21 @@ class NoisePowers {
   double at(const Channel& channel, std::size_t k, const EncoderShares& shares) const {
     const auto i = static_cast<std::size_t>(channel.index);
     return add_noise_through(response_, channel, k, groups_, [&](std::size_t g) { return shares[g] * encoder_[g][k]; }, flicker(kTip, k),
-                             [&](std::size_t g) { return torque_[g].empty() ? 0.0 : torque_[g][k]; }, channel.is_torque || i == kTip ? 0.0 : flicker(i, k));
+                             [&](std::size_t g) { return torque_[g][k]; }, channel.is_torque || i == kTip ? 0.0 : flicker(i, k));
   }
   // Into the whitening: the sources, at its bins.
   void tell_sources(const EncoderShares& shares, Whitening& whitening) const {
     whitening.encoder_power.assign(groups_, std::vector<double>(whitening.bin_count));
+    whitening.torque_power = whitening.encoder_power;
     if (accelerometer_[kTip] > 0.0) whitening.tip_power.resize(whitening.bin_count);
     for (std::size_t b = 0; b < whitening.bin_count; ++b) {
       const std::size_t k = whitening.first_bin + b;
-      for (std::size_t g = 0; g < groups_; ++g) whitening.encoder_power[g][b] = shares[g] * encoder_[g][k];
-      for (std::size_t g = 0; g < whitening.torque_power.size(); ++g) whitening.torque_power[g][b] = torque_[g][k];
+      for (std::size_t g = 0; g < groups_; ++g) {
+        whitening.encoder_power[g][b] = shares[g] * encoder_[g][k];
+        whitening.torque_power[g][b] = torque_[g][k];
+      }
       if (!whitening.tip_power.empty()) whitening.tip_power[b] = flicker(kTip, k);
     }
-    if (!torque_[0].empty()) whitening.torque_power.assign(groups_, std::vector<double>(whitening.bin_count));
     whitening.answered = noise_through(whitening, response_);
   }
 
@@ -233,7 +233,7 @@ class NoisePowers {
   double rise_in_differences_;  // [1/Hz]
   std::size_t groups_;
   std::array<std::vector<double>, sim::kMaximumGroupCount> encoder_;   // [rad^2] per reading
-  std::array<std::vector<double>, sim::kMaximumGroupCount> torque_;   // [Nm^2]; empty: not rounded
+  std::array<std::vector<double>, sim::kMaximumGroupCount> torque_;    // [Nm^2]; 0: not rounded
   std::array<std::vector<double>, kAccelerometerCount> rounding_;      // [(m/s^2)^2] of accelerometers that were; empty: not
   std::array<double, kAccelerometerCount> accelerometer_{}, corner_{};  // [(m/s^2)^2], [Hz]
 };
@@ -248,7 +248,7 @@ std::vector<Eigen::VectorXd> noise_through(const Whitening& whitening, const Noi
       power(static_cast<Eigen::Index>(b)) =
           add_noise_through(response, channel, whitening.first_bin + b, whitening.encoder_power.size(), [&](std::size_t g) { return whitening.encoder_power[g][b]; },
                             whitening.tip_power.empty() ? 0.0 : whitening.tip_power[b],
-                            [&](std::size_t g) { return whitening.torque_power.empty() ? 0.0 : whitening.torque_power[g][b]; }, 0.0);
+                            [&](std::size_t g) { return whitening.torque_power[g][b]; }, 0.0);
     }
   }
   return powers;

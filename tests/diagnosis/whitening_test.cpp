@@ -134,6 +134,24 @@ double of_rounded_torque(const std::vector<double>& torque, bool is_slow) {
   return mean_square(make_whitening(record, std::vector<bool>(kCount, true), response, shadow, settings), shadow, 0);
 }
 
+// What each source brings is told with what the nominal machine makes of it: here of the torque alone, of which every bin has q^2 / 12 of each point under the window.
+TEST(Whitening, TellsTheNoiseOfRoundedTorquesWithItsSources) {
+  constexpr double kQuantum = 0.1;  // [Nm]
+  Record record = noisy_record();
+  record.torque_rounding = {kQuantum, false};
+  NoiseResponse response = as_read();
+  response.torque[0] = response.encoder[0];
+  const Whitening whitening = make_whitening(record, std::vector<bool>(kCount, true), response, shadow_of(record.acceleration[kTip]), kSettings);
+  double energy = 0.0;
+  for (const double weight : whitening.window) energy += weight * weight;
+  const double expected = kQuantum * kQuantum / 12.0 * energy;
+  ASSERT_EQ(whitening.torque_power.size(), 1U);
+  for (std::size_t b = 0; b < whitening.bin_count; ++b) {
+    EXPECT_NEAR(whitening.torque_power[0][b], expected, 1e-9 * expected);
+    EXPECT_GE(whitening.answered[0](static_cast<Eigen::Index>(b)), expected * (1.0 - 1e-9));
+  }
+}
+
 // Torques that change by many steps at a time are off by anything between two of them: the definition of the weights once more, of about 2400 numbers.
 TEST(Whitening, KnowsHowTorquesWereRounded) { EXPECT_NEAR(of_rounded_torque(white(5.0, 5), false), 1.0, 0.15); }
 

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdio>
 #include <fstream>
@@ -419,26 +420,27 @@ TEST(AxisDiagnosis, SteadySpeedsLeaveTheInertiaOfTheFile) {
   EXPECT_LT(found.answer.best.inertia, 1.7 * kInertia) << found.verdict;
 }
 
-// A spindle that turns one way only: its viscous friction is told, though the difference of its directions is not.
-TEST(AxisDiagnosis, OneDirectionTellsViscousFriction) {
-  SimulatedAxis axis = noisy([](double, double, double speed) { return 2.5 * speed; });
-  axis.effort = [](double time) { return std::fmod(time, 4.0) < 2.0 ? 6.0 : 3.0; };
+// Two runs, each under two efforts [N m] in turn: the first one's for two seconds of four, the second one's for two of five.
+std::vector<NamedRun> one_way_runs(SimulatedAxis axis, std::array<double, 2> first, std::array<double, 2> second) {
   SimulatedAxis other = axis;
   other.seed = 2;
-  other.effort = [](double time) { return std::fmod(time, 5.0) < 2.0 ? 5.0 : 2.0; };
-  const AxisDiagnosis found = diagnose_axis(axis_file(), {logged(axis, "a"), logged(other, "b")});
+  axis.effort = [first](double time) { return std::fmod(time, 4.0) < 2.0 ? first[0] : first[1]; };
+  other.effort = [second](double time) { return std::fmod(time, 5.0) < 2.0 ? second[0] : second[1]; };
+  return {logged(axis, "a"), logged(other, "b")};
+}
+
+// A spindle that turns one way only: its viscous friction is told, though the difference of its directions is not.
+TEST(AxisDiagnosis, OneDirectionTellsViscousFriction) {
+  const SimulatedAxis axis = noisy([](double, double, double speed) { return 2.5 * speed; });
+  const AxisDiagnosis found = diagnose_axis(axis_file(), one_way_runs(axis, {6.0, 3.0}, {5.0, 2.0}));
   ASSERT_EQ(found.outcome, AxisOutcome::stated) << found.verdict;
   EXPECT_NEAR(size_of(found.answer.best, "viscous"), 2.5, 0.4) << found.verdict;
 }
 
 // Where all logs move one way a constant torque is dry friction: none is carried along beside it, and what is written is the friction that there is.
 TEST(AxisDiagnosis, OneDirectionCarriesNoConstantTorqueAlongDryFriction) {
-  SimulatedAxis axis = noisy([](double, double, double speed) { return 3.0 * std::tanh(speed / 1e-3) + 1.0 * speed; });
-  axis.effort = [](double time) { return std::fmod(time, 4.0) < 2.0 ? 7.0 : 2.0; };
-  SimulatedAxis other = axis;
-  other.seed = 2;
-  other.effort = [](double time) { return std::fmod(time, 5.0) < 2.0 ? 6.0 : 2.5; };
-  const AxisDiagnosis found = diagnose_axis(axis_file(), {logged(axis, "a"), logged(other, "b")});
+  const SimulatedAxis axis = noisy([](double, double, double speed) { return 3.0 * std::tanh(speed / 1e-3) + 1.0 * speed; });
+  const AxisDiagnosis found = diagnose_axis(axis_file(), one_way_runs(axis, {7.0, 2.0}, {6.0, 2.5}));
   ASSERT_EQ(found.outcome, AxisOutcome::stated) << found.verdict;
   double against = 0.0;  // [N m] of the motion, of what does not depend on its speed
   for (const BalanceTerm& term : found.answer.best.acting()) {
