@@ -89,7 +89,7 @@ NoiseResponse noise_response(const sim::MachineSettings& nominal, const Record& 
     response.encoder[g] = answer();
     std::fill(still.shaft_position[g].begin(), still.shaft_position[g].end(), 0.0);
   }
-  for (std::size_t g = 0; g < groups && record.torque_rounding.step > 0.0; ++g) {
+  for (std::size_t g = 0; g < groups && record.torque_noise > 0.0; ++g) {
     drives.motor_torque[g][place] = 1.0;
     response.torque[g] = answer();
     drives.motor_torque[g][place] = 0.0;

@@ -7,6 +7,7 @@
 #include <map>
 
 #include "diagnosis/plausibility.h"
+#include "diagnosis/torque_noise.h"
 #include "sim/model/drive_line.h"
 
 namespace slewlab::diagnosis {
@@ -439,6 +440,7 @@ void take_wire(const msgs::RunLog& run, Record& record) {
   for (const msgs::Torque& message : run.torque) torque.push_back(message.motor_torque[0]);
   record.encoder_quantum = find_rounding(position, kChanges, kPositionLevels).step;
   record.torque_rounding = find_rounding(torque, kChanges, kTorqueLevels);
+  record.torque_noise = std::max(variance_of(record.torque_rounding), torque_noise(run.encoder, run.torque));
 }
 
 void check_motors_alive(const std::vector<std::int64_t>& encoder_times, const AdmissionSettings& settings, double moving, const Record& record) {

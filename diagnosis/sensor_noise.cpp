@@ -52,7 +52,7 @@ SensorNoise sensor_noise(const Record& record) {
   for (std::size_t a = 0; a < kAccelerometerCount; ++a) {
     if (!record.acceleration[a].empty()) noise.accelerometer[a] = accelerometer_variance(record, a);
   }
-  noise.torque = variance_of(record.torque_rounding);
+  noise.torque = record.torque_noise * static_cast<double>(reading_stride(record));
   return noise;
 }
 

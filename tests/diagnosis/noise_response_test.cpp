@@ -81,7 +81,7 @@ class NoiseResponseAt : public ::testing::TestWithParam<double> {};
 // The judge: the observer itself, led by drawn noise.
 TEST_P(NoiseResponseAt, SaysWhatWhiteNoiseOfASensorMakesOfEveryChannel) {
   Noisy noisy = standing(GetParam());
-  noisy.record.torque_rounding.step = 1.0;
+  noisy.record.torque_noise = 1.0;
   const std::size_t count = noisy.record.size(), length = transform_length(count);
   const NoiseResponse response = noise_response(noisy.machine, noisy.record, noisy.gains, length);
   std::mt19937 generator(5);

@@ -65,8 +65,10 @@ TEST(SensorNoise, OfAnEncoderIsAtLeastThatOfItsCounts) {
 TEST(SensorNoise, OfATorqueIsThatOfItsSteps) {
   Record record = standing();
   EXPECT_EQ(sensor_noise(record).torque, 0.0);
-  record.torque_rounding.step = 0.1;  // [Nm]
-  EXPECT_DOUBLE_EQ(sensor_noise(record).torque, 0.01 / 12.0);
+  record.torque_noise = 0.04;  // [Nm^2] per command
+  EXPECT_DOUBLE_EQ(sensor_noise(record).torque, 0.04);
+  record.encoder_period = 5.0 * kStep;  // for which a command holds: one error in five times the power of five
+  EXPECT_DOUBLE_EQ(sensor_noise(record).torque, 0.2);
 }
 
 // Sampled every third step: the same noise in pieces three times as long has three times the power of what is white on the grid.

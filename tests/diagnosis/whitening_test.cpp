@@ -121,6 +121,7 @@ double of_rounded_torque(const std::vector<double>& torque, bool is_slow) {
   constexpr double kQuantum = 0.1;  // [Nm]
   Record record = noisy_record();
   record.torque_rounding = {kQuantum, is_slow};
+  record.torque_noise = variance_of(record.torque_rounding);
   Shadow shadow = shadow_of(record.acceleration[kTip]);
   for (std::size_t n = 0; n < kCount; ++n) {
     record.motor_torque[0][n] = kQuantum * std::round(torque[n] / kQuantum);
@@ -138,7 +139,7 @@ double of_rounded_torque(const std::vector<double>& torque, bool is_slow) {
 TEST(Whitening, TellsTheNoiseOfRoundedTorquesWithItsSources) {
   constexpr double kQuantum = 0.1;  // [Nm]
   Record record = noisy_record();
-  record.torque_rounding = {kQuantum, false};
+  record.torque_noise = kQuantum * kQuantum / 12.0;
   NoiseResponse response = as_read();
   response.torque[0] = response.encoder[0];
   const Whitening whitening = make_whitening(record, std::vector<bool>(kCount, true), response, shadow_of(record.acceleration[kTip]), kSettings);
