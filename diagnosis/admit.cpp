@@ -159,6 +159,11 @@ Following follow(const Problem& problem, const Record& record, const WhiteningSe
   return following;
 }
 
+Whitening whitening_of(const Problem& problem, const Record& record, const Following& following, const WhiteningSettings& whitening) {
+  const NoiseResponse response = noise_response(problem.nominal, record, problem.gains, transform_length(record.size()));
+  return make_whitening(record, following.trusted, response, following.follower, whitening);
+}
+
 // From the middle of the play, or where the torques push from the first moment on and the record is followed better from there, on the flanks: one
 // that begins elsewhere than the machine did knocks on, or is held off by a torque that never ends. Where the groups do not keep their
 // places, that alone makes no record one that can be judged.
@@ -262,7 +267,6 @@ Followed admit(std::vector<Record> records, const WhiteningSettings& whitening, 
     Shadow& follower = following.follower;
     check_followed(record, follower);
     check_torques(record, follower, problem.nominal, problem.thresholds.admission);
-    const std::vector<bool>& trusted = following.trusted;
     const double share = following.share;
     if (share < kLeastTrusted) {
       not_judged += fmt::format("{}{}: only {:.0f} % of the record lies away from impacts of the gears, at least {:.0f} % are needed",
@@ -277,8 +281,7 @@ Followed admit(std::vector<Record> records, const WhiteningSettings& whitening, 
       record = on_judged_grid(std::move(record), whitening.highest_frequency);
       following = follow(problem, record, whitening);
     }
-    const NoiseResponse response = noise_response(problem.nominal, record, problem.gains, transform_length(record.size()));
-    problem.whitening.push_back(make_whitening(record, trusted, response, follower, whitening));
+    problem.whitening.push_back(whitening_of(problem, record, following, whitening));
     followed = {record.name, record.begins_bent, record.start_time, record.step, std::move(follower), {}};  // the last one stays
     problem.nuisances.in_motion.push_back(record.begins_bent);
     problem.nuisances.has_motion |= record.begins_bent;
@@ -287,6 +290,13 @@ Followed admit(std::vector<Record> records, const WhiteningSettings& whitening, 
   if (problem.records.empty()) throw NotAdmitted(not_judged + "; switch play compensation on, or accelerate more gently");
   if (!not_judged.empty()) remarks.push_back(not_judged + "; left out, the answer stands on the other records");
   return followed;
+}
+
+void whiten_again(Problem& problem, const WhiteningSettings& whitening) {
+  for (std::size_t r = 0; r < problem.records.size(); ++r) {
+    const Record& record = problem.records[r];
+    problem.whitening[r] = whitening_of(problem, record, follow(problem, record, whitening), whitening);
+  }
 }
 
 }  // namespace slewlab::diagnosis

@@ -24,4 +24,7 @@ void set_machine(const sim::MachineSettings& nominal, const std::vector<Record>&
 // remarked. Gives the last one that is judged, as the nominal machine follows it. Throws NotAdmitted.
 Followed admit(std::vector<Record> records, const WhiteningSettings& whitening, Problem& problem, std::vector<std::string>& remarks);
 
+// The whitening of the admitted records by other settings, on the nominal machine that they were admitted with.
+void whiten_again(Problem& problem, const WhiteningSettings& whitening);
+
 }  // namespace slewlab::diagnosis
