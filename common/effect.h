@@ -143,6 +143,8 @@ struct EffectAbout {
   std::vector<std::string_view> stands_for = {};
   // Every machine does it, and a linear model leaves it out: no cause, but a part of the machine where the records show it.
   bool of_every_machine = false;
+  // Between a command and the motor's torque: it does not show where that torque was measured.
+  bool before_torque = false;
   // What it does grows with the motion, on a machine that stands as well as on one that turns: such an effect answers to the sensors' noise as the rest of the machine does.
   bool linear = false;
 };

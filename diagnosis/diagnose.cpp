@@ -17,6 +17,7 @@
 #include "diagnosis/own_noise.h"
 #include "diagnosis/stochastic.h"
 #include "diagnosis/screen.h"
+#include "sim/effects/catalogue.h"
 
 namespace slewlab::diagnosis {
 
@@ -42,6 +43,7 @@ constexpr double kBetterWithAll = 6.0;   // the same for what every machine does
 constexpr int kMostValidated = 4;      // causes that are asked to predict before none is believed
 // On a log of the wire both sides are exact; a thousandth leaves room for logs that were rounded.
 constexpr double kSameTorque = 1e-3;
+constexpr double kOfNoise = 1.5;  // of the deviation of torques that were measured or rounded; the integrals are told by one of them
 // Sum of squares V of the most visible size below which the effect could not be named: s V outweighs neither the effect's cost and Occam's factor (some 29) nor the
 // prior of one among forty effects against nothing missing (2 T times 4.3).
 constexpr double kVisible = 183.0;
@@ -62,7 +64,7 @@ void replay(const Problem& problem, const controller::ControllerSettings& contro
                                               "knew is not in the record, and its answers are not compared", record.name));
       continue;
     }
-    if (replay.difference_rms > kSameTorque * replay.torque_rms) diagnosis.controller_differs = true;
+    if (replay.difference_rms > std::hypot(kSameTorque * replay.torque_rms, kOfNoise * std::sqrt(record.torque_noise))) diagnosis.controller_differs = true;
   }
 }
 
@@ -471,6 +473,21 @@ void validate_lead(Problem& problem, const WhiteningSettings& whitening, const s
   }
 }
 
+// Of torques that were measured, without what lies before them: it shows in none, and a lag that is not there would keep the measurement's noise from the machine.
+DiagnosisSettings without_what_is_before_torques(DiagnosisSettings settings, const std::vector<Record>& records, const common::EffectCatalogue& catalogue, std::vector<std::string>& remarks) {
+  const auto measured = std::find_if(records.begin(), records.end(), [](const Record& record) { return record.has_measured_torque; });
+  if (measured == records.end()) return settings;
+  std::string names;
+  for (const common::EffectAbout& about : catalogue.effects) {
+    if (!about.before_torque) continue;
+    settings.without.emplace_back(about.name);
+    names += (names.empty() ? "" : ", ") + std::string(about.name);
+  }
+  remarks.push_back(fmt::format("{}: the torques scatter by {:.2g} Nm that no encoder reading tells: taken for measured ones, and what lies before them ({}) for what cannot be told",
+                                measured->name, std::sqrt(measured->torque_noise), names));
+  return settings;
+}
+
 // From the records to the problem that is fitted. Gives how their differences are whitened. Throws NotAdmitted.
 WhiteningSettings take_records(const sim::MachineSettings& nominal, std::vector<Record> records, const DiagnosisSettings& settings, Problem& problem, Diagnosis& diagnosis) {
   set_machine(nominal, records, problem);
@@ -524,6 +541,7 @@ void doubt_what_no_machine_has(const Problem& problem, bool is_nothing_left, Dia
     const auto count = static_cast<std::ptrdiff_t>(std::min(cause.point.nuisance.size(), problem.nuisances.parameters.size()));
     const bool is_far_off = std::any_of(parameters, parameters + count, [](double amount) { return std::fabs(amount) > kFarOff; });
     const bool is_nothing = cause.effects.empty();
+    if (is_nothing && diagnosis.mean_square_nominal <= 1.0) continue;  // with every parameter where the file has it
     if (is_far_off || cause.prior_chance < kFarTogether) take_away(kDoubtful, is_nothing_left && !is_nothing, cause, diagnosis);
     for (const common::EffectInstance& effect : cause.point.effects) {
       const common::EffectAbout& about = catalogue.at(effect.name);
@@ -644,7 +662,7 @@ sim::MachineSettings as_fitted(sim::MachineSettings nominal, const Diagnosis& di
 }
 
 Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<controller::ControllerSettings>& controller,
-                   std::vector<Record> records, const DiagnosisSettings& settings, const Progress& progress,
+                   std::vector<Record> records, const DiagnosisSettings& asked, const Progress& progress,
                    const std::function<bool()>& is_stopped, std::vector<Record> unseen) {
   const auto start_time = std::chrono::steady_clock::now();
   std::mutex telling;
@@ -654,6 +672,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   };
   Diagnosis diagnosis;
   Problem problem;
+  const DiagnosisSettings settings = without_what_is_before_torques(asked, records, sim::effects_for(nominal), diagnosis.remarks);
   problem.settings = settings.fit;
   problem.threads = settings.threads;
   if (is_stopped) problem.is_stopped = is_stopped;

@@ -19,6 +19,8 @@ constexpr int kTripped = 2, kBraked = 3;  // drive_state of PLANT_STATUS
 constexpr int kLongestBridge = 3;     // missing messages in a row that are bridged
 constexpr double kOnGrid = 0.01;         // [steps] by which a sensor's instant may miss the grid and still be on it
 // At least, of rounded values; chosen: more levels than a test's torques have, while a coarse sensor reads few and seldom changes.
+constexpr double kRounded = 1.5;          // times the rounding's deviation, from which on torques scatter by more than that
+constexpr double kMeasuredNoise = 5e-4;   // of the rated torque; chosen: below what measures torques, above what is not linear in a controller
 constexpr std::size_t kChanges = 100, kPositionLevels = 2, kTorqueLevels = 32, kAccelerationChanges = 10, kAccelerationLevels = 2;
 constexpr double kMoving = 0.2;          // of the record's largest speed, above which a motor turns
 constexpr double kPushing = 0.05;  // of the record's largest torque, above which the motors are on their way
@@ -427,7 +429,7 @@ bool begins_in_motion(const msgs::RunLog& run, const Record& record, const Admis
 }
 
 // What the controller's replay needs, as it went over the wire.
-void take_wire(const msgs::RunLog& run, Record& record) {
+void take_wire(const msgs::RunLog& run, const AdmissionSettings& settings, Record& record) {
   for (const msgs::Operator& message : run.operator_moves) {
     record.operator_moves.push_back({message.simulated_time, message.speed_request, message.emergency_stop != 0,
                                      message.acknowledge != 0});
@@ -440,7 +442,9 @@ void take_wire(const msgs::RunLog& run, Record& record) {
   for (const msgs::Torque& message : run.torque) torque.push_back(message.motor_torque[0]);
   record.encoder_quantum = find_rounding(position, kChanges, kPositionLevels).step;
   record.torque_rounding = find_rounding(torque, kChanges, kTorqueLevels);
-  record.torque_noise = std::max(variance_of(record.torque_rounding), torque_noise(run.encoder, run.torque));
+  const double rounded = variance_of(record.torque_rounding), scatter = torque_noise(run.encoder, run.torque);
+  record.torque_noise = std::max(rounded, scatter);
+  record.has_measured_torque = scatter > std::max(std::pow(kMeasuredNoise * settings.rated_torque, 2), kRounded * kRounded * rounded);
 }
 
 void check_motors_alive(const std::vector<std::int64_t>& encoder_times, const AdmissionSettings& settings, double moving, const Record& record) {
@@ -491,7 +495,7 @@ Record unchecked_record(const msgs::RunLog& run, const std::string& name, const 
   } else {
     record.remarks.push_back(fmt::format("{}: no SENSORS messages; with encoders and torques alone what is said of house, boom and load is a hint", name));
   }
-  take_wire(run, record);
+  take_wire(run, settings, record);
   return record;
 }
 

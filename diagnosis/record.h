@@ -87,6 +87,7 @@ struct Record {
   bool begins_on_flanks = false;  // of the gears, to which the torques push; else in the middle of their play
   double encoder_quantum = 0.0;        // [rad] smallest step that the encoder positions keep to; 0: none found
   Rounding torque_rounding;            // [Nm]
+  bool has_measured_torque = false;    // by their noise: what lies between command and torque does not show
   double torque_noise = 0.0;           // [Nm^2] white, of each motor's torque as it was measured (torque_noise.h) or written down, per command
   std::array<Rounding, kAccelerometerCount> acceleration_rounding{};  // [m/s^2]
   std::vector<std::string> remarks;    // what was mended or left out, one line each

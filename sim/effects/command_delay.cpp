@@ -51,7 +51,8 @@ const EffectDescription& command_delay() {
                                 .absent = 0.0}},
                 .family = common::Family::delay,
                 .acts_late = true,
-                .pure_delay = common::PureDelay::command},
+                .pure_delay = common::PureDelay::command,
+                .before_torque = true},
       .ports = {EffectPort::message},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<CommandDelay>(start);

@@ -74,7 +74,8 @@ const EffectDescription& command_jitter() {
                                 .absent = 0.0}},
                 .family = common::Family::delay,
                 .stochastic = common::Stochastic{.power_exponent = 2.0},
-                .acts_late = true},
+                .acts_late = true,
+                .before_torque = true},
       .ports = {EffectPort::message},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<CommandJitter>(start);

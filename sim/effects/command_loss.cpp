@@ -74,7 +74,8 @@ const EffectDescription& command_loss() {
                                 .tries = {5.0, 20.0}}},
                 .family = common::Family::delay,
                 .stochastic = common::Stochastic{.power_exponent = 1.0},
-                .acts_late = true},
+                .acts_late = true,
+                .before_torque = true},
       .ports = {EffectPort::message},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<CommandLoss>(start);

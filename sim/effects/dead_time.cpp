@@ -48,7 +48,9 @@ const EffectDescription& dead_time() {
                                 .absent = 0.0}},
                 .family = common::Family::delay,
                 .acts_late = true,
-                .pure_delay = common::PureDelay::command},
+                .pure_delay = common::PureDelay::command,
+                .before_torque = true,
+                .linear = true},
       .ports = {EffectPort::actuator},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<DeadTime>(start);

@@ -88,7 +88,9 @@ const EffectDescription& torque_lag() {
                                 .absent = std::nullopt,
                                 .detail = true}},
                 .family = common::Family::delay,
-                .acts_late = true},
+                .acts_late = true,
+                .before_torque = true,
+                .linear = true},
       .ports = {EffectPort::actuator},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<TorqueLag>(start);

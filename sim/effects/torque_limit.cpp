@@ -66,7 +66,8 @@ const EffectDescription& torque_limit() {
                                 .prior_scale = 0.2,
                                 .scale = common::ParameterScale::linear,
                                 .absent = std::nullopt,
-                                .detail = true}}},
+                                .detail = true}},
+                .before_torque = true},
       .ports = {EffectPort::actuator},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<TorqueLimit>(start);
