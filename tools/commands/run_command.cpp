@@ -587,7 +587,8 @@ int run_in(const fs::path& folder, const RunOptions& options, const std::string&
   return code == 0 ? 1 : code;
 }
 
-// Whether the FMU can be the controller, and a plant of one's own the plant; says why not.
+}  // namespace
+
 bool can_be_run_by_others(const RunOptions& options) {
   if (options.controller_fmu.empty() && options.plant_command.empty()) return true;
   const sim::Scenario scenario = sim::load_scenario_file(options.scenario, options.overrides);
@@ -605,8 +606,6 @@ bool can_be_run_by_others(const RunOptions& options) {
   arguments.push_back("--check");
   return call_python(kFmuController, arguments) == 0;
 }
-
-}  // namespace
 
 int run_scenario(const RunOptions& options, const std::vector<std::string>& command_line) {
   const std::string name = options.scenario.stem().string();

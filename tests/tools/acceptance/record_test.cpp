@@ -92,6 +92,19 @@ TEST(AcceptanceRecord, AnAgreedDeviationIsAcceptedAndTold) {
   EXPECT_NE(junit.find("Test &lt;of&gt; a controller"), std::string::npos);
 }
 
+TEST(AcceptanceRecord, ADeviationFromWhatIsMetIsTold) {
+  AcceptancePlan plan = plan_of({{"slew", "direction"}});
+  plan.deviations = {{"R1", "a spare part is on its way", "the owner"}};
+  const auto tests = runs({check("direction", Verdict::pass)}, {});
+  const AcceptanceRecord record = trace(plan, tests);
+  EXPECT_TRUE(record.accepted);
+  EXPECT_EQ(record.requirements.at(0).deviation, nullptr);
+  const std::string said = "the deviation from R1 (a spare part is on its way) is not needed: the requirement is met";
+  EXPECT_EQ(record.warnings, std::vector<std::string>{said});
+  EXPECT_NE(record_table(record).find("warning   " + said), std::string::npos);
+  EXPECT_EQ(record_json(plan, record, tests, {})["warnings"][0], said);
+}
+
 TEST(AcceptanceRecord, JunitAndJsonNameRunHashSeedAndCommand) {
   const AcceptancePlan plan = plan_of({{"slew", "direction"}});
   auto tests = runs({check("direction", Verdict::pass)}, {});
