@@ -77,11 +77,16 @@ fs::path log_of(const fs::path& folder) {
   return fs::exists(log) && fs::file_size(log) > 0 ? log : fs::path();
 }
 
+std::string digest_of_log(const fs::path& folder) {
+  const fs::path log = log_of(folder);
+  return log.empty() ? "" : msgs::hash_text(msgs::log_digest(log));
+}
+
 Judgement judge_folder(const fs::path& folder, const sim::Scenario& scenario, const AcceptanceLimits& limits) {
   Judgement judgement;
   judgement.machine = accepted_machine(scenario);
   judgement.no_verdict = why_incomplete(folder);
-  fs::remove(folder / "acceptance.json");  // of an earlier time
+  for (const char* earlier : {"acceptance.json", "acceptance.html"}) fs::remove(folder / earlier);
   if (judgement.no_verdict.empty()) {
     const fs::path log = log_of(folder);
     judgement = judge_log(scenario, log.empty() ? folder / "run.lcmlog" : log, limits, written_digest(folder));
@@ -100,7 +105,7 @@ int judge(const fs::path& folder, const AcceptOptions& options, const Acceptance
 
   const std::string name = options.subject.stem().string();
   std::printf("%s", check_table(results).c_str());
-  write_whole_file(folder / "acceptance.json", checks_json(results, limits, judgement.machine));
+  write_whole_file(folder / "acceptance.json", checks_json(results, limits, judgement.machine, digest_of_log(folder)));
   if (!options.junit.empty()) write_whole_file(options.junit, junit_xml(name, results));
   if (!log_of(folder).empty() && options.plot) draw("acceptance_plot.py", folder);
   const bool good = accepted(results);
@@ -215,7 +220,7 @@ int make_recorded_run(const PlannedTest& test, const AcceptOptions& options, con
   if (result > 1) return result;
   const sim::Scenario scenario = sim::load_scenario_file(run.out / "scenario.yaml");
   const Judgement judgement = judge_folder(run.out, scenario, limits);
-  write_whole_file(run.out / "acceptance.json", checks_json(judgement.checks, limits, judgement.machine));
+  write_whole_file(run.out / "acceptance.json", checks_json(judgement.checks, limits, judgement.machine, digest_of_log(run.out)));
   recorded.test = test;
   recorded.test.scenario = test.scenario.lexically_normal();
   recorded.is_failure_case = !scenario.faults.empty();

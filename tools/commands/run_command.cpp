@@ -374,7 +374,8 @@ int tell_outcome(const Outcome& outcome, const std::string& name, const fs::path
 // What an earlier run left, and what was drawn or exported of it: none of it may be taken for the new run's. A folder of exports goes
 // only if nothing else is in it.
 void remove_earlier_run(const fs::path& folder) {
-  for (const char* stale : {"summary.json", kRunFactsName, kPlantTaskName, "run.lcmlog", "run.lcmlog.partial", "report.html", "acceptance.html", "run.mcap"}) {
+  for (const char* stale : {"summary.json", kRunFactsName, kPlantTaskName, "run.lcmlog", "run.lcmlog.partial", "report.html",
+                            "acceptance.json", "acceptance.html", "run.mcap", "plant.txt", "controller.txt"}) {
     fs::remove(folder / stale);
   }
   for (const char* format : {"parquet", "csv"}) {

@@ -209,6 +209,16 @@ TEST_F(AcceptTest, AControllerThatDiesIsNotAccepted) {
   EXPECT_NE(output_.find("exit code 3"), std::string::npos) << output_;
 }
 
+// Whoever reads acceptance.json can tell whether it is of the log beside it.
+TEST_F(AcceptTest, TheVerdictNamesTheLogThatItJudged) {
+  EXPECT_EQ(failures("faults/controller_killed.yaml", "", 0), std::set<std::string>{}) << output_;
+  const auto verdict = nlohmann::json::parse(contents(out_ / "acceptance.json"));
+  EXPECT_EQ(verdict["log_digest"], nlohmann::json::parse(contents(out_ / "summary.json"))["run"]["log_digest"]);
+  RunningProgram again({kSlewlab, "run", kScenarios + "thesis_slew.yaml", "--set", "duration=1 s", "--out", out_.string(), "--progress", "none"});
+  EXPECT_EQ(again.wait_for_end(), 0) << again.complaints();
+  EXPECT_FALSE(fs::exists(out_ / "acceptance.json"));
+}
+
 TEST_F(AcceptTest, AFolderThatIsNoRunIsNamed) {
   RunningProgram accept({kSlewlab, "accept", folder_.path().string()});
   EXPECT_EQ(accept.wait_for_end(), 2);
