@@ -8,7 +8,9 @@
 #include <ostream>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
+#include "sim/machine/machine_tree.h"
 #include "tools/commands/home.h"
 #include "tools/fmu/controller_unit.h"
 #include "tools/fmu/model_description.h"
@@ -65,6 +67,16 @@ std::vector<std::string> files_in(const fs::path& folder) {
   return names;
 }
 
+// What the machine of the file does beside slewing, and its FMU does not; empty where it does nothing else.
+std::string motions_left_out(const fmu::UnitFile& file) {
+  const sim::MotionParameters motions = sim::machine_of(file.root).parameters.motions;
+  std::string names;
+  for (const auto& [name, rates] : {std::pair{"hoisting", motions.hoisting}, std::pair{"luffing", motions.luffing}, std::pair{"travelling", motions.travelling}}) {
+    if (rates.top_speed > 0.0) names += (names.empty() ? "" : ", ") + std::string(name);
+  }
+  return names.empty() ? "" : "The FMU has no inputs for " + names + ": the machine stands still in that and slews alone.";
+}
+
 }  // namespace
 
 int export_fmu(const ExportFmuOptions& options, std::ostream& out) {
@@ -80,6 +92,8 @@ int export_fmu(const ExportFmuOptions& options, std::ostream& out) {
   model.identifier = fmu::identifier_of(model.name);
   const common::YamlNode* description = file.root.find("description");
   model.description = description != nullptr ? description->scalar : "";
+  const std::string still = is_plant ? motions_left_out(file) : "";
+  if (!still.empty()) model.description += (model.description.empty() ? "" : " ") + still;
   for (const std::string& name : sources) {
     if (name.ends_with(".c") || name.ends_with(".cpp")) model.sources.push_back(name);
   }
@@ -100,6 +114,7 @@ int export_fmu(const ExportFmuOptions& options, std::ostream& out) {
   };
   out << fmt::format("{}: {} as FMI {} for co-simulation, {} inputs, {} outputs, step {} ms\n", path.string(), fmu::name_of(file.kind),
                      options.fmi, count(fmu::Causality::input), count(fmu::Causality::output), options.period_ms);
+  if (!still.empty()) out << "note: " << still << '\n';
   return 0;
 }
 
