@@ -44,7 +44,7 @@ void add_check(CLI::App& app, Action& action) {
     std::vector<std::string> overrides;
   };
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("check", "Read cranes, axes, controllers, scenarios, test plans, campaigns, import maps and PLC maps and say what is wrong");
+  CLI::App* command = app.add_subcommand("check", "Read files of every kind (slewlab schema has them) and say what is wrong");
   command->add_option("FILE", options->files, "files to check")->required();
   command->add_option("--set", options->overrides, "key=value over every file");
   command->callback([options, &action] {
