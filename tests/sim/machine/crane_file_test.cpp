@@ -115,8 +115,8 @@ TEST(CraneFile, ReadsTheDriveProtectionInItsUnits) {
 
 TEST(CraneFile, BadValuesAreExplained) {
   EXPECT_EQ(complaint({{"load.mass", "-30 t"}}),
-            "--set load.mass=-30 t: key 'load.mass': found -30 t, that is -30000 kg, expected a number of at least 0 kg");
-  EXPECT_EQ(complaint({{"boom.angle", "120 deg"}}).find("--set boom.angle=120 deg: key 'boom.angle': found 120 deg, that is 2.0943"),
+            "--set load.mass=-30 t: key 'load.mass': found -30 t, expected a number of at least 0 t");
+  EXPECT_EQ(complaint({{"boom.angle", "120 deg"}}).find("--set boom.angle=120 deg: key 'boom.angle': found 120 deg, expected a number from"),
             0u);
   EXPECT_NE(complaint({{"boom.angel", "50"}}).find("key 'boom.angel': found a key that is not known here, "
                                                    "expected 'angle' (or one of"),
