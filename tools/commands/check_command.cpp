@@ -1,6 +1,7 @@
 #include "tools/commands/check_command.h"
 
 #include <algorithm>
+#include <array>
 #include <optional>
 #include <ostream>
 #include <stdexcept>
@@ -8,6 +9,7 @@
 
 #include "common/effect.h"
 #include "common/near_name.h"
+#include "common/readable_number.h"
 #include "common/yaml_reader.h"
 #include "controller/controller_file.h"
 #include "sim/drive/run_cost.h"
@@ -87,6 +89,30 @@ void weigh_cost(const sim::Scenario& scenario, const std::filesystem::path& file
                      std::to_string(scenario.crane.parameters.boom.element_count) + " boom elements");
 }
 
+// What begins when the run is over.
+void weigh_times(const sim::Scenario& scenario, const std::filesystem::path& file, const std::vector<common::Override>& overrides,
+                 std::vector<std::string>& warnings) {
+  struct List {
+    const char *name, *time;
+  };
+  constexpr std::array kLists{List{"operator", "time"}, List{"effect_switches", "time"}, List{"faults", "from"}};
+  const double duration = static_cast<double>(scenario.duration) * 1e-9;  // [s]
+  InputProblems ignored;
+  const YamlNode root = common::load_yaml_file(file, overrides, ignored);
+  for (const List& list : kLists) {
+    const YamlNode* entries = root.find(list.name);
+    for (std::size_t i = 0; entries != nullptr && i < entries->items.size(); ++i) {
+      const YamlNode* entry = entries->items[i].find(list.time);
+      if (entry == nullptr) continue;
+      common::YamlReader reader(entries->items[i], "", ignored);
+      const double time = reader.number(list.time, common::Unit::second, common::any_number());
+      if (time < duration) continue;
+      warnings.push_back(place_text(entry->mark) + "warning: key '" + list.name + '.' + std::to_string(i) + '.' + list.time + "': " + common::readable(time) +
+                         " s, when the run is over: it lasts " + common::readable(duration) + " s");
+    }
+  }
+}
+
 // What a run would refuse of the crane's effects, said where the user wrote them.
 std::vector<common::EffectInstance> check_effects(const sim::MachineFile& crane, InputProblems& problems) {
   return common::read_effects(crane.effects, sim::effects_for(crane), problems);
@@ -151,6 +177,9 @@ void check_scenario(const std::filesystem::path& file, const std::vector<common:
     check_machine(scenario.crane, plant_step, scenario.motion_requests, scenario.crane_file, problems);
     weigh_machine(scenario.crane, scenario.crane_file, scenario.crane_overrides, {plant_step, scenario.controller_period}, found.warnings);
     weigh_cost(scenario, file, found.warnings);
+    std::vector<common::Override> own = overrides;
+    for (const char* way : {"crane.", "axis.", "controller."}) common::take_overrides(way, own);
+    weigh_times(scenario, file, own, found.warnings);
   } else if (scenario.crane.canonical_text.empty()) {  // it could not be read
     check_effect_names(scenario.crane_file, scenario.crane_overrides, problems);
   } else {

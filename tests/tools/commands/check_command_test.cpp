@@ -290,6 +290,15 @@ TEST_F(CheckCommand, WhatIsUnlikelyOrTakesLongIsAWarning) {
                                      "lockstep, with a plant_step of 1 ms and 1000 boom elements"});
 }
 
+TEST_F(CheckCommand, WhatBeginsBehindTheEndIsAWarning) {
+  const fs::path scenario = folder_ / "config/scenarios/thesis_slew.yaml";
+  EXPECT_TRUE(examine(scenario, {}).warnings.empty());
+  const auto warnings = examine(scenario, {{"duration", "20"}}).warnings;  // the emergency stop comes at 30 s
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings[0].find(": warning: key 'operator.1.time': 30 s, when the run is over: it lasts 20 s"), std::string::npos) << warnings[0];
+  EXPECT_EQ(warnings[0].rfind(scenario.string() + ":", 0), 0u) << warnings[0];
+}
+
 TEST_F(CheckCommand, OneBadFileDoesNotHideTheOthers) {
   std::ostringstream out;
   std::ostringstream complaints;
