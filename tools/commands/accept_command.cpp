@@ -22,6 +22,7 @@
 #include "tools/commands/child_process.h"
 #include "tools/commands/home.h"
 #include "tools/commands/named_files.h"
+#include "tools/commands/output_folder.h"
 #include "tools/commands/run_command.h"
 #include "tools/commands/version.h"
 #include "tools/commands/whole_file.h"
@@ -240,7 +241,7 @@ int record(const AcceptOptions& options, const std::vector<std::string>& command
   AcceptOptions own = options;
   if (own.out.empty()) own.out = fs::path("runs") / ("record_" + options.subject.stem().string());
   if (!can_make_runs(plan, own)) return 2;
-  fs::create_directories(own.out);
+  make_output_folder(own.out);
   const std::vector<TestedFile> files = tested_files(own);
   for (const char* old : {"record.json", "record.html", "record.xml"}) fs::remove(own.out / old);
   const fs::path limits_file = plan.limits.lexically_normal();

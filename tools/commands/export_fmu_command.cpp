@@ -106,6 +106,7 @@ int export_fmu(const ExportFmuOptions& options, std::ostream& out) {
   if (options.fmi == 3) files.push_back({"sources/buildDescription.xml", fmu::build_description(model)});
   for (const std::string& name : sources) files.push_back({"sources/" + name, content_of(parts / "sources" / name)});
   const fs::path path = options.out.empty() ? fs::path(model.name + ".fmu") : options.out;
+  if (fs::is_directory(path)) throw common::InputError({{{"--out", 0, 0}, "", "'" + path.string() + "', a folder", "the name of the FMU to write, such as " + (path / (model.name + ".fmu")).string()}});
   fmu::write_package(path, files);
 
   const auto count = [&](fmu::Causality causality) {

@@ -18,6 +18,7 @@
 #include "tools/commands/modes_command.h"
 #include "tools/commands/new_command.h"
 #include "tools/commands/option_check.h"
+#include "tools/commands/output_folder.h"
 #include "tools/commands/python_command.h"
 #include "tools/commands/replay_command.h"
 #include "tools/commands/schema.h"
@@ -366,7 +367,7 @@ void add_manual(CLI::App& app, Action& action) {
   command->add_option("--out", *out, "folder for the pages")->required();
   command->callback([out, &app, &action] {
     action = [out, &app] {
-      std::filesystem::create_directories(*out);
+      make_output_folder(*out);
       for (const CommandPage& page : manual_pages(app, version(), foreign_options())) write_whole_file(*out / page.name, page.text);
       return 0;
     };
@@ -423,7 +424,7 @@ void add_schema(CLI::App& app, Action& action) {
         std::cout << schema_of(options->kind).dump(2) << std::endl;
         return 0;
       }
-      std::filesystem::create_directories(options->out);
+      make_output_folder(options->out);
       for (const std::string& each : schema_kinds()) {
         write_whole_file(options->out / (each + ".schema.json"), schema_of(each).dump(2) + "\n");
       }

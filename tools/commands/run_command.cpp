@@ -30,6 +30,7 @@
 #include "tools/commands/check_command.h"
 #include "tools/commands/child_process.h"
 #include "tools/commands/home.h"
+#include "tools/commands/output_folder.h"
 #include "tools/commands/plant_task.h"
 #include "tools/commands/private_network.h"
 #include "tools/commands/python_command.h"
@@ -622,7 +623,7 @@ int run_scenario(const RunOptions& options, const std::vector<std::string>& comm
     if (!can_be_run_by_others(options)) return 2;
     need_multicast(command_line);
     warn(found.warnings, std::cerr);
-    fs::create_directories(folder);
+    make_output_folder(folder);
     return run_in(folder, options, name);
   } catch (const common::InputError& error) {
     complain(error.problems(), std::cerr);

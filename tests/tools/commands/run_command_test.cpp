@@ -90,6 +90,17 @@ TEST_F(RunCommandTest, NothingOfAnEarlierRunStaysBesideTheNewLog) {
   EXPECT_TRUE(fs::exists(out_ / "notes.txt"));
 }
 
+TEST_F(RunCommandTest, AFileInTheFoldersPlaceIsAWrongCall) {
+  const fs::path file = folder_.path() / "file";
+  std::ofstream(file) << "mine";
+  for (const auto& [out, found] : {std::pair{file, std::string(", which is a file")}, std::pair{file / "below", ", of which " + file.string() + " is a file"}}) {
+    RunningProgram run({kSlewlab, "run", SLEWLAB_SOURCE_DIR "/config/scenarios/thesis_slew.yaml", "--out", out.string()});
+    EXPECT_EQ(run.wait_for_end(), 2);
+    EXPECT_EQ(run.complaints(), "--out: found '" + out.string() + "'" + found + ", expected the name of a folder, there or not\n");
+  }
+  EXPECT_EQ(contents(file), "mine");
+}
+
 TEST_F(RunCommandTest, TheResolvedConfigurationRunsAgainToTheSameBytes) {
   RunningProgram first(command({"--set", "duration=2", "--set", "crane.load.mass=20 t"}));
   ASSERT_EQ(first.wait_for_end(), 0) << first.complaints();
