@@ -25,6 +25,26 @@ bool is_setting(const std::string& word) {
   return !word.starts_with('-') && equal != std::string::npos && equal > 0 && word.find('/') >= equal;
 }
 
+// "slewlab new: --crane,--axis is given 2 times, expected once"; empty where something else is wrong.
+std::string given_too_often(const CLI::App& app, const CLI::ParseError& error) {
+  const std::string said = error.what();
+  const std::size_t colon = said.find(": At Most 1 required but received ");
+  if (colon == std::string::npos) return {};
+  const CLI::App* command = &app;
+  std::string name = app.get_name();
+  while (!command->get_subcommands().empty()) {
+    command = command->get_subcommands().front();
+    name += ' ' + command->get_name();
+  }
+  for (const CLI::Option* option : command->get_options({})) {
+    if (!option->check_name(said.substr(0, colon))) continue;
+    const std::string names = option->get_name(false, true);
+    return name + ": " + names + (names.find(',') == std::string::npos ? " is" : ", one option by several names, is") + " given " +
+           said.substr(said.rfind(' ') + 1) + " times, expected once";
+  }
+  return {};
+}
+
 }  // namespace
 
 std::vector<std::string> with_one_setting_each(const std::vector<std::string>& words) {
@@ -97,6 +117,10 @@ int act(CLI::App& app, const std::vector<std::string>& command_line, const Actio
     const bool is_asked = error.get_exit_code() == 0 && !names_no_command(app, command_line);  // for help or the version
     if (const auto unknown = is_asked ? std::nullopt : unknown_word(app, command_line)) {
       std::fprintf(stderr, "%s\n", unknown->c_str());
+      return 2;
+    }
+    if (const std::string repeated = given_too_often(app, error); !repeated.empty()) {
+      std::fprintf(stderr, "%s\n", repeated.c_str());
       return 2;
     }
     return app.exit(error) == 0 ? 0 : 2;

@@ -385,7 +385,7 @@ void add_new(CLI::App& app, Action& action) {
   };
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("new", "Write a commented file to begin with");
-  command->add_option("KIND", options->file.kind, "crane, axis, controller, scenario or map")->required();
+  command->add_option("KIND", options->file.kind, "crane, axis, controller, scenario or map")->required()->check(one_of({"crane", "axis", "controller", "scenario", "map"}));
   command->add_option("FILE", options->file.file, "to be written; never over one that is there")->required();
   command->add_option("--crane,--axis", options->file.machine, "machine of a controller or a scenario");
   command->add_option("--controller", options->file.controller, "controller of a scenario");
@@ -413,6 +413,9 @@ void add_schema(CLI::App& app, Action& action) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("schema", "JSON Schema of a kind of file, for completion and marks in an editor");
   CLI::Option* kind = command->add_option("KIND", options->kind, "crane, axis, controller, scenario, acceptance, acceptance_plan, campaign, soak, plc_map or import_map");
+  std::vector<std::string> kinds = schema_kinds();
+  kinds.emplace_back("import_map");  // of which the import's own reader tells
+  kind->check(one_of(kinds));
   CLI::Option* out = command->add_option("--out", options->out, "folder for KIND.schema.json of every kind");
   kind->excludes(out);
   command->callback([options, kind, out, &action] {

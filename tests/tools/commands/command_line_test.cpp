@@ -34,5 +34,20 @@ TEST(CommandLine, ASettingMayStandBeforeTheFile) {
   }
 }
 
+TEST(CommandLine, AnOptionThatIsGivenTwiceIsTold) {
+  const auto said = [](const Words& words) {
+    CLI::App app{"", "slewlab"};
+    std::string machine, out;
+    CLI::App* make = app.add_subcommand("new", "");
+    make->add_option("--crane,--axis", machine);
+    make->add_option("--out", out);
+    testing::internal::CaptureStderr();
+    EXPECT_EQ(act(app, words, [] { return 0; }), 2);
+    return testing::internal::GetCapturedStderr();
+  };
+  EXPECT_EQ(said({"slewlab", "new", "--crane", "a", "--axis", "b"}), "slewlab new: --crane,--axis, one option by several names, is given 2 times, expected once\n");
+  EXPECT_EQ(said({"slewlab", "new", "--out", "a", "--out", "b", "--out", "c"}), "slewlab new: --out is given 3 times, expected once\n");
+}
+
 }  // namespace
 }  // namespace slewlab::tools

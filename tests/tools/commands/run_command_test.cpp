@@ -90,6 +90,14 @@ TEST_F(RunCommandTest, NothingOfAnEarlierRunStaysBesideTheNewLog) {
   EXPECT_TRUE(fs::exists(out_ / "notes.txt"));
 }
 
+TEST_F(RunCommandTest, ATypoInASidesOptionsComesBeforeWhatIsMissing) {
+  for (const auto& [program, typo, meant] : {std::tuple{"slewlab-controller", "--stered", "--steered"}, std::tuple{"slewlab-plant", "--ste", "--set"}}) {
+    RunningProgram side({std::string(SLEWLAB_BINARY_DIR "/bin/") + program, typo});
+    EXPECT_EQ(side.wait_for_end(), 2);
+    EXPECT_EQ(side.complaints().rfind(std::string(program) + ": '" + typo + "' is no option of it, expected '" + meant + "'", 0), 0u) << side.complaints();
+  }
+}
+
 TEST_F(RunCommandTest, AFileInTheFoldersPlaceIsAWrongCall) {
   const fs::path file = folder_.path() / "file";
   std::ofstream(file) << "mine";
