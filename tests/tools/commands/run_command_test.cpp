@@ -90,6 +90,20 @@ TEST_F(RunCommandTest, NothingOfAnEarlierRunStaysBesideTheNewLog) {
   EXPECT_TRUE(fs::exists(out_ / "notes.txt"));
 }
 
+TEST_F(RunCommandTest, WhatAControllerThatDoesNotAnswerSaidIsTold) {
+  RunningProgram run(long_command({"--controller", "echo no server at 10.0.0.1 >&2; exec sleep 1000"}));
+  const std::string line = run.wait_for_line("waiting for the controller for ");
+  EXPECT_NE(line.find("; it said last: no server at 10.0.0.1"), std::string::npos) << line;
+  ::kill(run.pid(), SIGINT);
+  EXPECT_EQ(run.wait_for_end(), 128 + SIGINT);
+}
+
+TEST_F(RunCommandTest, WhatTheControllerComplainedAboutStandsBehindTheRun) {
+  RunningProgram run(command({"--set", "duration=1", "--controller", "echo link lost >&2; exec " SLEWLAB_BINARY_DIR "/bin/slewlab-controller"}));
+  EXPECT_EQ(run.wait_for_end(), 0) << run.complaints();
+  EXPECT_NE(run.output().find(": the controller said (" + (out_ / "controller.txt").string() + "):\n  link lost\n"), std::string::npos) << run.output();
+}
+
 TEST_F(RunCommandTest, ATypoInASidesOptionsComesBeforeWhatIsMissing) {
   for (const auto& [program, typo, meant] : {std::tuple{"slewlab-controller", "--stered", "--steered"}, std::tuple{"slewlab-plant", "--ste", "--set"}}) {
     RunningProgram side({std::string(SLEWLAB_BINARY_DIR "/bin/") + program, typo});
