@@ -24,6 +24,7 @@ struct RecordedTest {
   bool is_failure_case = false;  // the scenario has faults on purpose
   std::vector<CheckResult> checks;
   std::string no_verdict;
+  std::string warning;  // what has to be known of the verdict; mostly empty
   std::string configuration_hash;
   std::string log_digest;
   std::int64_t seed = 0;

@@ -101,6 +101,7 @@ int judge(const fs::path& folder, const AcceptOptions& options, const Acceptance
   const sim::Scenario scenario = sim::load_scenario_file(folder / "scenario.yaml");
   const Judgement judgement = judge_folder(folder, scenario, limits);
   for (const std::string& remark : judgement.remarks) std::printf("note: %s\n", remark.c_str());
+  if (const std::string other = why_of_another_machine(scenario, limits); !other.empty()) std::fprintf(stderr, "warning: %s\n", other.c_str());
   const std::vector<CheckResult>& results = judgement.checks;
   const std::string& no_verdict = judgement.no_verdict;
 
@@ -222,6 +223,7 @@ int make_recorded_run(const PlannedTest& test, const AcceptOptions& options, con
   const sim::Scenario scenario = sim::load_scenario_file(run.out / "scenario.yaml");
   const Judgement judgement = judge_folder(run.out, scenario, limits);
   write_whole_file(run.out / "acceptance.json", checks_json(judgement.checks, limits, judgement.machine, digest_of_log(run.out)));
+  if (const std::string other = why_of_another_machine(scenario, limits); !other.empty()) recorded.warning = test.name + ": " + other;
   recorded.test = test;
   recorded.test.scenario = test.scenario.lexically_normal();
   recorded.is_failure_case = !scenario.faults.empty();
@@ -251,6 +253,9 @@ int record(const AcceptOptions& options, const std::vector<std::string>& command
     if (const int code = make_recorded_run(test, own, limits, limits_file, command_line, tests.emplace_back()); code != 0) return code;
   }
   AcceptanceRecord result = trace(plan, tests);
+  for (const RecordedTest& test : tests) {
+    if (!test.warning.empty()) result.warnings.push_back(test.warning);
+  }
   for (const std::string& warning : file_warnings(own, files)) result.warnings.push_back(warning);
   RecordFacts facts;
   facts.plan_file = options.subject.string();

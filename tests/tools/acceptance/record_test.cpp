@@ -160,6 +160,18 @@ TEST(AcceptancePlan, WhatIsWrongIsToldAtItsLine) {
   EXPECT_NE(said("{test: slew, check: direction}", "deviations: [{requirement: R2, text: t, agreed_by: a}]\n").find("'R1'"), std::string::npos);
 }
 
+// The harbour crane turns at 1.2 rpm with motors of 120 N m, the thesis's at 0.05 rad/s with 250 N m (config/cranes).
+TEST(AcceptanceRecord, LimitsOfAnotherMachineAreKnownByItsSpeedAndTorque) {
+  const std::string config = SLEWLAB_SOURCE_DIR "/config/";
+  const sim::Scenario thesis = sim::load_scenario_file(config + "scenarios/thesis_slew.yaml");
+  EXPECT_EQ(why_of_another_machine(thesis, load_acceptance_limits(config + "acceptance/thesis.yaml")), "");
+  EXPECT_EQ(why_of_another_machine(thesis, load_acceptance_limits(config + "acceptance/harbour_5t.yaml")),
+            "the limits are for a machine of 0.126 rad/s and 120 N m per motor (top_speed, motor_torque_rated); this one has 0.05 rad/s and 250 N m per motor");
+  sim::Scenario unknown = thesis;
+  unknown.crane.parameters.drive.top_speed = unknown.crane.parameters.drive.rated_torque = 0.0;
+  EXPECT_EQ(why_of_another_machine(unknown, load_acceptance_limits(config + "acceptance/harbour_5t.yaml")), "");
+}
+
 // Noise on the encoders counts until another fault begins.
 TEST(AcceptanceRecord, NoiseOnTheEncodersIsThatOfTheScenario) {
   sim::Scenario scenario;
