@@ -1,11 +1,10 @@
 #include "common/yaml_reader.h"
 
 #include <algorithm>
-#include <array>
-#include <charconv>
 #include <cmath>
 
 #include "common/near_name.h"
+#include "common/readable_number.h"
 #include "common/yaml_file.h"
 #include "common/yaml_inquiry.h"
 
@@ -14,33 +13,27 @@ namespace {
 
 const YamlNode kNothing{};
 
-std::string with_unit(double number, Unit unit) {
-  std::string text = shortest(number);
-  if (unit != Unit::none) text += ' ' + std::string(name_of(unit));
-  return text;
-}
-
-// What a limit that follows from a machine's scales is to people: six digits of it.
-double rounded(double limit) {
-  std::array<char, 32> digits{};
-  const auto written = std::to_chars(digits.data(), digits.data() + digits.size(), limit, std::chars_format::scientific, 5);
-  double value = limit;
-  std::from_chars(digits.data(), written.ptr, value);
-  return value;
-}
-
-std::string describe(Range range, Unit unit) {
+// A range as people read it, in the unit that they wrote.
+std::string describe(Range range, std::string_view spelling, double factor) {
+  const auto limit = [&](double si) { return readable(si / factor); };
+  const std::string unit = spelling == "-" ? "" : ' ' + std::string(spelling);
   const bool has_lowest = std::isfinite(range.lowest);
   const bool has_highest = std::isfinite(range.highest);
-  if (has_lowest && has_highest) {
-    return "a number from " + shortest(rounded(range.lowest)) + " to " + with_unit(rounded(range.highest), unit);
-  }
-  if (has_lowest) {
-    const std::string relation = range.lowest_allowed ? "a number of at least " : "a number above ";
-    return relation + with_unit(rounded(range.lowest), unit);
-  }
-  if (has_highest) return "a number of at most " + with_unit(rounded(range.highest), unit);
-  return unit == Unit::none ? "a finite number" : "a finite number in " + std::string(name_of(unit));
+  if (has_lowest && has_highest) return "a number from " + limit(range.lowest) + " to " + limit(range.highest) + unit;
+  if (has_lowest) return (range.lowest_allowed ? "a number of at least " : "a number above ") + limit(range.lowest) + unit;
+  if (has_highest) return "a number of at most " + limit(range.highest) + unit;
+  return unit.empty() ? "a finite number" : "a finite number in" + unit;
+}
+
+std::string describe(Range range, Unit unit) { return describe(range, unit == Unit::none ? "-" : name_of(unit), 1.0); }
+
+// "46.6 m": a number with its unit behind it; the number's length, 0 where it is none.
+std::size_t number_before_unit(const std::string& text) {
+  const std::size_t end = text.find_first_not_of("+-.0123456789eE");
+  if (end == std::string::npos || end == 0) return 0;
+  const std::size_t begin = text.find_first_not_of(' ', end);
+  double number = 0.0;
+  return begin != std::string::npos && parse_number(text.substr(0, end), number) && unit_of(text.substr(begin)) ? end : 0;
 }
 
 bool inside(double number, Range range) {
@@ -162,21 +155,19 @@ const YamlNode* YamlReader::sourced(const YamlNode& entry, std::string_view key,
   return value;
 }
 
-std::optional<double> YamlReader::read_number(const YamlNode& value, std::string_view key, Unit unit,
-                                              Range range, const GivenUnit& given) {
+std::optional<double> YamlReader::read_number(const YamlNode& value, std::string_view key, Range range, const GivenUnit& given) {
   double number = 0.0;
   if (value.kind != YamlNode::Kind::scalar || value.quoted || !parse_number(value.scalar, number)) {
-    report_at(value.mark, key, excerpt(value), describe(range, unit));
+    const std::size_t length = value.kind == YamlNode::Kind::scalar ? number_before_unit(value.scalar) : 0;
+    report_at(value.mark, key, excerpt(value),
+              length > 0 ? value.scalar.substr(0, length) + " alone: its unit stands under 'unit'" : describe(range, given.spelling, given.factor));
     return std::nullopt;
   }
   number *= given.factor;
   if (!inside(number, range)) {
     std::string found = excerpt(value);
-    if (std::isfinite(number)) {
-      found += given.spelling == "-" ? "" : ' ' + given.spelling;
-      if (given.factor != 1.0) found += ", that is " + with_unit(number, unit);
-    }
-    report_at(value.mark, key, found, describe(range, unit));
+    if (std::isfinite(number) && given.spelling != "-") found += ' ' + given.spelling;
+    report_at(value.mark, key, found, describe(range, given.spelling, given.factor));
     return std::nullopt;
   }
   return number;
@@ -190,7 +181,7 @@ double YamlReader::number(std::string_view key, Unit unit, Range range) {
   const YamlNode* entry = need(key, describe(range, unit));
   GivenUnit given;
   const YamlNode* value = entry == nullptr ? nullptr : sourced(*entry, key, unit, "a number", given);
-  return value == nullptr ? 0.0 : read_number(*value, key, unit, range, given).value_or(0.0);
+  return value == nullptr ? 0.0 : read_number(*value, key, range, given).value_or(0.0);
 }
 
 std::optional<double> YamlReader::optional_number(std::string_view key, Unit unit, Range range) {
@@ -241,7 +232,7 @@ std::vector<double> YamlReader::numbers(std::string_view key, Unit unit, Range r
   }
   std::vector<double> result;
   for (const YamlNode& item : value->items) {
-    result.push_back(read_number(item, key, unit, range, given).value_or(0.0));
+    result.push_back(read_number(item, key, range, given).value_or(0.0));
   }
   return result;
 }

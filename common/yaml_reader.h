@@ -92,8 +92,7 @@ class YamlReader {
   // The value of {value, unit, source} after its form was checked; nullptr after a problem.
   const YamlNode* sourced(const YamlNode& entry, std::string_view key, std::optional<Unit> unit,
                           const std::string& expected, GivenUnit& given);
-  std::optional<double> read_number(const YamlNode& value, std::string_view key, Unit unit, Range range,
-                                    const GivenUnit& given);
+  std::optional<double> read_number(const YamlNode& value, std::string_view key, Range range, const GivenUnit& given);
   std::string path_of(std::string_view key) const;
   void report_at(const SourceMark& mark, std::string_view key, std::string found, std::string expected);
 

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <limits>
 
+#include "common/readable_number.h"
+
 namespace slewlab::controller {
 namespace {
 
@@ -71,8 +73,8 @@ std::vector<PlaySwitch> read_switches(YamlReader& play) {
     const double time = reader.number("time", Unit::second, between(0.0, kLongest));
     const PlaySwitch change{std::llround(time * kNanosecondsPerSecond), reader.flag("enabled")};
     if (!switches.empty() && change.time < switches.back().time) {
-      reader.report("time", common::shortest(time) + " s", "no time before that of the switch before, " +
-                                                               common::shortest(static_cast<double>(switches.back().time) / kNanosecondsPerSecond) + " s");
+      reader.report("time", common::readable(time) + " s", "no time before that of the switch before, " +
+                                                               common::readable(static_cast<double>(switches.back().time) / kNanosecondsPerSecond) + " s");
     }
     reader.finish();
     switches.push_back(change);
@@ -103,17 +105,17 @@ PlayCompensationSettings read_play_compensation(YamlReader reader) {
   if (half_1.size() != average.size() || half_2.size() != average.size()) return play;
 
   if (average.front() != 0.0) {
-    reader.report("average", common::shortest(average.front()) + " first", "0 first");
+    reader.report("average", common::readable(average.front()) + " first", "0 first");
   }
   if (half_1.front() != -half_2.front()) {
-    reader.report("half_2", common::shortest(half_2.front()) + " first",
-                  common::shortest(-half_1.front()) +
+    reader.report("half_2", common::readable(half_2.front()) + " first",
+                  common::readable(-half_1.front()) +
                       " first, the opposite of 'half_1', so that the map joins its mirror image");
   }
   play.point_count = static_cast<int>(average.size());
   for (std::size_t i = 0; i < average.size(); ++i) {
     if (i > 0 && average[i] <= average[i - 1]) {
-      reader.report("average", common::shortest(average[i]) + " after " + common::shortest(average[i - 1]),
+      reader.report("average", common::readable(average[i]) + " after " + common::readable(average[i - 1]),
                     "numbers that rise");
     }
     play.points[i] = {average[i], half_1[i], half_2[i]};

@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
-#include <numbers>
 #include <optional>
 #include <string_view>
 
+#include "common/readable_number.h"
 #include "common/yaml_reader.h"
 #include "sim/drive/fault_file.h"
 
@@ -108,31 +109,66 @@ std::vector<EffectSwitch> read_effect_switches(YamlReader& scenario, std::int64_
   return switches;
 }
 
-// Whether the crane can do what is asked of it; told at `operator`.
-void check_motions(YamlReader& reader, const Scenario& scenario) {
+// Time of the entry of a list, [ns]; nothing where it has none that can be read.
+std::optional<std::int64_t> time_of(const YamlNode& entry) {
+  InputProblems ignored;
+  YamlReader reader(entry, "", ignored);
+  const double time = reader.number("time", Unit::second, between(0.0, kLongest));
+  return ignored.empty() ? std::optional(nanoseconds(time)) : std::nullopt;
+}
+
+// The request under way where the motion first leaves what it may do: the last that asks for movement.
+std::size_t request_that_leaves(const std::vector<MotionRequest>& requests, double end, const std::function<bool(double until)>& has_left) {
+  std::size_t found = 0;
+  for (std::size_t i = 0; i < requests.size(); ++i) {
+    if (requests[i].share != 0.0) found = i;
+    const double until = i + 1 < requests.size() ? static_cast<double>(requests[i + 1].time) / kNanosecondsPerSecond : end;
+    if (has_left(std::min(until, end))) break;
+  }
+  return found;
+}
+
+// Whether the crane can do what is asked of it; told at the request.
+void check_motions(YamlReader& reader, const Scenario& scenario, InputProblems& problems) {
   const MotionRequests& asked = scenario.motion_requests;
   const CraneParameters& crane = scenario.crane.parameters;
   const double end = static_cast<double>(scenario.duration) / kNanosecondsPerSecond;
-  const auto missing = [&](const std::vector<MotionRequest>& requests, const MotionRates& rates, const char* section) {
+  const auto tell = [&](const MotionRequest& request, const std::string& section, const std::string& found, const std::string& expected) {
+    const std::string key = section + "_request";
+    const YamlNode* moves = reader.raw("operator");
+    for (std::size_t i = 0; moves != nullptr && i < moves->items.size(); ++i) {
+      const YamlNode& move = moves->items[i];
+      if (time_of(move) != request.time) continue;
+      YamlReader(move, "operator." + std::to_string(i), problems).report(key, found, expected);
+      return;
+    }
+    reader.report("operator", found, expected);
+  };
+  const auto missing = [&](const std::vector<MotionRequest>& requests, const MotionRates& rates, const std::string& section) {
     if (requests.empty() || rates.top_speed > 0.0) return requests.empty();
-    reader.report("operator", std::string(section) + "_request", std::string("no such request, or a section '") + section + "' in the crane's file with its top_speed and acceleration");
+    tell(requests.front(), section, "a request", "no such request, or a section '" + section + "' in the crane's file with its top_speed and acceleration");
     return true;
   };
-  const auto metres = [](double value) { return common::shortest(std::round(value * 1e3) / 1e3) + " m"; };
-  const auto degrees = [](double value) { return common::shortest(std::round(value * 180.0 / std::numbers::pi * 1e3) / 1e3) + " deg"; };
+  const auto metres = [](double value) { return common::readable(value) + " m"; };
   if (!missing(asked.hoisting, crane.motions.hoisting, "hoisting")) {
-    const double shortest = crane.load.rope_length - MotionProfile(crane.motions.hoisting, asked.hoisting).largest(end);
-    if (shortest < crane.motions.shortest_rope) {
-      reader.report("operator", "a hook hoisted until " + metres(shortest) + " of rope are left",
-                    "hoisting.shortest_rope or more, " + metres(crane.motions.shortest_rope) + ": a shorter request");
+    const MotionProfile profile(crane.motions.hoisting, asked.hoisting);
+    const auto shortest = [&](double until) { return crane.load.rope_length - profile.largest(until); };
+    const auto has_left = [&](double until) { return shortest(until) < crane.motions.shortest_rope; };
+    if (has_left(end)) {
+      tell(asked.hoisting[request_that_leaves(asked.hoisting, end, has_left)], "hoisting", "a hook hoisted until " + metres(shortest(end)) + " of rope are left",
+           "hoisting.shortest_rope or more, " + metres(crane.motions.shortest_rope) + ": a shorter request");
     }
   }
   if (!missing(asked.luffing, crane.motions.luffing, "luffing")) {
     const MotionProfile profile(crane.motions.luffing, asked.luffing);
-    const double lowest = crane.boom.angle + profile.least(end), highest = crane.boom.angle + profile.largest(end);
-    if (lowest < crane.motions.lowest_angle || highest > crane.motions.highest_angle) {
-      reader.report("operator", "a boom luffed from " + degrees(lowest) + " to " + degrees(highest),
-                    "within luffing.lowest_angle and highest_angle, " + degrees(crane.motions.lowest_angle) + " to " + degrees(crane.motions.highest_angle) + ": a shorter request");
+    const auto lowest = [&](double until) { return crane.boom.angle + profile.least(until); };
+    const auto highest = [&](double until) { return crane.boom.angle + profile.largest(until); };
+    const auto has_left = [&](double until) { return lowest(until) < crane.motions.lowest_angle || highest(until) > crane.motions.highest_angle; };
+    if (has_left(end)) {
+      tell(asked.luffing[request_that_leaves(asked.luffing, end, has_left)], "luffing",
+           "a boom luffed from " + common::readable_angle(lowest(end)) + " to " + common::readable_angle(highest(end)),
+           "within luffing.lowest_angle and highest_angle, " + common::readable_angle(crane.motions.lowest_angle) + " to " +
+               common::readable_angle(crane.motions.highest_angle) + ": a shorter request");
     }
   }
   missing(asked.travelling, crane.motions.travelling, "travelling");
@@ -219,7 +255,7 @@ Scenario read_scenario_file(const std::filesystem::path& file, const std::vector
         if (std::any_of(effects.begin(), effects.end(), is_it)) continue;
         reader.report("effect_switches", "'" + change.effect + "'", "an effect that stands under 'effects' of the machine");
       }
-      check_motions(reader, scenario);
+      check_motions(reader, scenario, problems);
       if (scenario.expectation.standing_by) scenario.expectation.standing_angle = standing_angle_of(scenario.crane.parameters);
     } catch (const InputError& error) {
       problems.insert(problems.end(), error.problems().begin(), error.problems().end());

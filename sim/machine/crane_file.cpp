@@ -4,6 +4,7 @@
 #include <initializer_list>
 #include <numbers>
 
+#include "common/readable_number.h"
 #include "sim/machine/drive_protection_file.h"
 #include "sim/model/boom.h"
 
@@ -33,7 +34,7 @@ double sized(YamlReader& reader, std::string_view key, Unit unit, common::Range 
   const double value = reader.number(key, unit, range);
   if (value != 0.0 && (value < possible.least || value > possible.most)) {
     const std::string name(common::name_of(unit));
-    reader.report(key, common::shortest(value) + ' ' + name + ", which no machine has",
+    reader.report(key, common::readable(value) + ' ' + name + ", which no machine has",
                   "from " + common::shortest(possible.least) + " to " + common::shortest(possible.most) + ' ' + name);
   }
   return value;
@@ -96,13 +97,13 @@ std::vector<BoomStation> read_profile(YamlReader reader) {
   }
   if (position.front() != 0.0 || position.back() != 1.0) {
     reader.report("position",
-                  common::shortest(position.front()) + " to " + common::shortest(position.back()),
+                  common::readable(position.front()) + " to " + common::readable(position.back()),
                   "0 first (the pivot) and 1 last (the tip)");
   }
   std::vector<BoomStation> profile;
   for (std::size_t i = 0; i < position.size(); ++i) {
     if (i > 0 && position[i] <= position[i - 1]) {
-      reader.report("position", common::shortest(position[i]) + " after " + common::shortest(position[i - 1]),
+      reader.report("position", common::readable(position[i]) + " after " + common::readable(position[i - 1]),
                     "numbers that rise");
     }
     profile.push_back({position[i], half_width[i], half_height[i]});
@@ -141,7 +142,7 @@ void carry(YamlReader& reader, CraneParameters& crane) {
   if (boom.cylinders.stiffness == 0.0 || boom.length == 0.0) return;
   boom.cylinders.force = carried_force(crane, boom.angle);
   if (!is_carried(crane, boom.cylinders.force)) {
-    reader.report("boom", "luffing_cylinders that lie along the boom: they would carry " + common::shortest(std::round(boom.cylinders.force)) + " N",
+    reader.report("boom", "luffing_cylinders that lie along the boom: they would carry " + common::readable(boom.cylinders.force) + " N",
                   "a base_radius and base_height that give them a lever about the pivot");
   }
 }
@@ -152,12 +153,12 @@ void expect_cylinders_to_luff(YamlReader& luffing, const CraneParameters& crane,
   const BoomParameters& boom = crane.boom;
   if (boom.cylinders.stiffness == 0.0 || boom.length == 0.0) return;
   const auto look = [&](const char* key, double angle) {
-    const std::string at = common::shortest(angle) + " rad, where the cylinders ";
+    const std::string at = common::readable_angle(angle) + ", where the cylinders ";
     const double lever = cylinder_lever(boom, angle);
     if (lever * cylinder_lever(boom, boom.angle) <= 0.0 || !is_carried(crane, carried_force(crane, angle))) {
-      luffing.report(key, at + "have a lever of " + common::shortest(lever) + " m about the pivot", "an angle at which they carry the boom, or another base_radius and base_height");
+      luffing.report(key, at + "have a lever of " + common::readable(lever) + " m about the pivot", "an angle at which they carry the boom, or another base_radius and base_height");
     } else if (boom.cylinders.oil_column > 0.0 && oil_column(boom, angle) <= 0.0) {
-      luffing.report(key, at + "have an oil column of " + common::shortest(oil_column(boom, angle)) + " m", "an angle with some of it left, or a longer boom.luffing_cylinders.oil_column");
+      luffing.report(key, at + "have an oil column of " + common::readable(oil_column(boom, angle)) + " m", "an angle with some of it left, or a longer boom.luffing_cylinders.oil_column");
     }
   };
   look("lowest_angle", motions.lowest_angle);
@@ -178,7 +179,7 @@ MotionParameters read_motions(YamlReader& reader, const CraneParameters& crane, 
     hoisting.finish();
     if (!has_load) reader.report("hoisting", "a winch", "a section 'load' with what hangs on its rope, or no such section");
     if (has_load && crane.load.rope_length > 0.0 && motions.shortest_rope > crane.load.rope_length) {
-      hoisting.report("shortest_rope", common::shortest(motions.shortest_rope) + " m", "not more than load.rope_length, " + common::shortest(crane.load.rope_length) + " m");
+      hoisting.report("shortest_rope", common::readable(motions.shortest_rope) + " m", "not more than load.rope_length, " + common::readable(crane.load.rope_length) + " m");
     }
   }
   if (reader.has("luffing")) {
@@ -189,8 +190,8 @@ MotionParameters read_motions(YamlReader& reader, const CraneParameters& crane, 
     luffing.finish();
     if (!has_boom) reader.report("luffing", "a luffing gear", "a section 'boom', or no such section");
     if (has_boom && (crane.boom.angle < motions.lowest_angle || crane.boom.angle > motions.highest_angle)) {
-      luffing.report("lowest_angle", common::shortest(motions.lowest_angle) + " rad to highest_angle " + common::shortest(motions.highest_angle) + " rad",
-                     "a range with boom.angle in it, " + common::shortest(crane.boom.angle) + " rad");
+      luffing.report("lowest_angle", common::readable_angle(motions.lowest_angle) + " to highest_angle " + common::readable_angle(motions.highest_angle),
+                     "a range with boom.angle in it, " + common::readable_angle(crane.boom.angle));
     }
     if (has_boom) expect_cylinders_to_luff(luffing, crane, motions);
   }
@@ -248,15 +249,15 @@ BoomParameters read_boom(YamlReader reader) {
     if (!is_box || boom.side_plate == 0.0 || boom.flange_plate == 0.0) break;
     const auto thicker = [&](const char* key, double plate, double half, const char* of) {
       if (plate < half) return false;
-      reader.report(key, common::shortest(plate) + " m", "less than " + std::string(of) + " everywhere, " + common::shortest(half) + " m at the position " + common::shortest(station.position));
+      reader.report(key, common::readable(plate) + " m", "less than " + std::string(of) + " everywhere, " + common::readable(half) + " m at the position " + common::readable(station.position));
       return true;
     };
     const bool is_wrong = thicker("side_plate", boom.side_plate, station.half_width, "half_width");
     if (thicker("flange_plate", boom.flange_plate, station.half_height, "half_height") || is_wrong) break;
   }
   if (boom.chord_outer_diameter > 0.0 && boom.chord_inner_diameter >= boom.chord_outer_diameter) {
-    reader.report("chord_inner_diameter", common::shortest(boom.chord_inner_diameter) + " m",
-                  "less than chord_outer_diameter, " + common::shortest(boom.chord_outer_diameter) + " m");
+    reader.report("chord_inner_diameter", common::readable(boom.chord_inner_diameter) + " m",
+                  "less than chord_outer_diameter, " + common::readable(boom.chord_outer_diameter) + " m");
   }
   return boom;
 }

@@ -82,7 +82,19 @@ TEST(YamlReader, NegativeMass) {
   EXPECT_EQ(complaints_about_mass("load:\n  mass: {value: -3, unit: kg, source: s}\n"),
             "crane.yaml:2:17: key 'load.mass': found -3 kg, expected a number above 0 kg");
   EXPECT_EQ(complaints_about_mass("load:\n  mass: {value: -3, unit: t, source: s}\n"),
-            "crane.yaml:2:17: key 'load.mass': found -3 t, that is -3000 kg, expected a number above 0 kg");
+            "crane.yaml:2:17: key 'load.mass': found -3 t, expected a number above 0 t");
+}
+
+// Found and allowed stand in the unit that the user wrote: a right angle is 90 deg.
+TEST(YamlReader, LimitsAreInTheUnitOfTheFile) {
+  InputProblems problems;
+  const YamlNode root = parse_yaml_text("angle: {value: 153.5, unit: deg, source: s}\nlength: {value: 46.6 m, unit: m, source: s}\n", "crane.yaml", problems);
+  YamlReader reader(root, "", problems);
+  reader.number("angle", Unit::radian, between(0.0, 1.5707963267948966));
+  reader.number("length", Unit::metre, positive());
+  ASSERT_EQ(problems.size(), 2u);
+  EXPECT_EQ(to_text(problems[0]), "crane.yaml:1:16: key 'angle': found 153.5 deg, expected a number from 0 to 90 deg");
+  EXPECT_EQ(to_text(problems[1]), "crane.yaml:2:17: key 'length': found 46.6 m, expected 46.6 alone: its unit stands under 'unit'");
 }
 
 TEST(YamlReader, NotANumberAndInfinity) {

@@ -536,7 +536,7 @@ std::string check_table(const std::vector<CheckResult>& results) {
 }
 
 std::string checks_json(const std::vector<CheckResult>& results, const AcceptanceLimits& limits,
-                        const AcceptedMachine& machine) {
+                        const AcceptedMachine& machine, const std::string& log_digest) {
   nlohmann::ordered_json list = nlohmann::ordered_json::array();
   for (const CheckResult& result : results) {
     list.push_back({{"name", result.name},
@@ -549,6 +549,7 @@ std::string checks_json(const std::vector<CheckResult>& results, const Acceptanc
                     {"reason", result.reason}});
   }
   const nlohmann::ordered_json all{{"accepted", accepted(results)},
+                                   {"log_digest", log_digest},
                                    {"top_speed", limits.top_speed},
                                    {"total_ratio", machine.total_ratio},
                                    {"rated_torque", limits.rated_torque},

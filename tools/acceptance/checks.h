@@ -92,8 +92,8 @@ std::string junit_xml(const std::string& suite, const std::vector<CheckResult>& 
 // One line per check.
 std::string check_table(const std::vector<CheckResult>& results);
 
-// The results for whoever draws them.
+// The results for whoever draws them. `log_digest`: of the log that was judged, empty where there was none.
 std::string checks_json(const std::vector<CheckResult>& results, const AcceptanceLimits& limits,
-                        const AcceptedMachine& machine);
+                        const AcceptedMachine& machine, const std::string& log_digest);
 
 }  // namespace slewlab::tools

@@ -56,6 +56,16 @@ CheckResult failed_check(const char* name, const std::string& reason) {
   return result;
 }
 
+std::string why_of_another_machine(const sim::Scenario& scenario, const AcceptanceLimits& limits) {
+  constexpr double kSame = 1.1;  // chosen: a tenth is within what a machine is commissioned for
+  const sim::DriveParameters& drive = scenario.crane.parameters.drive;
+  const auto differs = [](double a, double b) { return a > 0.0 && b > 0.0 && std::max(a, b) > kSame * std::min(a, b); };
+  if (!differs(drive.top_speed, limits.top_speed) && !differs(drive.rated_torque, limits.rated_torque)) return {};
+  const auto text = [](double speed, double torque) { return fmt::format("{:.3g} rad/s and {:.3g} N m per motor", speed, torque); };
+  return fmt::format("the limits are for a machine of {} (top_speed, motor_torque_rated); this one has {}", text(limits.top_speed, limits.rated_torque),
+                     text(drive.top_speed, drive.rated_torque));
+}
+
 AcceptedMachine accepted_machine(const sim::Scenario& scenario) {
   AcceptedMachine machine;
   machine.controller_period = static_cast<double>(scenario.controller_period) / kNanosecondsPerSecond;

@@ -19,6 +19,9 @@ struct Judgement {
   std::vector<std::string> remarks;  // what of the log could not be used
 };
 
+// What tells that the limits are another machine's, by its top speed and its motors' rated torque; empty where nothing does.
+std::string why_of_another_machine(const sim::Scenario& scenario, const AcceptanceLimits& limits);
+
 AcceptedMachine accepted_machine(const sim::Scenario& scenario);
 
 // A check that fails by itself, without a limit: "run", "log".

@@ -38,9 +38,9 @@ AcceptanceLimits read_acceptance_limits(common::YamlReader& reader) {
   return limits;
 }
 
-AcceptanceLimits load_acceptance_limits(const std::filesystem::path& file) {
+AcceptanceLimits load_acceptance_limits(const std::filesystem::path& file, const std::vector<common::Override>& overrides) {
   common::InputProblems problems;
-  const common::YamlNode root = common::load_yaml_file(file, {}, problems);
+  const common::YamlNode root = common::load_yaml_file(file, overrides, problems);
   if (root.kind != common::YamlNode::Kind::map) throw common::InputError(problems);
   common::YamlReader reader(root, "", problems);
   const AcceptanceLimits limits = read_acceptance_limits(reader);

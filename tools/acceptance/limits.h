@@ -6,7 +6,9 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <vector>
 
+#include "common/yaml_file.h"
 #include "common/yaml_reader.h"
 
 namespace slewlab::tools {
@@ -38,6 +40,6 @@ struct AcceptanceLimits {
 AcceptanceLimits read_acceptance_limits(common::YamlReader& reader);
 
 // Throws common::InputError with every problem found.
-AcceptanceLimits load_acceptance_limits(const std::filesystem::path& file);
+AcceptanceLimits load_acceptance_limits(const std::filesystem::path& file, const std::vector<common::Override>& overrides = {});
 
 }  // namespace slewlab::tools

@@ -15,6 +15,12 @@ const CheckResult* find_check(const RecordedTest& test, const std::string& name)
   return found == test.checks.end() ? nullptr : &*found;
 }
 
+const Deviation* agreed_deviation(const AcceptancePlan& plan, const std::string& requirement) {
+  const auto agreed = std::find_if(plan.deviations.begin(), plan.deviations.end(),
+                                   [&](const Deviation& each) { return each.requirement == requirement; });
+  return agreed == plan.deviations.end() ? nullptr : &*agreed;
+}
+
 TracedRequirement traced(const Requirement& requirement, const AcceptancePlan& plan, const std::vector<RecordedTest>& tests) {
   TracedRequirement result;
   result.requirement = requirement;
@@ -31,11 +37,7 @@ TracedRequirement traced(const Requirement& requirement, const AcceptancePlan& p
                                                         : "no verdict: " + test->no_verdict;
     result.reasons.push_back(shown.test + ", " + shown.check + ": " + why);
   }
-  if (result.state != RequirementState::met) {
-    const auto agreed = std::find_if(plan.deviations.begin(), plan.deviations.end(),
-                                     [&](const Deviation& each) { return each.requirement == requirement.name; });
-    if (agreed != plan.deviations.end()) result.deviation = &*agreed;
-  }
+  if (result.state != RequirementState::met) result.deviation = agreed_deviation(plan, requirement.name);
   return result;
 }
 
@@ -68,6 +70,9 @@ AcceptanceRecord trace(const AcceptancePlan& plan, const std::vector<RecordedTes
     record.requirements.push_back(traced(requirement, plan, tests));
     const TracedRequirement& result = record.requirements.back();
     record.accepted = record.accepted && (result.state == RequirementState::met || result.deviation != nullptr);
+    if (const Deviation* agreed = agreed_deviation(plan, requirement.name); result.state == RequirementState::met && agreed != nullptr) {
+      record.warnings.push_back("the deviation from " + requirement.name + " (" + agreed->text + ") is not needed: the requirement is met");
+    }
   }
   for (const RecordedTest& test : tests) {
     for (const CheckResult& check : test.checks) {
@@ -115,19 +120,24 @@ Json record_json(const AcceptancePlan& plan, const AcceptanceRecord& record, con
   for (const Deviation& each : plan.deviations) {
     deviations.push_back({{"requirement", each.requirement}, {"text", each.text}, {"agreed_by", each.agreed_by}});
   }
+  Json files = Json::array();
+  for (const TestedFile& each : facts.files) files.push_back({{"of", each.of}, {"file", each.file}, {"sha256", each.sha256}});
   return {{"title", plan.title},
           {"system", plan.system},
           {"accepted", record.accepted},
           {"plan", {{"file", facts.plan_file}, {"digest", facts.plan_digest}}},
           {"limits", {{"file", facts.limits_file}, {"digest", facts.limits_digest}}},
-          {"controller_command", facts.controller_command},
+          {"controller_command", facts.controller},
+          {"plant_command", facts.plant},
+          {"files", files},
           {"versions", facts.versions},
           {"time", facts.time},
           {"command", facts.command},
           {"requirements", requirements},
           {"tests", runs},
           {"deviations", deviations},
-          {"findings", findings}};
+          {"findings", findings},
+          {"warnings", record.warnings}};
 }
 
 std::string record_table(const AcceptanceRecord& record) {
@@ -140,6 +150,7 @@ std::string record_table(const AcceptanceRecord& record) {
     for (const std::string& reason : each.reasons) text += fmt::format("{:<9} {:<{}} {}\n", "", "", widest, reason);
   }
   for (const Finding& each : record.findings) text += fmt::format("finding   {}, {}: {}\n", each.test, each.check, each.reason);
+  for (const std::string& each : record.warnings) text += fmt::format("warning   {}\n", each);
   return text;
 }
 

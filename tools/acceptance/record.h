@@ -24,6 +24,7 @@ struct RecordedTest {
   bool is_failure_case = false;  // the scenario has faults on purpose
   std::vector<CheckResult> checks;
   std::string no_verdict;
+  std::string warning;  // what has to be known of the verdict; mostly empty
   std::string configuration_hash;
   std::string log_digest;
   std::int64_t seed = 0;
@@ -45,16 +46,23 @@ struct Finding {
 struct AcceptanceRecord {
   std::vector<TracedRequirement> requirements;
   std::vector<Finding> findings;  // failed checks that no requirement names
+  std::vector<std::string> warnings;  // what an inspector has to know and does not count: a deviation for what is met
   bool accepted = false;
 };
 
 // `tests` in the plan's order.
 AcceptanceRecord trace(const AcceptancePlan& plan, const std::vector<RecordedTest>& tests);
 
+// A file that took part in the test: of the controller or of the plant.
+struct TestedFile {
+  std::string of, file, sha256;
+};
+
 // What identifies program, configuration and time of a record.
 struct RecordFacts {
   std::string plan_file, plan_digest, limits_file, limits_digest;
-  std::string controller_command;
+  std::string controller, plant;  // in words: the command, or the FMU
+  std::vector<TestedFile> files;  // that these two name
   std::string versions;  // a line each
   std::string time;      // UTC
   std::string command;   // that makes the whole record again

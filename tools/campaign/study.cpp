@@ -4,8 +4,10 @@
 #include <array>
 #include <utility>
 
+#include "common/effect.h"
 #include "controller/controller_file.h"
 #include "sim/drive/scenario_file.h"
+#include "sim/effects/catalogue.h"
 #include "sim/machine/machine_file.h"
 #include "tools/acceptance/limits.h"
 #include "tools/soak/settings.h"
@@ -61,7 +63,7 @@ void check_values(YamlReader& reader, const char* name, const VariedKey& varied)
   if (varied.spread == Spread::log_range && !(first > 0.0)) reader.report(name, found, "values above 0 for a logarithmic range");
 }
 
-VariedKey read_varied(YamlReader& reader, Draw draw, const std::vector<VariedKey>& before) {
+VariedKey read_varied(YamlReader& reader, bool is_grid, const std::vector<VariedKey>& before) {
   VariedKey varied;
   varied.key = reader.text("key");
   const bool twice = std::any_of(before.begin(), before.end(), [&](const VariedKey& other) { return other.key == varied.key; });
@@ -74,7 +76,7 @@ VariedKey read_varied(YamlReader& reader, Draw draw, const std::vector<VariedKey
     varied.values.clear();
     read_values(reader, name, varied);
     check_values(reader, name, varied);
-    if (draw == Draw::grid && spread != Spread::values) reader.report(name, "a range", "values: a grid has one run for each");
+    if (is_grid && spread != Spread::values) reader.report(name, "a range", "values: a grid has one run for each");
   }
   if (given != 1) reader.report("key", std::to_string(given) + " of values, range, log_range, normal", "one of them");
   if (reader.has("whole")) varied.whole = reader.flag("whole");
@@ -82,34 +84,95 @@ VariedKey read_varied(YamlReader& reader, Draw draw, const std::vector<VariedKey
   return varied;
 }
 
-// Values that a scenario takes: the first of each key, which shows whether key and unit are right.
-std::vector<Override> first_values(const Study& study) {
-  std::vector<Override> changes;
-  for (const VariedKey& varied : study.vary) {
-    if (!varied.values.empty()) changes.push_back({varied.key, value_text(varied, varied.values.front())});
+// What a study's values are tried on: a campaign has a row for each run that is refused, so that the first value of each key, which
+// shows whether key and unit are right, is enough for it; a check tries all of them.
+enum class Tried { first, all };
+
+InputProblems problems_of(const std::filesystem::path& scenario_file, const std::vector<Override>& changes, Tried tried) {
+  InputProblems found;
+  const auto collect = [&](const auto& read) {
+    try {
+      read();
+    } catch (const InputError& error) {
+      found.insert(found.end(), error.problems().begin(), error.problems().end());
+    }
+  };
+  sim::Scenario scenario;
+  collect([&] { scenario = sim::read_scenario_file(scenario_file, changes, found); });
+  if (tried == Tried::first) return found;
+  if (found.empty()) collect([&] { common::read_effects(scenario.crane.effects, sim::effects_for(scenario.crane), found); });
+  found = common::as_given(std::move(found), scenario.crane_overrides);
+  InputProblems ignored;
+  const YamlNode root = std::filesystem::exists(scenario.controller_file) ? common::load_yaml_file(scenario.controller_file, {}, ignored) : YamlNode{};
+  const YamlNode* kind = root.find("kind");
+  if (kind != nullptr && kind->scalar == "controller") {  // one's own controller has settings that only it can read
+    collect([&] { controller::load_controller_file(scenario.controller_file, scenario.controller_overrides); });
   }
-  return changes;
+  return found;
 }
 
-// What a scenario says of a value that comes from here is told at its line here.
-void check_scenarios(const Study& study, const YamlNode& root, InputProblems& problems) {
+// Those of `found` that are not among `known`.
+InputProblems new_among(const InputProblems& found, const InputProblems& known) {
+  InputProblems result;
+  for (const common::InputProblem& problem : found) {
+    const auto is_same = [&](const common::InputProblem& other) { return other.key == problem.key && other.where.file == problem.where.file && other.where.line == problem.where.line; };
+    if (std::none_of(known.begin(), known.end(), is_same)) result.push_back(problem);
+  }
+  return result;
+}
+
+// Where the value stands in the study, or the nearest place that there is.
+common::SourceMark mark_of(const YamlNode& root, const Study& study, std::size_t key, std::size_t value) {
   const YamlNode* vary = root.find("vary");
-  for (const std::filesystem::path& file : study.scenarios) {
-    InputProblems found;
-    try {
-      sim::read_scenario_file(file, first_values(study), found);
-    } catch (const InputError& error) {
-      found = error.problems();
+  if (vary == nullptr || key >= vary->items.size()) return root.mark;
+  const YamlNode* values = vary->items[key].find(name_of(study.vary[key].spread));
+  const YamlNode* list = values == nullptr ? nullptr : values->find("value");
+  return list == nullptr || value >= list->items.size() ? vary->items[key].mark : list->items[value].mark;
+}
+
+std::string option_beginning(const VariedKey& varied) { return "--set " + varied.key + "="; }
+
+// What a scenario says of the first values, told at the key's entry here where it comes from here.
+void tell_of_first(const Study& study, const YamlNode& root, InputProblems found, InputProblems& problems) {
+  for (common::InputProblem& problem : found) {
+    for (std::size_t i = 0; problem.where.line == 0 && i < study.vary.size(); ++i) {
+      if (problem.where.file.text().starts_with(option_beginning(study.vary[i]))) problem.where = root.find("vary")->items.at(i).mark;
     }
-    for (common::InputProblem& problem : found) {
-      if (problem.where.line == 0) {
-        for (std::size_t i = 0; vary != nullptr && i < study.vary.size() && i < vary->items.size(); ++i) {
-          const std::string& key = study.vary[i].key;
-          const bool meant = problem.where.file.text().find(key) != std::string::npos || key.ends_with(problem.key);
-          if (meant && !key.empty()) problem.where = vary->items[i].mark;
+    problems.push_back(std::move(problem));
+  }
+}
+
+// What it says of another value, the rest being as it was.
+void tell_of_value(const Study& study, const YamlNode& root, std::size_t key, std::size_t value, const InputProblems& found, InputProblems& problems) {
+  const VariedKey& varied = study.vary[key];
+  for (common::InputProblem problem : found) {
+    if (!problem.where.file.text().starts_with(option_beginning(varied))) {
+      problem.found = value_text(varied, varied.values[value]) + ", with which '" + problem.key + "' is " + problem.found;
+    }
+    problem.key = varied.key;
+    problem.where = mark_of(root, study, key, value);
+    problems.push_back(std::move(problem));
+  }
+}
+
+void check_scenarios(const Study& study, const YamlNode& root, Tried tried, InputProblems& problems) {
+  std::vector<Override> first;
+  for (const VariedKey& varied : study.vary) {
+    if (!varied.values.empty()) first.push_back({varied.key, value_text(varied, varied.values.front())});
+  }
+  for (const std::filesystem::path& file : study.scenarios) {
+    const InputProblems of_first = problems_of(file, first, tried);
+    tell_of_first(study, root, of_first, problems);
+    for (std::size_t i = 0; tried == Tried::all && i < study.vary.size(); ++i) {
+      const VariedKey& varied = study.vary[i];
+      const std::size_t count = varied.spread == Spread::normal ? 1 : varied.values.size();  // a deviation is no value
+      for (std::size_t k = 1; k < count; ++k) {
+        std::vector<Override> changes = first;
+        for (Override& change : changes) {
+          if (change.key == varied.key) change.value = value_text(varied, varied.values[k]);
         }
+        tell_of_value(study, root, i, k, new_among(problems_of(file, changes, tried), of_first), problems);
       }
-      problems.push_back(std::move(problem));
     }
   }
 }
@@ -161,6 +224,17 @@ WithheldOfStudy read_withheld(YamlReader reader) {
 
 }  // namespace
 
+namespace {
+
+// Whether the value of {value, source} is the word.
+bool is_word(YamlReader& reader, std::string_view key, std::string_view word) {
+  const YamlNode* node = reader.raw(key);
+  const YamlNode* value = node == nullptr ? nullptr : node->find("value");
+  return value != nullptr && value->scalar == word;
+}
+
+}  // namespace
+
 void read_study(YamlReader& reader, Study& study) {
   reader.heading("campaign");
   if (reader.has("soak")) study.soak = read_soak(reader.map("soak"));
@@ -172,22 +246,38 @@ void read_study(YamlReader& reader, Study& study) {
     study.seed = reader.integer("seed", 0, kLargestSeed);
     return;
   }
+  bool any_scenario = false;
   reader.each("scenarios", [&](YamlReader& each) {
-    study.scenarios.push_back(each.file("file"));
+    const std::filesystem::path file = each.file("file");
+    if (!file.empty() && !std::filesystem::exists(file)) {
+      each.report("file", "'" + file.string() + "', which is not there", "the name of a scenario's file");
+    } else {
+      study.scenarios.push_back(file);
+    }
+    any_scenario = true;
     each.finish();
   });
-  if (study.scenarios.empty()) reader.report("scenarios", "none", "at least one: [{file: SCENARIO.yaml}]");
+  if (!any_scenario) reader.report("scenarios", "none", "at least one: [{file: SCENARIO.yaml}]");
   if (reader.has("limits")) study.limits = reader.file("limits");
   study.draw = std::array{Draw::grid, Draw::random, Draw::latin_hypercube}[reader.choice("draw", {"grid", "random", "latin_hypercube"})];
+  const bool is_grid = study.draw == Draw::grid && is_word(reader, "draw", "grid");
+  for (const char* key : {"runs", "seed"}) {
+    if (is_grid && reader.has(key)) reader.report(key, "it beside a grid", "no such key: a grid has one run for every combination of values");
+  }
   if (study.draw != Draw::grid) {
     study.runs = reader.integer("runs", 1, kMostRuns);
     study.seed = reader.integer("seed", 0, kLargestSeed);
+  } else if (!is_grid) {  // that there is no such draw is told
+    reader.has("runs");
+    reader.has("seed");
   }
-  reader.each("vary", [&](YamlReader& each) { study.vary.push_back(read_varied(each, study.draw, study.vary)); });
+  reader.each("vary", [&](YamlReader& each) { study.vary.push_back(read_varied(each, is_grid, study.vary)); });
   if (study.draw != Draw::grid && study.vary.empty()) reader.report("vary", "nothing", "at least one key to draw");
 }
 
-Study read_study_file(const std::filesystem::path& file, const std::vector<Override>& overrides, InputProblems& problems) {
+namespace {
+
+Study read_and_try(const std::filesystem::path& file, const std::vector<Override>& overrides, Tried tried, InputProblems& problems) {
   Study study;
   const YamlNode root = common::load_yaml_file(file, overrides, problems);
   if (root.kind != YamlNode::Kind::map) return study;
@@ -195,7 +285,7 @@ Study read_study_file(const std::filesystem::path& file, const std::vector<Overr
   read_study(reader, study);
   reader.finish();
   if (!problems.empty()) return study;
-  check_scenarios(study, root, problems);
+  check_scenarios(study, root, tried, problems);
   const auto check = [&](const std::filesystem::path& named, const auto& load) {
     if (named.empty()) return;
     try {
@@ -217,9 +307,15 @@ Study read_study_file(const std::filesystem::path& file, const std::vector<Overr
   return study;
 }
 
+}  // namespace
+
+Study read_study_file(const std::filesystem::path& file, const std::vector<Override>& overrides, InputProblems& problems) {
+  return read_and_try(file, overrides, Tried::all, problems);
+}
+
 Study load_study_file(const std::filesystem::path& file, const std::vector<Override>& overrides) {
   InputProblems problems;
-  Study study = read_study_file(file, overrides, problems);
+  Study study = read_and_try(file, overrides, Tried::first, problems);
   if (!problems.empty()) throw InputError(std::move(problems));
   return study;
 }

@@ -80,11 +80,12 @@ std::string value_text(const VariedKey& varied, const std::string& value);
 // The study of an opened file, but for finish().
 void read_study(common::YamlReader& reader, Study& study);
 
-// For a check: adds the problems, those of the files that it names among them, and answers with what could be read.
+// For a check: adds the problems, those of the files that it names and of every value among them, and answers with what could be read.
 Study read_study_file(const std::filesystem::path& file, const std::vector<common::Override>& overrides,
                       common::InputProblems& problems);
 
-// Throws common::InputError with every problem found.
+// For a campaign, of which a run with values that make no machine is a row: of the values the first of each key is tried. Throws
+// common::InputError with every problem found.
 Study load_study_file(const std::filesystem::path& file, const std::vector<common::Override>& overrides = {});
 
 }  // namespace slewlab::tools

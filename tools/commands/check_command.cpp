@@ -1,12 +1,15 @@
 #include "tools/commands/check_command.h"
 
 #include <algorithm>
+#include <array>
 #include <optional>
 #include <ostream>
 #include <stdexcept>
 #include <string>
 
 #include "common/effect.h"
+#include "common/near_name.h"
+#include "common/readable_number.h"
 #include "common/yaml_reader.h"
 #include "controller/controller_file.h"
 #include "sim/drive/run_cost.h"
@@ -15,9 +18,11 @@
 #include "sim/integrate/machine.h"
 #include "sim/machine/machine_file.h"
 #include "sim/machine/plausibility.h"
+#include "tools/acceptance/limits.h"
 #include "tools/acceptance/plan.h"
 #include "tools/campaign/study.h"
 #include "tools/plc/plc_map.h"
+#include "tools/soak/settings.h"
 
 namespace slewlab::tools {
 namespace {
@@ -26,7 +31,11 @@ using common::InputError;
 using common::InputProblems;
 using common::YamlNode;
 
-constexpr const char* kKinds = "crane, axis, controller, scenario, acceptance_plan, campaign, import_map or plc_map";
+const std::vector<std::string>& known_kinds() {
+  static const std::vector<std::string> kKinds{"crane",           "axis",     "controller", "scenario",   "acceptance",
+                                               "acceptance_plan", "campaign", "soak",       "import_map", "plc_map"};
+  return kKinds;
+}
 
 // Where the scenario names its controller, for problems that lie between two files.
 common::SourceMark mark_of(const std::filesystem::path& file, const std::vector<common::Override>& overrides,
@@ -80,9 +89,49 @@ void weigh_cost(const sim::Scenario& scenario, const std::filesystem::path& file
                      std::to_string(scenario.crane.parameters.boom.element_count) + " boom elements");
 }
 
+// What begins when the run is over.
+void weigh_times(const sim::Scenario& scenario, const std::filesystem::path& file, const std::vector<common::Override>& overrides,
+                 std::vector<std::string>& warnings) {
+  struct List {
+    const char *name, *time;
+  };
+  constexpr std::array kLists{List{"operator", "time"}, List{"effect_switches", "time"}, List{"faults", "from"}};
+  const double duration = static_cast<double>(scenario.duration) * 1e-9;  // [s]
+  InputProblems ignored;
+  const YamlNode root = common::load_yaml_file(file, overrides, ignored);
+  for (const List& list : kLists) {
+    const YamlNode* entries = root.find(list.name);
+    for (std::size_t i = 0; entries != nullptr && i < entries->items.size(); ++i) {
+      const YamlNode* entry = entries->items[i].find(list.time);
+      if (entry == nullptr) continue;
+      common::YamlReader reader(entries->items[i], "", ignored);
+      const double time = reader.number(list.time, common::Unit::second, common::any_number());
+      if (time < duration) continue;
+      warnings.push_back(place_text(entry->mark) + "warning: key '" + list.name + '.' + std::to_string(i) + '.' + list.time + "': " + common::readable(time) +
+                         " s, when the run is over: it lasts " + common::readable(duration) + " s");
+    }
+  }
+}
+
 // What a run would refuse of the crane's effects, said where the user wrote them.
 std::vector<common::EffectInstance> check_effects(const sim::MachineFile& crane, InputProblems& problems) {
   return common::read_effects(crane.effects, sim::effects_for(crane), problems);
+}
+
+// Names alone, of a machine whose other values are wrong: what bounds an effect is not known then.
+void check_effect_names(const std::filesystem::path& file, const std::vector<common::Override>& overrides, InputProblems& problems) {
+  InputProblems ignored;
+  const YamlNode root = common::load_yaml_file(file, overrides, ignored);
+  const YamlNode* effects = root.find("effects");
+  if (effects == nullptr) return;
+  std::vector<std::string> names;
+  for (const sim::EffectDescription* effect : sim::effect_catalogue()) names.emplace_back(effect->about.name);
+  for (std::size_t i = 0; i < effects->items.size(); ++i) {
+    const YamlNode* name = effects->items[i].find("effect");
+    if (name == nullptr || name->kind != YamlNode::Kind::scalar || std::find(names.begin(), names.end(), name->scalar) != names.end()) continue;
+    const std::optional<std::string> near = common::nearest_name(name->scalar, names);
+    problems.push_back({name->mark, "effects." + std::to_string(i) + ".effect", name->scalar, near ? "the name of an effect; '" + *near + "' is near" : common::known_names_text(name->scalar, names)});
+  }
 }
 
 // Whether parameters that are good one by one make a machine; a boom of so many elements takes milliseconds to assemble.
@@ -107,7 +156,13 @@ void check_machine(const sim::MachineFile& crane, double plant_step, const sim::
 }
 
 void check_machine_file(const std::filesystem::path& file, const std::vector<common::Override>& overrides, Findings& found) {
-  const sim::MachineFile crane = sim::load_machine_file(file, overrides);
+  sim::MachineFile crane;
+  try {
+    crane = sim::load_machine_file(file, overrides);
+  } catch (const InputError& error) {
+    found.problems = error.problems();
+    return check_effect_names(file, overrides, found.problems);
+  }
   check_machine(crane, sim::MachineSettings{}.step, {}, file, found.problems);
   if (found.problems.empty()) weigh_machine(crane, file, overrides, {}, found.warnings);
 }
@@ -122,6 +177,11 @@ void check_scenario(const std::filesystem::path& file, const std::vector<common:
     check_machine(scenario.crane, plant_step, scenario.motion_requests, scenario.crane_file, problems);
     weigh_machine(scenario.crane, scenario.crane_file, scenario.crane_overrides, {plant_step, scenario.controller_period}, found.warnings);
     weigh_cost(scenario, file, found.warnings);
+    std::vector<common::Override> own = overrides;
+    for (const char* way : {"crane.", "axis.", "controller."}) common::take_overrides(way, own);
+    weigh_times(scenario, file, own, found.warnings);
+  } else if (scenario.crane.canonical_text.empty()) {  // it could not be read
+    check_effect_names(scenario.crane_file, scenario.crane_overrides, problems);
   } else {
     try {
       check_effects(scenario.crane, problems);
@@ -150,7 +210,7 @@ std::optional<YamlNode> kind_of(const std::filesystem::path& file, InputProblems
   const YamlNode root = common::load_yaml_file(file, {}, problems);
   if (const YamlNode* kind = root.find("kind")) return *kind;
   if (problems.empty()) {
-    problems.push_back({root.mark, "kind", "nothing: the key is missing", kKinds});
+    problems.push_back({root.mark, "kind", "nothing: the key is missing", common::known_names_text("", known_kinds())});
   }
   return std::nullopt;
 }
@@ -171,12 +231,16 @@ Findings examine(const std::filesystem::path& file, const std::vector<common::Ov
       check_scenario(file, overrides, by, found);
     } else if (kind->scalar == "plc_map") {
       load_plc_map(file);
+    } else if (kind->scalar == "acceptance") {
+      load_acceptance_limits(file, overrides);
+    } else if (kind->scalar == "soak") {
+      load_soak_settings(file, overrides);
     } else if (kind->scalar == "acceptance_plan") {
       read_acceptance_plan_file(file, found.problems);
     } else if (kind->scalar == "campaign") {
       read_study_file(file, overrides, found.problems);
     } else {
-      found.problems.push_back({kind->mark, "kind", common::excerpt(*kind), kKinds});
+      found.problems.push_back({kind->mark, "kind", common::excerpt(*kind), common::known_names_text(kind->scalar, known_kinds())});
     }
   } catch (const InputError& error) {
     found.problems = error.problems();
@@ -207,6 +271,44 @@ void warn(const std::vector<std::string>& warnings, std::ostream& complaints) {
   for (const std::string& warning : warnings) complaints << warning << '\n';
 }
 
+namespace {
+
+// What the templates of `slewlab new` say where a user's own words belong.
+constexpr std::string_view kTemplateSource = "replace by your own", kTemplateDescription = "replace by what";
+
+// Sources that are a template's still: how many, and the first.
+struct Unreplaced {
+  std::size_t count = 0;
+  YamlNode first{};
+};
+
+void find_unreplaced(const YamlNode& node, Unreplaced& found) {
+  for (const common::YamlEntry& entry : node.entries) {
+    if (entry.key == "source" && entry.value.scalar.find(kTemplateSource) != std::string::npos && found.count++ == 0) found.first = entry.value;
+    find_unreplaced(entry.value, found);
+  }
+  for (const YamlNode& item : node.items) find_unreplaced(item, found);
+}
+
+std::vector<std::string> remarks_on_template(const std::filesystem::path& file) {
+  InputProblems ignored;
+  const YamlNode root = common::load_yaml_file(file, {}, ignored);
+  std::vector<std::string> remarks;
+  const YamlNode* description = root.find("description");
+  if (description != nullptr && description->scalar.starts_with(kTemplateDescription)) {
+    remarks.push_back(place_text(description->mark) + "warning: key 'description': still the template's, '" + description->scalar + "'");
+  }
+  Unreplaced found;
+  find_unreplaced(root, found);
+  if (found.count > 0) {
+    remarks.push_back(place_text(found.first.mark) + "warning: " + (found.count == 1 ? "a value has" : std::to_string(found.count) + " values have") +
+                      " the template's source still, '" + found.first.scalar + "'" + (found.count == 1 ? "" : "; here is the first"));
+  }
+  return remarks;
+}
+
+}  // namespace
+
 int check_files(const std::vector<std::filesystem::path>& files,
                 const std::vector<common::Override>& overrides, std::ostream& out, std::ostream& complaints) {
   int exit_code = 0;
@@ -214,6 +316,7 @@ int check_files(const std::vector<std::filesystem::path>& files,
     const Findings found = examine(file, overrides);
     if (found.problems.empty()) {
       warn(found.warnings, complaints);
+      warn(remarks_on_template(file), complaints);
       out << file.string() << ": OK\n";
       continue;
     }

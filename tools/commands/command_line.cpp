@@ -1,5 +1,6 @@
 #include "tools/commands/command_line.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 #include <memory>
@@ -13,6 +14,57 @@
 #include "tools/commands/unknown_word.h"
 
 namespace slewlab::tools {
+
+namespace {
+
+constexpr const char* kSet = "--set";
+
+// KEY=VALUE, where the key is no part of a path.
+bool is_setting(const std::string& word) {
+  const std::size_t equal = word.find('=');
+  return !word.starts_with('-') && equal != std::string::npos && equal > 0 && word.find('/') >= equal;
+}
+
+// "slewlab new: --crane,--axis is given 2 times, expected once"; empty where something else is wrong.
+std::string given_too_often(const CLI::App& app, const CLI::ParseError& error) {
+  const std::string said = error.what();
+  const std::size_t colon = said.find(": At Most 1 required but received ");
+  if (colon == std::string::npos) return {};
+  const CLI::App* command = &app;
+  std::string name = app.get_name();
+  while (!command->get_subcommands().empty()) {
+    command = command->get_subcommands().front();
+    name += ' ' + command->get_name();
+  }
+  for (const CLI::Option* option : command->get_options({})) {
+    if (!option->check_name(said.substr(0, colon))) continue;
+    const std::string names = option->get_name(false, true);
+    return name + ": " + names + (names.find(',') == std::string::npos ? " is" : ", one option by several names, is") + " given " +
+           said.substr(said.rfind(' ') + 1) + " times, expected once";
+  }
+  return {};
+}
+
+}  // namespace
+
+std::vector<std::string> with_one_setting_each(const std::vector<std::string>& words) {
+  std::vector<std::string> result;
+  for (std::size_t i = 0; i < words.size(); ++i) {
+    result.push_back(words[i]);
+    if (words[i] == "--") {
+      result.insert(result.end(), words.begin() + static_cast<std::ptrdiff_t>(i) + 1, words.end());
+      break;
+    }
+    if (words[i] != kSet || i + 1 == words.size()) continue;
+    result.push_back(words[++i]);
+    while (i + 1 < words.size() && is_setting(words[i + 1])) result.insert(result.end(), {kSet, words[++i]});
+  }
+  return result;
+}
+
+CLI::Option* add_settings(CLI::App& command, std::vector<std::string>& settings, const std::string& description) {
+  return command.add_option(kSet, settings, description)->expected(1)->take_all()->type_name("KEY=VALUE");
+}
 
 std::vector<common::Override> parse_overrides(const std::vector<std::string>& texts) {
   std::vector<common::Override> overrides;
@@ -35,8 +87,7 @@ void add_run_options(CLI::App& command, const std::vector<std::string>& command_
   command.add_option("--plant", options->run.plant_command,
                       "shell command of your own plant; it finds its task in $SLEWLAB_PLANT_TASK (docs/wire.md)");
   command.add_option("--out", options->run.out, "folder for log and summary (runs/<scenario>)");
-  command.add_option("--set", options->overrides,
-                      "key=value: scenario keys as they are, crane.KEY and controller.KEY for those files");
+  add_settings(command, options->overrides, "key=value: scenario keys as they are, crane.KEY and controller.KEY for those files");
   const std::vector<std::pair<std::string, int>> modes{{"auto", static_cast<int>(Progress::automatic)},
                                                        {"lines", static_cast<int>(Progress::lines)},
                                                        {"none", static_cast<int>(Progress::none)}};
@@ -57,13 +108,19 @@ void add_run_options(CLI::App& command, const std::vector<std::string>& command_
 
 int act(CLI::App& app, const std::vector<std::string>& command_line, const Action& action) {
   try {
-    std::vector<std::string> words(command_line.rbegin(), command_line.rend() - 1);  // as CLI wants them: without the program, the last first
+    std::vector<std::string> words = with_one_setting_each(command_line);
+    words.erase(words.begin());
+    std::reverse(words.begin(), words.end());  // as CLI wants them: the last first
     app.parse(words);
     return action();
   } catch (const CLI::ParseError& error) {
     const bool is_asked = error.get_exit_code() == 0 && !names_no_command(app, command_line);  // for help or the version
     if (const auto unknown = is_asked ? std::nullopt : unknown_word(app, command_line)) {
       std::fprintf(stderr, "%s\n", unknown->c_str());
+      return 2;
+    }
+    if (const std::string repeated = given_too_often(app, error); !repeated.empty()) {
+      std::fprintf(stderr, "%s\n", repeated.c_str());
       return 2;
     }
     return app.exit(error) == 0 ? 0 : 2;

@@ -15,6 +15,11 @@ namespace slewlab::tools {
 // What a command is to do; answers with the exit code.
 using Action = std::function<int()>;
 
+// --set KEY=VALUE, as often as one likes. A word behind it that is no KEY=VALUE is not its.
+CLI::Option* add_settings(CLI::App& command, std::vector<std::string>& settings, const std::string& description);
+// `--set a=1 b=2 FILE` as `--set a=1 --set b=2 FILE`.
+std::vector<std::string> with_one_setting_each(const std::vector<std::string>& words);
+
 // Each KEY=VALUE of --set.
 std::vector<common::Override> parse_overrides(const std::vector<std::string>& texts);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <fstream>
 #include <nlohmann/json.hpp>
+#include <sstream>
 #include <stdexcept>
 #include <utility>
 
@@ -34,14 +35,32 @@ std::vector<const CLI::App*> shown_commands(const CLI::App& app) {
   return shown;
 }
 
-std::vector<ForeignOption> options_of(const CLI::App& app, const ForeignOptions& foreign) {
-  if (app.get_prefix_command()) {
-    const auto found = foreign.find(app.get_name());
-    return found == foreign.end() ? std::vector<ForeignOption>{} : found->second;
-  }
+// The words of a validator one_of (option_check.h), which names itself "{a,b}".
+std::vector<std::string> choices_of(const CLI::Option& option) {
+  const std::string type = option.get_type_name();
+  const std::size_t begin = type.find('{'), end = type.rfind('}');
+  if (begin == std::string::npos || end == std::string::npos || end < begin) return {};
+  std::vector<std::string> choices;
+  std::istringstream words(type.substr(begin + 1, end - begin - 1));
+  for (std::string word; std::getline(words, word, ',');) choices.push_back(word);
+  return choices;
+}
+
+// Of a command whose command line another program reads also what it takes behind its first word, if `with_below`.
+std::vector<ForeignOption> options_of(const CLI::App& app, const ForeignOptions& foreign, bool with_below) {
   std::vector<ForeignOption> options;
+  if (app.get_prefix_command()) {
+    for (const auto& [command, taken] : foreign) {
+      if (command != app.get_name() && !(with_below && command.starts_with(app.get_name() + ' '))) continue;
+      for (const ForeignOption& option : taken) {
+        const bool is_known = std::any_of(options.begin(), options.end(), [&](const ForeignOption& other) { return other.name == option.name; });
+        if (!is_known) options.push_back(option);
+      }
+    }
+    return options;
+  }
   for (const CLI::Option* option : app.get_options({})) {
-    options.push_back({option->get_name(option->get_positional(), true), option->get_description(), option->get_positional()});
+    options.push_back({option->get_name(option->get_positional(), true), option->get_description(), option->get_positional(), choices_of(*option)});
   }
   return options;
 }
@@ -65,7 +84,7 @@ std::string commands_part(const CLI::App& app, const std::string& name) {
 
 CommandPage page_of(const CLI::App& app, const std::string& name, const std::string& footer, const std::string& version,
                     const ForeignOptions& foreign) {
-  const std::vector<ForeignOption> options = options_of(app, foreign);
+  const std::vector<ForeignOption> options = options_of(app, foreign, true);
   std::string title = name;
   for (char& c : title) c = c == ' ' ? '-' : c;
   std::string text = ".TH " + roff(title) + " 1 \"\" \"slewlab " + version + "\"\n.SH NAME\n" + roff(title) + " \\- " +
@@ -80,18 +99,52 @@ CommandPage page_of(const CLI::App& app, const std::string& name, const std::str
   return {title + ".1", text};
 }
 
-std::string option_words(const CLI::App& app, const ForeignOptions& foreign) {
-  std::string words;
-  for (const ForeignOption& option : options_of(app, foreign)) {
-    if (option.is_positional) continue;
-    for (std::size_t begin = 0; begin < option.name.size();) {
-      const std::size_t end = std::min(option.name.find(',', begin), option.name.size());
-      const std::string name = option.name.substr(begin, end - begin);
-      if (name.starts_with("--")) words += (words.empty() ? "" : " ") + name;
-      begin = end + 1;
+std::string joined(const std::vector<std::string>& words, const char* between) {
+  std::string text;
+  for (const std::string& word : words) text += (text.empty() ? "" : between) + word;
+  return text;
+}
+
+std::vector<std::string> long_names(const ForeignOption& option) {
+  std::vector<std::string> names;
+  std::istringstream all(option.name);
+  for (std::string name; std::getline(all, name, ',');) {
+    if (name.starts_with("--")) names.push_back(name);
+  }
+  return names;
+}
+
+// Shell lines that set `words`, and behind an option whose value is one of a few words those, and no files.
+std::string answer_with(const std::vector<ForeignOption>& options, std::vector<std::string> words) {
+  std::string values;
+  for (const ForeignOption& option : options) {
+    if (option.is_positional) {
+      words.insert(words.end(), option.choices.begin(), option.choices.end());
+      continue;
+    }
+    const std::vector<std::string> names = long_names(option);
+    words.insert(words.end(), names.begin(), names.end());
+    if (!option.choices.empty() && !names.empty()) values += ' ' + joined(names, "|") + ") words=\"" + joined(option.choices, " ") + "\" files=no ;;";
+  }
+  return "words=\"" + joined(words, " ") + "\"" + (values.empty() ? "" : "; case \"$before\" in" + values + " esac");
+}
+
+// The answer to what stands behind a command.
+std::string answer_of(const CLI::App& command, const ForeignOptions& foreign) {
+  std::vector<std::string> names;
+  std::string below;
+  for (const CLI::App* each : shown_commands(command)) {
+    names.push_back(each->get_name());
+    below += "        " + each->get_name() + ") " + answer_with(options_of(*each, foreign, false), {}) + " ;;\n";
+  }
+  if (command.get_prefix_command()) {
+    const std::string beginning = command.get_name() + ' ';
+    for (const auto& [name, options] : foreign) {
+      if (name.starts_with(beginning)) below += "        " + name.substr(beginning.size()) + ") " + answer_with(options, {}) + " ;;\n";
     }
   }
-  return words;
+  const std::string own = answer_with(options_of(command, foreign, false), names);
+  return below.empty() ? own : "case \"$below\" in\n" + below + "        *) " + own + " ;;\n      esac";
 }
 
 }  // namespace
@@ -103,7 +156,9 @@ ForeignOptions read_foreign_options(const std::filesystem::path& file) {
   try {
     const nlohmann::json told = nlohmann::json::parse(in);
     for (const auto& [command, options] : told.items()) {
-      for (const auto& option : options) foreign[command].push_back({option.at(0), option.at(1), option.at(2)});
+      for (const auto& option : options) {
+        foreign[command].push_back({option.at(0), option.at(1), option.at(2), option.size() > 3 ? option.at(3).get<std::vector<std::string>>() : std::vector<std::string>{}});
+      }
     }
   } catch (const nlohmann::json::exception& error) {
     throw std::runtime_error(file.string() + ": not what describe_commands.py writes: " + error.what());
@@ -124,23 +179,25 @@ std::vector<CommandPage> manual_pages(const CLI::App& app, const std::string& ve
 }
 
 std::string completion_script(const CLI::App& app, const ForeignOptions& foreign) {
-  std::string commands, cases;
+  std::vector<std::string> commands;
+  std::string cases;
   for (const CLI::App* command : shown_commands(app)) {
-    commands += (commands.empty() ? "" : " ") + command->get_name();
-    std::string words = option_words(*command, foreign);
-    for (const CLI::App* below : shown_commands(*command)) words += ' ' + below->get_name() + ' ' + option_words(*below, foreign);
-    if (!words.empty()) cases += "    " + command->get_name() + ") words=\"" + words + "\" ;;\n";
+    commands.push_back(command->get_name());
+    cases += "    " + command->get_name() + ") " + answer_of(*command, foreign) + " ;;\n";
   }
   return "# Completion of slewlab for bash: source <(slewlab completion). For zsh: autoload bashcompinit; bashcompinit before it.\n"
          "_slewlab() {\n"
-         "  local word=\"${COMP_WORDS[COMP_CWORD]}\" words=\"\"\n"
+         "  local word=\"${COMP_WORDS[COMP_CWORD]}\" before=\"${COMP_WORDS[COMP_CWORD - 1]}\" below=\"\" words=\"\" files=yes\n"
          "  if [ \"$COMP_CWORD\" -eq 1 ]; then\n"
-         "    COMPREPLY=($(compgen -W \"" + commands + ' ' + option_words(app, foreign) + "\" -- \"$word\"))\n"
+         "    " + answer_with(options_of(app, foreign, false), commands) + "\n"
+         "    COMPREPLY=($(compgen -W \"$words\" -- \"$word\"))\n"
          "    return\n"
          "  fi\n"
+         "  [ \"$COMP_CWORD\" -gt 2 ] && below=\"${COMP_WORDS[2]}\"\n"
          "  case \"${COMP_WORDS[1]}\" in\n" + cases +
          "  esac\n"
-         "  COMPREPLY=($(compgen -W \"$words\" -- \"$word\") $(compgen -f -- \"$word\"))\n"
+         "  COMPREPLY=($(compgen -W \"$words\" -- \"$word\"))\n"
+         "  if [ \"$files\" = yes ]; then COMPREPLY+=($(compgen -f -- \"$word\")); fi\n"
          "}\n"
          "complete -o filenames -F _slewlab slewlab\n";
 }

@@ -20,7 +20,9 @@ struct ForeignOption {
   std::string name;  // "--out", "-h,--help", RUN
   std::string description;
   bool is_positional = false;
+  std::vector<std::string> choices = {};  // of its value, where it is one of a few words
 };
+// What a command takes behind its first word is that of "COMMAND WORD".
 using ForeignOptions = std::map<std::string, std::vector<ForeignOption>>;
 
 // As tools/python/describe_commands.py writes them; none where there is no such file, as of a build without Python.
@@ -30,7 +32,7 @@ ForeignOptions read_foreign_options(const std::filesystem::path& file);
 // slewlab(1), and one page for every command. `version`: "0.2.0".
 std::vector<CommandPage> manual_pages(const CLI::App& app, const std::string& version, const ForeignOptions& foreign = {});
 
-// For bash, and for zsh by bashcompinit: commands, their options, and files.
+// For bash, and for zsh by bashcompinit: commands, their options, values that are one of a few words, and files.
 std::string completion_script(const CLI::App& app, const ForeignOptions& foreign = {});
 
 }  // namespace slewlab::tools

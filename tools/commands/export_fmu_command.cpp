@@ -8,7 +8,9 @@
 #include <ostream>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
+#include "sim/machine/machine_tree.h"
 #include "tools/commands/home.h"
 #include "tools/fmu/controller_unit.h"
 #include "tools/fmu/model_description.h"
@@ -65,6 +67,16 @@ std::vector<std::string> files_in(const fs::path& folder) {
   return names;
 }
 
+// What the machine of the file does beside slewing, and its FMU does not; empty where it does nothing else.
+std::string motions_left_out(const fmu::UnitFile& file) {
+  const sim::MotionParameters motions = sim::machine_of(file.root).parameters.motions;
+  std::string names;
+  for (const auto& [name, rates] : {std::pair{"hoisting", motions.hoisting}, std::pair{"luffing", motions.luffing}, std::pair{"travelling", motions.travelling}}) {
+    if (rates.top_speed > 0.0) names += (names.empty() ? "" : ", ") + std::string(name);
+  }
+  return names.empty() ? "" : "The FMU has no inputs for " + names + ": the machine stands still in that and slews alone.";
+}
+
 }  // namespace
 
 int export_fmu(const ExportFmuOptions& options, std::ostream& out) {
@@ -80,6 +92,8 @@ int export_fmu(const ExportFmuOptions& options, std::ostream& out) {
   model.identifier = fmu::identifier_of(model.name);
   const common::YamlNode* description = file.root.find("description");
   model.description = description != nullptr ? description->scalar : "";
+  const std::string still = is_plant ? motions_left_out(file) : "";
+  if (!still.empty()) model.description += (model.description.empty() ? "" : " ") + still;
   for (const std::string& name : sources) {
     if (name.ends_with(".c") || name.ends_with(".cpp")) model.sources.push_back(name);
   }
@@ -92,6 +106,7 @@ int export_fmu(const ExportFmuOptions& options, std::ostream& out) {
   if (options.fmi == 3) files.push_back({"sources/buildDescription.xml", fmu::build_description(model)});
   for (const std::string& name : sources) files.push_back({"sources/" + name, content_of(parts / "sources" / name)});
   const fs::path path = options.out.empty() ? fs::path(model.name + ".fmu") : options.out;
+  if (fs::is_directory(path)) throw common::InputError({{{"--out", 0, 0}, "", "'" + path.string() + "', a folder", "the name of the FMU to write, such as " + (path / (model.name + ".fmu")).string()}});
   fmu::write_package(path, files);
 
   const auto count = [&](fmu::Causality causality) {
@@ -100,6 +115,7 @@ int export_fmu(const ExportFmuOptions& options, std::ostream& out) {
   };
   out << fmt::format("{}: {} as FMI {} for co-simulation, {} inputs, {} outputs, step {} ms\n", path.string(), fmu::name_of(file.kind),
                      options.fmi, count(fmu::Causality::input), count(fmu::Causality::output), options.period_ms);
+  if (!still.empty()) out << "note: " << still << '\n';
   return 0;
 }
 

@@ -3,12 +3,13 @@
 #include <system_error>
 #include <utility>
 
+#include "tools/commands/output_folder.h"
 #include "tools/commands/whole_file.h"
 
 namespace slewlab::tools {
 
 Findings::Findings(std::filesystem::path folder) : folder_(std::move(folder)), is_new_(!std::filesystem::exists(folder_)) {
-  std::filesystem::create_directories(folder_);
+  make_output_folder(folder_);
 }
 
 Findings::~Findings() {

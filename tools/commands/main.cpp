@@ -18,6 +18,7 @@
 #include "tools/commands/modes_command.h"
 #include "tools/commands/new_command.h"
 #include "tools/commands/option_check.h"
+#include "tools/commands/output_folder.h"
 #include "tools/commands/python_command.h"
 #include "tools/commands/replay_command.h"
 #include "tools/commands/schema.h"
@@ -44,9 +45,9 @@ void add_check(CLI::App& app, Action& action) {
     std::vector<std::string> overrides;
   };
   auto options = std::make_shared<Options>();
-  CLI::App* command = app.add_subcommand("check", "Read cranes, axes, controllers, scenarios, test plans, campaigns, import maps and PLC maps and say what is wrong");
+  CLI::App* command = app.add_subcommand("check", "Read files of every kind (slewlab schema has them) and say what is wrong");
   command->add_option("FILE", options->files, "files to check")->required();
-  command->add_option("--set", options->overrides, "key=value over every file");
+  add_settings(*command, options->overrides, "key=value over every file");
   command->callback([options, &action] {
     action = [options] {
       // An import map is read by the import's own reader.
@@ -90,7 +91,7 @@ void add_replay(CLI::App& app, const std::vector<std::string>& command_line, Act
                       "CHANNEL.FIELD=SIZE: differences up to this size do not count, e.g. TORQUE.motor_torque=0.5");
   command->add_option("--run", options->replay.run, "which of several runs in the log, from 1 (all)")
       ->check(whole_number(1));
-  command->add_option("--set", options->overrides, "key=value, as of slewlab run");
+  add_settings(*command, options->overrides, "key=value, as of slewlab run");
   command->callback([options, &command_line, &action] {
     action = [options, &command_line] {
       options->replay.overrides = parse_overrides(options->overrides);
@@ -111,7 +112,7 @@ void add_simulate(CLI::App& app, Action& action) {
   command->add_option("LOG", options->simulate.log, "log, or the folder of a run")->required()->check(readable_path());
   command->add_option("--out", options->simulate.out, "folder for the simulated log")->required();
   command->add_option("--plant-step", options->longest_step_ms, "[ms] longest step of the plant (1)")->check(positive_number());
-  command->add_option("--set", options->overrides, "key=value over the machine's file");
+  add_settings(*command, options->overrides, "key=value over the machine's file");
   command->callback([options, &action] {
     action = [options] {
       constexpr double kMillisecond = 1e-3;  // [s]
@@ -144,7 +145,7 @@ void add_accept(CLI::App& app, const std::vector<std::string>& command_line, Act
   command->add_flag("--plot,!--no-plot", options->accept.plot, "draw acceptance.html (as it is by default)");
   command->add_option("--junit", options->accept.junit, "JUnit XML to write, for CI");
   command->add_option("--out", options->accept.out, "folder for the run (runs/accept_<scenario>), or for the record (runs/record_<plan>)");
-  command->add_option("--set", options->overrides, "key=value, as of slewlab run")->excludes(record);
+  add_settings(*command, options->overrides, "key=value, as of slewlab run")->excludes(record);
   command->callback([options, plan, subject, record, &command_line, &action] {
     if (subject->count() + record->count() == 0) throw CLI::RequiredError("SCENARIO|RUN_DIR or --record");
     if (record->count() > 0) {
@@ -243,8 +244,7 @@ void add_soak(CLI::App& app, Action& action) {
       ->check(readable_file());
   command->add_option("--config", soak_options.config, "what is drawn, and the limits (config/soak/thesis.yaml)")
       ->check(readable_file());
-  command->add_option("--set", options->overrides,
-                      "key=value: of --config as they are, crane.KEY and controller.KEY, e.g. limits.sidelead=5deg");
+  add_settings(*command, options->overrides, "key=value: of --config as they are, crane.KEY and controller.KEY, e.g. limits.sidelead=5deg");
   command->footer("Journal, failures and how to repeat one: docs/soak.md");
   command->callback([options, hours, task, &action] {
     if (hours->count() + task->count() == 0) throw CLI::RequiredError("--hours or --task");
@@ -293,7 +293,7 @@ void add_modes(CLI::App& app, Action& action) {
   command->add_option("--elements", options->modes.elements, "boom elements, in place of the crane's own")
       ->check(whole_number(0, 256));
   command->add_option("--bode", options->modes.bode, "CSV of the response from motor torque to tip velocity");
-  command->add_option("--set", options->overrides, "key=value over the machine's file");
+  add_settings(*command, options->overrides, "key=value over the machine's file");
   command->callback([options, &action] {
     action = [options] {
       options->modes.overrides = parse_overrides(options->overrides);
@@ -315,7 +315,7 @@ void add_export_fmu(CLI::App& app, Action& action) {
   command->add_option("--period", options->fmu.period_ms, "[ms] communication step (10); a controller takes no other")->check(positive_number());
   CLI::Option* step = command->add_option("--plant-step", options->fmu.plant_step_ms, "[ms] of the plant's integration (1)")->check(positive_number());
   CLI::Option* seed = command->add_option("--seed", options->fmu.seed, "of the plant's effects that draw numbers (0)")->check(whole_number(0));
-  command->add_option("--set", options->overrides, "key=value over the file");
+  add_settings(*command, options->overrides, "key=value over the file");
   command->callback([options, step, seed, &action] {
     for (const CLI::Option* given : {seed, step}) {
       if (given->count() > 0) options->fmu.of_a_plant = given->get_name();
@@ -367,7 +367,7 @@ void add_manual(CLI::App& app, Action& action) {
   command->add_option("--out", *out, "folder for the pages")->required();
   command->callback([out, &app, &action] {
     action = [out, &app] {
-      std::filesystem::create_directories(*out);
+      make_output_folder(*out);
       for (const CommandPage& page : manual_pages(app, version(), foreign_options())) write_whole_file(*out / page.name, page.text);
       return 0;
     };
@@ -385,7 +385,7 @@ void add_new(CLI::App& app, Action& action) {
   };
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("new", "Write a commented file to begin with");
-  command->add_option("KIND", options->file.kind, "crane, axis, controller, scenario or map")->required();
+  command->add_option("KIND", options->file.kind, "crane, axis, controller, scenario or map")->required()->check(one_of({"crane", "axis", "controller", "scenario", "map"}));
   command->add_option("FILE", options->file.file, "to be written; never over one that is there")->required();
   command->add_option("--crane,--axis", options->file.machine, "machine of a controller or a scenario");
   command->add_option("--controller", options->file.controller, "controller of a scenario");
@@ -413,6 +413,9 @@ void add_schema(CLI::App& app, Action& action) {
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("schema", "JSON Schema of a kind of file, for completion and marks in an editor");
   CLI::Option* kind = command->add_option("KIND", options->kind, "crane, axis, controller, scenario, acceptance, acceptance_plan, campaign, soak, plc_map or import_map");
+  std::vector<std::string> kinds = schema_kinds();
+  kinds.emplace_back("import_map");  // of which the import's own reader tells
+  kind->check(one_of(kinds));
   CLI::Option* out = command->add_option("--out", options->out, "folder for KIND.schema.json of every kind");
   kind->excludes(out);
   command->callback([options, kind, out, &action] {
@@ -424,7 +427,7 @@ void add_schema(CLI::App& app, Action& action) {
         std::cout << schema_of(options->kind).dump(2) << std::endl;
         return 0;
       }
-      std::filesystem::create_directories(options->out);
+      make_output_folder(options->out);
       for (const std::string& each : schema_kinds()) {
         write_whole_file(options->out / (each + ".schema.json"), schema_of(each).dump(2) + "\n");
       }

@@ -7,14 +7,17 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <optional>
 #include <ostream>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "common/input_error.h"
 #include "sim/analysis/bode.h"
 #include "sim/analysis/eigen.h"
 #include "sim/machine/machine_file.h"
+#include "sim/model/cannot_be_built.h"
 #include "tools/commands/whole_file.h"
 
 namespace slewlab::tools {
@@ -62,31 +65,45 @@ void print_modes(const std::vector<sim::Mode>& modes, double highest, bool is_ax
 
 void print_convergence(const sim::CraneParameters& crane, std::ostream& out) {
   constexpr int kBending = kHighestBending;
+  using Frequencies = std::array<double, kBending + 1>;
   const auto frequencies = [&](int elements) {
     sim::CraneParameters meshed = crane;
     meshed.boom.element_count = elements;
     const std::vector<sim::Mode> modes = sim::crane_modes(meshed);
-    std::array<double, kBending + 1> result{};
+    Frequencies result{};
     for (int i = 0; i < kBending; ++i) {
       result[static_cast<std::size_t>(i)] = sim::frequency_of(modes, sim::ModeKind::kBending, i + 1);
     }
     result[kBending] = sim::frequency_of(modes, sim::ModeKind::kTorsion, 1);
     return result;
   };
-  const auto reference = frequencies(kMeshes.back());
+  // Nothing where the boom has no such mesh: one with a knuckle has two elements or more.
+  const auto admitted = [&](int elements) -> std::optional<Frequencies> {
+    try {
+      return frequencies(elements);
+    } catch (const sim::CannotBeBuilt&) {
+      return std::nullopt;
+    }
+  };
+  const Frequencies reference = frequencies(kMeshes.back());
   out << fmt::format("  {:>8}", "elements");
   for (int i = 1; i <= kBending; ++i) out << fmt::format("  {:>18}", fmt::format("bending {}", i));
   out << fmt::format("  {:>18}\n", "torsion 1");
   for (const int elements : kMeshes) {
+    const std::optional<Frequencies> values = admitted(elements);
+    if (!values) continue;
     out << fmt::format("  {:>8}", elements);
-    const auto values = frequencies(elements);
-    for (std::size_t i = 0; i < values.size(); ++i) {
-      out << (std::isnan(values[i]) ? fmt::format("  {:>18}", "-")
-                                    : fmt::format("  {:>8.3f} {:>+8.2f}%", values[i],
-                                                  100.0 * (values[i] / reference[i] - 1.0)));
+    for (std::size_t i = 0; i < values->size(); ++i) {
+      out << (std::isnan((*values)[i]) ? fmt::format("  {:>18}", "-")
+                                       : fmt::format("  {:>8.3f} {:>+8.2f}%", (*values)[i],
+                                                     100.0 * ((*values)[i] / reference[i] - 1.0)));
     }
     out << '\n';
   }
+}
+
+[[noreturn]] void refuse(const char* option, const std::string& found, const std::string& expected) {
+  throw common::InputError({{{option, 0, 0}, "", found, expected}});
 }
 
 std::string bode_csv(const sim::CraneParameters& crane) {
@@ -111,20 +128,26 @@ int show_modes(const ModesOptions& options, std::ostream& out) {
   sim::CraneParameters crane = file.parameters;
   const bool is_axis = file.kind == sim::MachineKind::axis;
   if (is_axis && !options.bode.empty()) {
-    throw std::runtime_error(options.crane.string() + ": an axis has no tip; --bode is the response from motor torque to a boom's tip");
+    refuse("--bode", options.bode.string(), "no response of " + options.crane.string() + ": an axis has no tip whose velocity it would be");
   }
   if (options.elements > 0 && crane.boom.length == 0.0) {
-    throw std::runtime_error(options.crane.string() + ": has no boom that elements could be given to");
+    refuse("--elements", std::to_string(options.elements), "none: " + options.crane.string() + " has no boom");
   }
   if (options.elements >= 0) crane.boom.element_count = options.elements;
 
+  std::vector<sim::Mode> modes;
+  try {
+    modes = sim::crane_modes(crane);
+  } catch (const sim::CannotBeBuilt& error) {
+    if (options.elements < 0) throw;
+    refuse("--elements", std::to_string(options.elements), std::string("another number: ") + error.what());
+  }
   if (is_axis) {
     out << fmt::format("{}: axis, {}\n", options.crane.string(),
                        crane.drive.is_rigid ? "rigid transmission: one inertia" : "transmission in contact");
   } else {
     out << fmt::format("{}: whole crane, gears closed, {} boom element(s)\n", options.crane.string(), crane.boom.element_count);
   }
-  const std::vector<sim::Mode> modes = sim::crane_modes(crane);
   const double highest = kShownAbove * highest_of_interest(modes);
   print_modes(modes, highest, is_axis, out);
   if (crane.boom.element_count > 0) {

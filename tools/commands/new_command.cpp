@@ -11,6 +11,7 @@
 #include "common/yaml_node.h"
 #include "sim/machine/machine_file.h"
 #include "sim/model/drive_line.h"
+#include "tools/commands/output_folder.h"
 #include "tools/commands/whole_file.h"
 
 namespace slewlab::tools {
@@ -81,7 +82,7 @@ int write_new(const NewOptions& options, std::ostream& out) {
     if (machine.kind == sim::MachineKind::axis) text.replace(text.find("\ncrane:") + 1, 5, "axis");
   }
   if (is_scenario && !options.controller.empty()) replace_key(text, "controller", seen_from(options.controller, options.file));
-  if (options.file.has_parent_path()) std::filesystem::create_directories(options.file.parent_path());
+  if (options.file.has_parent_path()) make_output_folder(options.file.parent_path(), "FILE");
   write_whole_file(options.file, text);
   out << options.file.string() << ": written; fill it in, then: slewlab check " << options.file.string() << '\n';
   return 0;

@@ -26,6 +26,9 @@ double seconds(std::int64_t time) { return static_cast<double>(time) / kNanoseco
 std::string why_not_by_another_plant(const sim::Scenario& scenario) {
   if (!scenario.faults.empty()) return "it has faults on purpose (faults:), which slewlab's own plant alone makes";
   if (!scenario.effect_switches.empty()) return "it switches effects while it runs, which slewlab's own plant alone has";
+  if (!scenario.motion_requests.empty()) {
+    return "it hoists, luffs or travels (hoisting_request, luffing_request, travelling_request), which OPERATOR does not carry and slewlab's own plant alone does";
+  }
   return {};
 }
 

@@ -30,6 +30,7 @@
 #include "tools/commands/check_command.h"
 #include "tools/commands/child_process.h"
 #include "tools/commands/home.h"
+#include "tools/commands/output_folder.h"
 #include "tools/commands/plant_task.h"
 #include "tools/commands/private_network.h"
 #include "tools/commands/python_command.h"
@@ -52,6 +53,8 @@ constexpr std::chrono::seconds kEndPatience{5};
 constexpr double kStalled = 2.0;            // [s] without progress, until that is said
 constexpr std::string_view kPlayCompensation = "play_compensation ";  // what is switched, as desk, plant and controller say it
 constexpr std::string_view kToController = "controller ";
+constexpr std::size_t kMostOfALine = 120;  // characters of what the controller said
+constexpr std::size_t kMostLines = 3;      // of it, behind a run
 constexpr double kLineInterval = 2.0;       // [s] between progress lines where there is no terminal
 
 fs::path own_folder() { return fs::read_symlink("/proc/self/exe").parent_path(); }
@@ -111,8 +114,8 @@ class ProgressDisplay {
         name_(std::move(name)),
         line_(std::cout, mode == Progress::automatic && ::isatty(STDOUT_FILENO) == 1, mode == Progress::lines ? 0.0 : kLineInterval) {}
 
-  // A line of the plant: "progress SIMULATED OF RESENDS".
-  void update(const std::string& line) {
+  // A line of the plant: "progress SIMULATED OF RESENDS". `controller`: whom it waits for.
+  void update(const std::string& line, const ChildProcess& controller) {
     double simulated = 0.0;
     double whole = 0.0;
     long long resends = 0;
@@ -123,8 +126,14 @@ class ProgressDisplay {
     if (mode_ == Progress::none) return;
     std::string text = fmt::format("{}: {:.1f} of {:.1f} s simulated, {:.0f} times real time", name_, simulated, whole,
                                    now > 0.0 ? simulated / now : 0.0);
-    if (now - last_advance_ > kStalled) text += fmt::format(", waiting for the controller, asked again {} times", resends);
+    if (now - last_advance_ > kStalled) text += waiting_text(now - last_advance_, resends, controller);
     line_.show(now, text, simulated >= whole);
+  }
+  static std::string waiting_text(double seconds, long long resends, const ChildProcess& controller) {
+    std::string text = fmt::format(", waiting for the controller for {:.0f} s", seconds);
+    if (resends > 0) text += fmt::format(", asked again {} times", resends);
+    if (!controller.last_words().empty()) text += "; it said last: " + controller.last_words().back().substr(0, kMostOfALine);
+    return text;
   }
   void keep() { line_.keep(); }
   double simulated() const { return simulated_; }
@@ -285,7 +294,7 @@ class Run {
       } else if (line.starts_with(kToController) && line.substr(kToController.size()).starts_with(kPlayCompensation)) {
         switch_controller(line.substr(kToController.size()));
       } else {
-        display_.update(line);
+        display_.update(line, controller_);
       }
     });
     controller_.read_output([this](const std::string& line) {
@@ -374,7 +383,8 @@ int tell_outcome(const Outcome& outcome, const std::string& name, const fs::path
 // What an earlier run left, and what was drawn or exported of it: none of it may be taken for the new run's. A folder of exports goes
 // only if nothing else is in it.
 void remove_earlier_run(const fs::path& folder) {
-  for (const char* stale : {"summary.json", kRunFactsName, kPlantTaskName, "run.lcmlog", "run.lcmlog.partial", "report.html", "acceptance.html", "run.mcap"}) {
+  for (const char* stale : {"summary.json", kRunFactsName, kPlantTaskName, "run.lcmlog", "run.lcmlog.partial", "report.html",
+                            "acceptance.json", "acceptance.html", "run.mcap", "plant.txt", "controller.txt"}) {
     fs::remove(folder / stale);
   }
   for (const char* format : {"parquet", "csv"}) {
@@ -535,6 +545,14 @@ std::string write_outcome(const Prepared& run, const RunOptions& options, const 
   return "";
 }
 
+// What the controller had to complain about, a link that it lost among it: the last of it, for people.
+void tell_complaints(const ChildProcess& controller, const std::string& name, const fs::path& folder) {
+  const std::deque<std::string>& words = controller.last_words();
+  if (words.empty()) return;
+  std::printf("%s: the controller said (%s):\n", name.c_str(), (folder / "controller.txt").c_str());
+  for (std::size_t i = words.size() - std::min(kMostLines, words.size()); i < words.size(); ++i) std::printf("  %s\n", words[i].c_str());
+}
+
 // Whether what the scenario expects came about, for people; the exit code.
 int tell_expected(const std::vector<std::string>& broken, const std::string& name, bool realtime) {
   if (broken.empty()) std::printf("%s: everything under expect: of the scenario came about\n", name.c_str());
@@ -580,6 +598,7 @@ int run_in(const fs::path& folder, const RunOptions& options, const std::string&
   const std::string unwritten = write_outcome(prepared, options, outcome, plant_summary, summary, plant, controller);
 
   int code = tell_outcome(outcome, name, prepared.log, kept);
+  if (outcome.kind == Outcome::Kind::complete) tell_complaints(controller, name, folder);
   if (outcome.kind == Outcome::Kind::complete && options.realtime) print_timing(plant_summary);
   if (broken) code = tell_expected(*broken, name, options.realtime);
   if (unwritten.empty()) return code;
@@ -587,7 +606,8 @@ int run_in(const fs::path& folder, const RunOptions& options, const std::string&
   return code == 0 ? 1 : code;
 }
 
-// Whether the FMU can be the controller, and a plant of one's own the plant; says why not.
+}  // namespace
+
 bool can_be_run_by_others(const RunOptions& options) {
   if (options.controller_fmu.empty() && options.plant_command.empty()) return true;
   const sim::Scenario scenario = sim::load_scenario_file(options.scenario, options.overrides);
@@ -606,8 +626,6 @@ bool can_be_run_by_others(const RunOptions& options) {
   return call_python(kFmuController, arguments) == 0;
 }
 
-}  // namespace
-
 int run_scenario(const RunOptions& options, const std::vector<std::string>& command_line) {
   const std::string name = options.scenario.stem().string();
   const fs::path folder = options.out.empty() ? fs::path("runs") / name : options.out;
@@ -622,7 +640,7 @@ int run_scenario(const RunOptions& options, const std::vector<std::string>& comm
     if (!can_be_run_by_others(options)) return 2;
     need_multicast(command_line);
     warn(found.warnings, std::cerr);
-    fs::create_directories(folder);
+    make_output_folder(folder);
     return run_in(folder, options, name);
   } catch (const common::InputError& error) {
     complain(error.problems(), std::cerr);

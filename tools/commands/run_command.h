@@ -36,6 +36,10 @@ struct RunOptions {
   Progress progress = Progress::automatic;  // on a terminal one line that changes, else a line now and then
 };
 
+// Whether the controller of the options, where it is an FMU, and the plant, where it is one of one's own, can take the scenario; says why
+// not.
+bool can_be_run_by_others(const RunOptions& options);
+
 // `command_line` is this program's own, to start it again inside a private network where there is no
 // multicast.
 int run_scenario(const RunOptions& options, const std::vector<std::string>& command_line);

@@ -34,6 +34,32 @@ Json closed_object(Json properties, Json required) {
   return {{"type", "object"}, {"properties", std::move(properties)}, {"required", std::move(required)}, {"additionalProperties", false}};
 }
 
+// The regular expression of a unit's spelling as common::factor_to_si takes it: blanks and signs of multiplication between its parts do
+// not matter, and there are signs for powers and degrees.
+std::string pattern_of(const std::string& spelling) {
+  std::string pattern;
+  for (std::size_t i = 0; i < spelling.size();) {
+    const std::string_view rest = std::string_view(spelling).substr(i);
+    std::string part;
+    std::size_t length = 1;
+    if (rest.starts_with("^2") || rest.starts_with("^3") || rest.starts_with("^4")) {
+      length = 2;
+      part = rest[1] == '4' ? "\\^4" : rest[1] == '2' ? "(\\^2|\u00b2)" : "(\\^3|\u00b3)";
+    } else if (rest.starts_with("deg")) {
+      length = 3;
+      part = "(deg|\u00b0)";
+    } else if (rest[0] != ' ') {
+      length = std::min(rest.find_first_of(" ^/"), rest.size());
+      length = std::max<std::size_t>(length, 1);
+      part = rest.substr(0, length);
+    }
+    if (!part.empty()) pattern += (pattern.empty() ? "" : "[ *\u00b7]*") + part;
+    i += length;
+  }
+  return pattern;
+}
+
+// The spellings as common/unit has them, for an editor to offer, and every other way of writing them.
 Json units(common::Unit unit) {
   Json names = Json::array();
   const std::string all = common::spellings_of(unit);
@@ -42,7 +68,15 @@ Json units(common::Unit unit) {
     names.push_back(all.substr(begin, end - begin));
     begin = end + 2;
   }
-  return names;
+  std::string pattern;
+  bool has_other_ways = false;
+  for (const auto& name : names) {
+    const std::string spelling = name.get<std::string>();
+    has_other_ways = has_other_ways || pattern_of(spelling) != spelling;
+    pattern += (pattern.empty() ? "" : "|") + pattern_of(spelling);
+  }
+  if (!has_other_ways) return {{"enum", names}};
+  return {{"anyOf", Json::array({{{"enum", names}}, {{"type", "string"}, {"pattern", "^(" + pattern + ")$"}}})}};
 }
 
 // Zero is the same in every unit; other bounds are in SI, and only a number without a unit is that in a file.
@@ -53,7 +87,7 @@ void bound(Json& number, const common::Range& range, bool in_si) {
 
 // {value, unit, source}
 Json quantity(Json value, common::Unit unit) {
-  return closed_object({{"value", std::move(value)}, {"unit", {{"enum", units(unit)}}}, {"source", text_schema()},
+  return closed_object({{"value", std::move(value)}, {"unit", units(unit)}, {"source", text_schema()},
                         {"spread", {{"type", Json::array({"number", "string"})}, {"description", "one standard deviation from unit to unit, such as 10 %"}}}},
                        {"value", "unit", "source"});
 }

@@ -11,6 +11,7 @@
 #include "msgs/log_writer.h"
 #include "sim/drive/scenario_run.h"
 #include "tools/commands/log_path.h"
+#include "tools/commands/output_folder.h"
 #include "tools/commands/run_facts.h"
 #include "tools/commands/whole_file.h"
 #include "tools/replay/open_loop.h"
@@ -55,7 +56,7 @@ int simulate(const SimulateOptions& options, std::ostream& out) {
   const OpenLoopRun simulated = simulate_open_loop(machine, sim::machine_settings(machine).effects, *record, options.longest_step, hash);
   for (const std::string& remark : simulated.remarks) out << "note: " << remark << '\n';
 
-  fs::create_directories(options.out);
+  make_output_folder(options.out);
   write_log(options.out / "run.lcmlog", simulated.run);
   constexpr double kNanosecondsPerSecond = 1e9;
   const double duration = static_cast<double>(record->encoder.back().simulated_time - record->encoder.front().simulated_time) / kNanosecondsPerSecond;

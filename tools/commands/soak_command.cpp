@@ -15,6 +15,7 @@
 #include "common/input_error.h"
 #include "common/stop_signal.h"
 #include "tools/soak/campaign.h"
+#include "tools/commands/output_folder.h"
 #include "tools/commands/status_line.h"
 #include "tools/commands/whole_file.h"
 
@@ -207,6 +208,7 @@ int run_tasks(SoakOptions options, const SoakPlan& plan) {
 int soak(const SoakOptions& options) {
   try {
     const SoakPlan plan = plan_of(options);
+    if (!options.out.empty()) make_output_folder(options.out);
     common::catch_stop_signals();
     return options.task.empty() ? run_all(options, plan) : run_tasks(options, plan);
   } catch (const common::InputError&) {

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <optional>
 
 #include "common/input_error.h"
 #include "common/near_name.h"
+#include "common/readable_number.h"
 #include "common/yaml_file.h"
 
 namespace slewlab::tools {
@@ -18,6 +20,7 @@ using common::YamlReader;
 constexpr int kMostGroups = 8;        // as the wire has it
 constexpr int kMostRegisters = 65536;  // of a Modbus area: addresses have 16 bits
 constexpr int kBitsPerRegister = 16;
+constexpr int kMostPorts = 65535;
 
 enum class Kind { real, flag, counter, whole };
 
@@ -179,6 +182,33 @@ void read_type(YamlReader& entry, PlcSignal& signal, const SignalKind& kind) {
   }
 }
 
+// Whether the file says so; of what cannot be read a reader answers 0 too.
+bool is_zero(YamlReader& entry, std::string_view key) {
+  const common::YamlNode* node = entry.raw(key);
+  const common::YamlNode* value = node == nullptr ? nullptr : node->find("value");
+  double number = 1.0;
+  return value != nullptr && common::parse_number(value->scalar, number) && number == 0.0;
+}
+
+// [SI] The least that a number of the signal's kind has to reach for any machine to be moved by it: what a type cannot hold is clipped.
+constexpr double kLeastSpeed = 1.0;    // [rad/s] of a motor's shaft: 10 rpm at full speed
+constexpr double kLeastTorque = 1e-3;  // [Nm] per motor: a gram at ten centimetres
+
+void check_reach(YamlReader& entry, const PlcSignal& signal, const SignalKind& kind) {
+  if (is_float(signal.type) || signal.type.empty() || signal.scale == 0.0) return;
+  const bool is_request = std::string_view(kind.name) == "speed_request";
+  const double needed = is_request ? 1.0 : kind.unit == Unit::radian_per_second ? kLeastSpeed : kind.unit == Unit::newton_metre ? kLeastTorque : 0.0;
+  if (needed == 0.0) return;
+  const bool has_sign = !signal.type.starts_with('u');
+  const int bits = kBitsPerRegister * registers_of(signal.type) - (has_sign ? 1 : 0);
+  const double reach = (std::ldexp(1.0, bits) - 1.0) * std::abs(signal.scale);
+  if (reach < needed) {
+    const std::string unit = kind.unit == Unit::none ? "" : ' ' + std::string(common::name_of(kind.unit));
+    entry.report("scale", "a scale with which " + signal.type + " holds no more than " + common::readable(reach) + unit,
+                 is_request ? "one with which 1, the whole of the lever, has a place" : "what one digit stands for: nothing larger could be said");
+  }
+}
+
 void read_signal(YamlReader& entry, PlcProtocol protocol, PlcSignal& signal, const SignalKind& kind, std::vector<Occupied>& occupied) {
   signal.name = kind.name;
   signal.to_plc = kind.to_plc;
@@ -186,13 +216,14 @@ void read_signal(YamlReader& entry, PlcProtocol protocol, PlcSignal& signal, con
   read_type(entry, signal, kind);
   if (kind.kind == Kind::real) {
     const std::optional<double> scale = entry.optional_number("scale", kind.unit, common::any_number());
-    if (scale && *scale == 0.0) entry.report("scale", "0", "what one digit stands for, not 0; below 0 turns the sign");
+    if (scale && is_zero(entry, "scale")) entry.report("scale", "0", "what one digit stands for, not 0; below 0 turns the sign");
     if (!scale && !signal.type.empty() && !is_float(signal.type)) {
       entry.report("scale", "nothing: the key is missing",
                    "what one digit of the " + signal.type + " stands for: {value: ..., unit: one of " + common::spellings_of(kind.unit) +
                        ", source: ...}");
     }
     signal.scale = scale.value_or(1.0);
+    if (scale) check_reach(entry, signal, kind);
   }
   if (!signal.at.empty() && !signal.type.empty()) {
     switch (protocol) {
@@ -232,6 +263,8 @@ int read_side(YamlReader side, bool to_plc, PlcMap& map, int groups, std::vector
   side.finish();
   return groups;
 }
+
+bool is_port(std::optional<int> number) { return number && *number >= 1 && *number <= kMostPorts; }
 
 bool has_signal(const PlcMap& map, std::string_view name, bool to_plc) {
   return std::any_of(map.signals.begin(), map.signals.end(),
@@ -275,15 +308,16 @@ const std::vector<std::string>& plc_types() {
 
 void read_plc_map(YamlReader& reader, PlcMap& map) {
   constexpr double kLongestTimeout = 60.0;  // [s]
-  constexpr int kMostUnits = 255, kMostPorts = 65535;
+  constexpr int kMostUnits = 255;
   reader.heading("plc_map");
   map.protocol = static_cast<PlcProtocol>(reader.choice("protocol", {"modbus", "opcua", "ads"}));
   map.address = reader.text("address");
   switch (map.protocol) {
     case PlcProtocol::modbus: {
       const std::size_t colon = map.address.rfind(':');
-      if (!map.address.empty() && (colon == std::string::npos || !number_in(std::string_view(map.address).substr(colon + 1)))) {
-        reader.report("address", "'" + map.address + "'", "HOST:PORT, such as 192.168.0.10:502");
+      const std::optional<int> port = colon == std::string::npos ? std::nullopt : number_in(std::string_view(map.address).substr(colon + 1));
+      if (!map.address.empty() && !is_port(port)) {
+        reader.report("address", "'" + map.address + "'", "HOST:PORT, such as 192.168.0.10:502, with a port from 1 to 65535");
       }
       map.modbus_unit = reader.has("unit_identifier") ? reader.integer("unit_identifier", 0, kMostUnits) : 1;
       map.high_word_first = reader.choice("word_order", {"high_first", "low_first"}) == 0;

@@ -72,6 +72,13 @@ def facts_list(facts):
     return "<dl>" + "".join(f"<dt>{escaped(name)}</dt><dd>{escaped(value)}</dd>" for name, value in facts.items()) + "</dl>"
 
 
+def tested_files(files):
+    if files:
+        yield table(["of", "file", "SHA-256"],
+                    [[escaped(each["of"]), f"<td class=words>{escaped(each['file'])}", f"<td class=words><code>{escaped(each['sha256'])}</code>"]
+                     for each in files])
+
+
 def draw(record):
     states = [each["state"] for each in record["requirements"]]
     counts = ", ".join(f"{states.count(state)} {state}" for state in STATES if state in states)
@@ -82,10 +89,11 @@ def draw(record):
             f'<p class="verdict {"good" if record["accepted"] else "bad"}">{verdict}</p><p>{len(states)} requirements: {counts}. '
             f"{len(normal)} runs of normal operation, {len(failures)} of failures.</p>",
             "<h2>1 Object and configuration</h2>",
-            facts_list({"system under test": record["system"], "controller": record["controller_command"],
+            facts_list({"system under test": record["system"], "controller": record["controller_command"], "plant": record["plant_command"],
                         "test plan": f"{record['plan']['file']} (digest {record['plan']['digest']})",
                         "limits": f"{record['limits']['file']} (digest {record['limits']['digest']})",
                         "software": record["versions"], "made": record["time"], "made again by": record["command"]}),
+            *tested_files(record["files"]),
             "<h2>2 Test plan</h2>",
             table(["test", "purpose", "case", "scenario", "configuration", "seed"],
                   [[f'<a href="#{anchor(each["name"])}">{escaped(each["name"])}</a>', escaped(each["purpose"]), escaped(each["case"]),
@@ -104,6 +112,8 @@ def draw(record):
         body.append(table(["test", "check", "in words"], [[escaped(each[key]) for key in ("test", "check", "reason")] for each in record["findings"]]))
     else:
         body.append("<p>No check failed but those that a requirement above names.</p>" if "not met" in states else "<p>No check failed.</p>")
+    if record["warnings"]:
+        body.append("<p class=warn>To be known:</p><ul>" + "".join(f"<li>{escaped(each)}</li>" for each in record["warnings"]) + "</ul>")
     body.append("<h2>5 Results: normal operation</h2>" + "".join(map(test_section, normal)))
     if failures:
         body.append("<h2>6 Results: failures</h2>" + "".join(map(test_section, failures)))

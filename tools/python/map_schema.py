@@ -2,6 +2,7 @@
 its keys, of every kind of machine and of every unit, and writing down what it asks for."""
 
 import json
+import re
 import sys
 from pathlib import Path
 
@@ -14,6 +15,29 @@ TEXT = {"type": "string"}
 
 def spellings(*quantities):
     return [name for quantity in quantities for name in spellings_of(quantity).split(", ")]
+
+
+def spelling_pattern(spelling):
+    """The regular expression of a unit's spelling as unit.factor_to_si takes it; tools/commands/schema.cpp has the same."""
+    signs = {"^2": "(\\^2|²)", "^3": "(\\^3|³)", "^4": "\\^4", "deg": "(deg|°)"}
+    parts = [part for part in re.split(r"(\^\d|deg|/)|[ ]", spelling) if part]
+    return "[ *·]*".join(signs.get(part, part) for part in parts)
+
+
+def with_every_spelling(schema):
+    """The schema in which a unit may be written in every way that the reader takes."""
+    if isinstance(schema, list):
+        return [with_every_spelling(each) for each in schema]
+    if not isinstance(schema, dict):
+        return schema
+    changed = {key: with_every_spelling(each) for key, each in schema.items()}
+    unit = changed.get("properties", {}).get("unit")
+    if unit and "enum" in unit:
+        names = [name for name in unit["enum"] if spelling_pattern(name) != name]
+        if names:
+            pattern = "|".join(spelling_pattern(name) for name in names)
+            changed["properties"]["unit"] = {"anyOf": [unit, {"type": "string", "pattern": f"^({pattern})$"}]}
+    return changed
 
 
 def said(choice):
@@ -133,7 +157,7 @@ def map_schema():
                 read_root(root, [], Path("map.yaml"), machine)
                 schema = root.schema()
                 whole = schema if whole is None else merged(whole, schema)
-    return {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": "slewlab import_map"} | whole
+    return {"$schema": "https://json-schema.org/draft/2020-12/schema", "title": "slewlab import_map"} | with_every_spelling(whole)
 
 
 def main(arguments):

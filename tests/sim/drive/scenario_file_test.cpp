@@ -154,10 +154,10 @@ TEST(ScenarioFile, MotionsThatTheCraneCannotDoAreExplained) {
     }
     return "";
   };
-  EXPECT_NE(told({{"crane", SLEWLAB_SOURCE_DIR "/config/cranes/thesis.yaml"}}).find("found hoisting_request, expected no such request, or a section 'hoisting'"),
+  EXPECT_NE(told({{"crane", SLEWLAB_SOURCE_DIR "/config/cranes/thesis.yaml"}}).find("moves_while_slewing.yaml:15:23: key 'operator.0.hoisting_request': found a request, expected no such request, or a section 'hoisting'"),
             std::string::npos);
-  EXPECT_NE(told({{"crane.load.rope_length", "15 m"}}).find("a hook hoisted until 5"), std::string::npos) << told({{"crane.load.rope_length", "15 m"}});
-  EXPECT_NE(told({{"crane.luffing.lowest_angle", "50 deg"}}).find("a boom luffed from 43.5 deg to 53.5 deg"), std::string::npos)
+  EXPECT_NE(told({{"crane.load.rope_length", "15 m"}}).find("moves_while_slewing.yaml:15:23: key 'operator.0.hoisting_request': found a hook hoisted until 5"), std::string::npos) << told({{"crane.load.rope_length", "15 m"}});
+  EXPECT_NE(told({{"crane.luffing.lowest_angle", "50 deg"}}).find("moves_while_slewing.yaml:19:22: key 'operator.2.luffing_request': found a boom luffed from 43.5 deg to 53.5 deg"), std::string::npos)
       << told({{"crane.luffing.lowest_angle", "50 deg"}});
   EXPECT_NE(told({{"operator.0.hoisting_request", "1.5"}}).find("found 1.5, expected a number from -1 to 1"), std::string::npos);
 }

@@ -115,8 +115,8 @@ TEST(CraneFile, ReadsTheDriveProtectionInItsUnits) {
 
 TEST(CraneFile, BadValuesAreExplained) {
   EXPECT_EQ(complaint({{"load.mass", "-30 t"}}),
-            "--set load.mass=-30 t: key 'load.mass': found -30 t, that is -30000 kg, expected a number of at least 0 kg");
-  EXPECT_EQ(complaint({{"boom.angle", "120 deg"}}).find("--set boom.angle=120 deg: key 'boom.angle': found 120 deg, that is 2.0943"),
+            "--set load.mass=-30 t: key 'load.mass': found -30 t, expected a number of at least 0 t");
+  EXPECT_EQ(complaint({{"boom.angle", "120 deg"}}).find("--set boom.angle=120 deg: key 'boom.angle': found 120 deg, expected a number from"),
             0u);
   EXPECT_NE(complaint({{"boom.angel", "50"}}).find("key 'boom.angel': found a key that is not known here, "
                                                    "expected 'angle' (or one of"),
@@ -169,7 +169,7 @@ TEST(CraneFile, MotionsAreReadWithTheirLimits) {
   const CraneParameters frame = load_machine_file(kFolder + "a_frame.yaml").parameters;
   EXPECT_GT(frame.motions.luffing.top_speed, 0.0);
   EXPECT_GT(oil_column(frame.boom, frame.motions.lowest_angle), 0.4);  // [m]
-  EXPECT_NE(complaint({{"luffing.lowest_angle", "30 deg"}}, "a_frame.yaml").find("key 'luffing.lowest_angle': found 0.5235987755982988 rad, where the cylinders have an oil column of -"), std::string::npos)
+  EXPECT_NE(complaint({{"luffing.lowest_angle", "30 deg"}}, "a_frame.yaml").find("key 'luffing.lowest_angle': found 30 deg, where the cylinders have an oil column of -"), std::string::npos)
       << complaint({{"luffing.lowest_angle", "30 deg"}}, "a_frame.yaml");
   EXPECT_NE(complaint({{"luffing.lowest_angle", "0 deg"}, {"boom.luffing_cylinders.base_radius", "2.5 m"}, {"boom.luffing_cylinders.base_height", "0.1 m"}}, "a_frame.yaml").find("about the pivot"), std::string::npos)
       << complaint({{"luffing.lowest_angle", "0 deg"}, {"boom.luffing_cylinders.base_radius", "2.5 m"}, {"boom.luffing_cylinders.base_height", "0.1 m"}}, "a_frame.yaml");

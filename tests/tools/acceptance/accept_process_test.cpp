@@ -5,6 +5,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -165,9 +166,57 @@ TEST_F(AcceptTest, ARecordTracesRequirementsToRunsThatCanBeMadeAgain) {
   EXPECT_FALSE(agreed["findings"].empty());
 }
 
+// The record is of the controller that was asked for, and says which file that was.
+TEST_F(AcceptTest, ARecordIsOfTheControllerAndThePlantThatWereNamed) {
+  if (no_python()) GTEST_SKIP() << "no .venv here";
+  const fs::path plan = folder_.path() / "plan.yaml", fmu = folder_.path() / "controller.fmu";
+  std::ofstream(plan) << "kind: acceptance_plan\ntitle: One run\nsystem: a controller\nlimits: " SLEWLAB_SOURCE_DIR "/config/acceptance/thesis.yaml\n"
+                      << "tests:\n  - {name: slew, purpose: speed, scenario: " << kScenarios << "thesis_slew.yaml}\n"
+                      << "requirements:\n  - {name: side, text: Turns., source: chosen, shown_by: [{test: slew, check: direction}]}\n";
+  RunningProgram made({kSlewlab, "export-fmu", SLEWLAB_SOURCE_DIR "/config/controllers/thesis.yaml", "--out", fmu.string()});
+  ASSERT_EQ(made.wait_for_end(), 0) << made.complaints();
+  const std::string plant = "PYTHONDONTWRITEBYTECODE=1 PYTHONPATH=" SLEWLAB_BINARY_DIR "/python " + kPython + " " SLEWLAB_SOURCE_DIR "/examples/plant_in_python/plant.py";
+  RunningProgram accept({kSlewlab, "accept", "--record", plan.string(), "--controller-fmu", fmu.string(), "--plant", plant, "--out", out_.string()});
+  EXPECT_EQ(accept.wait_for_end(), 0) << accept.output() << accept.complaints();
+  const auto summary = nlohmann::json::parse(contents(out_ / "slew" / "summary.json"));
+  EXPECT_EQ(summary["controller_command"], "FMU " + fmu.string());
+  EXPECT_EQ(summary["plant_command"], plant);
+  const auto told = nlohmann::json::parse(contents(out_ / "record.json"));
+  EXPECT_EQ(told["controller_command"], "FMU " + fmu.string());
+  EXPECT_EQ(told["plant_command"], plant);
+  std::map<std::string, std::string> digests;
+  for (const auto& file : told["files"]) digests[file["file"]] = file["sha256"];
+  EXPECT_EQ(digests[fmu.string()].size(), 64u);
+  EXPECT_EQ(digests[SLEWLAB_SOURCE_DIR "/examples/plant_in_python/plant.py"].size(), 64u);
+  const std::string page = contents(out_ / "record.html");
+  EXPECT_NE(page.find(digests[fmu.string()]), std::string::npos);
+
+  const std::string sides = " --controller-fmu " + fmu.string() + " --plant '" + plant + "'";
+  EXPECT_EQ(told["command"], "cd " + fs::current_path().string() + " && slewlab accept --record " + plan.string() + sides + " --out " + out_.string());
+  EXPECT_EQ(told["tests"][0]["command"], "cd " + fs::current_path().string() + " && slewlab accept " + kScenarios + "thesis_slew.yaml --limits " SLEWLAB_SOURCE_DIR "/config/acceptance/thesis.yaml" + sides);
+}
+
+// Before the first run is made.
+TEST_F(AcceptTest, ARecordWithRunsThatThePlantCannotTakeIsRefused) {
+  RunningProgram accept({kSlewlab, "accept", "--record", SLEWLAB_SOURCE_DIR "/config/acceptance_plans/thesis.yaml", "--plant", "true", "--out", out_.string()});
+  EXPECT_EQ(accept.wait_for_end(), 2);
+  EXPECT_NE(accept.complaints().find("controller_killed.yaml: not by a plant of one's own (--plant): it has faults on purpose"), std::string::npos) << accept.complaints();
+  EXPECT_FALSE(fs::exists(out_));
+}
+
 TEST_F(AcceptTest, AControllerThatDiesIsNotAccepted) {
   EXPECT_EQ(failures("thesis_slew.yaml", "echo out of licences >&2; exit 3", 1).count("run"), 1u) << output_;
   EXPECT_NE(output_.find("exit code 3"), std::string::npos) << output_;
+}
+
+// Whoever reads acceptance.json can tell whether it is of the log beside it.
+TEST_F(AcceptTest, TheVerdictNamesTheLogThatItJudged) {
+  EXPECT_EQ(failures("faults/controller_killed.yaml", "", 0), std::set<std::string>{}) << output_;
+  const auto verdict = nlohmann::json::parse(contents(out_ / "acceptance.json"));
+  EXPECT_EQ(verdict["log_digest"], nlohmann::json::parse(contents(out_ / "summary.json"))["run"]["log_digest"]);
+  RunningProgram again({kSlewlab, "run", kScenarios + "thesis_slew.yaml", "--set", "duration=1 s", "--out", out_.string(), "--progress", "none"});
+  EXPECT_EQ(again.wait_for_end(), 0) << again.complaints();
+  EXPECT_FALSE(fs::exists(out_ / "acceptance.json"));
 }
 
 TEST_F(AcceptTest, AFolderThatIsNoRunIsNamed) {

@@ -92,6 +92,19 @@ TEST(AcceptanceRecord, AnAgreedDeviationIsAcceptedAndTold) {
   EXPECT_NE(junit.find("Test &lt;of&gt; a controller"), std::string::npos);
 }
 
+TEST(AcceptanceRecord, ADeviationFromWhatIsMetIsTold) {
+  AcceptancePlan plan = plan_of({{"slew", "direction"}});
+  plan.deviations = {{"R1", "a spare part is on its way", "the owner"}};
+  const auto tests = runs({check("direction", Verdict::pass)}, {});
+  const AcceptanceRecord record = trace(plan, tests);
+  EXPECT_TRUE(record.accepted);
+  EXPECT_EQ(record.requirements.at(0).deviation, nullptr);
+  const std::string said = "the deviation from R1 (a spare part is on its way) is not needed: the requirement is met";
+  EXPECT_EQ(record.warnings, std::vector<std::string>{said});
+  EXPECT_NE(record_table(record).find("warning   " + said), std::string::npos);
+  EXPECT_EQ(record_json(plan, record, tests, {})["warnings"][0], said);
+}
+
 TEST(AcceptanceRecord, JunitAndJsonNameRunHashSeedAndCommand) {
   const AcceptancePlan plan = plan_of({{"slew", "direction"}});
   auto tests = runs({check("direction", Verdict::pass)}, {});
@@ -145,6 +158,18 @@ TEST(AcceptancePlan, WhatIsWrongIsToldAtItsLine) {
   EXPECT_NE(said("{test: slew, check: sidelad}", "").find("'sidelead'"), std::string::npos);
   EXPECT_NE(said("", "").find("found nothing, expected at least one"), std::string::npos);
   EXPECT_NE(said("{test: slew, check: direction}", "deviations: [{requirement: R2, text: t, agreed_by: a}]\n").find("'R1'"), std::string::npos);
+}
+
+// The harbour crane turns at 1.2 rpm with motors of 120 N m, the thesis's at 0.05 rad/s with 250 N m (config/cranes).
+TEST(AcceptanceRecord, LimitsOfAnotherMachineAreKnownByItsSpeedAndTorque) {
+  const std::string config = SLEWLAB_SOURCE_DIR "/config/";
+  const sim::Scenario thesis = sim::load_scenario_file(config + "scenarios/thesis_slew.yaml");
+  EXPECT_EQ(why_of_another_machine(thesis, load_acceptance_limits(config + "acceptance/thesis.yaml")), "");
+  EXPECT_EQ(why_of_another_machine(thesis, load_acceptance_limits(config + "acceptance/harbour_5t.yaml")),
+            "the limits are for a machine of 0.126 rad/s and 120 N m per motor (top_speed, motor_torque_rated); this one has 0.05 rad/s and 250 N m per motor");
+  sim::Scenario unknown = thesis;
+  unknown.crane.parameters.drive.top_speed = unknown.crane.parameters.drive.rated_torque = 0.0;
+  EXPECT_EQ(why_of_another_machine(unknown, load_acceptance_limits(config + "acceptance/harbour_5t.yaml")), "");
 }
 
 // Noise on the encoders counts until another fault begins.

@@ -52,6 +52,16 @@ class CheckCommand : public testing::Test {
     EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 1) << said;
   }
 
+  fs::path written(const std::string& text) {
+    std::ofstream(folder_ / "written.yaml") << text;
+    return folder_ / "written.yaml";
+  }
+  static std::string told(const Findings& found) {
+    std::string said;
+    for (const auto& problem : found.problems) said += common::to_text(problem) + '\n';
+    return said;
+  }
+
   fs::path folder_;
   long line_ = 0;
   std::string where_;
@@ -127,11 +137,48 @@ TEST_F(CheckCommand, CyclicInclude) {
 }
 
 TEST_F(CheckCommand, MissingKind) {
-  expect_line(said_after("kind: crane\n", ""), "kind", "nothing: the key is missing", "crane, axis, controller, scenario, acceptance_plan, campaign, import_map or plc_map");
+  expect_line(said_after("kind: crane\n", ""), "kind", "nothing: the key is missing", "one of crane, axis, controller, scenario, acceptance, acceptance_plan, campaign, soak, import_map, plc_map");
 }
 
 TEST_F(CheckCommand, UnknownKind) {
-  expect_line(said_after("kind: crane", "kind: ship"), "kind", "ship", "crane, axis, controller, scenario, acceptance_plan, campaign, import_map or plc_map");
+  expect_line(said_after("kind: crane", "kind: ship"), "kind", "ship", "one of crane, axis, controller, scenario, acceptance, acceptance_plan, campaign, soak, import_map, plc_map");
+}
+
+TEST_F(CheckCommand, AKindThatIsMistypedHasTheNearOne) {
+  const auto problems = examine(written("kind: crain\n"), {}).problems;
+  ASSERT_EQ(problems.size(), 1u);
+  EXPECT_EQ(problems[0].expected.rfind("'crane' (or one of crane, axis, ", 0), 0u) << problems[0].expected;
+}
+
+TEST_F(CheckCommand, LimitsAndSoaksAreCheckedToo) {
+  for (const char* file : {"acceptance/thesis.yaml", "soak/thesis.yaml"}) EXPECT_TRUE(examine(folder_ / "config" / file, {}).problems.empty()) << file;
+  EXPECT_EQ(told(examine(folder_ / "config/acceptance/thesis.yaml", {{"overshoot", "-3 %"}})),
+            "--set overshoot=-3 %: key 'overshoot': found -3 %, expected a number of at least 0 %\n");
+  EXPECT_NE(told(examine(folder_ / "config/soak/thesis.yaml", {{"taskk", "1"}})).find("key 'taskk'"), std::string::npos);
+}
+
+TEST_F(CheckCommand, AnUnknownEffectIsToldBesideWhatElseIsWrong) {
+  const fs::path crane = folder_ / "config/cranes/thesis.yaml";
+  const std::vector<common::Override> changes{{"load.mass", "-1 t"}, {"effects", "[{effect: bearing_stribek}]"}};
+  const std::string said = told(examine(crane, changes));
+  EXPECT_NE(said.find("key 'load.mass'"), std::string::npos) << said;
+  EXPECT_NE(said.find("key 'effects.0.effect': found bearing_stribek, expected the name of an effect; 'bearing_stribeck' is near"), std::string::npos) << said;
+  const std::string of_scenario = told(examine(folder_ / "config/scenarios/thesis_slew.yaml", {{"crane.load.mass", "-1 t"}, {"crane.effects", "[{effect: bearing_stribek}]"}}));
+  EXPECT_NE(of_scenario.find("key 'crane.effects.0.effect': found bearing_stribek"), std::string::npos) << of_scenario;
+}
+
+// A template's sources stand until somebody says where his numbers are from.
+TEST_F(CheckCommand, WhatATemplateLeavesToItsUserIsRemarkedOn) {
+  const fs::path crane = folder_ / "config/templates/crane.yaml";
+  std::ostringstream out, complaints;
+  EXPECT_EQ(check_files({crane}, {}, out, complaints), 0);
+  std::stringstream text;
+  text << std::ifstream(crane).rdbuf();
+  std::size_t sources = 0;
+  for (std::size_t at = 0; (at = text.str().find("replace by your own", at)) != std::string::npos; ++at) ++sources;
+  EXPECT_EQ(complaints.str(), crane.string() + ":8:14: warning: key 'description': still the template's, 'replace by what tells this crane from others'\n" +
+                                  crane.string() + ":13:41: warning: " + std::to_string(sources) +
+                                  " values have the template's source still, 'example: replace by your own'; here is the first\n");
 }
 
 TEST_F(CheckCommand, ControllerThatDoesNotFitTheCrane) {
@@ -241,6 +288,15 @@ TEST_F(CheckCommand, WhatIsUnlikelyOrTakesLongIsAWarning) {
   EXPECT_EQ(examine(scenario, {{"crane.boom.elements", "1000"}}).warnings,
             std::vector<std::string>{scenario.string() + ": warning: about 60 000 plant steps, some 100 seconds of computing in "
                                      "lockstep, with a plant_step of 1 ms and 1000 boom elements"});
+}
+
+TEST_F(CheckCommand, WhatBeginsBehindTheEndIsAWarning) {
+  const fs::path scenario = folder_ / "config/scenarios/thesis_slew.yaml";
+  EXPECT_TRUE(examine(scenario, {}).warnings.empty());
+  const auto warnings = examine(scenario, {{"duration", "20"}}).warnings;  // the emergency stop comes at 30 s
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_NE(warnings[0].find(": warning: key 'operator.1.time': 30 s, when the run is over: it lasts 20 s"), std::string::npos) << warnings[0];
+  EXPECT_EQ(warnings[0].rfind(scenario.string() + ":", 0), 0u) << warnings[0];
 }
 
 TEST_F(CheckCommand, OneBadFileDoesNotHideTheOthers) {

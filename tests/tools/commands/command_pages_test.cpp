@@ -8,6 +8,7 @@
 #include <string>
 
 #include "tests/msgs/temporary_folder.h"
+#include "tools/commands/option_check.h"
 
 namespace slewlab::tools {
 namespace {
@@ -19,6 +20,9 @@ class CommandPages : public testing::Test {
     CLI::App* run = app_.add_subcommand("run", "Run a scenario");
     run->add_option("SCENARIO", text_, "scenario file")->required();
     run->add_option("--controller", text_, "shell command");
+    run->add_option("--progress", text_, "how")->check(one_of({"auto", "lines", "none"}));
+    CLI::App* make = app_.add_subcommand("new", "Write a file");
+    make->add_option("KIND", text_, "what")->check(one_of({"crane", "map"}));
     CLI::App* withhold = app_.add_subcommand("withhold", "Machines nobody has looked at");
     withhold->add_subcommand("make", "Draw machines")->add_option("--cases", text_, "how many");
     app_.add_subcommand("pages", "not for people")->group("");
@@ -32,7 +36,7 @@ TEST_F(CommandPages, AManualPageForEveryCommandThatIsShown) {
   const std::vector<CommandPage> pages = manual_pages(app_, "0.2.0");
   std::vector<std::string> names;
   for (const CommandPage& page : pages) names.push_back(page.name);
-  EXPECT_EQ(names, (std::vector<std::string>{"slewlab.1", "slewlab-run.1", "slewlab-withhold.1", "slewlab-withhold-make.1"}));
+  EXPECT_EQ(names, (std::vector<std::string>{"slewlab.1", "slewlab-run.1", "slewlab-new.1", "slewlab-withhold.1", "slewlab-withhold-make.1"}));
   EXPECT_NE(pages[1].text.find(".SH NAME\nslewlab\\-run \\- Run a scenario\n"), std::string::npos) << pages[1].text;
   EXPECT_NE(pages[1].text.find("\n.B \\-\\-controller"), std::string::npos) << pages[1].text;
   EXPECT_NE(pages[1].text.find(".SH EXIT STATUS\nExit codes: 0 done."), std::string::npos) << pages[1].text;
@@ -59,7 +63,10 @@ TEST_F(CommandPages, OfACommandThatAnotherProgramReadsWhatThatOneTakes) {
 // Asked by bash itself, as it asks at the Tab key.
 TEST_F(CommandPages, CompletionAnswersBash) {
   const TemporaryFolder folder;
-  std::ofstream(folder.path() / "completion") << completion_script(app_);
+  app_.add_subcommand("bridge", "To viewers, or to a PLC")->prefix_command();
+  const ForeignOptions foreign{{"bridge", {{"--foxglove", "", false}, {"PROTOCOL", "", true, {"modbus", "ads"}}, {"--format", "", false, {"csv", "mcap"}}}},
+                               {"bridge modbus", {{"--map", "", false}}}};
+  std::ofstream(folder.path() / "completion") << completion_script(app_, foreign);
   const auto answer = [&](const std::string& words, int at) {
     const std::string script = "cd " + folder.path().string() + " && . ./completion && COMP_WORDS=(" + words + ") COMP_CWORD=" +
                                std::to_string(at) + "; _slewlab; echo \"${COMPREPLY[*]}\"";
@@ -73,6 +80,13 @@ TEST_F(CommandPages, CompletionAnswersBash) {
   EXPECT_EQ(answer("slewlab run --c", 2), "--controller\n");
   EXPECT_EQ(answer("slewlab run comp", 2), "completion\n");  // the file
   EXPECT_EQ(answer("slewlab withhold m", 2), "make\n");
+  EXPECT_EQ(answer("slewlab withhold make --c", 3), "--cases\n");
+  EXPECT_EQ(answer("slewlab run a.yaml --progress \"\"", 4), "auto lines none\n");
+  EXPECT_EQ(answer("slewlab new c", 2), "crane completion\n");
+  EXPECT_EQ(answer("slewlab bridge --", 2), "--foxglove --format\n");
+  EXPECT_EQ(answer("slewlab bridge m", 2), "modbus\n");
+  EXPECT_EQ(answer("slewlab bridge modbus --", 3), "--map\n");
+  EXPECT_EQ(answer("slewlab bridge --format m", 3), "mcap\n");
 }
 
 }  // namespace

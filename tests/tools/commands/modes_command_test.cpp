@@ -68,6 +68,25 @@ TEST(ModesCommand, DegenerateMachinesAreShownToo) {
   EXPECT_EQ(rigid.find("bending 1"), std::string::npos);
 }
 
+// A knuckle lies on a node, so that its boom has two elements or more: the row of one is left out, the finest mesh is there.
+TEST(ModesCommand, AMeshThatTheBoomDoesNotAdmitHasNoRow) {
+  std::ostringstream out;
+  EXPECT_EQ(show_modes({.crane = kCranes / "knuckle.yaml"}, out), 0);
+  const std::string rows = out.str().substr(out.str().find("Convergence"));
+  EXPECT_EQ(rows.find("\n         1  "), std::string::npos) << rows;
+  EXPECT_NE(rows.find("\n         2  "), std::string::npos) << rows;
+  EXPECT_NE(rows.find("\n       128  "), std::string::npos) << rows;
+  EXPECT_THROW(show_modes({.crane = kCranes / "knuckle.yaml", .elements = 1}, out), common::InputError);
+}
+
+TEST(ModesCommand, WhatAnAxisHasNotIsAnInputError) {
+  const std::filesystem::path axis = kCranes.parent_path() / "axes" / "example_axis.yaml";
+  std::ostringstream out;
+  EXPECT_THROW(show_modes({.crane = axis, .elements = 3}, out), common::InputError);
+  EXPECT_THROW(show_modes({.crane = axis, .bode = "bode.csv"}, out), common::InputError);
+  EXPECT_EQ(out.str(), "");
+}
+
 TEST(ModesCommand, ElementsWithoutABoomAreRefused) {
   const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "slewlab_no_boom.yaml";
   std::ifstream thesis(kCranes / "thesis.yaml");

@@ -79,15 +79,48 @@ TEST_F(RunCommandTest, NothingOfAnEarlierRunStaysBesideTheNewLog) {
   fs::create_directories(out_ / "run_parquet");
   fs::create_directories(out_ / "run_csv");
   const auto write = [&](const char* name) { std::ofstream(out_ / name) << "of an earlier run"; };
-  for (const char* name : {"report.html", "acceptance.html", "run.mcap", "run.lcmlog.partial", "run_parquet/TRUTH.parquet", "notes.txt",
+  for (const char* name : {"report.html", "acceptance.json", "acceptance.html", "run.mcap", "run.lcmlog.partial", "run_parquet/TRUTH.parquet", "notes.txt",
                            "run_csv/TRUTH.csv", "run_csv/mine.txt"}) {
     write(name);
   }
   RunningProgram run(command({"--set", "duration=1"}));
   ASSERT_EQ(run.wait_for_end(), 0) << run.complaints();
-  for (const char* name : {"report.html", "acceptance.html", "run.mcap", "run.lcmlog.partial", "run_parquet"}) EXPECT_FALSE(fs::exists(out_ / name)) << name;
+  for (const char* name : {"report.html", "acceptance.json", "acceptance.html", "run.mcap", "run.lcmlog.partial", "run_parquet"}) EXPECT_FALSE(fs::exists(out_ / name)) << name;
   EXPECT_TRUE(fs::exists(out_ / "run_csv/mine.txt")) << "a folder with something else in it is the user's";
   EXPECT_TRUE(fs::exists(out_ / "notes.txt"));
+}
+
+TEST_F(RunCommandTest, WhatAControllerThatDoesNotAnswerSaidIsTold) {
+  RunningProgram run(long_command({"--controller", "echo no server at 10.0.0.1 >&2; exec sleep 1000"}));
+  const std::string line = run.wait_for_line("waiting for the controller for ");
+  EXPECT_NE(line.find("; it said last: no server at 10.0.0.1"), std::string::npos) << line;
+  ::kill(run.pid(), SIGINT);
+  EXPECT_EQ(run.wait_for_end(), 128 + SIGINT);
+}
+
+TEST_F(RunCommandTest, WhatTheControllerComplainedAboutStandsBehindTheRun) {
+  RunningProgram run(command({"--set", "duration=1", "--controller", "echo link lost >&2; exec " SLEWLAB_BINARY_DIR "/bin/slewlab-controller"}));
+  EXPECT_EQ(run.wait_for_end(), 0) << run.complaints();
+  EXPECT_NE(run.output().find(": the controller said (" + (out_ / "controller.txt").string() + "):\n  link lost\n"), std::string::npos) << run.output();
+}
+
+TEST_F(RunCommandTest, ATypoInASidesOptionsComesBeforeWhatIsMissing) {
+  for (const auto& [program, typo, meant] : {std::tuple{"slewlab-controller", "--stered", "--steered"}, std::tuple{"slewlab-plant", "--ste", "--set"}}) {
+    RunningProgram side({std::string(SLEWLAB_BINARY_DIR "/bin/") + program, typo});
+    EXPECT_EQ(side.wait_for_end(), 2);
+    EXPECT_EQ(side.complaints().rfind(std::string(program) + ": '" + typo + "' is no option of it, expected '" + meant + "'", 0), 0u) << side.complaints();
+  }
+}
+
+TEST_F(RunCommandTest, AFileInTheFoldersPlaceIsAWrongCall) {
+  const fs::path file = folder_.path() / "file";
+  std::ofstream(file) << "mine";
+  for (const auto& [out, found] : {std::pair{file, std::string(", which is a file")}, std::pair{file / "below", ", of which " + file.string() + " is a file"}}) {
+    RunningProgram run({kSlewlab, "run", SLEWLAB_SOURCE_DIR "/config/scenarios/thesis_slew.yaml", "--out", out.string()});
+    EXPECT_EQ(run.wait_for_end(), 2);
+    EXPECT_EQ(run.complaints(), "--out: found '" + out.string() + "'" + found + ", expected the name of a folder, there or not\n");
+  }
+  EXPECT_EQ(contents(file), "mine");
 }
 
 TEST_F(RunCommandTest, TheResolvedConfigurationRunsAgainToTheSameBytes) {

@@ -121,5 +121,25 @@ TEST(PlcMap, ExplainsWhatIsMissingOrUnknown) {
   EXPECT_NE(said_after("modbus.yaml", "value: 50, unit: ms", "value: 0, unit: ms").find("key 'timeout'"), std::string::npos);
 }
 
+TEST(PlcMap, OfAScaleWithAWrongUnitTheUnitAloneIsTold) {
+  EXPECT_EQ(said_after("modbus.yaml", "{value: 0.005, unit: rad/s", "{value: 0.005, unit: mm"),
+            ":15:64: key 'to_plc.shaft_speed.0.scale': found the unit 'mm', which measures something else, expected one of rad/s, mrad/s, deg/s, rpm, 1/min");
+  EXPECT_NE(said_after("modbus.yaml", "{value: 0.005,", "{value: 0,").find("found 0, expected what one digit stands for, not 0"), std::string::npos);
+}
+
+TEST(PlcMap, APortThatThereIsNotIsTold) {
+  for (const char* port : {"99999", "0"}) {
+    EXPECT_NE(said_after("modbus.yaml", "127.0.0.1:15020", std::string("127.0.0.1:") + port).find("with a port from 1 to 65535"), std::string::npos) << port;
+  }
+}
+
+// 32767 digits of 1e-5 rad/s are 0.33 rad/s: every speed of a motor would be clipped.
+TEST(PlcMap, AScaleWithWhichEverythingIsClippedIsTold) {
+  EXPECT_NE(said_after("modbus.yaml", "{value: 0.005,", "{value: 0.00001,").find("key 'to_plc.shaft_speed.0.scale': found a scale with which int16 holds no more than 0.32767 rad/s"),
+            std::string::npos);
+  EXPECT_NE(said_after("modbus.yaml", "{value: 0.01, unit: \"%\"", "{value: 0.001, unit: \"%\"").find("int16 holds no more than 0.32767, expected one with which 1"),
+            std::string::npos);
+}
+
 }  // namespace
 }  // namespace slewlab::tools

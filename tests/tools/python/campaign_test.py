@@ -231,6 +231,31 @@ class CampaignTest(unittest.TestCase):
         ended = subprocess.run([PROGRAM, "check", write_study(self.folder)], capture_output=True, text=True, check=False)
         self.assertEqual((ended.returncode, ended.stdout), (0, f"{self.folder / 'study.yaml'}: OK\n"), ended.stderr)
 
+    def test_every_value_is_tried_and_told_at_its_place(self):
+        def checked(*changes):
+            text = STUDY.format(config=slewlab.config(), runs=2)
+            for old, new in changes:
+                self.assertIn(old, text)
+                text = text.replace(old, new)
+            study = write_study(self.folder, change=lambda _: text)
+            ended = subprocess.run([PROGRAM, "check", study], capture_output=True, text=True, check=False)
+            return ended.stderr.replace(str(self.folder) + "/", "").splitlines()
+
+        shape = ("key: crane.boom.angle\n    values: {value: [30, 60], unit: deg", "key: controller.ramp.shape\n    values: {value: [s_curve, liner]")
+        [said] = checked(shape)
+        self.assertRegex(said, r"study.yaml:11:\d+: key 'controller.ramp.shape': found liner, expected .*linear")
+        [said] = checked(("[30, 60]", "[20, 95]"))
+        self.assertRegex(said, r"study.yaml:11:26: key 'crane.boom.angle': found 95 deg, expected a number from")
+        [said] = checked(("[10, 60]", "[10, 6e12]"))
+        self.assertRegex(said, r"study.yaml:9:\d+: key 'crane.load.mass': found 6e\+15 kg, which no machine has")
+        [said] = checked(("file: short.yaml", "file: shrt.yaml"))
+        self.assertRegex(said, r"study.yaml:2:\d+: key 'scenarios.0.file': found '.*shrt.yaml', which is not there, expected the name of a scenario's file")
+        [said] = checked(("value: random", "value: randm"))
+        self.assertRegex(said, r"study.yaml:4:\d+: key 'draw': found randm, expected grid or random or latin_hypercube")
+        grid = checked(("value: random", "value: grid"), ("range: {value: [10, 60]", "values: {value: [10, 60]"), ("range: {value: [1, 1000]", "values: {value: [1, 1000]"))
+        self.assertEqual([line.split(": ", 1)[1] for line in grid],
+                         [f"key '{key}': found it beside a grid, expected no such key: a grid has one run for every combination of values" for key in ("runs", "seed")])
+
     def subject(self, name, text):
         config = slewlab.config()
         path = self.folder / name

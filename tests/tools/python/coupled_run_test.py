@@ -154,7 +154,8 @@ class OwnPlantTest(unittest.TestCase):
         with tempfile.TemporaryDirectory() as scratch:
             folder = Path(scratch) / "run"
             for words, scenario, said in ((("--realtime",), SLEW, "--realtime"),
-                                          ((), slewlab.config("scenarios/faults/torque_lost.yaml"), "faults on purpose")):
+                                          ((), slewlab.config("scenarios/faults/torque_lost.yaml"), "faults on purpose"),
+                                          ((), slewlab.config("scenarios/moves_while_slewing.yaml"), "it hoists, luffs or travels (hoisting_request,")):
                 ended = run(folder, "--plant", "true", *words, scenario=scenario)
                 self.assertEqual(ended.returncode, 2, ended.stdout)
                 self.assertIn(said, ended.stderr)

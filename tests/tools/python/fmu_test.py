@@ -307,6 +307,22 @@ effects:
         self.assertEqual(ended.returncode, 2)
         self.assertIn("crane or axis (the plant), or controller", ended.stderr)
 
+    def test_a_folder_in_the_files_place_is_a_wrong_call(self):
+        with tempfile.TemporaryDirectory() as folder:
+            ended = subprocess.run([PROGRAM, "export-fmu", slewlab.config("controllers/thesis.yaml"), "--out", folder], capture_output=True, text=True, timeout=60)
+            self.assertEqual(ended.returncode, 2)
+            self.assertEqual(ended.stderr, f"--out: found '{folder}', a folder, expected the name of the FMU to write, such as {folder}/thesis.fmu\n")
+            self.assertEqual(list(Path(folder).iterdir()), [])
+
+    def test_motions_that_have_no_inputs_are_told(self):
+        with tempfile.TemporaryDirectory() as folder:
+            fmu = Path(folder) / "moving.fmu"
+            ended = subprocess.run([PROGRAM, "export-fmu", slewlab.config("cranes/thesis_moving.yaml"), "--out", fmu], capture_output=True, text=True,
+                                   timeout=60)
+            self.assertEqual(ended.returncode, 0, ended.stderr)
+            self.assertIn("note: The FMU has no inputs for hoisting, luffing, travelling", ended.stdout)
+            self.assertIn("no inputs for hoisting, luffing, travelling", fmpy.read_model_description(fmu).description)
+
     def test_options_of_a_plant_are_refused_beside_a_controller(self):
         for option in ("--seed", "--plant-step"):
             ended = subprocess.run([PROGRAM, "export-fmu", slewlab.config("controllers/thesis.yaml"), option, "1", "--out", os.devnull],

@@ -36,13 +36,22 @@ class NewTest(unittest.TestCase):
         code, said = slewlab("new", *words)
         self.assertEqual(code, 0, said)
 
+    def assert_ok_but_for_the_templates_words(self, code, said, *files):
+        """Each is good, and what its user has to replace is remarked on."""
+        self.assertEqual(code, 0, said)
+        for file in files:
+            self.assertIn(f"{file}: OK\n", said)
+            self.assertRegex(said, rf"{file}:\d+:\d+: warning: key 'description': still the template's")
+        self.assertRegex(said, rf"{files[0]}:\d+:\d+: warning: \d+ values have the template's source still")
+        self.assertEqual([line for line in said.splitlines() if not line.endswith(": OK") and "the template's" not in line], [])
+
     def test_crane_controller_and_scenario_pass_the_check_together(self):
         crane, controller, scenario = (self.folder / name for name in ("mine/crane.yaml", "control/controller.yaml", "scenario.yaml"))
         self.made("crane", crane)
         self.made("controller", controller, "--crane", crane)
         self.made("scenario", scenario, "--crane", crane, "--controller", controller)
         code, said = slewlab("check", crane, controller, scenario)
-        self.assertEqual((code, said), (0, f"{crane}: OK\n{controller}: OK\n{scenario}: OK\n"))
+        self.assert_ok_but_for_the_templates_words(code, said, crane, controller, scenario)
         self.assertIn("\ncrane: mine/crane.yaml\ncontroller: control/controller.yaml\n", scenario.read_text())
 
     def test_an_axis_runs_with_a_controller_and_a_scenario_of_its_own(self):
@@ -51,7 +60,7 @@ class NewTest(unittest.TestCase):
         self.made("controller", controller, "--axis", axis)
         self.made("scenario", scenario, "--axis", axis, "--controller", controller)
         code, said = slewlab("check", axis, controller, scenario)
-        self.assertEqual((code, said), (0, f"{axis}: OK\n{controller}: OK\n{scenario}: OK\n"))
+        self.assert_ok_but_for_the_templates_words(code, said, axis, controller, scenario)
         self.assertIn("\naxis: axis.yaml\n", scenario.read_text())
         code, said = slewlab("new", "axis", self.folder / "other.yaml", "--axis", axis)
         self.assertEqual(code, 2)
@@ -73,8 +82,10 @@ class NewTest(unittest.TestCase):
         data, map_file, log = self.folder / "data.csv", self.folder / "map.yaml", self.folder / "site.lcmlog"
         data.write_text(DATA)
         self.made("map", map_file, "--data", data)
-        self.assertEqual(slewlab("check", map_file), (0, f"{map_file}: OK\n"))
         text = map_file.read_text()
+        self.assertIn("key 'shaft_position[1].ratio.source': found REPLACE", slewlab("check", map_file)[1])
+        map_file.write_text(text.replace("REPLACE: motor", "chosen: motor"))
+        self.assertEqual(slewlab("check", map_file), (0, f"{map_file}: OK\n"))
         self.assertIn('csv: {separator: ";", decimal: ",", skip_lines: 1}', text)
         self.assertIn("# Columns that are not used: Oil temp", text)
         self.assertEqual(text.count("guess: column"), 5)
@@ -94,6 +105,9 @@ class NewTest(unittest.TestCase):
         self.assertIn("guess: in g, the acceleration of gravity", text)
         self.assertIn("guess: unit, the usual one: 'lbft' is none that is known here", text)
         self.assertIn('source: "REPLACE: motor turns per turn of the slew axis"', text)
+        code, said = slewlab("check", map_file)
+        self.assertEqual(code, 1)
+        self.assertIn("key 'shaft_position[1].ratio.source': found REPLACE: motor turns per turn of the slew axis, expected a value of your own", said)
         self.assertEqual(slewlab("import", "--map", map_file, data, "--out", log)[0], 0)
         np.testing.assert_allclose(read_run_log(log).channel("SENSORS")["tip_acceleration"], np.array([0.1, 0.1, 0.0, 0.0]) * 9.80665, rtol=1e-12)
 
@@ -104,7 +118,10 @@ class NewTest(unittest.TestCase):
         text = map_file.read_text()
         self.assertIn('column: "REPLACE_motor_torque"', text)
         self.assertIn("derive: central_difference", text)
-        self.assertEqual(slewlab("check", map_file)[0], 0)
+        code, said = slewlab("check", map_file)
+        self.assertEqual(code, 1)
+        line = 1 + text[:text.index('"REPLACE_motor_torque"')].count("\n")
+        self.assertRegex(said, rf":{line}:\d+: key 'motor_torque\[1\].column': found REPLACE_motor_torque, expected the name of a column of the data")
         code, said = slewlab("import", "--map", map_file, data)
         self.assertEqual(code, 2)
         self.assertIn("'REPLACE_motor_torque', which data.csv does not have", said)

@@ -9,6 +9,7 @@ import unittest
 import jsonschema
 import yaml
 
+from core_module import core
 from run_log import REPOSITORY, messages_folder
 
 PROGRAM = messages_folder().parent / "bin" / "slewlab"
@@ -73,6 +74,12 @@ class SchemaTest(unittest.TestCase):
             self.assertIn("'timme' was unexpected", refused(lambda t: t.update(timme=t["time"])))
             self.assertIn("'motor_torque' is a required property", refused(lambda t: t.pop("motor_torque")))
             self.assertIn("'lb' is not one of", refused(lambda t: t["time"].update(unit="lb")))
+            torque = tree["motor_torque"][0] if isinstance(tree["motor_torque"], list) else tree["motor_torque"]
+            for unit in ("Nm", "N*m", "N m", "kNm"):
+                torque["unit"] = unit
+                self.assertEqual([error.message for error in validator.iter_errors(tree)], [])
+            torque["unit"] = "N-m"
+            self.assertFalse(validator.is_valid(tree))
 
     def test_what_check_refuses_of_form_the_schema_refuses_too(self):
         crane = load(REPOSITORY / "config" / "cranes" / "thesis.yaml")
@@ -93,6 +100,19 @@ class SchemaTest(unittest.TestCase):
         self.assertIn("9 is greater than the maximum of 8", refused(lambda tree: tree["drive"]["groups"].update(value=9)))
         self.assertIn("'drive' is a required property", refused(lambda tree: tree.pop("drive")))
         self.assertNotEqual(refused(lambda tree: tree.update(effects=[{"effect": "dead_tim"}])), "")
+
+    def test_units_are_taken_in_every_way_that_the_reader_takes(self):
+        axis = {"kind": "crane", "include": "thesis.yaml"}
+        ways = (("house", "inertia", "kg m^2", ("kgm²", "kg*m^2", "kg·m²", "t m^2")), ("boom", "angle", "deg", ("°", "rad")),
+                ("drive", "gearbox_stiffness", "kN m/rad", ("kNm/rad", "kN m / rad")), ("load", "mass", "kg", ("t",)),
+                ("drive", "rated_torque", "N m", ("Nm", "N·m", "mNm")))
+        for section, key, first, others in ways:
+            for unit in (first, *others):
+                with self.subTest(unit=unit):
+                    self.assertEqual(self.complaints(axis | {section: {key: {"value": 1, "unit": unit, "source": "test"}}}), [])
+                    self.assertIsNotNone(core.factor(unit, first))
+        for section, key, unit in (("drive", "rated_torque", "N-m"), ("house", "inertia", "kg m^3"), ("boom", "angle", "degree")):
+            self.assertNotEqual(self.complaints(axis | {section: {key: {"value": 1, "unit": unit, "source": "test"}}}), [])
 
     def test_an_unknown_kind_is_named_with_the_near_one(self):
         ended = subprocess.run([PROGRAM, "schema", "crnae"], capture_output=True, text=True, check=False)
