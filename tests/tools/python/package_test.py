@@ -1,6 +1,7 @@
 """The package slewlab against the command line, against itself and against closed forms."""
 
 import os
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -311,13 +312,27 @@ class DiagnosisTest(unittest.TestCase):
             slewlab.diagnose(slewlab.config("axes/example_axis.yaml"), ["nothing_there.lcmlog"])
 
 
+# What an installed package is asked for, in a process that sees no other slewlab: it prints its version and where its scenario lies.
+RUN_AND_DIAGNOSE = """
+import pathlib, slewlab
+print(slewlab.__version__, slewlab.config("scenarios/example_axis.yaml"))
+scenario = slewlab.Scenario(slewlab.config("scenarios/example_axis.yaml"), {"duration": 30})
+scenario.run_over_lcm("run")
+found = slewlab.diagnose(slewlab.config("axes/example_axis.yaml"), ["run"], out="found")
+assert found.answer and pathlib.Path("found/diagnosis.html").is_file(), found
+"""
+
+
 class InstallTest(unittest.TestCase):
-    def test_what_a_wheel_is_made_of_stands_alone(self):
+    def install(self, component, prefix):
+        subprocess.run(["cmake", "--install", messages_folder().parent, "--component", component, "--prefix", prefix],
+                       check=True, capture_output=True, timeout=100)
+
+    def test_the_package_stands_alone(self):
         with tempfile.TemporaryDirectory() as folder:
-            subprocess.run(["cmake", "--install", messages_folder().parent, "--component", "python", "--prefix", folder],
-                           check=True, capture_output=True, timeout=100)
+            self.install("python", folder)
             place = Path(folder) / "lib" / "python3" / "dist-packages"
-            for name in ("py.typed", "_core.pyi", "_log.pyi", "config/cranes/thesis.yaml"):
+            for name in ("py.typed", "_core.pyi", "_log.pyi", "share/slewlab/config/cranes/thesis.yaml"):
                 self.assertTrue((place / "slewlab" / name).is_file(), name)
             for name in ("_core", "_log"):
                 extension = next((place / "slewlab").glob(f"{name}*.so")).read_bytes()
@@ -327,7 +342,35 @@ class InstallTest(unittest.TestCase):
             ended = subprocess.run([sys.executable, "-c", code], env=os.environ | {"PYTHONPATH": str(place)}, cwd=folder,
                                    capture_output=True, text=True, check=False, timeout=100)
             self.assertEqual(ended.returncode, 0, ended.stderr)
-            self.assertEqual(ended.stdout.split(), [slewlab.__version__, str(place / "slewlab" / "config" / "cranes" / "thesis.yaml")])
+            self.assertEqual(ended.stdout.split(),
+                             [slewlab.__version__, str(place / "slewlab" / "share" / "slewlab" / "config" / "cranes" / "thesis.yaml")])
+
+    def test_a_wheel_runs_over_lcm_diagnoses_and_is_the_command(self):
+        # A wheel is the package with the component `programs` in its own folder (pyproject.toml), and no other slewlab in PATH.
+        with tempfile.TemporaryDirectory() as folder:
+            self.install("python", folder)
+            place = Path(folder) / "lib" / "python3" / "dist-packages"
+            self.install("programs", place / "slewlab")
+            shutil.rmtree(place / "slewlab" / "share" / "slewlab" / "python" / "slewlab")  # which a wheel leaves out
+            alone = {"PATH": "/usr/bin:/bin", "PYTHONPATH": str(place), "HOME": folder}
+            ended = subprocess.run([sys.executable, "-c", RUN_AND_DIAGNOSE], env=alone, cwd=folder, capture_output=True, text=True, check=False, timeout=100)
+            self.assertEqual(ended.returncode, 0, ended.stderr)
+            self.assertEqual(ended.stdout.split()[:2],
+                             [slewlab.__version__, str(place / "slewlab" / "share" / "slewlab" / "config" / "scenarios" / "example_axis.yaml")])
+            command = [sys.executable, "-c", "from slewlab.program import main; main()"]
+            for words in (["--version"], ["report", "run"], ["export", "run", "--format", "csv"]):
+                ended = subprocess.run([*command, *words], env=alone, cwd=folder, capture_output=True, text=True, check=False, timeout=100)
+                self.assertEqual(ended.returncode, 0, ended.stdout + ended.stderr)
+            self.assertTrue((Path(folder) / "run" / "run_csv" / "ENCODER.csv").is_file())
+
+    def test_without_the_program_the_error_says_what_to_install(self):
+        with tempfile.TemporaryDirectory() as folder:
+            self.install("python", folder)
+            place = Path(folder) / "lib" / "python3" / "dist-packages"
+            code = "import slewlab; slewlab.diagnose(slewlab.config('cranes/thesis.yaml'), ['a.lcmlog'])"
+            ended = subprocess.run([sys.executable, "-c", code], env={"PATH": folder, "PYTHONPATH": str(place)}, cwd=folder,
+                                   capture_output=True, text=True, check=False, timeout=100)
+            self.assertIn("install the wheel or the Debian package (docs/install.md), or name it in SLEWLAB_PROGRAM", ended.stderr)
 
 
 class PageTest(unittest.TestCase):

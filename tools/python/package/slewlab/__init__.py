@@ -16,7 +16,8 @@ from .figures import overview
 from .files import check, config, values
 from .findings import Cause, Diagnosis, diagnose
 from .machine import Machine
-from .scenario import Controller, ProgramFailed, Run, Scenario
+from .program import ProgramFailed
+from .scenario import Controller, Run, Scenario
 from .sweep import measures, monte_carlo, sweep
 from .tables import Log, factor, open_log
 

@@ -18,7 +18,8 @@ from typing import TYPE_CHECKING, Any
 
 from . import _core, drawn_tasks
 from .engine import WorkerDied, run_in_processes, run_on_cluster
-from .scenario import ProgramFailed, Scenario
+from .program import ProgramFailed
+from .scenario import Scenario
 from .study import Case, Study, load_study
 from .sweep import UNITS, ProgressBar, measures
 from .tables import Channels, open_log

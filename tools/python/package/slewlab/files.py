@@ -16,10 +16,10 @@ Changes = Mapping[str, Any]
 
 
 def home() -> Path:
-    """The folder that holds config/: of a wheel the package itself, of a build the source tree, of an installation
+    """The folder that holds config/: of a wheel share/slewlab in the package itself, of a build the source tree, of an installation
     PREFIX/share/slewlab; $SLEWLAB_HOME before all of them."""
     package = Path(__file__).resolve().parent
-    places = [package]
+    places = [package / "share" / "slewlab"]
     pointer = package.parents[1] / "slewlab_home"  # CMake leaves it in the build's folder
     if pointer.is_file():
         places.append((package.parents[1] / pointer.read_text().strip()).resolve())

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from .scenario import call, program
+from .program import call, program
 
 
 @dataclass(frozen=True)
