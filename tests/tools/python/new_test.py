@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 import yaml
 
+from new_map import map_text
 from run_log import REPOSITORY, messages_folder, read_run_log
 
 PROGRAM = messages_folder().parent / "bin" / "slewlab"
@@ -85,6 +86,50 @@ class NewTest(unittest.TestCase):
         # The speed column falls while the position rises, so that its sign was guessed to be -1.
         np.testing.assert_allclose(found.channel("ENCODER")["shaft_speed"][:, 0], np.array([1, 2, 3.1, 4]) * 2 * np.pi / 60, rtol=1e-12)
         np.testing.assert_array_equal(found.channel("SENSORS")["tip_acceleration"], [0.1, 0.1, 0.0, 0.0])
+
+    def test_every_motor_group_of_the_header_is_an_entry(self):
+        headers = {"time,shaft_speed_1,shaft_speed_2,shaft_position_1,shaft_position_2,motor_torque_1,motor_torque_2": ("rad", "rad/s", "N m"),
+                   "t_s,speed_1_rpm,speed_2_rpm,position_1_rad,position_2_rad,torque_1_Nm,torque_2_Nm": ("rad", "rpm", "Nm"),
+                   "t,M1_speed,M2_speed,M1_pos [deg],M2_pos [deg],M1_torque,M2_torque": ("deg", "rad/s", "N m"),
+                   "Zeit [s],Drehzahl1 [1/min],Drehzahl2 [1/min],Winkel1 [rad],Winkel2 [rad],Moment1 [kNm],Moment2 [kNm]": ("rad", "1/min", "kNm")}
+        for number, (header, units) in enumerate(headers.items()):
+            with self.subTest(header=header):
+                data, map_file, log = (self.folder / f"{number}{end}" for end in (".csv", ".yaml", ".lcmlog"))
+                # The second group turns the other way, by its speed against its position.
+                rows = [[0.01 * k, k, k, 0.1 * k * k, -0.1 * k * k, 5 + k, 7 + k] for k in range(6)]
+                data.write_text(header + "\n" + "".join(",".join(f"{value:.6g}" for value in row) + "\n" for row in rows))
+                self.made("map", map_file, "--data", data)
+                self.assertEqual(slewlab("check", map_file), (0, f"{map_file}: OK\n"))
+                told, names = yaml.safe_load(map_file.read_text()), header.split(",")
+                columns = {name: [each["column"] for each in told[name]] for name in ("shaft_speed", "shaft_position", "motor_torque")}
+                self.assertEqual(columns, {"shaft_speed": names[1:3], "shaft_position": names[3:5], "motor_torque": names[5:7]})
+                for name, unit in zip(("shaft_position", "shaft_speed", "motor_torque"), units, strict=True):
+                    self.assertEqual([each["unit"] for each in told[name]], [unit, unit])
+                self.assertEqual([each.get("sign") for each in told["shaft_speed"]], [None, -1])
+                guesses = map_file.read_text().count("  # guess: column, by its name")
+                self.assertEqual(guesses, 6)
+                code, said = slewlab("import", "--map", map_file, data, "--out", log)
+                self.assertEqual(code, 0, said)
+                self.assertEqual(read_run_log(log).channel("TORQUE")["motor_torque"].shape, (6, 2))
+        self.assertIn("guess: unit, the usual one", (self.folder / "0.yaml").read_text())
+
+    def test_groups_that_some_signals_have_not_are_marked(self):
+        data, map_file = self.folder / "data.csv", self.folder / "map.yaml"
+        data.write_text("t,encoder,torque_1,torque_2\n0,0,1,1\n1,1,1,1\n2,2,1,1\n")
+        self.made("map", map_file, "--data", data)
+        told = yaml.safe_load(map_file.read_text())
+        self.assertEqual([each["column"] for each in told["shaft_position"]], ["encoder", "REPLACE_shaft_position_2"])
+        self.assertEqual(told["shaft_speed"], 2 * [{"derive": "central_difference"}])
+        self.assertEqual(slewlab("check", map_file)[0], 0)
+
+    def test_an_emergency_stop_is_known_in_english_and_german(self):
+        for name in ("Not-Aus", "NotHalt", "NOTHALT", "Not_Aus [-]", "estop", "E-Stop", "emergency_stop"):
+            for first, inverted in ((0, None), (1, True)):
+                with self.subTest(name=name, first=first):
+                    data = self.folder / "data.csv"
+                    data.write_text(f"t,pos,speed,torque,{name}\n0,0,1,1,{first}\n1,1,1,1,{first}\n2,2,1,1,{1 - first}\n")
+                    stop = yaml.safe_load(map_text(data))["emergency_stop"]
+                    self.assertEqual((stop["column"], stop.get("inverted")), (name, inverted))
 
     def test_a_unit_that_is_none_is_not_taken_for_the_usual_one_in_silence(self):
         data, map_file, log = self.folder / "data.csv", self.folder / "map.yaml", self.folder / "site.lcmlog"
