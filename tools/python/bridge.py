@@ -15,7 +15,7 @@ from pathlib import Path
 import foxglove
 import numpy as np
 
-from arguments import ArgumentParser, known_names, port
+from arguments import ArgumentParser, bus, known_names, port
 from desk.access import is_loopback
 from desk.source import Bus, Growing
 from protobuf_rows import ProtobufRows
@@ -52,7 +52,7 @@ def main(arguments):
     parser = ArgumentParser(prog="slewlab bridge", description="Serves a run's messages to other people's viewers",
                                      epilog="A PLC as the controller: slewlab bridge modbus|opcua|ads --map MAP.yaml (docs/plc.md)")
     parser.add_argument("log", metavar="LOG", nargs="?", type=Path, help="log that is being written, or the folder of a run")
-    parser.add_argument("--bus", metavar="URL", help="LCM address of a bus to listen to")
+    parser.add_argument("--bus", metavar="URL", type=bus, help="LCM address of a bus to listen to")
     parser.add_argument("--foxglove", action="store_true", help="as Foxglove, Lichtblick and PlotJuggler ask for it")
     parser.add_argument("--host", default="127.0.0.1", help="loopback address to serve on (127.0.0.1)")
     parser.add_argument("--port", type=port, default=DEFAULT_PORT, help=f"port to serve on ({DEFAULT_PORT}); 0: any that is free")

@@ -96,7 +96,10 @@ class Bus:
         self.name, self.facts, self.remarks = address, {}, []
         self.store, self.events = Store(), []
         self.incoming = Incoming(receive or functools.partial(fill, self.store), self.store.clear)
-        self.bus = lcm.LCM(address)
+        try:
+            self.bus = lcm.LCM(address)
+        except RuntimeError as error:
+            raise LogProblem(f"{address}: no bus can be opened there: {error}; is there a route for multicast?") from None
         self.subscription = self.bus.subscribe("|".join(USED), lambda channel, data: self.events.append((channel, data)))
         self.subscription.set_queue_capacity(0)  # unlimited: by default the newest are dropped
         if facts_folder is not None:
