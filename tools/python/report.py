@@ -19,7 +19,7 @@ from comparison import Difference
 from panel import DARK, GREEN, GREY, GROUP_COLOURS, PURPLE, Panel, dash_of, line, slim
 from picture_page import STYLE, picture
 from run_log import LogProblem
-from run_numbers import read_run, shown_path, table, table_text
+from run_numbers import early_end, read_run, shown_path, table, table_text
 from run_overview import phase_of
 from whole_file import growing
 
@@ -345,13 +345,7 @@ PAGE = """<!doctype html>
 
 def early_ends(runs):
     """What to say first of runs that did not come to their end."""
-    lines = []
-    for run in runs:
-        end = run.facts.get("end", "complete")
-        if end != "complete" or run.log.path.suffix == ".partial":
-            why = {"complete": "", "under way": ": it was broken off"}.get(end, f": {end}")
-            lines.append(f"{run.name}: this run ended before its time{why}. What follows is of the part that was logged.")
-    return lines
+    return [f"{early}. What follows is of the part that was logged." for early in map(early_end, runs) if early]
 
 
 def page(runs, rows):

@@ -74,6 +74,15 @@ def read_run(place):
     return Run(path.resolve().parent.name if of_a_run else path.stem, log, facts)
 
 
+def early_end(run):
+    """What to say of a run that did not come to its end; nothing of others."""
+    end = run.facts.get("end", "complete")
+    if end == "complete" and run.log.path.suffix != ".partial":
+        return ""
+    why = {"complete": "", "under way": ": it was broken off"}.get(end, f": {end}")
+    return f"{run.name}: this run ended before its time{why}"
+
+
 def phase_peaks(spectrum, band):
     """The frequencies found in an acceleration: (frequency [Hz], amplitude [m/s^2]), largest first."""
     return find_peaks(*spectrum, band.lowest, band.highest, SHARE, FLOOR)[:MOST_PEAKS]
