@@ -14,6 +14,8 @@ import numpy as np
 import plotly.graph_objects as go
 
 import axis_report
+import run_log  # noqa: F401  for the package slewlab, which draws with these (slewlab/figures.py)
+import run_numbers  # noqa: F401
 from arguments import ArgumentParser
 from comparison import Difference
 from panel import DARK, GREEN, GREY, GROUP_COLOURS, PURPLE, Panel, dash_of, line, slim
@@ -164,9 +166,9 @@ def axis_difference(runs, rows, narrow=False):
     return composed([[apart]], [panel for panel in rows if panel.draw(apart)], [], narrow)
 
 
-def views(runs):
-    """{name: (figure, figure for a narrow window, what stands in its place there)}."""
-    rows = panels(runs)
+def views(runs, rows=None):
+    """{name: (figure, figure for a narrow window, what stands in its place there)}. `rows`: the panels, where not all are wanted."""
+    rows = panels(runs) if rows is None else rows
 
     def both(make):
         return make(runs, rows), make(runs, rows, narrow=True)

@@ -62,8 +62,12 @@ def read_run(place):
     path = place if place.is_file() else place / "run.lcmlog"
     if not path.is_file() and (place / "run.lcmlog.partial").is_file():
         path = place / "run.lcmlog.partial"  # a run that was broken off
-    log = read_run_log(path)
-    facts = {}
+    return beside(read_run_log(path))
+
+
+def beside(log):
+    """The run of a log, with what run.json beside it says."""
+    path, facts = log.path, {}
     facts_path = path.parent / "run.json"
     of_a_run = path.name in ("run.lcmlog", "run.lcmlog.partial")
     if of_a_run and facts_path.is_file():

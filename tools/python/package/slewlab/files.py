@@ -32,6 +32,13 @@ def home() -> Path:
     raise FileNotFoundError(f"no folder config in {', '.join(map(str, places))}; name its folder in SLEWLAB_HOME")
 
 
+def path_of(given: str | os.PathLike[str], what: str) -> Path:
+    """Where a file is asked for: no Machine, no Scenario, whose changes would be lost."""
+    if not isinstance(given, (str, os.PathLike)):
+        raise TypeError(f"found {given!r}, expected the path of {what}")
+    return Path(given)
+
+
 def config(name: str = "") -> Path:
     """A file of those that come with slewlab: config("cranes/thesis.yaml")."""
     path = home() / "config" / name
@@ -58,7 +65,7 @@ def pairs(changes: Changes | None) -> list[tuple[str, str]]:
 
 def check(path: str | Path, changes: Changes | None = None) -> list[str]:
     """What `slewlab check` warns of, one line each. Raises InputError, one line per problem, where a run would refuse it."""
-    problems, warnings = _core.check(path, pairs(changes))
+    problems, warnings = _core.check(path_of(path, "a file of slewlab"), pairs(changes))
     if problems:
         raise _core.InputError("\n".join(problems))
     return warnings
@@ -69,5 +76,5 @@ def values(path: str | Path, changes: Changes | None = None) -> pd.DataFrame:
     file and line."""
     import pandas as pd
 
-    rows = _core.file_values(path, pairs(changes))
+    rows = _core.file_values(path_of(path, "a file of slewlab"), pairs(changes))
     return pd.DataFrame(rows, columns=["key", "value", "unit", "source", "file", "line"]).set_index("key")

@@ -8,7 +8,7 @@ import numpy as np
 
 from . import _core
 from .control import StateSpace, bode_table
-from .files import Changes, check, pairs
+from .files import Changes, check, pairs, path_of
 from .machine import Machine
 from .program import call, program
 from .tables import Channels, Log, open_log
@@ -47,7 +47,7 @@ class Scenario:
     {"duration": 20, "crane.load.mass": "60 t", "controller.ramp.curved_share": 0.2}."""
 
     def __init__(self, path: str | Path, changes: Changes | None = None) -> None:
-        self.path, self.changes = Path(path), dict(changes or {})
+        self.path, self.changes = path_of(path, "a scenario's file"), dict(changes or {})
         self._core = _core.Scenario(self.path, pairs(changes))
 
     def changed(self, changes: Changes) -> "Scenario":
