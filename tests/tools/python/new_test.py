@@ -1,5 +1,7 @@
 """`slewlab new`: files to begin with, which `slewlab check` takes and a run or an import goes with."""
 
+import os
+import pty
 import subprocess
 import tempfile
 import unittest
@@ -25,6 +27,29 @@ Time [ms];Slew encoder [deg];Motor speed (rpm);Drive torque [Nm];Tip acc [m/s^2]
 def slewlab(*words):
     ended = subprocess.run([PROGRAM, *map(str, words)], capture_output=True, text=True, check=False)
     return ended.returncode, ended.stdout + ended.stderr
+
+
+def at_a_terminal(words, answers, folder):
+    """Exit code and what stands on the screen of `slewlab new` at a terminal, where a person answers one question after the other."""
+    person, terminal = pty.openpty()
+    running = subprocess.Popen([PROGRAM, "new", *map(str, words)], stdin=terminal, stdout=terminal, stderr=terminal, cwd=folder, start_new_session=True)
+    os.close(terminal)
+    screen, answers = b"", list(answers)
+    try:
+        while True:
+            try:
+                part = os.read(person, 4096)
+            except OSError:  # the other side is closed
+                break
+            if not part:
+                break
+            screen += part
+            if screen.endswith(b": ") and answers:
+                answer = answers.pop(0)
+                os.write(person, b"\x04" if answer is None else answer.encode() + b"\n")  # Ctrl-D
+    finally:
+        os.close(person)
+    return running.wait(60), screen.decode().replace("\r\n", "\n")
 
 
 class NewTest(unittest.TestCase):
@@ -160,6 +185,49 @@ class NewTest(unittest.TestCase):
         code, said = slewlab("check", map_file)
         self.assertEqual(code, 1)
         self.assertIn(f"{map_file}:3:1: key 'shaft_positoin': found a key that is not known here, expected 'shaft_position'", said)
+
+    def test_at_a_terminal_it_asks_for_what_is_missing(self):
+        (self.folder / "there.yaml").write_text("mine")
+        # Kind, a file that is there, another; groups to pinion's ratio, torque, speed, inertia: as they are but for a wrong unit and a bare number.
+        answers = ["crnae", "crane", "there.yaml", "mine.yaml", "1", "", "", "", "3 kg", "300", "", "", "52 m", "", "0.7 rad", "60 t", ""]
+        code, screen = at_a_terminal([], answers, self.folder)
+        self.assertEqual(code, 0, screen)
+        for said in ("found 'crnae', expected 'crane'", "there.yaml: found a file that is there", "boom length [46.6 m]: ", "load mass [30 t]: ",
+                     "rated torque of a motor [250 N m]: 3 kg\n  ", "mine.yaml: written"):
+            self.assertIn(said, screen)
+        self.assertIn("the unit 'kg'", screen)
+        path = self.folder / "mine.yaml"
+        self.assertEqual(slewlab("check", path), (0, f"{path}: OK\n"))
+        made, template = yaml.safe_load(path.read_text()), yaml.safe_load((REPOSITORY / "config" / "templates" / "crane.yaml").read_text())
+        source = "answered to slewlab new: replace by where the number is from"
+        for (section, key), (value, unit) in {("drive", "groups"): (1, "-"), ("drive", "rated_torque"): (300, "N m"), ("boom", "length"): (52, "m"),
+                                              ("boom", "angle"): (0.7, "rad"), ("load", "mass"): (60, "t")}.items():
+            self.assertEqual(made[section].pop(key), {"value": value, "unit": unit, "source": source})
+            del template[section][key]
+        self.assertEqual(made, template)  # and nothing else
+        self.assertEqual((self.folder / "there.yaml").read_text(), "mine")
+
+    def test_at_a_terminal_what_was_told_is_not_asked(self):
+        code, screen = at_a_terminal(["scenario", "--crane", REPOSITORY / "config" / "cranes" / "thesis.yaml"], ["s.yaml", ""], self.folder)
+        self.assertEqual(code, 0, screen)
+        self.assertIn("thesis.yaml\n", (self.folder / "s.yaml").read_text())
+        (self.folder / "data.csv").write_text(DATA)
+        code, screen = at_a_terminal(["map", "m.yaml"], ["nothing.csv", "data.csv"], self.folder)
+        self.assertEqual(code, 0, screen)
+        self.assertIn("nothing.csv: found no file of that name", screen)
+        self.assertEqual(slewlab("check", self.folder / "m.yaml")[0], 0)
+        code, screen = at_a_terminal(["axis", "a.yaml"], [], self.folder)  # nothing is missing
+        self.assertEqual((code, screen), (0, "a.yaml: written; fill it in, then: slewlab check a.yaml\n"))
+        code, screen = at_a_terminal(["axis"], ["b.yaml", None], self.folder)
+        self.assertEqual(code, 2)
+        self.assertIn("nothing was written", screen)
+        self.assertFalse((self.folder / "b.yaml").exists())
+
+    def test_on_a_pipe_nothing_is_asked(self):
+        for words, said in (((), "KIND is required"), (("crane",), "FILE is required")):
+            ended = subprocess.run([PROGRAM, "new", *words], stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False, timeout=60)
+            self.assertEqual(ended.returncode, 2)
+            self.assertIn(said, ended.stderr)
 
     def test_nothing_is_overwritten_and_nothing_is_ignored(self):
         crane = self.folder / "crane.yaml"
