@@ -17,7 +17,7 @@ import numpy as np
 
 from arguments import ArgumentParser, bus, known_names, port
 from desk.access import is_loopback
-from desk.source import Bus, Growing
+from desk.source import Bus, Growing, growing_log
 from protobuf_rows import ProtobufRows
 from run_log import LogProblem
 from signals import table
@@ -65,6 +65,11 @@ def main(arguments):
     if not is_loopback(options.host):
         parser.error(f"--host {options.host}: this protocol knows no token, so it is served on loopback alone; "
                      "from elsewhere take a tunnel, e.g. ssh -L")
+    try:
+        log = growing_log(options.log) if options.log else None
+    except LogProblem as problem:
+        print(f"slewlab bridge: {problem}", file=sys.stderr)
+        return 2
     end = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: end.set())
@@ -73,7 +78,6 @@ def main(arguments):
         if options.bus:
             source = Bus(options.bus, receive=topics.receive)
         else:
-            log = options.log if options.log.suffix == ".lcmlog" else options.log / "run.lcmlog"
             source = Growing(log, receive=topics.receive)
             source.skip_what_is_there()
         server = foxglove.start_server(name="slewlab", host=options.host, port=options.port, message_backlog_size=BACKLOG)

@@ -18,7 +18,7 @@ from desk.access import PATIENCE, Access, Joystick
 from desk.diagnosis import Diagnosis
 from desk.gap import Gap
 from desk.server import Desk
-from desk.source import Bus, Difference, Growing, Recorded
+from desk.source import Bus, Difference, Growing, Recorded, growing_log
 from desk.steered_run import SteeredRun
 
 DEFAULT_PORT = 0  # any that is free
@@ -141,8 +141,11 @@ async def open_desk(options):
     if options.bus:
         sources = [Bus(options.bus, options.run)]
     elif options.follow:
-        place = Path(options.subject[0])
-        sources = [Growing(place if place.suffix == ".lcmlog" else place / "run.lcmlog")]
+        try:
+            sources = [Growing(growing_log(options.subject[0]))]
+        except LogProblem as problem:
+            print(problem, file=sys.stderr)
+            return 2
     else:
         sources = [Recorded(subject) for subject in options.subject]
     if len(sources) == 2:
