@@ -18,8 +18,8 @@ def main():
         library = (missing.name or "").partition(".")[0]
         if not library or (Path(__file__).parent / f"{library}.py").exists():
             raise
-        print(f"{Path(program).stem}: the Python library {library} is not installed for {sys.executable}. Of a wheel: pip install "
-              "'slewlab[commands,plc]'; else what tools/python/requirements.txt names (docs/install.md)", file=sys.stderr)
+        print(f"{Path(program).stem}: the Python library {library} is not installed for {sys.executable}. A wheel has it as an extra: pip install "
+              "'WHEEL[commands,plc]'; else it is in tools/python/requirements.txt (docs/install.md)", file=sys.stderr)
         sys.exit(1)
     except KeyboardInterrupt:
         signal.signal(signal.SIGINT, signal.SIG_DFL)  # a second one ends whatever still holds it up

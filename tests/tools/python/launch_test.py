@@ -51,8 +51,8 @@ class LaunchTest(unittest.TestCase):
         program.write_text("import nowhere_installed.part\n")
         ended = subprocess.run([sys.executable, LAUNCHER, program], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=60, check=False)
         self.assertEqual((ended.returncode, ended.stdout), (1, ""))
-        self.assertEqual(ended.stderr, f"other: the Python library nowhere_installed is not installed for {sys.executable}. Of a wheel: pip install "
-                                       "'slewlab[commands,plc]'; else what tools/python/requirements.txt names (docs/install.md)\n")
+        self.assertEqual(ended.stderr, f"other: the Python library nowhere_installed is not installed for {sys.executable}. A wheel has it as an extra: pip install "
+                                       "'WHEEL[commands,plc]'; else it is in tools/python/requirements.txt (docs/install.md)\n")
 
     def test_arguments_name_and_exit_code_are_the_programs_own(self):
         program = self.folder / "own.py"
