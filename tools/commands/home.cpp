@@ -38,6 +38,7 @@ fs::path home() {
 }
 
 fs::path python_interpreter() {
+  if (const char* named = std::getenv("SLEWLAB_PYTHON"); named != nullptr && *named != '\0') return named;
   const fs::path own = home() / ".venv" / "bin" / "python";
   const bool is_installed = home() == prefix() / "share" / "slewlab";
   return fs::exists(own) || !is_installed ? own : fs::path("/usr/bin/python3");

@@ -18,7 +18,8 @@ namespace slewlab::tools {
 // Throws std::runtime_error, saying where was looked, where there is none.
 std::filesystem::path home();
 
-// The interpreter for tools/python: .venv of the home folder, or the system's python3 of an installation without one.
+// The interpreter for tools/python: $SLEWLAB_PYTHON, which a wheel sets to the one it was installed for; .venv of the home folder; or the
+// system's python3 of an installation without one.
 std::filesystem::path python_interpreter();
 
 // The folder with what an FMU carries, a folder each for plant and controller: unit.so, license.txt and sources/.

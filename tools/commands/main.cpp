@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <iostream>
 #include <memory>
+#include <utility>
 
 #include "tools/commands/accept_command.h"
 #include "tools/commands/check_command.h"
@@ -378,6 +379,18 @@ constexpr const char* kExitCodes =
     "Exit codes: 0 done, and what was checked is as it should be; 1 it is not, or the work failed; 2 the command line or "
     "a file that it names is wrong, and nothing was begun; 3 the records given to diagnose cannot tell; 128 + N ended by signal N.";
 
+// What of a new file is told already, for the program that asks for the rest.
+std::vector<std::string> words_of(const NewOptions& file, const std::string& data) {
+  std::vector<std::string> words;
+  for (const std::string& word : {file.kind, file.file.string()}) {
+    if (!word.empty()) words.push_back(word);
+  }
+  for (const auto& [name, value] : {std::pair{"--crane", file.machine.string()}, {"--controller", file.controller.string()}, {"--data", data}}) {
+    if (!value.empty()) words.insert(words.end(), {name, value});
+  }
+  return words;
+}
+
 void add_new(CLI::App& app, Action& action) {
   struct Options {
     NewOptions file;
@@ -385,12 +398,20 @@ void add_new(CLI::App& app, Action& action) {
   };
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("new", "Write a commented file to begin with");
-  command->add_option("KIND", options->file.kind, "crane, axis, controller, scenario or map")->required()->check(one_of({"crane", "axis", "controller", "scenario", "map"}));
-  command->add_option("FILE", options->file.file, "to be written; never over one that is there")->required();
+  command->add_option("KIND", options->file.kind, "crane, axis, controller, scenario or map; asked for on a terminal")->check(one_of({"crane", "axis", "controller", "scenario", "map"}));
+  command->add_option("FILE", options->file.file, "to be written, never over one that is there; asked for on a terminal, and of a machine its main numbers");
   command->add_option("--crane,--axis", options->file.machine, "machine of a controller or a scenario");
   command->add_option("--controller", options->file.controller, "controller of a scenario");
   command->add_option("--data", options->data, "data of a map: CSV or Parquet, from whose header columns, units and signs are guessed");
   command->callback([options, &action] {
+    const bool asks = (options->file.file.empty() || (options->file.kind == "map" && options->data.empty())) && ::isatty(STDIN_FILENO) == 1 &&
+                      ::isatty(STDOUT_FILENO) == 1;
+    if (asks) {
+      action = [options] { return run_python("new_questions.py", words_of(options->file, options->data)); };
+      return;
+    }
+    if (options->file.kind.empty()) throw CLI::RequiredError("KIND");
+    if (options->file.file.empty()) throw CLI::RequiredError("FILE");
     action = [options] {
       const bool is_map = options->file.kind == "map";
       if (is_map && !(options->file.machine.empty() && options->file.controller.empty())) {

@@ -1,7 +1,9 @@
 """The command line of a Python program of slewlab: an option or a choice that is not known is answered with the one that is near."""
 
 import argparse
+import ipaddress
 import sys
+from urllib.parse import urlsplit
 
 
 def known_names(name, known):
@@ -16,6 +18,18 @@ def port(text):
     if not text.isdigit() or int(text) > 65535:
         raise argparse.ArgumentTypeError(f"found '{text}', expected a number from 0 to 65535")
     return int(text)
+
+
+def bus(text):
+    """LCM's address of a bus."""
+    address = urlsplit(text)
+    try:
+        is_one = address.scheme == "udpm" and ipaddress.IPv4Address(address.hostname or "").is_multicast and address.port != 0
+    except ValueError:  # of the port, too
+        is_one = False
+    if not is_one:
+        raise argparse.ArgumentTypeError(f"found '{text}', expected the address of a bus as udpm://239.255.76.67:7667?ttl=0")
+    return text
 
 
 class ArgumentParser(argparse.ArgumentParser):

@@ -15,9 +15,9 @@ from pathlib import Path
 import foxglove
 import numpy as np
 
-from arguments import ArgumentParser, known_names, port
+from arguments import ArgumentParser, bus, known_names, port
 from desk.access import is_loopback
-from desk.source import Bus, Growing
+from desk.source import Bus, Growing, growing_log
 from protobuf_rows import ProtobufRows
 from run_log import LogProblem
 from signals import table
@@ -52,7 +52,7 @@ def main(arguments):
     parser = ArgumentParser(prog="slewlab bridge", description="Serves a run's messages to other people's viewers",
                                      epilog="A PLC as the controller: slewlab bridge modbus|opcua|ads --map MAP.yaml (docs/plc.md)")
     parser.add_argument("log", metavar="LOG", nargs="?", type=Path, help="log that is being written, or the folder of a run")
-    parser.add_argument("--bus", metavar="URL", help="LCM address of a bus to listen to")
+    parser.add_argument("--bus", metavar="URL", type=bus, help="LCM address of a bus to listen to")
     parser.add_argument("--foxglove", action="store_true", help="as Foxglove, Lichtblick and PlotJuggler ask for it")
     parser.add_argument("--host", default="127.0.0.1", help="loopback address to serve on (127.0.0.1)")
     parser.add_argument("--port", type=port, default=DEFAULT_PORT, help=f"port to serve on ({DEFAULT_PORT}); 0: any that is free")
@@ -65,6 +65,11 @@ def main(arguments):
     if not is_loopback(options.host):
         parser.error(f"--host {options.host}: this protocol knows no token, so it is served on loopback alone; "
                      "from elsewhere take a tunnel, e.g. ssh -L")
+    try:
+        log = growing_log(options.log) if options.log else None
+    except LogProblem as problem:
+        print(f"slewlab bridge: {problem}", file=sys.stderr)
+        return 2
     end = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):
         signal.signal(number, lambda *_: end.set())
@@ -73,7 +78,6 @@ def main(arguments):
         if options.bus:
             source = Bus(options.bus, receive=topics.receive)
         else:
-            log = options.log if options.log.suffix == ".lcmlog" else options.log / "run.lcmlog"
             source = Growing(log, receive=topics.receive)
             source.skip_what_is_there()
         server = foxglove.start_server(name="slewlab", host=options.host, port=options.port, message_backlog_size=BACKLOG)

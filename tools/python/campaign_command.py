@@ -24,6 +24,10 @@ class Unavailable(Exception):
     pass
 
 
+class WrongAddress(Exception):
+    pass
+
+
 @contextlib.contextmanager
 def cluster(options):
     """A distributed.Client, or None for processes of this machine."""
@@ -35,7 +39,11 @@ def cluster(options):
     from distributed import Client
 
     if options.dask is not None:
-        with Client(options.dask, timeout=30) as client:
+        try:
+            found = Client(options.dask, timeout=30)
+        except (ValueError, OverflowError) as error:
+            raise WrongAddress(f"--dask: found '{options.dask}' ({error}), expected the address of Dask's scheduler, tcp://HOST:PORT") from None
+        with found as client:
             yield client
         return
     if importlib.util.find_spec("dask_jobqueue") is None:
@@ -120,8 +128,8 @@ def main(arguments):
                 return 2
             with cluster(options) as client:
                 frame = slewlab.campaign(study, out, controller=options.controller, workers=options.workers, client=client)
-        write_page(frame, out / "campaign.html")
-    except (slewlab.InputError, slewlab.CampaignMismatch) as error:
+        write_page(frame, out / campaigns.PAGE)
+    except (slewlab.InputError, slewlab.CampaignMismatch, slewlab.JournalDamaged, WrongAddress) as error:
         print(error, file=sys.stderr)
         return 2
     except (OSError, Unavailable) as error:

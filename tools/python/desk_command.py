@@ -12,13 +12,13 @@ import signal
 import sys
 from pathlib import Path
 
-from arguments import ArgumentParser, port
+from arguments import ArgumentParser, bus, port
 from run_log import LogProblem
 from desk.access import PATIENCE, Access, Joystick
 from desk.diagnosis import Diagnosis
 from desk.gap import Gap
 from desk.server import Desk
-from desk.source import Bus, Difference, Growing, Recorded
+from desk.source import Bus, Difference, Growing, Recorded, growing_log
 from desk.steered_run import SteeredRun
 
 DEFAULT_PORT = 0  # any that is free
@@ -48,7 +48,7 @@ def parsed(arguments):
     parser = ArgumentParser(prog="slewlab desk", description="Watch, steer and scrub: a page of a running scenario or a log")
     parser.add_argument("subject", metavar="SCENARIO|LOG", nargs="*",
                         help="scenario (.yaml) to run and steer, or log or folder of a run; two logs are drawn over each other")
-    parser.add_argument("--bus", metavar="URL", help="LCM address of a bus to listen to, e.g. udpm://239.255.76.67:7667?ttl=0")
+    parser.add_argument("--bus", metavar="URL", type=bus, help="LCM address of a bus to listen to, e.g. udpm://239.255.76.67:7667?ttl=0")
     parser.add_argument("--run", type=Path, metavar="FOLDER", help="with --bus: a run's folder, whose run.json tells ratios, ratings and geometry")
     parser.add_argument("--follow", action="store_true", help="LOG, or the run.lcmlog of a folder, is still being written")
     parser.add_argument("--nominal", metavar="MACHINE", help="nominal machine's file: the gap to it is watched while the run goes on")
@@ -141,8 +141,11 @@ async def open_desk(options):
     if options.bus:
         sources = [Bus(options.bus, options.run)]
     elif options.follow:
-        place = Path(options.subject[0])
-        sources = [Growing(place if place.suffix == ".lcmlog" else place / "run.lcmlog")]
+        try:
+            sources = [Growing(growing_log(options.subject[0]))]
+        except LogProblem as problem:
+            print(problem, file=sys.stderr)
+            return 2
     else:
         sources = [Recorded(subject) for subject in options.subject]
     if len(sources) == 2:

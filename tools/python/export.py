@@ -3,14 +3,14 @@
     slewlab export RUN.lcmlog --format parquet|csv|mcap [--out PATH]
 
 Parquet and CSV: the first column is `time` [s], simulated; arrays become columns name_1, name_2, ...; SI units as
-in msgs/*.lcm; a Parquet column has its unit as the field's metadata `unit`. Columns of a plain axis (run.json beside the
-log says so) carry the axis's names and units, motor_speed [rad/s], and those of sensors that it has not are left out.
+in msgs/*.lcm; a Parquet column has its unit as the field's metadata `unit`, a CSV column in its name: `shaft_speed_1 [rad/s]`. Columns of a
+plain axis (run.json beside the log says so) carry the axis's names and units, motor_speed [rad/s], and those of sensors that it has not are
+left out.
 MCAP: Protobuf messages with their schema, the unit of each field in the channel's metadata, stamped with the simulated
 time; opens in Foxglove and PlotJuggler. The log is gone through a stretch at a time and may be larger than memory.
 """
 
 import contextlib
-import json
 import signal
 import sys
 from concurrent.futures import ThreadPoolExecutor
@@ -25,7 +25,8 @@ from mcap.writer import CompressionType
 from arguments import ArgumentParser
 from mcap_batches import BatchWriter
 from protobuf_rows import ProtobufRows
-from run_log import LogProblem, read_run_log, seconds
+from run_log import LogProblem, seconds
+from run_numbers import early_end, read_run
 from signals import measured, table, unit_of
 from whole_file import growing
 
@@ -33,10 +34,9 @@ FORMATS = ("parquet", "csv", "mcap")
 ROW_GROUP = 4 << 20  # [bytes] of a Parquet file's rows that are written together
 
 
-def axis_columns(path, log):
+def axis_columns(facts, log):
     """{channel: {column: name of the axis's signal, None to leave it out}}; nothing for a crane."""
-    facts = path.parent / "run.json"
-    machine = json.loads(facts.read_text()).get("machine", {}) if path.stem == "run" and facts.is_file() else {}
+    machine = facts.get("machine", {})
     if machine.get("kind") != "axis":
         return {}
     torque = machine["efforts"][0]
@@ -110,22 +110,29 @@ class ParquetFile:
         self.writer.close()
 
 
+def csv_name(field):
+    """With its unit behind it, unless the name says it or there is none."""
+    unit = field.metadata[b"unit"].decode()
+    return field.name if unit == "-" or field.name.endswith(f"[{unit}]") else f"{field.name} [{unit}]"
+
+
 class CsvFile:
     def __init__(self, path, schema, channel, axis):
-        self.schema, self.axis = schema, axis
+        self.schema, self.axis, self.names = schema, axis, [csv_name(field) for field in schema]
         options = pyarrow.csv.WriteOptions(quoting_style="needed", quoting_header="needed")
-        self.writer = pyarrow.csv.CSVWriter(path, schema, write_options=options)
+        self.writer = pyarrow.csv.CSVWriter(path, pyarrow.schema(list(zip(self.names, schema.types))), write_options=options)
 
     def write(self, messages):
-        self.writer.write_table(channel_table(messages, self.schema, self.axis))
+        self.writer.write_table(channel_table(messages, self.schema, self.axis).rename_columns(self.names))
 
     def close(self):
         self.writer.close()
 
 
-def write_tables(log, out, file_format):
+def write_tables(run, out, file_format):
     """A folder with one file per channel; it appears when all of them are complete."""
-    axis = axis_columns(log.path, log)
+    log = run.log
+    axis = axis_columns(run.facts, log)
     kind = ParquetFile if file_format == "parquet" else CsvFile
     with growing(out) as partial, contextlib.ExitStack() as stack:
         partial.mkdir()
@@ -176,14 +183,15 @@ def write_mcap(log, out):
 
 def main(arguments=None):
     parser = ArgumentParser(prog="slewlab export", description="Turns a log into files of other tools.")
-    parser.add_argument("log", type=Path, help="the log, or the folder that holds run.lcmlog")
+    parser.add_argument("log", type=Path, help="the log, or the folder that holds run.lcmlog or, of a run that was broken off, run.lcmlog.partial")
     parser.add_argument("--format", choices=FORMATS, required=True)
     parser.add_argument("--out", type=Path,
                         help="folder (parquet, csv) or file (mcap); default: beside the log, run_FORMAT or run.mcap")
     options = parser.parse_args(arguments)
-    path = options.log / "run.lcmlog" if options.log.is_dir() else options.log
     try:
-        log = read_run_log(path)
+        run = read_run(options.log)
+        log = run.log
+        path = log.path.with_suffix("") if log.path.suffix == ".partial" else log.path
         if options.format == "mcap":
             out = options.out or path.with_suffix(".mcap")
             write_mcap(log, out)
@@ -191,10 +199,12 @@ def main(arguments=None):
             out = options.out or path.with_name(f"{path.stem}_{options.format}")
             if out.exists() and not (out.is_dir() and all(f.suffix == f".{options.format}" for f in out.iterdir())):
                 raise LogProblem(f"{out}: is there already and is no earlier export; name another with --out")
-            write_tables(log, out, options.format)
+            write_tables(run, out, options.format)
     except (LogProblem, OSError) as problem:
         print(f"export: {problem}", file=sys.stderr)
         return 1
+    for early in filter(None, [early_end(run)]):
+        print(f"{early}. The export has the part that was logged.", file=sys.stderr)
     for remark in log.remarks:
         print(remark)
     counts = ", ".join(f"{name} {described.rows}" for name, described in log.tables.items())

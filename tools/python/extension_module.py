@@ -13,7 +13,11 @@ def loaded(name):
     full_name = f"slewlab.{name}"
     if full_name in sys.modules:
         return sys.modules[full_name]
-    files = [messages_folder() / "slewlab" / f"{name}{suffix}" for suffix in importlib.machinery.EXTENSION_SUFFIXES]
+    folder = messages_folder() / "slewlab"
+    if not folder.is_dir():  # of a wheel, whose interpreter has the package
+        package = importlib.util.find_spec("slewlab")
+        folder = Path(package.submodule_search_locations[0]) if package else folder
+    files = [folder / f"{name}{suffix}" for suffix in importlib.machinery.EXTENSION_SUFFIXES]
     file = next(filter(Path.exists, files), None)
     if file is None:
         raise LogProblem(f"{messages_folder()}: {full_name} is not built; run tools/build")

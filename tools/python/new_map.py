@@ -14,6 +14,7 @@ import numpy as np
 import pandas as pd
 
 from arguments import ArgumentParser
+from import_map import MOST_GROUPS
 from unit import factor_to_si, quantity_of
 
 ROWS_LOOKED_AT = 20_000
@@ -30,18 +31,20 @@ SIGNALS = {
     "pivot_acceleration": (("acceleration",), ("pivot", "foot")),
     "house_acceleration": (("acceleration",), ("house", "cabin", "cab")),
     "slew_angle": (("angle",), ("slew", "gyro", "yaw", "heading")),
-    "speed_request": (("number",), ("request", "joystick", "lever", "setpoint", "reference", "ref")),
-    "emergency_stop": ((), ("emergency", "estop", "stop")),
+    "speed_request": (("number",), ("request", "joystick", "lever", "setpoint", "reference", "ref", "soll", "sollwert", "hebel")),
+    "emergency_stop": ((), ("emergency", "estop", "stop", "not", "aus", "halt", "notaus", "nothalt")),
 }
+OF_EVERY_GROUP = ("shaft_position", "shaft_speed", "motor_torque")  # a column for each motor group
 NEEDED = {"time": "s", "shaft_position": "rad", "shaft_speed": "rad/s", "motor_torque": "N m"}
 OTHER_SPELLINGS = {"nm": "N m", "knm": "kN m", "degree": "deg", "degrees": "deg", "sec": "s", "seconds": "s", "1/min": "rpm", "u/min": "rpm",
                    "percent": "%", "g": None}
 
 
 def words_of(name):
+    """Its words and its numbers, what stands in brackets left out."""
     bare = re.sub(r"[\[(].*?[\])]", " ", name)
     bare = re.sub(r"([a-z])([A-Z])", r"\1 \2", bare)
-    return [word for word in re.split(r"[^a-z0-9]+", bare.lower()) if word]
+    return re.findall(r"[^\W\d_]+|\d+", bare.lower())
 
 
 def unit_in(name):
@@ -72,16 +75,46 @@ def score(wanted, name, unit):
     return 2 * hits + known if hits else known
 
 
+def groups_of(name, columns):
+    """{number: column} of the columns that are called as this one but for a number: one for each motor group. None in place of the number
+    where there is no other."""
+    pattern, numbers = [], {}
+    for column in columns:
+        words = words_of(column)
+        masked = ["#" if word.isdigit() else word for word in words]
+        if column == name:
+            pattern = masked
+        numbers[column] = (masked, [int(word) for word in words if word.isdigit()])
+    alike = {column: found for column, (masked, found) in numbers.items() if masked == pattern}
+    for place in reversed(range(pattern.count("#"))):
+        found = {numbers[place]: column for column, numbers in alike.items()}
+        if 1 < len(found) == len(alike) <= MOST_GROUPS:
+            return dict(sorted(found.items()))
+    return {None: name}
+
+
 def guess(names):
-    """{signal: (column, unit or None)}; every column once, the best fit first."""
+    """{signal: {group's number, or None: (column, unit or None)}}; every column once, the best fit first."""
     units = {name: unit_in(name) for name in names}
     fits = sorted(((score(wanted, name, units[name]), -place, wanted, name) for wanted in SIGNALS for place, name in enumerate(names)),
                   reverse=True)
-    found = {}
+    found, used = {}, set()
     for how_well, _, wanted, name in fits:
-        if how_well > 0 and wanted not in found and name not in (column for column, _ in found.values()):
-            found[wanted] = (name, units[name])
+        if how_well == 0 or wanted in found or name in used:
+            continue
+        free = [other for other in names if other not in used and score(wanted, other, units[other]) > 0]
+        columns = groups_of(name, free) if wanted in OF_EVERY_GROUP else {None: name}
+        found[wanted] = {group: (column, units[column]) for group, column in columns.items()}
+        used |= set(columns.values())
     return found
+
+
+def in_groups(found):
+    """[{signal: (column, unit)}], one per motor group, of what was guessed. A column without a number is the first group's."""
+    of_groups = {name: found.get(name, {}) for name in OF_EVERY_GROUP}
+    numbers = sorted({number for columns in of_groups.values() for number in columns if number is not None}) or [None]
+    first = numbers[0]
+    return [{name: columns.get(number, columns.get(None) if number == first else None) for name, columns in of_groups.items()} for number in numbers]
 
 
 def layout(path):
@@ -120,6 +153,15 @@ def signs_agree(table, position, speed):
     return None if abs(correlation) < 0.3 else bool(correlation > 0.0)
 
 
+def rests_at_one(column):
+    """Whether a flag is one that falls when something happens, as the contacts of an emergency stop do."""
+    try:
+        values = column.dropna().to_numpy(float)
+    except (ValueError, TypeError):
+        return False
+    return len(values) > 0 and set(values) <= {0.0, 1.0} and values[0] == 1.0
+
+
 def quoted(name):
     return '"' + name.replace("\\", "\\\\").replace('"', '\\"') + '"'
 
@@ -127,21 +169,27 @@ def quoted(name):
 def map_text(path):
     table, csv_line = read_beginning(path)
     names = [str(name) for name in table.columns]
-    found = guess(names)
+    guessed = guess(names)
+    groups = in_groups(guessed)
+    found = {name: columns[None] for name, columns in guessed.items() if name not in OF_EVERY_GROUP}
     lines = [f"# An import map for {path.name} (docs/import.md). What is marked as a guess is one: look at each.",
              "#", f"#   slewlab import --map THIS_FILE {path.name}", "kind: import_map", f"description: replace by what {path.name} records", ""]
     if csv_line:
         lines.append(csv_line + "")
 
-    def entry(name, more=()):
-        column, unit = found.get(name, (f"REPLACE_{name}", None))
+    def entry(name, guessed_column, more=(), missing=None):
+        column, unit = guessed_column or (missing or f"REPLACE_{name}", None)
         remarks = []
-        if name not in found:
+        if not guessed_column:
             remarks.append("no column was found")
         else:
             remarks.append("guess: column, by its name" + (" and unit" if unit else ""))
         parts = [f"column: {quoted(column)}"]
-        if name != "emergency_stop":
+        if name == "emergency_stop":
+            if rests_at_one(table[column]):
+                parts.append("inverted: true")
+                remarks.append("guess: pressed where it is 0, since it begins at 1")
+        else:
             if not unit:
                 unit = NEEDED.get(name, {"tip": "m/s^2", "mid": "m/s^2", "piv": "m/s^2", "hou": "m/s^2", "sle": "rad"}.get(name[:3], "-"))
                 said = said_in_brackets(column)
@@ -152,34 +200,36 @@ def map_text(path):
             parts.append(f"unit: {quoted(unit)}")
         return parts + list(more), "; ".join(remarks)
 
-    parts, remark = entry("time")
+    parts, remark = entry("time", found.get("time"))
     if "time" in found and not pd.api.types.is_numeric_dtype(table[found["time"][0]]):
         parts[1], remark = "unit: datetime", remark + "; guess: dates"
     lines += [f"# {remark}", f"time: {{{', '.join(parts)}}}", ""]
     lines.append("# One entry per motor group. ratio: motor turns per turn of the axis on which the column stands, where that is not the motor.")
-    for name in ("shaft_position", "shaft_speed", "motor_torque"):
-        if name == "shaft_speed" and name not in found:
-            lines += [f"{name}:", "  - {derive: central_difference}   # no column was found: from the position"]
-            continue
-        more, sign = [], "guess: sign 1"
-        if name == "shaft_speed" and "shaft_position" in found:
-            agree = signs_agree(table, found["shaft_position"][0], found["shaft_speed"][0])
-            if agree is not None:
-                sign = "guess: sign, " + ("the position's" if agree else "against the position")
-                more = [] if agree else ["sign: -1"]
-        column, unit = found.get(name, ("", None))
-        if "slew" in words_of(column):
-            more.append('ratio: {value: 1, unit: "-", source: "REPLACE: motor turns per turn of the slew axis"}')
-        if unit and any(factor_to_si(quantity, unit) is not None for quantity in ("length", "speed", "force")):
-            more.append('metres_per_radian: {value: 1, unit: m, source: "REPLACE: travel per radian of the motor shaft"}')
-        parts, remark = entry(name, more)
-        lines += [f"{name}:", f"  # {remark}; {sign}", f"  - {{{', '.join(parts)}}}"]
+    for name in OF_EVERY_GROUP:
+        lines.append(f"{name}:")
+        for number, group in enumerate(groups, 1):
+            if name == "shaft_speed" and not group[name]:
+                lines.append("  - {derive: central_difference}   # no column was found: from the position")
+                continue
+            more, sign = [], "guess: sign 1"
+            if name == "shaft_speed" and group["shaft_position"]:
+                agree = signs_agree(table, group["shaft_position"][0], group["shaft_speed"][0])
+                if agree is not None:
+                    sign = "guess: sign, " + ("the position's" if agree else "against the position")
+                    more = [] if agree else ["sign: -1"]
+            column, unit = group[name] or ("", None)
+            if "slew" in words_of(column):
+                more.append('ratio: {value: 1, unit: "-", source: "REPLACE: motor turns per turn of the slew axis"}')
+            if unit and any(factor_to_si(quantity, unit) is not None for quantity in ("length", "speed", "force")):
+                more.append('metres_per_radian: {value: 1, unit: m, source: "REPLACE: travel per radian of the motor shaft"}')
+            parts, remark = entry(name, group[name], more, f"REPLACE_{name}" + (f"_{number}" if len(groups) > 1 else ""))
+            lines += [f"  # {remark}; {sign}", f"  - {{{', '.join(parts)}}}"]
     lines.append("")
     for name in list(SIGNALS)[4:]:
         if name in found:
-            parts, remark = entry(name)
+            parts, remark = entry(name, found[name])
             lines += [f"# {remark}", f"{name}: {{{', '.join(parts)}}}"]
-    used = {column for column, _ in found.values()}
+    used = {column for columns in guessed.values() for column, _ in columns.values()}
     unused = [name for name in names if name not in used]
     if unused:
         lines += ["", "# Columns that are not used: " + ", ".join(unused)]

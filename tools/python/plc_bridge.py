@@ -15,7 +15,7 @@ from pathlib import Path
 
 import lcm
 
-from arguments import ArgumentParser
+from arguments import ArgumentParser, bus
 from core_module import core
 from plc.gateway import Gateway
 from plc.link import LinkDown, WrongMap, open_link
@@ -30,7 +30,7 @@ def main(arguments):
     parser = ArgumentParser(prog="slewlab bridge", description="A PLC as the controller of a run (docs/plc.md)")
     parser.add_argument("protocol", choices=PROTOCOLS)
     parser.add_argument("--map", required=True, type=Path, help="which register, node or symbol holds which signal")
-    parser.add_argument("--bus", default=os.environ.get("SLEWLAB_BUS"), help="LCM address of the run ($SLEWLAB_BUS)")
+    parser.add_argument("--bus", type=bus, default=os.environ.get("SLEWLAB_BUS"), help="LCM address of the run ($SLEWLAB_BUS)")
     parser.add_argument("--period-ms", type=float, default=float(os.environ.get("SLEWLAB_CONTROLLER_PERIOD_MS", "nan")),
                         help="time between two ENCODER messages [ms] ($SLEWLAB_CONTROLLER_PERIOD_MS)")
     parser.add_argument("--report", type=Path, help="JSON file for how well the link kept its time")

@@ -14,12 +14,14 @@ import numpy as np
 import plotly.graph_objects as go
 
 import axis_report
+import run_log  # noqa: F401  for the package slewlab, which draws with these (slewlab/figures.py)
+import run_numbers  # noqa: F401
 from arguments import ArgumentParser
 from comparison import Difference
 from panel import DARK, GREEN, GREY, GROUP_COLOURS, PURPLE, Panel, dash_of, line, slim
 from picture_page import STYLE, picture
 from run_log import LogProblem
-from run_numbers import read_run, shown_path, table, table_text
+from run_numbers import early_end, read_run, shown_path, table, table_text
 from run_overview import phase_of
 from whole_file import growing
 
@@ -164,9 +166,9 @@ def axis_difference(runs, rows, narrow=False):
     return composed([[apart]], [panel for panel in rows if panel.draw(apart)], [], narrow)
 
 
-def views(runs):
-    """{name: (figure, figure for a narrow window, what stands in its place there)}."""
-    rows = panels(runs)
+def views(runs, rows=None):
+    """{name: (figure, figure for a narrow window, what stands in its place there)}. `rows`: the panels, where not all are wanted."""
+    rows = panels(runs) if rows is None else rows
 
     def both(make):
         return make(runs, rows), make(runs, rows, narrow=True)
@@ -345,13 +347,7 @@ PAGE = """<!doctype html>
 
 def early_ends(runs):
     """What to say first of runs that did not come to their end."""
-    lines = []
-    for run in runs:
-        end = run.facts.get("end", "complete")
-        if end != "complete" or run.log.path.suffix == ".partial":
-            why = {"complete": "", "under way": ": it was broken off"}.get(end, f": {end}")
-            lines.append(f"{run.name}: this run ended before its time{why}. What follows is of the part that was logged.")
-    return lines
+    return [f"{early}. What follows is of the part that was logged." for early in map(early_end, runs) if early]
 
 
 def page(runs, rows):

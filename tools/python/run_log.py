@@ -6,6 +6,7 @@ messages are the run follows msgs/run_order.h; what cannot be used is told in `r
 """
 
 import importlib
+import importlib.util
 import os
 import sys
 from dataclasses import dataclass
@@ -47,10 +48,11 @@ def slewlab_program():
 def built_module(package, what):
     """A package that the build made for Python. `what` it is stands in the problem where it was not made."""
     folder = messages_folder()
-    if not (folder / package).is_dir():
+    if (folder / package).is_dir():
+        if str(folder) not in sys.path:
+            sys.path.insert(0, str(folder))
+    elif importlib.util.find_spec(package) is None:  # of a wheel, whose interpreter has it
         raise LogProblem(f"{folder}: {what} not built; run tools/build")
-    if str(folder) not in sys.path:
-        sys.path.insert(0, str(folder))
     return importlib.import_module(package)
 
 

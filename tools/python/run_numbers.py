@@ -62,8 +62,12 @@ def read_run(place):
     path = place if place.is_file() else place / "run.lcmlog"
     if not path.is_file() and (place / "run.lcmlog.partial").is_file():
         path = place / "run.lcmlog.partial"  # a run that was broken off
-    log = read_run_log(path)
-    facts = {}
+    return beside(read_run_log(path))
+
+
+def beside(log):
+    """The run of a log, with what run.json beside it says."""
+    path, facts = log.path, {}
     facts_path = path.parent / "run.json"
     of_a_run = path.name in ("run.lcmlog", "run.lcmlog.partial")
     if of_a_run and facts_path.is_file():
@@ -72,6 +76,15 @@ def read_run(place):
         except ValueError as error:
             raise LogProblem(f"{facts_path}: {error}") from error
     return Run(path.resolve().parent.name if of_a_run else path.stem, log, facts)
+
+
+def early_end(run):
+    """What to say of a run that did not come to its end; nothing of others."""
+    end = run.facts.get("end", "complete")
+    if end == "complete" and run.log.path.suffix != ".partial":
+        return ""
+    why = {"complete": "", "under way": ": it was broken off"}.get(end, f": {end}")
+    return f"{run.name}: this run ended before its time{why}"
 
 
 def phase_peaks(spectrum, band):

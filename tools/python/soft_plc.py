@@ -58,8 +58,12 @@ def main(arguments):
         plc_map = load_plc_map(options.map)
         cycle = SoftCycle(plc_map, options.controller, options.period_ms * 1e-3)
         core.SteppedController(options.controller, cycle.period)  # said now what is wrong with its file
+        groups = next(int(float(value)) for key, value, *_ in core.file_values(options.controller, []) if key == "groups")
     except core.InputError as problem:
         print(problem, file=sys.stderr)
+        return 2
+    if groups != plc_map.group_count:
+        print(f"{options.controller}: found a controller of {groups} motor group(s), expected one of {plc_map.group_count}, as {options.map} has", file=sys.stderr)
         return 2
     try:
         asyncio.run(serve(plc_map, cycle, options.real_time))

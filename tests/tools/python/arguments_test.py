@@ -2,7 +2,7 @@ import contextlib
 import io
 import unittest
 
-from arguments import ArgumentParser, port
+from arguments import ArgumentParser, bus, port
 
 
 class ArgumentsTest(unittest.TestCase):
@@ -38,6 +38,14 @@ class ArgumentsTest(unittest.TestCase):
         for wrong in ("-3", "65536", "http"):
             self.assertEqual(self.refused("run", "--format", "csv", f"--port={wrong}"),
                              f"slewlab export: error: argument --port: found '{wrong}', expected a number from 0 to 65535")
+
+    def test_a_bus_is_a_multicast_address(self):
+        self.parser.add_argument("--bus", type=bus)
+        for right in ("udpm://239.255.76.67:7667?ttl=0", "udpm://239.255.76.67"):
+            self.assertEqual(self.parser.parse_args(["run", "--format", "csv", "--bus", right]).bus, right)
+        for wrong in ("foo", "udpm://", "udpm://10.0.0.1:7667", "udpm://239.255.76.67:99999", "tcpq://239.255.76.67:7667"):
+            self.assertEqual(self.refused("run", "--format", "csv", f"--bus={wrong}"),
+                             f"slewlab export: error: argument --bus: found '{wrong}', expected the address of a bus as udpm://239.255.76.67:7667?ttl=0")
 
     def test_beginnings_of_options_and_what_stands_behind_two_dashes_are_left_alone(self):
         self.assertEqual(self.parser.parse_args(["--form", "csv", "run"]).format, "csv")

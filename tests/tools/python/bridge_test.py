@@ -99,6 +99,17 @@ class BridgeTest(unittest.TestCase):
         self.assertEqual(channels["SENSORS"]["metadata"]["tip_acceleration"], "m/s^2")
         self.assertEqual(channels["TORQUE"]["metadata"]["motor_torque"], "Nm")
 
+    def test_what_is_no_log_is_refused(self):
+        table = self.folder / "rec.csv"
+        table.write_text("time,speed\n" + "0.1,2.5\n" * 20)
+        for wrong, words in ((self.folder / "nothere", "found no log and no folder of that name"), (table, "found a file that is no log of LCM"),
+                             (self.folder, "found a folder without run.lcmlog")):
+            for command in (["bridge", "--foxglove", wrong, "--port", "0"], ["desk", wrong, "--follow"]):
+                with self.subTest(wrong=wrong, command=command[0]):
+                    run = subprocess.run([SLEWLAB, *command], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=PATIENCE)
+                    self.assertEqual((run.returncode, run.stderr.count("\n")), (2, 1), run.stderr)
+                    self.assertIn(words, run.stderr)
+
     def test_it_is_served_on_loopback_alone(self):
         run = subprocess.run([SLEWLAB, "bridge", "--foxglove", self.folder, "--host", "0.0.0.0"], capture_output=True, text=True, timeout=PATIENCE)
         self.assertEqual(run.returncode, 2)

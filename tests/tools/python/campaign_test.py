@@ -9,6 +9,7 @@ import subprocess
 import sys
 import tempfile
 import unittest
+import unittest.mock
 from pathlib import Path
 
 import numpy as np
@@ -164,6 +165,49 @@ class CampaignTest(unittest.TestCase):
         lines = journal.read_bytes().splitlines()
         self.assertEqual(sorted(json.loads(line)["run"] for line in lines[1:]), list(range(12)))  # each once
         self.assertEqual(self.bytes_of("killed"), self.bytes_of("whole"))
+
+    def test_a_damaged_line_is_told_with_file_and_line_and_nothing_is_lost(self):
+        study, out = write_study(self.folder, runs=3), self.folder / "out"
+        slewlab.campaign(study, out, workers=0, progress=False)
+        whole, table = (out / "journal.jsonl").read_bytes().splitlines(keepends=True), self.bytes_of("out")
+        for line, damage, said in ((3, lambda text: text[:40] + b"\n", "delete that line"), (2, lambda text: b"\xff" + text, "delete that line"),
+                                   (4, lambda text: b'{"run":2}\n', "delete that line"), (1, lambda text: text[7:], "name another folder with --out")):
+            damaged = [damage(text) if number == line else text for number, text in enumerate(whole, 1)]
+            content = b"".join(damaged) + b'{"run":'  # and one that a kill cut off
+            with self.subTest(line=line):
+                (out / "journal.jsonl").write_bytes(content)
+                ended = self.campaign_command(study, "--out", out)
+                self.assertEqual((ended.returncode, ended.stderr.count("\n")), (2, 1), ended.stderr)
+                self.assertIn(f"{out / 'journal.jsonl'}:{line}: ", ended.stderr)
+                self.assertIn(said, ended.stderr)
+                self.assertEqual((out / "journal.jsonl").read_bytes(), content)
+                self.assertEqual(self.bytes_of("out"), table)
+        (out / "journal.jsonl").write_bytes(b"".join(whole[:2] + whole[3:]))  # as it says
+        slewlab.campaign(study, out, workers=0, progress=False)
+        self.assertEqual(self.bytes_of("out"), table)
+
+    def campaign_command(self, *words):
+        return subprocess.run([PROGRAM, "campaign", *words], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=100, check=False)
+
+    def test_an_address_that_is_none_is_refused_in_a_sentence(self):
+        for address in ("foo", "tcp://host:port", "xyz://host:8786"):
+            with self.subTest(address=address):
+                ended = self.campaign_command(write_study(self.folder), "--out", self.folder / "out", "--dask", address)
+                self.assertEqual((ended.returncode, ended.stderr.count("\n")), (2, 1), ended.stderr)
+                self.assertIn(f"--dask: found '{address}'", ended.stderr)
+                self.assertIn("expected the address of Dask's scheduler, tcp://HOST:PORT", ended.stderr)
+
+    def test_a_page_does_not_outlive_its_table(self):
+        study, out = write_study(self.folder, runs=2), self.folder / "out"
+        self.assertIn(self.campaign_command(study, "--out", out).returncode, (0, 1))
+        self.assertTrue((out / "campaign.html").is_file())
+
+        def ended(case):
+            raise KeyboardInterrupt
+
+        with unittest.mock.patch.object(campaigns, "task_function", return_value=ended), self.assertRaises(KeyboardInterrupt):
+            slewlab.campaign(write_study(self.folder, runs=3), out, workers=0, progress=False)
+        self.assertEqual(sorted(path.name for path in out.iterdir()), ["journal.jsonl"])
 
     def test_a_random_campaign_is_made_longer_and_another_one_refused(self):
         slewlab.campaign(write_study(self.folder, runs=2), self.folder / "out", workers=0, progress=False)

@@ -7,11 +7,13 @@ from pathlib import Path
 import numpy as np
 import pandas as pd
 import pyarrow.parquet
+import yaml
 from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
 from mcap.reader import make_reader
 
 import export
 import made_run
+from new_map import map_text
 
 
 class ExportTest(unittest.TestCase):
@@ -37,10 +39,11 @@ class ExportTest(unittest.TestCase):
         self.assertEqual({f.stem for f in folder.iterdir()}, {"ENCODER", "OPERATOR", "SENSORS", "TORQUE", "TRUTH"})
         torque = read(folder / f"TORQUE.{suffix}")
         sent = self.sent("TORQUE")
-        np.testing.assert_array_equal(torque["time"], [m.simulated_time / 1e9 for m in sent])
-        np.testing.assert_array_equal(torque["motor_torque_2"], [m.motor_torque[1] for m in sent])
+        unit = (lambda text: f" [{text}]") if suffix == "csv" else (lambda text: "")
+        np.testing.assert_array_equal(torque["time" + unit("s")], [m.simulated_time / 1e9 for m in sent])
+        np.testing.assert_array_equal(torque["motor_torque_2" + unit("Nm")], [m.motor_torque[1] for m in sent])
         sensors = read(folder / f"SENSORS.{suffix}")
-        np.testing.assert_array_equal(sensors["tip_acceleration"], [m.tip_acceleration for m in self.sent("SENSORS")])
+        np.testing.assert_array_equal(sensors["tip_acceleration" + unit("m/s^2")], [m.tip_acceleration for m in self.sent("SENSORS")])
 
     def test_parquet_holds_every_value_to_the_bit(self):
         self.check_tables(pd.read_parquet, "parquet")
@@ -56,6 +59,31 @@ class ExportTest(unittest.TestCase):
 
     def test_csv_holds_every_value_to_the_bit(self):
         self.check_tables(lambda path: pd.read_csv(path, float_precision="round_trip"), "csv")
+
+    def test_every_column_of_csv_has_its_unit_in_its_name(self):
+        self.assertEqual(self.call(self.folder, "--format", "csv"), (0, ""))
+        names = {channel: list(pd.read_csv(self.folder / "run_csv" / f"{channel}.csv", nrows=0))
+                 for channel in ("ENCODER", "TORQUE", "SENSORS", "TRUTH")}
+        self.assertEqual(names["ENCODER"], ["time [s]", "sequence", "configuration_hash", "run_identity", "operator_sequence", "group_count",
+                                            "shaft_speed_1 [rad/s]", "shaft_speed_2 [rad/s]", "shaft_position_1 [rad]", "shaft_position_2 [rad]"])
+        for channel, name in (("TORQUE", "motor_torque_2 [Nm]"), ("SENSORS", "tip_acceleration [m/s^2]"), ("TRUTH", "supplied_work [J]")):
+            self.assertIn(name, names[channel])
+        # What is exported can be imported: its columns, units and groups are known again.
+        told = yaml.safe_load(map_text(self.folder / "run_csv" / "ENCODER.csv"))
+        self.assertEqual([(each["column"], each["unit"]) for each in told["shaft_speed"]],
+                         [("shaft_speed_1 [rad/s]", "rad/s"), ("shaft_speed_2 [rad/s]", "rad/s")])
+        self.assertEqual(told["time"], {"column": "time [s]", "unit": "s"})
+
+    def test_a_killed_runs_log_is_taken_and_the_run_told_to_be_incomplete(self):
+        (self.folder / "run.lcmlog").rename(self.folder / "run.lcmlog.partial")
+        (self.folder / "run.json").write_text('{"end": "under way"}')
+        for suffix, made in (("csv", "run_csv"), ("mcap", "run.mcap")):
+            code, said = self.call(self.folder, "--format", suffix)
+            self.assertEqual(code, 0, said)
+            self.assertEqual(said, f"{self.folder.name}: this run ended before its time: it was broken off. The export has the part that was logged.\n")
+            self.assertTrue((self.folder / made).exists())
+        self.assertEqual(self.call(self.folder / "run.lcmlog.partial", "--format", "csv")[0], 0)
+        self.assertFalse((self.folder / "run.lcmlog_csv").exists())
 
     def decoded(self, schema, message):
         """A Protobuf message by the schema that the file itself has."""
@@ -114,7 +142,7 @@ class ExportTest(unittest.TestCase):
     def test_no_log_is_an_error_and_leaves_nothing(self):
         code, error = self.call(self.folder / "other.lcmlog", "--format", "mcap")
         self.assertEqual(code, 1)
-        self.assertIn("other.lcmlog: there is no such log", error)
+        self.assertIn("other.lcmlog: there is no such folder or log", error)
         self.assertEqual([f.name for f in self.folder.iterdir()], ["run.lcmlog"])
 
 

@@ -18,7 +18,7 @@ import fmpy.fmi3
 from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 
-from run_log import messages_folder
+from run_log import REPOSITORY, messages_folder
 
 sys.path.insert(0, str(messages_folder()))
 import slewlab  # noqa: E402
@@ -159,6 +159,14 @@ class FmuTest(unittest.TestCase):
     def test_two_exports_are_the_same_bytes(self):
         again = export(self.crane, self.scratch.name, "--fmi", "2", "--seed", "0")
         self.assertEqual(again.read_bytes(), self.fmus["plant", "2"].read_bytes())
+
+    def test_the_seeds_are_those_that_the_page_says(self):
+        page = (REPOSITORY / "docs" / "fmu.md").read_text(encoding="utf-8")
+        self.assertIn("an FMU has 0 unless `--seed` says another, the scenarios of slewlab have 1", page)
+        plant = Instance(str(self.fmus["plant", "3"])).start()
+        self.assertEqual(plant.get("seed"), 0)
+        plant.close()
+        self.assertEqual({slewlab.Scenario(path).seed for path in slewlab.config("scenarios").glob("*.yaml")}, {1})
 
     def test_the_plant_gives_the_bits_of_the_demo(self):
         run = demo()

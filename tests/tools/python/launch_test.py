@@ -46,6 +46,14 @@ class LaunchTest(unittest.TestCase):
         ended = subprocess.run([sys.executable, LAUNCHER, program], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=60, check=False)
         self.assertEqual((ended.returncode, ended.stdout, ended.stderr), (130, "", "interrupted\n"))
 
+    def test_a_library_that_is_not_installed_is_told_with_what_installs_it(self):
+        program = self.folder / "other.py"
+        program.write_text("import nowhere_installed.part\n")
+        ended = subprocess.run([sys.executable, LAUNCHER, program], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=60, check=False)
+        self.assertEqual((ended.returncode, ended.stdout), (1, ""))
+        self.assertEqual(ended.stderr, f"other: the Python library nowhere_installed is not installed for {sys.executable}. A wheel has it as an extra: pip install "
+                                       "'WHEEL[commands,plc]'; else it is in tools/python/requirements.txt (docs/install.md)\n")
+
     def test_arguments_name_and_exit_code_are_the_programs_own(self):
         program = self.folder / "own.py"
         program.write_text("import sys\nprint(__name__, sys.argv)\nsys.exit(7)\n")

@@ -1,5 +1,7 @@
 """`slewlab new`: files to begin with, which `slewlab check` takes and a run or an import goes with."""
 
+import os
+import pty
 import subprocess
 import tempfile
 import unittest
@@ -8,6 +10,7 @@ from pathlib import Path
 import numpy as np
 import yaml
 
+from new_map import map_text
 from run_log import REPOSITORY, messages_folder, read_run_log
 
 PROGRAM = messages_folder().parent / "bin" / "slewlab"
@@ -24,6 +27,29 @@ Time [ms];Slew encoder [deg];Motor speed (rpm);Drive torque [Nm];Tip acc [m/s^2]
 def slewlab(*words):
     ended = subprocess.run([PROGRAM, *map(str, words)], capture_output=True, text=True, check=False)
     return ended.returncode, ended.stdout + ended.stderr
+
+
+def at_a_terminal(words, answers, folder):
+    """Exit code and what stands on the screen of `slewlab new` at a terminal, where a person answers one question after the other."""
+    person, terminal = pty.openpty()
+    running = subprocess.Popen([PROGRAM, "new", *map(str, words)], stdin=terminal, stdout=terminal, stderr=terminal, cwd=folder, start_new_session=True)
+    os.close(terminal)
+    screen, answers = b"", list(answers)
+    try:
+        while True:
+            try:
+                part = os.read(person, 4096)
+            except OSError:  # the other side is closed
+                break
+            if not part:
+                break
+            screen += part
+            if screen.endswith(b": ") and answers:
+                answer = answers.pop(0)
+                os.write(person, b"\x04" if answer is None else answer.encode() + b"\n")  # Ctrl-D
+    finally:
+        os.close(person)
+    return running.wait(60), screen.decode().replace("\r\n", "\n")
 
 
 class NewTest(unittest.TestCase):
@@ -97,6 +123,50 @@ class NewTest(unittest.TestCase):
         np.testing.assert_allclose(found.channel("ENCODER")["shaft_speed"][:, 0], np.array([1, 2, 3.1, 4]) * 2 * np.pi / 60, rtol=1e-12)
         np.testing.assert_array_equal(found.channel("SENSORS")["tip_acceleration"], [0.1, 0.1, 0.0, 0.0])
 
+    def test_every_motor_group_of_the_header_is_an_entry(self):
+        headers = {"time,shaft_speed_1,shaft_speed_2,shaft_position_1,shaft_position_2,motor_torque_1,motor_torque_2": ("rad", "rad/s", "N m"),
+                   "t_s,speed_1_rpm,speed_2_rpm,position_1_rad,position_2_rad,torque_1_Nm,torque_2_Nm": ("rad", "rpm", "Nm"),
+                   "t,M1_speed,M2_speed,M1_pos [deg],M2_pos [deg],M1_torque,M2_torque": ("deg", "rad/s", "N m"),
+                   "Zeit [s],Drehzahl1 [1/min],Drehzahl2 [1/min],Winkel1 [rad],Winkel2 [rad],Moment1 [kNm],Moment2 [kNm]": ("rad", "1/min", "kNm")}
+        for number, (header, units) in enumerate(headers.items()):
+            with self.subTest(header=header):
+                data, map_file, log = (self.folder / f"{number}{end}" for end in (".csv", ".yaml", ".lcmlog"))
+                # The second group turns the other way, by its speed against its position.
+                rows = [[0.01 * k, k, k, 0.1 * k * k, -0.1 * k * k, 5 + k, 7 + k] for k in range(6)]
+                data.write_text(header + "\n" + "".join(",".join(f"{value:.6g}" for value in row) + "\n" for row in rows))
+                self.made("map", map_file, "--data", data)
+                self.assertEqual(slewlab("check", map_file), (0, f"{map_file}: OK\n"))
+                told, names = yaml.safe_load(map_file.read_text()), header.split(",")
+                columns = {name: [each["column"] for each in told[name]] for name in ("shaft_speed", "shaft_position", "motor_torque")}
+                self.assertEqual(columns, {"shaft_speed": names[1:3], "shaft_position": names[3:5], "motor_torque": names[5:7]})
+                for name, unit in zip(("shaft_position", "shaft_speed", "motor_torque"), units, strict=True):
+                    self.assertEqual([each["unit"] for each in told[name]], [unit, unit])
+                self.assertEqual([each.get("sign") for each in told["shaft_speed"]], [None, -1])
+                guesses = map_file.read_text().count("  # guess: column, by its name")
+                self.assertEqual(guesses, 6)
+                code, said = slewlab("import", "--map", map_file, data, "--out", log)
+                self.assertEqual(code, 0, said)
+                self.assertEqual(read_run_log(log).channel("TORQUE")["motor_torque"].shape, (6, 2))
+        self.assertIn("guess: unit, the usual one", (self.folder / "0.yaml").read_text())
+
+    def test_groups_that_some_signals_have_not_are_marked(self):
+        data, map_file = self.folder / "data.csv", self.folder / "map.yaml"
+        data.write_text("t,encoder,torque_1,torque_2\n0,0,1,1\n1,1,1,1\n2,2,1,1\n")
+        self.made("map", map_file, "--data", data)
+        told = yaml.safe_load(map_file.read_text())
+        self.assertEqual([each["column"] for each in told["shaft_position"]], ["encoder", "REPLACE_shaft_position_2"])
+        self.assertEqual(told["shaft_speed"], 2 * [{"derive": "central_difference"}])
+        self.assertEqual(slewlab("check", map_file)[0], 0)
+
+    def test_an_emergency_stop_is_known_in_english_and_german(self):
+        for name in ("Not-Aus", "NotHalt", "NOTHALT", "Not_Aus [-]", "estop", "E-Stop", "emergency_stop"):
+            for first, inverted in ((0, None), (1, True)):
+                with self.subTest(name=name, first=first):
+                    data = self.folder / "data.csv"
+                    data.write_text(f"t,pos,speed,torque,{name}\n0,0,1,1,{first}\n1,1,1,1,{first}\n2,2,1,1,{1 - first}\n")
+                    stop = yaml.safe_load(map_text(data))["emergency_stop"]
+                    self.assertEqual((stop["column"], stop.get("inverted")), (name, inverted))
+
     def test_a_unit_that_is_none_is_not_taken_for_the_usual_one_in_silence(self):
         data, map_file, log = self.folder / "data.csv", self.folder / "map.yaml", self.folder / "site.lcmlog"
         data.write_text(DATA.replace("Tip acc [m/s^2]", "Tip acc [g]").replace("Drive torque [Nm]", "Drive torque [lbft]"))
@@ -132,6 +202,49 @@ class NewTest(unittest.TestCase):
         code, said = slewlab("check", map_file)
         self.assertEqual(code, 1)
         self.assertIn(f"{map_file}:3:1: key 'shaft_positoin': found a key that is not known here, expected 'shaft_position'", said)
+
+    def test_at_a_terminal_it_asks_for_what_is_missing(self):
+        (self.folder / "there.yaml").write_text("mine")
+        # Kind, a file that is there, another; groups to pinion's ratio, torque, speed, inertia: as they are but for a wrong unit and a bare number.
+        answers = ["crnae", "crane", "there.yaml", "mine.yaml", "1", "", "", "", "3 kg", "300", "", "", "52 m", "", "0.7 rad", "60 t", ""]
+        code, screen = at_a_terminal([], answers, self.folder)
+        self.assertEqual(code, 0, screen)
+        for said in ("found 'crnae', expected 'crane'", "there.yaml: found a file that is there", "boom length [46.6 m]: ", "load mass [30 t]: ",
+                     "rated torque of a motor [250 N m]: 3 kg\n  ", "mine.yaml: written"):
+            self.assertIn(said, screen)
+        self.assertIn("the unit 'kg'", screen)
+        path = self.folder / "mine.yaml"
+        self.assertEqual(slewlab("check", path), (0, f"{path}: OK\n"))
+        made, template = yaml.safe_load(path.read_text()), yaml.safe_load((REPOSITORY / "config" / "templates" / "crane.yaml").read_text())
+        source = "answered to slewlab new: replace by where the number is from"
+        for (section, key), (value, unit) in {("drive", "groups"): (1, "-"), ("drive", "rated_torque"): (300, "N m"), ("boom", "length"): (52, "m"),
+                                              ("boom", "angle"): (0.7, "rad"), ("load", "mass"): (60, "t")}.items():
+            self.assertEqual(made[section].pop(key), {"value": value, "unit": unit, "source": source})
+            del template[section][key]
+        self.assertEqual(made, template)  # and nothing else
+        self.assertEqual((self.folder / "there.yaml").read_text(), "mine")
+
+    def test_at_a_terminal_what_was_told_is_not_asked(self):
+        code, screen = at_a_terminal(["scenario", "--crane", REPOSITORY / "config" / "cranes" / "thesis.yaml"], ["s.yaml", ""], self.folder)
+        self.assertEqual(code, 0, screen)
+        self.assertIn("thesis.yaml\n", (self.folder / "s.yaml").read_text())
+        (self.folder / "data.csv").write_text(DATA)
+        code, screen = at_a_terminal(["map", "m.yaml"], ["nothing.csv", "data.csv"], self.folder)
+        self.assertEqual(code, 0, screen)
+        self.assertIn("nothing.csv: found no file of that name", screen)
+        self.assertEqual(slewlab("check", self.folder / "m.yaml")[0], 0)
+        code, screen = at_a_terminal(["axis", "a.yaml"], [], self.folder)  # nothing is missing
+        self.assertEqual((code, screen), (0, "a.yaml: written; fill it in, then: slewlab check a.yaml\n"))
+        code, screen = at_a_terminal(["axis"], ["b.yaml", None], self.folder)
+        self.assertEqual(code, 2)
+        self.assertIn("nothing was written", screen)
+        self.assertFalse((self.folder / "b.yaml").exists())
+
+    def test_on_a_pipe_nothing_is_asked(self):
+        for words, said in (((), "KIND is required"), (("crane",), "FILE is required")):
+            ended = subprocess.run([PROGRAM, "new", *words], stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False, timeout=60)
+            self.assertEqual(ended.returncode, 2)
+            self.assertIn(said, ended.stderr)
 
     def test_nothing_is_overwritten_and_nothing_is_ignored(self):
         crane = self.folder / "crane.yaml"

@@ -1,6 +1,7 @@
 """The package slewlab against the command line, against itself and against closed forms."""
 
 import os
+import shutil
 import subprocess
 import sys
 import tempfile
@@ -9,7 +10,9 @@ from pathlib import Path
 
 import numpy as np
 
+import report
 from run_log import REPOSITORY, messages_folder, read_run_log
+from run_numbers import read_run
 
 sys.path.insert(0, str(messages_folder()))
 import slewlab  # noqa: E402
@@ -267,6 +270,25 @@ class SweepTest(unittest.TestCase):
         self.assertTrue(short.equals(long[:2]))
         self.assertEqual(len(set(long["crane.load.mass"])), 4)
 
+    def test_one_value_is_one_run_and_one_number_one_column(self):
+        scenario = slewlab.Scenario(SLEW, {"duration": 2})
+
+        def end_angle(run):
+            return run["SENSORS"].slew_angle.iloc[-1]
+
+        table = slewlab.sweep(scenario, {"crane.load.mass": "10 t", "controller.ramp.curved_share": 0.1}, measure=end_angle, progress=False)
+        self.assertEqual(table[["crane.load.mass", "controller.ramp.curved_share"]].values.tolist(), [["10 t", 0.1]])
+        alone = scenario.changed({"crane.load.mass": "10 t", "controller.ramp.curved_share": 0.1}).run()
+        self.assertEqual(table["end_angle"][0], end_angle(alone))
+        self.assertIn("measured", slewlab.sweep(scenario, {"seed": 3}, measure=lambda run: 1, progress=False))
+        for wrong, error, words in ((lambda: slewlab.sweep(scenario, {"seed": 3}, measure=lambda run: "fast", progress=False), TypeError, "measure: found 'fast'"),
+                                    (lambda: slewlab.sweep(scenario, {"seed": []}, progress=False), ValueError, "seed: found no value"),
+                                    (lambda: slewlab.monte_carlo(scenario, {"seed": 3}, 2, seed=1, progress=False), TypeError,
+                                     "seed: found 3, expected a function of a random generator")):
+            with self.subTest(words=words), self.assertRaises(error) as raised:
+                wrong()
+            self.assertIn(words, str(raised.exception))
+
     def test_peaks_are_those_of_the_report(self):
         # The demo's table in README.md, whose numbers run_numbers.py takes from the log of `slewlab run`.
         found = slewlab.measures(slewlab.Scenario(SLEW).run())
@@ -287,6 +309,42 @@ class FigureTest(unittest.TestCase):
         self.assertEqual((max(drawn.y), min(drawn.y)), (acceleration.max(), acceleration.min()))
 
 
+    def test_the_reports_figures_are_those_of_its_page(self):
+        with tempfile.TemporaryDirectory() as folder:
+            folder = Path(folder)
+            run_by_command(SLEW, {"duration": 33}, folder / "a")
+            run_by_command(SLEW, {"duration": 33, "crane.load.mass": "20 t"}, folder / "b")
+            logs = [slewlab.open_log(folder / name) for name in "ab"]
+            pages = [report.views([read_run(folder / name) for name in names]) for names in ("a", "ab")]
+            for drawn, page in zip((slewlab.report_figures(logs[0]), slewlab.report_figures(*logs)), pages, strict=True):
+                self.assertEqual(list(drawn), list(page))
+                for name, figure in drawn.items():
+                    self.assertEqual(figure.to_json(), page[name][0].to_json())
+            self.assertEqual(list(pages[1]), ["side by side", "over each other", "difference, A minus B"])
+            # A run in this process has the same messages, and its machine's modes.
+            own = slewlab.report_figures(slewlab.Scenario(SLEW, {"duration": 33}).run(), panels=["spectrum", "tip"])["picture"]
+        titles = [axis.title.text for axis in own.select_yaxes()]
+        self.assertEqual(titles, ["tip acceleration<br>[m/s²]", "spectrum before the stop<br>[m/s²]", "spectrum after the stop<br>[m/s²]"])
+        whole = pages[0]["picture"][0]
+        for name in ("tip", "house"):
+            mine, theirs = ([trace.y for trace in figure.data if trace.name == name] for figure in (own, whole))
+            np.testing.assert_array_equal(mine[-1], theirs[-1])
+        modes = [{each.text for each in figure.layout.annotations if each.name == "mode"} for figure in (own, whole)]
+        self.assertEqual(*modes)
+        self.assertTrue(modes[0])
+
+    def test_nothing_to_draw_is_said(self):
+        run = slewlab.Scenario(SLEW, {"duration": 1}).run(channels=["PLANT_STATUS"])
+        for draw in (slewlab.overview, slewlab.report_figures):
+            for given, error, words in (((), TypeError, "found no run, expected at least one"), ((run,), ValueError, "found nothing to draw"),
+                                        (("run.lcmlog",), TypeError, "found 'run.lcmlog', expected a run or a log; open_log()")):
+                with self.subTest(draw=draw, words=words), self.assertRaises(error) as raised:
+                    draw(*given)
+                self.assertIn(words, str(raised.exception))
+        with self.assertRaisesRegex(ValueError, "no panel 'spectra' here"):
+            slewlab.report_figures(slewlab.Scenario(SLEW, {"duration": 1}).run(), panels=["spectra"])
+
+
 class DiagnosisTest(unittest.TestCase):
     def test_the_friction_that_was_put_in_comes_out_as_an_object(self):
         # 40 N m of dry friction, which the nominal axis has not; play and a gearbox that gives are left to the laws' sizes: 5 %.
@@ -300,6 +358,7 @@ class DiagnosisTest(unittest.TestCase):
                 slewlab.Scenario(slewlab.config("scenarios/example_axis.yaml"), changes).run(log=log)
             # A log may be named by the folder of its run.
             found = slewlab.diagnose(slewlab.config("axes/example_axis.yaml"), [logs[0].parent, logs[1]])
+            self.one_log_and_a_machine(logs, Path(folder) / "found")
         self.assertTrue(found.gap)
         self.assertIsNone(found.folder)
         self.assertIn("dry", found.causes[0].effects)
@@ -308,16 +367,72 @@ class DiagnosisTest(unittest.TestCase):
         self.assertAlmostEqual(size.value, 40.0, delta=2.0)
         self.assertLess(size.low, size.value)
         with self.assertRaisesRegex(slewlab.ProgramFailed, "nothing_there.lcmlog"):
-            slewlab.diagnose(slewlab.config("axes/example_axis.yaml"), ["nothing_there.lcmlog"])
+            slewlab.diagnose(slewlab.config("axes/example_axis.yaml"), "nothing_there.lcmlog")
+
+    def one_log_and_a_machine(self, logs, out):
+        # An inertia of its own: the file with the effect stands upon it, beside the findings.
+        machine = slewlab.Machine(slewlab.config("axes/example_axis.yaml"))
+        inertia = machine.values.loc["inertia"]
+        changed = machine.changed({"inertia": f"{1.01 * float(inertia['value'])} {inertia['unit']}"})
+        slewlab.diagnose(changed, slewlab.open_log(logs[1]), out=out)
+        self.assertEqual(slewlab.Machine(out / "machine.yaml").values.loc["inertia"]["value"], changed.values.loc["inertia"]["value"])
+        self.assertIn("include: machine.yaml\n", (out / "axis_with_effect.yaml").read_text())
+        one = slewlab.diagnose(machine, str(logs[1]))
+        self.assertEqual(one.raw, slewlab.diagnose(machine.path, [logs[1]]).raw)
+
+    def test_records_that_cannot_tell_are_an_exception_with_the_reasons(self):
+        with tempfile.TemporaryDirectory() as folder:
+            log = Path(folder) / "run.lcmlog"
+            slewlab.Scenario(SLEW, SHORT).run(log=log)
+            machine = slewlab.Machine(slewlab.config("cranes/thesis.yaml"), {"drive.groups": 1})
+            with self.assertRaises(slewlab.CannotTell) as raised:
+                slewlab.diagnose(machine, log, out=Path(folder) / "found")
+            self.assertEqual(raised.exception.code, 3)
+            self.assertEqual(len(raised.exception.reasons), 1)
+            self.assertIn("the log has 2 motor groups, the nominal crane 1", raised.exception.reasons[0])
+            self.assertFalse((Path(folder) / "found").exists())
+
+    def test_what_is_no_file_is_refused_by_its_type(self):
+        machine, scenario = slewlab.Machine(slewlab.config("cranes/thesis.yaml")), slewlab.Scenario(SLEW, SHORT)
+        for wrong, words in ((lambda: slewlab.diagnose(scenario, "a.lcmlog"), "expected the path of a crane's or an axis's file, or a Machine"),
+                             (lambda: slewlab.diagnose(machine, scenario.run()), "run(log=PATH) writes one"),
+                             (lambda: slewlab.diagnose(machine, "a.lcmlog", controller=machine), "expected the path of a controller's file"),
+                             (lambda: slewlab.Machine(machine), "expected the path of a crane's or an axis's file"),
+                             (lambda: slewlab.Scenario(scenario), "expected the path of a scenario's file"),
+                             (lambda: slewlab.check(machine), "expected the path of a file of slewlab")):
+            with self.subTest(words=words), self.assertRaises(TypeError) as raised:
+                wrong()
+            self.assertIn(words, str(raised.exception))
+
+    def test_a_machine_with_changes_becomes_a_file(self):
+        with tempfile.TemporaryDirectory() as folder:
+            machine = slewlab.Machine(slewlab.config("cranes/thesis.yaml"), {"load.mass": "60 t", "boom.angle": "40 deg", "drive.groups": 1})
+            again = slewlab.Machine(machine.write(Path(folder) / "machine.yaml"))
+            self.assertEqual([mode.frequency for mode in again.modes()], [mode.frequency for mode in machine.modes()])
+            self.assertEqual(again.group_count, 1)
+
+
+# What an installed package is asked for, in a process that sees no other slewlab: it prints its version and where its scenario lies.
+RUN_AND_DIAGNOSE = """
+import pathlib, slewlab
+print(slewlab.__version__, slewlab.config("scenarios/example_axis.yaml"))
+scenario = slewlab.Scenario(slewlab.config("scenarios/example_axis.yaml"), {"duration": 30})
+scenario.run_over_lcm("run")
+found = slewlab.diagnose(slewlab.config("axes/example_axis.yaml"), ["run"], out="found")
+assert found.answer and pathlib.Path("found/diagnosis.html").is_file(), found
+"""
 
 
 class InstallTest(unittest.TestCase):
-    def test_what_a_wheel_is_made_of_stands_alone(self):
+    def install(self, component, prefix):
+        subprocess.run(["cmake", "--install", messages_folder().parent, "--component", component, "--prefix", prefix],
+                       check=True, capture_output=True, timeout=100)
+
+    def test_the_package_stands_alone(self):
         with tempfile.TemporaryDirectory() as folder:
-            subprocess.run(["cmake", "--install", messages_folder().parent, "--component", "python", "--prefix", folder],
-                           check=True, capture_output=True, timeout=100)
+            self.install("python", folder)
             place = Path(folder) / "lib" / "python3" / "dist-packages"
-            for name in ("py.typed", "_core.pyi", "_log.pyi", "config/cranes/thesis.yaml"):
+            for name in ("py.typed", "_core.pyi", "_log.pyi", "share/slewlab/config/cranes/thesis.yaml"):
                 self.assertTrue((place / "slewlab" / name).is_file(), name)
             for name in ("_core", "_log"):
                 extension = next((place / "slewlab").glob(f"{name}*.so")).read_bytes()
@@ -327,14 +442,42 @@ class InstallTest(unittest.TestCase):
             ended = subprocess.run([sys.executable, "-c", code], env=os.environ | {"PYTHONPATH": str(place)}, cwd=folder,
                                    capture_output=True, text=True, check=False, timeout=100)
             self.assertEqual(ended.returncode, 0, ended.stderr)
-            self.assertEqual(ended.stdout.split(), [slewlab.__version__, str(place / "slewlab" / "config" / "cranes" / "thesis.yaml")])
+            self.assertEqual(ended.stdout.split(),
+                             [slewlab.__version__, str(place / "slewlab" / "share" / "slewlab" / "config" / "cranes" / "thesis.yaml")])
+
+    def test_a_wheel_runs_over_lcm_diagnoses_and_is_the_command(self):
+        # A wheel is the package with the component `programs` in its own folder (pyproject.toml), and no other slewlab in PATH.
+        with tempfile.TemporaryDirectory() as folder:
+            self.install("python", folder)
+            place = Path(folder) / "lib" / "python3" / "dist-packages"
+            self.install("programs", place / "slewlab")
+            shutil.rmtree(place / "slewlab" / "share" / "slewlab" / "python" / "slewlab")  # which a wheel leaves out
+            alone = {"PATH": "/usr/bin:/bin", "PYTHONPATH": str(place), "HOME": folder}
+            ended = subprocess.run([sys.executable, "-c", RUN_AND_DIAGNOSE], env=alone, cwd=folder, capture_output=True, text=True, check=False, timeout=100)
+            self.assertEqual(ended.returncode, 0, ended.stderr)
+            self.assertEqual(ended.stdout.split()[:2],
+                             [slewlab.__version__, str(place / "slewlab" / "share" / "slewlab" / "config" / "scenarios" / "example_axis.yaml")])
+            command = [sys.executable, "-c", "from slewlab.program import main; main()"]
+            for words in (["--version"], ["report", "run"], ["export", "run", "--format", "csv"]):
+                ended = subprocess.run([*command, *words], env=alone, cwd=folder, capture_output=True, text=True, check=False, timeout=100)
+                self.assertEqual(ended.returncode, 0, ended.stdout + ended.stderr)
+            self.assertTrue((Path(folder) / "run" / "run_csv" / "ENCODER.csv").is_file())
+
+    def test_without_the_program_the_error_says_what_to_install(self):
+        with tempfile.TemporaryDirectory() as folder:
+            self.install("python", folder)
+            place = Path(folder) / "lib" / "python3" / "dist-packages"
+            code = "import slewlab; slewlab.diagnose(slewlab.config('cranes/thesis.yaml'), ['a.lcmlog'])"
+            ended = subprocess.run([sys.executable, "-c", code], env={"PATH": folder, "PYTHONPATH": str(place)}, cwd=folder,
+                                   capture_output=True, text=True, check=False, timeout=100)
+            self.assertIn("install the wheel or the Debian package (docs/install.md), or name it in SLEWLAB_PROGRAM", ended.stderr)
 
 
 class PageTest(unittest.TestCase):
     def test_every_block_of_the_page_runs(self):
         page = (REPOSITORY / "docs" / "python.md").read_text(encoding="utf-8")
         blocks = [block.split("```")[0] for block in page.split("```python\n")[1:]]
-        self.assertEqual(len(blocks), 7)
+        self.assertEqual(len(blocks), 8)
         here = os.getcwd()
         with tempfile.TemporaryDirectory() as folder:
             os.chdir(folder)

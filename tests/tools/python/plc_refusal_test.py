@@ -6,7 +6,7 @@ import tempfile
 import unittest
 from pathlib import Path
 
-from soft_plc_process import MAPS, PATIENCE, SLEWLAB, soft_plc
+from soft_plc_process import CONTROLLER, MAPS, PATIENCE, SLEWLAB, soft_plc
 
 
 class RefusalTest(unittest.TestCase):
@@ -33,6 +33,14 @@ class RefusalTest(unittest.TestCase):
         self.assertEqual(checked.returncode, 1)
         self.assertIn(explained, checked.stderr)
         self.assertIn("opcua.yaml: OK", checked.stdout)
+
+    def test_a_controller_of_other_groups_than_the_maps_is_refused_at_the_start(self):
+        one, plc_map = self.folder / "one.yaml", MAPS / "modbus.yaml"
+        one.write_text(f"include: {CONTROLLER}\ngroups: {{value: 1, unit: '-', source: test}}\n", encoding="utf-8")
+        ended = subprocess.run([SLEWLAB, "soft-plc", "--map", plc_map, "--controller", one], stdin=subprocess.DEVNULL, capture_output=True, text=True,
+                               timeout=PATIENCE, check=False)
+        self.assertEqual((ended.returncode, ended.stderr),
+                         (2, f"{one}: found a controller of 1 motor group(s), expected one of 2, as {plc_map} has\n"))
 
     def check_plc_refuses(self, protocol, *changes):
         """The PLC has the map's variables, the bridge asks for others."""

@@ -96,7 +96,10 @@ class Bus:
         self.name, self.facts, self.remarks = address, {}, []
         self.store, self.events = Store(), []
         self.incoming = Incoming(receive or functools.partial(fill, self.store), self.store.clear)
-        self.bus = lcm.LCM(address)
+        try:
+            self.bus = lcm.LCM(address)
+        except RuntimeError as error:
+            raise LogProblem(f"{address}: no bus can be opened there: {error}; is there a route for multicast?") from None
         self.subscription = self.bus.subscribe("|".join(USED), lambda channel, data: self.events.append((channel, data)))
         self.subscription.set_queue_capacity(0)  # unlimited: by default the newest are dropped
         if facts_folder is not None:
@@ -183,6 +186,24 @@ class Incoming:
             if len(rows):
                 self.receive(channel, rows)
         return bool(waiting)
+
+
+def growing_log(place):
+    """PATH of the log that is written there, PATH or PATH.partial: a log, or the folder of a run. LogProblem where there is neither, and nobody
+    would ever be shown anything."""
+    place = Path(place)
+    path = place / "run.lcmlog" if place.is_dir() else place.with_name(place.name.removesuffix(".partial"))
+    found = next((each for each in (path, path.with_name(path.name + ".partial")) if each.is_file()), None)
+    if found is None:
+        if place.is_dir() and (place / "run.json").is_file():  # a run that has only begun
+            return path
+        what = "a folder without run.lcmlog" if place.is_dir() else "no log and no folder of that name"
+        raise LogProblem(f"{place}: found {what}, expected a log that is being written, or the folder of a run that has begun; a bus goes with --bus")
+    with found.open("rb") as stream:
+        beginning = stream.read(LARGEST_MESSAGE)
+    if len(beginning) >= EVENT.size and SYNC.to_bytes(4, "big") not in beginning:
+        raise LogProblem(f"{found}: found a file that is no log of LCM, expected a log that is being written, or the folder of a run")
+    return path
 
 
 class Growing:

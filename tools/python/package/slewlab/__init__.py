@@ -10,16 +10,18 @@ SI units throughout. A table carries its units in `table.attrs["units"]`, {colum
 
 from ._core import Answer, Encoder, InputError, Mode, Operator, __version__
 from ._log import LogError
-from .campaigns import CampaignMismatch, campaign, read_table
+from .campaigns import CampaignMismatch, JournalDamaged, campaign, read_table
 from .control import Margins, StateSpace, margins
-from .figures import overview
+from .figures import overview, report_figures
 from .files import check, config, values
-from .findings import Cause, Diagnosis, diagnose
+from .findings import CannotTell, Cause, Diagnosis, diagnose
 from .machine import Machine
-from .scenario import Controller, ProgramFailed, Run, Scenario
+from .program import ProgramFailed
+from .scenario import Controller, Run, Scenario
 from .sweep import measures, monte_carlo, sweep
 from .tables import Log, factor, open_log
 
-__all__ = ["Answer", "CampaignMismatch", "Cause", "Controller", "Diagnosis", "Encoder", "InputError", "Log", "LogError", "Machine", "Margins",
-           "Mode", "Operator", "ProgramFailed", "Run", "Scenario", "StateSpace", "__version__", "campaign", "check", "config", "diagnose",
-           "factor", "margins", "measures", "monte_carlo", "open_log", "overview", "read_table", "sweep", "values"]
+__all__ = ["Answer", "CampaignMismatch", "CannotTell", "Cause", "Controller", "Diagnosis", "Encoder", "InputError", "JournalDamaged",
+           "Log", "LogError", "Machine", "Margins", "Mode", "Operator", "ProgramFailed", "Run", "Scenario", "StateSpace", "__version__",
+           "campaign", "check", "config", "diagnose", "factor", "margins", "measures", "monte_carlo", "open_log", "overview",
+           "read_table", "report_figures", "sweep", "values"]

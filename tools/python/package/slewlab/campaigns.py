@@ -18,7 +18,8 @@ from typing import TYPE_CHECKING, Any
 
 from . import _core, drawn_tasks
 from .engine import WorkerDied, run_in_processes, run_on_cluster
-from .scenario import ProgramFailed, Scenario
+from .program import ProgramFailed
+from .scenario import Scenario
 from .study import Case, Study, load_study
 from .sweep import UNITS, ProgressBar, measures
 from .tables import Channels, open_log
@@ -27,13 +28,18 @@ if TYPE_CHECKING:  # imported where a table is made: a campaign's workers make n
     import pandas as pd
 
 MEASURED = ("TORQUE", "SENSORS", "TRUTH")  # what `measures` looks at
-JOURNAL, TABLE = "journal.jsonl", "campaign.parquet"
+JOURNAL, TABLE, PAGE = "journal.jsonl", "campaign.parquet", "campaign.html"
 OUTCOMES = ("accepted", "not accepted", "no verdict", "complete", "refused", "failed")
+ROW = {"run", "scenario", "changes", "outcome", "broken", "reason", "units"}  # what a line of every run has
 SYNC = 1.0  # [s] of wall clock after which the journal is on the disk whatever happens to the machine
 
 
 class CampaignMismatch(ValueError):
     """The folder holds another campaign."""
+
+
+class JournalDamaged(ValueError):
+    """A whole line of the journal is none that a campaign writes. The file is as it was found."""
 
 
 def run_command(case: Case, study: Study, controller: str | None) -> str:
@@ -162,17 +168,28 @@ class Journal:
         self.file.seek(0)
         whole, cut, _ = self.file.read().rpartition(b"\n")
         lines = whole.split(b"\n") if cut else []
+        entries = [self._entry(number, line) for number, line in enumerate(lines, 1)]
         self.file.truncate(len(whole) + len(cut))  # a line that a kill cut off is computed again
         if not lines:
             self._write({"campaign": head})
         else:
-            self._compare(json.loads(lines[0]).get("campaign"), head)
-        for line in lines[1:]:
-            row = json.loads(line)
+            self._compare(entries[0].get("campaign"), head)
+        for row in entries[1:]:
             run = row["run"]
             if run >= len(cases) or [row["scenario"], row["changes"]] != [cases[run].scenario, dict(cases[run].changes)]:
                 raise CampaignMismatch(f"{self.path}: holds another campaign: its run {run} is not this study's; name another folder with --out")
             self.rows[run] = row
+
+    def _entry(self, number: int, line: bytes) -> dict[str, Any]:
+        what, remedy = (("the campaign's head", "name another folder with --out, or put the line back: it says which campaign the others are of") if number == 1
+                        else ("a run", "delete that line: its run is made again, and the other lines' are kept"))
+        try:
+            entry = json.loads(line)
+        except ValueError as error:  # of bytes that are no UTF-8, too
+            raise JournalDamaged(f"{self.path}:{number}: damaged ({error}), expected {what}; {remedy}") from None
+        if not isinstance(entry, dict) or not ROW <= entry.keys() and number > 1:
+            raise JournalDamaged(f"{self.path}:{number}: found {line[:40].decode(errors='replace')}, expected {what}; {remedy}")
+        return entry
 
     def _compare(self, found: Any, head: Mapping[str, Any]) -> None:
         head = json.loads(json.dumps(head))
@@ -268,7 +285,7 @@ def campaign(study: str | Path | Study, out: str | Path, *, controller: str | No
     `controller`: shell command of a program in place of the scenarios' controller; every run is one of two processes over LCM
     then; a soak and withheld cases have none. `workers`: processes of this machine, as many as there are processors; 0: in this one. `client`: a distributed.Client in their place. The
     table's bytes depend on neither. Ended early, by whatever, the same call goes on where it was. CampaignMismatch where the
-    folder holds another campaign; InputError where a file is wrong.
+    folder holds another campaign, JournalDamaged where its journal is damaged; InputError where a file is wrong.
     """
     study = study if isinstance(study, Study) else load_study(study)
     out = Path(out)
@@ -277,7 +294,8 @@ def campaign(study: str | Path | Study, out: str | Path, *, controller: str | No
     cases = study.cases()
     journal = Journal(out / JOURNAL, identity(study, controller), cases)
     try:
-        (out / TABLE).unlink(missing_ok=True)  # of an earlier time: what is there is whole
+        for stale in (PAGE, TABLE):  # of an earlier time: what is there is whole
+            (out / stale).unlink(missing_ok=True)
         bar = ProgressBar(len(cases), progress)
         open_cases = [case for case in cases if case.run not in journal.rows]
         bar.show(len(journal.rows))

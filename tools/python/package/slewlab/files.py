@@ -16,10 +16,10 @@ Changes = Mapping[str, Any]
 
 
 def home() -> Path:
-    """The folder that holds config/: of a wheel the package itself, of a build the source tree, of an installation
+    """The folder that holds config/: of a wheel share/slewlab in the package itself, of a build the source tree, of an installation
     PREFIX/share/slewlab; $SLEWLAB_HOME before all of them."""
     package = Path(__file__).resolve().parent
-    places = [package]
+    places = [package / "share" / "slewlab"]
     pointer = package.parents[1] / "slewlab_home"  # CMake leaves it in the build's folder
     if pointer.is_file():
         places.append((package.parents[1] / pointer.read_text().strip()).resolve())
@@ -30,6 +30,13 @@ def home() -> Path:
         if (place / "config").is_dir():
             return place
     raise FileNotFoundError(f"no folder config in {', '.join(map(str, places))}; name its folder in SLEWLAB_HOME")
+
+
+def path_of(given: str | os.PathLike[str], what: str) -> Path:
+    """Where a file is asked for: no Machine, no Scenario, whose changes would be lost."""
+    if not isinstance(given, (str, os.PathLike)):
+        raise TypeError(f"found {given!r}, expected the path of {what}")
+    return Path(given)
 
 
 def config(name: str = "") -> Path:
@@ -58,7 +65,7 @@ def pairs(changes: Changes | None) -> list[tuple[str, str]]:
 
 def check(path: str | Path, changes: Changes | None = None) -> list[str]:
     """What `slewlab check` warns of, one line each. Raises InputError, one line per problem, where a run would refuse it."""
-    problems, warnings = _core.check(path, pairs(changes))
+    problems, warnings = _core.check(path_of(path, "a file of slewlab"), pairs(changes))
     if problems:
         raise _core.InputError("\n".join(problems))
     return warnings
@@ -69,5 +76,5 @@ def values(path: str | Path, changes: Changes | None = None) -> pd.DataFrame:
     file and line."""
     import pandas as pd
 
-    rows = _core.file_values(path, pairs(changes))
+    rows = _core.file_values(path_of(path, "a file of slewlab"), pairs(changes))
     return pd.DataFrame(rows, columns=["key", "value", "unit", "source", "file", "line"]).set_index("key")

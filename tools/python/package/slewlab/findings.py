@@ -1,13 +1,20 @@
 """`slewlab diagnose` with its answer as objects."""
 
+import contextlib
 import json
+import os
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from .scenario import call, program
+from .files import path_of
+from .machine import Machine
+from .program import ProgramFailed, call, program
+from .tables import Channels, Log
+
+CANNOT_TELL, REFUSAL = 3, "cannot tell, because "  # exit code of `slewlab diagnose`, and what it says
 
 
 @dataclass(frozen=True)
@@ -68,17 +75,66 @@ def read_diagnosis(folder: str | Path) -> Diagnosis:
                      tuple(raw["remarks"]), folder, raw)
 
 
-def diagnose(machine: str | Path, logs: Sequence[str | Path], *, controller: str | Path | None = None, out: str | Path | None = None,
-             threads: int | None = None) -> Diagnosis:
-    """Diagnoses measured logs of a crane or an axis against its file, as `slewlab diagnose` does. Without `out` the files go with the
-    temporary folder they were made in. ProgramFailed, with what was said, where the records are refused."""
+class CannotTell(ProgramFailed):
+    """The records cannot tell: nothing is wrong with the call, and no answer is given. `reasons` say why, and what would be right."""
+
+    def __init__(self, text: str, reasons: tuple[str, ...] = ()) -> None:
+        super().__init__(text, CANNOT_TELL)
+        self.reasons = reasons
+
+
+def _paths(logs: Any) -> list[Path]:
+    """One log or several, each a path or what open_log() gave."""
+    given = [logs] if isinstance(logs, (str, os.PathLike, Channels)) else list(logs)
+    for log in given:
+        if not isinstance(log, (str, os.PathLike, Log)):
+            raise TypeError(f"found {log!r} for a log, expected a path or what open_log() gave; of a run in this process, run(log=PATH) writes one")
+    if not given:
+        raise ValueError("found no log, expected at least one")
+    return [log.path if isinstance(log, Log) else Path(log) for log in given]
+
+
+@contextlib.contextmanager
+def _file_of(machine: Any, folder: Path) -> Iterator[Path]:
+    """Of a Machine with changes a file among the findings, where the file with the effect finds it."""
+    if not isinstance(machine, Machine):
+        yield path_of(machine, "a crane's or an axis's file, or a Machine")
+        return
+    if not machine.changes:
+        yield machine.path
+        return
+    is_new = not folder.exists()
+    folder.mkdir(parents=True, exist_ok=True)
+    written = machine.write(folder / "machine.yaml")
+    try:
+        yield written
+    except BaseException:
+        written.unlink()
+        if is_new:
+            folder.rmdir()
+        raise
+
+
+def diagnose(machine: Machine | str | Path, logs: Log | str | Path | Iterable[Log | str | Path], *, controller: str | Path | None = None,
+             out: str | Path | None = None, threads: int | None = None) -> Diagnosis:
+    """Diagnoses a measured log, or several, of a crane or an axis against its file or a Machine, as `slewlab diagnose` does. Without `out`
+    the files go with the temporary folder they were made in. CannotTell, with the reasons, where the records are refused; ProgramFailed, with
+    what was said, where a file is wrong."""
+    paths = _paths(logs)
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(out) if out is not None else Path(temporary) / "findings"
-        words = [program(), "diagnose", "--crane", str(machine), "--out", str(folder)]
-        words += ["--threads", str(threads)] if threads is not None else []
-        words += ["--controller", str(controller)] if controller is not None else []
-        for log in logs:
-            words += ["--log", str(log)]
-        call(words)
+        with _file_of(machine, folder) as file:
+            words = [program(), "diagnose", "--crane", str(file), "--out", str(folder)]
+            words += ["--threads", str(threads)] if threads is not None else []
+            words += ["--controller", str(path_of(controller, "a controller's file"))] if controller is not None else []
+            for log in paths:
+                words += ["--log", str(log)]
+            try:
+                call(words)
+            except ProgramFailed as failed:
+                if failed.code != CANNOT_TELL:
+                    raise
+                said = str(failed).partition(REFUSAL)[2].splitlines()
+                raise CannotTell(str(failed), tuple(filter(None, map(str.strip, said)))) from None
         found = read_diagnosis(folder)
         return found if out is not None else Diagnosis(**{**vars(found), "folder": None})

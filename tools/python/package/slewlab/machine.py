@@ -1,11 +1,12 @@
 from __future__ import annotations
 
+import json
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from . import _core
 from .control import StateSpace
-from .files import Changes, check, pairs, values
+from .files import Changes, check, pairs, path_of, text_of, values
 
 if TYPE_CHECKING:  # imported where a table is made: a campaign's workers make none, and it takes longer than all else
     import pandas as pd
@@ -16,7 +17,7 @@ class Machine:
     in SI, and only where the file's own unit is."""
 
     def __init__(self, path: str | Path, changes: Changes | None = None) -> None:
-        self.path, self.changes = Path(path), dict(changes or {})
+        self.path, self.changes = path_of(path, "a crane's or an axis's file"), dict(changes or {})
         self._core = _core.Machine(self.path, pairs(changes))
 
     def changed(self, changes: Changes) -> "Machine":
@@ -31,6 +32,38 @@ class Machine:
     def values(self) -> pd.DataFrame:
         """Every value of its file with unit and source."""
         return values(self.path, self.changes)
+
+    def write(self, path: str | Path) -> Path:
+        """Writes a file of this machine: its own one included, its changes over it. ValueError where they cannot be said so."""
+        path = Path(path)
+        table, tree = self.values, {}
+        for key, value in self.changes.items():
+            *above, last = key.split(".")
+            place = tree
+            for name in above:
+                place = place.setdefault(name, {})
+            if key in table.index:
+                row = table.loc[key]
+                unit = f", unit: {json.dumps(row['unit'])}" if row["unit"] else ""
+                place[last] = f"{{value: {row['value']}{unit}, source: changed in Python}}"
+            else:
+                place[last] = text_of(value)
+
+        def lines(tree: dict, depth: int) -> list[str]:
+            found = []
+            for name, below in tree.items():
+                found += [f"{'  ' * depth}{name}: {below}"] if isinstance(below, str) else [f"{'  ' * depth}{name}:", *lines(below, depth + 1)]
+            return found
+
+        path.write_text("\n".join([f"include: {json.dumps(str(self.path.absolute()))}", *lines(tree, 0)]) + "\n", encoding="utf-8")
+        try:
+            same = values(path)[["value", "unit"]].to_dict("index") == table[["value", "unit"]].to_dict("index")
+        except _core.InputError:
+            same = False
+        if not same:
+            path.unlink()
+            raise ValueError(f"{self!r}: its changes cannot be written over its file, expected changes of single values; write a file by hand")
+        return path
 
     @property
     def kind(self) -> str:

@@ -1,8 +1,5 @@
 from __future__ import annotations
 
-import os
-import shutil
-import subprocess
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -11,8 +8,9 @@ import numpy as np
 
 from . import _core
 from .control import StateSpace, bode_table
-from .files import Changes, check, pairs
+from .files import Changes, check, pairs, path_of
 from .machine import Machine
+from .program import call, program
 from .tables import Channels, Log, open_log
 
 if TYPE_CHECKING:  # imported where a table is made: a campaign's workers make none, and it takes longer than all else
@@ -22,10 +20,6 @@ CHANNELS = ("ENCODER", "TORQUE", "OPERATOR", "SENSORS", "TRUTH", "CONTROLLER_STA
 
 # Asked once a controller period. Answers with the motor torque [Nm] of each group, or an Answer.
 Controller = Callable[[_core.Encoder, _core.Operator], Sequence[float] | _core.Answer]
-
-
-class ProgramFailed(RuntimeError):
-    """A program of slewlab ended with another code than 0; the text is what it said."""
 
 
 class Run(Channels):
@@ -53,7 +47,7 @@ class Scenario:
     {"duration": 20, "crane.load.mass": "60 t", "controller.ramp.curved_share": 0.2}."""
 
     def __init__(self, path: str | Path, changes: Changes | None = None) -> None:
-        self.path, self.changes = Path(path), dict(changes or {})
+        self.path, self.changes = path_of(path, "a scenario's file"), dict(changes or {})
         self._core = _core.Scenario(self.path, pairs(changes))
 
     def changed(self, changes: Changes) -> "Scenario":
@@ -149,20 +143,3 @@ class Scenario:
 
     def __repr__(self) -> str:
         return f"<Scenario {self.path}{' with ' + str(self.changes) if self.changes else ''}>"
-
-
-def program() -> str:
-    """The command `slewlab`: beside the package's build, in PATH, or as $SLEWLAB_PROGRAM names it."""
-    beside = Path(__file__).resolve().parents[2] / "bin" / "slewlab"
-    found = os.environ.get("SLEWLAB_PROGRAM") or (str(beside) if beside.is_file() else shutil.which("slewlab"))
-    if not found:
-        raise FileNotFoundError(f"the program slewlab is neither {beside} nor in PATH; name it in SLEWLAB_PROGRAM")
-    return found
-
-
-def call(words: Sequence[str]) -> str:
-    """What the program said on its standard output."""
-    ended = subprocess.run(words, stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False)
-    if ended.returncode != 0:
-        raise ProgramFailed(f"{' '.join(words)}: exit code {ended.returncode}\n{ended.stdout}{ended.stderr}".strip())
-    return ended.stdout

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import numbers
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
@@ -16,7 +17,7 @@ from .tables import Channels
 if TYPE_CHECKING:  # imported where a table is made: a campaign's workers make none, and it takes longer than all else
     import pandas as pd
 
-Measure = Callable[[Run], Mapping[str, float]]
+Measure = Callable[[Run], Mapping[str, float] | float]
 
 UNITS = {"peak_tip_acceleration": "m/s^2", "peak_house_acceleration": "m/s^2", "largest_sidelead": "rad",
          "largest_motor_torque": "N m", "play_crossings": "-", "end_angle": "rad"}
@@ -54,13 +55,23 @@ class ProgressBar:
         sys.stderr.flush()
 
 
+def row_of(measure: Callable, found: Any) -> Mapping[str, float]:
+    """What was measured, by name. A number alone is called as its function is."""
+    if isinstance(found, Mapping):
+        return found
+    if np.ndim(found) == 0 and isinstance(found, (numbers.Number, np.generic)):
+        name = getattr(measure, "__name__", "")
+        return {name if name.isidentifier() else "measured": found}
+    raise TypeError(f"measure: found {found!r} for a run, expected a number, or numbers by name: {{'peak': 1.2}}")
+
+
 def run_all(scenario: Scenario, cases: Sequence[Mapping[str, Any]], measure: Measure, channels: Iterable[str],
             controller: Callable[[], Controller] | None, threads: int | None, progress: bool | None) -> pd.DataFrame:
     bar = ProgressBar(len(cases), progress)
     channels = list(channels)
 
     def one(case: Mapping[str, Any]) -> Mapping[str, float]:
-        return measure(scenario.changed(case).run(None if controller is None else controller(), channels=channels))
+        return row_of(measure, measure(scenario.changed(case).run(None if controller is None else controller(), channels=channels)))
 
     found: dict[int, Mapping[str, float]] = {}
     bar.show(0)
@@ -75,15 +86,25 @@ def run_all(scenario: Scenario, cases: Sequence[Mapping[str, Any]], measure: Mea
     return table
 
 
-def sweep(scenario: Scenario, over: Mapping[str, Sequence[Any]], *, measure: Measure = measures, channels: Iterable[str] = CHANNELS,
-          controller: Callable[[], Controller] | None = None, threads: int | None = None, progress: bool | None = None) -> pd.DataFrame:
-    """Every combination of the values: {"crane.boom.angle": ["40 deg", "60 deg"], "crane.load.mass": ["10 t", "30 t"]}.
+def values_of(key: str, given: Any) -> list[Any]:
+    """A text or a number is one value."""
+    values = [given] if isinstance(given, str) or not isinstance(given, Iterable) else list(given)
+    if not values:
+        raise ValueError(f"{key}: found no value, expected at least one")
+    return values
 
-    A row per run, in the order of the values, the last key's first: what was set, then what `measure` finds. `controller`
+
+def sweep(scenario: Scenario, over: Mapping[str, Sequence[Any] | Any], *, measure: Measure = measures, channels: Iterable[str] = CHANNELS,
+          controller: Callable[[], Controller] | None = None, threads: int | None = None, progress: bool | None = None) -> pd.DataFrame:
+    """Every combination of the values: {"crane.boom.angle": ["40 deg", "60 deg"], "crane.load.mass": "10 t"}; a text is one value.
+
+    A row per run, in the order of the values, the last key's first: what was set, then what `measure` finds: numbers by name, or one number,
+    which is called as the function is. `controller`
     makes a callable for each run. `channels`: fewer make it faster. `threads`: as many as there are processors. The rows do
     not depend on it.
     """
-    cases = [dict(zip(over, values, strict=True)) for values in itertools.product(*over.values())]
+    columns = [values_of(key, given) for key, given in over.items()]
+    cases = [dict(zip(over, values, strict=True)) for values in itertools.product(*columns)]
     return run_all(scenario, cases, measure, channels, controller, threads, progress)
 
 
@@ -93,6 +114,9 @@ def monte_carlo(scenario: Scenario, draw: Mapping[str, Callable[[np.random.Gener
                 progress: bool | None = None) -> pd.DataFrame:
     """`runs` runs with values drawn anew: {"crane.load.mass": lambda random: f"{random.uniform(10, 40)} t"}. The same seed
     draws the same values, and the first runs of a longer table are those of a shorter one."""
+    for key, value in draw.items():
+        if not callable(value):
+            raise TypeError(f"{key}: found {value!r}, expected a function of a random generator; what is the same for all runs is the scenario's own")
     cases = []
     for number in range(runs):
         random = np.random.default_rng([seed, number])
