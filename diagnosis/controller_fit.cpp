@@ -101,8 +101,8 @@ std::vector<common::EffectInstance> starts_of(const common::EffectAbout& about, 
     std::vector<common::EffectInstance> along;
     for (common::EffectInstance start : starts) {
       double before = std::numeric_limits<double>::quiet_NaN();
-      for (double change = -reach; change <= reach; change += stride) {
-        start.values[p] = value_at(parameter, centre + change);
+      for (int n = 0; n * stride <= 2.0 * reach; ++n) {
+        start.values[p] = value_at(parameter, centre + (n * stride - reach));
         if (start.values[p] != before) along.push_back(start);
         before = start.values[p];
       }

@@ -48,9 +48,11 @@ std::optional<double> ramp_ended(const Record& record, const controller::Control
   const double settled = still_from + settling_time(settings.ramp);
   const double share = kSteadyShare * std::max({settings.ramp.acceleration_time, settings.ramp.deceleration_time, settings.ramp.emergency_stop_time});
   const double least = kSteadySpeed * settings.ramp.top_speed * settings.total_ratio;
-  for (double from = still_from + share; share > 0.0 && from + 2.0 * share < std::min(until, settled); from += 0.25 * share) {
+  double from = still_from + share;
+  while (share > 0.0 && from + 2.0 * share < std::min(until, settled)) {
     const std::optional<double> before = mean_speed(record, from, from + 0.5 * share), after = mean_speed(record, from + 0.5 * share, from + share);
     if (before && after && std::fabs(*after - *before) < least) return from + 2.0 * share;
+    from += 0.25 * share;
   }
   if (until >= settled) return settled;
   return {};

@@ -20,7 +20,8 @@ double blackman(double share) { return 0.42 + 0.5 * std::cos(std::numbers::pi * 
 std::vector<double> weights(std::size_t stride) {
   const double reach = static_cast<double>(kReach) * static_cast<double>(stride);
   std::vector<double> weight;
-  for (double distance = 0.0; distance < reach; distance += 1.0) {
+  for (int n = 0; n < reach; ++n) {
+    const double distance = n;
     const double phase = std::numbers::pi * kCutoff * distance / static_cast<double>(stride);
     weight.push_back(blackman(distance / reach) * (distance == 0.0 ? 1.0 : std::sin(phase) / phase));
   }
@@ -35,7 +36,8 @@ std::vector<double> held_weights(double first, std::size_t stride) {
   const auto steps = static_cast<double>(stride);
   const double reach = static_cast<double>(kHeldReach) * steps, cutoff = 0.5 * kCutoff / steps;  // [values], [swings per value]
   std::vector<double> weight;
-  for (double distance = first; distance < reach; distance += 1.0) {
+  for (int n = 0; first + n < reach; ++n) {
+    const double distance = first + n;
     double sum = 0.0;
     for (int part = 0; part < kParts; ++part) {
       const double f = cutoff * (part + 0.5) / kParts;

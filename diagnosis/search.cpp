@@ -131,7 +131,7 @@ void go_back(Problem& problem, const Eigen::MatrixXd& nuisance_columns, std::siz
   const auto best =
       std::find_if(fits.begin(), fits.end(), [&](const FitResult& result) { return result.point.effects.size() == effects; });
   if (best == fits.end()) return;
-  const FitResult from = *best;
+  const FitResult& from = *best;
   std::vector<FitResult> fewer(effects);
   share_out(problem, effects, [&](std::size_t left_out) {
     Point start = from.point;

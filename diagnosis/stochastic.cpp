@@ -99,6 +99,7 @@ double cost_at(const Eigen::VectorXd& difference, const Eigen::ArrayXd& variance
 
 // ln a of the scales that are tried first.
 constexpr double kStride = (kHighestScale - kLowestScale) / (kScales - 1);
+constexpr int kHalvings = 5;  // of it about the least that was found: to 0.016
 double scale_tried(int i) { return kLowestScale + kStride * i; }
 
 // Of one channel's powers, over kSmoothing of the frequency either side.
@@ -190,7 +191,8 @@ PowerFit PowerScales::fit(const Eigen::VectorXd& difference) const {
   };
   for (int i = 0; i < kScales; ++i) consider(scale_tried(i), &logarithms_[static_cast<std::size_t>(i)]);
   if (best.scale > 0.0) {
-    for (double width = 0.5 * kStride; width > 0.01; width *= 0.5) {
+    for (int halving = 1; halving <= kHalvings; ++halving) {
+      const double width = std::ldexp(kStride, -halving);
       const double middle = std::log(best.scale);
       consider(middle - width, nullptr);
       consider(middle + width, nullptr);

@@ -189,7 +189,7 @@ std::vector<DrawnCase> draw_cases(int count, std::uint64_t seed, const NominalMa
         break;
       case Kind::kTwoEffects: {
         // Both from the larger half, so that neither drowns in the other.
-        const std::string first = pairs[pair++];
+        const std::string& first = pairs[pair++];
         add(first, 0.5);
         while (pairs[pair] == first) ++pair;
         add(pairs[pair++], 0.5);

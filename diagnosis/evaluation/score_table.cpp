@@ -429,7 +429,7 @@ std::string as_text(const ScoreTable& table) {
                               fmt::format("{:.3f} ... {:.3f}", score.low, score.high), score.cases, aim_text(score),
                               score.reached() ? "reached" : "NOT REACHED");
   }
-  text += "\n";
+  text += '\n';
   for (const Score& score : table.also) {
     if (score.cases > 0) text += fmt::format("{:<48}{:>8.3f}{:>18}{:>7}\n", score.name, score.value,
                                              fmt::format("{:.3f} ... {:.3f}", score.low, score.high), score.cases);

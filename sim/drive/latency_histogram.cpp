@@ -42,7 +42,8 @@ double LatencyHistogram::octave_edge(int octave) {
 
 std::int64_t LatencyHistogram::octave_count(int octave) const {
   std::int64_t sum = 0;
-  for (int i = 0; i < kBinsPerOctave; ++i) sum += bins_[static_cast<std::size_t>(octave * kBinsPerOctave + i)];
+  const int first = octave * kBinsPerOctave;
+  for (int bin = first; bin < first + kBinsPerOctave; ++bin) sum += bins_[static_cast<std::size_t>(bin)];
   return sum;
 }
 

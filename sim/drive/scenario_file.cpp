@@ -18,7 +18,6 @@ using common::between;
 using common::InputError;
 using common::InputProblems;
 using common::Override;
-using common::positive;
 using common::Unit;
 using common::YamlNode;
 using common::YamlReader;

@@ -31,7 +31,7 @@ constexpr double kAfterLoss = 30.0;  // [-] of the characteristic time
 
 std::int64_t after_loss_of(const CraneParameters& machine) { return std::llround(kAfterLoss * characteristic_time(machine) * 1e9); }
 
-void Steering::take(std::string line) {
+void Steering::take(const std::string& line) {
   std::istringstream words(line);
   std::string word;
   words >> word;

@@ -61,7 +61,7 @@ class Steering {
   explicit Steering(const SteeringSettings& settings) : settings_(settings) {}
 
   // A line of those above; anything else is refused, in words.
-  void take(std::string line);
+  void take(const std::string& line);
 
   // Whether the period that comes has to wait until more is said.
   bool holds() const { return paused_ && cycles_ == 0 && !lost_ && !ended_; }
@@ -81,7 +81,7 @@ class Steering {
   void take_effect(const std::string& rest);
   void take_play_compensation(const std::string& rest);
   void begin_fault(std::int64_t time, const std::string& name, const std::string& text, SteeredPeriod& period);
-  void refuse(std::string why) { news_.push_back("refused " + std::move(why)); }
+  void refuse(const std::string& why) { news_.push_back("refused " + why); }
 
   SteeringSettings settings_;
   OperatorMove stands_;             // as the controller was told last

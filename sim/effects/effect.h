@@ -84,6 +84,10 @@ class Running : public RunningEffect {
   std::unique_ptr<RunningEffect> clone() const override {
     return std::make_unique<Effect>(static_cast<const Effect&>(*this));
   }
+
+ private:
+  Running() = default;
+  friend Effect;  // and no other class, whose clone() would be of the wrong one
 };
 
 // What an effect may know when it starts.

@@ -216,7 +216,7 @@ void for_each_lane(unsigned lanes, Do&& act) {
 
 [[gnu::noinline]] void take_back(PlantBatch& batch, Bundle& bundle, unsigned lanes) {
   for_each_lane(lanes, [&](int lane) {
-    const Alone& alone = batch.alone[static_cast<std::size_t>(bundle.first + lane)];
+    const Alone& alone = batch.alone[static_cast<std::size_t>(bundle.first) + static_cast<std::size_t>(lane)];
     into_lane(batch.topology, *alone.model, bundle, lane, alone.state);
   });
 }
@@ -349,7 +349,7 @@ void read_batch(const PlantBatch& batch, PlantReadings* readings) {
     LaneAccelerations accelerations;
     batch.functions->accelerations(batch.topology, bundle, accelerations);
     for (int lane = 0; lane < bundle.used; ++lane) {
-      const Alone& alone = batch.alone[static_cast<std::size_t>(bundle.first + lane)];
+      const Alone& alone = batch.alone[static_cast<std::size_t>(bundle.first) + static_cast<std::size_t>(lane)];
       const auto acceleration = [&](int place) { return accelerations.rows[place].number[lane]; };
       PlantReadings& reading = readings[bundle.first + lane];
       reading = {};

@@ -45,7 +45,8 @@ enum : int { house, tip, boom, pivot, middle, tip_sensor, count };
 
 inline int block_count(int modes) { return (modes + kLanes - 1) / kLanes; }
 inline std::size_t place(int mode, int term, int terms) {
-  return static_cast<std::size_t>((mode / kLanes * terms + term) * kLanes + mode % kLanes);
+  const int number = (mode / kLanes * terms + term) * kLanes + mode % kLanes;
+  return static_cast<std::size_t>(number);
 }
 
 struct FreeLoads {

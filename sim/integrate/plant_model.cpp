@@ -48,7 +48,7 @@ void store(double* to, const Block& block) { __builtin_memcpy(to, &block, sizeof
 void add_house(const PlantModel& model, int first, const FourResponses& r, const double (*q_end)[kLanes], const double (*v_end)[kLanes],
                ModalStep& step) {
   for (int lane = 0; lane < std::min(kLanes, model.mode_count - first); ++lane) {
-    const auto k = static_cast<std::size_t>(first + lane);
+    const auto k = static_cast<std::size_t>(first) + static_cast<std::size_t>(lane);
     const double house = model.house[k], on_q = model.house_acceleration_q[k], on_v = model.house_acceleration_v[k];
     for (int j = 0; j < 2; ++j) {
       step.house[0][j] += house * q_end[j][lane];

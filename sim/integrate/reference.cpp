@@ -351,7 +351,7 @@ void hang_load(Reference& r) {
   std::vector<double> rates(static_cast<std::size_t>(r.size));
   const auto acceleration = [&] {
     derive(r, r.now, N_VGetArrayPointer(r.state.get()), rates.data());
-    return Eigen::Vector2d(rates[static_cast<std::size_t>(r.load_v())], rates[static_cast<std::size_t>(r.load_v() + 1)]);
+    return Eigen::Vector2d(rates[static_cast<std::size_t>(r.load_v())], rates[static_cast<std::size_t>(r.load_v()) + 1]);
   };
   // Newton's steps; of a point load the second mode does not exist.
   const int modes = r.load_square[1] > 0.0 ? 2 : 1;
@@ -411,7 +411,7 @@ void advance(Reference& r, const GroupArray& motor_torque, double until) {
                          : ARKStepEvolve(r.integrator, until, r.state.get(), &reached, ARK_NORMAL);
     r.now = reached;
     require(r, flag, bdf ? "CVode" : "ARKStepEvolve");
-    if (flag != (bdf ? CV_ROOT_RETURN : ARK_ROOT_RETURN)) {
+    if (flag != (bdf ? CV_ROOT_RETURN : ARK_ROOT_RETURN)) {  // NOLINT(bugprone-branch-clone): numbers of two solvers, equal by chance
       if (put_contacts_right(r)) {
         ++r.count.late_changes;
         restart(r);

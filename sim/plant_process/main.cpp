@@ -87,7 +87,7 @@ class WireNotices {
     if (told_) {
       std::fprintf(stderr, "slewlab-plant: that ENCODER %s, after %.1f s and %lld repetitions\n", how,
                    std::chrono::duration<double>(WallClock::now() - since_).count(),
-                   static_cast<long long>(resends - resends_before_ + 1));
+                   static_cast<long long>(resends - resends_before_) + 1);
     }
     waiting_ = told_ = false;
   }
@@ -172,7 +172,7 @@ class SteeredRun {
 
   void hear(std::chrono::milliseconds patience) {
     while (auto line = launcher_.next(patience)) {
-      steering_.take(std::move(*line));
+      steering_.take(*line);
       patience = std::chrono::milliseconds{0};
     }
     if (launcher_.ended() && !lost_) {

@@ -8,11 +8,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <ctime>
 #include <vector>
 
 #include "sim/integrate/batch.h"
+#include "tests/common/number_argument.h"
 #include "tests/sim/thesis_crane.h"
 
 namespace slewlab::sim {
@@ -120,7 +120,7 @@ void compare(int machines, int elements, double seconds, bool crosses, bool read
 
 int main(int argc, char** argv) {
   using slewlab::sim::compare;
-  const double seconds = argc > 1 ? std::atof(argv[1]) : 6.0;
+  const double seconds = slewlab::number_argument(argc, argv, 1, 6.0);
   for (const bool reads : {false, true}) {
     fmt::print("{}, ns per machine and step:\n\n", reads ? "Step and sensors read" : "Step");
     fmt::print("| play | machines | elements | out of line | one at a time | 4 lanes, portable | 4 lanes, AVX2 | 8 lanes, AVX-512 |\n");

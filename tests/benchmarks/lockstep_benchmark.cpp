@@ -14,7 +14,6 @@
 #include <chrono>
 #include <csignal>
 #include <cstdio>
-#include <cstdlib>
 #include <cstring>
 #include <vector>
 
@@ -22,6 +21,7 @@
 #include "msgs/codec.h"
 #include "msgs/lcm_bus.h"
 #include "sim/drive/lockstep_loop.h"
+#include "tests/common/number_argument.h"
 #include "tests/msgs/temporary_folder.h"
 #include "tests/sim/drive/toy_plant.h"
 
@@ -152,5 +152,5 @@ int run(int rounds, int cycles) {
 }  // namespace slewlab
 
 int main(int argc, char** argv) {
-  return slewlab::run(argc > 1 ? std::atoi(argv[1]) : 7, argc > 2 ? std::atoi(argv[2]) : 5000);
+  return slewlab::run(slewlab::number_argument(argc, argv, 1, 7), slewlab::number_argument(argc, argv, 2, 5000));
 }

@@ -13,7 +13,6 @@
 #include <atomic>
 #include <csignal>
 #include <cstdio>
-#include <cstdlib>
 #include <fstream>
 #include <string>
 #include <thread>
@@ -27,6 +26,7 @@
 #include "sim/drive/crane_plant.h"
 #include "sim/drive/scenario_run.h"
 #include "sim/drive/system_clock.h"
+#include "tests/common/number_argument.h"
 #include "tests/msgs/temporary_folder.h"
 
 namespace slewlab {
@@ -165,7 +165,7 @@ int run(double seconds) {
 
 int main(int argc, char** argv) {
   try {
-    return slewlab::run(argc > 1 ? std::atof(argv[1]) : 60.0);
+    return slewlab::run(slewlab::number_argument(argc, argv, 1, 60.0));
   } catch (const std::exception& error) {
     std::fprintf(stderr, "realtime_benchmark: %s\n", error.what());
     return 1;

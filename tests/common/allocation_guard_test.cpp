@@ -33,15 +33,15 @@ TEST(AllocationGuard, CountsAGrowingVector) {
 #if SLEWLAB_COUNTS_MALLOC
 TEST(AllocationGuard, CountsTheCFunctions) {
   const AllocationGuard guard;
-  void* block = std::malloc(16);
+  void* const block = std::malloc(16);
   keep(block);
-  block = std::realloc(block, 32);
-  keep(block);
+  void* const grown = std::realloc(block, 32);
+  keep(grown);
   void* const zeroed = std::calloc(2, 8);
   keep(zeroed);
   void* const aligned = std::aligned_alloc(64, 64);
   keep(aligned);
-  std::free(block);
+  std::free(grown);
   std::free(zeroed);
   std::free(aligned);
   EXPECT_EQ(guard.count(), 4);

@@ -203,7 +203,7 @@ TEST_F(YamlFile, AFileThatIsTooLargeIsRefusedBeforeItIsRead) {
 TEST_F(YamlFile, IncludesThatMultiplyAreRefused) {
   for (int i = 0; i < 20; ++i) {
     const std::string next = std::to_string(i + 1) + ".yaml";
-    write(std::to_string(i) + ".yaml", "include: [" + next + ", " + next + "]\n");
+    write(std::to_string(i) + ".yaml", std::string("include: [").append(next).append(", ").append(next).append("]\n"));
   }
   write("20.yaml", "a: 1\n");
   load(folder_ / "0.yaml");

@@ -16,7 +16,7 @@ constexpr double kFreeInertia = 100.0;  // [kg m^2] per motor on the fast axis
 // A controller with a bare inertia behind each group.
 class Loop {
  public:
-  explicit Loop(ControllerSettings settings) : settings_(settings) {
+  explicit Loop(const ControllerSettings& settings) : settings_(settings) {
     input.group_count = settings.group_count;
   }
 

@@ -70,7 +70,8 @@ TEST(PlayCompensation, IsContinuousAndKeepsTheAverage) {
 TEST(PlayCompensation, HoldsTheGearsUnderTensionWhileThereIsTorqueLeft) {
   const PlayCompensationSettings map = thesis_map();
   // Half 2 keeps working against half 1 up to where half 1 nears its limit.
-  for (double average = 0.0; average <= 0.415; average += 0.005) {
+  for (int n = 0; n <= 83; ++n) {  // to 0.415
+    const double average = 0.005 * n;
     const HalfTorques torques = evaluate_play_map(map, average);
     EXPECT_NEAR(torques.half_2, -0.10, 1e-12) << average;
     EXPECT_NEAR(torques.half_1, 2.0 * average + 0.10, 1e-12) << average;

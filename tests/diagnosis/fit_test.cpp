@@ -71,7 +71,8 @@ TEST_F(Relaxation, KeepsWhatIsChargedBesides) {
 // The minimum of 100 ln(1 + 0.3 (10 (z - 3))^2 / 1000) + z^2 + 30 max(0, z - 2)^2, by search over z.
 TEST_F(Relaxation, FindsTheLeastOfBoth) {
   double least = 1e300, prior = 0.0;
-  for (double z = 0.0; z < 3.0; z += 1e-4) {
+  for (int n = 0; n < 30000; ++n) {
+    const double z = 1e-4 * n;
     const double p = z * z + 30.0 * std::pow(std::max(0.0, z - 2.0), 2.0);
     const double cost = 100.0 * std::log1p(0.3 * 100.0 * (z - 3.0) * (z - 3.0) / 1000.0) + p;
     if (cost >= least) continue;

@@ -77,13 +77,15 @@ std::vector<double> flickering(double corner, double step, std::size_t count, un
   std::vector<double> values(count);
   for (double& value : values) value = normal(generator);
   const double deviation = std::sqrt(2.0 * step * corner * std::numbers::ln2);
-  for (double frequency = 0.25 / step; frequency > 1e-3; frequency *= 0.5) {
+  double frequency = 0.25 / step;
+  while (frequency > 1e-3) {
     const double keep = std::exp(-2.0 * std::numbers::pi * frequency * step);
     double state = deviation * normal(generator);
     for (double& value : values) {
       state = keep * state + deviation * std::sqrt(1.0 - keep * keep) * normal(generator);
       value += state;
     }
+    frequency *= 0.5;
   }
   return values;
 }

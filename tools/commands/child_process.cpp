@@ -173,7 +173,7 @@ void ChildProcess::send(int signal_number) {
   if (::kill(-pid_, signal_number) == 0) ::kill(-pid_, SIGCONT);
 }
 
-GroupGuard::GroupGuard(std::vector<pid_t> groups) {
+GroupGuard::GroupGuard(const std::vector<pid_t>& groups) {
   int ends[2];
   if (::pipe2(ends, O_CLOEXEC) != 0) throw std::runtime_error(std::string("no more pipes: ") + std::strerror(errno));
   watcher_ = ::fork();

@@ -88,7 +88,7 @@ class ChildProcess {
 // two seconds.
 class GroupGuard {
  public:
-  explicit GroupGuard(std::vector<pid_t> groups);
+  explicit GroupGuard(const std::vector<pid_t>& groups);
   ~GroupGuard();  // dismisses the watcher
   GroupGuard(const GroupGuard&) = delete;
   GroupGuard& operator=(const GroupGuard&) = delete;

@@ -216,7 +216,7 @@ std::string summary_text(const AxisDiagnosis& found, const Words& words) {
     }
     text += fmt::format("; with it {} {:.4g} {}", words.inertia_name, found.answer.best.inertia, words.inertia);
     for (const BalanceTerm& term : found.answer.best.terms) text += fmt::format(", {} {:.3g} {}", term.words, term.size[0], unit_of(term, words));
-    text += "\n";
+    text += '\n';
   }
   text += fmt::format("\nValidation on {} (sizes fitted without it): RMS error, nominal -> {} alone -> with the cause\n", validation.place,
                       words.inertia_name);

@@ -258,7 +258,7 @@ std::string series_text(const Record& record, const diagnosis::Followed& followe
   for (std::size_t row = 0; left_out + row * points < record.size(); ++row) {
     text += fmt::format("{:.4f}", record.time(left_out + row * points));
     for (const std::vector<double>& column : columns) text += fmt::format(",{:.6g}", column[row]);
-    text += "\n";
+    text += '\n';
   }
   return text;
 }

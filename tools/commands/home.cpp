@@ -25,7 +25,7 @@ fs::path home() {
     if (is_home(named)) return fs::absolute(named).lexically_normal();
     throw std::runtime_error(std::string("SLEWLAB_HOME is ") + named + ", which does not hold config and tools/python");
   }
-  const fs::path installed = prefix() / "share" / "slewlab";
+  fs::path installed = prefix() / "share" / "slewlab";
   if (is_home(installed)) return installed;
   const fs::path pointer = prefix() / "slewlab_home";
   std::string name;

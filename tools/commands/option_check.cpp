@@ -4,6 +4,7 @@
 #include <charconv>
 #include <cmath>
 #include <filesystem>
+#include <utility>
 
 #include "common/near_name.h"
 
@@ -53,7 +54,7 @@ CLI::Validator one_of(std::vector<std::string> words) {
   std::string name;
   for (const std::string& word : words) name += (name.empty() ? "{" : ",") + word;
   return CLI::Validator(
-      [words](const std::string& text) {
+      [words = std::move(words)](const std::string& text) {
         const bool is_known = std::find(words.begin(), words.end(), text) != words.end();
         return is_known ? std::string() : refusal(text, common::known_names_text(text, words));
       },
@@ -65,7 +66,7 @@ CLI::Validator number_of(std::vector<std::pair<std::string, int>> words) {
   for (const auto& [name, number] : words) names.push_back(name);
   const CLI::Validator known = one_of(names);
   return CLI::Validator(
-      [words, known](std::string& text) {
+      [words = std::move(words), known](std::string& text) {
         if (std::string why = known(text); !why.empty()) return why;
         const auto named = std::find_if(words.begin(), words.end(), [&](const auto& each) { return each.first == text; });
         text = std::to_string(named->second);

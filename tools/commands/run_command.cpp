@@ -17,6 +17,7 @@
 #include <iostream>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <sstream>
 #include <stdexcept>
 
 #include "common/input_error.h"
@@ -119,7 +120,8 @@ class ProgressDisplay {
     double simulated = 0.0;
     double whole = 0.0;
     long long resends = 0;
-    if (std::sscanf(line.c_str(), "progress %lf %lf %lld", &simulated, &whole, &resends) != 3) return;
+    std::string progress;
+    if (!(std::istringstream(line) >> progress >> simulated >> whole >> resends) || progress != "progress") return;
     const double now = std::chrono::duration<double>(WallClock::now() - begin_).count();
     if (simulated > simulated_) last_advance_ = now;
     simulated_ = simulated;

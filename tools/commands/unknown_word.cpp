@@ -28,6 +28,10 @@ const CLI::Option* option_of(const CLI::App& app, const std::string& name) {
   return nullptr;
 }
 
+std::string refusal(const std::string& command, const std::string& word, const char* what, const std::vector<std::string>& known) {
+  return command + ": '" + word + "' is no " + what + " of it, expected " + common::known_names_text(word, known);
+}
+
 }  // namespace
 
 std::optional<std::string> unknown_word(const CLI::App& app, const std::vector<std::string>& words) {
@@ -41,8 +45,7 @@ std::optional<std::string> unknown_word(const CLI::App& app, const std::vector<s
       const std::string option_name = word.substr(0, word.find('='));
       const CLI::Option* option = option_of(*command, option_name);
       if (option == nullptr) {
-        return name + ": '" + option_name + "' is no option of it, expected " +
-               common::known_names_text(option_name, option_names(*command));
+        return refusal(name, option_name, "option", option_names(*command));
       }
       if (option->get_items_expected_max() > 0 && word.find('=') == std::string::npos) ++i;  // its value
       continue;
@@ -50,7 +53,7 @@ std::optional<std::string> unknown_word(const CLI::App& app, const std::vector<s
     const std::vector<std::string> commands = command_names(*command);
     if (commands.empty() || word.starts_with('-')) continue;
     if (std::find(commands.begin(), commands.end(), word) == commands.end()) {
-      return name + ": '" + word + "' is no command of it, expected " + common::known_names_text(word, commands);
+      return refusal(name, word, "command", commands);
     }
     command = command->get_subcommand(word);
     name += ' ' + word;

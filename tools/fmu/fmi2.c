@@ -35,6 +35,12 @@ static fmi2Status not_offered(fmi2Component component, const char* what) {
   return refuse((const Instance*)component, message);
 }
 
+static int hexadecimal(char digit) {
+  const char* digits = "0123456789abcdef";
+  const char* place = digit == '\0' ? NULL : strchr(digits, digit >= 'A' && digit <= 'F' ? digit - 'A' + 'a' : digit);
+  return place == NULL ? -1 : (int)(place - digits);
+}
+
 /* "file:///folder/with%20blank" as a path. The answer is to be freed. */
 static char* path_of(const char* location) {
   const char* from = location;
@@ -50,9 +56,8 @@ static char* path_of(const char* location) {
   path = malloc(strlen(from) + 1);
   if (path == NULL) return NULL;
   for (to = path; *from != '\0'; ++to) {
-    unsigned code;
-    if (*from == '%' && sscanf(from + 1, "%2x", &code) == 1) {
-      *to = (char)code;
+    if (*from == '%' && hexadecimal(from[1]) >= 0 && hexadecimal(from[2]) >= 0) {
+      *to = (char)(16 * hexadecimal(from[1]) + hexadecimal(from[2]));
       from += 3;
     } else {
       *to = *from++;

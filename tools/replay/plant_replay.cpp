@@ -329,7 +329,8 @@ std::vector<std::string> replay_plant(const sim::Scenario& scenario, const msgs:
   // A log that was cut off behind an ENCODER does not tell what arrived then; silence that was part of the run does.
   const bool ends_with_record = encoders.messages > 0 && (heard.last > encoders.last_key || (sensors.messages > 0 && sensors.last_time > encoders.last_time));
   const std::int64_t last = ends_with_record ? encoders.last_key : heard.last;
-  const double steps = (static_cast<double>(last) + 1.0) * static_cast<double>(scenario.controller_period / scenario.plant_step);
+  const std::int64_t steps_per_message = scenario.controller_period / scenario.plant_step;
+  const double steps = (static_cast<double>(last) + 1.0) * static_cast<double>(steps_per_message);
   const std::int64_t torques = msgs::extent_of<msgs::Torque>(record).messages;
   if (first < 0 || steps > kStepsPerMessage * static_cast<double>(encoders.messages + torques) + kStepsAtLeast) {
     remarks.push_back(

@@ -11,6 +11,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <charconv>
 #include <chrono>
 #include <csignal>
 #include <cstdio>
@@ -21,6 +22,7 @@
 #include <nlohmann/json.hpp>
 #include <set>
 #include <stdexcept>
+#include <system_error>
 
 #include "common/input_error.h"
 #include "common/stop_signal.h"
@@ -110,7 +112,7 @@ class Journal {
 
   void check_head(const Json& found, const Json& head) const {
     const std::string file = file_.string();
-    if (!found.is_object() || found.value("journal", "") != head["journal"]) {
+    if (!found.is_object() || !found.contains("journal") || found["journal"] != head["journal"]) {
       throw std::runtime_error(file + " is no journal of a soak; give another --out");
     }
     for (const auto& [key, value] : head.items()) {
@@ -180,9 +182,11 @@ int work(const CampaignSettings& settings, const CampaignHooks& hooks, int socke
   common::catch_stop_signals();
   WorkerMemory memory;
   std::FILE* orders = ::fdopen(socket, "r");
+  char line[32];
   long long number = 0;
   int exit_code = 0;
-  while (orders != nullptr && std::fscanf(orders, "%lld", &number) == 1) {
+  while (orders != nullptr && std::fgets(line, sizeof line, orders) != nullptr &&
+         std::from_chars(line, line + std::strlen(line), number).ec == std::errc{}) {
     const fs::path running = settings.out / "running" / folder_name(number);
     Json answer;
     try {

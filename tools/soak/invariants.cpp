@@ -6,7 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+#include <fstream>
 
 namespace slewlab::tools {
 namespace {
@@ -437,13 +437,8 @@ MemoryUse memory_use() {
   MemoryUse use;
   const struct mallinfo2 heap = mallinfo2();
   use.heap = static_cast<std::int64_t>(heap.uordblks + heap.hblkhd) / kKilobyte;
-  if (std::FILE* file = std::fopen("/proc/self/statm", "r")) {
-    long long size = 0, resident = 0;
-    if (std::fscanf(file, "%lld %lld", &size, &resident) == 2) {
-      use.resident = resident * (::sysconf(_SC_PAGESIZE) / kKilobyte);
-    }
-    std::fclose(file);
-  }
+  std::int64_t size = 0, resident = 0;
+  if (std::ifstream("/proc/self/statm") >> size >> resident) use.resident = resident * (::sysconf(_SC_PAGESIZE) / kKilobyte);
   return use;
 }
 

@@ -14,10 +14,10 @@ class AnswerLoopTest : public testing::Test {
  protected:
   AnswerLoopTest() {
     plant_->subscribe("TORQUE", [this](Bytes bytes) {
-      order_ += "T";
+      order_ += 'T';
       torques_.emplace_back(bytes.begin(), bytes.end());
     });
-    plant_->subscribe("CONTROLLER_STATE", [this](Bytes) { order_ += "S"; });
+    plant_->subscribe("CONTROLLER_STATE", [this](Bytes) { order_ += 'S'; });
   }
 
   void send_operator(std::int64_t sequence, double speed_request) {

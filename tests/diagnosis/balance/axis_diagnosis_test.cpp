@@ -7,11 +7,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <fstream>
 #include <iomanip>
 #include <numbers>
 #include <random>
+#include <sstream>
 #include <string>
 
 #include "tests/diagnosis/balance/simulated_axis.h"
@@ -278,10 +278,14 @@ TEST(AxisDiagnosis, ASpringRestsWhereItRests) {
   ASSERT_EQ(found.outcome, AxisOutcome::stated) << found.verdict;
   EXPECT_NE(size_of(found.answer.best, "spring"), 0.0) << found.verdict;
   EXPECT_EQ(found.verdict.find("constant torque"), std::string::npos) << found.verdict;
-  const auto remark = std::find_if(found.remarks.begin(), found.remarks.end(), [](const std::string& one) { return one.rfind("load that changes with the position: ", 0) == 0; });
+  const std::string about = "load that changes with the position: ";
+  const auto remark = std::find_if(found.remarks.begin(), found.remarks.end(), [&](const std::string& one) { return one.rfind(about, 0) == 0; });
   ASSERT_NE(remark, found.remarks.end());
+  std::istringstream words(remark->substr(about.size()));
   double stiffness = 0.0, rest = 0.0;
-  ASSERT_EQ(std::sscanf(remark->c_str(), "load that changes with the position: %lf Nm/rad towards %lf rad", &stiffness, &rest), 2) << *remark;
+  std::string unit, towards;
+  ASSERT_TRUE(words >> stiffness >> unit >> towards >> rest) << *remark;
+  EXPECT_EQ(unit + " " + towards, "Nm/rad towards") << *remark;
   EXPECT_NEAR(stiffness, kStiffness, 0.05 * kStiffness);
   EXPECT_NEAR(rest, kRest, 0.05);
 }
@@ -303,7 +307,7 @@ TEST(AxisDiagnosis, ASkewOfTheRecorderIsNoEffect) {
 TEST(AxisDiagnosis, NamesADriveThatLags) {
   constexpr double kLag = 0.05, kFine = 1e-4;  // [s]
   std::vector<double> late{0.0};
-  for (double t = 0.0; t < 60.0; t += kFine) late.push_back(late.back() + kFine / kLag * (switched(t) - late.back()));
+  for (int n = 0; n < 600000; ++n) late.push_back(late.back() + kFine / kLag * (switched(kFine * n) - late.back()));
   const auto withheld = [&](double t) { return switched(t) - late[static_cast<std::size_t>(t / kFine)]; };
   SimulatedAxis axis = noisy([&](double t, double q, double v) { return friction(t, q, v) + withheld(t); });
   axis.duration = 40.0;

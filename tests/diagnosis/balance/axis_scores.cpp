@@ -6,7 +6,6 @@
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
-#include <cstdlib>
 #include <exception>
 #include <fstream>
 #include <map>
@@ -14,6 +13,7 @@
 #include <vector>
 
 #include "sim/machine/machine_file.h"
+#include "tests/common/number_argument.h"
 #include "tests/diagnosis/balance/drawn_axis.h"
 #include "tests/diagnosis/balance/least_squares.h"
 #include "tests/msgs/temporary_folder.h"
@@ -92,7 +92,7 @@ int run(int argc, char** argv) {
   }
   std::vector<std::string> kinds(argv + 3, argv + argc);
   if (kinds.empty()) kinds = drawn_kinds();
-  const auto first = static_cast<unsigned>(std::atoi(argv[1])), count = static_cast<unsigned>(std::atoi(argv[2]));
+  const auto first = number_argument(argc, argv, 1, 0u), count = number_argument(argc, argv, 2, 0u);
   std::map<std::string, Tally> tallies;
   for (const std::string& kind : kinds) {
     for (unsigned k = 0; k < count; ++k) judge(kind, first + k, tallies[kind]);

@@ -147,7 +147,7 @@ struct Samples {
   std::vector<double> position, torque;
 };
 
-Samples integrate(const Physics& physics, Driver driver, const Recorder& recorder, unsigned seed) {
+Samples integrate(const Physics& physics, const Driver& driver, const Recorder& recorder, unsigned seed) {
   Numbers noise(seed);
   const double h = std::min(1e-4, 0.1 / recorder.rate);
   const auto finer = static_cast<int>(std::lround(1.0 / (recorder.rate * h)));
@@ -337,16 +337,13 @@ DrawnAxis drawn_axis(const std::string& kind, unsigned seed) {
     const double size = draw.uniform(0.1, 0.25), waves = draw.uniform(3.0, 12.0) / range;
     physics.smooth = [=](double, double q, double v) { return viscous * v + size * std::sin(waves * q + 0.3); };
     axis.is_unknown = true;
-  } else if (kind == "cam") {  // a torque of time alone, another one in each record
+  } else if (kind == "cam" || kind == "mass_shift") {  // a cam: a torque of time alone, another one in each record
     bases();
     axis.is_unknown = true;
   } else if (kind == "shift") {  // a load that shifts: another constant torque from some instant on
     bases();
     axis.is_unknown = true;
     axis.alike.insert("offset");
-  } else if (kind == "mass_shift") {
-    bases();
-    axis.is_unknown = true;
   }
   if (kind == "dry_viscous") bases();
   // Dry friction with a value of its own in each direction is a constant torque as well.

@@ -171,7 +171,7 @@ std::string text_of(const std::vector<DrawnCase>& cases) {
         number(request.speed_request);
       }
     }
-    text += "\n";
+    text += '\n';
   }
   return text;
 }

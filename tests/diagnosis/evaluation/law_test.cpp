@@ -333,11 +333,11 @@ Exponents exponents_of(common::Unit unit) {
     case Unit::square_metre: return {0.0, 2.0};
     case Unit::metre_per_second: return {0.0, 0.5};
     case Unit::radian_per_second: return {0.0, -0.5};
-    case Unit::kilogram: return {1.0, 0.0};
+    case Unit::kilogram:
     case Unit::newton: return {1.0, 0.0};
     case Unit::newton_per_metre: return {1.0, -1.0};
     case Unit::newton_second_per_metre: return {1.0, -0.5};
-    case Unit::newton_metre: return {1.0, 1.0};
+    case Unit::newton_metre:
     case Unit::newton_metre_per_radian: return {1.0, 1.0};
     case Unit::newton_metre_second_per_radian: return {1.0, 1.5};
     default: return {0.0, 0.0};

@@ -207,7 +207,10 @@ TEST_F(LockstepLoopTest, LostAndDoubledMessagesChangeNothingButTheCountOfResends
 TEST_F(LockstepLoopTest, AControllerThatStandsStillForAWhileChangesNothing) {
   const Result calm = run();
   int asked = 0;
-  stopped_ = [&] { return ++asked > 5 && asked < 50; };
+  stopped_ = [&] {
+    ++asked;
+    return asked > 5 && asked < 50;
+  };
   const Result halted = run();
   EXPECT_GE(halted.counts.resends, 40);
   EXPECT_EQ(halted.log, calm.log);

@@ -19,7 +19,8 @@ TEST(CommandJitter, DelaysByHalfItsSpreadInTheMean) {
   const auto samples = run(fixed_house(), "command_jitter", {0.005}, 20.0, numbered);
   double late = 0.0;
   for (std::size_t k = 10; k < samples.size(); ++k) {
-    const auto sent = static_cast<double>(k / 10);
+    const std::size_t message = k / 10;
+    const auto sent = static_cast<double>(message);
     const double held = samples[k].applied_torque[0];
     ASSERT_TRUE(held == sent || held == sent - 1.0) << k;
     if (k % 10 > 5) {

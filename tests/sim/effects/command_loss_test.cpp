@@ -37,7 +37,8 @@ TEST(CommandLoss, HoldsTheLastThatArrived) {
   });
   int lost = 0, count = 0;
   for (std::size_t k = 9; k < samples.size(); k += 10) {
-    const double sent = static_cast<double>(k / 10 + 1);
+    const std::size_t message = k / 10 + 1;
+    const auto sent = static_cast<double>(message);
     const double held = samples[k].applied_torque[0];
     ++count;
     if (held == sent) continue;

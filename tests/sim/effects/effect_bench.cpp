@@ -106,7 +106,7 @@ std::vector<BenchSample> run(const MachineSettings& settings, double duration, c
   refresh(model, state);
 
   std::vector<BenchSample> samples;
-  const auto steps = static_cast<long>(duration / settings.step + 0.5);
+  const auto steps = std::lround(duration / settings.step);
   samples.reserve(static_cast<std::size_t>(steps));
   for (long k = 0; k < steps; ++k) {
     step(machine, drive(static_cast<double>(k) * settings.step));

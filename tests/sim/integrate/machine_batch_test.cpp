@@ -3,8 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cmath>
-#include <cstring>
+#include <cstdint>
 #include <vector>
 
 #include "sim/effects/catalogue.h"
@@ -34,7 +35,7 @@ common::EffectInstance typical(std::string_view name) {
   return common::typical_instance(common::in_units_of(find_effect(name)->about, effect_scales(thesis_crane())));
 }
 
-bool same(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+bool same(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
 
 void expect_same(const Machine& alone, const Machine& beside) {
   const MachineReadings a = read(alone), b = read(beside);

@@ -2,8 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <bit>
 #include <cmath>
-#include <cstring>
+#include <cstdint>
 #include <stdexcept>
 
 #include "sim/effects/catalogue.h"
@@ -21,7 +22,7 @@ DriveCommand command_at(std::int64_t k) {
   return command;
 }
 
-bool same_bits(double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; }
+bool same_bits(double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); }
 
 void expect_same_bits(const PlantState& a, const PlantState& b) {
   ASSERT_EQ(a.step_count, b.step_count);

@@ -4,8 +4,9 @@
 
 #include <Eigen/Core>
 #include <algorithm>
+#include <bit>
 #include <cmath>
-#include <cstring>
+#include <cstdint>
 #include <tuple>
 #include <unsupported/Eigen/MatrixFunctions>
 
@@ -160,7 +161,7 @@ TEST(HermiteResponse, IsExactForACubicForce) {
 // Whatever stands beside it: in the series, beyond it, damped or not; portable or by wide vectors.
 TEST(Oscillator, FourSideBySideHaveTheirBits) {
   const double frequencies[] = {0.0, 0.4, 33.0, 150.0, 700.0, 900.0, 1100.0, 5e3}, ratios[] = {0.0, 0.01, 1.0, 2.5};
-  const auto same = [](double a, double b) { return std::memcmp(&a, &b, sizeof a) == 0; };
+  const auto same = [](double a, double b) { return std::bit_cast<std::uint64_t>(a) == std::bit_cast<std::uint64_t>(b); };
   for (const double h : {1e-9, 1e-6, 3e-4, 1e-3, 0.02}) {
     for (int drawn = 0; drawn < 512; ++drawn) {
       double square[4], damping[4], fastest[4];

@@ -101,7 +101,10 @@ TEST(Luffing, ModesMayPassEachOther) {
     return std::min({basis.square[1] / basis.square[0], basis.square[2] / basis.square[1], basis.square[3] / basis.square[2]}) - 1.0;
   };
   double nearest = 0.01;  // [m^4]
-  for (double constant = nearest; constant < 0.06; constant *= 1.01) nearest = gap(constant) < gap(nearest) ? constant : nearest;
+  for (int n = 1; n <= 180; ++n) {  // to 0.06
+    const double constant = 0.01 * std::pow(1.01, n);
+    if (gap(constant) < gap(nearest)) nearest = constant;
+  }
   double low = nearest / 1.01, high = nearest * 1.01;
   for (int i = 0; i < 60; ++i) {
     const double third = (high - low) / 3.0;

@@ -30,7 +30,8 @@ TEST(Motion, ARequestWithinARampGoesOnFromIt) {
   const MotionRates rates{.top_speed = 0.5, .acceleration = 0.25};
   const MotionProfile profile(rates, {{0, 1.0}, {kSecond, -1.0}, {2 * kSecond, 0.3}, {2'500'000'000, 0.3}, {3 * kSecond, 0.0}, {20 * kSecond, 1.0}});
   constexpr double kStep = 1e-4;  // [s]
-  for (double t = 0.01; t < 25.0; t += 0.00317) {
+  for (int n = 0; n < 7884; ++n) {  // to 25 s
+    const double t = 0.01 + 0.00317 * n;
     const MotionState before = profile.at(t - kStep), now = profile.at(t), after = profile.at(t + kStep);
     EXPECT_NEAR((after.way - before.way) / (2.0 * kStep), now.speed, 1e-6) << t;
     EXPECT_NEAR((after.speed - before.speed) / (2.0 * kStep), now.acceleration, 1e-4) << t;

@@ -34,8 +34,8 @@ class DeterminismTest : public testing::Test {
   void TestBody() override {}
 
   std::vector<std::string> command() const {
-    return {SLEWLAB_BINARY_DIR "/bin/slewlab", "run", SLEWLAB_SOURCE_DIR "/config/scenarios/thesis_slew.yaml",
-            "--out", folder_.path().string(), "--progress", "lines", "--set", "duration=200"};
+    const std::string slewlab = SLEWLAB_BINARY_DIR "/bin/slewlab", scenario = SLEWLAB_SOURCE_DIR "/config/scenarios/thesis_slew.yaml";
+    return {slewlab, "run", scenario, "--out", folder_.path().string(), "--progress", "lines", "--set", "duration=200"};
   }
   std::string log() const {
     std::ifstream file(folder_.path() / "run.lcmlog", std::ios::binary);

@@ -7,11 +7,11 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <sstream>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -166,7 +166,8 @@ TEST_F(DiagnoseCommand, DrawsWhatIsMissingWhereNoControllerIsGiven) {
   double before = 0.0, after = 0.0;
   while (std::getline(series, line)) {
     double time = 0.0, speed = 0.0, missing = 0.0, missing_after = 0.0;
-    ASSERT_EQ(std::sscanf(line.c_str(), "%lf,%lf,%lf,%lf", &time, &speed, &missing, &missing_after), 4) << line;
+    char comma = 0;
+    ASSERT_TRUE(std::istringstream(line) >> time >> comma >> speed >> comma >> missing >> comma >> missing_after) << line;
     if (time < 12.0) continue;  // the impact when play is taken up is forgotten by then
     before += missing * missing;
     after += missing_after * missing_after;
@@ -203,7 +204,8 @@ TEST_F(DiagnoseCommand, DrawsARecordFromWhereItIsFollowed) {
   double largest = 0.0, before_square = 0.0, after_square = 0.0;
   while (std::getline(series, line)) {
     double time = 0.0, speed = 0.0, missing = 0.0, after = 0.0;
-    ASSERT_EQ(std::sscanf(line.c_str(), "%lf,%lf,%lf,%lf", &time, &speed, &missing, &after), 4) << line;
+    char comma = 0;
+    ASSERT_TRUE(std::istringstream(line) >> time >> comma >> speed >> comma >> missing >> comma >> after) << line;
     times.push_back(time);
     largest = std::max({largest, std::fabs(missing), std::fabs(after)});
     if (time < times.front() + 3.0) continue;  // forgets its beginning by then

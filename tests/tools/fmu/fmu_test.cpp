@@ -142,6 +142,25 @@ TEST(Fmi2, SetsStepsAndGetsWithoutAllocation) {
   fs::remove_all(folder);
 }
 
+// By RFC 3986, 2.1: a percent sign and two hexadecimal digits. What is none stands as it is, up to the end of the text.
+TEST(Fmi2, ALocationMayHoldCodedCharacters) {
+  const UnitFile file = unit_file_of(kConfig / "cranes/thesis.yaml", UnitKind::plant);
+  const fs::path folder = resources_of(file);
+  const Library library("plant");
+  fmi2CallbackFunctions callbacks{};
+  const std::string token = token_of(file);
+  for (const auto& [name, coded] : {std::pair{"with blank", "with%20blank"}, {"[one]", "%5bone%5D"}, {"half%5", "half%5"}, {"none% 5", "none% 5"}}) {
+    fs::create_directories(folder / name);
+    fs::copy_file(folder / kUnitFileName, folder / name / kUnitFileName);
+    const std::string location = "file://" + (folder / coded).string();
+    const auto instance = library.function<fmi2InstantiateTYPE>("fmi2Instantiate")(
+        "one", fmi2CoSimulation, token.c_str(), location.c_str(), &callbacks, fmi2False, fmi2False);
+    EXPECT_NE(instance, nullptr) << location;
+    library.function<fmi2FreeInstanceTYPE>("fmi2FreeInstance")(instance);
+  }
+  fs::remove_all(folder);
+}
+
 TEST(Fmi3, TheControllerSetsStepsAndGetsWithoutAllocation) {
   const UnitFile file = unit_file_of(kConfig / "controllers/thesis.yaml", UnitKind::controller);
   const auto unit = make_controller_unit(file);

@@ -1,19 +1,20 @@
 """The form of the C++ sources (tools/format), and slips that clang-tidy finds. It takes seconds a file where a header is large,
-so that the suite looks at the two rooms that everything stands on."""
+so that the suite looks at the two rooms that everything stands on; tools/tidy looks at all of them."""
 
 import ast
 import os
 import re
 import runpy
 import subprocess
+import tempfile
 import unittest
+from pathlib import Path
 
 import yaml
 
-from run_log import REPOSITORY, messages_folder
+from run_log import REPOSITORY
 
 ENVIRONMENT = {name: value for name, value in os.environ.items() if name != "LD_PRELOAD"}  # a sanitizer's runtime is not for them
-PROGRAMS = REPOSITORY / ".venv" / "bin"
 ROOMS = ("common", "controller", "diagnosis", "examples", "msgs", "sim", "tools")
 MOST_LINES = 100  # of a function, its name and arguments left out
 
@@ -73,20 +74,40 @@ class LengthTest(unittest.TestCase):
 
 
 class TidyTest(unittest.TestCase):
+    def run_tidy(self, *words, timeout=60):
+        return subprocess.run([REPOSITORY / "tools" / "tidy", *words], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=timeout, env=ENVIRONMENT)
+
     def test_clang_tidy_finds_no_slip(self):
-        files = sorted([*(REPOSITORY / "common").glob("*.cpp"), *(REPOSITORY / "controller").glob("*.cpp")])
-        self.assertGreater(len(files), 15)
-        ended = subprocess.run([PROGRAMS / "clang-tidy", "--quiet", *files, "--", "-std=c++20", f"-I{REPOSITORY}", f"-I{messages_folder().parent / 'generated'}"],
-                               cwd=REPOSITORY, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=550, env=ENVIRONMENT)
-        found = [line for line in ended.stdout.splitlines() if ": error:" in line or ": warning:" in line]
-        self.assertEqual((ended.returncode, found), (0, []), ended.stderr[-2000:])
+        ended = self.run_tidy("-j", "1", "common", "controller", timeout=550)  # another test runs beside
+        self.assertEqual((ended.returncode, ended.stdout), (0, ""), ended.stderr[-2000:])
+        self.assertRegex(ended.stderr, r"(\d\d)/\1 \S+, 0 found\n$")
+
+    def test_words_that_name_no_source_are_refused(self):
+        for words, said in ((["nowhere"], "tidy: nowhere: there is no such file or folder; expected a room"),
+                            (["common/unit.h"], "tidy: common/unit.h: a header is looked at with the sources that include it"),
+                            (["README.md"], "tidy: README.md: no C or C++ source of the project"),
+                            (["-j", "0"], "tidy: -j: found '0', expected how many files"),
+                            (["--fix"], "tidy: usage: tools/tidy")):
+            ended = self.run_tidy(*words)
+            self.assertEqual((ended.returncode, ended.stdout), (2, ""))
+            self.assertIn(said, ended.stderr)
+
+    def test_a_slip_is_told_with_its_place(self):
+        tidy = runpy.run_path(str(REPOSITORY / "tools" / "tidy"))
+        tidy["configure"]()
+        with tempfile.TemporaryDirectory(dir=tidy["BUILD"]) as folder:  # below .clang-tidy
+            source = Path(folder) / "slips.cpp"
+            source.write_text("int* none() { return 0; }\nint half(int a) { return a - a; }\n", encoding="utf-8")
+            found = tidy["Tidier"]().look(source)
+        self.assertEqual([finding.split("\n")[0].rsplit(" [")[1].split(",")[0] for finding in found], ["modernize-use-nullptr", "misc-redundant-expression"])
+        self.assertTrue(found[1].startswith(f"{source}:2:28: error: "), found[1])
 
 
 class HostedTest(unittest.TestCase):
     def test_a_hosted_ci_calls_scripts_that_are_there(self):
         jobs = yaml.safe_load((REPOSITORY / ".github" / "workflows" / "test.yml").read_text(encoding="utf-8"))["jobs"]
         called = {step["run"].split()[0] for job in jobs.values() for step in job["steps"] if step.get("run", "").startswith("tools/")}
-        self.assertLessEqual({"tools/test", "tools/sanitize", "tools/compare-compilers", "tools/docs"}, called)
+        self.assertLessEqual({"tools/test", "tools/sanitize", "tools/tidy", "tools/compare-compilers", "tools/docs"}, called)
         self.assertEqual([script for script in called if not (REPOSITORY / script).is_file()], [])
 
 

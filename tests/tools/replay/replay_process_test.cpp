@@ -11,11 +11,12 @@ namespace {
 
 const std::string kSlewlab = SLEWLAB_BINARY_DIR "/bin/slewlab";
 const std::string kController = SLEWLAB_BINARY_DIR "/bin/slewlab-controller";
+const std::string kScenario = SLEWLAB_SOURCE_DIR "/config/scenarios/thesis_slew.yaml";
 
 TEST(ReplayProcess, NewControllerCodeIsComparedWithTheRecord) {
   const TemporaryFolder folder;
   const std::string out = (folder.path() / "out").string();
-  RunningProgram run({kSlewlab, "run", SLEWLAB_SOURCE_DIR "/config/scenarios/thesis_slew.yaml", "--out", out,
+  RunningProgram run({kSlewlab, "run", kScenario, "--out", out,
                       "--progress", "none", "--set", "duration=7"});
   ASSERT_EQ(run.wait_for_end(), 0) << run.complaints();
 
@@ -66,7 +67,7 @@ TEST(ReplayProcess, ARealRunAgainstTheWallClockAndItsLcmLoggerLogReplay) {
   const TemporaryFolder folder;
   const std::string out = (folder.path() / "out").string();
   const std::string logger_log = (folder.path() / "logger.lcmlog").string();
-  RunningProgram run({kSlewlab, "run", SLEWLAB_SOURCE_DIR "/config/scenarios/thesis_slew.yaml", "--out", out,
+  RunningProgram run({kSlewlab, "run", kScenario, "--out", out,
                       "--progress", "lines", "--realtime", "--speed", "4", "--set", "duration=8"});
   const std::string started = run.wait_for_line("udpm://");
   RunningProgram logger({"lcm-logger", "--quiet", "--lcm-url=" + started.substr(started.find("udpm://")), logger_log});

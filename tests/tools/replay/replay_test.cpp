@@ -124,7 +124,7 @@ class ReplayTest : public testing::Test {
     EXPECT_EQ(static_cast<std::int64_t>(starts.size()), questions.starts);
     return starts;
   }
-  int replay_it(ReplayOptions options) {
+  int replay_it(const ReplayOptions& options) {
     out_.str("");
     err_.str("");
     return replay(options, {}, out_, err_);

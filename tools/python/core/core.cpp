@@ -12,7 +12,7 @@ NB_MODULE(_core, m) {
   using namespace slewlab;
   m.doc() = "The C++ core of slewlab. Use the package `slewlab`, which is documented.";
   m.attr("__version__") = SLEWLAB_VERSION;
-  nb::exception<common::InputError>(m, "InputError", PyExc_ValueError);
+  const nb::exception<common::InputError> input_error(m, "InputError", PyExc_ValueError);
   tools::bind_machine(m);
   tools::bind_run(m);
   tools::bind_yaml(m);

@@ -11,6 +11,6 @@ namespace nb = nanobind;
 NB_MODULE(_log, m) {
   using namespace slewlab;
   m.doc() = "The log reader of slewlab. Use the package `slewlab`, which is documented.";
-  nb::exception<msgs::LogError>(m, "LogError", PyExc_RuntimeError);
+  const nb::exception<msgs::LogError> log_error(m, "LogError", PyExc_RuntimeError);
   tools::bind_log(m);
 }
