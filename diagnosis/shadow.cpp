@@ -261,9 +261,27 @@ void start(sim::Machine& machine, const Record& record, const Beginning& beginni
 
 }  // namespace
 
+namespace {
+
+// [Nm] per motor; of torques that were measured the mean over the next ones, as far as noise alone parts them: a beginning that one reading's noise places rings for a second.
+double torque_from(const Record& record, std::size_t group, std::size_t point) {
+  constexpr std::size_t kReadings = 10;
+  constexpr double kNoiseAlone = 4.0;  // deviations
+  const std::vector<double>& torque = record.motor_torque[group];
+  if (!record.has_measured_torque) return torque[point];
+  double sum = torque[point], count = 1.0;
+  for (std::size_t n = point + 1; n < std::min(torque.size(), point + kReadings); ++n, count += 1.0) {
+    if (std::fabs(torque[n] - sum / count) > kNoiseAlone * std::sqrt(record.torque_noise * (1.0 + 1.0 / count))) break;
+    sum += torque[n];
+  }
+  return sum / count;
+}
+
+}  // namespace
+
 double rigid_acceleration(const sim::PlantModel& model, const Record& record, std::size_t point) {
   double torque = 0.0;
-  for (int g = 0; g < record.group_count; ++g) torque += model.parameters.drive.motors_per_group * model.ratio * record.motor_torque[static_cast<std::size_t>(g)][point];
+  for (int g = 0; g < record.group_count; ++g) torque += model.parameters.drive.motors_per_group * model.ratio * torque_from(record, static_cast<std::size_t>(g), point);
   return torque / whole_inertia(model);
 }
 
@@ -272,7 +290,7 @@ GroupAngles places_on_flanks(const sim::PlantModel& model, const Record& record,
   for (int g = 0; g < record.group_count; ++g) {
     const auto i = static_cast<std::size_t>(g);
     const double through =
-        model.parameters.drive.motors_per_group * model.ratio * record.motor_torque[i][point] - model.group_inertia[i] * acceleration;
+        model.parameters.drive.motors_per_group * model.ratio * torque_from(record, i, point) - model.group_inertia[i] * acceleration;
     if (through != 0.0) places[i] = std::copysign(model.gear[i].half_play, through) + through / model.gear[i].stiffness;
   }
   return places;
