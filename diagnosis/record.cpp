@@ -443,8 +443,12 @@ void take_wire(const msgs::RunLog& run, const AdmissionSettings& settings, Recor
   record.encoder_quantum = find_rounding(position, kChanges, kPositionLevels).step;
   record.torque_rounding = find_rounding(torque, kChanges, kTorqueLevels);
   const double rounded = variance_of(record.torque_rounding), scatter = torque_noise(run.encoder, run.torque);
-  record.torque_noise = std::max(rounded, scatter);
-  record.has_measured_torque = scatter > std::max(std::pow(kMeasuredNoise * settings.rated_torque, 2), kRounded * kRounded * rounded);
+  record.has_measured_torque = settings.is_torque_measured;
+  record.torque_noise = settings.is_torque_measured ? std::max(scatter, rounded) : rounded;
+  if (!settings.is_torque_measured && scatter > std::max(std::pow(kMeasuredNoise * settings.rated_torque, 2), kRounded * kRounded * rounded)) {
+    record.remarks.push_back(fmt::format("{}: the torques scatter by {:.2g} Nm that no encoder reading tells; taken for commands of a controller that hears of more. If they were measured, say so: --measured-torque",
+                                         record.name, std::sqrt(scatter)));
+  }
 }
 
 void check_motors_alive(const std::vector<std::int64_t>& encoder_times, const AdmissionSettings& settings, double moving, const Record& record) {

@@ -87,7 +87,7 @@ struct Record {
   bool begins_on_flanks = false;  // of the gears, to which the torques push; else in the middle of their play
   double encoder_quantum = 0.0;        // [rad] smallest step that the encoder positions keep to; 0: none found
   Rounding torque_rounding;            // [Nm]
-  bool has_measured_torque = false;    // by their noise: what lies between command and torque does not show
+  bool has_measured_torque = false;    // so that what lies between command and torque does not show
   double torque_noise = 0.0;           // [Nm^2] white, of each motor's torque as it was measured (torque_noise.h) or written down, per command
   std::array<Rounding, kAccelerometerCount> acceleration_rounding{};  // [m/s^2]
   std::vector<std::string> remarks;    // what was mended or left out, one line each
@@ -133,6 +133,7 @@ struct AdmissionSettings {
   double rate_half_width = 0.0;  // [s] of the cubic through positions whose slope is their rate: 0.3 % low at the highest frequency judged
   double speed_window = 0.0;     // [s] half width over which speeds and rates of positions are compared
   double slow = 0.0;             // [s] half width of what is slower than the structure
+  bool is_torque_measured = false;  // TORQUE holds no commands, but what was measured
 };
 
 // [rad/s] of a motor, up to which it may be that of a load that swings on a machine at rest.

@@ -328,7 +328,7 @@ TEST(Diagnose, SaysNothingIsMissingOfALogThatBeginsWhileACraneAtRestStillSwings)
 
 // The logs that slewlab itself writes at a PLC's rate of 10 ms: no noise to hide behind, the boom cut as its file has it, and a model that steps as coarsely.
 Diagnosis diagnose_own_logs(const sim::MachineSettings& truth, const std::vector<std::vector<Move>>& manoeuvres, const DiagnosisSettings& diagnosis_settings = {},
-                            const std::function<void(msgs::RunLog&)>& as_recorded = {}) {
+                            const std::function<void(msgs::RunLog&)>& as_measured = {}) {
   controller::ControllerSettings controller = bench().controller;
   controller.period = 0.01;
   std::vector<Record> records;
@@ -340,11 +340,14 @@ Diagnosis diagnose_own_logs(const sim::MachineSettings& truth, const std::vector
     settings.duration = kDuration;
     for (const Move& move : moves) settings.operator_moves.push_back({.time = std::llround(move.time * 1e9), .speed_request = move.speed_request});
     msgs::RunLog log = logged_run(settings, {.sensors = 10'000'000, .truth = 1'000'000'000, .status = 1'000'000'000});
-    if (as_recorded) as_recorded(log);
-    records.push_back(make_record(log, fmt::format("own {}", records.size()), bench().admission));
+    AdmissionSettings admission = bench().admission;
+    admission.is_torque_measured = as_measured != nullptr;
+    if (as_measured) as_measured(log);
+    records.push_back(make_record(log, fmt::format("own {}", records.size()), admission));
   }
   sim::MachineSettings nominal;
   nominal.crane = bench().crane;
+  if (as_measured) return diagnose(nominal, std::nullopt, std::move(records), diagnosis_settings);
   return diagnose(nominal, controller, std::move(records), diagnosis_settings);
 }
 

@@ -408,6 +408,7 @@ void check_options_of_an_axis(const DiagnoseOptions& options, common::InputProbl
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
     problems.push_back({{"--without", 0, 0}, "", name, fmt::format("a law of an axis's torque balance: one of {}", fmt::join(known, ", "))});
   }
+  if (options.is_torque_measured) problems.push_back({{"--measured-torque", 0, 0}, "", "", "an axis without it: of an axis every torque may have been measured"});
   if (options.threads) {
     problems.push_back({{"--threads", 0, 0}, "", std::to_string(*options.threads), "no --threads beside an axis, whose diagnosis takes about a second on one"});
   }
@@ -607,7 +608,8 @@ int diagnose_crane_logs(const sim::MachineFile& crane, const DiagnoseOptions& op
   const sim::MachineSettings nominal = sim::machine_settings(crane);
   std::optional<controller::ControllerSettings> controller;
   if (!options.controller.empty()) controller = controller::load_controller_file(options.controller).settings;
-  const diagnosis::Thresholds thresholds = diagnosis::thresholds_of(sim::describe(crane));
+  diagnosis::Thresholds thresholds = diagnosis::thresholds_of(sim::describe(crane));
+  thresholds.admission.is_torque_measured = options.is_torque_measured;
   MeasuredRuns measured = measured_runs(options.logs);
   std::vector<Record> admitted = admitted_records(measured, thresholds.admission);
   MeasuredRuns measured_unseen = measured_runs(options.unseen);
