@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "common/input_error.h"
 #include "tools/commands/option_check.h"
@@ -36,13 +37,12 @@ std::string given_too_often(const CLI::App& app, const CLI::ParseError& error) {
     command = command->get_subcommands().front();
     name += ' ' + command->get_name();
   }
-  for (const CLI::Option* option : command->get_options({})) {
-    if (!option->check_name(said.substr(0, colon))) continue;
-    const std::string names = option->get_name(false, true);
-    return name + ": " + names + (names.find(',') == std::string::npos ? " is" : ", one option by several names, is") + " given " +
-           said.substr(said.rfind(' ') + 1) + " times, expected once";
-  }
-  return {};
+  const std::vector<const CLI::Option*> options = command->get_options({});
+  const auto option = std::find_if(options.begin(), options.end(), [&](const CLI::Option* each) { return each->check_name(said.substr(0, colon)); });
+  if (option == options.end()) return {};
+  const std::string names = (*option)->get_name(false, true);
+  return name + ": " + names + (names.find(',') == std::string::npos ? " is" : ", one option by several names, is") + " given " +
+         said.substr(said.rfind(' ') + 1) + " times, expected once";
 }
 
 }  // namespace
