@@ -38,8 +38,6 @@ constexpr double kOtherLawTemper = 5.0;  // chosen: by which the evidence among 
 constexpr double kHiddenBeside = 0.12, kAboveTheNoise = 0.25, kSmallBesideNothing = 0.25;
 constexpr double kClearLead = 0.6;  // probability, beyond which no other answer can come to lead by that
 constexpr int kRoundsAsBuilt = 3;        // at most, of a fit of the nominal machine built otherwise: its boom cut as its file has it, or what every machine does
-constexpr double kOwnLog = 0.5;          // of what a finer boom leaves; chosen: own logs leave hundreds of times less, others as much
-constexpr std::size_t kAskedAsCut = 8;   // fits, cheapest first
 constexpr double kBetterAsCut = 20.0;    // fall of the cost, several times what chance lets it fall by
 constexpr double kBetterWithAll = 6.0;   // the same for what every machine does: only that it shows is asked
 constexpr int kMostValidated = 4;      // causes that are asked to predict before none is believed
@@ -129,18 +127,15 @@ Searched search_all(Problem& problem, FitResult base, const DiagnosisSettings& s
   return {std::move(base), std::move(screening), std::move(found)};
 }
 
-// A log that slewlab itself made of the machine's file without noise: on the boom as the file cuts it, next to nothing is left of what was left on a finer one, where parameters follow what the other mesh makes wrong.
-bool is_own_log(double mean_square_as_cut, double mean_square_finer) { return mean_square_as_cut < kOwnLog * std::min(1.0, mean_square_finer); }
-
-// Takes the boom as the machine's file cuts it where the fit shows that the log is slewlab's own, or where `is_last`, and it leaves more than noise, leaves less so. Another machine's boom is not cut at all.
-bool take_as_cut(Problem& problem, int as_cut, bool is_last, FitResult& fitted) {
+// Takes the boom as the machine's file cuts it where the fit leaves less on it: a log that slewlab itself made of that file. Without sensors' noise what another mesh does shows
+// below the noise as well, where parameters would follow it. Another machine's boom is not cut at all.
+bool take_as_cut(Problem& problem, int as_cut, FitResult& fitted) {
   if (problem.nominal.crane.boom.element_count == as_cut) return false;
   const sim::MachineSettings before = problem.nominal;
   sim::MachineSettings with = before;
   with.crane.boom.element_count = as_cut;
   FitResult other = go_on_with(problem, with, fitted);
-  const bool is_better = is_last && mean_square(fitted.difference) > 1.0 && other.cost < fitted.cost - kBetterAsCut;
-  if (is_better || is_own_log(mean_square(other.difference), mean_square(fitted.difference))) {
+  if (other.cost < fitted.cost - kBetterAsCut) {
     conclude(problem, other);
     fitted = std::move(other);
     return true;
@@ -149,40 +144,16 @@ bool take_as_cut(Problem& problem, int as_cut, bool is_last, FitResult& fitted) 
   return false;
 }
 
-// The same of a search whose best fit leaves less than the noise can be wrong by: on the finer boom it need not be that of the true cause.
-bool is_any_better_as_cut(Problem& problem, int as_cut, const Searched& searched) {
-  const FitResult& best = searched.best(problem.catalogue);
-  if (problem.nominal.crane.boom.element_count == as_cut || best.mean_square >= 1.0 - kNoise) return false;
-  std::vector<const FitResult*> asked{&searched.found.nothing};
-  for (const FitResult& one : searched.found.fits) {
-    if (stochastic_part(problem.catalogue, one.point).empty()) asked.push_back(&one);
-  }
-  std::stable_sort(asked.begin(), asked.end(), [](const FitResult* a, const FitResult* b) { return a->cost < b->cost; });
-  asked.resize(std::min(asked.size(), kAskedAsCut));
-  const sim::MachineSettings before = problem.nominal;
-  problem.nominal.crane.boom.element_count = as_cut;
-  std::vector<double> left(asked.size());
-  share_out(problem, asked.size(), [&](std::size_t i) {
-    FitResult other = fit_again(problem, *asked[i]);
-    settle(problem, other, kRoundsAsBuilt);
-    left[i] = mean_square(other.difference);
-  });
-  if (is_own_log(*std::min_element(left.begin(), left.end()), best.mean_square)) return true;
-  problem.nominal = before;
-  return false;
-}
-
 // The search on the machine as its records show it to be built: as parameters alone show it, as the best single effect does, or the best fit, and then again.
 Searched search_as_built(Problem& problem, int as_cut, FitResult& nominal_machine, const DiagnosisSettings& settings, Diagnosis& diagnosis, const Progress& tell) {
   std::vector<common::EffectInstance> of_all;
   if (nominal_machine.mean_square > 1.0) of_all = what_all_do(problem, settings.without);
-  const auto take_on = [&](bool is_last, FitResult& fitted) {
-    const bool is_as_cut = take_as_cut(problem, as_cut, is_last, fitted);
+  const auto take = [&](FitResult& fitted) {
+    const bool is_as_cut = take_as_cut(problem, as_cut, fitted);
     if (!take_what_shows(problem, of_all, fitted)) return is_as_cut;
     diagnosis.of_every_machine = std::exchange(of_all, {});
     return true;
   };
-  const auto take = [&](FitResult& fitted) { return take_on(false, fitted); };
   const auto search_from = [&](const FitResult& start) {
     tell(kFitParameters.from, "fitting the parameters alone");
     FitResult base = fit_nuisances(problem, start);
@@ -192,7 +163,7 @@ Searched search_as_built(Problem& problem, int as_cut, FitResult& nominal_machin
   const int first_count = problem.nominal.crane.boom.element_count;
   Searched searched = search_from(nominal_machine);
   FitResult best = searched.best(problem.catalogue);
-  if (take_on(true, best) || is_any_better_as_cut(problem, as_cut, searched)) searched = search_from(nominal_fit(problem));
+  if (take(best)) searched = search_from(nominal_fit(problem));
   if (problem.nominal.crane.boom.element_count != first_count) nominal_machine = nominal_fit(problem);
   return searched;
 }
