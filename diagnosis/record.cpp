@@ -20,6 +20,7 @@ constexpr int kLongestBridge = 3;     // missing messages in a row that are brid
 constexpr double kOnGrid = 0.01;         // [steps] by which a sensor's instant may miss the grid and still be on it
 // At least, of rounded values; chosen: more levels than a test's torques have, while a coarse sensor reads few and seldom changes.
 constexpr double kRounded = 1.5;          // times the rounding's deviation, from which on torques scatter by more than that
+constexpr double kCommandScatter = 1e-5;  // of the rated torque, below which a command's own numbers and what is not linear in its controller are all that scatters
 constexpr double kMeasuredNoise = 5e-4;   // of the rated torque; chosen: below what measures torques, above what is not linear in a controller
 constexpr std::size_t kChanges = 100, kPositionLevels = 2, kTorqueLevels = 32, kAccelerationChanges = 10, kAccelerationLevels = 2;
 constexpr double kMoving = 0.2;          // of the record's largest speed, above which a motor turns
@@ -444,7 +445,8 @@ void take_wire(const msgs::RunLog& run, const AdmissionSettings& settings, Recor
   record.torque_rounding = find_rounding(torque, kChanges, kTorqueLevels);
   const double rounded = variance_of(record.torque_rounding), scatter = torque_noise(run.encoder, run.torque);
   record.has_measured_torque = settings.is_torque_measured;
-  record.torque_noise = settings.is_torque_measured ? std::max(scatter, rounded) : rounded;
+  const bool is_of_numbers = scatter < std::pow(kCommandScatter * settings.rated_torque, 2);
+  record.torque_noise = settings.is_torque_measured || is_of_numbers ? std::max(scatter, rounded) : rounded;
   if (!settings.is_torque_measured && scatter > std::max(std::pow(kMeasuredNoise * settings.rated_torque, 2), kRounded * kRounded * rounded)) {
     record.remarks.push_back(fmt::format("{}: the torques scatter by {:.2g} Nm that no encoder reading tells; taken for commands of a controller that hears of more. If they were measured, say so: --measured-torque",
                                          record.name, std::sqrt(scatter)));
