@@ -129,13 +129,14 @@ Searched search_all(Problem& problem, FitResult base, const DiagnosisSettings& s
 
 // Takes the boom as the machine's file cuts it where the fit leaves less on it: a log that slewlab itself made of that file. Without sensors' noise what another mesh does shows
 // below the noise as well, where parameters would follow it. Another machine's boom is not cut at all.
-bool take_as_cut(Problem& problem, int as_cut, FitResult& fitted) {
+bool take_as_cut(Problem& problem, int as_cut, bool is_last, FitResult& fitted) {
   if (problem.nominal.crane.boom.element_count == as_cut) return false;
   const sim::MachineSettings before = problem.nominal;
   sim::MachineSettings with = before;
   with.crane.boom.element_count = as_cut;
   FitResult other = go_on_with(problem, with, fitted);
-  if (other.cost < fitted.cost - kBetterAsCut) {
+  const bool is_below_noise = mean_square(other.difference) < 0.5;  // chosen: as no sensors leave it
+  if (other.cost < fitted.cost - kBetterAsCut && (is_below_noise || (is_last && mean_square(fitted.difference) > 1.0))) {
     conclude(problem, other);
     fitted = std::move(other);
     return true;
@@ -148,8 +149,9 @@ bool take_as_cut(Problem& problem, int as_cut, FitResult& fitted) {
 Searched search_as_built(Problem& problem, int as_cut, FitResult& nominal_machine, const DiagnosisSettings& settings, Diagnosis& diagnosis, const Progress& tell) {
   std::vector<common::EffectInstance> of_all;
   if (nominal_machine.mean_square > 1.0) of_all = what_all_do(problem, settings.without);
+  bool is_last = false;
   const auto take = [&](FitResult& fitted) {
-    const bool is_as_cut = take_as_cut(problem, as_cut, fitted);
+    const bool is_as_cut = take_as_cut(problem, as_cut, is_last, fitted);
     if (!take_what_shows(problem, of_all, fitted)) return is_as_cut;
     diagnosis.of_every_machine = std::exchange(of_all, {});
     return true;
@@ -163,6 +165,7 @@ Searched search_as_built(Problem& problem, int as_cut, FitResult& nominal_machin
   const int first_count = problem.nominal.crane.boom.element_count;
   Searched searched = search_from(nominal_machine);
   FitResult best = searched.best(problem.catalogue);
+  is_last = true;
   if (take(best)) searched = search_from(nominal_fit(problem));
   if (problem.nominal.crane.boom.element_count != first_count) nominal_machine = nominal_fit(problem);
   return searched;
