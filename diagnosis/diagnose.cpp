@@ -38,6 +38,7 @@ constexpr double kOtherLawTemper = 5.0;  // chosen: by which the evidence among 
 constexpr double kHiddenBeside = 0.12, kAboveTheNoise = 0.25, kSmallBesideNothing = 0.25;
 constexpr double kClearLead = 0.6;  // probability, beyond which no other answer can come to lead by that
 constexpr int kRoundsAsBuilt = 3;        // at most, of a fit of the nominal machine built otherwise: its boom cut as its file has it, or what every machine does
+constexpr double kOwnLog = 0.5;          // mean square that no sensors' noise leaves as low; chosen
 constexpr double kBetterAsCut = 20.0;    // fall of the cost, several times what chance lets it fall by
 constexpr double kBetterWithAll = 6.0;   // the same for what every machine does: only that it shows is asked
 constexpr int kMostValidated = 4;      // causes that are asked to predict before none is believed
@@ -83,12 +84,18 @@ struct Searched {
   }
 };
 
-// A fit goes on with the nominal machine built otherwise, which stays so.
-FitResult go_on_with(Problem& problem, const sim::MachineSettings& nominal, const FitResult& fitted) {
-  problem.nominal = nominal;
+// A fit goes on with the nominal machine built otherwise, and both stay so where that is better.
+bool take_built_otherwise(Problem& problem, sim::MachineSettings otherwise, FitResult& fitted, const std::function<bool(const FitResult& other)>& is_better) {
+  std::swap(problem.nominal, otherwise);
   FitResult other = fit_again(problem, fitted);
   settle(problem, other, kRoundsAsBuilt);
-  return other;
+  if (!is_better(other)) {
+    std::swap(problem.nominal, otherwise);
+    return false;
+  }
+  conclude(problem, other);
+  fitted = std::move(other);
+  return true;
 }
 
 // What every machine does, as it is; nothing of what the file has or the catalogue lacks, or the user left out.
@@ -105,17 +112,9 @@ std::vector<common::EffectInstance> what_all_do(const Problem& problem, std::spa
 // not, and small swings do not show it.
 bool take_what_shows(Problem& problem, const std::vector<common::EffectInstance>& of_all, FitResult& fitted) {
   if (of_all.empty()) return false;
-  const sim::MachineSettings before = problem.nominal;
-  sim::MachineSettings with = before;
+  sim::MachineSettings with = problem.nominal;
   with.effects.insert(with.effects.end(), of_all.begin(), of_all.end());
-  FitResult other = go_on_with(problem, with, fitted);
-  if (other.cost < fitted.cost - kBetterWithAll) {
-    conclude(problem, other);
-    fitted = std::move(other);
-    return true;
-  }
-  problem.nominal = before;
-  return false;
+  return take_built_otherwise(problem, std::move(with), fitted, [&](const FitResult& other) { return other.cost < fitted.cost - kBetterWithAll; });
 }
 
 Searched search_all(Problem& problem, FitResult base, const DiagnosisSettings& settings, const TakesMore& takes_more, const Progress& tell) {
@@ -131,31 +130,25 @@ Searched search_all(Problem& problem, FitResult base, const DiagnosisSettings& s
 // below the noise as well, where parameters would follow it. Another machine's boom is not cut at all.
 bool take_as_cut(Problem& problem, int as_cut, bool is_last, FitResult& fitted) {
   if (problem.nominal.crane.boom.element_count == as_cut) return false;
-  const sim::MachineSettings before = problem.nominal;
-  sim::MachineSettings with = before;
+  sim::MachineSettings with = problem.nominal;
   with.crane.boom.element_count = as_cut;
-  FitResult other = go_on_with(problem, with, fitted);
-  const bool is_below_noise = mean_square(other.difference) < 0.5;  // chosen: as no sensors leave it
-  if (other.cost < fitted.cost - kBetterAsCut && (is_below_noise || (is_last && mean_square(fitted.difference) > 1.0))) {
-    conclude(problem, other);
-    fitted = std::move(other);
-    return true;
-  }
-  problem.nominal = before;
-  return false;
+  return take_built_otherwise(problem, std::move(with), fitted, [&](const FitResult& other) {
+    const bool may_be = mean_square(other.difference) < kOwnLog || (is_last && mean_square(fitted.difference) > 1.0);
+    return may_be && other.cost < fitted.cost - kBetterAsCut;
+  });
 }
 
 // The search on the machine as its records show it to be built: as parameters alone show it, as the best single effect does, or the best fit, and then again.
 Searched search_as_built(Problem& problem, int as_cut, FitResult& nominal_machine, const DiagnosisSettings& settings, Diagnosis& diagnosis, const Progress& tell) {
   std::vector<common::EffectInstance> of_all;
   if (nominal_machine.mean_square > 1.0) of_all = what_all_do(problem, settings.without);
-  bool is_last = false;
-  const auto take = [&](FitResult& fitted) {
+  const auto take_of = [&](bool is_last, FitResult& fitted) {
     const bool is_as_cut = take_as_cut(problem, as_cut, is_last, fitted);
     if (!take_what_shows(problem, of_all, fitted)) return is_as_cut;
     diagnosis.of_every_machine = std::exchange(of_all, {});
     return true;
   };
+  const auto take = [&](FitResult& fitted) { return take_of(false, fitted); };
   const auto search_from = [&](const FitResult& start) {
     tell(kFitParameters.from, "fitting the parameters alone");
     FitResult base = fit_nuisances(problem, start);
@@ -165,8 +158,7 @@ Searched search_as_built(Problem& problem, int as_cut, FitResult& nominal_machin
   const int first_count = problem.nominal.crane.boom.element_count;
   Searched searched = search_from(nominal_machine);
   FitResult best = searched.best(problem.catalogue);
-  is_last = true;
-  if (take(best)) searched = search_from(nominal_fit(problem));
+  if (take_of(true, best)) searched = search_from(nominal_fit(problem));
   if (problem.nominal.crane.boom.element_count != first_count) nominal_machine = nominal_fit(problem);
   return searched;
 }

@@ -18,10 +18,10 @@ constexpr double kNanosecond = 1e-9;  // [s]
 constexpr int kTripped = 2, kBraked = 3;  // drive_state of PLANT_STATUS
 constexpr int kLongestBridge = 3;     // missing messages in a row that are bridged
 constexpr double kOnGrid = 0.01;         // [steps] by which a sensor's instant may miss the grid and still be on it
-// At least, of rounded values; chosen: more levels than a test's torques have, while a coarse sensor reads few and seldom changes.
 constexpr double kRounded = 1.5;          // times the rounding's deviation, from which on torques scatter by more than that
 constexpr double kCommandScatter = 1e-5;  // of the rated torque, below which a command's own numbers and what is not linear in its controller are all that scatters
 constexpr double kMeasuredNoise = 5e-4;   // of the rated torque; chosen: below what measures torques, above what is not linear in a controller
+// At least, of rounded values; chosen: more levels than a test's torques have, while a coarse sensor reads few and seldom changes.
 constexpr std::size_t kChanges = 100, kPositionLevels = 2, kTorqueLevels = 32, kAccelerationChanges = 10, kAccelerationLevels = 2;
 constexpr double kMoving = 0.2;          // of the record's largest speed, above which a motor turns
 constexpr double kPushing = 0.05;  // of the record's largest torque, above which the motors are on their way
@@ -430,7 +430,7 @@ bool begins_in_motion(const msgs::RunLog& run, const Record& record, const Admis
 }
 
 // What the controller's replay needs, as it went over the wire.
-void take_wire(const msgs::RunLog& run, const AdmissionSettings& settings, Record& record) {
+void take_wire(const msgs::RunLog& run, Record& record) {
   for (const msgs::Operator& message : run.operator_moves) {
     record.operator_moves.push_back({message.simulated_time, message.speed_request, message.emergency_stop != 0,
                                      message.acknowledge != 0});
@@ -443,6 +443,10 @@ void take_wire(const msgs::RunLog& run, const AdmissionSettings& settings, Recor
   for (const msgs::Torque& message : run.torque) torque.push_back(message.motor_torque[0]);
   record.encoder_quantum = find_rounding(position, kChanges, kPositionLevels).step;
   record.torque_rounding = find_rounding(torque, kChanges, kTorqueLevels);
+}
+
+// By how much the torques are off, as they were written down or measured.
+void take_torque_noise(const msgs::RunLog& run, const AdmissionSettings& settings, Record& record) {
   const double rounded = variance_of(record.torque_rounding), scatter = torque_noise(run.encoder, run.torque);
   record.has_measured_torque = settings.is_torque_measured;
   const bool is_of_numbers = scatter < std::pow(kCommandScatter * settings.rated_torque, 2);
@@ -501,12 +505,13 @@ Record unchecked_record(const msgs::RunLog& run, const std::string& name, const 
   } else {
     record.remarks.push_back(fmt::format("{}: no SENSORS messages; with encoders and torques alone what is said of house, boom and load is a hint", name));
   }
-  take_wire(run, settings, record);
+  take_wire(run, record);
   return record;
 }
 
 Record make_record(const msgs::RunLog& run, const std::string& name, const AdmissionSettings& settings) {
   Record record = unchecked_record(run, name, settings);
+  take_torque_noise(run, settings, record);
   double largest_speed = 0.0;
   for (const double speed : record.shaft_speed[0]) largest_speed = std::max(largest_speed, std::fabs(speed));
   if (largest_speed == 0.0) throw NotAdmitted(fmt::format("{}: the motors never turn", name));

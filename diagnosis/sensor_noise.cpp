@@ -6,6 +6,8 @@
 #include <limits>
 #include <vector>
 
+#include "diagnosis/median_deviation.h"
+
 namespace slewlab::diagnosis {
 
 namespace {
@@ -14,17 +16,12 @@ namespace {
 double noise_variance(std::vector<double> values) {
   constexpr std::size_t kOrders = 6;
   double least = std::numeric_limits<double>::infinity(), gain = 1.0;
-  std::vector<double> sizes;
   for (std::size_t order = 1; order <= kOrders && values.size() > 1; ++order) {
     for (std::size_t n = 1; n < values.size(); ++n) values[n - 1] = values[n] - values[n - 1];
     values.pop_back();
     gain *= 2.0 * static_cast<double>(2 * order - 1) / static_cast<double>(order);
     if (order < 2) continue;
-    sizes.clear();
-    for (const double value : values) sizes.push_back(std::fabs(value));
-    const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-    std::nth_element(sizes.begin(), middle, sizes.end());
-    const double deviation = *middle / 0.6745;  // of a normal distribution, by its median size
+    const double deviation = median_deviation(values);
     least = std::min(least, deviation * deviation / gain);
   }
   return std::isfinite(least) ? least : 0.0;

@@ -266,12 +266,12 @@ namespace {
 // [Nm] per motor; of torques that were measured the mean over the next ones, as far as noise alone parts them: a beginning that one reading's noise places rings for a second.
 double torque_from(const Record& record, std::size_t group, std::size_t point) {
   constexpr std::size_t kReadings = 10;
-  constexpr double kNoiseAlone = 4.0;  // deviations
+  constexpr double kDeviations = 4.0;  // up to which noise alone parts two readings
   const std::vector<double>& torque = record.motor_torque[group];
   if (!record.has_measured_torque) return torque[point];
   double sum = torque[point], count = 1.0;
   for (std::size_t n = point + 1; n < std::min(torque.size(), point + kReadings); ++n, count += 1.0) {
-    if (std::fabs(torque[n] - sum / count) > kNoiseAlone * std::sqrt(record.torque_noise * (1.0 + 1.0 / count))) break;
+    if (std::fabs(torque[n] - sum / count) > kDeviations * std::sqrt(record.torque_noise * (1.0 + 1.0 / count))) break;
     sum += torque[n];
   }
   return sum / count;

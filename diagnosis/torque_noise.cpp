@@ -6,6 +6,8 @@
 #include <cmath>
 #include <cstddef>
 
+#include "diagnosis/median_deviation.h"
+
 namespace slewlab::diagnosis {
 
 namespace {
@@ -15,7 +17,6 @@ constexpr std::size_t kPerUnknown = 10;      // differences at least
 constexpr std::size_t kMost = 50'000;        // differences; of longer records every so many
 constexpr double kHeld = 0.4;                // share of torques that did not change, from which on they are held; chosen: noise seldom repeats
 constexpr double kGain = 20.0;               // 1 + 9 + 9 + 1, of white noise in third differences
-constexpr double kMedianSize = 0.6745;       // of a normal variable of deviation 1
 constexpr double kHuber = 2.0;               // [deviations] from which on a difference counts less
 constexpr int kRounds = 4;                   // of weights
 
@@ -31,13 +32,7 @@ Eigen::VectorXd some_of(const Eigen::VectorXd& differences, Eigen::Index from) {
   return differences(Eigen::seqN(from, (complete - 1) / step + 1, step));
 }
 
-double median_size(const Eigen::VectorXd& values) {
-  std::vector<double> sizes(static_cast<std::size_t>(values.size()));
-  for (std::size_t n = 0; n < sizes.size(); ++n) sizes[n] = std::fabs(values[static_cast<Eigen::Index>(n)]);
-  const auto middle = sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2);
-  std::nth_element(sizes.begin(), middle, sizes.end());
-  return *middle;
-}
+double deviation_of(const Eigen::VectorXd& values) { return median_deviation({values.begin(), values.end()}); }
 
 bool is_held(const Eigen::VectorXd& torque) {
   Eigen::Index unchanged = 0;
@@ -83,7 +78,7 @@ Eigen::VectorXd left_by(const Eigen::MatrixXd& columns, const Eigen::VectorXd& w
     Eigen::MatrixXd normal = columns.transpose() * weighted;
     normal.diagonal().array() += 1e-9 * static_cast<double>(wanted.size());  // of columns that say the same
     left = wanted - columns * normal.ldlt().solve(weighted.transpose() * wanted);
-    const double most = kHuber * median_size(left) / kMedianSize;
+    const double most = kHuber * deviation_of(left);
     if (most == 0.0) break;
     weight = left.unaryExpr([&](double one) { return std::min(1.0, most / std::fabs(one)); });
   }
@@ -102,7 +97,7 @@ double torque_noise(const std::vector<msgs::Encoder>& encoder, const std::vector
     Eigen::VectorXd commanded(static_cast<Eigen::Index>(torque.size()));
     for (std::size_t n = 0; n < torque.size(); ++n) commanded[static_cast<Eigen::Index>(n)] = torque[n].motor_torque[g];
     if (is_held(commanded)) continue;
-    const double deviation = median_size(left_by(fast, some_of(third_difference(commanded), static_cast<Eigen::Index>(kReadings - 1)))) / kMedianSize;
+    const double deviation = deviation_of(left_by(fast, some_of(third_difference(commanded), static_cast<Eigen::Index>(kReadings - 1))));
     largest = std::max(largest, deviation * deviation / kGain);
   }
   return largest;

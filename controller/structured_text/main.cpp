@@ -28,16 +28,7 @@ int main(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    std::vector<std::string> known;
-    for (const CLI::Option* option : app.get_options()) {
-      for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
-    }
-    const auto unknown = error.get_exit_code() == 0 ? std::nullopt : common::unknown_option("slewlab-st-host", {argv, argv + argc}, known);
-    if (unknown) {  // before what is missing: it may have been meant for that
-      std::fprintf(stderr, "%s\n", unknown->c_str());
-      return 2;
-    }
-    return app.exit(error) == 0 ? 0 : 2;
+    return common::exit_code_of_refused("slewlab-st-host", app, error, argc, argv);
   }
   constexpr double kNanosecondsPerMillisecond = 1e6;
   const std::int64_t period = std::llround(period_ms * kNanosecondsPerMillisecond);

@@ -7,6 +7,7 @@
 #include <numeric>
 #include <stdexcept>
 
+#include "diagnosis/median_deviation.h"
 #include "diagnosis/rounding.h"
 
 namespace slewlab::diagnosis {
@@ -86,18 +87,11 @@ std::vector<double> withheld(const std::vector<double>& effort, double step, dou
   return rest;
 }
 
-double median(std::vector<double> values) {
-  if (values.empty()) return 0.0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 // Third differences of white noise have 1 + 9 + 9 + 1 = 20 times its variance; a smooth series has next to none.
 double noise_of_differences(const std::vector<double>& values) {
   std::vector<double> third;
-  for (std::size_t n = 3; n < values.size(); ++n) third.push_back(std::fabs(values[n] - 3.0 * values[n - 1] + 3.0 * values[n - 2] - values[n - 3]));
-  return median(std::move(third)) / 0.6745 / std::sqrt(20.0);  // 0.6745: median of |normal|
+  for (std::size_t n = 3; n < values.size(); ++n) third.push_back(values[n] - 3.0 * values[n - 1] + 3.0 * values[n - 2] - values[n - 3]);
+  return median_deviation(std::move(third)) / std::sqrt(20.0);
 }
 
 // 0 where nothing changes.

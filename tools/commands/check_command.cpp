@@ -124,13 +124,12 @@ void check_effect_names(const std::filesystem::path& file, const std::vector<com
   const YamlNode root = common::load_yaml_file(file, overrides, ignored);
   const YamlNode* effects = root.find("effects");
   if (effects == nullptr) return;
-  std::vector<std::string> names;
-  for (const sim::EffectDescription* effect : sim::effect_catalogue()) names.emplace_back(effect->about.name);
+  common::EffectCatalogue all;
+  for (const sim::EffectDescription* effect : sim::effect_catalogue()) all.effects.push_back(effect->about);
   for (std::size_t i = 0; i < effects->items.size(); ++i) {
     const YamlNode* name = effects->items[i].find("effect");
-    if (name == nullptr || name->kind != YamlNode::Kind::scalar || std::find(names.begin(), names.end(), name->scalar) != names.end()) continue;
-    const std::optional<std::string> near = common::nearest_name(name->scalar, names);
-    problems.push_back({name->mark, "effects." + std::to_string(i) + ".effect", name->scalar, near ? "the name of an effect; '" + *near + "' is near" : common::known_names_text(name->scalar, names)});
+    if (name == nullptr || name->kind != YamlNode::Kind::scalar || all.find(name->scalar) != nullptr) continue;
+    problems.push_back({name->mark, "effects." + std::to_string(i) + ".effect", name->scalar, common::expected_effect_name(all, name->scalar)});
   }
 }
 

@@ -408,7 +408,7 @@ void check_options_of_an_axis(const DiagnoseOptions& options, common::InputProbl
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
     problems.push_back({{"--without", 0, 0}, "", name, fmt::format("a law of an axis's torque balance: one of {}", fmt::join(known, ", "))});
   }
-  if (options.is_torque_measured) problems.push_back({{"--measured-torque", 0, 0}, "", "", "an axis without it: of an axis every torque may have been measured"});
+  if (options.is_torque_measured) problems.push_back({{"--measured-torque", 0, 0}, "", "it", "no --measured-torque beside an axis, of which every torque may have been measured"});
   if (options.threads) {
     problems.push_back({{"--threads", 0, 0}, "", std::to_string(*options.threads), "no --threads beside an axis, whose diagnosis takes about a second on one"});
   }

@@ -280,6 +280,7 @@ TEST_F(DiagnoseCommand, NamesWhatIsWrongOnTheCommandLineBeforeAnyWork) {
   const std::string axis = kConfig + "axes/example_axis.yaml";
   expect_refused({"--axis", axis, "--log", log(), "--without", "dragging_brake"}, 1, {"--without", "dragging_brake", "dry, viscous, offset"});
   expect_refused({"--axis", axis, "--log", log(), "--threads", "4"}, 1, {"--threads", "found 4", "no --threads beside an axis"});
+  expect_refused({"--axis", axis, "--log", log(), "--measured-torque"}, 1, {"--measured-torque: found it, expected no --measured-torque beside an axis"});
   expect_refused({"--crane", crane, "--log", log(), "--log", log()}, 1, {"--log", log(), "each log once"});
   expect_refused({"--crane", crane, "--log", "/nowhere/run.lcmlog"}, 1, {"/nowhere/run.lcmlog", "No such file"});
   std::ofstream(out()) << "a file\n";
