@@ -359,6 +359,7 @@ class DiagnosisTest(unittest.TestCase):
             # A log may be named by the folder of its run.
             found = slewlab.diagnose(slewlab.config("axes/example_axis.yaml"), [logs[0].parent, logs[1]])
             self.one_log_and_a_machine(logs, Path(folder) / "found")
+            self.options_of_the_command(logs)
         self.assertTrue(found.gap)
         self.assertIsNone(found.folder)
         self.assertIn("dry", found.causes[0].effects)
@@ -380,6 +381,14 @@ class DiagnosisTest(unittest.TestCase):
         one = slewlab.diagnose(machine, str(logs[1]))
         self.assertEqual(one.raw, slewlab.diagnose(machine.path, [logs[1]]).raw)
 
+    def options_of_the_command(self, logs):
+        axis = slewlab.config("axes/example_axis.yaml")
+        found = slewlab.diagnose(axis, logs[0], unseen=logs[1], without=["dry"])
+        self.assertEqual([Path(told).name for told in found.raw["validation"]["on"]], [logs[1].name])
+        self.assertNotIn("dry", [effect for cause in found.causes for effect in cause.effects])
+        with self.assertRaisesRegex(slewlab.ProgramFailed, "expected no --measured-torque beside an axis"):
+            slewlab.diagnose(axis, logs, measured_torque=True)
+
     def test_records_that_cannot_tell_are_an_exception_with_the_reasons(self):
         with tempfile.TemporaryDirectory() as folder:
             log = Path(folder) / "run.lcmlog"
@@ -397,6 +406,8 @@ class DiagnosisTest(unittest.TestCase):
         for wrong, words in ((lambda: slewlab.diagnose(scenario, "a.lcmlog"), "expected the path of a crane's or an axis's file, or a Machine"),
                              (lambda: slewlab.diagnose(machine, scenario.run()), "run(log=PATH) writes one"),
                              (lambda: slewlab.diagnose(machine, "a.lcmlog", controller=machine), "expected the path of a controller's file"),
+                             (lambda: slewlab.diagnose(machine, "a.lcmlog", without="load_mass"), "expected a list of effects"),
+                             (lambda: slewlab.diagnose(machine, "a.lcmlog", unseen=scenario.run()), "run(log=PATH) writes one"),
                              (lambda: slewlab.Machine(machine), "expected the path of a crane's or an axis's file"),
                              (lambda: slewlab.Scenario(scenario), "expected the path of a scenario's file"),
                              (lambda: slewlab.check(machine), "expected the path of a file of slewlab")):

@@ -89,8 +89,6 @@ def _paths(logs: Any) -> list[Path]:
     for log in given:
         if not isinstance(log, (str, os.PathLike, Log)):
             raise TypeError(f"found {log!r} for a log, expected a path or what open_log() gave; of a run in this process, run(log=PATH) writes one")
-    if not given:
-        raise ValueError("found no log, expected at least one")
     return [log.path if isinstance(log, Log) else Path(log) for log in given]
 
 
@@ -115,20 +113,29 @@ def _file_of(machine: Any, folder: Path) -> Iterator[Path]:
         raise
 
 
-def diagnose(machine: Machine | str | Path, logs: Log | str | Path | Iterable[Log | str | Path], *, controller: str | Path | None = None,
-             out: str | Path | None = None, threads: int | None = None) -> Diagnosis:
-    """Diagnoses a measured log, or several, of a crane or an axis against its file or a Machine, as `slewlab diagnose` does. Without `out`
+def diagnose(machine: Machine | str | Path, logs: Log | str | Path | Iterable[Log | str | Path], *,
+             unseen: Log | str | Path | Iterable[Log | str | Path] = (), controller: str | Path | None = None, without: Iterable[str] = (),
+             measured_torque: bool = False, out: str | Path | None = None, threads: int | None = None) -> Diagnosis:
+    """Diagnoses a measured log, or several, of a crane or an axis against its file or a Machine, as `slewlab diagnose` does. `unseen` logs
+    have no part in the answer, which is tried on them; `without` names effects that the catalogue is to do without (of an axis: laws of its
+    torque balance); `measured_torque` says that a crane's torques were measured, not commanded, so that their scatter is noise. Without `out`
     the files go with the temporary folder they were made in. CannotTell, with the reasons, where the records are refused; ProgramFailed, with
     what was said, where a file is wrong."""
-    paths = _paths(logs)
+    paths, unseen_paths = _paths(logs), _paths(unseen)
+    if not paths:
+        raise ValueError("found no log, expected at least one")
+    if isinstance(without, str):
+        raise TypeError(f"found {without!r} for without, expected a list of effects: [{without!r}]")
     with tempfile.TemporaryDirectory() as temporary:
         folder = Path(out) if out is not None else Path(temporary) / "findings"
         with _file_of(machine, folder) as file:
             words = [program(), "diagnose", "--crane", str(file), "--out", str(folder)]
             words += ["--threads", str(threads)] if threads is not None else []
             words += ["--controller", str(path_of(controller, "a controller's file"))] if controller is not None else []
-            for log in paths:
-                words += ["--log", str(log)]
+            words += ["--measured-torque"] if measured_torque else []
+            for option, given in (("--log", paths), ("--unseen", unseen_paths), ("--without", without)):
+                for one in given:
+                    words += [option, str(one)]
             try:
                 call(words)
             except ProgramFailed as failed:
