@@ -11,16 +11,17 @@ namespace slewlab::diagnosis {
 
 namespace {
 
-// The machine whose teeth never part and in which nothing but what is linear acts while it runs: what it answers grows with what it is asked.
-sim::MachineSettings linear(sim::MachineSettings machine) {
-  machine.crane.drive.gearbox_play = 0.0;
-  machine.crane.drive.pinion_play = 0.0;
+// What follows where nothing but what is linear acts while the machine runs and its teeth never part: what it answers grows with what it is asked. Play may be the crane's
+// or an effect's.
+Follower linear(sim::MachineSettings machine, const Grid& grid, const ForceSteps& force_steps) {
   std::erase_if(machine.effects, [](const common::EffectInstance& effect) {
     const sim::EffectDescription* description = sim::find_effect(effect.name);
     if (description != nullptr && description->about.linear) return false;
     return description == nullptr || std::any_of(description->ports.begin(), description->ports.end(), [](sim::EffectPort port) { return port != sim::EffectPort::parameters; });
   });
-  return machine;
+  Follower follower = follower_of(machine, grid, force_steps);
+  for (sim::GearContact& gear : follower.machine.model.gear) gear.half_play = 0.0;
+  return follower;
 }
 
 // A record of a machine that stands, on the grid of `record` and with its sensors.
@@ -61,9 +62,9 @@ std::vector<double> power(const std::vector<double>& values) {
 
 NoiseResponse noise_response(const sim::MachineSettings& nominal, const Record& record, const ShadowGains& gains, std::size_t length, const ForceSteps& force_steps) {
   NoiseResponse response;
-  const sim::MachineSettings machine = linear(nominal);
   Record still = standing(record, length);
   DriveCourse drives = idle_drives(still);
+  const Follower follower = linear(nominal, grid_of(still), force_steps);
   const std::size_t cycle = reading_stride(record);
   // Behind the time in which the tip sensor's offset is taken, for which a reading that is off would be taken.
   const std::size_t place = std::min(length / 2, static_cast<std::size_t>(gains.first_offset / record.step) + cycle + 1);
@@ -71,7 +72,7 @@ NoiseResponse noise_response(const sim::MachineSettings& nominal, const Record& 
   const auto answer = [&] {
     Shadow differences;
     std::vector<Shadowing> alone;
-    alone.push_back({follower_of(machine, grid_of(still), force_steps), 0.0, {}, &differences});
+    alone.push_back({follower, 0.0, {}, &differences});
     shadow(std::move(alone), still, drives, gains);
     SourceResponse powers;
     for (std::size_t g = 0; g < groups; ++g) powers.torque[g] = power(differences.missing_torque[g]);

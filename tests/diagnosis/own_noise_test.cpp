@@ -75,10 +75,12 @@ TEST(OwnNoise, IsWhatIsLeftOfNoiseAloneByAnotherMachine) {
   }
 }
 
-// A force that acts while the machine runs and is not linear, as dry friction, changes nothing; a linear one does.
+// A force that acts while the machine runs and is not linear, as dry friction, changes nothing, nor does play, whose teeth lie on their flanks; a linear force does.
 TEST(OwnNoise, KnowsWhatIsLinear) {
   Standing problem;
-  Point dry, viscous;
+  Point dry, viscous, play;
+  play.effects = {common::typical_instance(problem.catalogue.at("larger_play"))};
+  EXPECT_LT((own_noise(problem, play).array() - 1.0).abs().maxCoeff(), 1e-9);
   dry.effects = {common::typical_instance(problem.catalogue.at("bearing_coulomb"))};
   viscous.effects = {common::typical_instance(problem.catalogue.at("bearing_viscous"))};
   viscous.effects.front().values[0] *= 10.0;
