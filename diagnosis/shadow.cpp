@@ -247,6 +247,7 @@ void start(sim::Machine& machine, const Record& record, const Beginning& beginni
     const GroupAngles places = places_on_flanks(machine.model, record, 0, acceleration);
     for (std::size_t i = 0; i < places.size(); ++i) machine.state.motor_angle[i] += places[i];
   }
+  for (std::size_t i = 0; i < static_cast<std::size_t>(record.group_count); ++i) machine.state.motor_angle[i] += beginning.motor_offset[i];
   incline_load(machine, {beginning.swing, beginning.swing_rate}, {beginning.rod, beginning.rod_rate});
   const sim::DriveParameters& drive = machine.model.parameters.drive;
   const double rated = drive.group_count * drive.motors_per_group * drive.rated_torque * machine.model.ratio;
@@ -375,11 +376,9 @@ Observer::Observer(Follower follower, const Record& record, const ShadowGains& g
       first_(static_cast<std::size_t>(gains.first_offset / record.step)) {
   start(machine_, record, beginning, gains.first_slope);
   for (std::size_t i = 0; i < groups_; ++i) {
-    origin_[i] = record.shaft_position[i][0] - (machine_.state.motor_angle[i] + beginning.motor_offset[i]) * machine_.model.ratio;
+    origin_[i] = record.shaft_position[i][0] - machine_.state.motor_angle[i] * machine_.model.ratio;
   }
-  GroupAngles first{};
-  for (std::size_t i = 0; i < groups_; ++i) first[i] = beginning.motor_offset[i] * machine_.model.ratio;
-  past_error_.assign(std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(gains.speed_window / record.step))), first);
+  past_error_.assign(std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(gains.speed_window / record.step))), GroupAngles{});
   speed_window_ = step_ * static_cast<double>(past_error_.size());
 }
 

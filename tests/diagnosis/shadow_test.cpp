@@ -106,5 +106,25 @@ TEST(Shadow, AMachineThatStandsOnASlopeBeginsBent) {
   EXPECT_LT(mean_square(differences(problem, sloping)), 1.3);
 }
 
+// A standing machine in the midst of its play, whose motors stand elsewhere in it than in the middle: they do so from the first moment on, and nothing has to push them there.
+TEST(Shadow, MotorsBeginWhereTheyStandInTheirPlay) {
+  sim::MachineSettings machine;
+  machine.crane = bench().crane;
+  constexpr std::size_t kCount = 200;
+  Record record;
+  record.step = record.encoder_period = 1e-2;
+  record.group_count = 2;
+  for (std::size_t g = 0; g < 2; ++g) {
+    for (auto* series : {&record.motor_torque[g], &record.shaft_speed[g], &record.shaft_position[g], &record.position_rate[g]}) series->assign(kCount, 0.0);
+  }
+  Beginning beginning;
+  const double place = 0.5 * sim::gear_contact(machine.crane).half_play;
+  beginning.motor_offset = {place, -place};
+  const Shadow follower = shadow(machine, record, bench_gains(), 0.0, beginning);
+  for (std::size_t g = 0; g < 2; ++g) {
+    for (const double missing : follower.missing_torque[g]) EXPECT_NEAR(missing, 0.0, 1e-9);
+  }
+}
+
 }  // namespace
 }  // namespace slewlab::diagnosis
