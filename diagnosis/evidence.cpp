@@ -23,6 +23,8 @@ double MisfitCost::slope(double left) const { return law_slope(left) + near_free
 
 namespace {
 
+constexpr double kNever = 1e-6;  // chance of a machine below which what it leaves is no measure for others: it fits noise by parameters that no machine has
+
 // The cause of one effect that leaves least; nothing missing where there is none.
 const Candidate& best_single(const std::vector<Candidate>& candidates) {
   const auto rank = [](const Candidate& candidate) {
@@ -40,7 +42,9 @@ Probabilities weigh(const std::vector<Candidate>& candidates, int single_count, 
   }
   if (nothing == nullptr) throw std::invalid_argument("no candidate stands for nothing missing");
   double floor = 0.0;
-  for (const Candidate& candidate : candidates) floor = std::min(floor, candidate.excess);
+  for (const Candidate& candidate : candidates) {
+    if (chance_of_prior(candidate.prior, candidate.information, settings.independent_share) >= kNever) floor = std::min(floor, candidate.excess);
+  }
   const double gap = nothing->excess - floor;
   const MisfitCost misfit_cost(settings, gap);
   const auto likelihood = [&](double left, const Candidate& candidate, double effects) {
@@ -54,7 +58,7 @@ Probabilities weigh(const std::vector<Candidate>& candidates, int single_count, 
     const double prior = candidate.effects.empty()       ? settings.prior_nothing
                          : candidate.effects.size() == 1 ? settings.prior_single / singles
                                                          : settings.prior_pair / (singles * (singles - 1.0) / 2.0);
-    score.push_back(std::log(prior) + likelihood(candidate.excess - floor, candidate, static_cast<double>(candidate.effects.size())));
+    score.push_back(std::log(prior) + likelihood(std::max(0.0, candidate.excess - floor), candidate, static_cast<double>(candidate.effects.size())));
   }
   const double unexplained = std::max(settings.unknown_floor, settings.unknown_share * gap);
   Candidate outside = best_single(candidates);

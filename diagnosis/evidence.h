@@ -3,7 +3,7 @@
 //   ln P(hypothesis | records) = ln prior - (M(c) + p + sum(ln(1 + w lambda)) + c_e * effects) / (2 T) + constant
 //   M(c) = k ln(1 + c / (k + r G)) + m ln(1 + c / (n + q G)),    w = s k / (k + r G + c)
 //
-// c is what the hypothesis leaves above the best one (above what the noise explains, where even the best leaves more), G
+// c is what the hypothesis leaves above the best one whose parameters a machine can have (above what the noise explains, where even the best leaves more), G
 // the gap: what parameters alone leave, counted the same way. The law of a real effect is never quite the catalogue's: of some
 // the true cause leaves a usual share r of the gap, of most no more than n + q G. With the size of that mismatch integrated out, misfits
 // count by their ratios. p is -2 ln of the prior where M + p is least (relax() in fit.h), and the sum, over the eigenvalues lambda of what the records say of

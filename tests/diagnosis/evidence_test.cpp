@@ -59,6 +59,18 @@ TEST(Evidence, OddsFollowTheFormula) {
   EXPECT_NEAR(p.candidate[1] / p.candidate[2], std::pow(1.5, 5.0) * std::pow(1.25, 2.0), 1e-9);
 }
 
+// What noise leaves to parameters that no machine has is no measure for the others: ten parameters that the records determine, whose squares of deviations sum to 150 in the pair; chi squared of 10 exceeds that in 3e-27.
+TEST(Evidence, AMachineThatNobodyBuildsSetsNoFloor) {
+  const Eigen::VectorXd ten = Eigen::VectorXd::Constant(10, 1e3);
+  const std::vector<Candidate> others{{{}, 400.0, 8.0, ten}, {{"a"}, -50.0, 12.0, ten}, {{"b"}, 60.0, 20.0, ten}};
+  std::vector<Candidate> all = others;
+  all.push_back({{"b", "c"}, -300.0, 150.0, ten});
+  EXPECT_DOUBLE_EQ(weigh(others, 40, {}).floor, -50.0);
+  EXPECT_DOUBLE_EQ(weigh(all, 40, {}).floor, -50.0);
+  all.back().prior = 15.0;
+  EXPECT_DOUBLE_EQ(weigh(all, 40, {}).floor, -300.0);
+}
+
 TEST(Evidence, TheSlopeOfAMisfitsCostIsItsDerivative) {
   const MisfitCost cost({}, 1e6);
   for (const double left : {0.0, 30.0, 4000.0, 1e6}) {
