@@ -25,6 +25,7 @@ constexpr int kFreshRounds = 10;                // at most, for a leader
 constexpr std::size_t kPairLeaders = 3;         // single effects beside which a second one is looked for
 constexpr int kMoreLooks = 2;                   // beside single effects that came on
 constexpr int kPairsPerLeader = 2;              // that are refined beside each of them but the best
+constexpr double kLeavesMuch = 2.0;              // mean square of what the nominal machine leaves, above which an effect may be hidden by where the parameters went
 constexpr double kDoubtful = 1000.0;            // excess of parameters alone below which they may be the answer
 constexpr std::size_t kFromBest = 4;             // fits that try the best one's machine
 constexpr std::size_t kFewSingles = 5;          // starts that are refined, up to which a search is short
@@ -421,15 +422,21 @@ std::vector<const Screened*> ranked_starts(const Problem& problem, const Screeni
   return ranked;
 }
 
-// Where parameters alone have gone farther than machines of one make do, they stand for what an effect says, and beside them it promises nothing: the catalogue is looked at from the
-// nominal machine as well, and refined from there.
+// Where the nominal machine leaves much, parameters alone may stand for what an effect says, and beside them it promises nothing: the catalogue is looked at from the nominal
+// machine as well, and refined from there. So where they have gone farther than machines of one make do.
 std::vector<FitResult> refined_from_nominal(Problem& problem, const FitResult& base, const Screening& screening, const SearchSettings& settings,
                                             std::map<std::string, std::string>& same_as) {
-  if (chance_of_prior(base.prior, base.information, problem.settings.independent_share) >= kFarTogether) return {};
   FitResult from = base;
   std::fill(from.point.nuisance.begin(), from.point.nuisance.end(), 0.0);
   from.difference = differences(problem, from.point);
-  const Screening there = screen(problem, from, projector_of(problem, from), best_starts(problem, screening), [](double, const std::string&) {});
+  if (mean_square(from.difference) < kLeavesMuch && chance_of_prior(base.prior, base.information, problem.settings.independent_share) >= kFarTogether) return {};
+  std::vector<common::EffectInstance> starts;  // those of one effect stand together
+  for (const common::EffectInstance& start : best_starts(problem, screening)) {
+    // What served best elsewhere may be far from what does here.
+    if (starts.empty() || starts.back().name != start.name) starts.push_back(common::typical_instance(problem.catalogue.at(start.name)));
+    starts.push_back(start);
+  }
+  const Screening there = screen(problem, from, projector_of(problem, from), starts, [](double, const std::string&) {});
   const std::vector<const Screened*> chosen = chosen_starts(problem, from, there, ranked_starts(problem, there), settings.singles_to_refine, same_as);
   std::vector<FitResult> refined(chosen.size());
   share_out(problem, chosen.size(), [&](std::size_t i) {
