@@ -161,7 +161,9 @@ Following follow(const Problem& problem, const Record& record, const WhiteningSe
 
 Whitening whitening_of(const Problem& problem, const Record& record, const Following& following, const WhiteningSettings& whitening) {
   const NoiseResponse response = noise_response(problem.nominal, record, problem.gains, transform_length(record.size()));
-  return make_whitening(record, following.trusted, response, following.follower, whitening);
+  Whitening made = make_whitening(record, following.trusted, response, following.follower, whitening);
+  add_flanks(record, following.follower, whitening, play_torque(problem), 0, record.size(), made);
+  return made;
 }
 
 // From the middle of the play, or where the torques push from the first moment on and the record is followed better from there, on the flanks: one
@@ -217,6 +219,10 @@ Following follow_from_its_beginning(const Problem& problem, Record& record, cons
 }
 
 }  // namespace
+
+double play_torque(const Problem& problem) {
+  return problem.gains.position * sim::gear_contact(problem.nominal.crane).half_play * sim::total_ratio(problem.nominal.crane.drive);
+}
 
 bool has_coarse_counts(std::span<const Record> records) {
   return std::any_of(records.begin(), records.end(), [](const Record& record) { return record.encoder_quantum >= kCoarseCount; });

@@ -29,6 +29,9 @@ Eigen::VectorXd own_noise(const Problem& problem, const Point& point) {
         variance(row++) = v;
       }
     }
+    const auto flanks = static_cast<Eigen::Index>(whitening.flanks.size());  // whose deviation is hardly noise
+    variance.segment(row, flanks).setOnes();
+    row += flanks;
   }
   return variance;
 }

@@ -170,6 +170,7 @@ Power power_of(const Problem& problem, std::span<const Eigen::VectorXd> changes)
       }
       smooth(whitening, power, result.profile, row);
     }
+    row += static_cast<Eigen::Index>(whitening.flanks.size());  // to which chance adds none
   }
   return result;
 }
@@ -244,6 +245,7 @@ Power unknown_power(const Problem& seen, const std::vector<ChannelAxes>& seen_ax
           visit(Key{channel.is_torque, channel.index, static_cast<int>(std::floor(std::log(frequency) / std::log(kBand)))}, row);
         }
       }
+      row += static_cast<Eigen::Index>(whitening.flanks.size());
     }
   };
   struct Sum {
@@ -298,6 +300,11 @@ FreePower free_power(const Problem& problem, const Eigen::VectorXd& difference) 
         b = end;
       }
     }
+    const auto flanks = static_cast<Eigen::Index>(whitening.flanks.size());
+    const double left = difference.segment(row, flanks).squaredNorm();
+    free.cost += left;
+    free.noise += std::min(left, static_cast<double>(flanks));
+    row += flanks;
   }
   return free;
 }

@@ -65,6 +65,7 @@ WhiteningSettings whitening_settings(const sim::MachineDescription& machine, dou
   settings.corner_from = 0.05 * highest;
   settings.before_impact = 0.3 * time;
   settings.after_impact = 2.5 * time;
+  settings.flank_part = 0.1 * time;
   settings.soft_edge = 0.4 * time;
   settings.count_smoothing = 0.1 * time;
   settings.least_torque = 4e-9 * machine.scales.motor_torque;

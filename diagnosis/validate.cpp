@@ -59,7 +59,10 @@ Whitening whitening_of_half(const Problem& problem, const WhiteningSettings& set
     std::fill(middle, trusted.end(), false);
   }
   const NoiseResponse response = noise_response(problem.nominal, last, problem.gains, transform_length(last.size()));
-  return make_whitening(last, trusted, response, follower, settings);
+  Whitening whitening = make_whitening(last, trusted, response, follower, settings);
+  const std::size_t half = last.size() / 2;
+  add_flanks(last, follower, settings, play_torque(problem), second ? half : 0, second ? last.size() : half, whitening);
+  return whitening;
 }
 
 // Of the stretch from the first point to the last one that is judged.

@@ -435,6 +435,8 @@ void whiten(const Whitening& whitening, const Shadow& shadow, TransformRoom& roo
       }
     }
   }
+  Eigen::Index row = whitening.spectra_size();
+  for (const FlankPart& part : whitening.flanks) result(row++) = part.weight * beside_the_first(shadow, part);
 }
 
 }  // namespace slewlab::diagnosis

@@ -17,6 +17,7 @@
 #include <unsupported/Eigen/FFT>
 #include <vector>
 
+#include "diagnosis/flanks.h"
 #include "diagnosis/noise_response.h"
 #include "diagnosis/record.h"
 #include "diagnosis/shadow.h"
@@ -34,6 +35,7 @@ struct WhiteningSettings {
   double encoder_noise_from = 0.0;   // [Hz] from which torque channels hold the encoders' noise alone
   double before_impact = 0.0;        // [s] a real machine may let go a little before its model
   double after_impact = 0.0;         // [s] in which the observer forgets an impact, three of its slowest time constants
+  double flank_part = 0.0;           // [s] length of a part of what lies on the flanks near impacts, and in which the observer brings a motor there
   double soft_edge = 0.0;            // [s] over which the window falls beside a stretch that is taken out
   double count_smoothing = 0.0;      // [s] either side, over which coarse counts are taken for a smooth motion
   double least_torque = 0.0;         // [Nm] deviation in a torque channel that stands at zero, far below any sensor's
@@ -54,13 +56,15 @@ struct Whitening {
   std::vector<Eigen::VectorXd> weight;  // per channel, per bin
   std::vector<double> window;           // per grid point, 0 where the record is not to be judged
   double window_sum = 0.0;              // of all its points
+  std::vector<FlankPart> flanks;        // in pairs
   // The sensors' noise that comes through the observer, as `weight` has it: the power of each source per bin [rad^2], [(m/s^2)^2], [Nm^2], and what the nominal machine makes of
   // all of them, per channel and bin. For machines that make something else of it (own_noise.h).
   std::vector<std::vector<double>> encoder_power;
   std::vector<double> tip_power;
   std::vector<std::vector<double>> torque_power;
   std::vector<Eigen::VectorXd> answered;
-  Eigen::Index size() const { return static_cast<Eigen::Index>(2 * bin_count * channels.size()); }
+  Eigen::Index spectra_size() const { return static_cast<Eigen::Index>(2 * bin_count * channels.size()); }
+  Eigen::Index size() const { return spectra_size() + static_cast<Eigen::Index>(flanks.size()); }
 };
 
 // `trusted` holds for each grid point whether it may be judged; the window falls to 0 where it may not. `response`, of a transform of
@@ -79,7 +83,7 @@ std::size_t transform_length(std::size_t count);
 // each stretch in which the shadow's gears are not all in contact, and what follows it until it is forgotten; likewise a beginning in motion.
 std::vector<bool> trusted_stretches(const Record& record, const Shadow& shadow, const WhiteningSettings& settings);
 
-// Real and imaginary part of every bin of every channel, weighted.
+// Real and imaginary part of every bin of every channel, weighted; then what each part of a stretch on the flanks says.
 Eigen::VectorXd whiten(const Whitening& whitening, const Shadow& shadow);
 
 // Two numbers that one instruction of every x86-64 and every 64-bit ARM handles, each as if it were alone, bit for bit.

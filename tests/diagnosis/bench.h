@@ -39,6 +39,8 @@ inline const Bench& bench() {
 // To one side and back without crossing the play, then inching.
 inline const std::vector<Move> kThereAndBack{{2.0, 0.5}, {10.0, 0.0}, {14.0, -0.5}, {20.0, 0.0}};
 inline const std::vector<Move> kInching{{2.0, 0.25}, {6.0, 0.0}, {10.0, -0.25}, {14.0, 0.0}, {18.0, 0.25}, {21.0, 0.0}};
+// So fast to one side and back that the second group leaves its flank and comes back to it.
+inline const std::vector<Move> kAcrossThePlay{{2.0, 1.0}, {9.0, -1.0}, {16.0, 0.0}};
 inline constexpr double kDuration = 24.0;  // [s]
 
 inline ShadowGains bench_gains() { return shadow_gains(bench().machine.scales, bench().thresholds.shadow); }

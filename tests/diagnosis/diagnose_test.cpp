@@ -388,6 +388,26 @@ TEST(Diagnose, SeesBelowTheFloorWhereAMachineFollowsFarBelowIt) {
   EXPECT_NEAR(found.causes[0].sizes[0].value, 1.2, 0.01);
 }
 
+// Twice the play, crossed once, both groups together: what the impact starts shows afterwards, where parameters that follow the nominal machine's impact lead elsewhere.
+TEST(Diagnose, FindsAWiderPlayThatIsCrossed) {
+  sim::MachineSettings truth;
+  truth.crane = bench().crane;
+  constexpr double kAdded = 5e-4;  // [rad] as much as there is
+  truth.effects = {{"larger_play", {kAdded}}};
+  std::vector<Record> records;
+  controller::ControllerSettings pushing = bench().controller;
+  pushing.play_compensation.enabled = false;
+  records.push_back(make_record(simulated_log(truth, pushing, {{0.02, 1.0}, {4.0, -1.0}}, 14.0, 7), "a", bench().admission));
+  records.push_back(make_record(simulated_log(truth, bench().controller, kAcrossThePlay, kDuration, 8), "b", bench().admission));
+  sim::MachineSettings nominal;
+  nominal.crane = bench().crane;
+  const Diagnosis found = diagnose(nominal, std::nullopt, std::move(records), {});
+  ASSERT_FALSE(found.causes.empty());
+  EXPECT_EQ(found.causes[0].effects, std::vector<std::string>{"larger_play"}) << found.verdict;
+  EXPECT_GT(found.causes[0].probability, 0.6);
+  EXPECT_NEAR(found.causes[0].sizes[0].value, kAdded, 0.05 * kAdded);
+}
+
 // Torques that were measured, with noise of 0.5 % of the rated one, encoders of 14 bits and nothing else: what the machine never had shakes the model. What lies before the torques is not named.
 TEST(Diagnose, TakesWhatScattersInMeasuredTorquesForNoise) {
   sim::MachineSettings nominal;
