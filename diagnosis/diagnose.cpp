@@ -236,6 +236,18 @@ FitResult under(const OwnNoise& own, FitResult result) {
   return result;
 }
 
+// Parameters of effects that ended at a bound. An angle has none.
+int count_at_bounds(const common::EffectCatalogue& catalogue, const Point& point) {
+  int count = 0;
+  for (const common::EffectInstance& effect : point.effects) {
+    const std::vector<common::EffectParameter>& parameters = catalogue.at(effect.name).parameters;
+    for (std::size_t p = 0; p < parameters.size(); ++p) {
+      if (!is_all_round(parameters[p]) && (effect.values[p] <= parameters[p].lower || effect.values[p] >= parameters[p].upper)) ++count;
+    }
+  }
+  return count;
+}
+
 Weighed weigh_fits(Problem& problem, const Found& found, std::size_t effect_count, EvidenceSettings evidence) {
   evidence.independent_share = problem.settings.independent_share;
   evidence.unknown_floor += kNoise * problem.settings.independent_share * static_cast<double>(difference_count(problem));
@@ -255,7 +267,7 @@ Weighed weigh_fits(Problem& problem, const Found& found, std::size_t effect_coun
     cause.excess = relaxed.excess;
     cause.prior = relaxed.prior;
     cause.prior_chance = chance_of_prior(cause.prior, cause.information, evidence.independent_share);
-    candidates.push_back({cause.effects, cause.excess, cause.prior, cause.information});
+    candidates.push_back({cause.effects, cause.excess, cause.prior, cause.information, count_at_bounds(problem.catalogue, result.point)});
     weighed.causes.push_back(std::move(cause));
   };
   add_candidate(found.nothing, relax(problem, under(of_nothing, found.nothing), misfit_cost, least));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 #include <utility>
 
@@ -58,7 +59,7 @@ Probabilities weigh(const std::vector<Candidate>& candidates, int single_count, 
     const double prior = candidate.effects.empty()       ? settings.prior_nothing
                          : candidate.effects.size() == 1 ? settings.prior_single / singles
                                                          : settings.prior_pair / (singles * (singles - 1.0) / 2.0);
-    score.push_back(std::log(prior) + likelihood(std::max(0.0, candidate.excess - floor), candidate, static_cast<double>(candidate.effects.size())));
+    score.push_back(std::log(prior) - std::numbers::ln2 * candidate.at_bounds + likelihood(std::max(0.0, candidate.excess - floor), candidate, static_cast<double>(candidate.effects.size())));
   }
   const double unexplained = std::max(settings.unknown_floor, settings.unknown_share * gap);
   Candidate outside = best_single(candidates);

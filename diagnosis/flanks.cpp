@@ -37,14 +37,14 @@ void add_flanks(const Record& record, const Shadow& nominal, const WhiteningSett
   const std::vector<bool> trusted = trusted_stretches(record, nominal, settings);
   const auto length = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(settings.flank_part / record.step)));
   const auto touches = [&](std::size_t n) { return !trusted[n] && !nominal.contact_lost[n]; };
+  bool is_beginning = true;
   for (std::size_t begin = 0, end = 0; begin < record.size(); begin = end) {
-    while (begin < record.size() && !touches(begin)) ++begin;
+    for (; begin < record.size() && !touches(begin); ++begin) is_beginning &= !trusted[begin];
     end = begin;
     while (end < record.size() && touches(end)) ++end;
-    // Behind an impact, once the observer has brought the motors there, and from the record's beginning on all of it.
-    const bool is_behind_one = begin > 0 && nominal.contact_lost[begin - 1];
-    const bool is_beginning = std::find(trusted.begin(), trusted.begin() + static_cast<std::ptrdiff_t>(begin), true) == trusted.begin() + static_cast<std::ptrdiff_t>(begin);
-    if (!is_behind_one || is_beginning) continue;
+    const bool is_behind_an_impact = begin > 0 && nominal.contact_lost[begin - 1];
+    if (is_beginning || !is_behind_an_impact) continue;
+    // From where the observer has brought the motors to their places.
     const std::size_t first = std::max(begin + length, from), last = std::min(end, to);
     for (std::size_t g = 1; g < static_cast<std::size_t>(record.group_count); ++g) {
       const double place = kPlayShare * play_torque;

@@ -18,15 +18,16 @@ struct Stage {
 // settle is not known before: at the end of the screening it is a sixth to a half through. So nothing is forecast before that; the
 // rest are means over machines where many effects promise something.
 inline constexpr Stage kFitParameters{0.0, 0.11};
-inline constexpr Stage kScreen{0.11, 0.24};
-inline constexpr Stage kRefineSingles{0.24, 0.26};
-inline constexpr Stage kConvergeSingles{0.26, 0.37};
-inline constexpr Stage kScreenBeside{0.37, 0.41};
-inline constexpr Stage kRefinePairs{0.41, 0.46};
-inline constexpr Stage kConvergePairs{0.46, 0.58};
-inline constexpr Stage kGoBack{0.58, 0.73};
-inline constexpr Stage kLookForStochastic{0.73, 0.92};
-inline constexpr Stage kHoldOut{0.92, 0.97};
+inline constexpr Stage kScreen{0.11, 0.25};
+inline constexpr Stage kRefineSingles{0.25, 0.27};
+inline constexpr Stage kLookFromNominal{0.27, 0.34};
+inline constexpr Stage kConvergeSingles{0.34, 0.44};
+inline constexpr Stage kScreenBeside{0.44, 0.48};
+inline constexpr Stage kRefinePairs{0.48, 0.53};
+inline constexpr Stage kConvergePairs{0.53, 0.64};
+inline constexpr Stage kGoBack{0.64, 0.78};
+inline constexpr Stage kLookForStochastic{0.78, 0.93};
+inline constexpr Stage kHoldOut{0.93, 0.97};
 inline constexpr Stage kFollow{0.97, 1.0};
 
 // What of the time behind the screening is left where few effects promise something and parameters alone may be the answer.

@@ -425,7 +425,7 @@ std::vector<const Screened*> ranked_starts(const Problem& problem, const Screeni
 // Where the nominal machine leaves much, parameters alone may stand for what an effect says, and beside them it promises nothing: the catalogue is looked at from the nominal
 // machine as well, and refined from there. So where they have gone farther than machines of one make do.
 std::vector<FitResult> refined_from_nominal(Problem& problem, const FitResult& base, const Screening& screening, const SearchSettings& settings,
-                                            std::map<std::string, std::string>& same_as) {
+                                            std::map<std::string, std::string>& same_as, const Progress& tell) {
   FitResult from = base;
   std::fill(from.point.nuisance.begin(), from.point.nuisance.end(), 0.0);
   from.difference = differences(problem, from.point);
@@ -436,10 +436,13 @@ std::vector<FitResult> refined_from_nominal(Problem& problem, const FitResult& b
     if (starts.empty() || starts.back().name != start.name) starts.push_back(common::typical_instance(problem.catalogue.at(start.name)));
     starts.push_back(start);
   }
-  const Screening there = screen(problem, from, projector_of(problem, from), starts, [](double, const std::string&) {});
+  constexpr Stage kLook{0.0, 0.5}, kRefine{0.5, 1.0};
+  const Screening there = screen(problem, from, projector_of(problem, from), starts, within(tell, kLook));
   const std::vector<const Screened*> chosen = chosen_starts(problem, from, there, ranked_starts(problem, there), settings.singles_to_refine, same_as);
   std::vector<FitResult> refined(chosen.size());
+  const Progress refining = within(tell, kRefine);
   share_out(problem, chosen.size(), [&](std::size_t i) {
+    refining(static_cast<double>(i) / static_cast<double>(chosen.size()), "refining " + chosen[i]->start.name + " from the nominal machine");
     refined[i] = fit(problem, base.columns, with_amount(problem.catalogue, from.point, *chosen[i], chosen[i]->amount));
   });
   return refined;
@@ -466,7 +469,7 @@ Found search(Problem& problem, FitResult& base, const Screening& screening, cons
     refining(static_cast<double>(i) / static_cast<double>(chosen.size()), "refining " + chosen[i]->start.name);
     fits[i] = fit(problem, base.columns, with_amount(problem.catalogue, base.point, *chosen[i], chosen[i]->amount));
   });
-  std::vector<FitResult> others = refined_from_nominal(problem, base, screening, settings, same_as);
+  std::vector<FitResult> others = refined_from_nominal(problem, base, screening, settings, same_as, within(tell, kLookFromNominal));
   fits.insert(fits.end(), std::make_move_iterator(others.begin()), std::make_move_iterator(others.end()));
   // One fit per effect, the better one. The leaders go on, the best of them with fresh columns, so that none loses for
   // want of convergence.

@@ -71,6 +71,12 @@ TEST(Evidence, AMachineThatNobodyBuildsSetsNoFloor) {
   EXPECT_DOUBLE_EQ(weigh(all, 40, {}).floor, -300.0);
 }
 
+// Two laws that leave the same, one of which does so at a bound of its own, where it is the other one: half of what its parameter may be lies beyond.
+TEST(Evidence, AParameterAtItsBoundHasHalfItsWidth) {
+  const Probabilities p = weigh({{{}, 500.0, 0.0}, {{"a"}, 10.0, 4.0}, {{"b"}, 10.0, 4.0, {}, 1}}, 40, {});
+  EXPECT_NEAR(p.candidate[1] / p.candidate[2], 2.0, 1e-12);
+}
+
 TEST(Evidence, TheSlopeOfAMisfitsCostIsItsDerivative) {
   const MisfitCost cost({}, 1e6);
   for (const double left : {0.0, 30.0, 4000.0, 1e6}) {

@@ -20,7 +20,7 @@ TEST(Progress, TellsAStagesShareAsOneOfTheWhole) {
 
 // Nothing is left out and nothing counted twice.
 TEST(Progress, StagesFollowEachOtherFromNothingToAll) {
-  constexpr std::array kStages{kFitParameters, kScreen,          kRefineSingles, kConvergeSingles, kScreenBeside,
+  constexpr std::array kStages{kFitParameters, kScreen,          kRefineSingles, kLookFromNominal, kConvergeSingles, kScreenBeside,
                                kRefinePairs,   kConvergePairs, kGoBack,        kLookForStochastic,   kHoldOut,
                                kFollow};
   double until = 0.0;
