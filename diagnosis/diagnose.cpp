@@ -236,13 +236,16 @@ FitResult under(const OwnNoise& own, FitResult result) {
   return result;
 }
 
-// Parameters of effects that ended at a bound. An angle has none.
+// Parameters that shape effects and were moved to a bound at which their priors have no centre: of one that has, half of the prior lies beyond as well. An angle has no bounds; a size
+// there is doubted for itself.
 int count_at_bounds(const common::EffectCatalogue& catalogue, const Point& point) {
   int count = 0;
   for (const common::EffectInstance& effect : point.effects) {
     const std::vector<common::EffectParameter>& parameters = catalogue.at(effect.name).parameters;
     for (std::size_t p = 0; p < parameters.size(); ++p) {
-      if (!is_all_round(parameters[p]) && (effect.values[p] <= parameters[p].lower || effect.values[p] >= parameters[p].upper)) ++count;
+      const double value = effect.values[p], centre = parameters[p].absent.value_or(parameters[p].typical);
+      const bool is_at_a_bound = value <= parameters[p].lower || value >= parameters[p].upper;
+      if (p != common::kSize && is_at_a_bound && !is_all_round(parameters[p]) && value != centre) ++count;
     }
   }
   return count;

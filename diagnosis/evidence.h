@@ -7,7 +7,7 @@
 // the gap: what parameters alone leave, counted the same way. The law of a real effect is never quite the catalogue's: of some
 // the true cause leaves a usual share r of the gap, of most no more than n + q G. With the size of that mismatch integrated out, misfits
 // count by their ratios. p is -2 ln of the prior where M + p is least (relax() in fit.h), and the sum, over the eigenvalues lambda of what the records say of
-// the parameters (fit.h), Occam's factor: how much narrower they became. Of a parameter that ends at its bound half of that width lies beyond it. A cause that is in no catalogue is a hypothesis too: it would leave a usual,
+// the parameters (fit.h), Occam's factor: how much narrower they became. Of a shape that ends at its bound half of that width lies beyond it. A cause that is in no catalogue is a hypothesis too: it would leave a usual,
 // larger share of the gap, and its parameters, whichever they are, would be as narrow as those of the single cause that fits best.
 // T tempers it all: what mesh, step and law make wrong is not independent from bin to bin.
 #pragma once
@@ -53,7 +53,7 @@ struct Candidate {
   double excess = 0.0;
   double prior = 0.0;
   Eigen::VectorXd information{};
-  int at_bounds = 0;  // how many parameters of its effects ended there
+  int at_bounds = 0;  // how many shapes of its effects ended there, their sizes aside
 };
 
 struct Probabilities {

@@ -170,7 +170,12 @@ Power power_of(const Problem& problem, std::span<const Eigen::VectorXd> changes)
       }
       smooth(whitening, power, result.profile, row);
     }
-    row += static_cast<Eigen::Index>(whitening.flanks.size());  // to which chance adds none
+    // Of the gears' places one power for all: a few parts of a record tell no more.
+    const auto flanks = static_cast<Eigen::Index>(whitening.flanks.size());
+    double square = 0.0;
+    for (const Eigen::VectorXd& change : changes) square += change.segment(row, flanks).squaredNorm();
+    if (flanks > 0) result.profile.segment(row, flanks).setConstant(square / static_cast<double>(flanks * static_cast<Eigen::Index>(changes.size())));
+    row += flanks;
   }
   return result;
 }
@@ -234,6 +239,7 @@ double predictive_cost(const Eigen::VectorXd& difference, const Power& power, do
 Power unknown_power(const Problem& seen, const std::vector<ChannelAxes>& seen_axes, const Eigen::VectorXd& difference, const Problem& unseen,
                     std::vector<ChannelAxes> unseen_axes) {
   using Key = std::tuple<bool, int, int>;  // channel, or place of the axis, and band
+  constexpr Key kOfFlanks{true, -1, 0};    // of the gears' places
   const bool has_axes = !seen_axes.empty();
   const auto each_bin = [&](const Problem& problem, const auto& visit) {
     Eigen::Index row = 0;
@@ -245,7 +251,8 @@ Power unknown_power(const Problem& seen, const std::vector<ChannelAxes>& seen_ax
           visit(Key{channel.is_torque, channel.index, static_cast<int>(std::floor(std::log(frequency) / std::log(kBand)))}, row);
         }
       }
-      row += static_cast<Eigen::Index>(whitening.flanks.size());
+      const Eigen::Index end = row + static_cast<Eigen::Index>(whitening.flanks.size());
+      for (; row < end; row += 2) visit(kOfFlanks, row);
     }
   };
   struct Sum {
@@ -284,6 +291,13 @@ Eigen::VectorXd undivided(const AddedPower& added, const Eigen::VectorXd& values
 
 FreePower free_power(const Problem& problem, const Eigen::VectorXd& difference) {
   FreePower free;
+  const auto add_free = [&](const auto& together) {
+    if (together.size() == 0) return;
+    const double size = static_cast<double>(together.size()), power = together.squaredNorm() / size;
+    free.cost += size * (power > 1.0 ? 1.0 + std::log(power) : power);
+    free.noise += size * std::min(1.0, power);
+    if (power > 1.0) free.chance += 1.0 / problem.settings.independent_share;  // of one free number among so many independent ones
+  };
   Eigen::Index row = 0;
   for (const Whitening& whitening : problem.whitening) {
     for (std::size_t c = 0; c < whitening.channels.size(); ++c) {
@@ -292,18 +306,13 @@ FreePower free_power(const Problem& problem, const Eigen::VectorXd& difference) 
         const auto last = static_cast<std::size_t>(kBand * static_cast<double>(whitening.first_bin + b));
         const std::size_t end = std::min(whitening.bin_count, std::max(b + 1, last - whitening.first_bin));
         const auto size = static_cast<Eigen::Index>(2 * (end - b));
-        const double power = difference.segment(row, size).squaredNorm() / static_cast<double>(size);
-        free.cost += static_cast<double>(size) * (power > 1.0 ? 1.0 + std::log(power) : power);
-        free.noise += static_cast<double>(size) * std::min(1.0, power);
-        if (power > 1.0) free.chance += 1.0 / problem.settings.independent_share;  // of one free number among so many independent ones
+        add_free(difference.segment(row, size));
         row += size;
         b = end;
       }
     }
     const auto flanks = static_cast<Eigen::Index>(whitening.flanks.size());
-    const double left = difference.segment(row, flanks).squaredNorm();
-    free.cost += left;
-    free.noise += std::min(left, static_cast<double>(flanks));
+    add_free(difference.segment(row, flanks));
     row += flanks;
   }
   return free;

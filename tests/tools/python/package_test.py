@@ -384,7 +384,7 @@ class DiagnosisTest(unittest.TestCase):
     def options_of_the_command(self, logs):
         axis = slewlab.config("axes/example_axis.yaml")
         found = slewlab.diagnose(axis, logs[0], unseen=logs[1], without=["dry"])
-        self.assertEqual([Path(told).name for told in found.raw["validation"]["on"]], [logs[1].name])
+        self.assertEqual([Path(told["log"]).name for told in found.raw["unseen"]], [logs[1].name])
         self.assertNotIn("dry", [effect for cause in found.causes for effect in cause.effects])
         with self.assertRaisesRegex(slewlab.ProgramFailed, "expected no --measured-torque beside an axis"):
             slewlab.diagnose(axis, logs, measured_torque=True)
