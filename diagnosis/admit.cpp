@@ -145,25 +145,17 @@ double missing_power(const Record& record, const Shadow& follower, std::size_t f
   return square;
 }
 
-// How the nominal machine follows a record, and where it may be judged.
+// How the nominal machine follows a record, and how much of it may be judged.
 struct Following {
   Shadow follower;
-  std::vector<bool> trusted;
   double share = 0.0;
 };
 
 Following follow(const Problem& problem, const Record& record, const WhiteningSettings& whitening) {
-  Following following{shadow(problem.nominal, record, problem.gains), {}, 0.0};
-  following.trusted = trusted_stretches(record, following.follower, whitening);
-  following.share = static_cast<double>(std::count(following.trusted.begin(), following.trusted.end(), true)) / static_cast<double>(record.size());
+  Following following{shadow(problem.nominal, record, problem.gains), 0.0};
+  const std::vector<bool> trusted = trusted_stretches(record, following.follower, whitening);
+  following.share = static_cast<double>(std::count(trusted.begin(), trusted.end(), true)) / static_cast<double>(record.size());
   return following;
-}
-
-Whitening whitening_of(const Problem& problem, const Record& record, const Following& following, const WhiteningSettings& whitening) {
-  const NoiseResponse response = noise_response(problem.nominal, record, problem.gains, transform_length(record.size()));
-  Whitening made = make_whitening(record, following.trusted, response, following.follower, whitening);
-  add_flanks(record, following.follower, whitening, play_torque(problem), 0, record.size(), made);
-  return made;
 }
 
 // From the middle of the play, or where the torques push from the first moment on and the record is followed better from there, on the flanks: one
@@ -220,8 +212,16 @@ Following follow_from_its_beginning(const Problem& problem, Record& record, cons
 
 }  // namespace
 
-double play_torque(const Problem& problem) {
-  return problem.gains.position * sim::gear_contact(problem.nominal.crane).half_play * sim::total_ratio(problem.nominal.crane.drive);
+Whitening whitening_between(const Problem& problem, const Record& record, const Shadow& follower, const WhiteningSettings& settings, std::size_t from, std::size_t to) {
+  const std::vector<bool> trusted = trusted_stretches(record, follower, settings);
+  std::vector<bool> judged(record.size(), false);
+  std::copy(trusted.begin() + static_cast<std::ptrdiff_t>(from), trusted.begin() + static_cast<std::ptrdiff_t>(to), judged.begin() + static_cast<std::ptrdiff_t>(from));
+  const NoiseResponse response = noise_response(problem.nominal, record, problem.gains, transform_length(record.size()));
+  Whitening whitening = make_whitening(record, judged, response, follower, settings);
+  // By which the observer holds a motor beside its flank.
+  const double play_torque = problem.gains.position * sim::gear_contact(problem.nominal.crane).half_play * sim::total_ratio(problem.nominal.crane.drive);
+  add_flanks(record, follower, trusted, settings.flank_part, play_torque, from, to, whitening);
+  return whitening;
 }
 
 bool has_coarse_counts(std::span<const Record> records) {
@@ -287,7 +287,7 @@ Followed admit(std::vector<Record> records, const WhiteningSettings& whitening, 
       record = on_judged_grid(std::move(record), whitening.highest_frequency);
       following = follow(problem, record, whitening);
     }
-    problem.whitening.push_back(whitening_of(problem, record, following, whitening));
+    problem.whitening.push_back(whitening_between(problem, record, following.follower, whitening, 0, record.size()));
     followed = {record.name, record.begins_bent, record.start_time, record.step, std::move(follower), {}};  // the last one stays
     problem.nuisances.in_motion.push_back(record.begins_bent);
     problem.nuisances.has_motion |= record.begins_bent;
@@ -301,7 +301,7 @@ Followed admit(std::vector<Record> records, const WhiteningSettings& whitening, 
 void whiten_again(Problem& problem, const WhiteningSettings& whitening) {
   for (std::size_t r = 0; r < problem.records.size(); ++r) {
     const Record& record = problem.records[r];
-    problem.whitening[r] = whitening_of(problem, record, follow(problem, record, whitening), whitening);
+    problem.whitening[r] = whitening_between(problem, record, shadow(problem.nominal, record, problem.gains), whitening, 0, record.size());
   }
 }
 

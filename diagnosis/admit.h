@@ -20,8 +20,8 @@ WhiteningSettings whitening_for(const Thresholds& thresholds, bool is_coarse);
 // Sets nominal machine, thresholds, nuisances and gains. Throws std::invalid_argument where the machine cannot be described.
 void set_machine(const sim::MachineSettings& nominal, const std::vector<Record>& records, Problem& problem);
 
-// [Nm] by which the observer holds a motor that stands beside its flank by half of the play.
-double play_torque(const Problem& problem);
+// How a record is whitened that the nominal machine follows so, judged between two grid points alone.
+Whitening whitening_between(const Problem& problem, const Record& record, const Shadow& follower, const WhiteningSettings& settings, std::size_t from, std::size_t to);
 
 // Takes the records into the problem, each with its whitening. Those of which too little lies away from impacts are left out, and
 // remarked. Gives the last one that is judged, as the nominal machine follows it. Throws NotAdmitted.

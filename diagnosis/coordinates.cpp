@@ -30,6 +30,10 @@ bool is_all_round(const common::EffectParameter& parameter) {
          parameter.upper >= std::numbers::pi;
 }
 
+bool is_at_a_bound(const common::EffectParameter& parameter, double value) {
+  return !is_all_round(parameter) && (value <= parameter.lower || value >= parameter.upper);
+}
+
 double value_at(const common::EffectParameter& parameter, double coordinate) {
   const double centre = centre_of(parameter);
   const double value = parameter.scale == common::ParameterScale::logarithmic

@@ -16,6 +16,8 @@ double to_coordinate(const common::EffectParameter& parameter, double value);
 double value_at(const common::EffectParameter& parameter, double coordinate);
 // An angle that may be any: what goes beyond half a turn comes back from the other side.
 bool is_all_round(const common::EffectParameter& parameter);
+// Whether it ends there; an angle that may be any has no bounds.
+bool is_at_a_bound(const common::EffectParameter& parameter, double value);
 // How much `value` changes per standard deviation of its prior, in its own unit.
 double value_per_deviation(const common::EffectParameter& parameter, double value);
 

@@ -236,16 +236,14 @@ FitResult under(const OwnNoise& own, FitResult result) {
   return result;
 }
 
-// Parameters that shape effects and were moved to a bound at which their priors have no centre: of one that has, half of the prior lies beyond as well. An angle has no bounds; a size
-// there is doubted for itself.
+// Parameters that shape effects and were moved to a bound at which their priors have no centre: of one that has, half of the prior lies beyond as well. A size there is doubted
+// for itself.
 int count_at_bounds(const common::EffectCatalogue& catalogue, const Point& point) {
   int count = 0;
   for (const common::EffectInstance& effect : point.effects) {
     const std::vector<common::EffectParameter>& parameters = catalogue.at(effect.name).parameters;
     for (std::size_t p = 0; p < parameters.size(); ++p) {
-      const double value = effect.values[p], centre = parameters[p].absent.value_or(parameters[p].typical);
-      const bool is_at_a_bound = value <= parameters[p].lower || value >= parameters[p].upper;
-      if (p != common::kSize && is_at_a_bound && !is_all_round(parameters[p]) && value != centre) ++count;
+      if (p != common::kSize && is_at_a_bound(parameters[p], effect.values[p]) && to_coordinate(parameters[p], effect.values[p]) != 0.0) ++count;
     }
   }
   return count;

@@ -150,7 +150,7 @@ std::vector<Eigen::Index> slow_rows(const Problem& problem, double highest) {
         rows.push_back(row + 1);
       }
     }
-    row += static_cast<Eigen::Index>(whitening.flanks.size());
+    row += whitening.flanks_size();
   }
   return rows;
 }

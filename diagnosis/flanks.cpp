@@ -31,11 +31,10 @@ double beside_the_first(const Shadow& shadow, const FlankPart& part) {
   return sum / static_cast<double>(part.to - part.from);
 }
 
-void add_flanks(const Record& record, const Shadow& nominal, const WhiteningSettings& settings, double play_torque, std::size_t from, std::size_t to,
+void add_flanks(const Record& record, const Shadow& nominal, const std::vector<bool>& trusted, double duration, double play_torque, std::size_t from, std::size_t to,
                 Whitening& whitening) {
   if (play_torque <= 0.0 || record.group_count < 2 || whitening.window_sum <= 0.0) return;
-  const std::vector<bool> trusted = trusted_stretches(record, nominal, settings);
-  const auto length = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(settings.flank_part / record.step)));
+  const auto length = std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(duration / record.step)));
   const auto touches = [&](std::size_t n) { return !trusted[n] && !nominal.contact_lost[n]; };
   bool is_beginning = true;
   for (std::size_t begin = 0, end = 0; begin < record.size(); begin = end) {

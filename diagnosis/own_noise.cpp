@@ -29,9 +29,8 @@ Eigen::VectorXd own_noise(const Problem& problem, const Point& point) {
         variance(row++) = v;
       }
     }
-    const auto flanks = static_cast<Eigen::Index>(whitening.flanks.size());  // whose deviation is hardly noise
-    variance.segment(row, flanks).setOnes();
-    row += flanks;
+    variance.segment(row, whitening.flanks_size()).setOnes();  // the deviation of the gears' places is hardly noise
+    row += whitening.flanks_size();
   }
   return variance;
 }

@@ -50,8 +50,7 @@ void settle_rival(Problem& problem, FitResult& fitted) {
     const common::EffectAbout& about = problem.catalogue.at(effect.name);
     for (std::size_t p = 0; p < about.parameters.size(); ++p) {
       const common::EffectParameter& parameter = about.parameters[p];
-      const bool is_at_a_bound = effect.values[p] <= parameter.lower || effect.values[p] >= parameter.upper;
-      if (p == common::kSize || !is_at_a_bound || effect.values[p] == parameter.typical) continue;
+      if (p == common::kSize || !is_at_a_bound(parameter, effect.values[p]) || effect.values[p] == parameter.typical) continue;
       effect.values[p] = parameter.typical;
       is_elsewhere = true;
     }

@@ -171,7 +171,7 @@ Power power_of(const Problem& problem, std::span<const Eigen::VectorXd> changes)
       smooth(whitening, power, result.profile, row);
     }
     // Of the gears' places one power for all: a few parts of a record tell no more.
-    const auto flanks = static_cast<Eigen::Index>(whitening.flanks.size());
+    const Eigen::Index flanks = whitening.flanks_size();
     double square = 0.0;
     for (const Eigen::VectorXd& change : changes) square += change.segment(row, flanks).squaredNorm();
     if (flanks > 0) result.profile.segment(row, flanks).setConstant(square / static_cast<double>(flanks * static_cast<Eigen::Index>(changes.size())));
@@ -251,7 +251,7 @@ Power unknown_power(const Problem& seen, const std::vector<ChannelAxes>& seen_ax
           visit(Key{channel.is_torque, channel.index, static_cast<int>(std::floor(std::log(frequency) / std::log(kBand)))}, row);
         }
       }
-      const Eigen::Index end = row + static_cast<Eigen::Index>(whitening.flanks.size());
+      const Eigen::Index end = row + whitening.flanks_size();
       for (; row < end; row += 2) visit(kOfFlanks, row);
     }
   };
@@ -311,9 +311,8 @@ FreePower free_power(const Problem& problem, const Eigen::VectorXd& difference) 
         b = end;
       }
     }
-    const auto flanks = static_cast<Eigen::Index>(whitening.flanks.size());
-    add_free(difference.segment(row, flanks));
-    row += flanks;
+    add_free(difference.segment(row, whitening.flanks_size()));
+    row += whitening.flanks_size();
   }
   return free;
 }

@@ -48,21 +48,11 @@ std::unique_ptr<Problem> same_machine(const Problem& problem) {
   return other;
 }
 
-// Window and noise of the first or the second half of a record.
+// Of the first or the second half of the last record.
 Whitening whitening_of_half(const Problem& problem, const WhiteningSettings& settings, const Shadow& follower, bool second) {
   const Record& last = problem.records.back();
-  std::vector<bool> trusted = trusted_stretches(last, follower, settings);
-  const auto middle = trusted.begin() + static_cast<std::ptrdiff_t>(last.size() / 2);
-  if (second) {
-    std::fill(trusted.begin(), middle, false);
-  } else {
-    std::fill(middle, trusted.end(), false);
-  }
-  const NoiseResponse response = noise_response(problem.nominal, last, problem.gains, transform_length(last.size()));
-  Whitening whitening = make_whitening(last, trusted, response, follower, settings);
-  const std::size_t half = last.size() / 2;
-  add_flanks(last, follower, settings, play_torque(problem), second ? half : 0, second ? last.size() : half, whitening);
-  return whitening;
+  const std::size_t middle = last.size() / 2;
+  return whitening_between(problem, last, follower, settings, second ? middle : 0, second ? last.size() : middle);
 }
 
 // Of the stretch from the first point to the last one that is judged.

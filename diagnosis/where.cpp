@@ -40,7 +40,7 @@ std::vector<BandShare> bands_of_gap(const Problem& problem, const Eigen::VectorX
         row += 2;
       }
     }
-    row += static_cast<Eigen::Index>(whitening.flanks.size());
+    row += whitening.flanks_size();
   }
   double total = 0.0;
   for (const auto& [key, sum] : sums) total += std::max(0.0, sum.more);

@@ -64,7 +64,8 @@ struct Whitening {
   std::vector<std::vector<double>> torque_power;
   std::vector<Eigen::VectorXd> answered;
   Eigen::Index spectra_size() const { return static_cast<Eigen::Index>(2 * bin_count * channels.size()); }
-  Eigen::Index size() const { return spectra_size() + static_cast<Eigen::Index>(flanks.size()); }
+  Eigen::Index flanks_size() const { return static_cast<Eigen::Index>(flanks.size()); }
+  Eigen::Index size() const { return spectra_size() + flanks_size(); }
 };
 
 // `trusted` holds for each grid point whether it may be judged; the window falls to 0 where it may not. `response`, of a transform of

@@ -2,8 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
-
 #include "diagnosis/admit.h"
 #include "tests/diagnosis/bench.h"
 #include "tests/diagnosis/simulated_log.h"
