@@ -147,7 +147,16 @@ class InputTest(unittest.TestCase):
             for wrong, error, words in (
                     (lambda: scenario.run("./mine"), TypeError, "found './mine' for a controller, expected a callable"),
                     (lambda: scenario.closed_loop("shaft_sped_1"), ValueError, "no output 'shaft_sped_1' here, expected 'shaft_speed_1'"),
-                    (lambda: machine.state_space().bode("tip_velocity", [-1.0]), ValueError, "found a frequency of -1 Hz"),
+                    (lambda: scenario.run(channels="SENSORS"), TypeError, "found 'SENSORS' for channels, expected a list of names: ['SENSORS']"),
+                    (lambda: scenario.run_over_lcm(folder, lambda encoder, operator: [0.0]), TypeError, "expected a shell command; a callable goes with run()"),
+                    (lambda: scenario.changed({"crane.load.mass": {"value": 3}}), TypeError, "crane.load.mass: found {'value': 3}, expected a number"),
+                    (lambda: scenario.changed({"duration": None}), slewlab.InputError, "'duration'"),  # as --set duration=null
+                    (lambda: slewlab.config("import_maps"), FileNotFoundError, "import_maps: expected one of acceptance, "),
+                    (lambda: slewlab.config("crane/thesis.yaml"), FileNotFoundError, "expected 'cranes'"),
+                    (lambda: machine.modes(elements=1000), ValueError, "found 1000 elements, expected 0 (a rigid boom) to 200"),
+                    (lambda: scenario.open_loop([1.0, 60.0]), ValueError, "found a frequency of 60 Hz, expected at most 50 Hz"),
+                    (lambda: machine.state_space().bode("tip_velocity", [-1.0]), ValueError, "found a frequency of -1 Hz, expected finite numbers above 0"),
+                    (lambda: machine.state_space().bode("tip_velocity", [0.0, 1.0]), ValueError, "found a frequency of 0 Hz, expected finite numbers above 0"),
                     (lambda: slewlab.margins([1.0, 2.0], [1.0]), ValueError, "found 1 values at 2 frequencies"),
                     (lambda: slewlab.open_log(Path(folder) / "empty"), slewlab.LogError, "empty: found a folder without run.lcmlog"),
                     (lambda: list(slewlab.open_log(log).stretches("SENSOR")), KeyError, "expected 'SENSORS'")):
@@ -211,7 +220,85 @@ class ControlTest(unittest.TestCase):
         self.assertAlmostEqual(found.gain, -20 * np.log10(2 * k * delay / np.pi), delta=1e-3)
         self.assertAlmostEqual(found.gain_frequency, 1 / (4 * delay), delta=1e-4)
 
+STILL = {"crane.drive.gearbox_play": "0 deg", "crane.drive.pinion_play": "0 deg", "duration": 3}
+LATE = ('[{effect: dead_time, delay: {value: 15, unit: ms, source: test}}, {effect: encoder_delay, delay: {value: 8, unit: ms, source: test}}]')
+
+
+def last_torque(scenario, gain):
+    """[N m] How far the torque still swings, 2.5 s after a push of 0.5 N m, with a gain [N m s/rad] on the shaft speed."""
+    def push_then_damp(encoder, operator):
+        push = 0.5 if encoder.time < 0.02 else 0.0
+        return [float(np.clip(push - gain * speed, -250.0, 250.0)) for speed in encoder.shaft_speed]
+
+    return scenario.run(push_then_damp, channels=["TORQUE"])["TORQUE"].motor_torque_1.loc[2.5:].abs().max()
+
+
     def test_the_closed_loop_is_the_open_one_closed(self):
+    def test_the_gain_margin_is_where_the_simulation_becomes_unstable(self):
+        # With a gain of 1 the margin is the gain itself at which a run that is a twentieth above rings up, and one a twentieth below dies out.
+        for effects in ("[]", LATE):
+            with self.subTest(effects=effects):
+                scenario = slewlab.Scenario(SLEW, STILL | {"crane.effects": effects})
+                frequencies = np.geomspace(0.05, scenario.highest_frequency, 4000)
+                margins = slewlab.margins(frequencies, scenario.open_loop(frequencies, np.ones_like))
+                limit = 10.0 ** (margins.gain / 20.0)
+                self.assertLess(last_torque(scenario, 0.95 * limit), 0.5)
+                self.assertGreater(last_torque(scenario, 1.05 * limit), 10.0)
+
+    def test_the_sampled_loop_ends_at_half_the_rate_with_its_gain_margin(self):
+        # Of the thesis's loop, discretised by scipy.signal.cont2discrete: gain 15.3 dB at 50 Hz.
+        from scipy.signal import cont2discrete
+
+        scenario = slewlab.Scenario(SLEW)
+        plant, period = scenario.machine.state_space().part("shaft_speed_1"), scenario.controller_period
+        a, b, c, _, _ = cont2discrete((plant.a, plant.b, plant.c, plant.d), period)
+        found = scenario.margins()
+        self.assertEqual(found.gain_frequency, 50.0)
+        self.assertAlmostEqual(found.gain, -20 * np.log10(40.0 * abs((c @ np.linalg.solve(-np.eye(len(a)) - a, b))[0, 0])), delta=1e-6)
+        self.assertAlmostEqual(found.gain, 15.3, delta=0.1)
+        with self.assertRaisesRegex(ValueError, "at most 50 Hz"):
+            scenario.bode([51.0])
+
+    def test_a_delay_of_the_plant_is_one_of_its_sampled_response(self):
+        # x' = u, held: y is a ramp. u that comes 2.3 periods late has done 0.7 T of its own period and 0.3 T of the one before, two periods on.
+        system = slewlab.StateSpace(np.zeros((1, 1)), np.ones((1, 1)), np.ones((1, 1)), np.zeros((1, 1)), {"x": "-"}, {"u": "-"}, {"y": "-"})
+        period, frequencies = 0.1, np.array([0.3, 2.0, 5.0])
+        z = np.exp(2j * np.pi * frequencies * period)
+        np.testing.assert_allclose(system.sampled_response(frequencies, period, 0.23)[:, 0, 0],
+                                   period * (0.7 + 0.3 / z) / (z - 1) / z**2, rtol=1e-12)
+
+    def test_the_filter_on_the_speed_takes_its_phase(self):
+        # The step response of 1 / (1 + s T) after a period is 1 - exp(-period / T).
+        plain, filtered = slewlab.Scenario(SLEW), slewlab.Scenario(SLEW, {"controller.speed_filter_time": "50 ms"})
+        frequencies = np.array([0.1, 1.0, 20.0])
+        z, kept = np.exp(2j * np.pi * frequencies * 0.01), np.exp(-0.01 / 0.05)
+        np.testing.assert_allclose(filtered.open_loop(frequencies), plain.open_loop(frequencies) * (1 - kept) / (1 - kept / z), rtol=1e-12)
+        self.assertAlmostEqual(filtered.margins().phase, 39.0, delta=0.1)  # 78.6 deg without
+        # In the closed loop, which is continuous, the filter F stands in the way back: y = L / (1 + F L) r.
+        loop = (plain.machine.state_space().part("shaft_speed_1").response(frequencies) * plain.speed_controller().response(frequencies))[:, 0, 0]
+        back = 1.0 / (1.0 + 2j * np.pi * frequencies * 0.05)
+        np.testing.assert_allclose(filtered.closed_loop().response(frequencies)[:, 0, 0], loop / (1.0 + back * loop), rtol=1e-6)
+
+    def test_effects_that_the_loop_has_not_are_named(self):
+        lag = ('[{effect: torque_lag, time_constant: {value: 20, unit: ms, source: test}, delay_share: {value: 0, unit: "-", source: test}}, '
+               '{effect: dead_time, delay: {value: 5, unit: ms, source: test}}]')
+        scenario = slewlab.Scenario(SLEW, {"crane.effects": lag})
+        self.assertEqual(scenario.loop_leaves_out, ["torque_lag"])
+        with self.assertWarnsRegex(UserWarning, "open_loop.. leaves out what the machine's effects do to it: torque_lag$"):
+            scenario.open_loop([1.0])
+        with self.assertWarnsRegex(UserWarning, "closed_loop.. leaves out .*: dead_time, torque_lag$"):
+            scenario.closed_loop()
+
+    def test_lists_do_as_arrays_and_a_step_has_units(self):
+        scenario = slewlab.Scenario(SLEW)
+        self.assertEqual(scenario.bode([1.0, 2.0]).attrs["units"]["phase"], "deg")
+        answer = scenario.closed_loop("shaft_speed_1").step("shaft_speed_1", [0.0, 0.1, 0.2])
+        self.assertEqual(answer.attrs["units"], {"shaft_speed_1": "rad/s", "time": "s"})
+
+    def test_a_rigid_mode_stands_at_zero_in_words_too(self):
+        crane = slewlab.Machine(slewlab.config("cranes/thesis.yaml"))
+        self.assertEqual(repr(crane.modes(elements=200)[0]), "<Mode rigid 1, 0.000000 Hz>")
+
         # y = L / (1 + L) r at every frequency; the closed loop is taken to be continuous, so the controller's period goes.
         scenario = slewlab.Scenario(SLEW, {"controller_period": "1 us", "plant_step": "1 us"})
         frequencies = np.geomspace(0.1, 30.0, 40)

@@ -2,16 +2,21 @@
 #include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
+#include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include <cmath>
 #include <functional>
 #include <memory>
 #include <stdexcept>
+#include <tuple>
 
+#include "common/effect.h"
 #include "controller/controller_file.h"
 #include "msgs/configuration_hash.h"
 #include "sim/drive/scenario_file.h"
+#include "sim/drive/scenario_run.h"
+#include "sim/effects/catalogue.h"
 #include "tools/acceptance/judgement.h"
 #include "tools/python/core/bindings.h"
 #include "tools/python/core/recorded_run.h"
@@ -144,6 +149,24 @@ nb::tuple judge(const Scenario& scenario, const std::filesystem::path& log, cons
   return nb::make_tuple(judgement.no_verdict, checks);
 }
 
+controller::ControllerSettings controller_settings(const Scenario& scenario) {
+  return controller::load_controller_file(scenario.scenario.controller_file, scenario.scenario.controller_overrides).settings;
+}
+
+// The machine's effects as a loop of shaft speed and torque has them: delay [s] of those that are a delay and nothing else, together, their names,
+// and the names of all others. Encoders and commands may be late in any order where all between them is linear.
+std::tuple<double, std::vector<std::string>, std::vector<std::string>> loop_effects(const Scenario& scenario) {
+  const common::EffectCatalogue known = sim::effects_for(scenario.scenario.crane);
+  double delay = 0.0;
+  std::vector<std::string> late, others;
+  for (const common::EffectInstance& effect : sim::machine_settings(scenario.scenario.crane).effects) {
+    const bool is_delay = known.at(effect.name).pure_delay != common::PureDelay::none;
+    if (is_delay) delay += effect.values.at(common::kSize);
+    (is_delay ? late : others).push_back(effect.name);
+  }
+  return {delay, late, others};
+}
+
 double seconds(std::int64_t time) { return static_cast<double>(time) * kNanosecond; }
 
 }  // namespace
@@ -181,10 +204,11 @@ void bind_run(nb::module_& m) {
       .def_prop_ro("configuration_hash", [](const Scenario& s) { return msgs::hash_text(msgs::configuration_hash(s.scenario.configuration_text)); })
       .def_prop_ro("speed_loop",
                    [](const Scenario& s) {
-                     const auto control = controller::load_controller_file(s.scenario.controller_file, s.scenario.controller_overrides).settings.speed_control;
-                     return std::pair{control.proportional_gain, control.integral_time};
+                     const controller::ControllerSettings settings = controller_settings(s);
+                     return std::tuple{settings.speed_control.proportional_gain, settings.speed_control.integral_time, settings.speed_filter_time};
                    },
-                   "Proportional gain [Nm s/rad] per motor and integral time [s].")
+                   "Proportional gain [N m s/rad] per motor, integral time [s], time constant of the filter on the measured speed [s].")
+      .def_prop_ro("loop_effects", &loop_effects, "Delay [s] of the machine's effects that are a delay alone, their names, and the names of all others.")
       .def("run", &run, nb::arg("controller").none(), nb::arg("channels"), nb::arg("log"),
            "{channel: ((fields, row bytes), rows)}; the interpreter's lock is free meanwhile.")
       .def("judge", &judge, nb::arg("log"), nb::arg("limits"),

@@ -7,6 +7,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from . import _core
 
 if TYPE_CHECKING:  # imported where a table is made: a campaign's workers make none, and it takes longer than all else
@@ -43,24 +45,37 @@ def config(name: str = "") -> Path:
     """A file of those that come with slewlab: config("cranes/thesis.yaml")."""
     path = home() / "config" / name
     if not path.exists():
-        known = [str(each.relative_to(path.parent)) for each in sorted(path.parent.glob("*.yaml"))]
-        raise FileNotFoundError(f"{path}: expected {_core.known_names_text(path.name, known)}")
+        missing = path
+        while not missing.parent.is_dir():
+            missing = missing.parent
+        known = sorted(each.name for each in missing.parent.iterdir() if each.is_dir() or each.suffix == ".yaml")
+        raise FileNotFoundError(f"{path}: expected {_core.known_names_text(missing.name, known)}")
     return path
 
 
 def text_of(value: Any) -> str:
-    """A value of `changes` as a file would have it: 60, "60 t", True, [1, 2]."""
-    if isinstance(value, bool):
+    """A value of `changes` as a file would have it: 60, "60 t", True, [1, 2]; None takes a value away. TypeError where it is none of these."""
+    if value is None:
+        return "null"
+    if isinstance(value, (bool, np.bool_)):
         return "true" if value else "false"
     if isinstance(value, (list, tuple)):
         return "[" + ", ".join(map(text_of, value)) + "]"
     if isinstance(value, (int, str, Path)):
         return str(value)
+    if isinstance(value, Mapping) or np.ndim(value) > 0:
+        raise TypeError(f"found {value!r}")
     return repr(float(value))
 
 
 def pairs(changes: Changes | None) -> list[tuple[str, str]]:
-    return [(key, text_of(value)) for key, value in (changes or {}).items()]
+    texts = []
+    for key, value in (changes or {}).items():
+        try:
+            texts.append((key, text_of(value)))
+        except (TypeError, ValueError):
+            raise TypeError(f"{key}: found {value!r}, expected a number, a text with its unit, a truth value, a list of these, or None") from None
+    return texts
 
 
 def check(path: str | Path, changes: Changes | None = None) -> list[str]:

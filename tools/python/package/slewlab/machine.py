@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from . import _core
 from .control import StateSpace
@@ -36,7 +36,8 @@ class Machine:
     def write(self, path: str | Path) -> Path:
         """Writes a file of this machine: its own one included, its changes over it. ValueError where they cannot be said so."""
         path = Path(path)
-        table, tree = self.values, {}
+        table = self.values
+        tree: dict[str, Any] = {}
         for key, value in self.changes.items():
             *above, last = key.split(".")
             place = tree
@@ -86,7 +87,7 @@ class Machine:
 
     @property
     def rated_torque(self) -> float:
-        """[Nm] of one motor, T100"""
+        """[N m] of one motor, T100"""
         return self._core.rated_torque
 
     @property
@@ -95,11 +96,12 @@ class Machine:
         return self._core.top_speed
 
     def modes(self, *, gears_closed: bool = True, elements: int | None = None) -> list[_core.Mode]:
-        """Modes of the linear machine, rising frequencies. `elements`: of the boom, in place of the file's own."""
+        """Modes of the linear machine, rising frequencies; its effects are left out. `elements`: of the boom, in place of the file's own, 200 at
+        most: rounding spoils the slow modes of finer meshes."""
         return self._core.modes(gears_closed, elements)
 
     def state_space(self, *, gears_closed: bool = True, elements: int | None = None) -> StateSpace:
-        """The linear machine: torque per motor of each group to what sensors show."""
+        """The linear machine: torque per motor of each group to what sensors show. The machine's effects are left out."""
         made = self._core.state_space(gears_closed, elements)
         return StateSpace(made.a, made.b, made.c, made.d, dict(made.states), dict(made.inputs), dict(made.outputs))
 

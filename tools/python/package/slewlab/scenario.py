@@ -1,13 +1,15 @@
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from . import _core
-from .control import StateSpace, bode_table
+from .control import Margins, StateSpace, bode_table, margins
 from .files import Changes, check, pairs, path_of
 from .machine import Machine
 from .program import call, program
@@ -18,14 +20,21 @@ if TYPE_CHECKING:  # imported where a table is made: a campaign's workers make n
 
 CHANNELS = ("ENCODER", "TORQUE", "OPERATOR", "SENSORS", "TRUTH", "CONTROLLER_STATE", "PLANT_STATUS", "MOTION")
 
-# Asked once a controller period. Answers with the motor torque [Nm] of each group, or an Answer.
-Controller = Callable[[_core.Encoder, _core.Operator], Sequence[float] | _core.Answer]
+
+class Computes(Protocol):
+    """Asked once a controller period. Answers with the motor torque [N m] of each group, or an Answer."""
+
+    def __call__(self, encoder: _core.Encoder, operator: _core.Operator, /) -> Sequence[float] | NDArray[np.floating] | _core.Answer: ...
+
+
+# A function, an object that can be called, or a class of such objects, of which one is made at every start of the controller.
+Controller = Computes | type[Computes]
 
 
 class Run(Channels):
     """A run's messages, channel by channel."""
 
-    def __init__(self, scenario: "Scenario", tables: dict) -> None:
+    def __init__(self, scenario: "Scenario", tables: dict[str, Any]) -> None:
         super().__init__()
         self.scenario = scenario
         self._messages = {channel: rows.view(np.dtype(layout)) for channel, (layout, rows) in tables.items()}
@@ -86,9 +95,11 @@ class Scenario:
     def run(self, controller: Controller | None = None, *, channels: Iterable[str] = CHANNELS, log: str | Path | None = None) -> Run:
         """Runs it in this process, in lockstep: the same messages, to the bit, as `slewlab run`.
 
-        `controller`: a callable in place of the scenario's own controller. A fault that restarts the controller calls the
-        same callable on. `channels`: whose messages are kept. `log`: a log to write, as `slewlab run` writes it.
+        `controller`: a callable in place of the scenario's own controller, or a class of such. A fault that restarts the controller
+        makes the class anew, and calls the same callable on. `channels`: whose messages are kept. `log`: a log to write, as `slewlab run` writes it.
         """
+        if isinstance(channels, str):
+            raise TypeError(f"found {channels!r} for channels, expected a list of names: [{channels!r}]")
         kept = list(channels)
         for channel in kept:
             if channel not in CHANNELS:
@@ -100,6 +111,8 @@ class Scenario:
     def run_over_lcm(self, out: str | Path, controller: str | None = None, *, realtime: bool = False) -> Log:
         """Runs it in two processes over LCM, into the folder `out`. `controller`: shell command of a program that answers
         on the bus ($SLEWLAB_BUS)."""
+        if not (controller is None or isinstance(controller, str)):
+            raise TypeError(f"found {controller!r} for a controller, expected a shell command; a callable goes with run()")
         words = [program(), "run", str(self.path), "--out", str(out), "--progress", "none"]
         words += ["--controller", controller] if controller else []
         words += ["--realtime"] if realtime else []
@@ -109,37 +122,84 @@ class Scenario:
         return open_log(out)
 
     def speed_controller(self) -> StateSpace:
-        """The scenario's PI speed control, from the error of the shaft speed [rad/s] to the torque per motor [Nm]."""
-        gain, time = self._core.speed_loop
+        """The scenario's PI speed control, from the error of the shaft speed [rad/s] to the torque per motor [N m], taken to be continuous.
+        The filter on the measured speed is no part of it."""
+        gain, time, _ = self._core.speed_loop
         return StateSpace(np.zeros((1, 1)), np.ones((1, 1)), np.full((1, 1), gain / time), np.full((1, 1), gain),
                           {"integral": "rad"}, {"speed_error": "rad/s"}, {"motor_torque": "N m"})
 
-    def open_loop(self, frequencies: np.ndarray) -> np.ndarray:
-        """The speed loop cut at the torque: complex response over frequency [Hz], with what holding the torque over a
-        controller period does to it. Motor groups act together; ramp, play compensation, limits and droop are left out."""
-        frequencies = np.asarray(frequencies, float)
-        plant = self.machine.state_space().part("shaft_speed_1").response(frequencies)[:, 0, 0]
-        control = self.speed_controller().response(frequencies)[:, 0, 0]
-        turn = 2j * np.pi * frequencies * self.controller_period
-        return plant * control * (1.0 - np.exp(-turn)) / turn
+    @property
+    def highest_frequency(self) -> float:
+        """[Hz] Half the controller's rate, up to which a sampled loop has a response (Nyquist)."""
+        return 0.5 / self.controller_period
+
+    @property
+    def loop_leaves_out(self) -> list[str]:
+        """Effects of the machine that open_loop() has not: all that are no plain delay."""
+        return self._core.loop_effects[2]
+
+    def open_loop(self, frequencies: ArrayLike, controller: Callable[[np.ndarray], ArrayLike] | None = None) -> np.ndarray:
+        """The speed loop cut at the torque: complex response over frequency [Hz], up to `highest_frequency`.
+
+        It is the sampled loop as it runs: the machine with the torque held over a controller period and with its delays, the PI and the filter
+        on the measured speed as the controller computes them. Motor groups act together; ramp, play compensation, limits and droop are left
+        out, and so are the machine's other effects, with a warning that names them. `controller`: the transfer function of one's own, of
+        z = exp(2j pi f period) to torque per motor [N m] over speed error [rad/s]: lambda z: 20.0.
+        """
+        _warn_of(self.loop_leaves_out, "open_loop()")
+        frequencies = np.atleast_1d(np.asarray(frequencies, float))
+        plant = self.machine.state_space().part("shaft_speed_1").sampled_response(frequencies, self.controller_period, self._core.loop_effects[0])
+        z = np.exp(2j * np.pi * frequencies * self.controller_period)
+        return plant[:, 0, 0] * np.asarray((controller or self._computed)(z))
+
+    def _computed(self, z: np.ndarray) -> np.ndarray:
+        """What the scenario's controller makes of a speed error: the integral by the trapezoidal rule (controller/speed_control.h), the filter
+        exact for a speed held over the period (controller/speed_filter.h)."""
+        gain, integral_time, filter_time = self._core.speed_loop
+        period = self.controller_period
+        kept = np.exp(-period / filter_time) if filter_time > 0.0 else 0.0
+        return gain * (1.0 + 0.5 * period / integral_time * (z + 1.0) / (z - 1.0)) * (1.0 - kept) * z / (z - kept)
+
+    def margins(self) -> Margins:
+        """Of open_loop(), over all frequencies that it has."""
+        frequencies = np.geomspace(1e-3 * self.highest_frequency, self.highest_frequency, 4000)
+        return margins(frequencies, self.open_loop(frequencies))
 
     def closed_loop(self, output: str = "shaft_speed_1") -> StateSpace:
-        """From the wanted shaft speed [rad/s] to an output, the controller taken to be continuous."""
+        """From the wanted shaft speed [rad/s] to an output, the controller with its filter taken to be continuous. The machine's effects are
+        left out, with a warning that names them."""
+        _warn_of(self._core.loop_effects[1] + self.loop_leaves_out, "closed_loop()")
         plant, control = self.machine.state_space().part(output), self.speed_controller()
         speed = self.machine.state_space().part("shaft_speed_1")
         n = len(plant.a)
         gain, integral = control.d[0, 0], control.c[0, 0]
-        a = np.zeros((n + 1, n + 1))
-        a[:n, :n] = plant.a - gain * plant.b @ speed.c
-        a[:n, n:] = integral * plant.b
-        a[n:, :n] = -speed.c
-        b = np.vstack([gain * plant.b, np.ones((1, 1))])
-        c = np.hstack([plant.c - gain * plant.d @ speed.c, integral * plant.d])
-        return StateSpace(a, b, c, gain * plant.d, plant.states | control.states, {"shaft_speed_request": "rad/s"}, plant.outputs)
+        filter_time = self._core.speed_loop[2]
+        is_filtered = filter_time > 0.0
+        seen = np.hstack([np.zeros((1, n + 1)), np.ones((1, 1))]) if is_filtered else np.hstack([speed.c, np.zeros((1, 1))])
+        m = seen.shape[1]
+        integrated = np.zeros((1, m))
+        integrated[0, n] = integral
+        torque = integrated - gain * seen  # of the state; the request adds gain times itself
+        a = np.zeros((m, m))
+        a[:n, :n] = plant.a
+        a[:n] += plant.b @ torque
+        a[n] = -seen
+        states = plant.states | control.states
+        b = np.vstack([gain * plant.b, np.ones((1, 1)), np.zeros((m - n - 1, 1))])
+        if is_filtered:
+            a[n + 1, :n], a[n + 1, n + 1] = speed.c[0] / filter_time, -1.0 / filter_time
+            states = states | {"filtered_speed": "rad/s"}
+        c = np.hstack([plant.c, np.zeros((1, m - n))]) + plant.d @ torque
+        return StateSpace(a, b, c, gain * plant.d, states, {"shaft_speed_request": "rad/s"}, plant.outputs)
 
-    def bode(self, frequencies: np.ndarray) -> pd.DataFrame:
+    def bode(self, frequencies: ArrayLike) -> pd.DataFrame:
         """The open speed loop's magnitude [dB] and phase [deg]."""
         return bode_table(frequencies, self.open_loop(frequencies))
 
     def __repr__(self) -> str:
         return f"<Scenario {self.path}{' with ' + str(self.changes) if self.changes else ''}>"
+
+
+def _warn_of(effects: list[str], what: str) -> None:
+    if effects:
+        warnings.warn(f"{what} leaves out what the machine's effects do to it: {', '.join(effects)}", stacklevel=3)
