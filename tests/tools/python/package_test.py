@@ -123,6 +123,8 @@ class RunTest(unittest.TestCase):
         np.testing.assert_allclose(table.index, np.arange(100) * 0.01, rtol=0, atol=1e-12)
         self.assertEqual(table.attrs["units"]["shaft_speed_2"], "rad/s")
         self.assertEqual(table.attrs["units"]["time"], "s")
+        motor_torque = slewlab.Scenario(SLEW, {"duration": 1}).run()["TORQUE"]
+        self.assertEqual(motor_torque.attrs["units"]["motor_torque_1"], "N m")  # as files and figures write it
         with self.assertRaisesRegex(KeyError, "no ENCODR here, expected 'ENCODER'"):
             run["ENCODR"]
         with self.assertRaisesRegex(KeyError, "no channel SENSOR, expected 'SENSORS'"):
@@ -138,6 +140,16 @@ class RunTest(unittest.TestCase):
 
 
 class InputTest(unittest.TestCase):
+    def test_exceptions_say_what_they_are_for(self):
+        for error in (slewlab.InputError, slewlab.LogError):
+            self.assertIn("line" if error is slewlab.InputError else "log", error.__doc__)
+
+    def test_none_takes_a_value_away_as_null_does(self):
+        scenario = slewlab.config("scenarios/thesis_slew.yaml")
+        self.assertEqual(slewlab.files.pairs({"seed": None}), [("seed", "null")])
+        self.assertEqual(slewlab.Scenario(scenario, {"crane.effects": None}).run(channels=["ENCODER"]).messages("ENCODER").tobytes(),
+                         slewlab.Scenario(scenario).run(channels=["ENCODER"]).messages("ENCODER").tobytes())
+
     def test_a_wrong_argument_is_told_with_what_would_be_right(self):
         scenario, machine = slewlab.Scenario(SLEW, SHORT), slewlab.Machine(slewlab.config("cranes/thesis.yaml"))
         with tempfile.TemporaryDirectory() as folder:

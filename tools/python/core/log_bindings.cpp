@@ -119,8 +119,8 @@ void bind_log(nb::module_& m) {
            nb::arg("channels"), nb::keep_alive<0, 1>(),
            "{channel: rows} of a stretch of the file after the other, decoded ahead by a thread of its own.");
   nb::class_<Stretches>(m, "Stretches")
-      .def("__iter__", [](nb::handle self) { return self; })
-      .def("__next__", &Stretches::next);
+      .def("__iter__", [](nb::handle self) { return self; }, nb::sig("def __iter__(self) -> Stretches"))
+      .def("__next__", &Stretches::next, nb::sig("def __next__(self) -> dict[str, NDArray[numpy.uint8]]"));
 }
 
 }  // namespace slewlab::tools

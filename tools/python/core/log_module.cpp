@@ -12,5 +12,6 @@ NB_MODULE(_log, m) {
   using namespace slewlab;
   m.doc() = "The log reader of slewlab. Use the package `slewlab`, which is documented.";
   const nb::exception<msgs::LogError> log_error(m, "LogError", PyExc_RuntimeError);
+  log_error.attr("__doc__") = "A log cannot be read or written, or holds no run; the text says which file and why.";
   tools::bind_log(m);
 }

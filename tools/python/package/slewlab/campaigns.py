@@ -150,7 +150,8 @@ class Journal:
 
     def __init__(self, path: Path, head: Mapping[str, Any], cases: list[Case]) -> None:
         path.parent.mkdir(parents=True, exist_ok=True)
-        self.path, self.rows = path, {}
+        self.path = path
+        self.rows: dict[int, dict[str, Any]] = {}
         self.file = open(path, "a+b")
         try:
             fcntl.flock(self.file, fcntl.LOCK_EX | fcntl.LOCK_NB)

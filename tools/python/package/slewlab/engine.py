@@ -139,7 +139,7 @@ def _feed(pool: Any, function: Callable[[Any], Any], pending: dict[int, Any], wo
                 under_way[index] = pending.pop(index)
                 futures[pool.submit(function, under_way[index])] = index
             done, _ = wait(futures, return_when=FIRST_COMPLETED)
-            for future in sorted(done, key=futures.get):
+            for future in sorted(done, key=futures.__getitem__):
                 result = future.result()
                 index = futures.pop(future)
                 del under_way[index]

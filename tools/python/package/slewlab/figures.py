@@ -13,7 +13,7 @@ import numpy as np
 from . import _core
 from .files import home
 from .scenario import Run
-from .tables import Channels, Log
+from .tables import Channels, Log, row_type
 
 if TYPE_CHECKING:
     import plotly.graph_objects as go
@@ -78,7 +78,7 @@ class _LogOf:
         self.tables = {}
         for name in channels.channels:
             if isinstance(channels, Log):
-                dtype, (rows, first, last) = np.dtype(channels._tables.layout(name)), channels._tables.extent(name)
+                dtype, (rows, first, last) = row_type(channels._tables.layout(name)), channels._tables.extent(name)
             else:
                 messages = channels.messages(name)
                 dtype, rows = messages.dtype, len(messages)

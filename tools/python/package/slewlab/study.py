@@ -107,7 +107,7 @@ class Study:
         """Run by run: the scenarios one after the other, each with the same draws. Of a soak the scenario is its settings' file, of
         withheld cases the nominal crane's: what is run is drawn of it by seed and number alone."""
         if self.soak or self.withheld:
-            subject = self.soak.settings if self.soak else self.withheld.crane
+            subject = self.soak.settings if self.soak else self.withheld.crane if self.withheld else ""
             return [Case(run, subject, ()) for run in range(self.runs)]
         draws = self.draws()
         return [Case(run, scenario, tuple((each.key, each.text(value)) for each, value in zip(self.vary, values)))

@@ -3,9 +3,10 @@
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Iterator
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -22,6 +23,22 @@ def factor(unit: str, to: str) -> float:
     return _core.factor(unit, to)
 
 
+@functools.cache
+def unit_text(unit: str) -> str:
+    """A unit as all tables have it, with blanks between its factors: "N m" of "Nm"."""
+    try:
+        known = [spelling for spelling, _ in _core.spellings(unit)]
+    except ValueError:  # none that files know: J
+        return unit
+    return next((each for each in known if each.replace(" ", "") == unit.replace(" ", "")), unit)
+
+
+def row_type(layout: dict[str, Any]) -> np.dtype:
+    """Of a row of messages, as the core describes it."""
+    described: Any = layout  # numpy's own types name no dictionary that is not spelled out
+    return np.dtype(described)
+
+
 def frame(channel: str, messages: np.ndarray, head: bool = False) -> pd.DataFrame:
     """`head`: with sequence number, configuration and run as columns."""
     import pandas as pd
@@ -29,16 +46,16 @@ def frame(channel: str, messages: np.ndarray, head: bool = False) -> pd.DataFram
     units_of = _log.signals()[channel]
     columns: dict[str, np.ndarray] = {}
     units: dict[str, str] = {}
-    for name in messages.dtype.names:
+    for name in messages.dtype.names or ():
         if name in HEAD and not (head and name != "simulated_time"):
             continue
         values = messages[name]
         if values.ndim == 1:
-            columns[name], units[name] = values, units_of[name]
+            columns[name], units[name] = values, unit_text(units_of[name])
             continue
         for entry in range(values.shape[1]):
             columns[f"{name}_{entry + 1}"] = values[:, entry]
-            units[f"{name}_{entry + 1}"] = units_of[name]
+            units[f"{name}_{entry + 1}"] = unit_text(units_of[name])
     table = pd.DataFrame(columns, index=pd.Index(messages["simulated_time"] * 1e-9, name="time"))
     table.attrs["units"] = units | {"time": "s"}
     table.attrs["channel"] = channel
@@ -96,13 +113,13 @@ class Log(Channels):
 
     def messages(self, channel: str) -> np.ndarray:
         self.require(channel)
-        return self._tables.rows(channel).view(np.dtype(self._tables.layout(channel)))
+        return self._tables.rows(channel).view(row_type(self._tables.layout(channel)))
 
     def stretches(self, *channels: str) -> Iterator[dict[str, np.ndarray]]:
         """The messages of these channels, or of all, a stretch of the file at a time: for a log that is larger than memory."""
         for channel in channels:
             self.require(channel)
-        dtypes = {channel: np.dtype(self._tables.layout(channel)) for channel in channels or self.channels}
+        dtypes = {channel: row_type(self._tables.layout(channel)) for channel in channels or self.channels}
         for stretch in self._tables.stretches(list(dtypes)):
             yield {channel: rows.view(dtypes[channel]) for channel, rows in stretch.items()}
 
