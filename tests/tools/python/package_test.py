@@ -357,7 +357,8 @@ class SweepTest(unittest.TestCase):
         tables = [slewlab.sweep(scenario, over, threads=threads, progress=False) for threads in (1, 3)]
         self.assertTrue(tables[0].equals(tables[1]))
         self.assertEqual(list(zip(tables[0]["crane.load.mass"], tables[0]["controller.ramp.curved_share"])),
-                         [("10 t", 0.0), ("10 t", 0.3), ("30 t", 0.0), ("30 t", 0.3)])
+                         [(10.0, 0.0), (10.0, 0.3), (30.0, 0.0), (30.0, 0.3)])
+        self.assertEqual(tables[0].attrs["units"]["crane.load.mass"], "t")
         alone = slewlab.measures(scenario.changed({"crane.load.mass": "30 t", "controller.ramp.curved_share": 0.0}).run())
         self.assertEqual({name: tables[0][name][2] for name in alone}, alone)
         self.assertEqual(tables[0].attrs["units"]["peak_tip_acceleration"], "m/s^2")
@@ -376,7 +377,7 @@ class SweepTest(unittest.TestCase):
             return run["SENSORS"].slew_angle.iloc[-1]
 
         table = slewlab.sweep(scenario, {"crane.load.mass": "10 t", "controller.ramp.curved_share": 0.1}, measure=end_angle, progress=False)
-        self.assertEqual(table[["crane.load.mass", "controller.ramp.curved_share"]].values.tolist(), [["10 t", 0.1]])
+        self.assertEqual(table[["crane.load.mass", "controller.ramp.curved_share"]].values.tolist(), [[10.0, 0.1]])
         alone = scenario.changed({"crane.load.mass": "10 t", "controller.ramp.curved_share": 0.1}).run()
         self.assertEqual(table["end_angle"][0], end_angle(alone))
         self.assertIn("measured", slewlab.sweep(scenario, {"seed": 3}, measure=lambda run: 1, progress=False))
@@ -387,6 +388,19 @@ class SweepTest(unittest.TestCase):
             with self.subTest(words=words), self.assertRaises(error) as raised:
                 wrong()
             self.assertIn(words, str(raised.exception))
+
+    def test_what_was_set_is_a_number_in_the_first_ones_unit_where_it_is_one(self):
+        from slewlab.sweep import as_numbers
+
+        self.assertEqual(as_numbers(["25.355 t", "500 kg"]), ([25.355, 0.5], "t"))
+        self.assertEqual(as_numbers(["20 Nm", "1e3N m"]), ([20.0, 1000.0], "N m"))
+        for others in (["2.yaml"], [1, 2], ["10 t", 3], ["10 t", "3 m"], ["s_curve"], [True]):
+            self.assertEqual(as_numbers(others), (others, ""))
+
+    def test_a_machine_without_a_load_has_no_sidelead(self):
+        found = slewlab.measures(slewlab.Scenario(slewlab.config("scenarios/example_axis.yaml"), {"duration": 5}).run())
+        self.assertIn("largest_motor_torque", found)
+        self.assertNotIn("largest_sidelead", found)
 
     def test_peaks_are_those_of_the_report(self):
         # The demo's table in README.md, whose numbers run_numbers.py takes from the log of `slewlab run`.
@@ -466,6 +480,11 @@ class DiagnosisTest(unittest.TestCase):
         size = next(size for size in found.causes[0].sizes if size.parameter == "dry")
         self.assertAlmostEqual(size.value, 40.0, delta=2.0)
         self.assertLess(size.low, size.value)
+        self.assertEqual(size.unit, "N m")
+        self.assertIsInstance(size, slewlab.Size)
+        self.assertEqual((found.action, found.is_stated, found.explained_share), tuple(found.raw[key] for key in ("action", "is_stated", "explained_share")))
+        self.assertIn("axis_with_effect.yaml", found.action)
+        self.assertEqual((found.remainder.share, found.remainder.follows), (found.raw["unexplained_share"], found.raw["remainder"]["follows"]))
         with self.assertRaisesRegex(slewlab.ProgramFailed, "nothing_there.lcmlog"):
             slewlab.diagnose(slewlab.config("axes/example_axis.yaml"), "nothing_there.lcmlog")
 

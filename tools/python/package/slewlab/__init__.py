@@ -14,14 +14,14 @@ from .campaigns import CampaignMismatch, JournalDamaged, campaign, read_table
 from .control import Margins, StateSpace, margins
 from .figures import overview, report_figures
 from .files import check, config, values
-from .findings import CannotTell, Cause, Diagnosis, diagnose
+from .findings import CannotTell, Cause, Diagnosis, Remainder, Size, diagnose, read_diagnosis
 from .machine import Machine
 from .program import ProgramFailed
 from .scenario import Controller, Run, Scenario
 from .sweep import measures, monte_carlo, sweep
 from .tables import Log, factor, open_log
 
-__all__ = ["Answer", "CampaignMismatch", "CannotTell", "Cause", "Controller", "Diagnosis", "Encoder", "InputError", "JournalDamaged",
-           "Log", "LogError", "Machine", "Margins", "Mode", "Operator", "ProgramFailed", "Run", "Scenario", "StateSpace", "__version__",
-           "campaign", "check", "config", "diagnose", "factor", "margins", "measures", "monte_carlo", "open_log", "overview",
-           "read_table", "report_figures", "sweep", "values"]
+__all__ = ["Answer", "CampaignMismatch", "CannotTell", "Cause", "Controller", "Diagnosis", "Encoder", "InputError", "JournalDamaged", "Log",
+           "LogError", "Machine", "Margins", "Mode", "Operator", "ProgramFailed", "Remainder", "Run", "Scenario", "Size", "StateSpace",
+           "__version__", "campaign", "check", "config", "diagnose", "factor", "margins", "measures", "monte_carlo", "open_log", "overview",
+           "read_diagnosis", "read_table", "report_figures", "sweep", "values"]

@@ -12,7 +12,7 @@ from typing import Any
 from .files import path_of
 from .machine import Machine
 from .program import ProgramFailed, call, program
-from .tables import Channels, Log
+from .tables import Channels, Log, unit_text
 
 CANNOT_TELL, REFUSAL = 3, "cannot tell, because "  # exit code of `slewlab diagnose`, and what it says
 
@@ -41,6 +41,17 @@ class Cause:
 
 
 @dataclass(frozen=True)
+class Remainder:
+    """What of the gap no stated law explains, and what it follows."""
+
+    share: float  # of the gap, 0 to 1, on data that were not fitted
+    follows: str  # torque, speed, position, time, ...; empty: nothing that was tried
+    followed_share: float  # of the remainder's mean square, 0 to 1, that follows it
+    words: str  # the same as a sentence says it: "follows the torque"
+    is_unknown: bool  # more than noise and what known laws would make as well: outside the catalogue
+
+
+@dataclass(frozen=True)
 class Diagnosis:
     """Where measured records differ from the nominal machine, and what causes it."""
 
@@ -51,13 +62,17 @@ class Diagnosis:
     probability_nothing_missing: float | None  # None of an axis
     probability_unknown: float
     remarks: tuple[str, ...]
+    is_stated: bool | None  # of an axis: the answer names laws, or says that none is missing; None of a crane
+    action: str  # of an axis: what to do, in one sentence; "" of a crane
+    explained_share: float | None  # of an axis: of the gap, 0 to 1, by the first cause on blocks left out of the fit; None of a crane
+    remainder: Remainder | None  # of an axis; None of a crane
     folder: Path | None  # with the page, the machine's file with the effect, and all numbers
     raw: dict[str, Any] = field(repr=False)  # diagnosis.json
 
 
 def _cause(told: dict[str, Any]) -> Cause:
     alike = told.get("cannot_be_told_from", ())
-    sizes = tuple(Size(one["parameter"], one["value"], one["low_90"], one["high_90"], one["unit"]) for one in told["sizes"])
+    sizes = tuple(Size(one["parameter"], one["value"], one["low_90"], one["high_90"], unit_text(one["unit"])) for one in told["sizes"])
     return Cause(tuple(told["effects" if "effects" in told else "laws"]), tuple(map(tuple, told.get("or", ()))), told["probability"], sizes, tuple(one["cause"] for one in alike),
                  told["validation"]["holds"] if "validation" in told else None)
 
@@ -69,10 +84,14 @@ def read_diagnosis(folder: str | Path) -> Diagnosis:
     is_axis, causes = raw.get("kind") == "axis", list(map(_cause, raw["causes"]))
     if is_axis and causes:  # the first one alone is validated
         causes[0] = replace(causes[0], validated=raw["validation"]["holds"])
+    remainder = None
+    if is_axis:
+        told = raw["remainder"]
+        remainder = Remainder(raw["unexplained_share"], told["follows"], told["share"], told["words"], raw["has_unknown_remainder"])
     # An axis's answer is its verdict; it has no subsystems to blame.
     return Diagnosis(raw["verdict" if is_axis else "answer"], raw["gap"], tuple(causes),
                      raw.get("subsystems") or {}, raw.get("probability_nothing_missing"), raw["probability_unknown"],
-                     tuple(raw["remarks"]), folder, raw)
+                     tuple(raw["remarks"]), raw.get("is_stated"), raw.get("action", ""), raw.get("explained_share"), remainder, folder, raw)
 
 
 class CannotTell(ProgramFailed):
@@ -85,11 +104,12 @@ class CannotTell(ProgramFailed):
 
 def _paths(logs: Any) -> list[Path]:
     """One log or several, each a path or what open_log() gave."""
-    given = [logs] if isinstance(logs, (str, os.PathLike, Channels)) else list(logs)
-    for log in given:
+    paths = []
+    for log in [logs] if isinstance(logs, (str, os.PathLike, Channels)) else list(logs):
         if not isinstance(log, (str, os.PathLike, Log)):
             raise TypeError(f"found {log!r} for a log, expected a path or what open_log() gave; of a run in this process, run(log=PATH) writes one")
-    return [log.path if isinstance(log, Log) else Path(log) for log in given]
+        paths.append(log.path if isinstance(log, Log) else Path(log))
+    return paths
 
 
 @contextlib.contextmanager

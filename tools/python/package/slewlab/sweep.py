@@ -4,15 +4,17 @@ from __future__ import annotations
 
 import itertools
 import numbers
+import re
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from . import _core
 from .engine import run_in_threads
 from .scenario import CHANNELS, Controller, Run, Scenario
-from .tables import Channels
+from .tables import Channels, factor, unit_text
 
 if TYPE_CHECKING:  # imported where a table is made: a campaign's workers make none, and it takes longer than all else
     import pandas as pd
@@ -25,7 +27,7 @@ UNITS = {"peak_tip_acceleration": "m/s^2", "peak_house_acceleration": "m/s^2", "
 
 def measures(run: Channels) -> dict[str, float]:
     """What is asked of a run first: peaks of the accelerations, sidelead, motor torque, crossings of the play, where it ends.
-    Of a run without a channel, what that one tells is left out."""
+    Of a run without a channel, what that one tells is left out, and the sidelead where no load swings."""
     found: dict[str, float] = {}
     if "SENSORS" in run:
         sensors = run.messages("SENSORS")
@@ -34,7 +36,9 @@ def measures(run: Channels) -> dict[str, float]:
         found["end_angle"] = float(sensors["slew_angle"][-1])
     if "TRUTH" in run:
         truth = run.messages("TRUTH")
-        found["largest_sidelead"] = float(np.abs(truth["rope_angle"]).max())
+        sidelead = float(np.abs(truth["rope_angle"]).max())
+        if sidelead > 0.0:  # a machine without a load says 0 throughout
+            found["largest_sidelead"] = sidelead
         found["play_crossings"] = float(truth["play_crossings"][-1].sum())
     if "TORQUE" in run:
         found["largest_motor_torque"] = float(np.abs(run.messages("TORQUE")["motor_torque"]).max())
@@ -59,10 +63,45 @@ def row_of(measure: Callable, found: Any) -> Mapping[str, float]:
     """What was measured, by name. A number alone is called as its function is."""
     if isinstance(found, Mapping):
         return found
-    if np.ndim(found) == 0 and isinstance(found, (numbers.Number, np.generic)):
+    is_number = np.ndim(found) == 0 and isinstance(found, (numbers.Number, np.generic))
+    if is_number:
         name = getattr(measure, "__name__", "")
         return {name if name.isidentifier() else "measured": found}
     raise TypeError(f"measure: found {found!r} for a run, expected a number, or numbers by name: {{'peak': 1.2}}")
+
+
+def quantity(text: Any) -> tuple[float, str]:
+    """Number and unit of a text as files have them; ValueError where it is none."""
+    parts = re.fullmatch(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*", text) if isinstance(text, str) else None
+    if parts is None:
+        raise ValueError(f"found {text!r}, expected a number with its unit")
+    if parts[2]:
+        _core.spellings(parts[2])  # refuses what is no unit, as the end of a file's name
+    return float(parts[1]), unit_text(parts[2])
+
+
+def as_numbers(values: Sequence[Any]) -> tuple[Sequence[Any], str]:
+    """Texts of a number with a unit as numbers in the first one's unit, and that unit; what is anything else stays as it is, without one."""
+    try:
+        found = [quantity(value) for value in values]
+        common = found[0][1]
+        return [number if unit == common else number * factor(unit, common) for number, unit in found], common
+    except ValueError:
+        return values, ""
+
+
+def table_of(cases: Sequence[Mapping[str, Any]], rows: Sequence[Mapping[str, float]]) -> pd.DataFrame:
+    """A row per run: what was set, as numbers, then what was measured."""
+    import pandas as pd
+
+    columns: dict[str, Sequence[Any]] = {}
+    units = dict(UNITS)
+    for key in cases[0] if cases else ():
+        columns[key], units[key] = as_numbers([case[key] for case in cases])
+    table = pd.DataFrame(columns, index=pd.RangeIndex(len(cases))).join(pd.DataFrame(list(rows)))
+    table.index.name = "run"
+    table.attrs["units"] = {name: units[name] for name in table if units.get(name)}
+    return table
 
 
 def run_all(scenario: Scenario, cases: Sequence[Mapping[str, Any]], measure: Measure, channels: Iterable[str],
@@ -78,12 +117,7 @@ def run_all(scenario: Scenario, cases: Sequence[Mapping[str, Any]], measure: Mea
     for number, result in run_in_threads(one, cases, threads):
         found[number] = result
         bar.show(len(found))
-    import pandas as pd
-
-    table = pd.DataFrame([dict(case) | dict(found[number]) for number, case in enumerate(cases)])
-    table.index.name = "run"
-    table.attrs["units"] = {name: unit for name, unit in UNITS.items() if name in table}
-    return table
+    return table_of(cases, [found[number] for number in range(len(cases))])
 
 
 def values_of(key: str, given: Any) -> list[Any]:
@@ -98,8 +132,8 @@ def sweep(scenario: Scenario, over: Mapping[str, Sequence[Any] | Any], *, measur
           controller: Callable[[], Controller] | None = None, threads: int | None = None, progress: bool | None = None) -> pd.DataFrame:
     """Every combination of the values: {"crane.boom.angle": ["40 deg", "60 deg"], "crane.load.mass": "10 t"}; a text is one value.
 
-    A row per run, in the order of the values, the last key's first: what was set, then what `measure` finds: numbers by name, or one number,
-    which is called as the function is. `controller`
+    A row per run, in the order of the values, the last key's first: what was set, as numbers in the unit of a key's first value, then what
+    `measure` finds: numbers by name, or one number, which is called as the function is. Units in attrs["units"]. `controller`
     makes a callable for each run. `channels`: fewer make it faster. `threads`: as many as there are processors. The rows do
     not depend on it.
     """
