@@ -552,6 +552,45 @@ assert found.answer and pathlib.Path("found/diagnosis.html").is_file(), found
 """
 
 
+# What a caller may write: a class, an object of it, an answer by numpy, lists of numbers.
+TYPED = """
+import numpy as np
+import slewlab
+
+class Still:
+    def __call__(self, encoder: slewlab.Encoder, operator: slewlab.Operator) -> np.ndarray:
+        return np.zeros(encoder.group_count)
+
+def answered(encoder: slewlab.Encoder, operator: slewlab.Operator) -> slewlab.Answer:
+    return slewlab.Answer([0.0] * encoder.group_count)
+
+scenario = slewlab.Scenario("scenario.yaml", {"duration": None})
+for controller in (Still, Still(), answered, lambda encoder, operator: [0.0, 0.0]):
+    scenario.run(controller)
+found: slewlab.Margins = slewlab.margins([1.0, 2.0], scenario.open_loop([1.0, 2.0], lambda z: 20.0))
+version: str = slewlab.__version__
+sizes: list[slewlab.Size] = [size for cause in slewlab.read_diagnosis("findings").causes for size in cause.sizes]
+for stretch in slewlab.open_log("run.lcmlog").stretches("SENSORS"):
+    messages: np.ndarray = stretch["SENSORS"]
+"""
+
+
+@unittest.skipUnless((messages_folder() / "slewlab" / "_core.pyi").is_file(), "a build with a sanitizer makes no stubs")
+class TypesTest(unittest.TestCase):
+    def mypy(self, folder, *what):
+        words = [sys.executable, "-m", "mypy", "--config-file", REPOSITORY / "pyproject.toml", "--cache-dir", folder, *what]
+        ended = subprocess.run(words, cwd=folder, env=os.environ | {"MYPYPATH": str(messages_folder())}, stdin=subprocess.DEVNULL,
+                               capture_output=True, text=True, check=False, timeout=100)
+        self.assertEqual(ended.returncode, 0, ended.stdout + ended.stderr)
+
+    def test_the_package_and_its_stubs_hold_what_they_say(self):
+        with tempfile.TemporaryDirectory() as folder:
+            self.mypy(folder, messages_folder() / "slewlab")
+            (Path(folder) / "caller.py").write_text(TYPED)
+            self.mypy(folder, "--strict-optional", "--check-untyped-defs", "caller.py")
+        self.assertFalse([name for name in slewlab.__all__ if not hasattr(slewlab, name)])
+
+
 class InstallTest(unittest.TestCase):
     def install(self, component, prefix):
         subprocess.run(["cmake", "--install", messages_folder().parent, "--component", component, "--prefix", prefix],
