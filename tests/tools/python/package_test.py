@@ -220,18 +220,6 @@ class InputTest(unittest.TestCase):
             slewlab.factor("kg", "m")
 
 
-class ControlTest(unittest.TestCase):
-    def test_margins_of_an_integrator_with_a_delay(self):
-        # L = k exp(-s T) / s: gain 1 at k rad/s, phase there -90 deg - k T; phase -180 deg at pi / (2 T), gain there 2 k T / pi.
-        k, delay = 2.0, 0.1
-        frequencies = np.geomspace(0.01, 10.0, 20001)
-        s = 2j * np.pi * frequencies
-        found = slewlab.margins(frequencies, k * np.exp(-s * delay) / s)
-        self.assertAlmostEqual(found.phase, 90.0 - np.degrees(k * delay), delta=1e-3)
-        self.assertAlmostEqual(found.phase_frequency, k / (2 * np.pi), delta=1e-5)
-        self.assertAlmostEqual(found.gain, -20 * np.log10(2 * k * delay / np.pi), delta=1e-3)
-        self.assertAlmostEqual(found.gain_frequency, 1 / (4 * delay), delta=1e-4)
-
 STILL = {"crane.drive.gearbox_play": "0 deg", "crane.drive.pinion_play": "0 deg", "duration": 3}
 LATE = ('[{effect: dead_time, delay: {value: 15, unit: ms, source: test}}, {effect: encoder_delay, delay: {value: 8, unit: ms, source: test}}]')
 
@@ -245,7 +233,7 @@ def last_torque(scenario, gain):
     return scenario.run(push_then_damp, channels=["TORQUE"])["TORQUE"].motor_torque_1.loc[2.5:].abs().max()
 
 
-    def test_the_closed_loop_is_the_open_one_closed(self):
+class ControlTest(unittest.TestCase):
     def test_the_gain_margin_is_where_the_simulation_becomes_unstable(self):
         # With a gain of 1 the margin is the gain itself at which a run that is a twentieth above rings up, and one a twentieth below dies out.
         for effects in ("[]", LATE):
@@ -311,6 +299,18 @@ def last_torque(scenario, gain):
         crane = slewlab.Machine(slewlab.config("cranes/thesis.yaml"))
         self.assertEqual(repr(crane.modes(elements=200)[0]), "<Mode rigid 1, 0.000000 Hz>")
 
+    def test_margins_of_an_integrator_with_a_delay(self):
+        # L = k exp(-s T) / s: gain 1 at k rad/s, phase there -90 deg - k T; phase -180 deg at pi / (2 T), gain there 2 k T / pi.
+        k, delay = 2.0, 0.1
+        frequencies = np.geomspace(0.01, 10.0, 20001)
+        s = 2j * np.pi * frequencies
+        found = slewlab.margins(frequencies, k * np.exp(-s * delay) / s)
+        self.assertAlmostEqual(found.phase, 90.0 - np.degrees(k * delay), delta=1e-3)
+        self.assertAlmostEqual(found.phase_frequency, k / (2 * np.pi), delta=1e-5)
+        self.assertAlmostEqual(found.gain, -20 * np.log10(2 * k * delay / np.pi), delta=1e-3)
+        self.assertAlmostEqual(found.gain_frequency, 1 / (4 * delay), delta=1e-4)
+
+    def test_the_closed_loop_is_the_open_one_closed(self):
         # y = L / (1 + L) r at every frequency; the closed loop is taken to be continuous, so the controller's period goes.
         scenario = slewlab.Scenario(SLEW, {"controller_period": "1 us", "plant_step": "1 us"})
         frequencies = np.geomspace(0.1, 30.0, 40)
