@@ -40,7 +40,7 @@ struct Scenario {
 
 // What a controller in Python answers.
 struct Answer {
-  std::vector<double> motor_torque;  // [Nm] per motor of each group
+  std::vector<double> motor_torque;  // [N m] per motor of each group
   bool enable = true;
   bool brake = false;
   std::optional<bool> acknowledge;  // of a tripped drive; as the operator says it where the controller says nothing
@@ -50,7 +50,7 @@ Answer answer_of(const nb::object& said, int group_count) {
   Answer answer;
   if (!nb::try_cast(said, answer) && !nb::try_cast(said, answer.motor_torque)) {
     throw nb::type_error(("the controller answered " + std::string(nb::repr(said).c_str()) +
-                          ", expected a motor torque [Nm] for each of the " + std::to_string(group_count) +
+                          ", expected a motor torque [N m] for each of the " + std::to_string(group_count) +
                           " groups, or a slewlab.Answer").c_str());
   }
   if (answer.motor_torque.size() != static_cast<std::size_t>(group_count)) {
@@ -185,7 +185,7 @@ void bind_run(nb::module_& m) {
   nb::class_<Answer>(m, "Answer", "What a controller answers, where motor torques alone do not say it.")
       .def(nb::init<std::vector<double>, bool, bool, std::optional<bool>>(), nb::arg("motor_torque"), nb::arg("enable") = true,
            nb::arg("brake") = false, nb::arg("acknowledge") = nb::none())
-      .def_rw("motor_torque", &Answer::motor_torque, "[Nm] per motor of each group, on the motor's shaft")
+      .def_rw("motor_torque", &Answer::motor_torque, "[N m] per motor of each group, on the motor's shaft")
       .def_rw("enable", &Answer::enable, "the drives may deliver torque")
       .def_rw("brake", &Answer::brake, "apply the disk brakes")
       .def_rw("acknowledge", &Answer::acknowledge, "of a tripped drive; None: as the operator says it");
