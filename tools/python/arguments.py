@@ -3,6 +3,7 @@
 import argparse
 import ipaddress
 import sys
+from pathlib import Path
 from urllib.parse import urlsplit
 
 
@@ -30,6 +31,30 @@ def bus(text):
     if not is_one:
         raise argparse.ArgumentTypeError(f"found '{text}', expected the address of a bus as udpm://239.255.76.67:7667?ttl=0")
     return text
+
+
+def file_in_the_way(path):
+    """The file that stands where a folder on the way to `path` would have to."""
+    nearest = next(parent for parent in Path(path).absolute().parents if parent.exists())
+    return None if nearest.is_dir() else nearest
+
+
+def output_file(text):
+    """A file that a command writes; the folder for it is made."""
+    if text.endswith("/") or Path(text).is_dir():
+        raise argparse.ArgumentTypeError(f"found '{text}', which is a folder, expected the name of a file to write")
+    if found := file_in_the_way(text):
+        raise argparse.ArgumentTypeError(f"found '{text}', of which {found} is a file, expected the name of a file to write")
+    return Path(text)
+
+
+def output_folder(text):
+    """A folder that a command makes, or fills where it is there."""
+    found = Path(text) if Path(text).is_file() else file_in_the_way(text)
+    if found:
+        what = "which is a file" if found == Path(text) else f"of which {found} is a file"
+        raise argparse.ArgumentTypeError(f"found '{text}', {what}, expected the name of a folder, there or not")
+    return Path(text)
 
 
 class ArgumentParser(argparse.ArgumentParser):

@@ -13,7 +13,7 @@ import shutil
 import sys
 from pathlib import Path
 
-from arguments import ArgumentParser
+from arguments import ArgumentParser, output_folder
 from campaign_page import write_page
 from run_log import built_module
 
@@ -87,7 +87,7 @@ def change(text):
 def parse(arguments):
     parser = ArgumentParser(prog="slewlab campaign", description="Run a study and judge every run (docs/campaign.md).")
     parser.add_argument("study", metavar="STUDY.yaml", help="what is run: kind: campaign")
-    parser.add_argument("--out", metavar="DIR", type=Path, help="folder for journal, table and page (runs/campaign_<study>)")
+    parser.add_argument("--out", metavar="DIR", type=output_folder, help="folder for journal, table and page (runs/campaign_<study>)")
     parser.add_argument("--controller", metavar="CMD", help="shell command of your own controller, as of slewlab run; runs over LCM")
     where = parser.add_mutually_exclusive_group()
     where.add_argument("--workers", metavar="N", type=count_or_none, help="processes of this machine (as many as it has processors); 0: in the command's own")

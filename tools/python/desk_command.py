@@ -12,13 +12,13 @@ import signal
 import sys
 from pathlib import Path
 
-from arguments import ArgumentParser, bus, port
+from arguments import ArgumentParser, bus, output_folder, port
 from run_log import LogProblem
 from desk.access import PATIENCE, Access, Joystick
 from desk.diagnosis import Diagnosis
 from desk.gap import Gap
 from desk.server import Desk
-from desk.source import Bus, Difference, Growing, Recorded, growing_log
+from desk.source import Bus, Difference, Growing, NoBus, Recorded, growing_log
 from desk.steered_run import SteeredRun
 
 DEFAULT_PORT = 0  # any that is free
@@ -55,7 +55,7 @@ def parsed(arguments):
     parser.add_argument("--nominal-controller", metavar="FILE", help="with --nominal: the controller's file, for a diagnosis")
     parser.add_argument("--host", default="127.0.0.1", help="address to serve on (127.0.0.1); elsewhere than on loopback everybody needs a token")
     parser.add_argument("--port", type=port, default=DEFAULT_PORT, help="port to serve on (any that is free)")
-    parser.add_argument("--out", type=Path, help="folder for steered runs (runs/desk_<scenario>)")
+    parser.add_argument("--out", type=output_folder, help="folder for steered runs (runs/desk_<scenario>)")
     parser.add_argument("--duration", type=float, help=f"[s] of simulated time that a steered run may take ({LONGEST:g})")
     parser.add_argument("--let-go-after", type=float, metavar="S",
                         help=f"[s] of silence after which a page's hand is off the lever ({PATIENCE:g})")
@@ -100,9 +100,12 @@ def main(arguments):
     options = parsed(arguments)
     try:
         return asyncio.run(open_desk(options))
-    except LogProblem as problem:
-        print(problem, file=sys.stderr)
+    except NoBus as problem:
+        print(f"slewlab desk: {problem}", file=sys.stderr)
         return 1
+    except LogProblem as problem:
+        print(f"slewlab desk: {problem}", file=sys.stderr)
+        return 2
     except OSError as error:
         print(f"slewlab desk: {options.host} port {options.port}: {error.strerror or error}", file=sys.stderr)
         return 1
@@ -141,11 +144,7 @@ async def open_desk(options):
     if options.bus:
         sources = [Bus(options.bus, options.run)]
     elif options.follow:
-        try:
-            sources = [Growing(growing_log(options.subject[0]))]
-        except LogProblem as problem:
-            print(problem, file=sys.stderr)
-            return 2
+        sources = [Growing(growing_log(options.subject[0]))]
     else:
         sources = [Recorded(subject) for subject in options.subject]
     if len(sources) == 2:

@@ -13,6 +13,7 @@ time; opens in Foxglove and PlotJuggler. The log is gone through a stretch at a 
 import contextlib
 import signal
 import sys
+from argparse import ArgumentTypeError
 from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 
@@ -20,15 +21,15 @@ import numpy as np
 import pyarrow
 import pyarrow.csv
 import pyarrow.parquet
-from mcap.writer import CompressionType
+from mcap.writer import MCAP0_MAGIC, CompressionType
 
-from arguments import ArgumentParser
+from arguments import ArgumentParser, output_file, output_folder
 from mcap_batches import BatchWriter
 from protobuf_rows import ProtobufRows
 from run_log import LogProblem, seconds
 from run_numbers import early_end, read_run
 from signals import measured, table, unit_of
-from whole_file import growing
+from whole_file import growing, is_free
 
 FORMATS = ("parquet", "csv", "mcap")
 ROW_GROUP = 4 << 20  # [bytes] of a Parquet file's rows that are written together
@@ -181,27 +182,41 @@ def write_mcap(log, out):
         writer.finish()
 
 
+def written(options, parser):
+    """What --out names: a file or a folder, as the format has it."""
+    try:
+        return options.out and (output_file if options.format == "mcap" else output_folder)(options.out)
+    except ArgumentTypeError as wrong:
+        parser.error(f"argument --out: {wrong}")
+
+
 def main(arguments=None):
     parser = ArgumentParser(prog="slewlab export", description="Turns a log into files of other tools.")
     parser.add_argument("log", type=Path, help="the log, or the folder that holds run.lcmlog or, of a run that was broken off, run.lcmlog.partial")
     parser.add_argument("--format", choices=FORMATS, required=True)
-    parser.add_argument("--out", type=Path,
+    parser.add_argument("--out",
                         help="folder (parquet, csv) or file (mcap); default: beside the log, run_FORMAT or run.mcap")
     options = parser.parse_args(arguments)
+    options.out = written(options, parser)
     try:
         run = read_run(options.log)
         log = run.log
         path = log.path.with_suffix("") if log.path.suffix == ".partial" else log.path
         if options.format == "mcap":
             out = options.out or path.with_suffix(".mcap")
+            if not is_free(out, MCAP0_MAGIC):
+                raise LogProblem(f"{out}: is there already and is no earlier export; name another with --out")
             write_mcap(log, out)
         else:
             out = options.out or path.with_name(f"{path.stem}_{options.format}")
             if out.exists() and not (out.is_dir() and all(f.suffix == f".{options.format}" for f in out.iterdir())):
                 raise LogProblem(f"{out}: is there already and is no earlier export; name another with --out")
             write_tables(run, out, options.format)
-    except (LogProblem, OSError) as problem:
-        print(f"export: {problem}", file=sys.stderr)
+    except LogProblem as problem:
+        print(f"slewlab export: {problem}", file=sys.stderr)
+        return 2
+    except OSError as problem:
+        print(f"slewlab export: {problem}", file=sys.stderr)
         return 1
     for early in filter(None, [early_end(run)]):
         print(f"{early}. The export has the part that was logged.", file=sys.stderr)

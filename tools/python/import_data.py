@@ -13,7 +13,7 @@ import signal
 import sys
 from pathlib import Path
 
-from arguments import ArgumentParser
+from arguments import ArgumentParser, output_file
 from column_shelf import NoRoom, Shelf
 from import_grid import NANOSECONDS
 from import_log import Ranges, configuration_hash, identity_of, write_log
@@ -38,7 +38,7 @@ def main(arguments=None):
     parser = ArgumentParser(prog="slewlab import", description="Measured data into a log of the wire.")
     parser.add_argument("file", type=Path, help="CSV with a line of column names, or Parquet")
     parser.add_argument("--map", type=Path, required=True, help="what the columns mean (docs/import.md)")
-    parser.add_argument("--out", type=Path, help="default: the file's name with .lcmlog")
+    parser.add_argument("--out", type=output_file, help="default: the file's name with .lcmlog")
     options = parser.parse_args(arguments)
     out = options.out or options.file.with_suffix(".lcmlog")
     try:
@@ -59,10 +59,13 @@ def main(arguments=None):
         print(problems, file=sys.stderr)
         return 2
     except NoRoom as problem:
-        print(f"import: cannot write {out}: {problem}", file=sys.stderr)
+        print(f"slewlab import: cannot write {out}: {problem}", file=sys.stderr)
         return 1
-    except (LogProblem, OSError) as problem:
-        print(f"import: {problem}", file=sys.stderr)
+    except LogProblem as problem:
+        print(f"slewlab import: {problem}", file=sys.stderr)
+        return 2
+    except OSError as problem:
+        print(f"slewlab import: {problem}", file=sys.stderr)
         return 1
     for remark in remarks:
         print(remark)

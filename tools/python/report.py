@@ -16,14 +16,14 @@ import plotly.graph_objects as go
 import axis_report
 import run_log  # noqa: F401  for the package slewlab, which draws with these (slewlab/figures.py)
 import run_numbers  # noqa: F401
-from arguments import ArgumentParser
+from arguments import ArgumentParser, output_file
 from comparison import Difference
 from panel import DARK, GREEN, GREY, GROUP_COLOURS, PURPLE, Panel, dash_of, line, slim
 from picture_page import STYLE, picture
 from run_log import LogProblem
 from run_numbers import early_end, read_run, shown_path, table, table_text
 from run_overview import phase_of
-from whole_file import growing
+from whole_file import growing, is_free
 
 ROW_HEIGHT = 205  # [px]
 GAP = 34          # [px] between rows
@@ -384,7 +384,7 @@ def write_whole(path, text):
 def main(arguments=None):
     parser = ArgumentParser(prog="slewlab report", description="Draws runs of slewlab from their logs.")
     parser.add_argument("run", nargs="+", help="folder that holds run.lcmlog, or a log file")
-    parser.add_argument("--out", type=Path, help="the HTML file (default: beside the first log)")
+    parser.add_argument("--out", type=output_file, help="the HTML file (default: beside the first log)")
     parser.add_argument("--quiet", action="store_true", help="do not print the table")
     options = parser.parse_args(arguments)
     with np.errstate(over="ignore", invalid="ignore"):  # one turned bit makes 1e200 of a sensor's value, whose square is no number
@@ -397,11 +397,16 @@ def draw(options):
         axis_report.share_machine(runs)
         first = Path(options.run[0])
         out = options.out or (first.with_suffix(".html") if first.is_file() else first / "report.html")
+        if not is_free(out, PAGE[:15].encode()):
+            raise LogProblem(f"{out}: is there already and is no earlier page; name another with --out")
         of_axes = all(axis_report.is_axis(run) for run in runs)
         rows = axis_report.table(runs) if of_axes else table(runs)
         write_whole(out, page(runs, rows))
-    except (LogProblem, OSError) as problem:
-        print(f"report: {problem}", file=sys.stderr)
+    except LogProblem as problem:
+        print(f"slewlab report: {problem}", file=sys.stderr)
+        return 2
+    except OSError as problem:
+        print(f"slewlab report: {problem}", file=sys.stderr)
         return 1
     if not options.quiet:
         for line in early_ends(runs):

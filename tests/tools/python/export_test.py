@@ -135,13 +135,13 @@ class ExportTest(unittest.TestCase):
         precious.mkdir()
         (precious / "thesis.txt").write_text("mine")
         code, error = self.call(self.folder, "--format", "csv", "--out", precious)
-        self.assertEqual(code, 1)
+        self.assertEqual(code, 2)
         self.assertIn("precious: is there already and is no earlier export", error)
         self.assertEqual((precious / "thesis.txt").read_text(), "mine")
 
     def test_no_log_is_an_error_and_leaves_nothing(self):
         code, error = self.call(self.folder / "other.lcmlog", "--format", "mcap")
-        self.assertEqual(code, 1)
+        self.assertEqual(code, 2)
         self.assertIn("other.lcmlog: there is no such folder or log", error)
         self.assertEqual([f.name for f in self.folder.iterdir()], ["run.lcmlog"])
 

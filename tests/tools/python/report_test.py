@@ -154,7 +154,7 @@ class ReportTest(unittest.TestCase):
 
     def test_a_folder_without_a_log_is_an_error_and_leaves_nothing(self):
         code, _, err = self.call(self.folder)
-        self.assertEqual(code, 1)
+        self.assertEqual(code, 2)
         self.assertIn("run.lcmlog: there is no such log", err)
         self.assertEqual(list(self.folder.iterdir()), [])
 

@@ -37,6 +37,10 @@ def fill(store, channel, messages):
     store.append(channel, messages["simulated_time"] / 1e9, {field: messages[field] for field in fields})
 
 
+class NoBus(LogProblem):
+    """A bus cannot be opened, of which the command line may be right."""
+
+
 class Recorded:
     """A log that is complete, or was broken off."""
 
@@ -99,7 +103,7 @@ class Bus:
         try:
             self.bus = lcm.LCM(address)
         except RuntimeError as error:
-            raise LogProblem(f"{address}: no bus can be opened there: {error}; is there a route for multicast?") from None
+            raise NoBus(f"{address}: no bus can be opened there: {error}; is there a route for multicast?") from None
         self.subscription = self.bus.subscribe("|".join(USED), lambda channel, data: self.events.append((channel, data)))
         self.subscription.set_queue_capacity(0)  # unlimited: by default the newest are dropped
         if facts_folder is not None:
