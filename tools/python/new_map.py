@@ -18,6 +18,7 @@ from import_map import MOST_GROUPS
 from unit import factor_to_si, quantity_of
 
 ROWS_LOOKED_AT = 20_000
+OF_ROUNDING = 1e-9  # of the largest value: less than that a difference of decimal numbers does not tell
 GRAVITY = 'scale: {value: 9.80665, unit: "-", source: "the column is in g; standard gravity"}'
 
 # Signal: quantities of its unit, words of its name; of the first that fits, the column with most words in its name.
@@ -143,13 +144,19 @@ def read_beginning(path):
 def signs_agree(table, position, speed):
     """Whether the speed is the position's, and not its negative; None where the data do not show it."""
     try:
-        moved, fast = np.diff(table[position].to_numpy(float)), table[speed].to_numpy(float)[1:]
+        places, speeds = table[position].to_numpy(float), table[speed].to_numpy(float)
     except (ValueError, TypeError):
         return None
+    moved, fast = np.diff(places), speeds[1:]
     both = np.isfinite(moved) & np.isfinite(fast)
-    if both.sum() < 3 or np.std(moved[both]) == 0.0 or np.std(fast[both]) == 0.0:
+    if both.sum() < 3:
         return None
-    correlation = np.corrcoef(moved[both], fast[both])[0, 1]
+    moved, fast = moved[both], fast[both]
+    if fast.min() < 0.0 < fast.max():  # an offset of either says nothing of the sign where the motion goes both ways
+        moved, fast = moved - moved.mean(), fast - fast.mean()
+    if np.abs(moved).max() <= OF_ROUNDING * np.nanmax(np.abs(places)) or np.abs(fast).max() <= OF_ROUNDING * np.nanmax(np.abs(speeds)):
+        return None
+    correlation = np.sum(moved * fast) / np.sqrt(np.sum(moved**2) * np.sum(fast**2))
     return None if abs(correlation) < 0.3 else bool(correlation > 0.0)
 
 
@@ -242,12 +249,12 @@ def main(arguments=None):
     parser.add_argument("--data", type=Path, required=True, help="CSV with a line of column names, or Parquet")
     options = parser.parse_args(arguments)
     if options.map.exists():
-        print(f"{options.map}: found a file that is there, expected another name: nothing is overwritten", file=sys.stderr)
+        print(f"slewlab new map: {options.map}: found a file that is there, expected another name: nothing is overwritten", file=sys.stderr)
         return 2
     try:
         text = map_text(options.data)
     except (OSError, ValueError, StopIteration, csv.Error) as problem:
-        print(f"{options.data}: not readable as a table: {problem}", file=sys.stderr)
+        print(f"slewlab new map: {options.data}: not readable as a table: {problem}", file=sys.stderr)
         return 2
     options.map.write_text(text, encoding="utf-8")
     print(f"{options.map}: written; look at the guesses, then: slewlab check {options.map}")

@@ -8,9 +8,10 @@ import unittest
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import yaml
 
-from new_map import map_text
+from new_map import map_text, signs_agree
 from run_log import REPOSITORY, messages_folder, read_run_log
 
 PROGRAM = messages_folder().parent / "bin" / "slewlab"
@@ -122,6 +123,14 @@ class NewTest(unittest.TestCase):
         # The speed column falls while the position rises, so that its sign was guessed to be -1.
         np.testing.assert_allclose(found.channel("ENCODER")["shaft_speed"][:, 0], np.array([1, 2, 3.1, 4]) * 2 * np.pi / 60, rtol=1e-12)
         np.testing.assert_array_equal(found.channel("SENSORS")["tip_acceleration"], [0.1, 0.1, 0.0, 0.0])
+
+    def test_a_sign_is_not_guessed_from_rounding(self):
+        times = [0.0, 0.1, 0.2, 0.3]
+        for places, speeds, agree in (([0.1, 0.2, 0.3, 0.4], [1.0, 1.0, 1.1, 1.0], True), ([0.1, 0.2, 0.3, 0.4], [-1.0, -1.0, -1.1, -1.0], False),
+                                      ([0.1, 0.2, 0.3, 0.4], [-0.1, 0.2, -0.1, 0.1], None), ([0.1, 0.1, 0.1, 0.1], [1.0, 1.0, 1.1, 1.0], None),
+                                      ([0.0, 0.1, 0.0, 0.1], [0.0, 1.0, -1.0, 1.0], True)):
+            with self.subTest(places=places, speeds=speeds):
+                self.assertIs(signs_agree(pd.DataFrame({"t": times, "p": places, "v": speeds}), "p", "v"), agree)
 
     def test_every_motor_group_of_the_header_is_an_entry(self):
         headers = {"time,shaft_speed_1,shaft_speed_2,shaft_position_1,shaft_position_2,motor_torque_1,motor_torque_2": ("rad", "rad/s", "N m"),
