@@ -1,5 +1,6 @@
-"""The numbers that docs quote from config/ are those of config/."""
+"""The numbers that docs quote from config/ are those of config/; the page of dependencies has what is installed."""
 
+import re
 import unittest
 
 import yaml
@@ -33,6 +34,19 @@ def value_of(folder, key):
     return values, node["unit"]
 
 
+def installed():
+    """The packages of Debian and PyPI that tools/setup, tools/test and a wheel's build install."""
+    setup = (REPOSITORY / "tools" / "setup").read_text(encoding="utf-8")
+    debian = re.search(r'packages="(.*?)\$', setup, re.DOTALL).group(1).split()
+    for script in ("test", "fuzz"):
+        more = re.search(r'SLEWLAB_MORE_PACKAGES="([\w -]+)', (REPOSITORY / "tools" / script).read_text(encoding="utf-8"))
+        debian += more.group(1).split()
+    python = re.findall(r'"([\w-]+)==', (REPOSITORY / "pyproject.toml").read_text(encoding="utf-8"))
+    for name in ("requirements.txt", "requirements_development.txt"):
+        python += re.findall(r"^([\w-]+)==", (REPOSITORY / "tools" / "python" / name).read_text(encoding="utf-8"), re.MULTILINE)
+    return debian, python
+
+
 class DocsNumbersTest(unittest.TestCase):
     def test_docs_quote_config_as_it_is(self):
         for page, folder, key, factor, words in QUOTES:
@@ -40,6 +54,14 @@ class DocsNumbersTest(unittest.TestCase):
                 values, unit = value_of(folder, key)
                 quoted = words.format(*(float(v) * SI.get(unit, 1.0) * factor for v in values))
                 self.assertIn(quoted, (REPOSITORY / page).read_text(encoding="utf-8"))
+
+    def test_the_page_of_dependencies_has_every_package(self):
+        page = (REPOSITORY / "docs" / "dependencies.md").read_text(encoding="utf-8")
+        named, words = set(re.findall(r"`([\w.+-]+)`", page)), set(re.findall(r"[a-z][\w-]*", page.lower()))
+        debian, python = installed()
+        self.assertGreater(min(len(debian), len(python)), 15)
+        self.assertEqual([package for package in debian if package not in named], [])
+        self.assertEqual([package for package in python if package not in words and f"python-{package}" not in words], [])
 
 
 SI = {"%": 1e-2, "deg": 0.017453292519943295, "ms": 1e-3, "kN m": 1e3, "mm": 1e-3}
