@@ -16,6 +16,7 @@ namespace {
 constexpr std::uint64_t kFallBack = 1'000'000'000;  // [ns] that messages may be out of order in the file
 constexpr std::uint64_t kLeap = 1'000'000'000;      // [ns] ahead, or some of the usual distances
 constexpr std::uint64_t kUsualDistances = 4;        // chosen: a message or two may be missing without a leap
+constexpr std::ptrdiff_t kMostPieces = 20;          // chosen: of logs that were put together from parts
 constexpr int kForeignChannels = 10;                // told by name
 constexpr std::size_t kMostForeign = 1000;          // chosen: counted by name
 constexpr std::size_t kWindowBytes = 64 * 1024;
@@ -123,6 +124,21 @@ std::vector<Segment> segments_of(const Heads& anchors, std::set<std::int64_t>& s
   }
   give_up();
   return segments;
+}
+
+// A run that begins does so at its time 0 or, of a recorder that came later, where the recorder did. Where simulated time falls back
+// again and again to somewhere in the middle, the messages are in no order, and what would come out apart are no runs.
+void refuse_pieces(const std::vector<Segment>& segments, const std::filesystem::path& path) {
+  std::int64_t earliest = std::numeric_limits<std::int64_t>::max();
+  for (const Segment& segment : segments) {
+    for (const EventHead& anchor : segment.anchors) earliest = std::min(earliest, anchor.time);
+  }
+  const auto pieces = std::count_if(segments.begin(), segments.end(), [&](const Segment& segment) {
+    return !segment.anchors.empty() && distance(earliest, segment.anchors.front().time) > kFallBack;
+  });
+  if (pieces <= kMostPieces) return;
+  throw LogError("the log " + path.string() + " holds its messages in no order: simulated time falls back " + std::to_string(segments.size() - 1) +
+                 " times, mostly into the middle of a run; expected events in the order in which they were logged");
 }
 
 // Which segment a message belongs to: the one whose anchors stand around it in the file; between two the one whose time is
@@ -238,9 +254,10 @@ void put_in_order(Heads& heads, std::string_view channel, std::vector<std::strin
 }
 
 // The runs of one pair, in the order of the file; `begins` takes the offset at which each begins.
-void add_runs(Sorting& sorting, Group& group, RunOrder& order, std::vector<std::int64_t>& begins) {
+void add_runs(Sorting& sorting, Group& group, const std::filesystem::path& path, RunOrder& order, std::vector<std::int64_t>& begins) {
   std::set<std::int64_t> leapt;
   const std::vector<Segment> segments = segments_of(anchors_of(group), leapt);
+  refuse_pieces(segments, path);
   std::vector<Group> parts(segments.size());
   for (const Segment& segment : segments) begins.push_back(segment.anchors.empty() ? 0 : segment.anchors.front().offset);
   if (segments.size() == 1 && leapt.empty()) {
@@ -398,7 +415,7 @@ RunOrder order_runs(const std::filesystem::path& path, const AskedCounts& asked)
   std::vector<std::int64_t> begins;
   for (std::size_t g = 0; g < sorting.groups.size(); ++g) {
     if (any_run ? is_run(sorting.groups[g]) : g == largest) {
-      add_runs(sorting, sorting.groups[g], order, begins);
+      add_runs(sorting, sorting.groups[g], path, order, begins);
       continue;
     }
     for (std::size_t c = 0; c < kChannels; ++c) {

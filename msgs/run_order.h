@@ -11,6 +11,7 @@
 //   usual distance between messages, if that is more still), the next message decides: if it goes on from there, another
 //   run has begun, or there is a gap; if not, the message that leapt is a stray. All other messages go with those around
 //   them in the file, and between two runs with the one whose time is nearer.
+// - A file in which simulated time falls back more than 20 times into the middle of a run is in no order, and is refused.
 // - Within a run, sequence number and simulated time of a channel go together: where nine messages in ten lie on
 //   time = offset + period * sequence exactly, those that do not are strays. Answers are measured by the line of ENCODER,
 //   if more than half of them lie on it. Where there is no such line (OPERATOR never has one) those are strays that spoil
@@ -82,7 +83,7 @@ void describe_order(std::string_view channel, bool sorted, std::int64_t repeated
 // The lengths of arrays that are asked for, by channel; none: any.
 using AskedCounts = std::array<std::optional<ArrayCounts>, kChannels>;
 
-// Throws LogError where the file cannot be read or holds no message of slewlab.
+// Throws LogError where the file cannot be read, holds no message of slewlab or is in no order.
 RunOrder order_runs(const std::filesystem::path& path, const AskedCounts& asked = {});
 
 [[noreturn]] void throw_no_message(const std::filesystem::path& path, const std::vector<std::string>& remarks);

@@ -117,6 +117,30 @@ TEST_F(RunLogTest, NoBitOfATorquesHeadSplitsARun) {
   }
 }
 
+// Two minutes of a run in strides of 997 places around its 12 000, which meet each place once.
+TEST_F(RunLogTest, AShuffledLogIsRefusedInOneSentence) {
+  constexpr std::int64_t kMessages = 12'000;
+  for (std::int64_t i = 0; i < kMessages; ++i) {
+    const std::int64_t k = i * 997 % kMessages;
+    add("ENCODER", example::encoder(), k, k * 10'000'000);
+  }
+  try {
+    const RunLogs logs = read();
+    FAIL() << logs.runs.size() << " runs";
+  } catch (const LogError& error) {
+    EXPECT_NE(std::string(error.what()).find("holds its messages in no order: simulated time falls back"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find(path_.string()), std::string::npos) << error.what();
+  }
+}
+
+// A day of runs of one configuration, in one file.
+TEST_F(RunLogTest, ManyRunsBehindEachOtherAreNoShuffledLog) {
+  for (int run = 0; run < 60; ++run) {
+    for (std::int64_t k = 0; k < 300; ++k) add("ENCODER", example::encoder(), k, k * 10'000'000);
+  }
+  EXPECT_EQ(read().runs.size(), 60u);
+}
+
 TEST_F(RunLogTest, APlantsMessageWithAWrongTimeIsAStrayAndNotARun) {
   for (int k = 0; k < 50; ++k) {
     const std::int64_t time = k * 10'000'000;
