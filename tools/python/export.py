@@ -159,7 +159,8 @@ def in_order_of_time(log):
             newest = int(messages["simulated_time"].max())
             latest = newest if latest is None else max(latest, newest)
         due = {name: messages["simulated_time"] < latest - log.lateness for name, messages in waiting.items()}
-        yield {name: messages[due[name]] for name, messages in waiting.items() if due[name].any()}
+        if any(each.any() for each in due.values()):
+            yield {name: messages[due[name]] for name, messages in waiting.items() if due[name].any()}
         waiting = {name: messages[~due[name]] for name, messages in waiting.items() if not due[name].all()}
     if waiting:
         yield waiting

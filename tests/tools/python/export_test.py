@@ -139,6 +139,15 @@ class ExportTest(unittest.TestCase):
         self.assertIn("precious: is there already and is no earlier export", error)
         self.assertEqual((precious / "thesis.txt").read_text(), "mine")
 
+    def test_mcap_of_one_message_and_of_a_log_written_backwards(self):
+        for name, events in (("one", self.events[:1]), ("backwards", self.events[::-1])):
+            with self.subTest(log=name):
+                made_run.write_log(self.folder / "run.lcmlog", events)
+                self.assertEqual(self.call(self.folder / "run.lcmlog", "--format", "mcap"), (0, ""))
+                with open(self.folder / "run.mcap", "rb") as stream:
+                    times = [message.log_time for _, _, message in make_reader(stream).iter_messages(log_time_order=False)]
+                self.assertEqual(times, sorted(time for _, time, _ in events))
+
     def test_no_log_is_an_error_and_leaves_nothing(self):
         code, error = self.call(self.folder / "other.lcmlog", "--format", "mcap")
         self.assertEqual(code, 2)
