@@ -12,6 +12,7 @@
 #include <system_error>
 #include <unordered_map>
 
+#include "common/near_name.h"
 #include "common/unit.h"
 #include "common/utf8_text.h"
 #include "common/yaml_reader.h"
@@ -254,6 +255,16 @@ YamlNode parse_text(std::string text, const FileName& file_name, InputProblems& 
   return std::move(builder.root);
 }
 
+// The entry of a root that includes other files. One of a mistyped name is told, and taken: what its files hold is not missing then.
+std::vector<YamlEntry>::iterator include_in(YamlNode& tree, InputProblems& problems) {
+  const auto named = [&](const auto& is_it) { return std::find_if(tree.entries.begin(), tree.entries.end(), is_it); };
+  const auto include = named([](const YamlEntry& entry) { return entry.key == "include"; });
+  if (include != tree.entries.end()) return include;
+  const auto near = named([](const YamlEntry& entry) { return nearest_name(entry.key, {"include"}).has_value(); });
+  if (near != tree.entries.end()) problems.push_back({near->mark, near->key, "a key that is not known here", "'include'"});
+  return near;
+}
+
 // `chain` holds the files that are being loaded, outermost first; `named_by` is where this one is named.
 YamlNode load_with_includes(const std::filesystem::path& file, const SourceMark& named_by,
                             const std::string& key, std::vector<std::filesystem::path>& chain, Amount& amount,
@@ -287,8 +298,7 @@ YamlNode load_with_includes(const std::filesystem::path& file, const SourceMark&
     return {};
   }
   YamlNode tree = parse_text(std::move(text), file.string(), problems);
-  const auto include = std::find_if(tree.entries.begin(), tree.entries.end(),
-                                    [](const YamlEntry& entry) { return entry.key == "include"; });
+  const auto include = include_in(tree, problems);
   if (include == tree.entries.end()) return tree;
 
   const YamlNode names = std::move(include->value);

@@ -46,6 +46,14 @@ TEST_F(YamlFile, KeepsFileLineAndColumnOfEveryNode) {
   EXPECT_TRUE(problems_.empty()) << said();
 }
 
+TEST_F(YamlFile, AMistypedIncludeIsToldAloneAndTaken) {
+  write("base.yaml", "a: 1\n");
+  const auto file = write("top.yaml", "b: 2\nincluds: base.yaml\n");
+  const YamlNode root = load(file);
+  EXPECT_EQ(said(), file.string() + ":2:1: key 'includs': found a key that is not known here, expected 'include'");
+  EXPECT_EQ(canonical_text(root), R"({"a":1,"b":2})");
+}
+
 TEST_F(YamlFile, LaysAFileOverTheOneItIncludes) {
   write("below/base.yaml",
         "a: {value: 1, unit: m, source: base}\nb: {c: 1, d: 2}\nlist: [1, 2, 3]\ngone: {e: 1}\n");
