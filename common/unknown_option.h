@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "common/refused_words.h"
+
 namespace slewlab::common {
 
 // "slewlab-plant: '--ste' is no option of it, expected '--set' (or one of ...)"; nothing where every option is known. `words` begin with
@@ -21,8 +23,8 @@ int exit_code_of_refused(const std::string& program, const App& app, const Parse
     for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
   }
   const auto unknown = error.get_exit_code() == 0 ? std::nullopt : unknown_option(program, {argv, argv + argc}, known);
-  if (!unknown) return app.exit(error) == 0 ? 0 : 2;
-  std::fprintf(stderr, "%s\n", unknown->c_str());
+  if (error.get_exit_code() == 0) return app.exit(error);
+  std::fprintf(stderr, "%s\n", unknown ? unknown->c_str() : refused_words(program, error.what()).c_str());
   return 2;
 }
 

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "common/input_error.h"
+#include "common/refused_words.h"
 #include "tools/commands/option_check.h"
 #include "tools/commands/run_command.h"
 #include "tools/commands/unknown_word.h"
@@ -26,17 +27,23 @@ bool is_setting(const std::string& word) {
   return !word.starts_with('-') && equal != std::string::npos && equal > 0 && word.find('/') >= equal;
 }
 
-// "slewlab new: --crane,--axis is given 2 times, expected once"; empty where something else is wrong.
-std::string given_too_often(const CLI::App& app, const CLI::ParseError& error) {
-  const std::string said = error.what();
-  const std::size_t colon = said.find(": At Most 1 required but received ");
-  if (colon == std::string::npos) return {};
+// The command that was given, as far as it was read, and its whole name: "slewlab withhold make".
+std::pair<const CLI::App*, std::string> given_command(const CLI::App& app) {
   const CLI::App* command = &app;
   std::string name = app.get_name();
   while (!command->get_subcommands().empty()) {
     command = command->get_subcommands().front();
     name += ' ' + command->get_name();
   }
+  return {command, name};
+}
+
+// "slewlab new: --crane,--axis is given 2 times, expected once"; empty where something else is wrong.
+std::string given_too_often(const CLI::App& app, const CLI::ParseError& error) {
+  const std::string said = error.what();
+  const std::size_t colon = said.find(": At Most 1 required but received ");
+  if (colon == std::string::npos) return {};
+  const auto [command, name] = given_command(app);
   const std::vector<const CLI::Option*> options = command->get_options({});
   const auto option = std::find_if(options.begin(), options.end(), [&](const CLI::Option* each) { return each->check_name(said.substr(0, colon)); });
   if (option == options.end()) return {};
@@ -123,7 +130,9 @@ int act(CLI::App& app, const std::vector<std::string>& command_line, const Actio
       std::fprintf(stderr, "%s\n", repeated.c_str());
       return 2;
     }
-    return app.exit(error) == 0 ? 0 : 2;
+    if (error.get_exit_code() == 0) return app.exit(error);
+    std::fprintf(stderr, "%s\n", common::refused_words(given_command(app).second, error.what()).c_str());
+    return 2;
   } catch (const common::InputError& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 2;

@@ -49,5 +49,16 @@ TEST(CommandLine, AnOptionThatIsGivenTwiceIsTold) {
   EXPECT_EQ(said({"slewlab", "new", "--out", "a", "--out", "b", "--out", "c"}), "slewlab new: --out is given 3 times, expected once\n");
 }
 
+TEST(CommandLine, WhatIsWrongIsToldOfItsCommand) {
+  CLI::App app{"", "slewlab"};
+  std::string kind, out;
+  CLI::App* schema = app.add_subcommand("schema", "");
+  CLI::Option* first = schema->add_option("KIND", kind);
+  first->excludes(schema->add_option("--out", out));
+  testing::internal::CaptureStderr();
+  EXPECT_EQ(act(app, {"slewlab", "schema", "crane", "--out", "x"}, [] { return 0; }), 2);
+  EXPECT_EQ(testing::internal::GetCapturedStderr(), "slewlab schema: found KIND beside --out, expected one of the two\n");
+}
+
 }  // namespace
 }  // namespace slewlab::tools
