@@ -4,6 +4,12 @@
 
 namespace slewlab::tools {
 
+namespace {
+
+constexpr double kOfRounding = 1e-12;  // relative: some thousand roundings of a double, far below any digit that is printed
+
+}  // namespace
+
 const char* name_of(Verdict verdict) {
   switch (verdict) {
     case Verdict::kPass: return "pass";
@@ -14,7 +20,7 @@ const char* name_of(Verdict verdict) {
 }
 
 double deviation(const VerificationRow& row) {
-  const double difference = row.ours - row.thesis;
+  const double difference = std::fabs(row.ours - row.thesis) <= kOfRounding * std::fabs(row.thesis) ? 0.0 : row.ours - row.thesis;
   return row.criterion == Criterion::kRelative ? difference / row.thesis : difference;
 }
 

@@ -19,6 +19,12 @@ TEST(Row, JudgesByItsCriterion) {
   EXPECT_EQ(at_least_row("", "", "", 5.0, 4.9).verdict, Verdict::kMisses);
 }
 
+TEST(Row, WhatRoundingLeavesIsNoDeviation) {
+  EXPECT_EQ(deviation(absolute_row("", "", "", 0.3, 0.1 + 0.2, 0.5)), 0.0);  // 0.30000000000000004
+  EXPECT_EQ(deviation(relative_row("", "", "", 0.3, 0.1 + 0.2, 0.5)), 0.0);
+  EXPECT_NEAR(deviation(absolute_row("", "", "", 0.3, 0.3 + 1e-9, 0.5)), 1e-9, 1e-15);
+}
+
 TEST(Row, NotANumberNeverPasses) {
   const double none = std::numeric_limits<double>::quiet_NaN();
   EXPECT_EQ(relative_row("", "", "", 10.0, none, 0.05).verdict, Verdict::kMisses);
