@@ -171,8 +171,19 @@ class DeskTest(unittest.TestCase):
             page.click("#stop")
             self.state(page, "controller emergency stop")
             page.key("keyUp", "ArrowRight", "ArrowRight")
+            # The same key stops behind a click on a box, and where a choice has the focus, and does nothing else there.
+            page.click("#stop")
+            page.until("!desk.steering.stopPressed")
             page.click("#fault_some_torque")
             page.until("document.getElementById('fault_some_torque').checked && desk.steering.on.fault.some_torque")
+            page.key("keyDown", " ", "Space")
+            page.key("keyUp", " ", "Space")
+            page.until("desk.steering.stopPressed")
+            page.value("document.getElementById('pace').focus()")
+            page.key("keyDown", "ArrowRight", "ArrowRight")
+            page.until("document.getElementById('request').textContent !== '0.00'")
+            page.key("keyUp", "ArrowRight", "ArrowRight")
+            self.assertEqual(page.value("[document.getElementById('request').textContent, document.getElementById('fault_some_torque').checked]"), ["0.00", True])
             moved = page.value("desk.at")
             page.until(f"desk.at > {moved} + 2")
             page.click("#fault_some_torque")
@@ -319,10 +330,34 @@ class DeskTest(unittest.TestCase):
             page.until("document.getElementById('facts').innerText.includes('request\\n-40 %')")
             page.touch("touchEnd")
             page.until("document.getElementById('facts').innerText.includes('request\\n0 %')")
-            # A browser shows a gamepad as these numbers: left stick to the right, button B (1) at first not pressed.
+            # A browser shows a gamepad as these numbers: left stick, at first held to the right; button B (1) at first not pressed.
             page.value("window.pad = {connected: true, axes: [0.6, 0], buttons: [{pressed: false}, {pressed: false}]}, "
                        "navigator.getGamepads = () => [window.pad]")
+
+            def stick_is(held, request):
+                page.value(f"window.pad.axes[0] = {held}, new Promise((done) => setTimeout(done, 2.5 * BEAT))")
+                self.assertEqual(page.value("desk.steering.request"), request)
+
+            stick_is(0.6, 0)  # held before it was seen at rest
+            stick_is(0.02, 0)
+            stick_is(0.6, 0.6)
             page.until("document.getElementById('facts').innerText.includes('request\\n60 %')")
+            page.value("dispatchEvent(new Event('blur'))")
+            page.until("document.getElementById('facts').innerText.includes('request\\n0 %')")
+            self.assertIn("the window lost the focus", page.value("document.getElementById('let_go').innerText"))
+            stick_is(0.02, 0)
+            stick_is(0.6, 0)  # nobody looks at this window
+            page.value("dispatchEvent(new Event('focus'))")
+            stick_is(0.6, 0)
+            stick_is(0.02, 0)
+            stick_is(0.6, 0.6)
+            page.value("navigator.getGamepads = () => []")
+            page.until("document.getElementById('facts').innerText.includes('request\\n0 %')")
+            self.assertIn("the gamepad is gone", page.value("document.getElementById('let_go').innerText"))
+            page.value("navigator.getGamepads = () => [window.pad]")
+            stick_is(0.02, 0)
+            stick_is(0.6, 0.6)
+            page.until("document.getElementById('facts').innerText.includes('request\\n60 %') && document.getElementById('let_go').hidden")
             page.value("window.pad.buttons[1].pressed = true")
             page.until("document.getElementById('facts').innerText.includes('request\\n60 %, emergency stop')")
             page.value("window.pad.axes[0] = 0.02")  # a stick at rest is never quite at zero

@@ -42,19 +42,41 @@ class Steering {
     by("compensation").addEventListener("change", (event) => { if (this.switchable) this.send({type: "play_compensation", on: event.target.checked}); });
     addEventListener("keydown", (event) => this.key(event, true));
     addEventListener("keyup", (event) => this.key(event, false));
-    addEventListener("blur", () => this.letGo());
+    addEventListener("blur", () => { this.blurred = true; this.letGo("the window lost the focus"); });
+    addEventListener("focus", () => { this.blurred = false; });
     document.addEventListener("visibilitychange", () => { if (document.hidden) { this.letGo(); if (this.mine) this.send({type: "give", hidden: true}); } });
+    // A box, choice or slider that was used would take the next key for itself.
+    document.addEventListener("change", (event) => { if (this.steers && event.target.matches("[type=checkbox], [type=range], select")) event.target.blur(); });
     setInterval(() => this.beat(), BEAT);
   }
 
-  letGo() { this.keys.clear(); this.pointer = null; this.acknowledging = false; this.set(0); }
+  // `why` is said where the lever stood elsewhere than at zero.
+  letGo(why) {
+    if (why && this.mine && (this.request !== 0 || this.keys.size)) this.sayWhy(why);
+    this.keys.clear();
+    this.pointer = null;
+    this.acknowledging = false;
+    this.padIsReady = false;
+    this.set(0);
+  }
 
+  sayWhy(why) {
+    const place = document.getElementById("let_go");
+    place.hidden = !why;
+    place.textContent = why ? `The lever was let go: ${why}.` : "";
+  }
+
+  // Space stops from everywhere: of the page's fields none takes one. Arrows and A are the lever's for who has the joystick, but
+  // while a number is typed. A key that comes up counts wherever it does.
   key(event, down) {
-    if (event.target.matches("input, select, textarea") || event.ctrlKey || event.altKey || event.metaKey) return;
-    if (event.key === "ArrowLeft" || event.key === "ArrowRight") {
-      if (down) this.keys.add(event.key); else { this.keys.delete(event.key); if (!this.keys.size) this.set(0); }
-    } else if (event.key === " ") {
+    if (!this.steers || down && (event.ctrlKey || event.altKey || event.metaKey)) return;
+    const isTyping = event.target instanceof Element && event.target.matches("[type=number], [type=text], textarea");
+    if (event.key === " ") {
       if (down && !event.repeat) this.stop(true);
+    } else if (!this.mine || down && isTyping) {
+      return;
+    } else if (event.key === "ArrowLeft" || event.key === "ArrowRight") {
+      if (down) this.keys.add(event.key); else if (this.keys.delete(event.key) && !this.keys.size) this.set(0);
     } else if (event.key === "a" || event.key === "A") {
       this.acknowledge(down);
     } else {
@@ -74,6 +96,7 @@ class Steering {
     if (Math.abs(request) < 0.03) request = 0;  // a hand that rests
     const before = this.request;
     this.request = Math.round(request * 100) / 100;
+    if (this.request !== 0) this.sayWhy("");
     this.show();
     if (this.mine && this.request !== before) this.say();
   }
@@ -103,16 +126,22 @@ class Steering {
     if (this.mine && !document.hidden) this.say();
   }
 
+  // The stick moves the lever once it has been seen at rest, in a window that has the focus: what is held meanwhile is no wish.
   gamepad() {
     const pad = (navigator.getGamepads ? [...navigator.getGamepads()] : []).find((each) => each && each.connected);
-    if (!pad) return;
-    const axis = pad.axes[0] ?? 0;
-    const moved = Math.abs(axis) > 0.08;
+    if (!pad) {
+      if (this.padMoved || this.padAcknowledge) this.letGo("the gamepad is gone");
+      this.padIsReady = this.padMoved = this.padStop = this.padAcknowledge = false;
+      return;
+    }
+    const axis = pad.axes[0] ?? 0, stop = pad.buttons[1]?.pressed ?? false, pressed = pad.buttons[0]?.pressed ?? false;
+    const isAway = Math.abs(axis) > 0.08;
+    if (!isAway && !pressed && !this.blurred) this.padIsReady = true;
+    const moved = isAway && this.padIsReady, acknowledge = pressed && this.padIsReady;
     if (moved || this.padMoved) this.set(moved ? axis : 0);
-    this.padMoved = moved;
-    const stop = pad.buttons[1]?.pressed ?? false, acknowledge = pad.buttons[0]?.pressed ?? false;
     if (stop && !this.padStop) this.stop(true);
     if (acknowledge !== (this.padAcknowledge ?? false)) this.acknowledge(acknowledge);
+    this.padMoved = moved;
     this.padStop = stop;
     this.padAcknowledge = acknowledge;
   }
@@ -122,7 +151,11 @@ class Steering {
     const section = document.getElementById("steering");
     section.hidden = !run;
     document.getElementById("stop").hidden = !run;
-    if (!run) return;
+    this.steers = Boolean(run && maySteer);
+    if (!run) {
+      if (this.mine) { this.mine = false; this.letGo(); }
+      return;
+    }
     const had = this.mine;
     this.mine = run.joystick === "yours";
     if (had && !this.mine) this.letGo();
