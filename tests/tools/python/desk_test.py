@@ -110,6 +110,18 @@ class DeskTest(unittest.TestCase):
                        "document.getElementById('compare').dispatchEvent(new Event('change'))")
             page.until(f"JSON.stringify({values}) === '[-10,-10]'")
             self.assertIn("motor torque, difference", page.value("document.body.innerText"))
+        # A log without run.json tells no T100: its torques are N m, in a chart of their own.
+        (second / "run.json").unlink()
+        with DeskProcess(first, second) as desk:
+            page = self.open(desk.address)
+            page.value("desk.seek(15)")
+            page.until(f"JSON.stringify({values}) === '[-96,12]'")
+            headings = "[...document.querySelectorAll('.chart')].filter(c => c.textContent.startsWith('motor torque')).map(c => c.querySelector('h2').textContent)"
+            self.assertEqual(page.value(headings), ["motor torque [% of T100]", "motor torque [N m per motor]"])
+            page.until(values.replace(".find(", ".findLast(") + ".join() === '-215,55'")
+            page.value("document.getElementById('compare').value = 'difference', "
+                       "document.getElementById('compare').dispatchEvent(new Event('change'))")
+            self.assertIn("No difference: a in % of T100, b in N m per motor.", page.value("document.body.innerText"))
 
     def test_a_log_that_grows_is_followed_and_a_bus_is_heard(self):
         scenario = REPOSITORY / "config" / "scenarios" / "thesis_slew.yaml"

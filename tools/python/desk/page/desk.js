@@ -5,6 +5,18 @@ const SPECTRUM_EVERY = 500;  // [ms]
 const LAYOUT_EVERY = 1000;   // [ms] of a live run
 const by = (id) => document.getElementById(id);
 
+function isSameQuantity(one, other) { return one.title === other.title && one.unit === other.unit; }
+
+// Why what two sources have of a chart cannot be subtracted; undefined where it can.
+function unlikeCharts(sources, description) {
+  const [first, second] = sources.slice(0, 2).map((source) => source.charts.find((each) => each.title === description.title));
+  if (!first || !second) return "not in both logs in these terms";
+  if (first.unit !== second.unit) return `${sources[0].name} in ${first.unit}, ${sources[1].name} in ${second.unit}`;
+  const scale = (chart, signal) => chart.series.find((line) => line.signal === signal)?.scale;
+  const differs = description.series.some(({signal}) => Math.abs(scale(first, signal) / scale(second, signal) - 1) > 1e-9);
+  return differs ? "the machines' ratios or rated torques differ" : undefined;
+}
+
 class Desk {
   constructor() {
     this.charts = [];
@@ -91,29 +103,52 @@ class Desk {
     if (layout.live) setTimeout(() => this.send({type: "layout"}), LAYOUT_EVERY);  // a run's signals come one after the other
   }
 
-  // Charts of the first source; a second one over them, or the difference in their place.
+  // Charts of the first source; a second one over them where quantity and unit are the same, or the difference in their place.
   build() {
     for (const chart of this.charts) chart.remove();
     this.charts = [];
     this.spectrumChart = null;
-    const sources = this.layout.sources, mode = by("compare").value;
-    const hooks = {seek: (time) => { this.follow(false); this.seek(time); }, zoom: (from, to) => { this.follow(false); this.window = [from, to]; this.ask(); }};
+    by("charts").replaceChildren();
+    const sources = this.layout.sources, mode = by("compare").value, isDifference = mode === "difference" && sources.length > 2;
     this.signals = sources.map(() => []);
-    for (const description of sources[0].charts) {
-      const lines = [];
-      sources.forEach((source, number) => {
-        if (number === 1 && mode !== "overlay") return;
-        if (number === 0 && sources.length > 2 && mode === "difference") return;
-        if (number === 2 && mode !== "difference") return;
-        const own = source.charts.find((each) => each.title === description.title);
-        for (const line of own?.series ?? []) {
-          this.signals[number].push(line.signal);
-          lines.push({...line, key: `${number}:${line.signal}`, label: number === 1 ? `${line.label}, ${source.name}` : line.label, dash: line.dash || number === 1, thin: number === 1, band: line.band && number !== 1});
-        }
-      });
-      if (lines.length) this.charts.push(new Chart(by("charts"), {...description, title: mode === "difference" && sources.length > 2 ? `${description.title}, difference` : description.title}, lines, hooks));
+    if (isDifference) {
+      for (const description of sources[2].charts) {
+        const unlike = unlikeCharts(sources, description);
+        if (unlike) this.refuseChart(description, unlike);
+        else this.addChart({...description, title: `${description.title}, difference`}, this.lines(2, description));
+      }
+    } else {
+      const second = mode === "overlay" ? sources[1]?.charts ?? [] : [];
+      for (const description of sources[0].charts) {
+        const other = second.find((each) => isSameQuantity(each, description));
+        this.addChart(description, [...this.lines(0, description), ...(other ? this.lines(1, other) : [])]);
+      }
+      for (const other of second) if (!sources[0].charts.some((each) => isSameQuantity(each, other))) this.addChart(other, this.lines(1, other));
     }
     this.ask();
+  }
+
+  // What a chart draws of one source, which is asked for from now on.
+  lines(number, description) {
+    return description.series.map((line) => {
+      this.signals[number].push(line.signal);
+      return number === 1 ? {...line, key: `1:${line.signal}`, label: `${line.label}, ${this.layout.sources[1].name}`, dash: true, thin: true, band: false}
+        : {...line, key: `${number}:${line.signal}`};
+    });
+  }
+
+  addChart(description, lines) {
+    const hooks = {seek: (time) => { this.follow(false); this.seek(time); }, zoom: (from, to) => { this.follow(false); this.window = [from, to]; this.ask(); }};
+    this.charts.push(new Chart(by("charts"), description, lines, hooks));
+  }
+
+  refuseChart(description, why) {
+    const place = document.createElement("div"), heading = document.createElement("h2"), words = document.createElement("p");
+    place.className = "chart refused";
+    heading.textContent = `${description.title}, difference`;
+    words.textContent = `No difference: ${why}.`;
+    place.append(heading, words);
+    by("charts").append(place);
   }
 
   range() {
