@@ -18,6 +18,7 @@ import run_log  # noqa: F401  for the package slewlab, which draws with these (s
 import run_numbers  # noqa: F401
 from arguments import ArgumentParser, output_file
 from comparison import Difference
+from not_finite import places
 from panel import DARK, GREEN, GREY, GROUP_COLOURS, PURPLE, Panel, dash_of, line, slim
 from picture_page import STYLE, picture
 from run_log import LogProblem
@@ -345,13 +346,21 @@ PAGE = """<!doctype html>
 """
 
 
-def early_ends(runs):
-    """What to say first of runs that did not come to their end."""
-    return [f"{early}. What follows is of the part that was logged." for early in map(early_end, runs) if early]
+def said_first(runs):
+    """What to say before anything else: of runs that did not come to their end, and of logs that cannot show what a page is to show."""
+    lines = [f"{early}. What follows is of the part that was logged." for early in map(early_end, runs) if early]
+    for run in runs:
+        if max(table.rows for table in run.log.tables.values()) < 2:
+            lines.append(f"{run.name}: no channel of this log has more than one message: there is nothing to draw.")
+        for channel, field, count, rows, first in places(run.log):
+            lines.append(f"{run.name}: {field} of {channel} is no finite number in {count} of {rows} messages, the first at {first:.3f} s. "
+                         "What follows of it cannot be relied on.")
+    return lines
 
 
-def page(runs, rows):
-    """The whole page as text."""
+def page(runs, rows, first_lines=None):
+    """The whole page as text; `first_lines` are those of said_first(), where they are known already."""
+    first_lines = said_first(runs) if first_lines is None else first_lines
     title = "slewlab: " + " against ".join(run.name for run in runs)
     remarks = "".join(
         f"<p>{html.escape(text)}</p>"
@@ -360,7 +369,7 @@ def page(runs, rows):
         title=html.escape(title),
         width=1120 if len(runs) == 1 else 1500,
         style=STYLE,
-        broken="".join(f'<p class="broken">{html.escape(line)}</p>\n' for line in early_ends(runs)),
+        broken="".join(f'<p class="broken">{html.escape(line)}</p>\n' for line in first_lines),
         remarks=remarks,
         heads="".join(f"<th>{html.escape(text)}</th>" for text in lettered(headings(runs))),
         rows="\n".join(
@@ -401,7 +410,8 @@ def draw(options):
             raise LogProblem(f"{out}: is there already and is no earlier page; name another with --out")
         of_axes = all(axis_report.is_axis(run) for run in runs)
         rows = axis_report.table(runs) if of_axes else table(runs)
-        write_whole(out, page(runs, rows))
+        first_lines = said_first(runs)
+        write_whole(out, page(runs, rows, first_lines))
     except LogProblem as problem:
         print(f"slewlab report: {problem}", file=sys.stderr)
         return 2
@@ -409,7 +419,7 @@ def draw(options):
         print(f"slewlab report: {problem}", file=sys.stderr)
         return 1
     if not options.quiet:
-        for line in early_ends(runs):
+        for line in first_lines:
             print(line)
         for run in runs:
             for remark in run.log.remarks:

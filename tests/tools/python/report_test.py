@@ -152,6 +152,25 @@ class ReportTest(unittest.TestCase):
         (folder / "run.json").unlink()  # killed before it could be written
         self.assertIn("a: this run ended before its time. ", self.call(folder)[1])
 
+    def test_numbers_that_are_none_are_said_before_anything_else(self):
+        events = made_run.messages()
+        next(event[2] for event in events if event[0] == "ENCODER" and event[1] == 3_000_000_000).shaft_speed = [float("nan"), 100.0]
+        folder = made_run.write_run(self.folder / "a", events=events)
+        said = "a: shaft_speed of ENCODER is no finite number in 1 of 2000 messages, the first at 3.000 s."
+        code, out, _ = self.call(folder)
+        self.assertEqual(code, 0)
+        self.assertTrue(out.startswith(said), out[:200])
+        text = (folder / "report.html").read_text()
+        self.assertLess(text.index(said), text.index("<table>"))
+
+    def test_a_log_of_one_message_says_that_there_is_nothing_to_draw(self):
+        folder = made_run.write_run(self.folder / "a", events=made_run.messages()[:1])
+        code, out, err = self.call(folder)
+        said = "a: no channel of this log has more than one message: there is nothing to draw."
+        self.assertEqual((code, err), (0, ""))
+        self.assertTrue(out.startswith(said), out[:200])
+        self.assertIn(said, (folder / "report.html").read_text())
+
     def test_a_folder_without_a_log_is_an_error_and_leaves_nothing(self):
         code, _, err = self.call(self.folder)
         self.assertEqual(code, 2)
