@@ -283,6 +283,7 @@ int record(const AcceptOptions& options, const std::vector<std::string>& command
 
 int accept(const AcceptOptions& options, const std::vector<std::string>& command_line) {
   try {
+    make_folder_of(options.junit, "--junit");
     if (options.record) return record(options, command_line);
     const AcceptanceLimits limits = load_acceptance_limits(options.limits);
     if (fs::is_directory(options.subject)) {

@@ -272,9 +272,6 @@ int diagnose_axis_logs(const sim::MachineFile& axis, const DiagnoseOptions& opti
   AxisDiagnosis found = diagnosis::diagnose_axis(axis, runs, options.without, unseen);
   for (const MeasuredRun& one : measured.runs) found.remarks.insert(found.remarks.end(), one.remarks.begin(), one.remarks.end());
   if (measured.is_damaged) found.verdict += kOfADamagedLog;
-  if (!options.controller.empty()) {
-    found.remarks.push_back("the controller is not asked: an axis is judged by its torque balance and by forward simulation from the recorded torque");
-  }
   const Words words = words_of(axis);
   Findings findings(options.out);
   nlohmann::json json = to_json(found, axis, words);

@@ -408,16 +408,25 @@ void check_options_of_an_axis(const DiagnoseOptions& options, common::InputProbl
     if (std::find(known.begin(), known.end(), name) != known.end()) continue;
     problems.push_back({{"--without", 0, 0}, "", name, fmt::format("a law of an axis's torque balance: one of {}", fmt::join(known, ", "))});
   }
+  if (!options.controller.empty()) {
+    problems.push_back({{"--controller", 0, 0}, "", options.controller.string(), "no --controller beside an axis, which is judged by its torque balance"});
+  }
   if (options.is_torque_measured) problems.push_back({{"--measured-torque", 0, 0}, "", "it", "no --measured-torque beside an axis, of which every torque may have been measured"});
   if (options.threads) {
     problems.push_back({{"--threads", 0, 0}, "", std::to_string(*options.threads), "no --threads beside an axis, whose diagnosis takes about a second on one"});
   }
 }
 
-void check_options_of_a_crane(const DiagnoseOptions& options, common::InputProblems& problems) {
-  common::EffectCatalogue all;  // whatever the machine: what does not suit it may be left out as well
+// Whatever the machine: what does not suit it may be left out as well.
+common::EffectCatalogue all_effects() {
+  common::EffectCatalogue all;
   for (const sim::EffectDescription* effect : sim::effect_catalogue()) all.effects.push_back(effect->about);
   for (const controller::ControllerEffect* effect : controller::effect_catalogue()) all.effects.push_back(effect->about);
+  return all;
+}
+
+void check_options_of_a_crane(const DiagnoseOptions& options, common::InputProblems& problems) {
+  const common::EffectCatalogue all = all_effects();
   for (const std::string& name : options.without) {
     if (all.find(name) != nullptr) continue;
     problems.push_back({{"--without", 0, 0}, "", name, common::expected_effect_name(all, name)});
@@ -640,6 +649,14 @@ int diagnose_crane_logs(const sim::MachineFile& crane, const DiagnoseOptions& op
 
 }  // namespace
 
+std::vector<std::string> names_left_out() {
+  std::vector<std::string> names = diagnosis::balance_law_names();
+  for (const auto& effect : all_effects().effects) names.emplace_back(effect.name);
+  std::sort(names.begin(), names.end());
+  names.erase(std::unique(names.begin(), names.end()), names.end());
+  return names;
+}
+
 int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostream& complaints) {
   common::catch_stop_signals();
   try {
@@ -659,9 +676,12 @@ int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostrea
     return common::stop_exit_code();
   } catch (const common::InputError& problem) {
     complaints << problem.what() << "\n";
-    return 1;
+    return 2;
+  } catch (const msgs::LogError& problem) {  // of reading: a diagnosis writes no log
+    complaints << "slewlab diagnose: " << problem.what() << "\n";
+    return 2;
   } catch (const std::exception& problem) {
-    complaints << problem.what() << "\n";
+    complaints << "slewlab diagnose: " << problem.what() << "\n";
     return 1;
   }
 }

@@ -21,8 +21,11 @@ struct DiagnoseOptions {
   bool terminal = false;  // progress is one line that is written over, not a line every two seconds
 };
 
-// Answers with the exit code: 0 diagnosed, 1 bad input, 3 "cannot tell, because" (said on `complaints`), 128 with the
-// signal's number interrupted. Files appear whole or not at all.
+// Answers with the exit code: 0 diagnosed, 1 the work failed, 2 the options, a file or a log is wrong, 3 "cannot tell, because" (said on
+// `complaints`), 128 with the signal's number interrupted. Files appear whole or not at all.
 int diagnose_logs(const DiagnoseOptions& options, std::ostream& out, std::ostream& complaints);
+
+// What --without takes, of cranes, controllers and axes.
+std::vector<std::string> names_left_out();
 
 }  // namespace slewlab::tools

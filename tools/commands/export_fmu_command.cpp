@@ -12,6 +12,7 @@
 
 #include "sim/machine/machine_tree.h"
 #include "tools/commands/home.h"
+#include "tools/commands/output_folder.h"
 #include "tools/fmu/controller_unit.h"
 #include "tools/fmu/model_description.h"
 #include "tools/fmu/package.h"
@@ -107,6 +108,7 @@ int export_fmu(const ExportFmuOptions& options, std::ostream& out) {
   for (const std::string& name : sources) files.push_back({"sources/" + name, content_of(parts / "sources" / name)});
   const fs::path path = options.out.empty() ? fs::path(model.name + ".fmu") : options.out;
   if (fs::is_directory(path)) throw common::InputError({{{"--out", 0, 0}, "", "'" + path.string() + "', a folder", "the name of the FMU to write, such as " + (path / (model.name + ".fmu")).string()}});
+  make_folder_of(path);
   fmu::write_package(path, files);
 
   const auto count = [&](fmu::Causality causality) {

@@ -5,6 +5,7 @@
 namespace slewlab::tools {
 
 std::filesystem::path log_in(const std::filesystem::path& given) {
+  if (!std::filesystem::exists(given)) throw common::InputError({{{given.string(), 0, 0}, "", "no file or folder of that name", "a log, or the folder of a run"}});
   if (!std::filesystem::is_directory(given)) return given;
   for (const char* name : {"run.lcmlog", "run.lcmlog.partial"}) {
     if (std::filesystem::exists(given / name)) return given / name;

@@ -5,7 +5,7 @@
 namespace slewlab::tools {
 
 // The log that a command is given: itself, or in the folder of a run, whole or broken off. Throws common::InputError where
-// the folder has none.
+// there is nothing of that name, or the folder has none.
 std::filesystem::path log_in(const std::filesystem::path& given);
 
 }  // namespace slewlab::tools

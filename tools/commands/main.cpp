@@ -352,6 +352,7 @@ void add_completion(CLI::App& app, Action& action) {
   command->add_option("--out", *out, "file to write, in place of the standard output");
   command->callback([out, &app, &action] {
     action = [out, &app] {
+      make_folder_of(*out);
       if (out->empty()) {
         std::cout << completion_script(app, foreign_options());
       } else {

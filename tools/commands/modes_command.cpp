@@ -18,6 +18,7 @@
 #include "sim/analysis/eigen.h"
 #include "sim/machine/machine_file.h"
 #include "sim/model/cannot_be_built.h"
+#include "tools/commands/output_folder.h"
 #include "tools/commands/whole_file.h"
 
 namespace slewlab::tools {
@@ -130,6 +131,7 @@ int show_modes(const ModesOptions& options, std::ostream& out) {
   if (is_axis && !options.bode.empty()) {
     refuse("--bode", options.bode.string(), "no response of " + options.crane.string() + ": an axis has no tip whose velocity it would be");
   }
+  make_folder_of(options.bode, "--bode");
   if (options.elements > 0 && crane.boom.length == 0.0) {
     refuse("--elements", std::to_string(options.elements), "none: " + options.crane.string() + " has no boom");
   }

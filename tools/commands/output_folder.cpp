@@ -21,4 +21,13 @@ void make_output_folder(const fs::path& folder, const char* option) {
   throw common::InputError({{{option, 0, 0}, "", "'" + folder.string() + "'" + why, "the name of a folder, there or not"}});
 }
 
+void make_folder_of(const fs::path& file, const char* option) {
+  if (file.empty()) return;
+  std::error_code error;
+  if (!file.has_filename() || fs::is_directory(file, error)) {
+    throw common::InputError({{{option, 0, 0}, "", "'" + file.string() + "', which is a folder", "the name of a file to write"}});
+  }
+  if (file.has_parent_path()) make_output_folder(file.parent_path(), option);
+}
+
 }  // namespace slewlab::tools

@@ -7,6 +7,7 @@
 #include <ostream>
 #include <string>
 
+#include "common/input_error.h"
 #include "msgs/configuration_hash.h"
 #include "msgs/log_writer.h"
 #include "sim/drive/scenario_run.h"
@@ -41,12 +42,21 @@ void write_log(const fs::path& path, const msgs::RunLog& run) {
   writer.finish();
 }
 
+// A log that cannot be read is a wrong file on the command line, not work that failed.
+msgs::RunLogs runs_of(const fs::path& log) {
+  try {
+    return msgs::read_run_logs(log);
+  } catch (const msgs::LogError& error) {
+    throw common::InputError({{{"LOG", 0, 0}, "", "'" + log.string() + "' (" + std::string(error.what()) + ")", "the log of a run"}});
+  }
+}
+
 }  // namespace
 
 int simulate(const SimulateOptions& options, std::ostream& out) {
   const sim::MachineFile machine = sim::load_machine_file(options.machine, options.overrides);
   const fs::path log = log_in(options.log);
-  const msgs::RunLogs logs = msgs::read_run_logs(log);
+  const msgs::RunLogs logs = runs_of(log);
   const auto record = std::max_element(logs.runs.begin(), logs.runs.end(),
                                        [](const msgs::RunLog& a, const msgs::RunLog& b) { return a.encoder.size() < b.encoder.size(); });
   for (const std::string& remark : logs.remarks) out << log.string() << ": " << remark << '\n';

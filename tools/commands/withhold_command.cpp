@@ -3,13 +3,17 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <filesystem>
 #include <functional>
 #include <ostream>
 
+#include "common/input_error.h"
 #include "common/stop_signal.h"
 #include "diagnosis/evaluation/case_diagnosis.h"
+#include "diagnosis/evaluation/draw.h"
 #include "diagnosis/evaluation/make.h"
 #include "diagnosis/evaluation/score.h"
+#include "tools/commands/output_folder.h"
 
 namespace slewlab::tools {
 
@@ -45,6 +49,9 @@ int run_interruptibly(const char* name, std::ostream& out, std::ostream& complai
     if (work(progress)) return 0;
     out << "interrupted; the same command goes on where it stopped\n";
     return common::stop_exit_code();
+  } catch (const common::InputError& error) {
+    complaints << error.what() << '\n';
+    return 2;
   } catch (const std::exception& error) {
     complaints << "slewlab " << name << ": " << error.what() << '\n';
     return 1;
@@ -57,7 +64,7 @@ int withhold_make(const WithholdMakeOptions& options, std::ostream& out, std::os
   using namespace slewlab::diagnosis::withheld;
   if (!options.purpose.empty() && options.purpose != "tune" && options.purpose != "score") {
     complaints << "--purpose is \"" << options.purpose << "\"; it must be tune or score\n";
-    return 1;
+    return 2;
   }
   MakeSettings settings;
   settings.cases = options.cases;
@@ -70,19 +77,21 @@ int withhold_make(const WithholdMakeOptions& options, std::ostream& out, std::os
   constexpr double kLowestRate = 1.0;  // [Hz]: less than that records nothing of a slew
   if (!(options.rate >= kLowestRate)) {
     complaints << "--rate is " << options.rate << " Hz; it must be at least " << kLowestRate << " Hz\n";
-    return 1;
+    return 2;
   }
   settings.record_period = 1.0 / options.rate;
   settings.controller_period = options.controller_period_ms > 0.0 ? options.controller_period_ms * 1e-3 : settings.record_period;
   try {
+    check_seed(settings.seed, settings.purpose);
     settings.sensors = sensors_named(options.sensors);
     settings.begin = begin_named(options.begin);
   } catch (const std::invalid_argument& error) {
     complaints << "slewlab withhold make: " << error.what() << '\n';
-    return 1;
+    return 2;
   }
   settings.threads = options.threads;
   return run_interruptibly("withhold make", out, complaints, [&](const MakeProgress& progress) {
+    make_output_folder(settings.directory);
     if (!make_cases(settings, progress, common::stop_requested)) return false;
     out << fmt::format("{} cases for \"{}\" in {}; answers sealed, digest in digest.txt\n", settings.cases,
                        name_of(settings.purpose), settings.directory.string());
@@ -95,6 +104,9 @@ int withhold_score(const diagnosis::withheld::ScoreSettings& settings,
                    const diagnosis::withheld::InformedFit& informed, std::ostream& out, std::ostream& complaints) {
   using namespace slewlab::diagnosis::withheld;
   return run_interruptibly("withhold score", out, complaints, [&](const MakeProgress& progress) {
+    if (!std::filesystem::exists(settings.directory / "about.json")) {
+      throw common::InputError({{{"DIR", 0, 0}, "", "'" + settings.directory.string() + "', which holds no withheld cases (no about.json)", "a folder of slewlab withhold make"}});
+    }
     const std::optional<ScoreTable> table = score_cases(settings, diagnose, informed, progress, common::stop_requested);
     if (!table) return false;
     out << '\n' << as_text(*table) << "\nin " << (settings.directory / settings.results / "score.json").string() << '\n';

@@ -276,16 +276,19 @@ TEST_F(DiagnoseCommand, RefusesACraneWithAnotherNumberOfMotorGroups) {
 
 TEST_F(DiagnoseCommand, NamesWhatIsWrongOnTheCommandLineBeforeAnyWork) {
   const std::string crane = kConfig + "cranes/thesis.yaml";
-  expect_refused({"--crane", crane, "--log", log(), "--without", "draging_brake"}, 1, {"--without", "draging_brake", "'dragging_brake' is near"});
+  expect_refused({"--crane", crane, "--log", log(), "--without", "draging_brake"}, 2, {"--without", "draging_brake", "'dragging_brake' is near"});
   const std::string axis = kConfig + "axes/example_axis.yaml";
-  expect_refused({"--axis", axis, "--log", log(), "--without", "dragging_brake"}, 1, {"--without", "dragging_brake", "dry, viscous, offset"});
-  expect_refused({"--axis", axis, "--log", log(), "--threads", "4"}, 1, {"--threads", "found 4", "no --threads beside an axis"});
-  expect_refused({"--axis", axis, "--log", log(), "--measured-torque"}, 1, {"--measured-torque: found it, expected no --measured-torque beside an axis"});
-  expect_refused({"--crane", crane, "--log", log(), "--log", log()}, 1, {"--log", log(), "each log once"});
-  expect_refused({"--crane", crane, "--log", "/nowhere/run.lcmlog"}, 1, {"/nowhere/run.lcmlog", "No such file"});
+  expect_refused({"--axis", axis, "--log", log(), "--without", "dragging_brake"}, 2, {"--without", "dragging_brake", "dry, viscous, offset"});
+  expect_refused({"--axis", axis, "--log", log(), "--threads", "4"}, 2, {"--threads", "found 4", "no --threads beside an axis"});
+  expect_refused({"--axis", axis, "--log", log(), "--measured-torque"}, 2, {"--measured-torque: found it, expected no --measured-torque beside an axis"});
+  expect_refused({"--crane", crane, "--log", log(), "--log", log()}, 2, {"--log", log(), "each log once"});
+  expect_refused({"--crane", crane, "--log", "/nowhere/run.lcmlog"}, 2, {"/nowhere/run.lcmlog: found no file or folder of that name"});
+  expect_refused({"--crane", crane, "--log", kConfig + "cranes/thesis.yaml"}, 2, {"thesis.yaml holds no message that slewlab can read"});
+  expect_refused({"--crane", "/nowhere/crane.yaml", "--log", log()}, 2, {"/nowhere/crane.yaml", "cannot be read"});
+  expect_refused({"--axis", axis, "--log", log(), "--controller", "/nowhere"}, 2, {"--controller: found /nowhere, expected no --controller beside an axis"});
   std::ofstream(out()) << "a file\n";
   RunningProgram diagnose(whole_command());
-  EXPECT_EQ(diagnose.wait_for_end(), 1);
+  EXPECT_EQ(diagnose.wait_for_end(), 2);
   EXPECT_NE(diagnose.complaints().find("a folder, there already or to be made"), std::string::npos) << diagnose.complaints();
   EXPECT_EQ(contents(out()), "a file\n");
 }

@@ -18,7 +18,7 @@ TEST(LogPath, IsTheFileOrTheLogOfARunsFolder) {
   std::ofstream(folder.path() / "run.lcmlog") << "x";
   EXPECT_EQ(log_in(folder.path()), folder.path() / "run.lcmlog");
   EXPECT_EQ(log_in(folder.path() / "run.lcmlog.partial"), folder.path() / "run.lcmlog.partial");
-  EXPECT_EQ(log_in("/nowhere/site.lcmlog"), "/nowhere/site.lcmlog");  // for who opens it to say
+  EXPECT_THROW(log_in("/nowhere/site.lcmlog"), common::InputError);
 }
 
 }  // namespace
