@@ -56,6 +56,33 @@ struct Configuration {
   std::optional<controller::ControllerSettings> controller;
 };
 
+// Whether the key is `section` or stands in it.
+bool is_in(std::string_view section, const std::string& key) {
+  return key.starts_with(section) && (key.size() == section.size() || key[section.size()] == '.');
+}
+
+// What would be right in place of a setting of this key; empty where it has an effect.
+std::string expected_of_setting(const std::string& key, const ReplayOptions& options, const Configuration& files) {
+  if (!files.scenario) return files.crane && is_ours(options) ? "" : "none without a scenario and a machine: name a file with other values by --controller-config";
+  const char* const of_machine = "a key of the scenario's periods or, with crane., axis. or controller. before it, of one of those files";
+  for (const char* section : {"duration", "expect", "description"}) {
+    if (is_in(section, key)) return std::string(of_machine) + ": a replay is as long as its log and judges nothing else";
+  }
+  if (is_in("operator", key) && files.scenario->motion_requests.empty()) return std::string(of_machine) + ": the operator's moves are the log's";
+  if (is_ours(options)) return "";
+  const bool is_of_a_side = is_in("crane", key) || is_in("axis", key) || key.starts_with("controller.");
+  return is_of_a_side ? "none beside a controller of your own, which is asked alone and reads its own file" : "";
+}
+
+void check_settings(const ReplayOptions& options, const Configuration& files) {
+  common::InputProblems problems;
+  for (const common::Override& each : options.overrides) {
+    const std::string expected = expected_of_setting(each.key, options, files);
+    if (!expected.empty()) problems.push_back({{"--set " + each.key + "=" + each.value, 0, 0}, each.key, "a setting that changes nothing here", expected});
+  }
+  if (!problems.empty()) throw common::InputError(problems);
+}
+
 Configuration configuration(const ReplayOptions& options, const fs::path& log) {
   Configuration result;
   fs::path scenario = options.scenario;
@@ -276,6 +303,7 @@ int replay_log(const ReplayOptions& options, std::ostream& out, std::ostream& er
   const fs::path log = log_in(options.log);
   const msgs::RunStreams logs = msgs::run_streams(log);
   const Configuration files = configuration(options, log);
+  check_settings(options, files);
   for (const std::string& remark : logs.remarks) out << "note: " << remark << '\n';
   const int run_count = static_cast<int>(logs.runs.size());
   if (options.run < 0 || options.run > run_count) {

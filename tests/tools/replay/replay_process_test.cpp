@@ -32,6 +32,18 @@ TEST(ReplayProcess, NewControllerCodeIsComparedWithTheRecord) {
   EXPECT_NE(other.output().find("first difference: at 5.0"), std::string::npos) << other.output();
   EXPECT_NE(other.output().find("CONTROLLER_STATE.ramped_speed [rad/s]"), std::string::npos) << other.output();
 
+  // A replay is as long as its log; a controller of one's own reads its own file.
+  for (const auto& [more, key] : {std::pair{std::vector<std::string>{}, "duration=2"}, std::pair{std::vector<std::string>{"--controller", kController}, "crane.load.mass=3t"},
+                                  std::pair{std::vector<std::string>{}, "operator.0.speed_request=0.5"}}) {
+    std::vector<std::string> words{kSlewlab, "replay", out, "--set", key};
+    words.insert(words.end(), more.begin(), more.end());
+    RunningProgram ignored(words);
+    EXPECT_EQ(ignored.wait_for_end(), 2) << key;
+    EXPECT_NE(ignored.complaints().find("found a setting that changes nothing here, expected "), std::string::npos) << ignored.complaints();
+  }
+  RunningProgram heavier({kSlewlab, "replay", out, "--set", "crane.load.mass=3t"});
+  EXPECT_EQ(heavier.wait_for_end(), 1) << heavier.output() << heavier.complaints();
+
   RunningProgram tolerated({kSlewlab, "replay", out, "--controller", changed, "--tolerance", "TORQUE.motor_torque=1000",
                             "--tolerance", "CONTROLLER_STATE.ramped_speed=1", "--tolerance",
                             "CONTROLLER_STATE.average_torque=1000", "--tolerance", "CONTROLLER_STATE.offset_torque=1000",
