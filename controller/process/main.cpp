@@ -74,7 +74,8 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
   using namespace slewlab;
-  CLI::App app{"The slewing controller as a process on the bus."};
+  CLI::App app{"The slewing controller as a process on the bus.", "slewlab-controller"};
+  app.set_version_flag("--version", "slewlab-controller " SLEWLAB_VERSION, "version of slewlab");
   controller::Options options;
   app.add_option("--config", options.config, "controller file")->envname("SLEWLAB_CONTROLLER_CONFIG")->required();
   app.add_option("--bus", options.bus, "LCM address, e.g. " + msgs::bus_url(msgs::kDefaultPort))

@@ -16,7 +16,8 @@
 int main(int argc, char** argv) {
   using namespace slewlab;
   constexpr std::chrono::milliseconds kWait{200};  // for which a signal may go unnoticed where it does not interrupt the wait
-  CLI::App app{"A program compiled from Structured Text as the controller on the bus."};
+  CLI::App app{"A program compiled from Structured Text as the controller on the bus.", "slewlab-st-host"};
+  app.set_version_flag("--version", "slewlab-st-host " SLEWLAB_VERSION, "version of slewlab");
   std::string library, address;
   double period_ms = 0.0;
   app.add_option("LIBRARY", library, "shared library with the functions of controller/structured_text/st_program.h")->required();

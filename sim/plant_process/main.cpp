@@ -405,7 +405,8 @@ int run(const Options& options) {
 
 int main(int argc, char** argv) {
   using namespace slewlab;
-  CLI::App app{"The simulated crane as a process on the bus, in lockstep with a controller."};
+  CLI::App app{"The simulated crane as a process on the bus, in lockstep with a controller.", "slewlab-plant"};
+  app.set_version_flag("--version", "slewlab-plant " SLEWLAB_VERSION, "version of slewlab");
   sim::Options options;
   app.add_option("--scenario", options.scenario, "scenario file")->required();
   app.add_option("--bus", options.bus, "LCM address, e.g. " + msgs::bus_url(msgs::kDefaultPort))

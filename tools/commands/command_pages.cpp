@@ -47,7 +47,7 @@ std::vector<std::string> choices_of(const CLI::Option& option) {
 }
 
 // Of a command whose command line another program reads also what it takes behind its first word, if `with_below`.
-std::vector<ForeignOption> options_of(const CLI::App& app, const ForeignOptions& foreign, bool with_below) {
+std::vector<ForeignOption> options_of(const CLI::App& app, const ForeignOptions& foreign, bool with_below, const OptionWords& words = {}) {
   std::vector<ForeignOption> options;
   if (app.get_prefix_command()) {
     for (const auto& [command, taken] : foreign) {
@@ -60,7 +60,9 @@ std::vector<ForeignOption> options_of(const CLI::App& app, const ForeignOptions&
     return options;
   }
   for (const CLI::Option* option : app.get_options({})) {
-    options.push_back({option->get_name(option->get_positional(), true), option->get_description(), option->get_positional(), choices_of(*option)});
+    const std::string name = option->get_name(option->get_positional(), true);
+    const auto more = words.find(name);
+    options.push_back({name, option->get_description(), option->get_positional(), more == words.end() ? choices_of(*option) : more->second});
   }
   return options;
 }
@@ -130,12 +132,12 @@ std::string answer_with(const std::vector<ForeignOption>& options, std::vector<s
 }
 
 // The answer to what stands behind a command.
-std::string answer_of(const CLI::App& command, const ForeignOptions& foreign) {
+std::string answer_of(const CLI::App& command, const ForeignOptions& foreign, const OptionWords& words) {
   std::vector<std::string> names;
   std::string below;
   for (const CLI::App* each : shown_commands(command)) {
     names.push_back(each->get_name());
-    below += "        " + each->get_name() + ") " + answer_with(options_of(*each, foreign, false), {}) + " ;;\n";
+    below += "        " + each->get_name() + ") " + answer_with(options_of(*each, foreign, false, words), {}) + " ;;\n";
   }
   if (command.get_prefix_command()) {
     const std::string beginning = command.get_name() + ' ';
@@ -143,7 +145,7 @@ std::string answer_of(const CLI::App& command, const ForeignOptions& foreign) {
       if (name.starts_with(beginning)) below += "        " + name.substr(beginning.size()) + ") " + answer_with(options, {}) + " ;;\n";
     }
   }
-  const std::string own = answer_with(options_of(command, foreign, false), names);
+  const std::string own = answer_with(options_of(command, foreign, false, words), names);
   return below.empty() ? own : "case \"$below\" in\n" + below + "        *) " + own + " ;;\n      esac";
 }
 
@@ -178,12 +180,27 @@ std::vector<CommandPage> manual_pages(const CLI::App& app, const std::string& ve
   return pages;
 }
 
-std::string completion_script(const CLI::App& app, const ForeignOptions& foreign) {
+CommandPage page_of_help(const std::string& name, const std::string& help, const std::string& version) {
+  std::istringstream lines(help);
+  std::string description, line, usage = name + " [OPTIONS]", options;
+  std::getline(lines, description);
+  while (std::getline(lines, line)) {
+    if (line.starts_with("Usage: ")) {
+      usage = line.substr(line.find(' ') + 1);
+    } else if (!line.empty() && line != "Options:" && line != "Positionals:") {
+      options += line + "\n";
+    }
+  }
+  return {name + ".1", ".TH " + roff(name) + " 1 \"\" \"slewlab " + version + "\"\n.SH NAME\n" + roff(name) + " \\- " + roff(description) +
+                           "\n.SH SYNOPSIS\n.B " + roff(usage) + "\n.SH OPTIONS\n.nf\n" + roff(options) + ".fi\n"};
+}
+
+std::string completion_script(const CLI::App& app, const ForeignOptions& foreign, const OptionWords& words) {
   std::vector<std::string> commands;
   std::string cases;
   for (const CLI::App* command : shown_commands(app)) {
     commands.push_back(command->get_name());
-    cases += "    " + command->get_name() + ") " + answer_of(*command, foreign) + " ;;\n";
+    cases += "    " + command->get_name() + ") " + answer_of(*command, foreign, words) + " ;;\n";
   }
   return "# Completion of slewlab for bash: source <(slewlab completion). For zsh: autoload bashcompinit; bashcompinit before it.\n"
          "_slewlab() {\n"

@@ -32,7 +32,13 @@ ForeignOptions read_foreign_options(const std::filesystem::path& file);
 // slewlab(1), and one page for every command. `version`: "0.2.0".
 std::vector<CommandPage> manual_pages(const CLI::App& app, const std::string& version, const ForeignOptions& foreign = {});
 
+// A page of what `NAME --help` says: its first line the description, the usage, the rest as it stands.
+CommandPage page_of_help(const std::string& name, const std::string& help, const std::string& version);
+
+// By an option's name the words that its value may be beside those that it is checked against.
+using OptionWords = std::map<std::string, std::vector<std::string>>;
+
 // For bash, and for zsh by bashcompinit: commands, their options, values that are one of a few words, and files.
-std::string completion_script(const CLI::App& app, const ForeignOptions& foreign = {});
+std::string completion_script(const CLI::App& app, const ForeignOptions& foreign = {}, const OptionWords& words = {});
 
 }  // namespace slewlab::tools

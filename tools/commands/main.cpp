@@ -5,7 +5,9 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <fstream>
 #include <iostream>
+#include <iterator>
 #include <memory>
 #include <utility>
 
@@ -353,10 +355,11 @@ void add_completion(CLI::App& app, Action& action) {
   command->callback([out, &app, &action] {
     action = [out, &app] {
       make_folder_of(*out);
+      const std::string script = completion_script(app, foreign_options(), {{"--without", names_left_out()}});
       if (out->empty()) {
-        std::cout << completion_script(app, foreign_options());
+        std::cout << script;
       } else {
-        write_whole_file(*out, completion_script(app, foreign_options()));
+        write_whole_file(*out, script);
       }
       return 0;
     };
@@ -365,13 +368,23 @@ void add_completion(CLI::App& app, Action& action) {
 
 // For packagers; a person reads --help.
 void add_manual(CLI::App& app, Action& action) {
-  auto out = std::make_shared<std::filesystem::path>();
+  struct Options {
+    std::filesystem::path out;
+    std::vector<std::filesystem::path> helps;
+  };
+  auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("manual", "Write the manual pages")->group("");
-  command->add_option("--out", *out, "folder for the pages")->required();
-  command->callback([out, &app, &action] {
-    action = [out, &app] {
-      make_output_folder(*out);
-      for (const CommandPage& page : manual_pages(app, version(), foreign_options())) write_whole_file(*out / page.name, page.text);
+  command->add_option("--out", options->out, "folder for the pages")->required();
+  command->add_option("--help-of", options->helps, "PROGRAM.txt: what the program of that name says at --help")->check(readable_file());
+  command->callback([options, &app, &action] {
+    action = [options, &app] {
+      make_output_folder(options->out);
+      std::vector<CommandPage> pages = manual_pages(app, version(), foreign_options());
+      for (const std::filesystem::path& help : options->helps) {
+        std::ifstream file(help);
+        pages.push_back(page_of_help(help.stem().string(), std::string(std::istreambuf_iterator<char>(file), {}), version()));
+      }
+      for (const CommandPage& page : pages) write_whole_file(options->out / page.name, page.text);
       return 0;
     };
   });

@@ -44,6 +44,13 @@ TEST_F(CommandPages, AManualPageForEveryCommandThatIsShown) {
   EXPECT_EQ(pages[0].text.find("not for people"), std::string::npos);
 }
 
+TEST_F(CommandPages, AProgramsHelpBecomesAPage) {
+  const CommandPage page = page_of_help("slewlab-plant", "The crane as a process.\nUsage: slewlab-plant [OPTIONS]\n\nOptions:\n  -h,--help   Print this\n  .first      at a line's beginning\n", "0.2.0");
+  EXPECT_EQ(page.name, "slewlab-plant.1");
+  EXPECT_EQ(page.text, ".TH slewlab\\-plant 1 \"\" \"slewlab 0.2.0\"\n.SH NAME\nslewlab\\-plant \\- The crane as a process.\n.SH SYNOPSIS\n.B slewlab\\-plant [OPTIONS]\n"
+                       ".SH OPTIONS\n.nf\n  \\-h,\\-\\-help   Print this\n  .first      at a line's beginning\n.fi\n");
+}
+
 // A command whose command line another program reads: from what that one says of itself, or by a word that it is to be asked.
 TEST_F(CommandPages, OfACommandThatAnotherProgramReadsWhatThatOneTakes) {
   app_.add_subcommand("report", "Draw a run")->prefix_command();
@@ -66,7 +73,7 @@ TEST_F(CommandPages, CompletionAnswersBash) {
   app_.add_subcommand("bridge", "To viewers, or to a PLC")->prefix_command();
   const ForeignOptions foreign{{"bridge", {{"--foxglove", "", false}, {"PROTOCOL", "", true, {"modbus", "ads"}}, {"--format", "", false, {"csv", "mcap"}}}},
                                {"bridge modbus", {{"--map", "", false}}}};
-  std::ofstream(folder.path() / "completion") << completion_script(app_, foreign);
+  std::ofstream(folder.path() / "completion") << completion_script(app_, foreign, {{"--controller", {"slow", "smooth"}}});
   const auto answer = [&](const std::string& words, int at) {
     const std::string script = "cd " + folder.path().string() + " && . ./completion && COMP_WORDS=(" + words + ") COMP_CWORD=" +
                                std::to_string(at) + "; _slewlab; echo \"${COMPREPLY[*]}\"";
@@ -82,6 +89,7 @@ TEST_F(CommandPages, CompletionAnswersBash) {
   EXPECT_EQ(answer("slewlab withhold m", 2), "make\n");
   EXPECT_EQ(answer("slewlab withhold make --c", 3), "--cases\n");
   EXPECT_EQ(answer("slewlab run a.yaml --progress \"\"", 4), "auto lines none\n");
+  EXPECT_EQ(answer("slewlab run --controller s", 3), "slow smooth\n");
   EXPECT_EQ(answer("slewlab new c", 2), "crane completion\n");
   EXPECT_EQ(answer("slewlab bridge --", 2), "--foxglove --format\n");
   EXPECT_EQ(answer("slewlab bridge m", 2), "modbus\n");

@@ -112,6 +112,17 @@ TEST_F(RunCommandTest, ATypoInASidesOptionsComesBeforeWhatIsMissing) {
   }
 }
 
+TEST_F(RunCommandTest, TheProgramsOfASideTellTheirVersion) {
+  RunningProgram all({kSlewlab, "--version"});
+  EXPECT_EQ(all.wait_for_end(), 0);
+  const std::string version = all.output().substr(all.output().find(' '), all.output().find('\n') - all.output().find(' '));
+  for (const char* program : {"slewlab-controller", "slewlab-plant"}) {
+    RunningProgram side({std::string(SLEWLAB_BINARY_DIR "/bin/") + program, "--version"});
+    EXPECT_EQ(side.wait_for_end(), 0) << side.complaints();
+    EXPECT_EQ(side.output(), program + version + "\n");
+  }
+}
+
 TEST_F(RunCommandTest, AFileInTheFoldersPlaceIsAWrongCall) {
   const fs::path file = folder_.path() / "file";
   std::ofstream(file) << "mine";
