@@ -11,6 +11,7 @@
 #include "sim/drive/fault_expectation.h"
 #include "sim/machine/scales.h"
 #include "sim/model/drive_line.h"
+#include "tools/acceptance/whole_record.h"
 
 namespace slewlab::tools {
 namespace {
@@ -84,14 +85,16 @@ AcceptedMachine accepted_machine(const sim::Scenario& scenario) {
   return machine;
 }
 
-Judgement judge_log(const sim::Scenario& scenario, const fs::path& log, const AcceptanceLimits& limits,
-                    const std::string& written_digest) {
+Judgement judge_log(const sim::Scenario& scenario, const fs::path& log, const AcceptanceLimits& limits, const LogOrigin& origin) {
   Judgement judgement;
   judgement.machine = accepted_machine(scenario);
   const msgs::RunLogs logs = msgs::read_run_logs(log);
   judgement.remarks = logs.remarks;
   judgement.no_verdict = why_no_verdict(logs, {scenario.duration, scenario.controller_period, scenario.sensors_period, longest_hole(scenario)});
-  if (judgement.no_verdict.empty()) judgement.no_verdict = why_another_log(log, written_digest);
+  if (judgement.no_verdict.empty() && origin.written_digest.empty()) {
+    judgement.no_verdict = why_not_whole(logs.runs.front(), scenario, origin.of_own_plant);
+  }
+  if (judgement.no_verdict.empty()) judgement.no_verdict = why_another_log(log, origin.written_digest);
   if (!judgement.no_verdict.empty()) {
     judgement.checks.push_back(failed_check("log", judgement.no_verdict));
     return judgement;

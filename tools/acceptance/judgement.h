@@ -4,6 +4,7 @@
 
 #include <filesystem>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sim/drive/scenario_file.h"
@@ -27,9 +28,15 @@ AcceptedMachine accepted_machine(const sim::Scenario& scenario);
 // A check that fails by itself, without a limit: "run", "log".
 CheckResult failed_check(const char* name, const std::string& reason);
 
-// `written_digest`: the digest that the run told of the log that it wrote, empty where nothing tells; another log is no
-// evidence. Throws msgs::LogError where the log cannot be read.
-Judgement judge_log(const sim::Scenario& scenario, const std::filesystem::path& log, const AcceptanceLimits& limits,
-                    const std::string& written_digest = {});
+// What is known of a log beside its messages.
+struct LogOrigin {
+  LogOrigin(std::string digest = {}, bool own_plant = false) : written_digest(std::move(digest)), of_own_plant(own_plant) {}
+  std::string written_digest;  // that the run told of the log that it wrote; empty where nothing tells
+  bool of_own_plant;           // the plant was none of slewlab's, and may leave telemetry out
+};
+
+// Another log than the one that was written is no evidence; where nothing tells which was, the log has to be whole by itself
+// (whole_record.h). Throws msgs::LogError where the log cannot be read.
+Judgement judge_log(const sim::Scenario& scenario, const std::filesystem::path& log, const AcceptanceLimits& limits, const LogOrigin& origin = {});
 
 }  // namespace slewlab::tools
