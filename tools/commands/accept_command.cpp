@@ -6,7 +6,6 @@
 #include <cstdio>
 #include <ctime>
 #include <nlohmann/json.hpp>
-#include <fstream>
 #include <set>
 #include <stdexcept>
 #include <utility>
@@ -19,10 +18,12 @@
 #include "tools/acceptance/limits.h"
 #include "tools/acceptance/plan.h"
 #include "tools/acceptance/record.h"
+#include "tools/acceptance/run_summary.h"
 #include "tools/commands/child_process.h"
 #include "tools/commands/home.h"
 #include "tools/commands/named_files.h"
 #include "tools/commands/output_folder.h"
+#include "tools/commands/plant_task.h"
 #include "tools/commands/run_command.h"
 #include "tools/commands/version.h"
 #include "tools/commands/whole_file.h"
@@ -33,23 +34,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kPollMilliseconds = 200;
-
-// Why the run did not come to its end; empty where it did, or where nothing tells.
-std::string why_incomplete(const fs::path& folder) {
-  std::ifstream file(folder / "summary.json");
-  const auto summary = nlohmann::json::parse(file, nullptr, false);
-  if (!summary.is_object() || summary.value("outcome", "complete") == "complete") return {};
-  const std::string reason = summary.value("reason", "");
-  return reason.empty() ? summary.value("outcome", "") : reason;
-}
-
-// What the run told of the log that it wrote; empty where nothing tells.
-std::string written_digest(const fs::path& folder) {
-  std::ifstream file(folder / "summary.json");
-  const auto summary = nlohmann::json::parse(file, nullptr, false);
-  if (!summary.is_object() || !summary.contains("run") || !summary["run"].is_object()) return {};
-  return summary["run"].value("log_digest", "");
-}
 
 void draw(const char* script, const fs::path& folder) {
   const fs::path python = python_interpreter();
@@ -86,11 +70,12 @@ std::string digest_of_log(const fs::path& folder) {
 Judgement judge_folder(const fs::path& folder, const sim::Scenario& scenario, const AcceptanceLimits& limits) {
   Judgement judgement;
   judgement.machine = accepted_machine(scenario);
-  judgement.no_verdict = why_incomplete(folder);
+  const RunSummary summary = read_run_summary(folder);
+  judgement.no_verdict = summary.problem.empty() ? summary.why_incomplete : summary.problem;
   for (const char* earlier : {"acceptance.json", "acceptance.html"}) fs::remove(folder / earlier);
   if (judgement.no_verdict.empty()) {
     const fs::path log = log_of(folder);
-    judgement = judge_log(scenario, log.empty() ? folder / "run.lcmlog" : log, limits, written_digest(folder));
+    judgement = judge_log(scenario, log.empty() ? folder / "run.lcmlog" : log, limits, {summary.log_digest, fs::exists(folder / kPlantTaskName)});
   } else {
     judgement.checks.push_back(failed_check("run", judgement.no_verdict));
   }
@@ -125,13 +110,6 @@ std::string shell_word(const std::string& word) {
   std::string quoted = "'";
   for (const char c : word) quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
   return quoted + "'";
-}
-
-std::string run_fact(const fs::path& folder, const char* key) {
-  std::ifstream file(folder / "summary.json");
-  const auto summary = nlohmann::json::parse(file, nullptr, false);
-  if (!summary.is_object() || !summary.contains("run") || !summary["run"].is_object()) return {};
-  return summary["run"].value(key, "");
 }
 
 std::string utc_now() {
@@ -229,8 +207,9 @@ int make_recorded_run(const PlannedTest& test, const AcceptOptions& options, con
   recorded.is_failure_case = !scenario.faults.empty();
   recorded.checks = judgement.checks;
   recorded.no_verdict = judgement.no_verdict;
-  recorded.configuration_hash = run_fact(run.out, "configuration_hash");
-  recorded.log_digest = run_fact(run.out, "log_digest");
+  const RunSummary summary = read_run_summary(run.out);
+  recorded.configuration_hash = summary.configuration_hash;
+  recorded.log_digest = summary.log_digest;
   recorded.seed = scenario.seed;
   recorded.folder = test.name;
   recorded.command = from_here() + "slewlab accept " + shell_word(recorded.test.scenario.string()) + " --limits " + shell_word(limits_file.string()) +

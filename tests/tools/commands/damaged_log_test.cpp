@@ -94,6 +94,30 @@ TEST_F(DamagedLogTest, AWholeLogIsAcceptedAndOneCutBeforeItsStopIsNot) {
   EXPECT_NE(output_.find("the run did not come to its end, or the log is cut off"), std::string::npos) << output_;
 }
 
+// Nothing vouches for the log any more: it is judged as long as it is whole by itself. The plant's status is said nowhere else.
+TEST_F(DamagedLogTest, ALogWithoutASummaryIsAcceptedWhereItIsWholeAlone) {
+  fs::remove(folder_.path() / "run/summary.json");
+  EXPECT_EQ(accept(), 0) << output_;
+  std::string without = whole_;
+  for (std::size_t at = 0; (at = without.find("PLANT_STATUS", at)) != std::string::npos; ++at) without[at] = 'p';
+  store(without);
+  EXPECT_EQ(accept(), 1);
+  EXPECT_NE(output_.find("no verdict, and NOT accepted: there is no PLANT_STATUS in the log, expected one every 1 s"), std::string::npos) << output_;
+}
+
+TEST_F(DamagedLogTest, ASummaryThatCannotBeReadIsToldAndGivesNoVerdict) {
+  const std::string path = (folder_.path() / "run/summary.json").string();
+  for (const auto& [text, said] : std::initializer_list<std::pair<std::string, std::string>>{
+           {"{\"out", "text that is no JSON"}, {"null", "found null"}, {"{\"outcome\": 5}", "key 'outcome': found 5"},
+           {"{\"outcome\": \"complete\", \"run\": {\"log_digest\": 3}}", "key 'run.log_digest': found 3, expected 16 hexadecimal digits"}}) {
+    std::ofstream(path) << text;
+    EXPECT_EQ(accept(), 1) << text;
+    EXPECT_NE(output_.find("no verdict, and NOT accepted: " + path + ": "), std::string::npos) << output_;
+    EXPECT_NE(output_.find(said), std::string::npos) << output_;
+    EXPECT_EQ(output_.find("json.exception"), std::string::npos) << output_;
+  }
+}
+
 // A twentieth of 60 s is too short to be judged.
 TEST_F(DamagedLogTest, ADiagnosisThatRefusesADamagedLogTellsTheDamage) {
   store(whole_.substr(0, whole_.size() / 20));
