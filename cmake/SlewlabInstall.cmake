@@ -25,7 +25,7 @@ install(DIRECTORY ${CMAKE_BINARY_DIR}/generated/slewlab_msgs DESTINATION include
 install(FILES ${CMAKE_SOURCE_DIR}/LICENSE DESTINATION share/doc/slewlab COMPONENT programs)
 
 # A Debian package: cpack --config build/release/CPackConfig.cmake -B OUT. Programs, config, manual pages, completion, and the
-# Python side, whose libraries Debian has in part (docs/install.md).
+# Python side, for which Debian has in part what it needs: its plotly is too old (docs/install.md).
 set(CMAKE_SKIP_INSTALL_ALL_DEPENDENCY ON)
 set(CPACK_GENERATOR DEB)
 set(CPACK_PACKAGE_NAME slewlab)
@@ -40,5 +40,5 @@ set(CPACK_INSTALL_CMAKE_PROJECTS "${CMAKE_BINARY_DIR};slewlab;programs;/")
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
 set(CPACK_DEBIAN_PACKAGE_SECTION science)
 set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
-set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "python3, python3-numpy, python3-pandas, iproute2, util-linux")
+set(CPACK_DEBIAN_PACKAGE_RECOMMENDS "python3, python3-venv, python3-numpy, python3-pandas, iproute2, util-linux")
 include(CPack)

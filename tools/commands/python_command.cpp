@@ -36,7 +36,7 @@ int run_python(const std::string& script, const std::vector<std::string>& argume
   for (const auto& [name, value] : python_environment()) ::setenv(name.c_str(), value.c_str(), 1);
   ::setenv("SLEWLAB_PROGRAM", std::filesystem::read_symlink("/proc/self/exe").c_str(), 1);
   ::execv(python.c_str(), words.data());
-  std::fprintf(stderr, "slewlab: %s: %s; tools/setup makes it\n", python.c_str(), std::strerror(errno));
+  std::fprintf(stderr, "slewlab: %s: %s; tools/setup makes it in the source tree, SLEWLAB_PYTHON names another interpreter\n", python.c_str(), std::strerror(errno));
   return 1;
 }
 

@@ -7,6 +7,26 @@ import sys
 from pathlib import Path
 
 INTERRUPTED = 130  # as a shell has it: 128 + SIGINT
+HERE = Path(__file__).resolve().parent
+# The command that a user typed, where the program is not called like it.
+COMMANDS = {"acceptance_plot": "accept", "acceptance_record": "accept", "campaign_command": "campaign", "check_map": "check", "desk_command": "desk",
+            "diagnosis_report": "diagnose", "import_data": "import", "map_schema": "schema", "new_map": "new map", "new_questions": "new", "plc_bridge": "bridge",
+            "soft_plc": "soft-plc"}
+
+
+def command_of(program):
+    return f"slewlab {COMMANDS.get(Path(program).stem, Path(program).stem)}"
+
+
+def what_installs(here=HERE):
+    """What installs a library, of the installation that these programs stand in."""
+    requirements = here / "requirements.txt"
+    home = here.parents[1]
+    if (home.parents[1] / "__init__.py").is_file():  # a wheel's package, with share/slewlab in it
+        return "The wheel has it as an extra: pip install 'WHEEL[commands,plc]'"
+    if (home / "CMakeLists.txt").is_file():
+        return "tools/setup installs it"
+    return f"As root: python3 -m venv {home}/.venv && {home}/.venv/bin/pip install -r {requirements}; or name an interpreter that has it in SLEWLAB_PYTHON"
 
 
 def main():
@@ -18,8 +38,7 @@ def main():
         library = (missing.name or "").partition(".")[0]
         if not library or (Path(__file__).parent / f"{library}.py").exists():
             raise
-        print(f"{Path(program).stem}: the Python library {library} is not installed for {sys.executable}. A wheel has it as an extra: pip install "
-              "'WHEEL[commands,plc]'; else it is in tools/python/requirements.txt (docs/install.md)", file=sys.stderr)
+        print(f"{command_of(program)}: the Python library {library} is not installed for {sys.executable}. {what_installs()}", file=sys.stderr)
         sys.exit(1)
     except KeyboardInterrupt:
         signal.signal(signal.SIGINT, signal.SIG_DFL)  # a second one ends whatever still holds it up

@@ -42,6 +42,7 @@ NOT_HERE = {
     "tools/kill-test": "two hundred runs; the suite has twenty of them",
     "tools/fuzz": "a minute per target; the suite runs the corpus",
     "tools/sanitize": "builds the whole tree anew",
+    "python3 -m venv /usr/share": "writes into the system; debian_package uses what it installs",
     "cmake": "installed_library does it",
     "study/": "installed_library does it",
     "build/release/bin/slewlab run config/scenarios/thesis_slew.yaml --out runs/hour": "an hour, simulated",
@@ -92,6 +93,17 @@ def commands():
                 match = COMMAND.match(words)
                 if match and not re.match(r"slewlab[\w -]*: ", match.group(1)):  # what a program answered
                     found.append((page.relative_to(REPOSITORY), match.group(1).strip()))
+    return found
+
+
+@functools.cache
+def answers():
+    """{(page, command): what the page prints below `$ command`}."""
+    found = {}
+    for page in PAGES:
+        for fence in FENCE.finditer(page.read_text(encoding="utf-8")):
+            for command, answer in re.findall(r"^\$ (.*)\n((?:(?!\$ ).+\n)*)", fence.group(3), re.MULTILINE):
+                found[page.relative_to(REPOSITORY), command.strip()] = answer.strip()
     return found
 
 
@@ -181,6 +193,9 @@ class DocsCommandsTest(unittest.TestCase):
         self.assertEqual(fault_in_words("slewlab runn config/scenarios/thesis_slew.yaml"), "there is no command runn")
         self.assertEqual(fault_in_words("slewlab run config/scenarios/no_slew.yaml"), "there is no config/scenarios/no_slew.yaml")
 
+    def test_printed_answers_are_found(self):
+        self.assertIn("'--contoller' is no option of it", answers()[Path("docs/command_line.md"), "slewlab run config/scenarios/thesis_slew.yaml --contoller mine"])
+
     def test_no_reason_stands_for_nothing(self):
         self.assertEqual([beginning for beginning in NOT_HERE if not any(command.startswith(beginning) for _, command in commands())], [])
 
@@ -226,7 +241,9 @@ class DocsCommandsTest(unittest.TestCase):
                         os.killpg(shell.pid, signal.SIGKILL)
                     shell.wait()
                 output.seek(0)
-                self.assertEqual(code, wanted, output.read()[-3000:])
+                said = output.read()
+                self.assertEqual(code, wanted, said[-3000:])
+                self.assertIn(answers().get((page, command), ""), said, "the page shows another answer")
 
 
 if __name__ == "__main__":

@@ -1,6 +1,7 @@
 """Ctrl-C in a program of the Python side: one line, exit code 130, and nothing half written."""
 
 import os
+import re
 import signal
 import subprocess
 import sys
@@ -8,6 +9,7 @@ import tempfile
 import unittest
 from pathlib import Path
 
+import launch
 from browser import until
 from run_log import REPOSITORY, messages_folder
 
@@ -51,8 +53,28 @@ class LaunchTest(unittest.TestCase):
         program.write_text("import nowhere_installed.part\n")
         ended = subprocess.run([sys.executable, LAUNCHER, program], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=60, check=False)
         self.assertEqual((ended.returncode, ended.stdout), (1, ""))
-        self.assertEqual(ended.stderr, f"other: the Python library nowhere_installed is not installed for {sys.executable}. A wheel has it as an extra: pip install "
-                                       "'WHEEL[commands,plc]'; else it is in tools/python/requirements.txt (docs/install.md)\n")
+        self.assertEqual(ended.stderr, f"slewlab other: the Python library nowhere_installed is not installed for {sys.executable}. tools/setup installs it\n")
+
+    def test_what_installs_a_library_is_what_the_installation_has(self):
+        """A Debian package: PREFIX/share/slewlab/tools/python; a wheel: the same within its package."""
+        here = self.folder / "share" / "slewlab" / "tools" / "python"
+        here.mkdir(parents=True)
+        said = launch.what_installs(here)
+        self.assertIn(f"pip install -r {here / 'requirements.txt'}; or name an interpreter that has it in SLEWLAB_PYTHON", said)
+        (self.folder / "__init__.py").touch()
+        self.assertIn("pip install 'WHEEL[commands,plc]'", launch.what_installs(here))
+
+    def test_a_message_names_the_command_that_was_typed(self):
+        commands = (REPOSITORY / "tools" / "commands" / "main.cpp").read_text()
+        called = {script: name for name, script in re.findall(r'add_python\(app, "([\w-]+)", "(\w+)\.py"', commands)}
+        self.assertGreater(len(called), 5)
+        for script in re.findall(r'(?:run_python|call_python|draw)\("(\w+)\.py"', commands):
+            called.setdefault(script, None)
+        words = set(re.findall(r'add_subcommand\("([\w-]+)"', commands)) | set(called.values()) | {"check", "new map"}
+        for script, name in called.items():
+            told = launch.command_of(script).removeprefix("slewlab ")
+            self.assertIn(told, words, script)
+            self.assertEqual(told, name or told)
 
     def test_arguments_name_and_exit_code_are_the_programs_own(self):
         program = self.folder / "own.py"
