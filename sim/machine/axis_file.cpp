@@ -3,13 +3,13 @@
 #include <numbers>
 
 #include "sim/machine/drive_protection_file.h"
+#include "sim/machine/possible_value.h"
 
 namespace slewlab::sim {
 namespace {
 
 using common::any_number;
 using common::between;
-using common::not_negative;
 using common::positive;
 using common::Unit;
 using common::YamlReader;
@@ -23,21 +23,21 @@ void refuse(YamlReader& reader, std::string_view key, std::string_view why) {
 
 void read_transmission(YamlReader reader, bool is_linear, DriveParameters& drive) {
   drive.gearbox_stiffness =
-      reader.number("stiffness", is_linear ? Unit::newton_per_metre : Unit::newton_metre_per_radian, positive());
+      sized(reader, "stiffness", is_linear ? Unit::newton_per_metre : Unit::newton_metre_per_radian, positive(), kStiffness);
   drive.gear_damping_ratio = reader.number("damping_ratio", Unit::none, between(0.0, 1.0));
-  drive.gearbox_play = reader.optional_number("play", is_linear ? Unit::metre : Unit::radian, not_negative()).value_or(0.0);
+  drive.gearbox_play = reader.optional_number("play", is_linear ? Unit::metre : Unit::radian, between(0.0, is_linear ? kLength.most : kTurn)).value_or(0.0);
   reader.finish();
 }
 
 AxisForceParameters read_load(YamlReader reader, bool is_linear) {
   AxisForceParameters load;
-  load.constant = reader.optional_number("constant", is_linear ? Unit::newton : Unit::newton_metre, any_number()).value_or(0.0);
+  load.constant = optional_sized(reader, "constant", is_linear ? Unit::newton : Unit::newton_metre, any_number(), kTorque).value_or(0.0);
   if (is_linear) {
     refuse(reader, "gravity", "nothing: the weight of a linear axis is the same everywhere, load.constant in N");
     refuse(reader, "gravity_angle", "nothing: a linear axis has no angle");
   } else if (reader.has("gravity") || reader.has("gravity_angle")) {
-    load.gravity = reader.number("gravity", Unit::newton_metre, any_number());
-    load.gravity_angle = reader.number("gravity_angle", Unit::radian, any_number());
+    load.gravity = sized(reader, "gravity", Unit::newton_metre, any_number(), kTorque);
+    load.gravity_angle = reader.number("gravity_angle", Unit::radian, between(-kTurn, kTurn));
   }
   reader.finish();
   return load;
@@ -53,22 +53,23 @@ void read_axis(YamlReader& reader, MachineFile& file) {
   drive.group_count = drive.motors_per_group = 1;
 
   if (form.is_linear) {
-    file.parameters.house.inertia = reader.number("mass", Unit::kilogram, positive());
-    const auto travel = reader.optional_number("travel_per_turn", Unit::metre, positive());
+    file.parameters.house.inertia = sized(reader, "mass", Unit::kilogram, positive(), kMass);
+    const auto travel = optional_sized(reader, "travel_per_turn", Unit::metre, positive(), kTravel);
     form.is_shaft_linear = !travel;
     drive.gearbox_ratio = travel ? kTurn / *travel : 1.0;
     refuse(reader, "inertia", "'mass' in kg: the axis is linear");
     refuse(reader, "ratio", "'travel_per_turn' in m: the axis is linear");
   } else {
-    file.parameters.house.inertia = reader.number("inertia", Unit::kilogram_square_metre, positive());
-    drive.gearbox_ratio = reader.optional_number("ratio", Unit::none, positive()).value_or(1.0);
+    file.parameters.house.inertia = sized(reader, "inertia", Unit::kilogram_square_metre, positive(), kInertia);
+    drive.gearbox_ratio = optional_sized(reader, "ratio", Unit::none, positive(), kRatio).value_or(1.0);
     refuse(reader, "mass", "'inertia' in kg m^2: the axis is rotary");
     refuse(reader, "travel_per_turn", "'ratio': the axis is rotary");
   }
 
   const std::string_view own = form.is_shaft_linear ? "motor_mass" : "motor_inertia";
-  drive.motor_inertia =
-      reader.optional_number(own, form.is_shaft_linear ? Unit::kilogram : Unit::kilogram_square_metre, positive()).value_or(0.0);
+  drive.motor_inertia = optional_sized(reader, own, form.is_shaft_linear ? Unit::kilogram : Unit::kilogram_square_metre, positive(),
+                                       form.is_shaft_linear ? kMass : kInertia)
+                            .value_or(0.0);
   refuse(reader, form.is_shaft_linear ? "motor_inertia" : "motor_mass",
          form.is_shaft_linear ? "'motor_mass' in kg, or a 'travel_per_turn': without one the motor does not turn"
                               : "'motor_inertia' in kg m^2: the motor turns");
@@ -83,12 +84,12 @@ void read_axis(YamlReader& reader, MachineFile& file) {
   if (reader.has("load")) file.parameters.axis_force = read_load(reader.map("load"), form.is_linear);
   file.parameters.house.has_encoder = reader.has("load_encoder") && reader.flag("load_encoder");
 
-  drive.rated_torque = form.is_shaft_linear ? reader.number("rated_force", Unit::newton, positive())
-                                            : reader.number("rated_torque", Unit::newton_metre, positive());
+  drive.rated_torque = form.is_shaft_linear ? sized(reader, "rated_force", Unit::newton, positive(), kTorque)
+                                            : sized(reader, "rated_torque", Unit::newton_metre, positive(), kTorque);
   refuse(reader, form.is_shaft_linear ? "rated_torque" : "rated_force",
          form.is_shaft_linear ? "'rated_force' in N: without 'travel_per_turn' the motor does not turn"
                               : "'rated_torque' in N m, of the motor");
-  drive.top_speed = reader.number("top_speed", form.is_linear ? Unit::metre_per_second : Unit::radian_per_second, positive());
+  drive.top_speed = sized(reader, "top_speed", form.is_linear ? Unit::metre_per_second : Unit::radian_per_second, positive(), kSpeed);
   if (reader.has("drive_protection")) {
     file.drive_protection = read_drive_protection(reader.map("drive_protection"), form.is_shaft_linear ? kLinearShaft : ShaftUnits{});
   }

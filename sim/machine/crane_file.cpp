@@ -6,6 +6,7 @@
 
 #include "common/readable_number.h"
 #include "sim/machine/drive_protection_file.h"
+#include "sim/machine/possible_value.h"
 #include "sim/model/boom.h"
 
 namespace slewlab::sim {
@@ -16,29 +17,6 @@ using common::not_negative;
 using common::positive;
 using common::Unit;
 using common::YamlReader;
-
-// What no machine has, whatever its scale: a slip of units or of the keyboard. In SI; 0 is left to the key's own range.
-struct Possible {
-  double least, most;
-};
-constexpr Possible kMass{1e-6, 1e9};          // [kg] a grain to a thousand thousand tonnes, more than any ship
-constexpr Possible kLength{1e-4, 1e4};        // [m] a tenth of a millimetre to ten kilometres
-constexpr Possible kInertia{1e-12, 1e15};     // [kg m^2] the smallest rotor to the greatest mass a kilometre out
-constexpr Possible kStiffness{1e-6, 1e18};    // [Nm/rad]
-constexpr Possible kRatio{1e-4, 1e6};         // [-]
-constexpr Possible kModulus{1e3, 1e13};       // [Pa] jelly to ten times diamond
-constexpr Possible kTorque{1e-9, 1e12};       // [Nm]
-constexpr Possible kSpeed{1e-9, 1e6};         // [rad/s]
-
-double sized(YamlReader& reader, std::string_view key, Unit unit, common::Range range, Possible possible) {
-  const double value = reader.number(key, unit, range);
-  if (value != 0.0 && (value < possible.least || value > possible.most)) {
-    const std::string name(common::name_of(unit));
-    reader.report(key, common::readable(value) + ' ' + name + ", which no machine has",
-                  "from " + common::shortest(possible.least) + " to " + common::shortest(possible.most) + ' ' + name);
-  }
-  return value;
-}
 
 constexpr int kFewestTeeth = 3, kMostTeeth = 10'000;  // fewer do not mesh, nobody cuts more
 constexpr double kRightAngle = 0.5 * std::numbers::pi;  // [rad]

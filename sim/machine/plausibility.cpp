@@ -73,7 +73,7 @@ struct DriveKeys {
 
 void judge_gears(const CraneParameters& machine, const Scales& scales, double plant_step, const DriveKeys& keys, Judgement& judge) {
   judge(keys.inertia, (scales.axis_inertia - scales.driven_inertia) / scales.driven_inertia, 1e-4, 3e3,
-        "motors with %.3g times the inertia of what they drive, both on the axis", "a hundredth to a hundred times");
+        "motors with %.3g times the inertia of what they drive, both on the axis", "a thousandth to a thousand times");
   const double frequency = drive_frequency(machine);
   if (plant_step > 0.0) {
     judge(keys.stiffness, 1.0 / (frequency * plant_step), 12.0, HUGE_VAL, "motors that swing on their gears with %.3g plant steps to a period",
@@ -94,9 +94,18 @@ void judge_drive(const CraneParameters& machine, const Scales& scales, double pl
               {"drive.motor_inertia", "drive.gearbox_stiffness", drive.gearbox_play > drive.pinion_play ? "drive.gearbox_play" : "drive.pinion_play"}, judge);
 }
 
+// What the axis carries at rest: no motor holds more than it is rated for.
+void judge_axis_load(const AxisForceParameters& load, double axis_torque, Judgement& judge) {
+  judge("load.constant", std::fabs(load.constant) / axis_torque, 0.0, 1.0, "a constant load of %.3g times what the motor is rated for, on the axis", "up to a half");
+  judge("load.gravity", std::fabs(load.gravity) / axis_torque, 0.0, 1.0, "gravity of %.3g times what the motor is rated for, on the axis", "up to a half");
+}
+
 void judge_axis(const MachineFile& file, const Scales& scales, double plant_step, Judgement& judge) {
-  judge(file.axis.is_shaft_linear ? "rated_force" : "rated_torque", scales.acceleration_time, 1e-5, 1e3,
-        "%.3g s from rest to top speed with all that the motor is rated for", "a hundredth of a second to ten seconds");
+  judge(file.axis.is_shaft_linear ? "rated_force" : "rated_torque", scales.acceleration_time, 1e-3, 60.0,
+        file.axis.is_linear ? "%.3g s from rest to top speed: mass and top_speed against all that the motor is rated for"
+                            : "%.3g s from rest to top speed: inertia and top_speed against all that the motor is rated for",
+        "a hundredth of a second to ten seconds");
+  judge_axis_load(file.parameters.axis_force, scales.axis_torque, judge);
   if (file.parameters.drive.is_rigid) return;
   judge_gears(file.parameters, scales, plant_step, {file.axis.is_shaft_linear ? "motor_mass" : "motor_inertia", "transmission.stiffness", "transmission.play"},
               judge);
@@ -104,6 +113,9 @@ void judge_axis(const MachineFile& file, const Scales& scales, double plant_step
 
 void judge_boom(const CraneParameters& machine, const Scales& scales, Judgement& judge) {
   const BoomParameters& boom = machine.boom;
+  // All the weight of a crane's house, near the axis, turns more easily than its boom.
+  judge("house.inertia", machine.house.inertia / (scales.driven_inertia - machine.house.inertia), 0.0, 1.0, "a house of %.3g times the boom's inertia, both about the axis",
+        "a thousandth to a half");
   const auto narrower = [](const BoomStation& a, const BoomStation& b) { return a.half_width < b.half_width; };
   const double narrowest = 2.0 * std::min_element(boom.profile.begin(), boom.profile.end(), narrower)->half_width;
   judge("boom.chord_outer_diameter", boom.chord_outer_diameter / narrowest, 0.0, 1.0, "chords %.3g times as thick as the boom is wide where it is narrowest",
@@ -127,6 +139,16 @@ void judge_boom(const CraneParameters& machine, const Scales& scales, Judgement&
   if (is_boom_light && machine.load.mass > 0.0) judge("load.mass", machine.load.mass / boom.mass, 2e-3, HUGE_VAL, kLoadOfBooms, kUsualLoad);
 }
 
+// Below one period a drive trips between two commands; after a thousand it has long done what the last one asked for.
+void judge_timeout(const char* key, std::int64_t timeout, std::int64_t controller_period, Judgement& judge) {
+  if (timeout == kNever) return;
+  const double periods = static_cast<double>(timeout) / static_cast<double>(controller_period);
+  judge(key, periods, 1.0, 1000.0,
+        periods < 1.0 ? "a time-out of %.3g controller periods, so that the drive trips between two commands"
+                      : "a time-out of %.3g controller periods, for which the drive goes on with the last command",
+        "three to a hundred");
+}
+
 void judge_protection(const DriveProtectionSettings& protection, double rated_torque, std::int64_t controller_period, Judgement& judge) {
   if (std::isfinite(protection.torque_limit)) {
     judge("drive_protection.torque_limit", protection.torque_limit / rated_torque, 0.05, 20.0, "a limit of %.3g times the rated torque",
@@ -137,11 +159,8 @@ void judge_protection(const DriveProtectionSettings& protection, double rated_to
           "once to three times");
   }
   if (controller_period <= 0) return;
-  const auto period = static_cast<double>(controller_period);
-  judge("drive_protection.alive_timeout", static_cast<double>(protection.alive_timeout) / period, 1.0, HUGE_VAL,
-        "a time-out of %.3g controller periods, so that the drive trips between two commands", "three and more");
-  judge("drive_protection.silence_timeout", static_cast<double>(protection.silence_timeout) / period, 1.0, HUGE_VAL,
-        "a time-out of %.3g controller periods, so that the drive trips between two commands", "three and more");
+  judge_timeout("drive_protection.alive_timeout", protection.alive_timeout, controller_period, judge);
+  judge_timeout("drive_protection.silence_timeout", protection.silence_timeout, controller_period, judge);
 }
 
 }  // namespace

@@ -138,5 +138,38 @@ TEST(AxisFile, WhatDoesNotFitIsExplained) {
   EXPECT_EQ(complaint(kLinear), "");
 }
 
+TEST(AxisFile, WhatNoAxisHasIsRefused) {
+  const struct {
+    const char *from, *to, *key, *expected;
+  } kSlips[] = {
+      {"inertia: {value: 12,", "inertia: {value: 1e308,", "'inertia'", "from 1e-12 to 1e+15 kg m^2"},
+      {"rated_torque: {value: 8,", "rated_torque: {value: 1e200,", "'rated_torque'", "from 1e-09 to 1e+12 N m"},
+      {"top_speed: {value: 2,", "top_speed: {value: 1e200,", "'top_speed'", "from 1e-09 to 1e+06 rad/s"},
+      {"gravity_angle: {value: 90,", "gravity_angle: {value: 1e30,", "'load.gravity_angle'", "360"},
+      {"gravity: {value: 100,", "gravity: {value: -1e13,", "'load.gravity'", "or as much below 0"},
+      {"constant: {value: -20,", "constant: {value: 1e13,", "'load.constant'", "from 1e-09 to 1e+12 N m"},
+      {"stiffness: {value: 200,", "stiffness: {value: 1e30,", "'transmission.stiffness'", "which no machine has"},
+      {"play: {value: 1,", "play: {value: 1e30,", "'transmission.play'", "rad"},
+      {"ratio: {value: 50,", "ratio: {value: 1e9,", "'ratio'", "from 1e-04 to 1e+06"},
+      {"motor_inertia: {value: 0.002,", "motor_inertia: {value: 1e20,", "'motor_inertia'", "which no machine has"}};
+  for (const auto& slip : kSlips) {
+    std::string text = kRotary;
+    text.replace(text.find(slip.from), std::string(slip.from).size(), slip.to);
+    const std::string found = complaint(text);
+    EXPECT_NE(found.find(slip.key), std::string::npos) << slip.to << ": " << found;
+    EXPECT_NE(found.find(slip.expected), std::string::npos) << slip.to << ": " << found;
+    EXPECT_NE(found.find("axis.yaml:"), std::string::npos) << found;
+  }
+}
+
+// Scale is no slip.
+TEST(AxisFile, AnAxisOfAnySizeIsRead) {
+  for (const char* inertia : {"1e-6", "1e6"}) {
+    std::string text = kRotary;
+    text.replace(text.find("inertia: {value: 12,"), 20, std::string("inertia: {value: ") + inertia + ',');
+    EXPECT_EQ(complaint(text), "") << inertia;
+  }
+}
+
 }  // namespace
 }  // namespace slewlab::sim

@@ -131,18 +131,67 @@ TEST(Plausibility, ATimeOutShorterThanTheControllersPeriod) {
   EXPECT_EQ(found.at(0).found, "a time-out of 0.01 controller periods, so that the drive trips between two commands");
 }
 
-// 40 kg m^2 under 6 N m at a ratio of 80 reach 1 rad/s in 40 / 480 s; a million times as much in a day, a millionth in 83 ns.
-TEST(Plausibility, AnAxisThatNoMotorWouldMove) {
+// A hundred seconds for a hundred milliseconds are ten thousand periods of 10 ms.
+TEST(Plausibility, ATimeOutThatIsNone) {
+  MachineFile file = thesis_file();
+  const RunPeriods periods{.plant_step = kStep, .controller_period = 10'000'000};
+  EXPECT_EQ(keys_of(implausible_values(file, periods)), "") << "a drive that watches nothing";
+  file.drive_protection.alive_timeout = 100'000'000'000;
+  const auto found = implausible_values(file, periods);
+  ASSERT_EQ(keys_of(found), "drive_protection.alive_timeout");
+  EXPECT_EQ(found.at(0).found, "a time-out of 1e+04 controller periods, for which the drive goes on with the last command");
+}
+
+// t m^2 for kg m^2.
+TEST(Plausibility, AHouseThatIsHeavierToTurnThanItsBoom) {
+  CraneParameters crane = thesis_crane();
+  crane.house.inertia *= 1e3;
+  EXPECT_EQ(keys(crane), "house.inertia");
+}
+
+MachineFile rigid_table() {
   MachineFile file;
   file.kind = MachineKind::axis;
   file.parameters.boom.element_count = 0;
   file.parameters.drive = {.group_count = 1, .motors_per_group = 1, .gearbox_ratio = 80.0, .rated_torque = 6.0, .top_speed = 1.0, .is_rigid = true};
   file.parameters.house.inertia = 40.0;
+  return file;
+}
+
+// 40 kg m^2 under 6 N m at a ratio of 80 reach 1 rad/s in 40 / 480 s; a thousand times as much, t for kg, in 83 s, a millionth in 83 ns.
+TEST(Plausibility, AnAxisThatNoMotorWouldMove) {
+  MachineFile file = rigid_table();
   EXPECT_EQ(keys_of(implausible_values(file, {})), "");
-  file.parameters.house.inertia = 40e6;
-  EXPECT_EQ(keys_of(implausible_values(file, {})), "rated_torque");
+  file.parameters.house.inertia = 40e3;
+  const auto found = implausible_values(file, {});
+  ASSERT_EQ(keys_of(found), "rated_torque");
+  EXPECT_EQ(found.at(0).found, "83.3 s from rest to top speed: inertia and top_speed against all that the motor is rated for");
   file.parameters.house.inertia = 40e-6;
   EXPECT_EQ(keys_of(implausible_values(file, {})), "rated_torque");
+}
+
+// The motor is rated for 480 N m on the axis.
+TEST(Plausibility, AnAxissLoadThatItsMotorCannotHold) {
+  MachineFile file = rigid_table();
+  file.parameters.axis_force = {.constant = -400.0, .gravity = -120.0};
+  EXPECT_EQ(keys_of(implausible_values(file, {})), "");
+  file.parameters.axis_force = {.constant = 0.0, .gravity = -120e6};  // MN m for N m
+  const auto found = implausible_values(file, {});
+  ASSERT_EQ(keys_of(found), "load.gravity");
+  EXPECT_EQ(found.at(0).found, "gravity of 2.5e+05 times what the motor is rated for, on the axis");
+  file.parameters.axis_force = {.constant = -490.0};
+  EXPECT_EQ(keys_of(implausible_values(file, {})), "load.constant");
+}
+
+// What is judged are ratios: an axis of a millionth or a million times the inertia, with torques to match, is the same.
+TEST(Plausibility, AnAxisIsPlausibleAtAnyScale) {
+  for (const double factor : {1e-6, 1e-3, 1e3, 1e6}) {
+    MachineFile file = rigid_table();
+    file.parameters.house.inertia *= factor;
+    file.parameters.drive.rated_torque *= factor;
+    file.parameters.axis_force = {.gravity = -120.0 * factor};
+    EXPECT_EQ(keys_of(implausible_values(file, {})), "") << factor;
+  }
 }
 
 // A tilting table of 40 kg m^2 behind a gearbox that gives: 22 Hz, 0.1 s to its top speed, two arc minutes of play.
