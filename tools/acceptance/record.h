@@ -74,7 +74,8 @@ nlohmann::ordered_json record_json(const AcceptancePlan& plan, const AcceptanceR
 // A line per requirement, with why it is not met, and one per finding.
 std::string record_table(const AcceptanceRecord& record);
 
-// JUnit XML: a suite for the requirements and one for each test.
+// JUnit XML: a suite for the requirements and one for each test. A failed check counts as skipped, with the deviations' texts, where
+// every requirement that it shows has an agreed deviation, so that an accepted record has no failures.
 std::string record_junit(const AcceptancePlan& plan, const AcceptanceRecord& record, const std::vector<RecordedTest>& tests);
 
 }  // namespace slewlab::tools

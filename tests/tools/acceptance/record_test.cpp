@@ -92,6 +92,23 @@ TEST(AcceptanceRecord, AnAgreedDeviationIsAcceptedAndTold) {
   EXPECT_NE(junit.find("Test &lt;of&gt; a controller"), std::string::npos);
 }
 
+TEST(AcceptanceRecord, InJunitAFailedCheckIsSkippedWhereEveryRequirementThatItShowsDeviatesAsAgreed) {
+  AcceptancePlan plan = plan_of({{"slew", "direction"}});
+  plan.deviations = {{"R1", "a spare part is on its way", "the owner"}};
+  const auto tests = runs({check("direction", Verdict::fail)}, {check("stop time", Verdict::pass)});
+  const std::string agreed = record_junit(plan, trace(plan, tests), tests);
+  EXPECT_EQ(agreed.find("<failure"), std::string::npos) << agreed;
+  EXPECT_NE(agreed.find("<testsuite name=\"slew\" tests=\"1\" failures=\"0\" errors=\"0\" skipped=\"1\">"), std::string::npos) << agreed;
+  EXPECT_NE(agreed.find("<skipped message=\"failed: reason of direction; agreed deviation from R1: a spare part is on its way\"/>"), std::string::npos);
+
+  plan.requirements.push_back({"R2", "It turns as asked.", "chosen", {{"slew", "direction"}}});
+  const std::string half = record_junit(plan, trace(plan, tests), tests);
+  EXPECT_NE(half.find("<testsuite name=\"slew\" tests=\"1\" failures=\"1\""), std::string::npos) << half;
+
+  const auto found = runs({check("direction", Verdict::fail), check("sidelead", Verdict::fail)}, {});
+  EXPECT_NE(record_junit(plan, trace(plan, found), found).find("<failure message=\"reason of sidelead\"/>"), std::string::npos);
+}
+
 TEST(AcceptanceRecord, ADeviationFromWhatIsMetIsTold) {
   AcceptancePlan plan = plan_of({{"slew", "direction"}});
   plan.deviations = {{"R1", "a spare part is on its way", "the owner"}};
