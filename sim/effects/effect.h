@@ -51,6 +51,7 @@ struct EffectMoment {
   double load_velocity = 0.0;       // [m/s]
   double rope_angle = 0.0;          // [rad]
   double rod_angle = 0.0;           // [rad]
+  double rod_rate = 0.0;            // [rad/s]
   double rope_force = 0.0;          // [N] on the tip
 };
 

@@ -38,6 +38,7 @@ void observe(const PlantModel& model, const PlantState& state, const Acceleratio
   moment.load_velocity = model.load.modes(0, 0) * state.load_v[0] + model.load.modes(0, 1) * state.load_v[1];
   moment.rope_angle = (moment.load_displacement - moment.tip_displacement) / rope_length;
   moment.rod_angle = rod_angle(model, state);
+  moment.rod_rate = model.load.modes(1, 0) * state.load_v[0] + model.load.modes(1, 1) * state.load_v[1];
 }
 
 // Two steps' ends give the middle of the next step; without a step before, `before` is `now`. Fills what stands there already: copying what
@@ -62,7 +63,8 @@ void find_middle(const PlantState& state, int group_count, const EffectMoment& n
   m.load_velocity = ahead(now.load_velocity, before.load_velocity);
   m.load_displacement = now.load_displacement + 0.25 * h * (now.load_velocity + m.load_velocity);
   m.rope_angle = ahead(now.rope_angle, before.rope_angle);
-  m.rod_angle = ahead(now.rod_angle, before.rod_angle);
+  m.rod_rate = ahead(now.rod_rate, before.rod_rate);
+  m.rod_angle = now.rod_angle + 0.25 * h * (now.rod_rate + m.rod_rate);
   m.rope_force = ahead(now.rope_force, before.rope_force);
 }
 
