@@ -1,7 +1,11 @@
 """What a window of a store shows against the samples that it was filled with."""
 
+import asyncio
 import functools
+import tempfile
 import unittest
+import unittest.mock
+from pathlib import Path
 
 import numpy as np
 
@@ -9,6 +13,7 @@ from run_log import message_types
 
 from desk import charts
 from desk.access import PATIENCE, Access, Joystick
+from desk.diagnosis import Diagnosis, Minute
 from desk.source import Incoming, fill, parse_events
 from desk.store import CAPACITY, FACTOR, Channel, Store
 
@@ -140,6 +145,53 @@ class IncomingTest(unittest.TestCase):
         incoming.take(list(self.events(run_identity=2))[:40])
         self.assertAlmostEqual(store.last, 0.19)
         self.assertEqual(store.at("ENCODER.shaft_speed.0", 0.1), 2.0)
+
+
+class MinuteTest(unittest.TestCase):
+    def setUp(self):
+        self.folder = Path(self.enterContext(tempfile.TemporaryDirectory()))
+        self.minute = Minute()
+        self.minute.take([("OPERATOR", b"begin"), ("PLANT_STATUS", b"ready"), ("ENCODER", b"0")], 0.0)
+        for second in range(1, 100):
+            moves = [("OPERATOR", b"moved at %d" % second)] if second in (30, 41) else []
+            self.minute.take([*moves, ("ENCODER", b"%d" % second)], float(second))
+
+    def written(self, later):
+        path = self.folder / "minute.lcmlog"
+        self.minute.write(path, later)
+        return parse_events(path.read_bytes())[0]
+
+    def test_what_stands_when_the_minute_begins_is_in_front_of_it(self):
+        for later, move, first in ((0.0, b"moved at 30", b"39"), (1.5, b"moved at 30", b"41"), (3.0, b"moved at 41", b"42")):
+            events = self.written(later)
+            self.assertEqual({events[0], events[1]}, {("OPERATOR", move), ("PLANT_STATUS", b"ready")})
+            self.assertEqual([data for channel, data in events if channel == "ENCODER"][0], first)
+            self.assertEqual(events[-1], ("ENCODER", b"99"))
+
+    def diagnosed(self, script):
+        """The state and the tries of a diagnosis by a program of its own."""
+        program = self.folder / "slewlab"
+        program.write_text(f"#!/bin/sh\necho try >> {self.folder}/tries\n{script}\n")
+        program.chmod(0o755)
+
+        async def run():
+            diagnosis = Diagnosis("crane.yaml", None, self.folder)
+            diagnosis.minute = self.minute
+            with unittest.mock.patch("desk.diagnosis.slewlab_program", lambda: program):
+                await diagnosis.begin(None)
+                await diagnosis.listening
+            return diagnosis.state()
+
+        return asyncio.run(run()), len((self.folder / "tries").read_text().split())
+
+    def test_a_minute_that_is_refused_begins_later_and_what_cannot_be_told_is_no_failure(self):
+        for script, state, tries in (("[ $(wc -l < TRIES) = 2 ] || exit 3", "done", 2), ("echo 'cannot tell, because'; exit 3", "cannot tell", 3),
+                                     ("exit 1", "failed", 1)):
+            (self.folder / "tries").unlink(missing_ok=True)
+            found, count = self.diagnosed(script.replace("TRIES", f"{self.folder}/tries"))
+            with self.subTest(state=state):
+                self.assertEqual((found["state"], count), (state, tries))
+        self.assertEqual(found["words"], [])
 
 
 class AccessTest(unittest.TestCase):

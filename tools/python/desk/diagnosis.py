@@ -1,6 +1,7 @@
 """The newest minute of a run for `slewlab diagnose`, which runs beside the desk."""
 
 import asyncio
+import contextlib
 from collections import deque
 from pathlib import Path
 
@@ -8,64 +9,101 @@ from run_log import slewlab_program
 from desk.source import EVENT, SYNC
 
 SPAN = 60.0  # [s]
+STANDING = ("OPERATOR", "PLANT_STATUS")  # what their last message says stands until the next one
+LATER = (0.0, 1.5, 3.0)  # [s] by which the minute begins later where it is refused: not every moment is one to begin at; chosen
+CANNOT_TELL = 3  # exit code of slewlab diagnose (docs/command_line.md)
 LAST_WORDS = 3
 
 
 class Minute:
-    """The newest events as they came, no older than SPAN before the newest ENCODER."""
+    """The newest events as they came, no older than SPAN before the newest ENCODER, and what still stands of those before."""
 
     def __init__(self):
-        self.events = deque()
+        self.events, self.standing = deque(), {}
+
+    def copy(self):
+        held = Minute()
+        held.events, held.standing = self.events.copy(), self.standing.copy()
+        return held
 
     def take(self, events, newest):
         self.events.extend((newest, channel, data) for channel, data in events)
         while self.events and self.events[0][0] < newest - SPAN:
-            self.events.popleft()
+            drop(self.events, self.standing)
 
-    def write(self, path):
+    def write(self, path, later=0.0):
+        """`later` [s]: without so much of its beginning."""
+        cut = self.copy()
+        begin = cut.events[0][0] + later if cut.events else 0.0
+        while cut.events and cut.events[0][0] < begin:
+            drop(cut.events, cut.standing)
+        cut.events.extendleft((begin, channel, data) for channel, data in cut.standing.items())
         with path.open("wb") as file:
-            for number, (time, channel, data) in enumerate(self.events):
+            for number, (time, channel, data) in enumerate(cut.events):
                 name = channel.encode()
                 file.write(EVENT.pack(SYNC, number, max(0, int(time * 1e6)), len(name), len(data)) + name + data)
+
+
+def drop(events, standing):
+    """Takes the oldest event away; of a channel whose messages stand it stays in `standing`."""
+    _, channel, data = events.popleft()
+    if channel in STANDING:
+        standing[channel] = data
 
 
 class Diagnosis:
     def __init__(self, nominal, controller, out):
         self.nominal, self.controller, self.out = nominal, controller, Path(out)
         self.minute, self.process, self.words, self.folder = Minute(), None, deque(maxlen=LAST_WORDS), None
+        self.listening = None
 
     async def begin(self, source):
-        if self.process is not None and self.process.returncode is None:
+        if self.is_under_way:
             return
         number = 1
         while (self.out / f"diagnosis_{number}").exists():
             number += 1
         self.folder = self.out / f"diagnosis_{number}"
         self.folder.mkdir(parents=True)
+        minute = self.minute.copy()
+        await self._try(minute, LATER[0])
+        self.listening = asyncio.create_task(self._listen(minute))
+
+    async def _try(self, minute, later):
         log = self.folder / "last_minute.lcmlog"
-        self.minute.write(log)
-        self.words.clear()
+        minute.write(log, later)
         controller = ["--controller", self.controller] if self.controller else []
+        self.words.clear()
         self.process = await asyncio.create_subprocess_exec(
             slewlab_program(), "diagnose", "--crane", self.nominal, *controller, "--log", log,
             "--out", self.folder, stdin=asyncio.subprocess.DEVNULL, stdout=asyncio.subprocess.PIPE,
             stderr=asyncio.subprocess.STDOUT, start_new_session=True)
-        self.listening = asyncio.create_task(self._listen())
 
-    async def _listen(self):
-        async for line in self.process.stdout:
-            words = line.decode(errors="replace").strip()
-            if words:
-                self.words.append(words)
-        await self.process.wait()
+    async def _listen(self, minute):
+        for later in (*LATER[1:], None):
+            async for line in self.process.stdout:
+                words = line.decode(errors="replace").strip()
+                if words:
+                    self.words.append(words)
+            if await self.process.wait() != CANNOT_TELL or later is None:
+                return
+            await self._try(minute, later)
+
+    @property
+    def is_under_way(self):
+        return self.listening is not None and not self.listening.done()
 
     def state(self):
-        if self.process is None:
+        if self.listening is None:
             return {"state": "ready"}
-        code = self.process.returncode
-        return {"state": "under way" if code is None else "done" if code == 0 else "failed", "folder": str(self.folder), "words": list(self.words)}
+        state = "under way" if self.is_under_way else {0: "done", CANNOT_TELL: "cannot tell"}.get(self.process.returncode, "failed")
+        return {"state": state, "folder": str(self.folder), "words": list(self.words)}
 
     async def end(self):
-        if self.process is not None and self.process.returncode is None:
-            self.process.terminate()
-            await self.listening
+        if self.is_under_way:
+            self.listening.cancel()
+            with contextlib.suppress(asyncio.CancelledError):
+                await self.listening
+            if self.process.returncode is None:
+                self.process.terminate()
+                await self.process.wait()
