@@ -2,18 +2,20 @@
 
 #include <utility>
 
+#include "common/utf8_text.h"
+
 namespace slewlab::common {
 
 FileName::~FileName() = default;
 
 std::string to_text(const InputProblem& problem) {
-  std::string text = problem.where.file.text();
+  std::string text = without_control(problem.where.file.text());
   if (problem.where.line > 0) {
     text += ':' + std::to_string(problem.where.line) + ':' + std::to_string(problem.where.column);
   }
   text += ": ";
-  if (!problem.key.empty()) text += "key '" + problem.key + "': ";
-  text += "found " + problem.found + ", expected " + problem.expected;
+  if (!problem.key.empty()) text += "key '" + without_control(problem.key) + "': ";
+  text += "found " + without_control(problem.found) + ", expected " + without_control(problem.expected);
   return text;
 }
 

@@ -45,6 +45,25 @@ std::string utf8_text(std::string_view text) {
   return result;
 }
 
+std::string without_control(std::string_view text) {
+  constexpr char kDigits[] = "0123456789abcdef";
+  std::string result;
+  for (std::size_t place = 0; place < text.size();) {
+    const unsigned byte = byte_at(text, place);
+    const std::size_t length = std::max<std::size_t>(length_at(text, place), 1);
+    const unsigned second = length == 2 ? byte_at(text, place + 1) : 0;
+    if (byte < 0x20 || byte == 0x7F) {
+      result += {'\\', 'x', kDigits[byte >> 4], kDigits[byte & 15]};
+    } else if (byte == 0xC2 && second >= 0x80 && second <= 0x9F) {
+      result += {'\\', 'u', '0', '0', kDigits[second >> 4], kDigits[second & 15]};
+    } else {
+      result += text.substr(place, length);
+    }
+    place += length;
+  }
+  return result;
+}
+
 std::string_view first_characters(std::string_view text, std::size_t most_bytes) {
   if (text.size() <= most_bytes) return text;
   while (most_bytes > 0 && goes_on(text, most_bytes)) --most_bytes;

@@ -13,6 +13,9 @@ bool is_utf8(std::string_view text);
 // The text with U+FFFD in place of every byte that does not.
 std::string utf8_text(std::string_view text);
 
+// The text with \\xNN or \\u00NN in place of every control character (C0, DEL, C1), as it may be shown: a terminal obeys some of them.
+std::string without_control(std::string_view text);
+
 // Its first characters, at most so many bytes of them.
 std::string_view first_characters(std::string_view text, std::size_t most_bytes);
 

@@ -23,6 +23,12 @@ TEST(Utf8Text, ReplacesWhatIsNoneAndKeepsTheRest) {
   EXPECT_EQ(utf8_text("\xE2\x82x"), "\xEF\xBF\xBD\xEF\xBF\xBDx");
 }
 
+TEST(Utf8Text, ControlCharactersAreShownAndNotObeyed) {
+  EXPECT_EQ(without_control("gear\x1b[31mbox"), "gear\\x1b[31mbox");
+  EXPECT_EQ(without_control("a\nb\x7f" "c\xC2\x9B" "31m"), "a\\x0ab\\x7fc\\u009b31m");
+  EXPECT_EQ(without_control("53 \xC2\xB0, \xE2\x82\xAC, \xB0"), "53 \xC2\xB0, \xE2\x82\xAC, \xB0");
+}
+
 TEST(Utf8Text, CutsBetweenCharacters) {
   EXPECT_EQ(first_characters("abc", 3), "abc");
   EXPECT_EQ(first_characters("abc", 2), "ab");

@@ -283,6 +283,12 @@ TEST_F(YamlFile, OverrideWithNamesThatNoFileHasIsExplained) {
   EXPECT_NE(said().find("found a key of 1000 characters, expected a name of at most 200"), std::string::npos) << said();
 }
 
+// A key or value with an escape sequence is shown; a terminal does not obey it.
+TEST_F(YamlFile, ControlCharactersOfAKeyOrAValueAreTold) {
+  const InputProblem problem{{"a\x1b[1m.yaml", 3, 1}, "gear\x1b[31mbox", "'\a'", "one of a\tb"};
+  EXPECT_EQ(to_text(problem), "a\\x1b[1m.yaml:3:1: key 'gear\\x1b[31mbox': found '\\x07', expected one of a\\x09b");
+}
+
 TEST_F(YamlFile, OverrideWithoutEqualsIsExplained) {
   try {
     parse_override("load.mass");

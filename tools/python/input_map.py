@@ -2,6 +2,7 @@
 YAML itself is read by common/yaml_file."""
 
 import difflib
+import re
 from dataclasses import dataclass
 
 from core_module import core
@@ -51,6 +52,11 @@ def shown(node):
     return "a list" if node.kind == "sequence" else "a map"
 
 
+def without_control(text):
+    """The text with control characters as common/utf8_text.h shows them: a terminal obeys some of them."""
+    return re.sub("[\x00-\x1f\x7f]", lambda found: f"\\x{ord(found[0]):02x}", re.sub("[\x80-\x9f]", lambda found: f"\\u{ord(found[0]):04x}", text))
+
+
 class MapReader:
     """A map of the file. Wrong keys are reported and answered with None, so that one pass finds all problems."""
 
@@ -66,7 +72,7 @@ class MapReader:
     def complain(self, node, key, found, expected):
         path = ".".join(part for part in (self.path, key) if part)
         where = f"key '{path}': " if path else ""
-        self.lines.append(f"{node.file or self.file}:{node.line}:{node.column}: {where}found {found}, expected {expected}")
+        self.lines.append(without_control(f"{node.file or self.file}:{node.line}:{node.column}: {where}found {found}, expected {expected}"))
 
     def report(self, key, found, expected):
         entry = self.entries.get(key)

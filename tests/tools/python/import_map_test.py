@@ -44,6 +44,11 @@ class ImportMapTest(unittest.TestCase):
                          [("a", "m/s^2"), ("b", "rad")])
         self.assertNotEqual(self.read(text).lines, [])
 
+    def test_control_characters_are_shown_and_not_sent_to_the_terminal(self):
+        lines = self.read(MAP + '"gear\\e[31mbox": "\\u009b1m"\n').lines
+        self.assertEqual([line for line in lines if "\x1b" in line or "\x9b" in line], [])
+        self.assertTrue(any("key 'gear\\x1b[31mbox'" in line for line in lines), lines)
+
     def test_the_map_printed_in_the_documents_is_one(self):
         printed = (REPOSITORY / "docs" / "import.md").read_text().split("```yaml\n")[1].split("```")[0]
         self.assertEqual(self.read(printed).lines, [])
