@@ -41,10 +41,14 @@ RunStreams run_streams(const std::filesystem::path& path) {
   if (file.is_in_order) {
     streams.runs.push_back(stream_in_order(path, file));
     streams.remarks = std::move(file.remarks);
+    streams.lost_bytes = file.lost_bytes;
+    streams.lost_messages = file.lost_messages;
     return streams;
   }
   RunOrder order = order_runs(path);
   streams.remarks = std::move(order.remarks);
+  streams.lost_bytes = order.lost_bytes;
+  streams.lost_messages = order.lost_messages;
   for (OrderedRun& ordered : order.runs) streams.runs.push_back(stream_of_heads(path, std::move(ordered)));
   return streams;
 }

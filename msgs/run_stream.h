@@ -31,6 +31,8 @@ struct RunStream {
 struct RunStreams {
   std::vector<RunStream> runs;       // in the order in which they begin in the file
   std::vector<std::string> remarks;  // what could not be used, one line each
+  std::int64_t lost_bytes = 0;       // as in RunLogs (msgs/run_log.h)
+  std::int64_t lost_messages = 0;
 };
 
 // Throws LogError where the file cannot be read or holds no message of slewlab; so does reading them.

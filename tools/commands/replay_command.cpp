@@ -21,6 +21,7 @@
 #include "msgs/memory_bus.h"
 #include "msgs/run_stream.h"
 #include "sim/drive/scenario_file.h"
+#include "tools/acceptance/run_summary.h"
 #include "tools/commands/child_process.h"
 #include "tools/commands/home.h"
 #include "tools/commands/log_path.h"
@@ -287,7 +288,7 @@ bool judge(const Comparison& comparison, const std::map<std::string, double>& to
     return false;
   }
   if (identical(comparison)) {
-    out << "    identical to the bit\n";
+    out << "    identical to the bit " << compared_span(comparison) << '\n';
     return true;
   }
   bool all_within = true;
@@ -296,6 +297,25 @@ bool judge(const Comparison& comparison, const std::map<std::string, double>& to
   }
   out << (all_within ? "    different, within the tolerances given\n" : "    different\n");
   return all_within;
+}
+
+// Why a record, whose configuration is that of the files at hand, is a part of its run alone; empty where it came to its end, be it before the
+// scenario's where the run itself says so (a desk's does).
+std::string why_ended_early(const fs::path& log, const msgs::RunStream& record, const sim::Scenario& scenario) {
+  const msgs::ChannelExtent& encoder = msgs::extent_of<msgs::Encoder>(record);
+  if (encoder.messages == 0 || encoder.last_time >= scenario.duration - scenario.controller_period) return {};
+  const RunSummary summary = read_run_summary(log.parent_path());
+  if (!summary.log_digest.empty() && summary.log_digest == msgs::hash_text(msgs::log_digest(log))) return {};
+  return fmt::format("the log ends at {:.3f} s of the scenario's {:.3f} s", static_cast<double>(encoder.last_time) / kNanosecondsPerSecond,
+                     static_cast<double>(scenario.duration) / kNanosecondsPerSecond);
+}
+
+// What is wrong with the file itself; empty where nothing is.
+std::string why_damaged(const msgs::RunStreams& logs) {
+  std::string text;
+  if (logs.lost_bytes > 0) text = fmt::format("{} bytes of the log are no whole event", logs.lost_bytes);
+  if (logs.lost_messages > 0) text += fmt::format("{}{} messages of the plant in it cannot be used", text.empty() ? "" : ", ", logs.lost_messages);
+  return text;
 }
 
 int replay_log(const ReplayOptions& options, std::ostream& out, std::ostream& err) {
@@ -317,6 +337,11 @@ int replay_log(const ReplayOptions& options, std::ostream& out, std::ostream& er
   // What such a plant does under recorded torques is not slewlab's to say.
   const bool by_another_plant = options.crane.empty() && fs::exists(log.parent_path() / kPlantTaskName);
   bool good = true;
+  const auto tell_part = [&](const std::string& why) {
+    if (why.empty()) return;
+    out << "  not the whole run: " << why << "; what is missing was not compared\n";
+    good = false;
+  };
   for (int i = 0; i < run_count; ++i) {
     const msgs::RunStream& record = logs.runs[static_cast<std::size_t>(i)];
     if (options.run > 0 && i + 1 != options.run) continue;
@@ -350,7 +375,9 @@ int replay_log(const ReplayOptions& options, std::ostream& out, std::ostream& er
     } else {
       out << "  controller: not replayed, there is no configuration of a controller at hand (--controller-config)\n";
     }
+    if (of_this_configuration) tell_part(why_ended_early(log, record, *files.scenario));
   }
+  tell_part(why_damaged(logs));
   return good ? 0 : 1;
 }
 

@@ -75,7 +75,9 @@ void RunningComparison<Message>::add(const Message& replayed) {
     ++result_.only_replayed;
     return;
   }
-  ++result_.compared;
+  const std::int64_t time = recorded_.current()->simulated_time;
+  if (result_.compared++ == 0) result_.first_time = result_.last_time = time;
+  result_.last_time = std::max(result_.last_time, time);
   if (!compare_messages(*recorded_.current(), replayed, fields_, result_)) ++result_.differing;
   recorded_.advance();
 }
@@ -112,6 +114,22 @@ std::int64_t compared_messages(const std::vector<ChannelComparison>& channels) {
   std::int64_t sum = 0;
   for (const ChannelComparison& channel : channels) sum += channel.compared;
   return sum;
+}
+
+std::string compared_span(const std::vector<ChannelComparison>& channels) {
+  std::int64_t first = std::numeric_limits<std::int64_t>::max(), last = std::numeric_limits<std::int64_t>::min();
+  std::string without;
+  for (const ChannelComparison& channel : channels) {
+    if (channel.compared == 0) {
+      without += (without.empty() ? "" : ", ") + channel.channel;
+      continue;
+    }
+    first = std::min(first, channel.first_time);
+    last = std::max(last, channel.last_time);
+  }
+  if (first > last) return {};
+  return fmt::format("from {:.3f} s to {:.3f} s", static_cast<double>(first) / kNanosecondsPerSecond, static_cast<double>(last) / kNanosecondsPerSecond) +
+         (without.empty() ? "" : "; of " + without + " nothing was compared");
 }
 
 void print(std::ostream& out, const std::vector<ChannelComparison>& channels) {

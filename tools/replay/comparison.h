@@ -32,6 +32,7 @@ struct FieldDifference {
 struct ChannelComparison {
   std::string channel;
   std::int64_t compared = 0;       // messages
+  std::int64_t first_time = 0, last_time = 0;  // [ns] of the compared
   std::int64_t differing = 0;      // of these
   std::int64_t only_recorded = 0;
   std::int64_t only_replayed = 0;
@@ -59,6 +60,9 @@ const FieldDifference* first_difference(const std::vector<ChannelComparison>& ch
 
 bool identical(const std::vector<ChannelComparison>& channels);
 std::int64_t compared_messages(const std::vector<ChannelComparison>& channels);
+
+// "from 0.000 s to 59.990 s", and of which channels nothing was compared, as people read it; empty where that is all of them.
+std::string compared_span(const std::vector<ChannelComparison>& channels);
 
 // One line per channel; then, where something differs, the first difference and a table of the fields.
 void print(std::ostream& out, const std::vector<ChannelComparison>& channels);

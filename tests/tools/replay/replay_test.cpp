@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 #include <limits>
 #include <sstream>
 
@@ -266,6 +267,36 @@ TEST_F(ReplayTest, TheCommandReadsWhatLiesBesideTheLog) {
   EXPECT_NE(out_.str().find("TORQUE.motor_torque[0] [Nm]"), std::string::npos) << out_.str();
 }
 
+// Cut between two events, and without a channel: nothing differs in what is there.
+TEST_F(ReplayTest, ALogOfAPartOfItsRunSaysUpToWhenAndOfWhatItWasCompared) {
+  record(folder_.path() / "whole.lcmlog", write_scenario());
+  const fs::path log = folder_.path() / "run.lcmlog";
+  const auto keep = [&](std::int64_t until_us, std::string_view without) {
+    msgs::LogWriter writer(log);
+    msgs::LogReader reader(folder_.path() / "whole.lcmlog");
+    msgs::LogEvent event;
+    while (reader.next(event)) {
+      if (event.timestamp_us <= until_us && event.channel != without) writer.append(event.channel, event.timestamp_us, event.data);
+    }
+    writer.finish();
+  };
+  ReplayOptions options;
+  options.log = log;
+  keep(1'000'000, "");
+  EXPECT_EQ(replay_it(options), 1);
+  EXPECT_NE(out_.str().find("    identical to the bit from 0.000 s to 1.000 s\n"), std::string::npos) << out_.str();
+  EXPECT_NE(out_.str().find("not the whole run: the log ends at 1.000 s of the scenario's 3.000 s; what is missing was not compared\n"), std::string::npos) << out_.str();
+  // A run that was ended there, as at a desk.
+  std::ofstream(folder_.path() / "summary.json") << R"({"outcome": "complete", "run": {"configuration_hash": "0000000000000001", "log_digest": ")"
+                                                  << msgs::hash_text(msgs::log_digest(log)) << "\"}}";
+  EXPECT_EQ(replay_it(options), 0) << out_.str();
+  fs::remove(folder_.path() / "summary.json");
+
+  keep(4'000'000, msgs::kTruthChannel);
+  EXPECT_EQ(replay_it(options), 0) << out_.str();
+  EXPECT_NE(out_.str().find("    identical to the bit from 0.000 s to 3.000 s; of TRUTH nothing was compared\n"), std::string::npos) << out_.str();
+}
+
 // As lcm-logger leaves a wall-clock run: stamps out of order, holes, other channels, two runs of which one has another
 // configuration, and an end that is cut off.
 TEST_F(ReplayTest, ADamagedLogIsReplayedAsFarAsItGoesAndSaysWhatItCouldNotUse) {
@@ -293,8 +324,8 @@ TEST_F(ReplayTest, ADamagedLogIsReplayedAsFarAsItGoesAndSaysWhatItCouldNotUse) {
   fs::resize_file(log, fs::file_size(log) - 100);
   ReplayOptions options;
   options.log = log;
-  EXPECT_EQ(replay_it(options), 0) << err_.str() << out_.str();
-  for (const char* said : {"run 1 of 2", "not replayed: it was recorded with another configuration", "run 2 of 2",
+  EXPECT_EQ(replay_it(options), 1) << err_.str() << out_.str();  // the same as far as it goes, and not the whole run
+  for (const char* said : {"not the whole run: ", " bytes of the log are no whole event", "run 1 of 2", "not replayed: it was recorded with another configuration", "run 2 of 2",
                            "identical to the bit", "CAMERA", "earlier time stamp", "the end is cut off",
                            "messages are missing"}) {
     EXPECT_NE(out_.str().find(said), std::string::npos) << said << " is not in\n" << out_.str();
