@@ -243,6 +243,14 @@ class ChartsTest(unittest.TestCase):
         self.assertEqual(found["acceleration, measured minus observer"], ["OBSERVER.tip_difference"])
         self.assertEqual(found["acceleration, lateral"], ["SENSORS.tip_acceleration"])
 
+    def test_the_tip_is_where_it_is_against_the_boom_of_the_same_moment(self):
+        # It turns with 0.02 rad/s and is bent by 30 mm at a radius of 25 m; TRUTH comes every 100 ms, SENSORS every 5 ms.
+        store, fast, slow = Store(), np.arange(0.0, 9.96, 0.005), np.arange(0.0, 9.91, 0.1)
+        store.append("SENSORS", fast, {"slew_angle": 0.02 * fast})
+        store.append("TRUTH", slow, {"tip_displacement": 25.0 * 0.02 * slow + 0.03})
+        for time in (5.03, 9.92, 9.955, 20.0):
+            self.assertAlmostEqual(charts.pose({"tip_radius": 25.0}, store, time)["deflection"], 0.03, delta=1e-6)
+
     def test_a_signal_with_gaps_stays(self):
         store = Store(64)  # what is old is forgotten
         for k in range(20):

@@ -117,16 +117,22 @@ def pose(facts, store, time):
     def known(value):
         return float(value) if np.isfinite(value) else None
 
-    ratio = facts.get("total_ratio")
-    angle = store.at("SENSORS.slew_angle", time, True)
-    if not np.isfinite(angle) and ratio:
-        angle = store.at("ENCODER.shaft_position.0", time, True) / ratio
+    ratio, angle_signal, share = facts.get("total_ratio"), "SENSORS.slew_angle", 1.0
+    if not store.told(angle_signal) and ratio:
+        angle_signal, share = "ENCODER.shaft_position.0", 1.0 / ratio
+    time = min([time, *newest_of(store, angle_signal, "TRUTH.tip_displacement")])
+    angle = share * store.at(angle_signal, time, True)
     tip = store.at("TRUTH.tip_displacement", time, True)
     deflection = tip - facts["tip_radius"] * angle if "tip_radius" in facts else np.nan
     gears = [known(store.at(f"TRUTH.gear_deflection.{g}", time, True)) for g in range(GROUPS) if store.has(f"TRUTH.gear_deflection.{g}")]
     torques = [known(store.at(f"TRUTH.gearbox_torque.{g}", time, True)) for g in range(len(gears))]
     return {"angle": known(angle), "deflection": known(deflection), "rope": known(store.at("TRUTH.rope_angle", time, True)),
             "rod": known(store.at("TRUTH.rod_angle", time, True)), "gears": gears, "gear_torques": torques}
+
+
+def newest_of(store, *signals):
+    """Newest times [s] of the channels of signals: a boom that turns is elsewhere in the last message of a slower one."""
+    return [store.channels[store.places[signal][0]].last_time for signal in signals if store.has(signal)]
 
 
 def state(store, time):
