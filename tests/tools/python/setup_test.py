@@ -39,7 +39,7 @@ class SetupTest(unittest.TestCase):
         self.stand_in("bin/apt-get", f'echo "apt-get $*" >>"$CALLS"\n{apt_get}')
         self.stand_in("bin/id", f"echo {user}")
         # Of the system's own programs only what the script needs: above all no sudo.
-        for program in ("dirname", "sh", "env", "mktemp", "rm", "tail", "cat", "sed"):
+        for program in ("dirname", "sh", "env", "mktemp", "rm", "tail", "cat", "sed", "readlink"):
             link = self.root / "bin" / program
             if not link.exists():
                 link.symlink_to(shutil.which(program, path="/usr/bin:/bin"))
@@ -71,6 +71,16 @@ class SetupTest(unittest.TestCase):
         code, output, calls = self.run_setup(missing=["ninja-build"], user=1000)
         self.assertEqual((code, calls), (1, []))
         self.assertIn("As root, run: apt-get install ninja-build", output)
+
+    def test_an_environment_of_another_tree_is_not_emptied(self):
+        other = self.root / "other"
+        (self.root / ".venv").rename(other)
+        (other / "slewlab-requirements").write_text("of other requirements")
+        (self.root / ".venv").symlink_to(other)
+        code, output, _ = self.run_setup()
+        self.assertEqual(code, 1)
+        self.assertIn(".venv is a link to", output)
+        self.assertTrue((other / "bin" / "python").exists())
 
     def test_the_hunt_asks_for_its_compiler(self):
         shutil.copy(REPOSITORY / "tools" / "fuzz", self.root / "tools" / "fuzz")
