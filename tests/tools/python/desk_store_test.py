@@ -224,6 +224,11 @@ class AccessTest(unittest.TestCase):
         self.assertEqual((joystick.request, joystick.holder), (0.0, None))
         self.assertIn("nothing was heard", joystick.lost)
         self.assertTrue(joystick.take("b", 1.0))
+        joystick.stop = True
+        self.assertFalse(joystick.release_stop("a"))
+        self.assertTrue(joystick.stop)
+        self.assertTrue(joystick.release_stop("b"))
+        self.assertFalse(joystick.stop)
         joystick.move("b", -0.3, 1.1)
         joystick.give_back("b", "closed")
         self.assertEqual((joystick.request, joystick.lost), (0.0, "closed"))

@@ -77,6 +77,8 @@ class DeskTest(unittest.TestCase):
         with DeskProcess(made_run.write_run(self.folder / "a")) as desk:
             page = self.open(desk.address)
             self.assertIn("slewing speed", page.value("document.body.innerText"))
+            page.value("desk.seek(NaN), desk.send({type: 'view', from: null, to: 1, at: 1, pixels: 100, signals: []})")
+            page.until("document.getElementById('notice').innerText.includes('not understood')")
             # Its spectrum is of the last place that was asked for, however soon after the first. The tip swings with 1.3 and 5.2 Hz.
             page.value("desk.seek(15)")
             page.until("desk.spectrumChart")
@@ -167,6 +169,7 @@ class DeskTest(unittest.TestCase):
         with self.steered("--set", f"crane.effects={effects}") as desk:
             page = self.open(desk.address)
             self.assertIn("Take the joystick", page.value("document.body.innerText"))
+            self.assertTrue(page.value("document.getElementById('live').classList.contains('on') && desk.charts[0].plot.scales.x.min >= 0"))
             # Damping is a parameter of the machine as it is assembled.
             self.assertFalse(page.value("document.getElementById('effect_boom_damping')"))
             page.click("#take")
@@ -297,6 +300,15 @@ class DeskTest(unittest.TestCase):
                 other.until("document.getElementById('notice').innerText.includes('The lever was let go: ')")
                 page.call("Page.setWebLifecycleState", state="active")
                 page.mouse("mouseReleased", *page.middle("#lever")[:2])
+            other.click("#stop")  # who has no joystick may press it, and not release it
+            other.until("desk.steering.stopPressed && document.getElementById('stop').disabled")
+            other.value("desk.send({type: 'stop', pressed: false})")
+            other.until("document.getElementById('notice').innerText.includes('released by who has the joystick')")
+            self.assertTrue(other.value("desk.steering.stopPressed"))
+            other.click("#take")
+            other.until("desk.steering.mine")
+            other.click("#stop")
+            other.until("!desk.steering.stopPressed")
 
     def test_a_run_is_paused_and_goes_on_cycle_by_cycle(self):
         with self.steered() as desk:

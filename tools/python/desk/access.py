@@ -68,6 +68,13 @@ class Joystick:
             return
         self.holder, self.request, self.acknowledge, self.lost = None, 0.0, False, reason
 
+    def release_stop(self, page):
+        """Whether the emergency stop is released: everybody who steers may press it, who has the joystick releases it."""
+        if self.holder != page or page is None:
+            return False
+        self.stop = False
+        return True
+
     def move(self, page, request, now):
         if self.holder == page:
             self.heard, self.request = now, max(-1.0, min(1.0, request))

@@ -6,6 +6,7 @@ its pixels.
 """
 
 import asyncio
+import contextlib
 import json
 import math
 import time
@@ -168,7 +169,7 @@ class Page:
                 elif self.desk.run is not None:
                     await self.steer(kind, request)
             except (ValueError, TypeError, KeyError, AttributeError, OverflowError) as error:
-                await self.say({"type": "refused", "why": f"not understood: {error}"})
+                await self.say({"type": "refused", "of": kind_of(text), "why": f"not understood: {error}"})
 
     async def say(self, message):
         await self.socket.send(json.dumps(message))
@@ -182,8 +183,8 @@ class Page:
                         "steered": self.desk.run is not None, "may_steer": self.may_steer})
 
     async def view(self, request):
-        """{"from", "to", "at" [s], "pixels", "signals": [[name, ...] per source]}; "live": the window ends at the newest time and
-        is "to" - "from" long."""
+        """{"from", "to", "at" [s], "pixels", "signals": [[name, ...] per source]}; "live": the window is "to" - "from" long and
+        ends at the newest time, or begins with the run."""
         sources = self.desk.sources
         live = bool(request.get("live"))
         if live:
@@ -193,7 +194,8 @@ class Page:
             await self.say({"type": "nothing yet", **self.run_state()})
             return
         span = number(request["to"], -1e9, 1e9) - number(request["from"], -1e9, 1e9)
-        first = newest - span if live else float(request["from"])
+        oldest = min(source.store.first for source in sources)
+        first = max(oldest, newest - span) if live else number(request["from"], -1e9, 1e9)
         last = first + max(span, 1e-6)
         at = newest if live else number(request.get("at", last), -1e9, 1e9)
         pixels = int(number(request["pixels"], 16, MOST_PIXELS))
@@ -267,11 +269,21 @@ class Page:
             wanted = request.get("play_compensation")
             await self.desk.start_anew(None if wanted is None else bool(wanted))
         elif kind == "stop":  # whoever may steer may stop, with or without the joystick
-            joystick.stop = bool(request["pressed"])
+            if request["pressed"]:
+                joystick.stop = True
+            elif not joystick.release_stop(self):
+                await self.say({"type": "refused", "why": "the emergency stop is released by who has the joystick"})
         else:
             answer = await self.desk.run.command(kind, request)
             if answer:
                 await self.say(answer)
+
+
+def kind_of(text):
+    """What a request asked for, as far as it is one."""
+    with contextlib.suppress(ValueError, AttributeError):
+        return json.loads(text).get("type")
+    return None
 
 
 def finite(value):

@@ -72,7 +72,10 @@ class Desk {
   told(message) {
     if (message.type === "layout") this.laidOut(message);
     else if (message.type === "spectrum") this.drawSpectrum(message);
-    else if (message.type === "refused") this.notice(message.why);
+    else if (message.type === "refused") {
+      if (message.of === "view") this.asked = false;
+      this.notice(message.why);
+    }
     else if (message.type === "told") this.notice(message.text);
     else if (message.type === "nothing yet") {
       this.showRun(message.run);
@@ -94,7 +97,7 @@ class Desk {
     const remarks = sources.flatMap((source) => source.remarks.map((remark) => `${source.name}: ${remark}`));
     const ended = sources.filter((source) => source.facts.end && !["complete", "under way"].includes(source.facts.end)).map((source) => `${source.name}: ${source.facts.end}`);
     if (ended.length || remarks.length) this.notice([...ended, ...remarks].join(" · "));
-    if (!before && layout.live) this.following = true;
+    if (!before && layout.live) this.follow(true);
     if (!before && !layout.live) this.at = first.first ?? 0;
     this.range();
     const shape = JSON.stringify(sources.map((source) => source.charts));
@@ -177,6 +180,7 @@ class Desk {
   }
 
   seek(time) {
+    if (!Number.isFinite(time)) return;
     this.at = Math.max(this.first, Math.min(this.last, time));
     this.ask();
   }

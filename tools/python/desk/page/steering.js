@@ -165,9 +165,10 @@ class Steering {
     by("take").textContent = this.mine ? "Give the joystick back" : run.joystick === "free" ? "Take the joystick" : "Another page has the joystick";
     by("take").disabled = !maySteer || (!this.mine && run.joystick !== "free");
     by("acknowledge").disabled = !this.mine;
-    by("stop").disabled = !maySteer;
+    by("stop").disabled = !maySteer || (run.stop && !this.mine);
+    by("stop").title = run.stop && !this.mine ? "who has the joystick releases it" : "";
     by("stop").setAttribute("aria-pressed", run.stop);
-    by("stop").textContent = run.stop ? "STOPPED: PULL TO RELEASE" : "EMERGENCY STOP";
+    by("stop").textContent = run.stop ? (this.mine ? "STOPPED: PULL TO RELEASE" : "STOPPED") : "EMERGENCY STOP";
     by("pause").textContent = run.paused ? "Go on" : "Pause";
     for (const id of ["pause", "cycle", "pace", "save", "anew"]) by(id).disabled = !maySteer || (run.ended && id !== "save" && id !== "anew");
     by("cycle").disabled ||= !run.paused;
