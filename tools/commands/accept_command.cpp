@@ -140,18 +140,22 @@ std::string record_command(const AcceptOptions& options) {
   return command + (options.plot ? "" : " --no-plot");
 }
 
+// The files of one side: those that its command names, or the program of slewlab's that it is without one.
+std::vector<fs::path> files_of_side(const std::string& command, const char* own_program) {
+  if (command.empty()) return {fs::read_symlink("/proc/self/exe").parent_path() / own_program};
+  return files_named_by(command);
+}
+
 // What took part in the test, as files.
 std::vector<TestedFile> tested_files(const AcceptOptions& options) {
-  const fs::path own = fs::read_symlink("/proc/self/exe").parent_path() / "slewlab-controller";
-  std::vector<fs::path> controller;
-  if (!options.controller_fmu.empty()) {
-    controller = {fs::absolute(options.controller_fmu).lexically_normal()};
-  } else {
-    controller = options.controller_command.empty() ? std::vector<fs::path>{own} : files_named_by(options.controller_command);
-  }
+  const std::vector<fs::path> controller = options.controller_fmu.empty()
+                                               ? files_of_side(options.controller_command, "slewlab-controller")
+                                               : std::vector<fs::path>{fs::absolute(options.controller_fmu).lexically_normal()};
   std::vector<TestedFile> files;
   for (const fs::path& file : controller) files.push_back({"controller", file.string(), sha256_of_file(file)});
-  for (const fs::path& file : files_named_by(options.plant_command)) files.push_back({"plant", file.string(), sha256_of_file(file)});
+  for (const fs::path& file : files_of_side(options.plant_command, "slewlab-plant")) {
+    files.push_back({"plant", file.string(), sha256_of_file(file)});
+  }
   return files;
 }
 

@@ -155,6 +155,9 @@ TEST_F(AcceptTest, ARecordTracesRequirementsToRunsThatCanBeMadeAgain) {
   EXPECT_EQ(told["tests"][1]["log_digest"], summary["run"]["log_digest"]);
   EXPECT_EQ(told["tests"][1]["configuration_hash"], summary["run"]["configuration_hash"]);
   EXPECT_NE(contents(out_ / "record.xml").find("<testsuite name=\"killed\""), std::string::npos);
+  std::map<std::string, std::string> sides;
+  for (const auto& file : told["files"]) sides[file["of"]] = fs::path(file["file"].get<std::string>()).filename();
+  EXPECT_EQ(sides, (std::map<std::string, std::string>{{"controller", "slewlab-controller"}, {"plant", "slewlab-plant"}}));
   if (!no_python()) {
     const std::string page = contents(out_ / "record.html");
     EXPECT_NE(page.find("Keeps its flanks."), std::string::npos);
