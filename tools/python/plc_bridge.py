@@ -24,6 +24,28 @@ from plc.real_time import ask_for_real_time
 from whole_file import growing
 
 PROTOCOLS = ("modbus", "opcua", "ads")
+SILENCE = "drive_protection.silence_timeout"  # of the machine's file
+
+
+def value_of(file, wanted):
+    """(value [s], where it stands) of a time in a file; (infinity, "") where the file has none."""
+    for key, value, unit, _, place, line in core.file_values(file, []):
+        if key == wanted:
+            return float(value) * core.factor(unit, "s"), f"{place}:{line}"
+    return float("inf"), ""
+
+
+def late_loss(map_file, plc_map, controller_file):
+    """Why the drive trips by its silence before a lost link counts as lost; empty where it does not. The machine's file lies beside the
+    run's controller file."""
+    machine = next((file for file in (Path(controller_file).with_name(f"{kind}.yaml") for kind in ("crane", "axis")) if file.exists()), None)
+    if machine is None:
+        return ""
+    silence, place = value_of(machine, SILENCE)
+    if plc_map.timeout < silence:
+        return ""
+    return (f"{value_of(map_file, 'timeout')[1] or map_file}: key 'timeout': found {plc_map.timeout * 1e3:g} ms, expected less than {silence * 1e3:g} ms, "
+            f"which is {SILENCE} of this run's machine ({place}): the drive would trip before the link counts as lost")
 
 
 def main(arguments):
@@ -56,6 +78,9 @@ def main(arguments):
         return refuse("this PLC keeps a time of its own (ticked: false)", "run it with --realtime; in lockstep a PLC has to be ticked")
     if speed is not None and float(speed) != 1.0 and not plc_map.ticked:
         return refuse(f"this PLC keeps a time of its own, and the run goes at {speed} times real time", "run it without --speed")
+    if speed is not None and (late := late_loss(options.map, plc_map, os.environ.get("SLEWLAB_CONTROLLER_CONFIG", ""))):
+        print(late, file=sys.stderr)
+        return 2
 
     end = threading.Event()
     for number in (signal.SIGINT, signal.SIGTERM):

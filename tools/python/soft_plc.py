@@ -29,7 +29,14 @@ def server_of(plc_map, cycle):
 
 
 async def serve(plc_map, cycle, is_real_time):
-    end = asyncio.Event()
+    """Until a signal, or a run that this PLC cannot compute for: answers with what is wrong of it, or None."""
+    end, problems = asyncio.Event(), []
+
+    def refuse(problem):
+        problems.append(problem)
+        end.set()
+
+    cycle.refuse = refuse
     for number in (signal.SIGINT, signal.SIGTERM):
         asyncio.get_running_loop().add_signal_handler(number, end.set)
     server = server_of(plc_map, cycle)
@@ -43,13 +50,14 @@ async def serve(plc_map, cycle, is_real_time):
     if clock:
         clock.cancel()
     print(f"soft-plc: {cycle.cycles} cycles computed, {cycle.late_cycles} late", flush=True)
+    return problems[0] if problems else None
 
 
 def main(arguments):
     parser = ArgumentParser(prog="slewlab soft-plc", description="A PLC on loopback to try a map with")
     parser.add_argument("--map", required=True, type=Path, help="map of its variables (docs/plc.md)")
     parser.add_argument("--controller", required=True, type=Path, help="controller file that it computes")
-    parser.add_argument("--period-ms", type=float, default=10.0, help="cycle [ms] (10)")
+    parser.add_argument("--period-ms", type=float, default=10.0, help="cycle [ms], controller_period of the scenario (10)")
     parser.add_argument("--real-time", action="store_true", help="ask for SCHED_FIFO, as for a run with --realtime")
     options = parser.parse_args(arguments)
     if not options.period_ms > 0.0:
@@ -66,11 +74,13 @@ def main(arguments):
         print(f"{options.controller}: found a controller of {groups} motor group(s), expected one of {plc_map.group_count}, as {options.map} has", file=sys.stderr)
         return 2
     try:
-        asyncio.run(serve(plc_map, cycle, options.real_time))
+        problem = asyncio.run(serve(plc_map, cycle, options.real_time))
     except OSError as problem:
         print(f"slewlab soft-plc: {plc_map.address}: {problem}", file=sys.stderr)
         return 1
-    return 0
+    if problem:
+        print(f"slewlab soft-plc: {problem}", file=sys.stderr)
+    return 1 if problem else 0
 
 
 if __name__ == "__main__":

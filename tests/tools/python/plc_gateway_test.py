@@ -8,7 +8,7 @@ from plc.gateway import LINK_LOST, Gateway
 from plc.link import LinkDown, WrongMap
 from plc.modbus import blocks_of, fill, take
 from plc.plc_map import load_plc_map
-from plc.soft_cycle import SoftCycle
+from plc.soft_cycle import SoftCycle, WrongPeriod
 from plc.values import advance, decode, encode
 from run_log import REPOSITORY, message_types
 
@@ -111,6 +111,22 @@ class GatewayTest(unittest.TestCase):
             self.assertEqual((state.ramped_speed, state.answered_sequence), (said["ramped_speed"], sequence))
             self.assertTrue(torque.enable)
         self.assertGreater(state.ramped_speed, 0.0)
+
+    def test_a_soft_plc_that_is_ticked_in_another_period_says_so(self):
+        for period in (0.005, 0.02):
+            with self.subTest(period=period):
+                self.begin("modbus_ticked.yaml", is_realtime=False)
+                self.link.cycle.period = period
+                self.gateway.connect()
+                self.operate(1.0)
+                with self.assertRaisesRegex(WrongPeriod, f"found 10 ms of simulated_time .*, expected {1e3 * period:g} ms .*: --period-ms 10 is right"):
+                    for _ in range(3):
+                        self.ask()
+        self.begin("modbus_ticked.yaml", is_realtime=False)
+        self.gateway.connect()
+        self.operate(1.0)
+        for sequence in (0, 3, 4, 9):  # ENCODER that were lost are no other period
+            self.ask(sequence)
 
     def test_a_repeated_question_gets_the_same_bytes(self):
         self.begin()

@@ -49,9 +49,18 @@ class LinkTest(unittest.TestCase):
     def test_ads_in_lockstep_to_the_bit(self):
         self.check_lockstep("ads")
 
+    def test_a_soft_plc_of_another_period_ends_itself_and_the_run(self):
+        plc_map = MAPS / "modbus_ticked.yaml"
+        with soft_plc(plc_map) as plc:
+            _, ended = self.run_scenario("another_period", "--set", "controller_period=5 ms", "--controller", f"exec {SLEWLAB} bridge modbus --map {plc_map}")
+            _, complaints = plc.communicate(timeout=PATIENCE)
+        self.assertEqual((ended.returncode, plc.returncode), (1, 1), ended.stderr)
+        self.assertIn("expected 10 ms (--period-ms): --period-ms 5 is right for this run", complaints)
+
     def test_against_the_wall_clock_deadlines_are_published(self):
         """Of a ticked PLC with a time-out that no busy machine reaches: how many cycles were late is this machine's affair."""
-        _, report = self.bridged("modbus", MAPS / "modbus_ticked.yaml", "--realtime")
+        patient = ("--set", "crane.drive_protection.silence_timeout=10 s")  # longer than the map's time-out
+        _, report = self.bridged("modbus", MAPS / "modbus_ticked.yaml", "--realtime", *patient)
         self.assertGreater(report["exchanges"], 0)
         for key in ("late_exchanges", "unanswered_cycles", "failed_exchanges", "link_losses", "scheduling", "period_ms"):
             self.assertIn(key, report)

@@ -34,6 +34,20 @@ class RefusalTest(unittest.TestCase):
         self.assertIn(explained, checked.stderr)
         self.assertIn("opcua.yaml: OK", checked.stdout)
 
+    def test_a_link_that_counts_as_lost_after_the_drive_trips_is_refused(self):
+        plc_map, machine = self.folder / "slow.yaml", self.folder / "crane.yaml"
+        before = "timeout: {value: 50, unit: ms"
+        text = (MAPS / "modbus.yaml").read_text(encoding="utf-8")
+        self.assertIn(before, text)
+        machine.write_text(f"include: {CONTROLLER.parents[1] / 'cranes' / 'thesis.yaml'}\n", encoding="utf-8")
+        for timeout, unit in ((300, "ms"), (0.1, "s")):
+            plc_map.write_text(text.replace(before, f"timeout: {{value: {timeout}, unit: {unit}"), encoding="utf-8")
+            said = self.refusal("modbus", plc_map, 2, SLEWLAB_REALTIME_SPEED="1", SLEWLAB_CONTROLLER_CONFIG=str(self.folder / "controller.yaml"))
+            found = f"{timeout if unit == 'ms' else 1e3 * timeout:g} ms"
+            self.assertIn(f"slow.yaml:10: key 'timeout': found {found}, expected less than 100 ms, which is drive_protection.silence_timeout of this "
+                          "run's machine", said)
+            self.assertIn("thesis.yaml:85", said)
+
     def test_a_controller_of_other_groups_than_the_maps_is_refused_at_the_start(self):
         one, plc_map = self.folder / "one.yaml", MAPS / "modbus.yaml"
         one.write_text(f"include: {CONTROLLER}\ngroups: {{value: 1, unit: '-', source: test}}\n", encoding="utf-8")

@@ -14,11 +14,12 @@ PATIENCE = 100.0  # [s]
 @contextlib.contextmanager
 def soft_plc(plc_map):
     process = subprocess.Popen([SLEWLAB, "soft-plc", "--map", plc_map, "--controller", CONTROLLER], stdin=subprocess.DEVNULL,
-                               stdout=subprocess.PIPE, text=True)
+                               stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
     try:
         line = process.stdout.readline()
         assert line.startswith("soft-plc: "), line
-        yield
+        yield process
     finally:
-        process.terminate()
-        process.communicate(timeout=PATIENCE)
+        if process.returncode is None:
+            process.terminate()
+            process.communicate(timeout=PATIENCE)
