@@ -112,12 +112,13 @@ class DeskTest(unittest.TestCase):
                        "document.getElementById('compare').dispatchEvent(new Event('change'))")
             page.until(f"JSON.stringify({values}) === '[-10,-10]'")
             self.assertIn("motor torque, difference", page.value("document.body.innerText"))
-        # A log without run.json tells no T100: its torques are N m, in a chart of their own.
-        (second / "run.json").unlink()
+        # A log whose run.json tells no T100 and no end, as of a run that was killed: its torques are N m, in a chart of their own.
+        (second / "run.json").write_text('{"end": "under way"}')
         with DeskProcess(first, second) as desk:
             page = self.open(desk.address)
             page.value("desk.seek(15)")
             page.until(f"JSON.stringify({values}) === '[-96,12]'")
+            self.assertIn("b: this run was broken off", page.value("document.getElementById('notice').innerText"))
             headings = "[...document.querySelectorAll('.chart')].filter(c => c.textContent.startsWith('motor torque')).map(c => c.querySelector('h2').textContent)"
             self.assertEqual(page.value(headings), ["motor torque [% of T100]", "motor torque [N m per motor]"])
             page.until(values.replace(".find(", ".findLast(") + ".join() === '-215,55'")
@@ -144,6 +145,10 @@ class DeskTest(unittest.TestCase):
         with DeskProcess(self.folder / "run.lcmlog", "--follow") as desk:
             page = self.open(desk.address)
             page.until("Math.abs(desk.last - 4) < 0.011")
+            self.state(page, "nothing new for")
+            (self.folder / "run.json").write_text('{"end": "the plant was killed"}')
+            self.state(page, "run ended")
+            page.until("document.getElementById('notice').innerText.includes('the plant was killed')")
 
     def pull(self, page, share):
         """The lever by the mouse, and held there."""
@@ -311,8 +316,10 @@ class DeskTest(unittest.TestCase):
             other.until("!desk.steering.stopPressed")
 
     def test_a_run_is_paused_and_goes_on_cycle_by_cycle(self):
-        with self.steered() as desk:
+        with self.steered("--duration", "60") as desk:
             page = self.open(desk.address)
+            page.click("#take")
+            page.until("desk.steering.mine")
             page.click("#pause")
             self.state(page, "paused")
             page.until("(async () => { const a = desk.at; await new Promise(r => setTimeout(r, 600)); return desk.at === a; })()")
@@ -322,6 +329,21 @@ class DeskTest(unittest.TestCase):
             page.until(f"Math.abs(desk.at - {before} - 0.01) < 1e-6")
             page.click("#pause")
             page.until(f"desk.at > {before} + 1")
+            self.pull(page, 0.3)
+            silent = page.value("desk.heard -= 5000, desk.listen(), document.body.innerText")
+            for words in ("nothing heard for 5 s", "The lever was let go: the desk does not answer."):
+                self.assertIn(words, silent)
+            page.mouse("mouseReleased", *page.middle("#lever")[:2])
+            page.value("desk.socket.close()")
+            page.until("document.getElementById('notice').innerText.includes('out of reach')")
+            self.state(page, "drive")
+            page.click("#take")
+            page.until("desk.steering.mine")
+            page.value("desk.send({type: 'speed', speed: 0})")
+            self.state(page, "run ended")
+            self.state(page, "drive last running")
+            page.until("!desk.steering.mine && document.getElementById('take').disabled")
+            page.until("document.getElementById('notice').innerText.includes('The run has ended.')")
 
     def test_a_gap_to_the_nominal_machine_opens_while_the_run_goes_on(self):
         # The machine that runs loses the second of its two motor groups and goes on with the first: from then on each motor of the lost

@@ -63,10 +63,15 @@ class Desk:
         self.sources, self.access, self.run, self.watch, self.gap, self.diagnosis = sources, access, run, watch, None, None
         self.joystick, self.pages = Joystick(), set()
         self.news, self.restarting = asyncio.Condition(), False
+        self.began, self.heard = time.monotonic(), {}  # [s] of wall clock; by source: when there was something new
 
     @property
     def is_live(self):
         return any(source.is_live for source in self.sources)
+
+    def silence(self, source):
+        """[s] of wall clock since there was something new of a live source; None of a recorded one."""
+        return time.monotonic() - self.heard.get(source, self.began) if source.is_live else None
 
     async def follow(self):
         """Takes what is new of growing sources, and lets go of a joystick that nobody holds any more."""
@@ -75,9 +80,12 @@ class Desk:
         while True:
             next_look, had_news = time.monotonic() + POLL, False
             for source in self.sources:
-                had_news = source.poll() or had_news
+                if source.poll():
+                    had_news, self.heard[source] = True, time.monotonic()
             if self.run is not None and not self.restarting:
                 self.joystick.expire(time.monotonic())
+                if self.run.ended:
+                    self.joystick.give_back(self.joystick.holder)
                 self.run.operate(self.joystick)
             if had_news:
                 async with self.news:
@@ -178,7 +186,8 @@ class Page:
         """What there is to draw; asked for again until a live run's facts and signals are there."""
         sources = [{"name": source.name, "facts": page_facts(source.facts), "remarks": source.remarks,
                     "charts": charts.charts(source.facts, source.store),
-                    "first": finite(source.store.first), "last": finite(source.store.last)} for source in self.desk.sources]
+                    "silence": self.desk.silence(source), "first": finite(source.store.first), "last": finite(source.store.last)}
+                   for source in self.desk.sources]
         await self.say({"type": "layout", "sources": sources, "live": self.desk.is_live,
                         "steered": self.desk.run is not None, "may_steer": self.may_steer})
 
@@ -257,7 +266,9 @@ class Page:
             return
         now, joystick = time.monotonic(), self.desk.joystick
         if kind == "take":
-            if not joystick.take(self, now):
+            if self.desk.run.ended:
+                await self.say({"type": "refused", "why": "the run has ended: start it anew"})
+            elif not joystick.take(self, now):
                 await self.say({"type": "refused", "why": "another page has the joystick"})
         elif kind == "give":
             joystick.give_back(self, GONE if request.get("hidden") else "")

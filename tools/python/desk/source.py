@@ -1,5 +1,6 @@
 """Where signals come from: a recorded log, a log that is still being written, or the bus. Each fills a store."""
 
+import contextlib
 import functools
 import json
 import struct
@@ -220,6 +221,7 @@ class Growing:
         self.path, self.name, self.facts, self.remarks = Path(path), name or Path(path).resolve().parent.name, {}, []
         self.store = Store()
         self.incoming, self.file, self.rest = Incoming(receive or functools.partial(fill, self.store)), None, b""
+        self.facts_changed = None
 
     def _open(self):
         for path in (self.path, self.path.with_name(self.path.name + ".partial")):
@@ -237,16 +239,18 @@ class Growing:
         self._open()
         if self.file is None:
             return False
-        if not self.facts:
-            self._read_facts()
+        self._read_facts()
         data = self.rest + self.file.read(self.MOST_AT_ONCE)
         events, self.rest = parse_events(data)
         return self.incoming.take(events)
 
     def _read_facts(self):
+        """run.json is written when a run begins, and again when it ends."""
         path = self.path.parent / "run.json"
-        if path.is_file():
-            self.facts = json.loads(path.read_text())
+        with contextlib.suppress(FileNotFoundError, ValueError):  # not yet there, or not yet whole
+            changed = path.stat().st_mtime_ns
+            if changed != self.facts_changed:
+                self.facts, self.facts_changed = json.loads(path.read_text()), changed
 
 
 def parse_events(data):

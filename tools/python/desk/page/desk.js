@@ -3,7 +3,11 @@
 
 const SPECTRUM_EVERY = 500;  // [ms]
 const LAYOUT_EVERY = 1000;   // [ms] of a live run
+const LONG_SILENCE = 2;      // [s] after which it is said that nothing new comes
 const by = (id) => document.getElementById(id);
+
+// Of a log that is read as a whole, nothing more comes; one that is followed says so in its run.json.
+function hasEnded(source) { return Boolean(source.facts.end) && (source.silence === null || source.facts.end !== "under way"); }
 
 function isSameQuantity(one, other) { return one.title === other.title && one.unit === other.unit; }
 
@@ -39,20 +43,33 @@ class Desk {
     by("viewpoint").addEventListener("change", () => this.ask());
     addEventListener("resize", () => { for (const chart of this.charts) chart.resize(); this.ask(); });
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.ask());
+    setInterval(() => this.listen(), 500);
     this.connect();
+  }
+
+  // A desk that stands still answers nothing and closes nothing.
+  listen() {
+    const silence = (performance.now() - this.heard) / 1000;
+    if (!this.layout?.live || this.socket.readyState !== WebSocket.OPEN || !(silence > LONG_SILENCE)) return;
+    this.badge("connection", `nothing heard for ${silence.toFixed(0)} s`, "bad");
+    this.steering.letGo("the desk does not answer");
   }
 
   connect() {
     this.asked = false;
     this.socket = new WebSocket(`${location.protocol === "https:" ? "wss" : "ws"}://${location.host}/socket`);
     this.socket.binaryType = "arraybuffer";
-    this.socket.addEventListener("open", () => { this.send({token: location.hash.slice(1)}); this.send({type: "layout"}); });
+    this.socket.addEventListener("open", () => { this.notice(""); this.runWords = ""; this.send({token: location.hash.slice(1)}); this.send({type: "layout"}); });
     this.socket.addEventListener("message", (event) => {
+      this.heard = performance.now();
       if (typeof event.data === "string") this.told(JSON.parse(event.data)); else this.received(event.data);
     });
     this.socket.addEventListener("close", (event) => {
       this.badge("connection", event.code === 4401 ? "refused" : "not connected", "bad");
       if (event.code === 4401) { this.notice(event.reason); return; }
+      const lever = this.steering.mine ? " The lever was let go." : "", stop = this.steering.steers ? " The emergency stop of this page does not reach the run." : "";
+      if (this.layout) this.notice(`The desk is out of reach: what is shown stands still.${lever}${stop} It is tried again.`);
+      for (const id of ["drive", "controller"]) this.badge(id, "");
       this.steering.update(null, false);
       setTimeout(() => this.connect(), 1000);
     });
@@ -90,12 +107,13 @@ class Desk {
     const sources = layout.sources, first = sources[0];
     by("name").textContent = sources.slice(0, 2).map((source) => source.name).join(" against ");
     document.title = `slewlab desk: ${by("name").textContent}`;
-    if (!layout.steered) this.badge("connection", layout.live ? "live" : "recorded", "good");
+    if (!layout.steered) this.showSources(layout);
     by("live").hidden = !layout.live;
     by("comparison").hidden = sources.length < 2;
     by("play").hidden = layout.live;
     const remarks = sources.flatMap((source) => source.remarks.map((remark) => `${source.name}: ${remark}`));
-    const ended = sources.filter((source) => source.facts.end && !["complete", "under way"].includes(source.facts.end)).map((source) => `${source.name}: ${source.facts.end}`);
+    const ended = sources.filter((source) => hasEnded(source) && source.facts.end !== "complete")
+      .map((source) => `${source.name}: ${source.facts.end === "under way" ? "this run was broken off" : source.facts.end}`);
     if (ended.length || remarks.length) this.notice([...ended, ...remarks].join(" · "));
     if (!before && layout.live) this.follow(true);
     if (!before && !layout.live) this.at = first.first ?? 0;
@@ -104,6 +122,17 @@ class Desk {
     if (shape !== this.shape) { this.shape = shape; this.build(); }
     this.ask();
     if (layout.live) setTimeout(() => this.send({type: "layout"}), LAYOUT_EVERY);  // a run's signals come one after the other
+  }
+
+  // Whether anything new is to be expected of what is not steered from here.
+  showSources(layout) {
+    const live = layout.sources.filter((source) => source.silence !== null);
+    const silence = Math.min(...live.map((source) => source.silence));
+    this.isOver = live.length > 0 && (live.every(hasEnded) || silence > LONG_SILENCE);
+    if (!live.length) this.badge("connection", "recorded", "good");
+    else if (live.every(hasEnded)) this.badge("connection", "run ended", "warn");
+    else if (this.isOver) this.badge("connection", `nothing new for ${silence.toFixed(0)} s`, "warn");
+    else this.badge("connection", "live", "good");
   }
 
   // Charts of the first source; a second one over them where quantity and unit are the same, or the difference in their place.
@@ -266,7 +295,8 @@ class Desk {
     this.steering.update(run ?? null, this.layout.may_steer);
     if (!run) return;
     this.badge("connection", run.ended ? "run ended" : run.paused ? "paused" : "live", run.ended || run.paused ? "warn" : "good");
-    const words = [run.why, run.lost && `The lever was let go: ${run.lost}; the crane ramps down.`].filter(Boolean).join(" · ");
+    this.isOver = run.ended;
+    const words = [run.why || run.ended && "The run has ended.", run.lost && `The lever was let go: ${run.lost}; the crane ramps down.`].filter(Boolean).join(" · ");
     if (words !== this.runWords) { this.runWords = words; this.notice(words); }
   }
 
@@ -291,8 +321,10 @@ class Desk {
   showState(header) {
     const {state, pose} = header.sources[0];
     const drives = {running: "good", ready: "good", tripped: "bad", braked: "warn"};
-    this.badge("drive", state.drive && `drive ${state.drive}`, drives[state.drive]);
-    this.badge("controller", state.controller && `controller ${state.controller}`, state.controller === "running" ? "good" : state.controller === "stopped" ? "" : "warn");
+    // What was said last of a run that is over, or says nothing, is no state of today.
+    const say = (id, what, kind) => this.badge(id, what && `${id} ${this.isOver ? "last " : ""}${what}`, this.isOver ? "" : kind);
+    say("drive", state.drive, drives[state.drive]);
+    say("controller", state.controller, state.controller === "running" ? "good" : state.controller === "stopped" ? "" : "warn");
     const trip = by("trip");
     trip.hidden = !state.trip;
     trip.textContent = state.trip ? `Drive tripped${state.trip_time === null ? "" : ` at ${state.trip_time.toFixed(3)} s`}: ${state.trip}. It is acknowledged at rest, with the lever at zero.` : "";

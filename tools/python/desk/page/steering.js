@@ -157,13 +157,13 @@ class Steering {
       return;
     }
     const had = this.mine;
-    this.mine = run.joystick === "yours";
+    this.mine = run.joystick === "yours" && !run.ended;
     if (had && !this.mine) this.letGo();
     this.paused = run.paused;
     this.stopPressed = run.stop;
     const by = (id) => document.getElementById(id);
     by("take").textContent = this.mine ? "Give the joystick back" : run.joystick === "free" ? "Take the joystick" : "Another page has the joystick";
-    by("take").disabled = !maySteer || (!this.mine && run.joystick !== "free");
+    by("take").disabled = !maySteer || run.ended || (!this.mine && run.joystick !== "free");
     by("acknowledge").disabled = !this.mine;
     by("stop").disabled = !maySteer || (run.stop && !this.mine);
     by("stop").title = run.stop && !this.mine ? "who has the joystick releases it" : "";
