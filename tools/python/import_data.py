@@ -18,6 +18,7 @@ from column_shelf import NoRoom, Shelf
 from import_grid import NANOSECONDS
 from import_log import Ranges, configuration_hash, identity_of, write_log
 from import_map import fail_if_wrong, read_map
+from import_plausibility import warnings
 from import_signals import convert
 from import_table import Rows, read_table
 from input_map import InputProblems, is_scalar
@@ -67,15 +68,20 @@ def main(arguments=None):
     except OSError as problem:
         print(f"slewlab import: {problem}", file=sys.stderr)
         return 1
+    seconds = (grid[-1] - grid[0]) / NANOSECONDS
+    unlikely = warnings(mapping, ranges.of, seconds)
+    for signal_name, text in unlikely.items():
+        print(f"slewlab import: warning: {signal_name}: {text}", file=sys.stderr)
     for remark in remarks:
         print(remark)
     for name, entries in mapping.signals.items():
         for group, entry in enumerate(entries):
             unit = f" {entry.unit}" if entry.unit not in ("", "-") else ""
             low, high = ranges.of[name, group]
-            print(f"{entry.name}: {low:.6g} ... {high:.6g}{unit}")
+            mark = " (unlikely of this machine, see the warning)" if entry.name in unlikely else ""
+            print(f"{entry.name}: {low:.6g} ... {high:.6g}{unit}{mark}")
     said = ", ".join(f"{name} {count}" for name, count in counts.items())
-    print(f"{out}: {(grid[-1] - grid[0]) / NANOSECONDS:.6g} s, {said}")
+    print(f"{out}: {seconds:.6g} s, {said}" + (f"; {len(unlikely)} signals unlikely of this machine" if unlikely else ""))
     return 0
 
 

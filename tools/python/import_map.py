@@ -38,6 +38,7 @@ class Signal:
     derive: str | None = None
     inverted: bool = False
     unit: str = ""        # of the message's field
+    column_unit: str = ""
     turn: float | None = None    # of the column's angle, in the column's own numbers; None: no angle of a motion
     unwrap: float | None = None  # after how much the column begins anew, in its own numbers
 
@@ -100,6 +101,7 @@ def read_signal(reader, name, kind, machine=None):
         reader.finish()
         return found
     unit = reader.text("unit", "the column's unit")
+    found.column_unit = unit or ""
     scale = reader.number("scale", "number", 1.0)
     found.offset = 0.0
     angular, linear = ANGULAR_AND_LINEAR.get(kind, (kind, None))

@@ -15,6 +15,8 @@ class Axis:
     is_shaft_linear: bool
     gear: float
     has_load_encoder: bool
+    top_speed: float = 0.0       # [rad/s or m/s] of the axis; 0: not known
+    largest_torque: float = 0.0  # [N m or N] of the motor: what its drive allows, or the rated one where the file sets no limit; 0: not known
 
     def units(self):
         """SI units of the log's signals, by message field."""
@@ -35,4 +37,8 @@ def read_axis(path):
         machine = core.Machine(path, [])
     except core.InputError as problems:
         raise input_map.InputProblems(str(problems).splitlines()) from problems
-    return Axis(machine.is_linear, machine.is_shaft_linear, machine.total_ratio, machine.has_load_encoder)
+    largest = None
+    if root.has("drive_protection"):
+        largest = root.map("drive_protection", "").number("torque_limit", "force" if machine.is_shaft_linear else "torque", None)
+    return Axis(machine.is_linear, machine.is_shaft_linear, machine.total_ratio, machine.has_load_encoder, machine.top_speed,
+                largest or machine.rated_torque)

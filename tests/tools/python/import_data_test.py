@@ -221,6 +221,41 @@ load_position: {column: scale, unit: um}
         self.refused_axis(data, text.replace("unit: mm}\nshaft_speed", "unit: mm, on: shaft}\nshaft_speed"), "mm on the shaft", "rad")
         self.refused_axis(data, text.replace("unit: N}", "unit: N, metres_per_radian: {value: 1, unit: mm, source: x}}"), "on: axis")
 
+    def test_units_that_this_machine_cannot_have_are_warned_of(self):
+        # The machine of 1 m/s and 5 N m at 4 mm per turn goes 0.25 m/s and 4 kN at its carriage here.
+        (self.folder / "axis.yaml").write_text(self.AXIS.replace("COORDINATE", "linear") +
+                                               "travel_per_turn: {value: 4, unit: mm, source: test}\n"
+                                               "mass: {value: 20, unit: kg, source: test}\n"
+                                               "top_speed: {value: 1, unit: m/s, source: test}\n")
+        right = """kind: import_map
+machine: axis.yaml
+time: {column: t, unit: s}
+shaft_position: {column: x, unit: mm}
+shaft_speed: {column: v, unit: mm/s}
+motor_torque: {column: f, unit: N}
+"""
+        t = 0.01 * np.arange(101)
+        data = pd.DataFrame({"t": t, "x": 125.0 * t**2, "v": 250.0 * t, "f": 4000.0 + 0 * t})
+        self.assertEqual(self.call(data, right), (0, ""))
+        self.assertNotIn("unlikely", self.said)
+        for wrong, column, unit, fits in (("{column: x, unit: m}", "x", "m", "mm"), ("{column: v, unit: m/s}", "v", "m/s", "mm/s"),
+                                          ("{column: f, unit: kN}", "f", "kN", "N")):
+            with self.subTest(wrong):
+                line = next(each for each in right.splitlines() if f"column: {column}," in each)
+                code, said = self.call(data, right.replace(line, line.split(":")[0] + ": " + wrong))
+                self.assertEqual(code, 0)
+                self.assertIn(f"column '{column}' in {unit}: ", said)
+                self.assertRegex(said, f"; .*{fits}.* would fit")
+                self.assertIn("(unlikely of this machine, see the warning)", self.said)
+                self.assertIn("; 1 signals unlikely of this machine", self.said)
+        # The other way round: numbers in m and kN, named mm and N.
+        small = data.assign(x=data.x / 1000 / 4, f=data.f / 1e4)
+        _, said = self.call(small, right)
+        self.assertRegex(said, "column 'x' in mm: .* only .* of the machine's travel .*; .*m would fit")
+        self.assertRegex(said, "column 'f' in N: .* only .*; .*kN would fit")
+        _, said = self.call(data.assign(f=0.0), right)
+        self.assertEqual(said, "")
+
     def refused_axis(self, data, text, *parts):
         self.out.unlink(missing_ok=True)
         self.refused(data, *parts, text=text)
