@@ -86,7 +86,11 @@ struct SoakFacts {
   bool faults = false;              // any: `untroubled` is off
   bool torque_altered = false;      // TORQUE lost, late, twice, corrupted or from a controller that comes and goes
   bool encoder_unusable = false;    // ENCODER says NaN on purpose
-  bool encoder_untrue = false;      // ENCODER says what is not so: the controller may drive the crane anywhere
+  bool encoder_untrue = false;      // ENCODER says what is not so: the controller may drive the crane as far as the drive lets it
+  struct Untrue {
+    std::int64_t from = 0, until = 0;  // [ns]
+  };
+  std::vector<Untrue> untrue_encoders{};  // when it does
   bool encoder_corrupted = false;   // ENCODER's bytes are changed
   bool controller_restarts = false;
 };

@@ -142,6 +142,26 @@ TEST(Invariants, NoticeTorqueThatChangesTooFast) {
   expect_only(Invariant::torque_rate, found(facts(), before, record));
 }
 
+// While ENCODER lies the motors may drive the crane by their limit: 2 groups of 3 motors with 400 Nm at 2735.58 are 6.565e6 Nm on
+// 2 * 1e5 J / (0.05 rad/s)^2 = 8e7 kg m^2, 0.0821 rad/s^2; twice that for half a second is 0.0821 rad/s above the limit of 0.075.
+TEST(Invariants, NoticeASpeedThatNoLyingEncoderExplains) {
+  SoakFacts lied_to = facts();
+  lied_to.encoder_untrue = true;
+  lied_to.untrue_encoders = {{4'000'000'000, 4'500'000'000}};
+  StepRecord record = good();
+  const auto at = [&](double speed, std::int64_t time) {
+    record.time = time;
+    record.house_speed = speed;
+    record.motor_speed = {speed + 0.001, speed};
+    return found(lied_to, good(), record);
+  };
+  EXPECT_TRUE(at(0.157, 5'000'000'000).empty());
+  expect_only(Invariant::speed_limit, at(0.1575, 5'000'000'000));
+  EXPECT_TRUE(at(-0.115, 4'250'000'000).empty());
+  EXPECT_EQ(at(-0.117, 4'250'000'000).size(), 1u);
+  EXPECT_EQ(at(0.076, 4'000'000'000).size(), 1u);
+}
+
 TEST(Invariants, NoticeSpeedAndAnglesBeyondTheirLimits) {
   StepRecord record = good();
   record.house_speed = 0.076;
