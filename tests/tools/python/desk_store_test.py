@@ -248,6 +248,17 @@ class ChartsTest(unittest.TestCase):
         self.assertEqual(found["acceleration, measured minus observer"], ["OBSERVER.tip_difference"])
         self.assertEqual(found["acceleration, lateral"], ["SENSORS.tip_acceleration"])
 
+    def test_an_axis_is_drawn_in_its_own_units_and_without_a_load(self):
+        store, time = Store(), np.arange(10) * 0.01
+        store.append("ENCODER", time, {"shaft_position": np.full((10, 1), 50.0), "shaft_speed": np.zeros((10, 1))})
+        store.append("TRUTH", time, {"gearbox_torque": np.full((10, 1), 2e3), "rope_angle": np.zeros(10), "rod_angle": np.zeros(10)})
+        axis = {"total_ratio": 80.0, "machine": {"kind": "axis", "ratio": 100.0, "position_unit": "m", "speed_unit": "m/s"}}
+        shown = {chart["title"]: (chart["unit"], chart["series"][0]["scale"]) for chart in charts.charts(axis, store)}
+        self.assertEqual(shown, {"speed of the axis": ("m/s", 0.01), "force on the axis": ("kN", 1e-3)})
+        pose = charts.pose(axis, store, 0.05)
+        self.assertEqual((pose["angle"], pose["rope"], pose["rod"]), (0.5, None, None))
+        self.assertEqual(charts.quantities({})["gear"]["unit"], "MN m")
+
     def test_the_tip_is_where_it_is_against_the_boom_of_the_same_moment(self):
         # It turns with 0.02 rad/s and is bent by 30 mm at a radius of 25 m; TRUTH comes every 100 ms, SENSORS every 5 ms.
         store, fast, slow = Store(), np.arange(0.0, 9.96, 0.005), np.arange(0.0, 9.91, 0.1)

@@ -34,34 +34,55 @@ def series(signal, label, scale=1.0, colour=0, **more):
     return {"signal": signal, "label": label, "scale": scale, "colour": colour} | more
 
 
+def is_axis(facts):
+    return facts.get("machine", {}).get("kind") == "axis"
+
+
+def ratio_of(facts):
+    """Motor shaft per axis. Of a plain axis the machine's: the controller's may be of another unit."""
+    return facts["machine"]["ratio"] if is_axis(facts) else facts.get("total_ratio")
+
+
+def quantities(facts):
+    """What the position and the torque at the gearbox are called and shown in: {"position", "gear"}."""
+    if not is_axis(facts):
+        return {"position": {"title": "slew angle", "unit": "°", "scale": 180.0 / np.pi},
+                "gear": {"title": "gearbox torque", "unit": "MN m", "of": " on the slew axis", "scale": 1e-6}}
+    unit = facts["machine"].get("position_unit", "rad")
+    is_linear = unit == "m"
+    return {"position": {"title": "position of the axis" if is_linear else "angle of the axis", "unit": unit, "scale": 1.0},
+            "gear": ({"title": "force on the axis", "unit": "kN", "of": "", "scale": 1e-3} if is_linear
+                     else {"title": "gearbox torque", "unit": "kN m", "of": " on the axis", "scale": 1e-3})}
+
+
 def charts(facts, store):
     """The charts of a run, those that its signals allow."""
-    is_axis = "axis" in facts
-    ratio, top, rated = facts.get("total_ratio"), facts.get("top_speed"), facts.get("rated_torque")
+    of_axis, ratio, top, rated = is_axis(facts), ratio_of(facts), facts.get("top_speed"), facts.get("rated_torque")
     machine = facts.get("machine", {})
+    position, gear = (quantities(facts)[name] for name in ("position", "gear"))
     groups = range(GROUPS)
     share = 100.0 / rated if rated else 1.0
     speed_unit = machine.get("speed_unit", "rad/s")
     found = [
-        {"title": "speed of the axis" if is_axis else "slewing speed" if ratio else "motor speed", "unit": speed_unit, "series": [
+        {"title": "speed of the axis" if of_axis else "slewing speed" if ratio else "motor speed", "unit": speed_unit, "series": [
             *([series("OPERATOR.speed_request", "request", top, "grey", held=True, dash=True)] if top else []),
             *[series(f"ENCODER.shaft_speed.{g}", f"motors {g + 1}", 1.0 / (ratio or 1.0), g) for g in groups],
             *([series("CONTROLLER_STATE.ramped_speed", "ramp", 1.0, "ramp", dash=True)] if ratio else []),
-            *([series("TRUTH.house_speed", "axis" if is_axis else "house", 1.0, "house")] if ratio else [])]},
+            *([series("TRUTH.house_speed", "axis" if of_axis else "house", 1.0, "house")] if ratio else [])]},
         {"title": "motor torque", "unit": "% of T100" if rated else "N m per motor", "series": [
             *[series(f"TORQUE.motor_torque.{g}", f"group {g + 1}", share, g, held=True) for g in groups],
             *([series("compensation.high", "compensation, upper", share, "band", held=True, dash=True),
                series("compensation.low", "compensation, lower", share, "band", held=True, dash=True, band=True)]
               if compensates(store) else [])]},
-        {"title": "gearbox torque", "unit": "kN m on the axis" if is_axis else "MN m on the slew axis", "series": [
-            series(f"TRUTH.gearbox_torque.{g}", f"gearbox {g + 1}", 1e-3 if is_axis else 1e-6, g) for g in groups]},
+        {"title": gear["title"], "unit": gear["unit"] + gear["of"], "series": [
+            series(f"TRUTH.gearbox_torque.{g}", f"gearbox {g + 1}", gear["scale"], g) for g in groups]},
         {"title": "acceleration, lateral", "unit": "m/s²", "series": [
             series("SENSORS.tip_acceleration", "tip", 1.0, 0), series("SENSORS.middle_acceleration", "middle", 1.0, 1),
             series("SENSORS.pivot_acceleration", "pivot", 1.0, 3), series("SENSORS.house_acceleration", "house", 1.0, "house")]},
         {"title": "sidelead (swing of the load across the boom)", "unit": "°", "series": [
-            series("TRUTH.rope_angle", "rope", 180.0 / np.pi, 0), series("TRUTH.rod_angle", "load", 180.0 / np.pi, 1)]},
-        {"title": "angle of the axis" if is_axis else "slew angle", "unit": machine.get("position_unit", "rad") if is_axis else "°", "series": [
-            series("SENSORS.slew_angle", "axis" if is_axis else "house", 1.0 if is_axis else 180.0 / np.pi, "house")]},
+            *([] if of_axis else [series("TRUTH.rope_angle", "rope", 180.0 / np.pi, 0), series("TRUTH.rod_angle", "load", 180.0 / np.pi, 1)])]},
+        {"title": position["title"], "unit": position["unit"], "series": [
+            series("SENSORS.slew_angle", "axis" if of_axis else "house", position["scale"], "house")]},
     ]
     observed = [
         {"title": "missing torque, of the machine against its nominal model", "unit": "% of T100" if rated else "N m per motor",
@@ -117,7 +138,7 @@ def pose(facts, store, time):
     def known(value):
         return float(value) if np.isfinite(value) else None
 
-    ratio, angle_signal, share = facts.get("total_ratio"), "SENSORS.slew_angle", 1.0
+    ratio, angle_signal, share = ratio_of(facts), "SENSORS.slew_angle", 1.0
     if not store.told(angle_signal) and ratio:
         angle_signal, share = "ENCODER.shaft_position.0", 1.0 / ratio
     time = min([time, *newest_of(store, angle_signal, "TRUTH.tip_displacement")])
@@ -126,8 +147,8 @@ def pose(facts, store, time):
     deflection = tip - facts["tip_radius"] * angle if "tip_radius" in facts else np.nan
     gears = [known(store.at(f"TRUTH.gear_deflection.{g}", time, True)) for g in range(GROUPS) if store.has(f"TRUTH.gear_deflection.{g}")]
     torques = [known(store.at(f"TRUTH.gearbox_torque.{g}", time, True)) for g in range(len(gears))]
-    return {"angle": known(angle), "deflection": known(deflection), "rope": known(store.at("TRUTH.rope_angle", time, True)),
-            "rod": known(store.at("TRUTH.rod_angle", time, True)), "gears": gears, "gear_torques": torques}
+    rope, rod = (np.nan if is_axis(facts) else store.at(f"TRUTH.{part}_angle", time, True) for part in ("rope", "rod"))
+    return {"angle": known(angle), "deflection": known(deflection), "rope": known(rope), "rod": known(rod), "gears": gears, "gear_torques": torques}
 
 
 def newest_of(store, *signals):

@@ -302,8 +302,8 @@ def finite(value):
 
 
 def page_facts(facts):
-    """What the page uses of run.json."""
-    return {key: facts[key] for key in ("geometry", "half_play", "modes", "rated_torque", "top_speed", "axis", "crane", "end",
+    """What the page uses of run.json, and how it shows it."""
+    return charts.quantities(facts) | {"is_axis": charts.is_axis(facts)} | {key: facts[key] for key in ("geometry", "half_play", "modes", "rated_torque", "top_speed", "end",
                                         "play_compensation", "controller_period", "plant_step") if key in facts}
 
 

@@ -29,7 +29,7 @@ class CranePicture {
     const factor = Math.max(1, Number(this.exaggeration.value) || 1);
     const above = this.canvas(this.above), side = this.canvas(this.side), teeth = this.canvas(this.teeth);
     cranes.forEach((crane, number) => {
-      if (!crane.pose) return;
+      if (!crane.pose || crane.facts.is_axis) return;
       const shape = this.shape(crane, factor);
       this.drawAbove(above, crane, shape, number);
       this.drawSide(side, crane, shape, number);
@@ -112,11 +112,13 @@ class CranePicture {
       context.fillText(gears.length ? "no backlash in this machine" : "not in this log", 8, 20);
       return;
     }
+    const gear = crane.facts.gear;
     const row = (height - 4) / gears.length, middle = width / 2, space = Math.min(70, 0.16 * width), tooth = 30, text = 15;
+    const most = (middle - tooth / 2 - 30) / space;  // that leaves room for the tooth and the one that it pushes
     gears.forEach((deflection, group) => {
       if (deflection === null) return;
       const top = 2 + group * row + text, size = Math.max(4, Math.min(row - text - 4, 34));
-      const place = Math.max(-2.5, Math.min(2.5, deflection / half)) * space;
+      const place = Math.max(-most, Math.min(most, deflection / half)) * space;
       const touching = Math.abs(deflection) >= half;
       context.fillStyle = colour("line");
       const push = touching ? place - Math.sign(place) * space : 0;
@@ -128,7 +130,7 @@ class CranePicture {
       context.fillText(`${group + 1}: ${touching ? (deflection > 0 ? "+" : "−") + " flank" : "free"}`, 6, top - 4);
       if (torque !== null && torque !== undefined) {
         context.textAlign = "right";
-        context.fillText(`${(torque * 1e-6).toFixed(3)} MN m`, width - 6, top - 4);
+        context.fillText(`${(torque * gear.scale).toFixed(3)} ${gear.unit}`, width - 6, top - 4);
         context.textAlign = "left";
       }
     });

@@ -110,6 +110,7 @@ class Desk {
     if (!layout.steered) this.showSources(layout);
     by("live").hidden = !layout.live;
     by("comparison").hidden = sources.length < 2;
+    by("crane").classList.toggle("axis", first.facts.is_axis);
     by("play").hidden = layout.live;
     const remarks = sources.flatMap((source) => source.remarks.map((remark) => `${source.name}: ${remark}`));
     const ended = sources.filter((source) => hasEnded(source) && source.facts.end !== "complete")
@@ -328,9 +329,9 @@ class Desk {
     const trip = by("trip");
     trip.hidden = !state.trip;
     trip.textContent = state.trip ? `Drive tripped${state.trip_time === null ? "" : ` at ${state.trip_time.toFixed(3)} s`}: ${state.trip}. It is acknowledged at rest, with the lever at zero.` : "";
-    const degrees = 180 / Math.PI, rows = [
+    const degrees = 180 / Math.PI, position = this.layout.sources[0].facts.position, rows = [
       ["request", state.request === null ? null : `${(100 * state.request).toFixed(0)} %${state.emergency_stop ? ", emergency stop" : ""}${state.acknowledge ? ", acknowledge" : ""}`],
-      ["slew angle", pose.angle === null ? null : `${(pose.angle * degrees).toFixed(2)}°`],
+      [position.title, pose.angle === null ? null : `${(pose.angle * position.scale).toFixed(position.unit === "°" ? 2 : 4)} ${position.unit}`.replace(" °", "°")],
       ["tip deflection", pose.deflection === null ? null : `${(pose.deflection * 1000).toFixed(0)} mm`],
       ["sidelead", pose.rope === null ? null : `${(pose.rope * degrees).toFixed(2)}°`],
       ["stale commands", state.stale], ["missed deadlines", state.missed]];
