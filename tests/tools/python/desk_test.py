@@ -108,6 +108,8 @@ class DeskTest(unittest.TestCase):
             values = ("[...[...document.querySelectorAll('.chart')].find(c => c.textContent.startsWith('motor torque'))"
                       ".querySelectorAll('b')].map(b => Number(b.textContent))")
             page.until(f"JSON.stringify({values}) === '[-96,12,-86,22]'")
+            page.until("desk.spectrumChart && desk.spectrumChart.legend.innerText.includes('tip, b')")
+            page.until("Math.max(...desk.spectrumChart.plot.data[1]) > 0 && desk.spectrumChart.plot.data[3].join() === desk.spectrumChart.plot.data[1].join()")
             page.value("document.getElementById('compare').value = 'difference', "
                        "document.getElementById('compare').dispatchEvent(new Event('change'))")
             page.until(f"JSON.stringify({values}) === '[-10,-10]'")

@@ -250,7 +250,8 @@ class Page:
         lines = []
         for source in self.desk.sources:
             lines.append(spectra(source, at))
-        await self.say({"type": "spectrum", "at": at, "span": round(spectrum_span(self.desk.sources[0]), 1), "sources": lines})
+        spans = [round(spectrum_span(source), 1) for source in self.desk.sources]
+        await self.say({"type": "spectrum", "at": at, "spans": spans, "sources": lines})
 
     async def diagnose(self):
         """Hands the newest minute over to slewlab diagnose: who may steer may ask for it."""

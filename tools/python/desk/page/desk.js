@@ -343,20 +343,24 @@ class Desk {
     }));
   }
 
+  // Of one log, or of both over each other: a difference of amplitudes says nothing of the amplitudes of a difference.
   drawSpectrum(message) {
-    const found = message.sources[0];
+    const sources = this.layout.sources.slice(0, by("compare").value === "none" ? 1 : 2);
+    const found = sources.flatMap((source, number) => message.sources[number].map((line) => ({...line, number, name: number ? `${line.label}, ${source.name}` : line.label})));
     if (!found.length) return;
-    const labels = found.map((line) => line.label).join();
+    const labels = found.map((line) => line.name).join();
     if (!this.spectrumChart || this.spectrumLabels !== labels) {
       this.spectrumLabels = labels;
       if (this.spectrumChart) { this.spectrumChart.remove(); this.charts = this.charts.filter((chart) => chart !== this.spectrumChart); }
-      const marks = (this.layout.sources[0].facts.modes ?? []).map((mode) => ({at: mode.frequency, label: `${mode.name} ${mode.frequency.toPrecision(3)} Hz`}));
-      const lines = found.map((line, i) => ({key: line.label, label: line.label, scale: 1, colour: i ? "house" : 0}));
-      this.spectrumChart = new Chart(by("charts"), {title: `spectrum of the acceleration, last ${message.span} s`, unit: "m/s² over Hz", isSpectrum: true, marks}, lines, {});
+      const marks = (sources[0].facts.modes ?? []).map((mode) => ({at: mode.frequency, label: `${mode.name} ${mode.frequency.toPrecision(3)} Hz`}));
+      const lines = found.map((line) => ({key: line.name, label: line.name, scale: 1, colour: line.label === "tip" ? 0 : "house", dash: line.number === 1, thin: line.number === 1}));
+      const spans = message.spans.slice(0, sources.length), isOne = spans.every((span) => span === spans[0]);
+      const title = `spectrum of the acceleration, last ${isOne ? spans[0] : spans.join(" and ")} s`;
+      this.spectrumChart = new Chart(by("charts"), {title, unit: "m/s² over Hz", isSpectrum: true, marks}, lines, {});
       this.charts.push(this.spectrumChart);
     }
-    const frequency = found[0].frequency;
-    this.spectrumChart.plot.setData([frequency, ...found.map((line) => line.amplitude.length === frequency.length ? line.amplitude.map((value) => value > 0 ? value : null) : frequency.map(() => null))]);
+    // Two logs need not have the same frequencies.
+    this.spectrumChart.plot.setData(uPlot.join(found.map((line) => [line.frequency, line.amplitude.map((value) => value > 0 ? value : null)])));
   }
 }
 
