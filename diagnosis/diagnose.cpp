@@ -256,7 +256,9 @@ Weighed weigh_fits(Problem& problem, const Found& found, std::size_t effect_coun
   std::vector<OwnNoise> of_fits(found.fits.size());
   share_out(problem, found.fits.size(), [&](std::size_t i) { of_fits[i] = noise_of(problem, found.fits[i]); });
   double least = std::min(0.0, of_nothing.excess);
-  for (const OwnNoise& own : of_fits) least = std::min(least, own.excess);
+  for (std::size_t i = 0; i < found.fits.size(); ++i) {
+    if (is_a_measure(found.fits[i].prior, found.fits[i].information, evidence.independent_share)) least = std::min(least, of_fits[i].excess);
+  }
   const double nothing_excess = of_nothing.excess;
   const MisfitCost misfit_cost(evidence, nothing_excess - least);
   Weighed weighed;

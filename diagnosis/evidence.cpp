@@ -24,7 +24,7 @@ double MisfitCost::slope(double left) const { return law_slope(left) + near_free
 
 namespace {
 
-constexpr double kNever = 1e-6;  // chance of a machine below which what it leaves is no measure for others: it fits noise by parameters that no machine has
+constexpr double kNever = 1e-6;  // chance of a machine
 
 // The cause of one effect that leaves least; nothing missing where there is none.
 const Candidate& best_single(const std::vector<Candidate>& candidates) {
@@ -44,7 +44,7 @@ Probabilities weigh(const std::vector<Candidate>& candidates, int single_count, 
   if (nothing == nullptr) throw std::invalid_argument("no candidate stands for nothing missing");
   double floor = 0.0;
   for (const Candidate& candidate : candidates) {
-    if (chance_of_prior(candidate.prior, candidate.information, settings.independent_share) >= kNever) floor = std::min(floor, candidate.excess);
+    if (is_a_measure(candidate.prior, candidate.information, settings.independent_share)) floor = std::min(floor, candidate.excess);
   }
   const double gap = nothing->excess - floor;
   const MisfitCost misfit_cost(settings, gap);
@@ -81,6 +81,10 @@ double chance_of_prior(double prior, const Eigen::VectorXd& information, double 
   if (determined < 1.0) return 1.0;
   const double variance = 2.0 / (9.0 * determined);  // of the cube root of p / N, about 1 - variance
   return 0.5 * std::erfc((std::cbrt(std::max(0.0, prior) / determined) - (1.0 - variance)) / std::sqrt(2.0 * variance));
+}
+
+bool is_a_measure(double prior, const Eigen::VectorXd& information, double independent_share) {
+  return chance_of_prior(prior, information, independent_share) >= kNever;
 }
 
 }  // namespace slewlab::diagnosis

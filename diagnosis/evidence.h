@@ -72,4 +72,7 @@ Probabilities weigh(const std::vector<Candidate>& candidates, int single_count, 
 inline constexpr double kFarTogether = 0.01;  // chance below which something else may hide in the parameters: one machine in a hundred
 double chance_of_prior(double prior, const Eigen::VectorXd& information, double independent_share);
 
+// Whether what a machine leaves is a measure for others: not where it has parameters that none has, once in a million, which fit the noise.
+bool is_a_measure(double prior, const Eigen::VectorXd& information, double independent_share);
+
 }  // namespace slewlab::diagnosis

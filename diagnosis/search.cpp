@@ -429,10 +429,14 @@ std::vector<FitResult> refined_from_nominal(Problem& problem, const FitResult& b
   std::fill(from.point.nuisance.begin(), from.point.nuisance.end(), 0.0);
   from.difference = differences(problem, from.point);
   if (mean_square(from.difference) < kLeavesMuch && chance_of_prior(base.prior, base.information, problem.settings.independent_share) >= kFarTogether) return {};
+  const std::vector<common::EffectInstance> best = best_starts(problem, screening);
   std::vector<common::EffectInstance> starts;  // those of one effect stand together
-  for (const common::EffectInstance& start : best_starts(problem, screening)) {
+  for (const common::EffectInstance& start : best) {
     // What served best elsewhere may be far from what does here.
-    if (starts.empty() || starts.back().name != start.name) starts.push_back(common::typical_instance(problem.catalogue.at(start.name)));
+    const common::EffectInstance typical = common::typical_instance(problem.catalogue.at(start.name));
+    const bool is_first = starts.empty() || starts.back().name != start.name;
+    const auto is_typical = [&](const common::EffectInstance& one) { return one.name == typical.name && one.values == typical.values; };
+    if (is_first && std::none_of(best.begin(), best.end(), is_typical)) starts.push_back(typical);
     starts.push_back(start);
   }
   constexpr Stage kLook{0.0, 0.5}, kRefine{0.5, 1.0};
