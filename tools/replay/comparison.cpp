@@ -118,7 +118,7 @@ std::int64_t compared_messages(const std::vector<ChannelComparison>& channels) {
 
 std::string compared_span(const std::vector<ChannelComparison>& channels) {
   std::int64_t first = std::numeric_limits<std::int64_t>::max(), last = std::numeric_limits<std::int64_t>::min();
-  std::string without;
+  std::string without, in_part;
   for (const ChannelComparison& channel : channels) {
     if (channel.compared == 0) {
       without += (without.empty() ? "" : ", ") + channel.channel;
@@ -126,10 +126,15 @@ std::string compared_span(const std::vector<ChannelComparison>& channels) {
     }
     first = std::min(first, channel.first_time);
     last = std::max(last, channel.last_time);
+    // A record's end cuts off a few: they are on the channel's own line.
+    constexpr std::int64_t kFew = 3, kShare = 100;
+    if (channel.only_replayed <= kFew || kShare * channel.only_replayed <= channel.compared) continue;
+    in_part += fmt::format("; of {} {} messages are missing, the last compared is that of {:.3f} s", channel.channel, channel.only_replayed,
+                           static_cast<double>(channel.last_time) / kNanosecondsPerSecond);
   }
   if (first > last) return {};
   return fmt::format("from {:.3f} s to {:.3f} s", static_cast<double>(first) / kNanosecondsPerSecond, static_cast<double>(last) / kNanosecondsPerSecond) +
-         (without.empty() ? "" : "; of " + without + " nothing was compared");
+         in_part + (without.empty() ? "" : "; of " + without + " nothing was compared");
 }
 
 void print(std::ostream& out, const std::vector<ChannelComparison>& channels) {

@@ -61,7 +61,7 @@ const FieldDifference* first_difference(const std::vector<ChannelComparison>& ch
 bool identical(const std::vector<ChannelComparison>& channels);
 std::int64_t compared_messages(const std::vector<ChannelComparison>& channels);
 
-// "from 0.000 s to 59.990 s", and of which channels nothing was compared, as people read it; empty where that is all of them.
+// "from 0.000 s to 59.990 s", of which channels many messages could not be compared, and of which nothing, as people read it; empty where that is all of them.
 std::string compared_span(const std::vector<ChannelComparison>& channels);
 
 // One line per channel; then, where something differs, the first difference and a table of the fields.

@@ -292,9 +292,20 @@ TEST_F(ReplayTest, ALogOfAPartOfItsRunSaysUpToWhenAndOfWhatItWasCompared) {
   EXPECT_EQ(replay_it(options), 0) << out_.str();
   fs::remove(folder_.path() / "summary.json");
 
-  keep(4'000'000, msgs::kTruthChannel);
+  keep(4'000'000, msgs::kTruthChannel);  // the last plant step ends at 3 s
   EXPECT_EQ(replay_it(options), 0) << out_.str();
   EXPECT_NE(out_.str().find("    identical to the bit from 0.000 s to 3.000 s; of TRUTH nothing was compared\n"), std::string::npos) << out_.str();
+
+  // SENSORS is logged up to 2 s: of the 601 until 3 s, one every 5 ms, 200 are missing.
+  msgs::LogWriter writer(log);
+  msgs::LogReader reader(folder_.path() / "whole.lcmlog");
+  msgs::LogEvent event;
+  while (reader.next(event)) {
+    if (event.channel != msgs::kSensorsChannel || event.timestamp_us <= 2'000'000) writer.append(event.channel, event.timestamp_us, event.data);
+  }
+  writer.finish();
+  EXPECT_EQ(replay_it(options), 0) << out_.str();
+  EXPECT_NE(out_.str().find("; of SENSORS 200 messages are missing, the last compared is that of 2.000 s\n"), std::string::npos) << out_.str();
 }
 
 // As lcm-logger leaves a wall-clock run: stamps out of order, holes, other channels, two runs of which one has another
