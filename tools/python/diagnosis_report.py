@@ -7,6 +7,7 @@ usage: diagnosis_report.py DIR
 import argparse
 import html
 import json
+import math
 import os
 import sys
 
@@ -22,8 +23,10 @@ from whole_file import growing
 
 # Below a picture, where no title stands.
 LEGEND = {"orientation": "h", "yref": "container", "y": 0.01, "yanchor": "bottom", "x": 0.0, "xanchor": "left"}
-BELOW = {"b": 100}  # [px] for an axis' title and the legend
+BELOW = {"b": 120}  # [px] for an axis' title and the legend of up to two rows
 ROW, BETWEEN = 230, 44  # [px] of a signal; between two, for the title of the lower one
+BETWEEN_AXES = 90  # [px] between two, for the upper one's axis and title, too
+LEGEND_ROW, NAMES_IN_ROW = 20, 3  # [px] of a row of a legend; names for which it has room at least in a wide window
 
 
 def cause_name(cause):
@@ -84,23 +87,37 @@ def missing_figure(series, after):
     return figure
 
 
-def discrepancy_figure(found):
-    """The torque that the answer leaves missing, as a smooth function of each variable: with two standard deviations either side."""
+def discrepancy_figure(found, is_narrow):
+    """The torque that the answer leaves missing, as a smooth function of each variable: with two standard deviations either side.
+    Variables beside each other, or one below the other where there is no room."""
     variables = [one for one in found["discrepancies"] if one["curves"]]
-    figure = make_subplots(rows=1, cols=len(variables), shared_yaxes=True, subplot_titles=[
-        f"{one['follows']}: {100 * one['share']:.0f} %" for one in variables])
-    for column, one in enumerate(variables, start=1):
+    titles = [f"{one['follows']}: {100 * one['share']:.0f} %" for one in variables]
+    height = ROW * len(variables)
+    figure = (make_subplots(rows=len(variables), cols=1, subplot_titles=titles, vertical_spacing=BETWEEN_AXES / height) if is_narrow
+              else make_subplots(rows=1, cols=len(variables), shared_yaxes=True, subplot_titles=titles))
+    for place, one in enumerate(variables, start=1):
+        row, column = (place, 1) if is_narrow else (1, place)
         for number, curve in enumerate(one["curves"]):
             colour = CURVES[number % len(CURVES)]
             at, torque, wide = (numpy.array(curve[name]) for name in ("at", "missing_torque_nm", "deviation_nm"))
             figure.add_trace(graph.Scatter(x=numpy.concatenate([at, at[::-1]]), y=numpy.concatenate([torque - 2 * wide, (torque + 2 * wide)[::-1]]),
                                            fill="toself", fillcolor=colour, opacity=0.15, line={"width": 0}, hoverinfo="skip",
-                                           showlegend=False), row=1, col=column)
+                                           showlegend=False), row=row, col=column)
             figure.add_trace(graph.Scatter(x=at, y=torque, mode="lines", name=f"{one['follows']}, {curve['part']}",
-                                           line={"color": colour, "width": 1.5}), row=1, col=column)
-        figure.update_xaxes(title_text=f"{one['follows']} [{one['unit']}]", row=1, col=column)
-    figure.update_yaxes(title_text="missing torque [Nm per motor]", row=1, col=1)
-    figure.update_layout(title="What the rest follows: share of what is slower than the structure", height=440, legend=LEGEND, margin=BELOW)
+                                           line={"color": colour, "width": 1.5}), row=row, col=column)
+        figure.update_xaxes(title_text=f"{one['follows']} [{one['unit']}]", row=row, col=column)
+    figure.update_xaxes(tickangle=0, nticks=4)
+    rows = math.ceil(sum(len(one["curves"]) for one in variables) / (1 if is_narrow else NAMES_IN_ROW))
+    below = BELOW["b"] + LEGEND_ROW * (rows - 1)
+    if is_narrow:
+        figure.update_yaxes(matches="y", nticks=5)
+        title = "What the rest follows: share of what is<br>slower than the structure; missing torque<br>[Nm per motor]"
+        figure.update_layout(title={"text": title, "font": {"size": 14}, "yref": "container", "y": 0.985, "yanchor": "top"},
+                             height=height + below, legend=LEGEND, margin={"l": 50, "r": 10, "b": below})
+    else:
+        figure.update_yaxes(title_text="missing torque [Nm per motor]", row=1, col=1)
+        figure.update_layout(title="What the rest follows: share of what is slower than the structure",
+                             height=320 + below, legend=LEGEND, margin={"b": below})
     return figure
 
 
@@ -139,7 +156,7 @@ def figures_of(found, directory):
     if "torque_before" in series:  # a controller was given, so that there is a closed loop to predict
         figures.append(series_figure(series, after))
     if found.get("discrepancies"):
-        figures.append(discrepancy_figure(found))
+        figures.append((discrepancy_figure(found, False), discrepancy_figure(found, True)))
     return figures + [spectrogram_figure(series, found["modes"], found["spectrogram"]), missing_figure(series, after)]
 
 

@@ -182,15 +182,18 @@ def picture(figures, remark="", is_packed=True):
 
 
 def pictures(figures):
-    """Figures below each other, in the colours of the page. Clouds of points and maps of colour take the whole library."""
-    for fig in figures:
+    """Figures below each other, in the colours of the page; a pair of figures is one for wide and one for narrow windows. Clouds
+    of points and maps of colour take the whole library."""
+    pairs = [fig if isinstance(fig, tuple) else (fig, fig) for fig in figures]
+    for fig in (fig for pair in pairs for fig in pair):
         # Titles stand on the left, legends on the right.
         fig.update_layout(title={"x": 0.0, "xref": "paper", "xanchor": "left"}, template="plotly_white", paper_bgcolor="rgba(0,0,0,0)",
                           plot_bgcolor="rgba(0,0,0,0)", font={"color": "#222222"},
                           modebar={"bgcolor": "rgba(0,0,0,0)", "color": "#999999", "activecolor": "#0072B2"})
         fig.update_xaxes(gridcolor="#eeeeee", zerolinecolor="#666666")
         fig.update_yaxes(gridcolor="#eeeeee", zerolinecolor="#666666")
-    # Laid out for a page's width; a narrower window scrolls them.
-    places = "".join(f'<div class="wide"><div class="picture" style="min-width: {NARROW}px; min-height: {fig.layout.height or 450}px"></div></div>\n'
-                     for fig in figures)
-    return places + drawing([views_of({"picture": (fig, fig, None)}) for fig in figures], all(trace.type in ("scatter", "bar") for fig in figures for trace in fig.data), is_packed=False)
+    # What is laid out for a page's width alone is scrolled in a narrower window.
+    places = "".join(f'<div class="wide"><div class="picture" style="{f"min-width: {NARROW}px; " if wide is narrow else ""}min-height: {wide.layout.height or 450}px"></div></div>\n'
+                     for wide, narrow in pairs)
+    return places + drawing([views_of({"picture": (wide, narrow, None)}) for wide, narrow in pairs],
+                            all(trace.type in ("scatter", "bar") for wide, _ in pairs for trace in wide.data), is_packed=False)

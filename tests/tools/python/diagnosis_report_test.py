@@ -46,10 +46,15 @@ class DiagnosisReportTest(unittest.TestCase):
 
     def test_no_words_of_a_picture_lie_over_each_other(self):
         self.found |= {"causes": [{"effects": ["dragging_brake"], "probability": 0.97}], "probability_unknown": 0.03}
+        curve = {"missing_torque_nm": [-0.4, 0.3, 0.1], "deviation_nm": [0.2, 0.1, 0.2]}
+        self.found["discrepancies"] = [
+            {"follows": follows, "unit": unit, "share": 0.4,
+             "curves": [curve | {"part": part, "at": [0.0001, end / 2, end]} for part in ("forward", "backward")]}
+            for follows, unit, end in (("speed", "rad/s", 0.0452), ("angle of the axis", "rad", 1.2345), ("time", "s", 59.95), ("torque", "N m", 123.4))]
         self.page()
         (self.folder / "page.html").write_text(diagnosis_report.page(str(self.folder)))
         with Browser() as browser:
-            for width, dark in ((1400, False), (420, True)):
+            for width, dark in ((1400, False), (800, False), (420, True)):
                 page = browser.open((self.folder / "page.html").as_uri(), width, 900, dark)
                 page.until("[...document.querySelectorAll('.picture')].every((each) => each.dataset.drawn)")
                 with self.subTest(width=width):
