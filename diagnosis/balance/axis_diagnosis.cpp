@@ -12,10 +12,9 @@
 #include "common/unit.h"
 #include "diagnosis/balance/balance_setup.h"
 #include "diagnosis/balance/balance_sizes.h"
-#include "sim/drive/scenario_run.h"
+#include "diagnosis/balance/described_axis.h"
 #include "sim/effects/balance_effects.h"
 #include "sim/effects/catalogue.h"
-#include "sim/integrate/machine.h"
 #include "sim/machine/description.h"
 #include "sim/model/crane.h"
 #include "sim/model/drive_line.h"
@@ -32,6 +31,7 @@ constexpr double kInertiaDeviations = 2.0;   // of the spread from unit to unit,
 constexpr double kBetter = 0.99;             // of an error that counts as smaller
 constexpr double kAboveNoise = 3.0;          // times what noise leaves, from which something is missing
 constexpr double kImitated = 5.0;            // times what a law leaves, that an inertia may take of it: of F |F| under a sine, 8 / (3 pi) to the rest of 0.17
+constexpr double kRecordShare = 0.004;       // of what the motors give, that step, window and the drive's limits make of a record of the very axis: as WhiteningSettings::discrepancy_share
 constexpr double kSure = 0.9;                // probability from which a law is named without its family
 constexpr double kMost = 0.5;                // share of the gap on data that were not fitted, that an answer explains at least
 constexpr double kWorthSaying = 0.1;         // share of the gap that is left unexplained and named
@@ -65,17 +65,6 @@ double root_mean_square(const std::vector<double>& values) {
   return values.empty() ? 0.0 : std::sqrt(square / static_cast<double>(values.size()));
 }
 
-// What a speed is at each sample, from the positions two samples apart to either side; rough, good for its sign.
-std::vector<double> rough_speed(const std::vector<double>& position, double step) {
-  std::vector<double> speed(position.size(), 0.0);
-  constexpr std::size_t kReach = 2;
-  for (std::size_t n = 0; n < position.size(); ++n) {
-    const std::size_t from = n > kReach ? n - kReach : 0, to = std::min(position.size() - 1, n + kReach);
-    if (to > from) speed[n] = (position[to] - position[from]) / (step * static_cast<double>(to - from));
-  }
-  return speed;
-}
-
 // A column in mA or degrees, or a time in ms, is far from what the axis's file says of its motor.
 void check_against_ratings(const std::string& name, double largest_torque, const AxisRecord& record, const sim::MachineFile& axis) {
   const char *torque_unit = axis.axis.is_shaft_linear ? "N" : "N m", *speed_unit = axis.axis.is_linear ? "m/s" : "rad/s";
@@ -100,29 +89,28 @@ void check_against_ratings(const std::string& name, double largest_torque, const
   }
 }
 
-// Torques that the effects of the axis's own file give along the measured motion.
-void add_own_effects(const sim::MachineFile& axis, AxisRecord& record) {
-  sim::MachineSettings settings = sim::machine_settings(axis);
-  if (settings.effects.empty()) return;
-  settings.step = record.step;
-  sim::Machine machine = sim::make_machine(settings);
-  const std::vector<double> speed = rough_speed(record.position, record.step);
-  for (std::size_t n = 0; n < record.position.size(); ++n) {
-    sim::EffectMoment moment;
-    moment.time = record.step * static_cast<double>(n);
-    moment.step = record.step;
-    moment.house_angle = record.position[n];
-    moment.house_speed = speed[n];
-    moment.motor_angle.fill(record.position[n]);
-    moment.motor_speed.fill(speed[n]);
-    sim::PortForces forces{};
-    sim::FrictionLevels levels{};
-    for (const std::size_t e : machine.force) machine.effects[e]->force(moment, forces);
-    for (const std::size_t e : machine.friction) machine.effects[e]->friction(moment, levels);
-    double friction = speed[n] > 0.0 ? -levels.house_positive : speed[n] < 0.0 ? levels.house_negative : 0.0;
-    for (int group = 0; group < machine.model.group_count; ++group) friction -= std::copysign(levels.motor[group], speed[n]);
-    record.effort[n] += forces.house_torque + friction;
+// Cuts a record to its longest stretch without brakes, whose torque nobody records; they need a while to open.
+void keep_unbraked(const std::vector<bool>& is_braked, const sim::BrakeSettings& brake, AxisRecord& record) {
+  constexpr double kTimeConstants = 5.0;  // in which a brake has opened
+  const double opens = static_cast<double>(brake.release_delay) * kNanosecond + kTimeConstants * brake.release_time_constant;
+  const auto opening = static_cast<std::size_t>(std::ceil(opens / record.step));
+  std::size_t first = 0, count = 0, from = 0;
+  for (std::size_t n = 0; n < is_braked.size(); ++n) {
+    if (is_braked[n]) {
+      from = n + 1 + opening;
+    } else if (n + 1 > from + count) {
+      first = from;
+      count = n + 1 - from;
+    }
   }
+  if (count == 0) throw NoBalance(record.name + ": TORQUE applies the brakes throughout; a log that moves with open brakes would tell");
+  const auto cut = [&](std::vector<double>& values) {
+    const auto begin = values.begin() + static_cast<std::ptrdiff_t>(first);
+    values = std::vector<double>(begin, begin + static_cast<std::ptrdiff_t>(count));
+  };
+  cut(record.position);
+  cut(record.effort);
+  record.start_time += record.step * static_cast<double>(first);
 }
 
 AxisRecord part_of(const AxisRecord& record, bool second) {
@@ -130,7 +118,8 @@ AxisRecord part_of(const AxisRecord& record, bool second) {
   const auto part = [&](const std::vector<double>& values) {
     return second ? std::vector<double>(values.begin() + middle, values.end()) : std::vector<double>(values.begin(), values.begin() + middle);
   };
-  return {record.name, record.step, part(record.position), part(record.effort), record.start_time + (second ? record.step * static_cast<double>(middle) : 0.0)};
+  return {record.name, record.step, part(record.position), part(record.effort), record.start_time + (second ? record.step * static_cast<double>(middle) : 0.0),
+          part(record.load)};
 }
 
 double resistance(const std::vector<std::pair<const LawShape*, BalanceTerm>>& laws, const LawMoment& moment) {
@@ -170,6 +159,21 @@ bool predicts_better(const AxisValidation& validation, const BalanceModel& cause
   return is_better(validation.nominal) && (cause.terms.empty() || is_better(validation.inertia));
 }
 
+// RMS of what the motors alone give.
+double driving_effort(const AxisRecord& record) {
+  std::vector<double> driving = record.effort;
+  for (std::size_t n = 0; n < driving.size(); ++n) driving[n] -= record.load[n];
+  return root_mean_square(driving);
+}
+
+// Whether the nominal axis leaves so little of each record that even a record without any noise tells no law by it.
+bool is_below_record(const std::vector<AxisRecord>& records, const Balance& balance, const BalanceModel& nominal) {
+  return std::all_of(records.begin(), records.end(), [&](const AxisRecord& record) {
+    const BalanceRecord smooth = make_balance_record(record, balance.half_window, balance.late_times);
+    return root_mean_square(balance_residual(smooth, balance.laws, nominal, balance.resolved_speed)) < kRecordShare * driving_effort(record);
+  });
+}
+
 // Chooses the laws without the last record, and asks them to predict it.
 void choose_and_validate(const std::vector<AxisRecord>& records, const Balance& balance, double nominal_inertia, AxisDiagnosis& diagnosis) {
   std::vector<AxisRecord> fitted = records;
@@ -184,9 +188,12 @@ void choose_and_validate(const std::vector<AxisRecord>& records, const Balance& 
   }
   const std::vector<BalanceRecord> seen = smoothed(fitted, balance);
   const BalanceRecord unseen = make_balance_record(last, balance.half_window, balance.late_times);
-  diagnosis.answer = fit_balance(seen, balance.laws, nominal_inertia, balance.resolved_speed);
+  BalanceAnswer no_laws = fit_balance(seen, {}, nominal_inertia, balance.resolved_speed);
+  const BalanceModel inertia_alone = no_laws.best;
+  diagnosis.is_below_record = diagnosis.is_described || is_below_record(records, balance, bare(nominal_inertia, inertia_alone.skew));
+  no_laws.probability_unknown = 0.0;
+  diagnosis.answer = diagnosis.is_below_record ? std::move(no_laws) : fit_balance(seen, balance.laws, nominal_inertia, balance.resolved_speed);
   diagnosis.validated = diagnosis.answer.best;
-  const BalanceModel inertia_alone = fit_balance(seen, {}, nominal_inertia, balance.resolved_speed).best;
   AxisValidation& validation = diagnosis.validation;
   validation.nominal = error_of(last, unseen, balance, bare(nominal_inertia, inertia_alone.skew));
   validation.inertia = error_of(last, unseen, balance, inertia_alone);
@@ -338,9 +345,9 @@ Judgement judged(double inertia_spread, const AxisDiagnosis& diagnosis) {
   const double nominal = diagnosis.nominal_inertia;
   const double before = validation.nominal.balance * validation.nominal.balance, after = validation.cause.balance * validation.cause.balance;
   Judgement judgement;
-  judgement.is_inertia_off = std::fabs(best.inertia - nominal) > kInertiaDeviations * std::hypot(inertia_spread * nominal, best.inertia_deviation);
-  judgement.is_gap = is_above_noise(validation, validation.nominal.balance, validation.nominal_together);
-  judgement.is_rest = is_above_noise(validation, validation.cause.balance, validation.cause_together);
+  judgement.is_inertia_off = !diagnosis.is_described && std::fabs(best.inertia - nominal) > kInertiaDeviations * std::hypot(inertia_spread * nominal, best.inertia_deviation);
+  judgement.is_gap = !diagnosis.is_below_record && is_above_noise(validation, validation.nominal.balance, validation.nominal_together);
+  judgement.is_rest = is_above_noise(validation, validation.cause.balance, validation.cause_together) && diagnosis.transmission < kMost * after;
   const double moved = std::fabs(best.inertia - nominal) * validation.acceleration;  // by the inertia that is off
   judgement.is_inertia_doubted = !validation.is_other_direction && validation.cause_together > validation.floor && moved < kImitated * validation.cause_together;
   judgement.share = before > 0.0 ? 1.0 - after / before : 0.0;
@@ -454,7 +461,8 @@ void name_answer(const sim::MachineFile& axis, double inertia_spread, AxisDiagno
   const Judgement judgement = judged(inertia_spread, diagnosis);
   if (best.terms.empty() && !judgement.is_inertia_off && !judgement.is_gap) {
     diagnosis.outcome = AxisOutcome::nothing_missing;
-    diagnosis.verdict = "no effect is missing; the inertia is within its spread";
+    diagnosis.verdict = diagnosis.is_described ? "no effect is missing; the axis of the file, simulated with its transmission by the recorded efforts, leaves of the balance what the records leave"
+                                               : "no effect is missing; the inertia is within its spread";
     return;
   }
   const bool is_answer = !best.terms.empty() || judgement.is_inertia_off;
@@ -483,6 +491,8 @@ void say_what_to_do(const sim::MachineFile& axis, AxisDiagnosis& diagnosis) {
   const std::string look = what_it_follows(axis, diagnosis);
   if (diagnosis.outcome == AxisOutcome::nothing_missing) {
     diagnosis.action = "Keep the axis's file: it describes this axis.";
+  } else if (diagnosis.is_hidden_by_transmission) {
+    diagnosis.action = "Compare stiffness and play of the axis's file with the machine, and record slower moves, in which its transmission swings less; then ask again.";
   } else if (diagnosis.outcome == AxisOutcome::not_identifiable) {
     diagnosis.action = "Record one more log of moves in both directions, at several steady speeds and with ramps between them, and ask again with all logs.";
   } else if (diagnosis.outcome == AxisOutcome::unknown) {
@@ -494,6 +504,55 @@ void say_what_to_do(const sim::MachineFile& axis, AxisDiagnosis& diagnosis) {
   } else {
     diagnosis.action = "Use axis_with_effect.yaml in place of the axis's file.";
   }
+}
+
+// What a transmission that gives makes of the balance of one inertia; mean squares.
+struct TransmissionGap {
+  double measured = 0.0;    // that the nominal axis leaves of a record
+  double described = 0.0;   // and of the described axis's own, simulated by the recorded efforts
+  double difference = 0.0;  // of the two
+};
+
+TransmissionGap transmission_gap(const sim::MachineFile& axis, const AxisRecord& record, GearBeginning beginning, const Balance& balance, double nominal_inertia) {
+  const BalanceModel nominal = bare(nominal_inertia, 0.0);
+  const BalanceRecord measured = make_balance_record(record, balance.half_window), described = make_balance_record(described_record(axis, record, beginning), balance.half_window);
+  const std::vector<double> left = balance_residual(measured, balance.laws, nominal, -1.0), own = balance_residual(described, balance.laws, nominal, -1.0);
+  const std::vector<std::size_t> moving = moving_samples(measured, balance.resolved_speed);
+  TransmissionGap gap;
+  for (const std::size_t n : moving) {
+    gap.measured += left[n] * left[n] / static_cast<double>(moving.size());
+    gap.described += own[n] * own[n] / static_cast<double>(moving.size());
+    gap.difference += (left[n] - own[n]) * (left[n] - own[n]) / static_cast<double>(moving.size());
+  }
+  const bool is_finite = std::isfinite(gap.difference);  // what runs away tells nothing
+  return is_finite ? gap : TransmissionGap{gap.measured, 0.0, std::numeric_limits<double>::infinity()};
+}
+
+// Of all records, each begun as the described axis follows it better; and whether it does to what a record can tell.
+TransmissionGap transmission_gap(const sim::MachineFile& axis, const std::vector<AxisRecord>& records, const Balance& balance, AxisDiagnosis& diagnosis) {
+  TransmissionGap all;
+  if (axis.parameters.drive.is_rigid) return all;
+  diagnosis.is_described = true;
+  for (const AxisRecord& record : records) {
+    TransmissionGap gap = transmission_gap(axis, record, GearBeginning::carrying, balance, diagnosis.nominal_inertia);
+    const TransmissionGap other = transmission_gap(axis, record, GearBeginning::middle, balance, diagnosis.nominal_inertia);
+    if (other.difference < gap.difference) gap = other;
+    const double noise = std::hypot(diagnosis.nominal_inertia * acceleration_noise(record, balance.half_window), smoothed_effort_noise(record, balance.half_window));
+    diagnosis.is_described &= std::sqrt(gap.difference) < std::hypot(kRecordShare * driving_effort(record), noise);
+    all.measured += gap.measured / static_cast<double>(records.size());
+    all.described += gap.described / static_cast<double>(records.size());
+  }
+  return all;
+}
+
+// What no law predicts is no unknown where the described transmission alone would make most of it.
+void judge_transmission(const sim::MachineFile& axis, double measured, AxisDiagnosis& diagnosis) {
+  const bool is_open = !axis.parameters.drive.is_rigid && (diagnosis.outcome == AxisOutcome::unknown || diagnosis.outcome == AxisOutcome::not_identifiable);
+  if (!is_open || diagnosis.transmission < kMost * measured) return;
+  diagnosis.is_hidden_by_transmission = true;
+  const char* unit = axis.axis.is_linear ? "N" : "Nm";
+  say_not_identifiable(fmt::format("the balance takes motor and load for one inertia, and the transmission of the file alone leaves {:.3g} {} of it where the records leave {:.3g} {}",
+                                   std::sqrt(diagnosis.transmission), unit, std::sqrt(measured), unit), diagnosis);
 }
 
 AxisSeries series_of(const BalanceRecord& smooth, const Balance& balance, double nominal_inertia, const BalanceModel& model) {
@@ -521,6 +580,7 @@ AxisRecord axis_record(const NamedRun& named, const sim::MachineFile& axis) {
   record.step = static_cast<double>(run.encoder.back().simulated_time - run.encoder.front().simulated_time) * kNanosecond / count;
   if (!(record.step > 0.0)) throw NoBalance(named.name + ": the time of ENCODER does not rise");
   const msgs::Torque* held = &run.torque.front();
+  std::vector<bool> is_braked;
   double largest = 0.0;  // torque of a motor
   for (std::size_t n = 0; n < run.encoder.size(); ++n) {
     const msgs::Encoder& encoder = run.encoder[n];
@@ -538,12 +598,17 @@ AxisRecord axis_record(const NamedRun& named, const sim::MachineFile& axis) {
       throw NoBalance(fmt::format("{}: a position or torque at {:.4f} s is no number", named.name, static_cast<double>(encoder.simulated_time) * kNanosecond));
     }
     largest = std::max(largest, std::fabs(torque));
+    is_braked.push_back(held->brake);
     record.position.push_back(position);
-    record.effort.push_back(ratio * motors * std::clamp(torque, -limit, limit) + sim::axis_force_at(axis.parameters.axis_force, position));
+    record.effort.push_back(ratio * motors * std::clamp(torque, -limit, limit));
   }
   check_against_ratings(record.name, largest, record, axis);
-  if (root_mean_square(record.effort) == 0.0) throw NoBalance(named.name + ": the torque is zero throughout; there is nothing to balance the motion with");
-  add_own_effects(axis, record);
+  keep_unbraked(is_braked, axis.drive_protection.brake, record);
+  record.load = described_load(axis, record.position, record.step);
+  if (root_mean_square(record.effort) == 0.0 && root_mean_square(record.load) == 0.0) {
+    throw NoBalance(named.name + ": the torque is zero throughout; there is nothing to balance the motion with");
+  }
+  for (std::size_t n = 0; n < record.load.size(); ++n) record.effort[n] += record.load[n];
   return record;
 }
 
@@ -601,6 +666,7 @@ AxisDiagnosis diagnose_axis(const sim::MachineFile& axis, const std::vector<Name
   diagnosis.nominal_inertia = sim::rigid_inertia(axis.parameters);
   std::vector<AxisRecord> records;
   for (const NamedRun& run : runs) records.push_back(axis_record(run, axis));
+  TransmissionGap gap;
   try {
     Balance balance = balance_of(records, diagnosis.nominal_inertia, axis.parameters.drive.top_speed, !axis.axis.is_linear);
     std::erase_if(balance.laws, [&](const BalanceLaw& law) {
@@ -615,6 +681,8 @@ AxisDiagnosis diagnose_axis(const sim::MachineFile& axis, const std::vector<Name
       diagnosis.laws = balance.laws;
     }
     const std::vector<BalanceRecord> smooth = smoothed(records, balance);
+    gap = transmission_gap(axis, records, balance, diagnosis);
+    diagnosis.transmission = gap.described;
     choose_and_validate(records, balance, diagnosis.nominal_inertia, diagnosis);
     BalanceModel& best = diagnosis.answer.best;
     FittedSizes sizes = refitted(smooth, balance.laws, diagnosis.validated, diagnosis.nominal_inertia, balance.resolved_speed,
@@ -639,6 +707,7 @@ AxisDiagnosis diagnose_axis(const sim::MachineFile& axis, const std::vector<Name
     if (parameter.name == "inertia" || parameter.name == "mass") spread = parameter.spread;
   }
   name_answer(axis, spread, diagnosis);
+  judge_transmission(axis, gap.measured, diagnosis);
   if (diagnosis.outcome == AxisOutcome::stated) {
     const auto failed = std::find_if(diagnosis.unseen.begin(), diagnosis.unseen.end(), [](const AxisValidation& one) { return !one.holds; });
     if (failed != diagnosis.unseen.end()) {
@@ -647,6 +716,11 @@ AxisDiagnosis diagnose_axis(const sim::MachineFile& axis, const std::vector<Name
   }
   say_what_to_do(axis, diagnosis);
   if (diagnosis.outcome == AxisOutcome::stated && !diagnosis.answer.best.terms.empty()) take_effects(axis, records.front().position.front(), diagnosis);
+  for (std::size_t r = 0; r < runs.size(); ++r) {
+    if (records[r].position.size() == runs[r].run.encoder.size()) continue;
+    diagnosis.remarks.push_back(fmt::format("{}: judged is its longest stretch without brakes, {:.4g} s from {:.4g} s on", runs[r].name,
+                                            records[r].step * static_cast<double>(records[r].position.size()), records[r].start_time));
+  }
   if (!axis.parameters.drive.is_rigid) {
     diagnosis.remarks.push_back("the balance takes motor and load for one inertia: what swings behind the transmission is part of what is left");
   }

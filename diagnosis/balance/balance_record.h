@@ -23,6 +23,7 @@ struct AxisRecord {
   std::vector<double> position;   // on the axis
   std::vector<double> effort;     // torque or force of the motors on the axis, held from this sample to the next
   double start_time = 0.0;        // [s] of the first sample since the machine was cold
+  std::vector<double> load{};     // of the effort, what is not the motors': loads, forces and frictions of the axis's file; empty: nothing
 };
 
 // What laws are evaluated on: the motion under a window half as long as the balance's, so that a reversal stays sharp.

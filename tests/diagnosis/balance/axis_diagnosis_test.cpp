@@ -14,6 +14,8 @@
 #include <sstream>
 #include <string>
 
+#include "sim/drive/scenario_run.h"
+#include "sim/integrate/machine.h"
 #include "tests/diagnosis/balance/simulated_axis.h"
 #include "tests/msgs/temporary_folder.h"
 
@@ -457,7 +459,7 @@ TEST(AxisDiagnosis, OneDirectionCarriesNoConstantTorqueAlongDryFriction) {
 
 // What dry friction holds stands still in forward simulation, however long.
 TEST(AxisDiagnosis, DryFrictionHoldsInForwardSimulation) {
-  AxisRecord record{"held", 0.01, std::vector<double>(3000, 0.2), std::vector<double>(3000, 1.0)};
+  AxisRecord record{"held", 0.01, std::vector<double>(3000, 0.2), std::vector<double>(3000, 1.0), 0.0, {}};
   const BalanceRecord smooth = make_balance_record(record, 3);
   const std::vector<BalanceLaw> laws = balance_laws({3.0, 6e-3, 30.0, 0.0, 1.0, true, {}});
   BalanceModel model;
@@ -505,6 +507,125 @@ TEST(AxisDiagnosis, ForwardSpeedIsTheIntegratedOne) {
   double largest = 0.0;
   for (std::size_t n = 10; n < smooth.motion.speed.size(); ++n) largest = std::max(largest, std::fabs(forward[first + n] - smooth.motion.speed[n]));
   EXPECT_LT(largest, 0.08);  // [rad/s] of 3: a sample's smoothing at the switches of the torque
+}
+
+// A tilting table: 40 kg m^2 behind a gear of 80, of the size of a machine tool's.
+sim::MachineFile table(double gravity, const std::string& more = "") {
+  const TemporaryFolder folder;
+  const std::filesystem::path file = folder.path() / "table.yaml";
+  std::ofstream(file) << "kind: axis\ncoordinate: {value: rotary, source: test}\ninertia: {value: 40, unit: kg m^2, spread: 10 %, source: test}\n"
+                      << "motor_inertia: {value: 0.0015, unit: kg m^2, source: test}\nratio: {value: 80, unit: \"-\", source: test}\n"
+                      << "load:\n  gravity: {value: " << gravity << ", unit: N m, source: test}\n  gravity_angle: {value: 0, unit: deg, source: test}\n"
+                      << "rated_torque: {value: 6, unit: N m, source: test}\ntop_speed: {value: 1, unit: rad/s, source: test}\n" << more;
+  return sim::load_machine_file(file);
+}
+
+std::string transmission(double stiffness, double play) {
+  return "transmission:\n  stiffness: {value: " + std::to_string(stiffness) + ", unit: N m/rad, source: test}\n" +
+         "  damping_ratio: {value: 5, unit: \"%\", source: test}\n  play: {value: " + std::to_string(play) + ", unit: mrad, source: test}\n";
+}
+
+const std::string kDryBearing =
+    "effects:\n  - effect: bearing_coulomb\n    torque: {value: 30, unit: N m, source: test}\n"
+    "    asymmetry: {value: 0, unit: \"-\", source: test}\n    give: {value: 0, unit: rad, source: test}\n";
+
+// What a machine makes of a speed controller that goes there and back, without any noise; from `braked` [s] on with the brakes.
+NamedRun own_run(const sim::MachineFile& axis, double speed, double braked = 1e9) {
+  constexpr double kPeriod = 2e-3, kEnd = 12.0, kAcceleration = 5.0;          // [s], [s], [rad/s^2]
+  constexpr double kProportional = 0.2, kIntegral = 2.0, kBrakeTorque = 10.0;  // [Nm s/rad], [Nm/rad], [Nm] of the motor
+  sim::MachineSettings settings = sim::machine_settings(axis);
+  settings.step = 0.5 * kPeriod;
+  sim::Machine machine = sim::make_machine(settings);
+  NamedRun named{"own", {}};
+  double wanted = 0.0, sum = 0.0;
+  for (int n = 0; n * kPeriod < kEnd; ++n) {
+    const double time = n * kPeriod, target = time < 1.0 ? 0.0 : std::fmod(time, 4.0) < 2.0 ? speed : -speed;
+    wanted += std::clamp(target - wanted, -kAcceleration * kPeriod, kAcceleration * kPeriod);
+    const sim::MachineReadings readings = sim::read(machine);
+    msgs::Encoder encoder{};
+    encoder.sequence = n;
+    encoder.simulated_time = std::llround(time * 1e9);
+    encoder.group_count = 1;
+    encoder.shaft_position = {readings.shaft_position[0]};
+    encoder.shaft_speed = {readings.shaft_speed[0]};
+    const double error = 80.0 * wanted - encoder.shaft_speed[0];
+    sum += error * kPeriod;
+    msgs::Torque torque{};
+    torque.sequence = torque.answered_sequence = n;
+    torque.simulated_time = encoder.simulated_time;
+    torque.brake = time >= braked;
+    torque.group_count = 1;
+    torque.motor_torque = {torque.brake ? 0.0 : kProportional * error + kIntegral * sum};
+    sim::DriveCommand command{.sequence = n, .enable = !torque.brake};
+    command.motor_torque[0] = torque.motor_torque[0];
+    command.brake_torque[0] = torque.brake ? kBrakeTorque : 0.0;
+    for (int i = 0; i < 2; ++i) sim::step(machine, command);
+    named.run.encoder.push_back(std::move(encoder));
+    named.run.torque.push_back(std::move(torque));
+  }
+  return named;
+}
+
+// Without noise anything may be fitted to what the record's step leaves: gravity that is taken half a sample late looks like a friction over the position.
+// The plant holds a load over its step of 1 ms, which leaves a 1e-5 of it.
+TEST(AxisDiagnosis, AnAxisAgainstItsOwnRecordMissesNothing) {
+  for (const double gravity : {-30.0, -120.0, -300.0}) {
+    const sim::MachineFile axis = table(gravity);
+    for (const std::vector<NamedRun>& runs : {std::vector<NamedRun>{own_run(axis, 0.3)}, std::vector<NamedRun>{own_run(axis, 0.3), own_run(axis, 0.5)}}) {
+      const AxisDiagnosis found = diagnose_axis(axis, runs);
+      EXPECT_EQ(found.outcome, AxisOutcome::nothing_missing) << gravity << ": " << found.verdict;
+      EXPECT_TRUE(found.answer.best.terms.empty());
+      EXPECT_EQ(found.answer.probability_unknown, 0.0);
+      EXPECT_LT(found.validation.nominal.balance, 1e-5 * std::fabs(gravity));
+    }
+  }
+}
+
+// A fraction of what the motors give is no longer what a record makes wrong: dry friction of 30 N m beside 120 N m of gravity.
+TEST(AxisDiagnosis, FrictionIsFoundWithoutNoise) {
+  const sim::MachineFile real = table(-120.0, kDryBearing);
+  const AxisDiagnosis found = diagnose_axis(table(-120.0), {own_run(real, 0.3), own_run(real, 0.5)});
+  ASSERT_EQ(found.outcome, AxisOutcome::stated) << found.verdict;
+  EXPECT_NEAR(size_of(found.answer.best, "dry"), 30.0, 1.0);
+}
+
+// What swings behind a gear with play is no law of one inertia; what a brake does, nobody records.
+TEST(AxisDiagnosis, AnElasticAxisAgainstItsOwnRecordMissesNothing) {
+  const sim::MachineFile axis = table(-120.0, transmission(150e3, 0.6));
+  for (const double braked : {1e9, 9.0}) {
+    const AxisDiagnosis found = diagnose_axis(axis, {own_run(axis, 0.3, braked)});
+    EXPECT_EQ(found.outcome, AxisOutcome::nothing_missing) << found.verdict;
+    EXPECT_EQ(found.answer.probability_unknown, 0.0);
+    EXPECT_NE(found.verdict.find("simulated with its transmission"), std::string::npos) << found.verdict;
+    const bool is_cut = std::any_of(found.remarks.begin(), found.remarks.end(), [](const std::string& remark) { return remark.find("stretch without brakes, 9 s from 0 s on") != std::string::npos; });
+    EXPECT_EQ(is_cut, braked < 12.0);
+  }
+}
+
+// Where another transmission than the file's swings as much as the file's would, the balance of one inertia cannot tell what is missing.
+TEST(AxisDiagnosis, ADescribedTransmissionThatMakesMostOfTheGapLeavesItOpen) {
+  const AxisDiagnosis found = diagnose_axis(table(-120.0, transmission(150e3, 0.6)), {own_run(table(-120.0, transmission(110e3, 0.9)), 0.3)});
+  EXPECT_EQ(found.outcome, AxisOutcome::not_identifiable) << found.verdict;
+  EXPECT_NE(found.verdict.find("the transmission of the file alone leaves"), std::string::npos) << found.verdict;
+  EXPECT_EQ(found.action.rfind("Compare stiffness and play", 0), 0u) << found.action;
+}
+
+// Friction that is much more than what the gears make is found behind them.
+TEST(AxisDiagnosis, FrictionIsFoundBehindADescribedTransmission) {
+  const sim::MachineFile real = table(-120.0, transmission(150e3, 0.6) + kDryBearing);
+  const AxisDiagnosis found = diagnose_axis(table(-120.0, transmission(150e3, 0.6)), {own_run(real, 0.3), own_run(real, 0.5)});
+  ASSERT_EQ(found.outcome, AxisOutcome::stated) << found.verdict;
+  EXPECT_NEAR(size_of(found.answer.best, "dry"), 30.0, 3.0) << found.verdict;
+}
+
+TEST(AxisDiagnosis, ARecordThatIsBrakedThroughoutIsRefused) {
+  const sim::MachineFile axis = table(-120.0);
+  try {
+    diagnose_axis(axis, {own_run(axis, 0.3, 0.0)});
+    ADD_FAILURE() << "answered";
+  } catch (const NoBalance& problem) {
+    EXPECT_NE(std::string(problem.what()).find("own: TORQUE applies the brakes throughout"), std::string::npos) << problem.what();
+  }
 }
 
 }  // namespace
