@@ -134,8 +134,10 @@ def panels(runs):
 
 
 def headings(runs):
-    """What to call each run: by its play compensation where that tells them apart, else by its folder."""
-    if any(axis_report.is_axis(run) for run in runs):
+    """What to call each run: by its play compensation where that tells them apart, else by its folder. One motor group alone has
+    nothing to be held against."""
+    motors = [[effort for effort in axis_report.machine_of(run).get("efforts", []) if effort["name"].startswith("motor")] for run in runs]
+    if any(axis_report.is_axis(run) for run in runs) or any(len(each) == 1 for each in motors):
         return [run.name for run in runs]
     texts = [f"play compensation {'on' if run.facts.get('play_compensation') else 'off'}" for run in runs]
     ours = all("play_compensation" in run.facts

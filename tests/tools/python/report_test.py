@@ -186,6 +186,9 @@ class ReportTest(unittest.TestCase):
         other.facts["controller_command"] = "./mine"
         other.facts["play_compensation"] = False
         self.assertEqual(report.headings([on, other]), ["a", "c"])
+        self.assertEqual(report.headings([on]), ["play compensation on"])
+        on.facts["machine"] = {"efforts": [{"name": "motor torque"}, {"name": "torque on the axis"}]}  # one motor group
+        self.assertEqual(report.headings([on]), ["a"])
 
     def test_a_drawn_point_keeps_what_a_screen_can_show(self):
         values = np.array([1.0, -3.14159265, 1e-30, 0.0, np.nan, np.inf, -7.5e8])
