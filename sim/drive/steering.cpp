@@ -64,12 +64,30 @@ void Steering::take(const std::string& line) {
     ended_ = true;
   } else if (word == "lost") {
     lost_ = true;
-    OperatorMove free = wishes_.empty() ? stands_ : wishes_.back();
-    free.speed_request = 0.0;
-    free.acknowledge = false;
-    wishes_.push_back(free);
+    let_go();
+  } else if (word == "silence") {
+    let_go();
+  } else if (word == "patience") {
+    take_patience(rest);
   } else {
     refuse("'" + line + "': no such command");
+  }
+}
+
+void Steering::let_go() {
+  OperatorMove free = wishes_.empty() ? stands_ : wishes_.back();
+  free.speed_request = 0.0;
+  free.acknowledge = false;
+  wishes_.push_back(free);
+}
+
+void Steering::take_patience(const std::string& rest) {
+  double patience = 0.0;
+  std::istringstream number(rest);
+  if (number >> patience && std::isfinite(patience) && patience > 0.0) {
+    patience_ = patience;
+  } else {
+    refuse("patience '" + rest + "': a positive number of seconds is wanted");
   }
 }
 

@@ -10,6 +10,8 @@
 //   effect NAME on|off                  an effect of the machine's file
 //   play_compensation on|off            of the controller
 //   pause, resume, cycle, speed FACTOR  of a lockstep run: FACTOR simulated seconds per second, 0 as fast as it goes
+//   patience SECONDS                    of wall clock: silence of more counts as a desk that stands still
+//   silence                             the desk stands still: the lever springs back until it says more
 //   end                                 the run is over, as if its duration had come
 //   lost                                nobody is there any more: the lever springs back, and the run ends when the machine stands
 //
@@ -66,6 +68,8 @@ class Steering {
   // Whether the period that comes has to wait until more is said.
   bool holds() const { return paused_ && cycles_ == 0 && !lost_ && !ended_; }
   double speed() const { return lost_ ? 0.0 : speed_; }
+  // [s] of wall clock that the desk may say nothing; whoever reads its lines measures it and then says `silence`.
+  std::optional<double> patience() const { return patience_; }
 
   // What happens with the period that begins at `time` [ns].
   SteeredPeriod begin_period(std::int64_t time);
@@ -79,6 +83,8 @@ class Steering {
   void take_operator(const std::string& rest);
   void take_fault(const std::string& rest);
   void take_effect(const std::string& rest);
+  void take_patience(const std::string& rest);
+  void let_go();
   void take_play_compensation(const std::string& rest);
   void begin_fault(std::int64_t time, const std::string& name, const std::string& text, SteeredPeriod& period);
   void refuse(const std::string& why) { news_.push_back("refused " + why); }
@@ -99,6 +105,7 @@ class Steering {
   bool paused_ = false;
   std::int64_t cycles_ = 0;  // that a pause still lets pass
   double speed_ = 1.0;
+  std::optional<double> patience_;
   bool ended_ = false, lost_ = false;
   std::optional<std::int64_t> lost_at_;  // [ns]
 };

@@ -174,6 +174,12 @@ class SteeredRun {
     while (auto line = launcher_.next(patience)) {
       steering_.take(*line);
       patience = std::chrono::milliseconds{0};
+      heard_ = WallClock::now();
+      is_silent_ = false;
+    }
+    if (!is_silent_ && steering_.patience() && WallClock::now() - heard_ > std::chrono::duration<double>(*steering_.patience())) {
+      is_silent_ = true;
+      steering_.take("silence");
     }
     if (launcher_.ended() && !lost_) {
       lost_ = true;
@@ -221,6 +227,8 @@ class SteeredRun {
   double speed_ = -1.0;
   std::int64_t anchor_time_ = 0;  // [ns]
   WallClock::time_point anchor_, next_show_;
+  WallClock::time_point heard_ = WallClock::now();  // the desk's last line
+  bool is_silent_ = false;
 };
 
 // Puts the log in order and says how the run went, `own` being what only this way of running has to say. The exit code.

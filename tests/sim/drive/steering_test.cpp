@@ -56,6 +56,26 @@ TEST(Steering, LossLetsGoOfTheLeverAndKeepsTheEmergencyStop) {
   EXPECT_TRUE(desk.begin_period(kPeriod + kAfterLoss).ends_run) << "the machine stands by then";
 }
 
+TEST(Steering, SilenceLetsGoOfTheLeverUntilTheDeskSaysMore) {
+  Steering desk = steering();
+  EXPECT_FALSE(desk.patience()) << "nobody measures silence where nobody asked for it";
+  desk.take("patience 1.5");
+  EXPECT_EQ(desk.patience(), 1.5);
+  desk.take("patience 0");
+  EXPECT_EQ(desk.take_news().size(), 1u);
+  desk.take("operator 1 1 1");
+  desk.begin_period(0);
+  desk.take("silence");
+  const auto move = desk.begin_period(kPeriod).move;
+  ASSERT_TRUE(move);
+  EXPECT_EQ(move->speed_request, 0.0);
+  EXPECT_TRUE(move->emergency_stop);
+  EXPECT_FALSE(move->acknowledge);
+  EXPECT_FALSE(desk.begin_period(kPeriod + kAfterLoss).ends_run);
+  desk.take("operator 0.5 0 0");
+  EXPECT_EQ(desk.begin_period(2 * kPeriod + kAfterLoss).move->speed_request, 0.5);
+}
+
 // Whatever the crane's size: times go with the root of its lengths, and do not know its masses. Of the thesis's T is 1.0 s (method.md).
 TEST(Steering, TheEndAfterALossComesInTheMachinesOwnTime) {
   const auto seconds = [](const CraneParameters& crane) { return static_cast<double>(after_loss_of(crane)) * 1e-9; };

@@ -77,8 +77,11 @@ class Desk:
         """Takes what is new of growing sources, and lets go of a joystick that nobody holds any more."""
         if self.watch is not None:
             self.gap = await self.watch(self.sources[0])
+        next_look = time.monotonic()
         while True:
-            next_look, had_news = time.monotonic() + POLL, False
+            late, next_look, had_news = time.monotonic() - next_look, time.monotonic() + POLL, False
+            if late > self.joystick.patience:  # what pages said meanwhile is of long ago
+                self.joystick.give_back(self.joystick.holder, f"the desk stood still for {late:.1f} s")
             for source in self.sources:
                 if source.poll():
                     had_news, self.heard[source] = True, time.monotonic()

@@ -4,6 +4,7 @@
 import asyncio
 import contextlib
 import sys
+import time
 from pathlib import Path
 
 from run_log import slewlab_program
@@ -15,6 +16,7 @@ SLOWEST, FASTEST = 0.01, 1000.0  # of the speeds that a page may ask for; 0 is a
 END_PATIENCE = 20.0  # [s] of wall clock for a run to put its log in order
 LAST_WORDS = 12
 BEGIN_LOOK = 0.02  # [s] between two looks whether a run has begun
+REPEAT = 0.1  # [s] after which it is said again where the lever stands: of a desk that stands still the plant lets go
 
 
 def chosen(value, unit=None):
@@ -125,10 +127,12 @@ class SteeredRun:
                 self.process.stdin.write(line.encode() + b"\n")
 
     def operate(self, joystick):
-        """Tells the run where lever and buttons stand, where that changed."""
-        stands = (joystick.request, joystick.stop, joystick.acknowledge)
-        if stands != self.told:
-            self.told = stands
+        """Tells the run where lever and buttons stand."""
+        stands, now = (joystick.request, joystick.stop, joystick.acknowledge), time.monotonic()
+        if self.told is None:
+            self._say(f"patience {2 * joystick.patience!r}")  # longer than the desk's own, which says why
+        if stands != self.told or now - self.told_at > REPEAT:
+            self.told, self.told_at = stands, now
             self._say(f"operator {stands[0]!r} {stands[1]:d} {stands[2]:d}")
 
     @property
