@@ -1,8 +1,10 @@
-# cmake -DMAP=link.map -DARCHIVES="lib.a|source.cpp;..." -DOWN="a.c;..." -DROOTS="folder;..." -DOUT=folder -P gather_sources.cmake
+# cmake -DMAP=link.map -DARCHIVES="lib.a|source.cpp;..." -DUNITY="lib.a|folder;..." -DOWN="a.c;..." -DROOTS="folder;..." -DOUT=folder
+#       -P gather_sources.cmake
 #
 # The sources that a shared library is made of, for the FMU that carries it: those of its own, every source whose object the linker
 # took out of an archive, as its map says, and what these include of ours. They are copied to OUT under the names they are
-# included by. ARCHIVES says of which source each object of an archive is; ROOTS are where includes are looked for.
+# included by. ARCHIVES says of which source each object of an archive is, UNITY in which folder an archive has the files by which CMake
+# compiles several sources into one object; ROOTS are where includes are looked for.
 cmake_policy(SET CMP0057 NEW)
 
 file(STRINGS ${MAP} lines REGEX "\\.a\\([^)]*\\.o\\)")
@@ -22,8 +24,30 @@ foreach(entry IN LISTS ARCHIVES)
   get_filename_component(name ${source} NAME)
   if("${archive}|${name}" IN_LIST wanted)
     list(APPEND queue ${source})
+    list(REMOVE_ITEM wanted "${archive}|${name}")
   endif()
 endforeach()
+foreach(entry IN LISTS UNITY)
+  string(REPLACE "|" ";" entry "${entry}")
+  list(GET entry 0 archive)
+  list(GET entry 1 folder)
+  set(objects ${wanted})
+  list(FILTER objects INCLUDE REGEX "^${archive}[|]unity_")
+  foreach(object IN LISTS objects)
+    list(REMOVE_ITEM wanted ${object})
+    string(REGEX REPLACE ".*[|]" "" name ${object})
+    file(STRINGS ${folder}/${name} includes REGEX "^#include \"")
+    foreach(include IN LISTS includes)
+      string(REGEX REPLACE "^#include \"(.*)\".*" "\\1" include "${include}")
+      get_filename_component(source ${include} ABSOLUTE BASE_DIR ${folder})
+      list(APPEND queue ${source})
+    endforeach()
+  endforeach()
+endforeach()
+list(FILTER wanted INCLUDE REGEX "^libslewlab_")
+if(wanted)
+  message(FATAL_ERROR "${MAP}: found ${wanted}, expected objects whose sources are known, so that an FMU has all of them")
+endif()
 
 file(REMOVE_RECURSE ${OUT})
 set(seen)
