@@ -340,6 +340,7 @@ int run_in_real_time(const Options& options, const LockstepSettings& settings, C
   hooks.while_waiting = [&](const WallClockReport& report) {
     notices.waiting(report.simulated_time, ++questions);
     notices.foreign(report.foreign_answers);
+    show_progress(report);
   };
   bool flood_told = false;
   hooks.after_cycle = [&](const WallClockReport& report) {

@@ -51,11 +51,14 @@ constexpr int kNotAsExpected = 1;  // exit code
 
 // Wall clock that a side gets to end after it was asked to, before it is killed.
 constexpr std::chrono::seconds kEndPatience{5};
+constexpr const char* kFmuController = "controller_fmu.py";
+constexpr const char* kUnpackedFmu = "controller_fmu.partial";  // in the run's folder, while the run goes on
 constexpr double kStalled = 2.0;            // [s] without progress, until that is said
 constexpr std::string_view kPlayCompensation = "play_compensation ";  // what is switched, as desk, plant and controller say it
 constexpr std::string_view kToController = "controller ";
 constexpr std::size_t kMostOfALine = 120;  // characters of what the controller said
 constexpr std::size_t kMostLines = 3;      // of it, behind a run
+constexpr double kStalledSilently = 10.0;    // [s] of it where no progress is wanted and the controller said nothing
 constexpr double kLineInterval = 2.0;       // [s] between progress lines where there is no terminal
 
 fs::path own_folder() { return fs::read_symlink("/proc/self/exe").parent_path(); }
@@ -125,7 +128,10 @@ class ProgressDisplay {
     const double now = std::chrono::duration<double>(WallClock::now() - begin_).count();
     if (simulated > simulated_) last_advance_ = now;
     simulated_ = simulated;
-    if (mode_ == Progress::none) return;
+    if (mode_ == Progress::none) {
+      tell_stall(now - last_advance_, resends, controller);
+      return;
+    }
     std::string text = fmt::format("{}: {:.1f} of {:.1f} s simulated, {:.0f} times real time", name_, simulated, whole,
                                    now > 0.0 ? simulated / now : 0.0);
     if (now - last_advance_ > kStalled) text += waiting_text(now - last_advance_, resends, controller);
@@ -138,15 +144,22 @@ class ProgressDisplay {
     return text;
   }
   void keep() { line_.keep(); }
-  double simulated() const { return simulated_; }
 
  private:
+  // A run that waits for somebody is no progress: it is said once, on standard error, even where none is wanted.
+  void tell_stall(double seconds, long long resends, const ChildProcess& controller) {
+    if (is_stall_told_ || seconds < (controller.last_words().empty() ? kStalledSilently : kStalled)) return;
+    is_stall_told_ = true;
+    std::fprintf(stderr, "%s: %.1f s simulated%s\n", name_.c_str(), simulated_, waiting_text(seconds, resends, controller).c_str());
+  }
+
   Progress mode_;
   std::string name_;
   StatusLine line_;
   WallClock::time_point begin_ = WallClock::now();
   double last_advance_ = 0.0;  // [s] since then
   double simulated_ = 0.0;
+  bool is_stall_told_ = false;
 };
 
 struct Outcome {
@@ -180,11 +193,13 @@ class Run {
         if (!plant_.succeeded()) fail(plant_);
         // The plant's end is the run's end; the controller is told, and how it takes it is its own affair.
         end_both();
+        tell_when();
         return outcome_;
       }
       if (controller_.ended() && !killed_on_purpose_) {
         fail(controller_);
         end_both();
+        tell_when();
         return outcome_;
       }
     }
@@ -196,9 +211,13 @@ class Run {
   void fail(const ChildProcess& side) {
     outcome_.kind = Outcome::Kind::failed;
     outcome_.failed_side = &side;
-    char when[64];
-    std::snprintf(when, sizeof when, " at about %.1f s of simulated time", display_.simulated());
-    outcome_.reason = "the " + side.name() + " ended before its time: " + side.how_it_ended() + when;
+    outcome_.reason = "the " + side.name() + " ended before its time: " + side.how_it_ended();
+  }
+
+  // The plant says at its end how far it came; of one that died nobody knows.
+  void tell_when() {
+    if (outcome_.kind != Outcome::Kind::failed || !plant_summary_.is_object()) return;
+    outcome_.reason += fmt::format(" at {:.1f} s of simulated time", plant_summary_.value("simulated_seconds", 0.0));
   }
 
   void pass_on(int number) {
@@ -397,6 +416,18 @@ void remove_earlier_run(const fs::path& folder) {
   }
 }
 
+// What an FMU's process unpacked of it goes with the run, however that process ended; of a run that was killed with the next one.
+struct UnpackedFmu {
+  fs::path folder;
+  explicit UnpackedFmu(const fs::path& of_run) : folder(of_run / kUnpackedFmu) { fs::remove_all(folder); }
+  ~UnpackedFmu() {
+    std::error_code ignored;
+    fs::remove_all(folder, ignored);
+  }
+  UnpackedFmu(const UnpackedFmu&) = delete;
+  UnpackedFmu& operator=(const UnpackedFmu&) = delete;
+};
+
 // The controller in people's words, as summary.json and run.json have it; empty where it is slewlab's own.
 std::string controller_words(const RunOptions& options) {
   return options.controller_fmu.empty() ? options.controller_command : "FMU " + options.controller_fmu.string();
@@ -414,13 +445,12 @@ std::vector<std::string> fmu_arguments(const RunOptions& options, const sim::Sce
           milliseconds_text(scenario.controller_period)};
 }
 
-constexpr const char* kFmuController = "controller_fmu.py";
-
-std::vector<std::string> controller_program(const RunOptions& options, const sim::Scenario& scenario, const fs::path& programs) {
+std::vector<std::string> controller_program(const RunOptions& options, const sim::Scenario& scenario, const fs::path& programs, const fs::path& folder) {
   if (!options.controller_fmu.empty()) {
     std::vector<std::string> command{python_interpreter().string(), (home() / "tools" / "python" / kFmuController).string()};
     const std::vector<std::string> arguments = fmu_arguments(options, scenario);
     command.insert(command.end(), arguments.begin(), arguments.end());
+    command.insert(command.end(), {"--unpack-in", (folder / kUnpackedFmu).string()});
     return command;
   }
   if (!options.controller_command.empty()) return {"/bin/sh", "-c", options.controller_command};
@@ -479,7 +509,7 @@ bool is_switchable(const RunOptions& options) { return options.steered && contro
 ChildOptions controller_child(const RunOptions& options, const Prepared& run, const fs::path& programs) {
   ChildOptions child;
   child.name = "controller";
-  child.command = controller_program(options, run.scenario, programs);
+  child.command = controller_program(options, run.scenario, programs, run.folder);
   child.listens = is_switchable(options);
   child.environment = {{"SLEWLAB_BUS", run.bus},
                        {"LCM_DEFAULT_URL", run.bus},
@@ -566,6 +596,7 @@ int tell_expected(const std::vector<std::string>& broken, const std::string& nam
 int run_in(const fs::path& folder, const RunOptions& options, const std::string& name) {
   const FolderLock lock(folder);
   remove_earlier_run(folder);
+  const UnpackedFmu unpacked(folder);
   const msgs::ReservedPort port;
   const fs::path programs = own_folder();
   const Prepared prepared = prepare(folder, options, msgs::bus_url(port.number()));

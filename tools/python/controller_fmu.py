@@ -12,6 +12,8 @@ import shutil
 import signal
 import struct
 import sys
+import tempfile
+import zipfile
 from dataclasses import dataclass
 
 from arguments import ArgumentParser
@@ -142,6 +144,19 @@ def check_step(model, period):
         raise NotFit(f"its own step is {inner / MILLISECOND:g} ms, and a communication step a whole multiple of it; {said}")
 
 
+def check_library(path, model):
+    """Throws NotFit where the FMU has no library for this machine: its folder's name is by its version of FMI."""
+    import fmpy
+
+    folder = fmpy.platform if model.fmiVersion.startswith("2.") else fmpy.platform_tuple
+    wanted = f"binaries/{folder}/{model.coSimulation.modelIdentifier}{fmpy.sharedLibraryExtension}"
+    with zipfile.ZipFile(path) as archive:
+        names = archive.namelist()
+    if wanted not in names:
+        others = sorted({name.split("/")[1] for name in names if name.startswith("binaries/") and name.count("/") > 1})
+        raise NotFit(f"it has no library for this machine, {wanted}; it has libraries for {', '.join(others) or 'none'}")
+
+
 class Values:
     """Variables of one type that are set or got together, without a new array each time."""
 
@@ -175,13 +190,21 @@ def function_of(fmu, name):
 class FmuController:
     """The FMU, begun. step() takes the values of all that a run knows of (`known`, in that order) and answers with those of `said`."""
 
-    def __init__(self, path, model, found, period, known):
+    def __init__(self, path, model, found, period, known, unpack_in=None):
+        self.is_2, self.period, self.steps = model.fmiVersion == "2.0", period, 0
+        self.folder = tempfile.mkdtemp(dir=unpack_in)
+        try:
+            self._begin(path, model, found, known)
+        except BaseException:  # a signal, too
+            self.close()
+            raise
+
+    def _begin(self, path, model, found, known):
         import fmpy
         import fmpy.fmi2
         import fmpy.fmi3
 
-        self.is_2, self.period, self.steps = model.fmiVersion == "2.0", period, 0
-        self.folder = fmpy.extract(path, include=lambda name: not name.startswith(("sources/", "documentation/")))
+        fmpy.extract(path, unzipdir=self.folder, include=lambda name: not name.startswith(("sources/", "documentation/")))
         made = (fmpy.fmi2.FMU2Slave if self.is_2 else fmpy.fmi3.FMU3Slave)(
             guid=model.guid, unzipDirectory=self.folder, modelIdentifier=model.coSimulation.modelIdentifier, instanceName="controller")
         self.fmu = made
@@ -344,7 +367,7 @@ def end(number, frame):
     raise Ended
 
 
-def answer(path, model, found, period, groups):
+def answer(path, model, found, period, groups, unpack_in):
     sends_state = all((name, None) in found for name in STATE_SCALARS) and all(
         (name, group) in found for name in STATE_ARRAYS for group in range(groups))
     controller = None
@@ -352,7 +375,7 @@ def answer(path, model, found, period, groups):
         signal.signal(signal.SIGTERM, end)
         known = [(name, None) for name in ("speed_request", "emergency_stop", "operator_acknowledge")]
         known += [(name, group) for name in ("shaft_speed", "shaft_position") for group in range(groups)]
-        controller = FmuController(path, model, found, period, known)
+        controller = FmuController(path, model, found, period, known, unpack_in)
         bus = WireBus(os.environ["SLEWLAB_BUS"])
         answers = Answers(bus, controller, groups, sends_state)
         gc.freeze()  # what is there now stays; a step leaves nothing that only a collection finds
@@ -373,6 +396,8 @@ def main():
     parser.add_argument("fmu", metavar="FILE")
     parser.add_argument("--groups", type=int, help="motor groups of the machine (as many as the FMU has)")
     parser.add_argument("--period-ms", type=float, default=float(os.environ.get("SLEWLAB_CONTROLLER_PERIOD_MS", "10")))
+    parser.add_argument("--unpack-in", metavar="FOLDER", help="where its copy lies while it runs (a temporary folder); whoever names one takes it "
+                        "away where this process is killed")
     parser.add_argument("--check", action="store_true", help="say whether it can be the controller, and end")
     arguments = parser.parse_args()
     period = arguments.period_ms * MILLISECOND
@@ -389,6 +414,7 @@ def main():
     groups = arguments.groups or max(1, sum(variable.name.startswith("motor_torque[") for variable in model.modelVariables))
     try:
         check_step(model, period)
+        check_library(arguments.fmu, model)
         found, remarks = variables_of(model, groups)
     except NotFit as error:
         print(f"{arguments.fmu}: it cannot be the controller of this run: {error}", file=sys.stderr)
@@ -397,7 +423,9 @@ def main():
         for remark in remarks:
             print(f"{arguments.fmu}: note: {remark}", file=sys.stderr)
         return 0
-    return answer(arguments.fmu, model, found, period, groups)
+    if arguments.unpack_in:
+        os.makedirs(arguments.unpack_in, exist_ok=True)
+    return answer(arguments.fmu, model, found, period, groups, arguments.unpack_in)
 
 
 if __name__ == "__main__":

@@ -98,6 +98,21 @@ TEST_F(RunCommandTest, WhatAControllerThatDoesNotAnswerSaidIsTold) {
   EXPECT_EQ(run.wait_for_end(), 128 + SIGINT);
 }
 
+// Against the wall clock, too, where the first answer is waited for.
+TEST_F(RunCommandTest, WithoutProgressARunThatWaitsSaysSoOnceOnStandardError) {
+  for (const bool realtime : {false, true}) {
+    std::vector<std::string> line{"/bin/sh", "-c", "exec \"$0\" \"$@\" 2>&1 >/dev/null", kSlewlab, "run", kScenario, "--out", out_.string(),
+                                  "--progress", "none", "--set", "duration=3600", "--controller", "echo no server at 10.0.0.1 >&2; exec sleep 1000"};
+    if (realtime) line.push_back("--realtime");
+    RunningProgram run(line);
+    const std::string said = run.wait_for_line("waiting for the controller for ");
+    EXPECT_NE(said.find("; it said last: no server at 10.0.0.1"), std::string::npos) << said;
+    ::kill(run.pid(), SIGINT);
+    EXPECT_EQ(run.wait_for_end(), 128 + SIGINT);
+    EXPECT_EQ(run.output().find("waiting for"), run.output().rfind("waiting for")) << run.output();
+  }
+}
+
 TEST_F(RunCommandTest, WhatTheControllerComplainedAboutStandsBehindTheRun) {
   RunningProgram run(command({"--set", "duration=1", "--controller", "echo link lost >&2; exec " SLEWLAB_BINARY_DIR "/bin/slewlab-controller"}));
   EXPECT_EQ(run.wait_for_end(), 0) << run.complaints();
@@ -159,6 +174,7 @@ TEST_F(RunCommandTest, AKilledPlantIsNamedAndTakesTheControllerAlong) {
   EXPECT_NE(run.complaints().find("the plant ended before its time: killed by signal 9"), std::string::npos)
       << run.complaints();
   EXPECT_EQ(summary()["outcome"], "failed");
+  EXPECT_EQ(run.complaints().find(" s of simulated time"), std::string::npos) << "nobody knows how far it came: " << run.complaints();
   expect_partial_log();
 }
 
@@ -169,8 +185,9 @@ TEST_F(RunCommandTest, AKilledControllerIsNamedAndTakesThePlantAlong) {
   ::kill(number_after(started, "controller is process "), SIGKILL);
   EXPECT_EQ(run.wait_for_end(), 1);
   wait_until_nothing_is_left();
-  EXPECT_NE(run.complaints().find("the controller ended before its time: killed by signal 9"), std::string::npos)
-      << run.complaints();
+  char when[64];
+  std::snprintf(when, sizeof when, "(Killed) at %.1f s of simulated time", summary()["run"]["simulated_seconds"].get<double>());
+  EXPECT_NE(run.complaints().find(std::string("the controller ended before its time: killed by signal 9 ") + when), std::string::npos) << run.complaints();
   expect_partial_log();
 }
 

@@ -18,9 +18,8 @@ SLEW = slewlab.config("scenarios/thesis_slew.yaml")
 OWN_PLANT = f"PYTHONPATH={messages_folder()} {sys.executable} {REPOSITORY / 'examples' / 'plant_in_python' / 'plant.py'}"
 
 
-def call(*words, **environment):
-    return subprocess.run([str(word) for word in words], stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=300,
-                          env=os.environ | environment)
+def call(*words, stdin="", **environment):
+    return subprocess.run([str(word) for word in words], input=stdin, capture_output=True, text=True, timeout=300, env=os.environ | environment)
 
 
 def run(folder, *words, scenario=SLEW, **environment):
@@ -77,6 +76,49 @@ class FmuControllerTest(unittest.TestCase):
         self.assertIn("everything under expect: of the scenario came about", ended.stdout)
         self.assertEqual((self.folder / "bits" / "controller.txt").read_text(), "")
         self.assertEqual(list(unpacked.iterdir()), [])
+        self.assertEqual(list((self.folder / "bits").glob("*.partial")), [])
+
+    def spoilt(self, name, code):
+        """The FMU with another library: one that has its functions as `code` says."""
+        fmu, library = self.fmus["2"], self.folder / f"{name}.so"
+        call("cc", "-shared", "-fPIC", "-o", library, "-x", "c", "-", stdin=code)
+        with zipfile.ZipFile(fmu) as source, zipfile.ZipFile(self.folder / f"{name}.fmu", "w") as target:
+            for each in source.namelist():
+                target.writestr(each, library.read_bytes() if each.endswith(".so") else source.read(each))
+        return self.folder / f"{name}.fmu"
+
+    def test_one_that_does_not_start_leaves_nothing_behind(self):
+        dies = "#include <stdlib.h>\n__attribute__((constructor)) static void dies(void) { abort(); }"
+        for name, code, said in (("no_function", "int nothing;", "it does not start"), ("dies", dies, "killed by signal 6")):
+            with self.subTest(name=name):
+                unpacked, out = self.folder / f"temporary_{name}", self.folder / f"run_{name}"
+                unpacked.mkdir()
+                ended = run(out, "--controller-fmu", self.spoilt(name, code), TMPDIR=str(unpacked))
+                self.assertEqual(ended.returncode, 1, ended.stdout + ended.stderr)
+                self.assertIn(said, ended.stderr)
+                self.assertEqual(list(unpacked.iterdir()), [])
+                self.assertFalse((out / "controller_fmu.partial").exists())
+
+    def test_one_without_a_run_around_it_takes_its_copy_away(self):
+        unpacked = self.folder / "alone"
+        unpacked.mkdir()
+        ended = call(sys.executable, REPOSITORY / "tools" / "python" / "controller_fmu.py", self.spoilt("alone", "int nothing;"), TMPDIR=str(unpacked))
+        self.assertEqual(ended.returncode, 1)
+        self.assertIn("it does not start", ended.stderr)
+        self.assertEqual(list(unpacked.iterdir()), [])
+
+    def test_one_for_another_system_is_refused_before_anything_runs(self):
+        for version, ours, theirs in (("2", "linux64", "win64"), ("3", "x86_64-linux", "x86_64-windows")):
+            with self.subTest(version=version):
+                fmu = self.folder / f"other_system_{version}.fmu"
+                with zipfile.ZipFile(self.fmus[version]) as source, zipfile.ZipFile(fmu, "w") as target:
+                    for each in source.namelist():
+                        target.writestr(each.replace(f"binaries/{ours}/", f"binaries/{theirs}/").replace(".so", ".dll"), source.read(each))
+                ended = run(self.folder / "never", "--controller-fmu", fmu)
+                self.assertEqual(ended.returncode, 2, ended.stdout + ended.stderr)
+                self.assertIn(f"it has no library for this machine, binaries/{ours}/", ended.stderr)
+                self.assertIn(f"it has libraries for {theirs}", ended.stderr)
+                self.assertFalse((self.folder / "never").exists())
 
     def refusal(self, fmu, *, groups="2", period="10"):
         ended = call(sys.executable, REPOSITORY / "tools" / "python" / "controller_fmu.py", fmu, "--groups", groups, "--period-ms", period, "--check")
