@@ -1,9 +1,12 @@
 """The gateway between wire and PLC, with a bus, a link and a clock of the test's own: nothing waits and nothing is late."""
 
+import os
+import tempfile
 import unittest
 from types import SimpleNamespace
 
 from core_module import core
+from plc.ads import STANDARD_ERROR, AdsLink
 from plc.gateway import LINK_LOST, Gateway
 from plc.link import LinkDown, WrongMap
 from plc.modbus import blocks_of, fill, take
@@ -244,6 +247,23 @@ class GatewayTest(unittest.TestCase):
         self.operate(run=OTHER)
         self.assertIsNone(self.ask(sequence=0, run=OTHER))
         self.assertEqual(self.ask(sequence=1000, run=OTHER)[1].run_identity, OTHER)
+
+
+class AdsTest(unittest.TestCase):
+    def test_what_its_library_remarks_while_the_link_is_closed_is_no_word_of_the_bridge(self):
+        link = AdsLink.__new__(AdsLink)
+        link.plc = SimpleNamespace(close=lambda: os.write(STANDARD_ERROR, b"Info: connection closed by remote\n"))
+        kept = os.dup(STANDARD_ERROR)
+        with tempfile.TemporaryFile() as said:
+            os.dup2(said.fileno(), STANDARD_ERROR)
+            try:
+                link.close()
+                os.write(STANDARD_ERROR, b"a word of the bridge\n")
+            finally:
+                os.dup2(kept, STANDARD_ERROR)
+                os.close(kept)
+            said.seek(0)
+            self.assertEqual(said.read(), b"a word of the bridge\n")
 
 
 class ValuesTest(unittest.TestCase):

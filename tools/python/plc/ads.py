@@ -1,5 +1,9 @@
 """ADS: the map's symbols by pyads and Beckhoff's AdsLib, all in one sum command each way. The alive counter stands last in the write."""
 
+import contextlib
+import os
+import sys
+
 from pyads import ADSError, Connection
 
 from plc.link import LinkDown, WrongMap, request_timeout
@@ -8,7 +12,22 @@ from plc.values import decode, encode
 # IEC 61131-3 names of a type as TwinCAT gives them for a symbol.
 NAMES = {"bool": ("BOOL",), "int16": ("INT",), "uint16": ("UINT", "WORD"), "int32": ("DINT",), "uint32": ("UDINT", "DWORD"),
          "int64": ("LINT",), "uint64": ("ULINT", "LWORD"), "float32": ("REAL",), "float64": ("LREAL",)}
+STANDARD_ERROR = 2  # descriptor
 NO_SYMBOL = 1808  # [ADS error code] symbol not found
+
+
+@contextlib.contextmanager
+def without_its_remarks():
+    """AdsLib writes to standard error that the other side has hung up, at the end of a good run too."""
+    sys.stderr.flush()
+    kept, nothing = os.dup(STANDARD_ERROR), os.open(os.devnull, os.O_WRONLY)
+    os.dup2(nothing, STANDARD_ERROR)
+    os.close(nothing)
+    try:
+        yield
+    finally:
+        os.dup2(kept, STANDARD_ERROR)
+        os.close(kept)
 
 
 class AdsLink:
@@ -58,4 +77,5 @@ class AdsLink:
         return {(signal.name, signal.group): decode(signal, numbers[signal.at]) for signal in self.heard}
 
     def close(self):
-        self.plc.close()
+        with without_its_remarks():
+            self.plc.close()
