@@ -192,7 +192,7 @@ class FmuController:
 
     def __init__(self, path, model, found, period, known, unpack_in=None):
         self.is_2, self.period, self.steps = model.fmiVersion == "2.0", period, 0
-        self.folder = tempfile.mkdtemp(dir=unpack_in)
+        self.folder = os.path.abspath(tempfile.mkdtemp(dir=unpack_in))  # an FMU is told where it lies by a URI
         try:
             self._begin(path, model, found, known)
         except BaseException:  # a signal, too
