@@ -13,6 +13,7 @@
 #include <unordered_map>
 
 #include "common/near_name.h"
+#include "common/number_and_unit.h"
 #include "common/unit.h"
 #include "common/utf8_text.h"
 #include "common/yaml_reader.h"
@@ -357,17 +358,6 @@ bool holds_numbers(const YamlNode& node) {
          std::all_of(node.items.begin(), node.items.end(), holds_numbers);
 }
 
-// "60 t" as its number and its unit; nothing where the text does not begin with a number or has no unit behind it.
-std::optional<std::pair<std::string_view, std::string_view>> number_and_unit(std::string_view text) {
-  const std::size_t end = text.find_first_not_of("+-.0123456789eE");
-  if (end == std::string_view::npos) return std::nullopt;
-  double number = 0.0;
-  if (!parse_number(text.substr(0, end), number)) return std::nullopt;
-  const std::size_t unit = text.find_first_not_of(' ', end);
-  if (unit == std::string_view::npos) return std::nullopt;
-  return std::pair{text.substr(0, end), text.substr(unit)};
-}
-
 // Whether a bare number says what it means: messages speak SI, the file its own unit, and where the two are one no one errs.
 bool is_plain_unit(const YamlNode& unit) {
   const std::optional<Unit> known = unit_of(unit.scalar);
@@ -399,9 +389,9 @@ void put_value(YamlNode& node, YamlNode&& value, const Override& change, const S
   }
   YamlNode* unit = node.find("unit");
   if (unit != nullptr && value.kind == YamlNode::Kind::scalar && !value.quoted) {
-    if (const auto parts = number_and_unit(value.scalar)) {
-      *unit = text_node(std::string(parts->second), mark);
-      value = number_node(parts->first, mark);
+    if (const auto parts = number_and_unit(value.scalar); parts && !parts->unit.empty()) {
+      *unit = text_node(std::string(parts->unit), mark);
+      value = number_node(parts->digits, mark);
       unit = nullptr;  // it is told
     }
   }

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "common/near_name.h"
+#include "common/number_and_unit.h"
 #include "common/readable_number.h"
 #include "common/yaml_file.h"
 #include "common/yaml_inquiry.h"
@@ -26,15 +27,6 @@ std::string describe(Range range, std::string_view spelling, double factor) {
 }
 
 std::string describe(Range range, Unit unit) { return describe(range, unit == Unit::none ? "-" : name_of(unit), 1.0); }
-
-// "46.6 m": a number with its unit behind it; the number's length, 0 where it is none.
-std::size_t number_before_unit(const std::string& text) {
-  const std::size_t end = text.find_first_not_of("+-.0123456789eE");
-  if (end == std::string::npos || end == 0) return 0;
-  const std::size_t begin = text.find_first_not_of(' ', end);
-  double number = 0.0;
-  return begin != std::string::npos && parse_number(text.substr(0, end), number) && unit_of(text.substr(begin)) ? end : 0;
-}
 
 bool inside(double number, Range range) {
   if (!std::isfinite(number) || number > range.highest) return false;
@@ -158,9 +150,9 @@ const YamlNode* YamlReader::sourced(const YamlNode& entry, std::string_view key,
 std::optional<double> YamlReader::read_number(const YamlNode& value, std::string_view key, Range range, const GivenUnit& given) {
   double number = 0.0;
   if (value.kind != YamlNode::Kind::scalar || value.quoted || !parse_number(value.scalar, number)) {
-    const std::size_t length = value.kind == YamlNode::Kind::scalar ? number_before_unit(value.scalar) : 0;
+    const auto parts = value.kind == YamlNode::Kind::scalar ? number_and_unit(value.scalar) : std::nullopt;
     report_at(value.mark, key, excerpt(value),
-              length > 0 ? value.scalar.substr(0, length) + " alone: its unit stands under 'unit'" : describe(range, given.spelling, given.factor));
+              parts && !parts->unit.empty() && unit_of(parts->unit) ? std::string(parts->digits) + " alone: its unit stands under 'unit'" : describe(range, given.spelling, given.factor));
     return std::nullopt;
   }
   number *= given.factor;

@@ -1,12 +1,15 @@
 #include <nanobind/stl/filesystem.h>
+#include <nanobind/stl/optional.h>
 #include <nanobind/stl/pair.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/vector.h>
 
 #include <algorithm>
 #include <optional>
+#include <string>
 #include <utility>
 
+#include "common/number_and_unit.h"
 #include "common/unit.h"
 #include "tools/python/core/bindings.h"
 
@@ -50,12 +53,19 @@ std::vector<std::pair<std::string, double>> spellings(const std::string& unit) {
   return factors;
 }
 
+std::optional<std::pair<double, std::string>> number_and_unit(const std::string& text) {
+  const auto parts = common::number_and_unit(text);
+  if (!parts) return std::nullopt;
+  return std::pair{parts->number, std::string(parts->unit)};
+}
+
 }  // namespace
 
 void bind_yaml(nb::module_& m) {
   m.def("load_yaml", &load_yaml, nb::arg("path"),
         "(root, problems): the tree of a file with what it includes, every node with its place, and what is wrong, a line each.");
   m.def("spellings", &spellings, nb::arg("unit"), "[(spelling, factor to SI)] of the quantity that a unit measures, the SI one first.");
+  m.def("number_and_unit", &number_and_unit, nb::arg("text"), "(number, unit) of \"60 t\", the unit empty where none is there; None where it does not begin with a number.");
 }
 
 }  // namespace slewlab::tools

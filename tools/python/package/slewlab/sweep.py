@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import itertools
 import numbers
-import re
 import sys
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
@@ -72,12 +71,13 @@ def row_of(measure: Callable, found: Any) -> Mapping[str, float]:
 
 def quantity(text: Any) -> tuple[float, str]:
     """Number and unit of a text as files have them; ValueError where it is none."""
-    parts = re.fullmatch(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*(.*?)\s*", text) if isinstance(text, str) else None
+    parts = _core.number_and_unit(text.strip()) if isinstance(text, str) else None
     if parts is None:
         raise ValueError(f"found {text!r}, expected a number with its unit")
-    if parts[2]:
-        _core.spellings(parts[2])  # refuses what is no unit, as the end of a file's name
-    return float(parts[1]), unit_text(parts[2])
+    number, unit = parts
+    if unit:
+        _core.spellings(unit)  # refuses what is no unit, as the end of a file's name
+    return number, unit_text(unit)
 
 
 def as_numbers(values: Sequence[Any]) -> tuple[Sequence[Any], str]:
