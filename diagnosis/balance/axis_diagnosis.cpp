@@ -166,16 +166,16 @@ double driving_effort(const AxisRecord& record) {
   return root_mean_square(driving);
 }
 
-// Whether the nominal axis leaves so little of each record that even a record without any noise tells no law by it.
-bool is_below_record(const std::vector<AxisRecord>& records, const Balance& balance, const BalanceModel& nominal) {
-  return std::all_of(records.begin(), records.end(), [&](const AxisRecord& record) {
-    const BalanceRecord smooth = make_balance_record(record, balance.half_window, balance.late_times);
-    return root_mean_square(balance_residual(smooth, balance.laws, nominal, balance.resolved_speed)) < kRecordShare * driving_effort(record);
-  });
+// Whether the nominal axis leaves so little of each record that even a record without any noise tells no law by it. `smooth`: of the records.
+bool is_below_record(const std::vector<AxisRecord>& records, const std::vector<BalanceRecord>& smooth, const Balance& balance, const BalanceModel& nominal) {
+  for (std::size_t r = 0; r < records.size(); ++r) {
+    if (root_mean_square(balance_residual(smooth[r], balance.laws, nominal, balance.resolved_speed)) >= kRecordShare * driving_effort(records[r])) return false;
+  }
+  return true;
 }
 
 // Chooses the laws without the last record, and asks them to predict it.
-void choose_and_validate(const std::vector<AxisRecord>& records, const Balance& balance, double nominal_inertia, AxisDiagnosis& diagnosis) {
+void choose_and_validate(const std::vector<AxisRecord>& records, const std::vector<BalanceRecord>& smooth, const Balance& balance, double nominal_inertia, AxisDiagnosis& diagnosis) {
   std::vector<AxisRecord> fitted = records;
   AxisRecord last = records.back();
   if (records.size() > 1) {
@@ -190,7 +190,7 @@ void choose_and_validate(const std::vector<AxisRecord>& records, const Balance& 
   const BalanceRecord unseen = make_balance_record(last, balance.half_window, balance.late_times);
   BalanceAnswer no_laws = fit_balance(seen, {}, nominal_inertia, balance.resolved_speed);
   const BalanceModel inertia_alone = no_laws.best;
-  diagnosis.is_below_record = diagnosis.is_described || is_below_record(records, balance, bare(nominal_inertia, inertia_alone.skew));
+  diagnosis.is_below_record = diagnosis.is_described || is_below_record(records, smooth, balance, bare(nominal_inertia, inertia_alone.skew));
   no_laws.probability_unknown = 0.0;
   diagnosis.answer = diagnosis.is_below_record ? std::move(no_laws) : fit_balance(seen, balance.laws, nominal_inertia, balance.resolved_speed);
   diagnosis.validated = diagnosis.answer.best;
@@ -513,9 +513,11 @@ struct TransmissionGap {
   double difference = 0.0;  // of the two
 };
 
-TransmissionGap transmission_gap(const sim::MachineFile& axis, const AxisRecord& record, GearBeginning beginning, const Balance& balance, double nominal_inertia) {
+// `measured`: the record, smoothed.
+TransmissionGap transmission_gap(const sim::MachineFile& axis, const AxisRecord& record, const BalanceRecord& measured, GearBeginning beginning, const Balance& balance,
+                                 double nominal_inertia) {
   const BalanceModel nominal = bare(nominal_inertia, 0.0);
-  const BalanceRecord measured = make_balance_record(record, balance.half_window), described = make_balance_record(described_record(axis, record, beginning), balance.half_window);
+  const BalanceRecord described = make_balance_record(described_record(axis, record, beginning), balance.half_window);
   const std::vector<double> left = balance_residual(measured, balance.laws, nominal, -1.0), own = balance_residual(described, balance.laws, nominal, -1.0);
   const std::vector<std::size_t> moving = moving_samples(measured, balance.resolved_speed);
   TransmissionGap gap;
@@ -529,13 +531,16 @@ TransmissionGap transmission_gap(const sim::MachineFile& axis, const AxisRecord&
 }
 
 // Of all records, each begun as the described axis follows it better; and whether it does to what a record can tell.
-TransmissionGap transmission_gap(const sim::MachineFile& axis, const std::vector<AxisRecord>& records, const Balance& balance, AxisDiagnosis& diagnosis) {
+TransmissionGap transmission_gap(const sim::MachineFile& axis, const std::vector<AxisRecord>& records, const std::vector<BalanceRecord>& smooth, const Balance& balance,
+                                 AxisDiagnosis& diagnosis) {
   TransmissionGap all;
   if (axis.parameters.drive.is_rigid) return all;
   diagnosis.is_described = true;
-  for (const AxisRecord& record : records) {
-    TransmissionGap gap = transmission_gap(axis, record, GearBeginning::carrying, balance, diagnosis.nominal_inertia);
-    const TransmissionGap other = transmission_gap(axis, record, GearBeginning::middle, balance, diagnosis.nominal_inertia);
+  for (std::size_t r = 0; r < records.size(); ++r) {
+    const AxisRecord& record = records[r];
+    const auto begun = [&](GearBeginning beginning) { return transmission_gap(axis, record, smooth[r], beginning, balance, diagnosis.nominal_inertia); };
+    TransmissionGap gap = begun(GearBeginning::carrying);
+    const TransmissionGap other = begun(GearBeginning::middle);
     if (other.difference < gap.difference) gap = other;
     const double noise = std::hypot(diagnosis.nominal_inertia * acceleration_noise(record, balance.half_window), smoothed_effort_noise(record, balance.half_window));
     diagnosis.is_described &= std::sqrt(gap.difference) < std::hypot(kRecordShare * driving_effort(record), noise);
@@ -681,9 +686,9 @@ AxisDiagnosis diagnose_axis(const sim::MachineFile& axis, const std::vector<Name
       diagnosis.laws = balance.laws;
     }
     const std::vector<BalanceRecord> smooth = smoothed(records, balance);
-    gap = transmission_gap(axis, records, balance, diagnosis);
+    gap = transmission_gap(axis, records, smooth, balance, diagnosis);
     diagnosis.transmission = gap.described;
-    choose_and_validate(records, balance, diagnosis.nominal_inertia, diagnosis);
+    choose_and_validate(records, smooth, balance, diagnosis.nominal_inertia, diagnosis);
     BalanceModel& best = diagnosis.answer.best;
     FittedSizes sizes = refitted(smooth, balance.laws, diagnosis.validated, diagnosis.nominal_inertia, balance.resolved_speed,
                                  axis.axis.is_shaft_linear ? 0.0 : sim::total_ratio(axis.parameters.drive));
