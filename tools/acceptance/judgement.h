@@ -4,7 +4,6 @@
 
 #include <filesystem>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "sim/drive/scenario_file.h"
@@ -30,9 +29,8 @@ CheckResult failed_check(const char* name, const std::string& reason);
 
 // What is known of a log beside its messages.
 struct LogOrigin {
-  LogOrigin(std::string digest = {}, bool own_plant = false) : written_digest(std::move(digest)), of_own_plant(own_plant) {}
-  std::string written_digest;  // that the run told of the log that it wrote; empty where nothing tells
-  bool of_own_plant;           // the plant was none of slewlab's, and may leave telemetry out
+  std::string written_digest{};  // that the run told of the log that it wrote; empty where nothing tells
+  bool of_own_plant = false;     // the plant was none of slewlab's, and may leave telemetry out
 };
 
 // Another log than the one that was written is no evidence; where nothing tells which was, the log has to be whole by itself

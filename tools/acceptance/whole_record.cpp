@@ -12,6 +12,8 @@
 namespace slewlab::tools {
 namespace {
 
+constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();  // [ns]
+
 double seconds(std::int64_t nanoseconds) { return static_cast<double>(nanoseconds) / 1e9; }
 
 // A channel whose messages are due at 0, period, 2 period ... up to `last`.
@@ -37,10 +39,10 @@ std::string why_not_every(const std::vector<Message>& messages, const Due& due) 
 }
 
 // The name and the time of a number that is not finite; `read` gives a message's numbers, in the order of `names`. A column
-// without any number is not fitted, where `may_be_missing`.
+// without any number is not fitted, where `may_be_missing`. Messages from `until` [ns] on are not looked at.
 template <class Message, std::size_t kCount>
 std::string why_not_finite(const std::vector<Message>& messages, const char* channel, const std::array<const char*, kCount>& names,
-                           bool may_be_missing, const auto& read) {
+                           bool may_be_missing, const auto& read, std::int64_t until = kNever) {
   std::array<bool, kCount> all_missing;
   all_missing.fill(may_be_missing);
   if (may_be_missing) {
@@ -50,6 +52,7 @@ std::string why_not_finite(const std::vector<Message>& messages, const char* cha
     }
   }
   for (const Message& message : messages) {
+    if (message.simulated_time >= until) continue;
     const std::array<double, kCount> values = read(message);
     for (std::size_t i = 0; i < kCount; ++i) {
       if (std::isfinite(values[i]) || all_missing[i]) continue;
@@ -66,16 +69,11 @@ double worst(const std::vector<double>& values) {
 }
 
 std::string why_not_finite(const msgs::RunLog& run, std::int64_t until_fault, std::int64_t until_trip) {
-  const auto up_to = [](const auto& messages, std::int64_t until) {
-    auto early = messages;
-    std::erase_if(early, [&](const auto& message) { return message.simulated_time >= until; });
-    return early;
-  };
-  std::string why = why_not_finite(up_to(run.encoder, until_fault), "ENCODER", std::array{"shaft_speed", "shaft_position"}, false,
-                                   [](const msgs::Encoder& message) { return std::array{worst(message.shaft_speed), worst(message.shaft_position)}; });
+  std::string why = why_not_finite(run.encoder, "ENCODER", std::array{"shaft_speed", "shaft_position"}, false,
+                                   [](const msgs::Encoder& message) { return std::array{worst(message.shaft_speed), worst(message.shaft_position)}; }, until_fault);
   if (!why.empty()) return why;
-  why = why_not_finite(up_to(run.torque, std::min(until_fault, until_trip)), "TORQUE", std::array{"motor_torque"}, false,
-                       [](const msgs::Torque& message) { return std::array{worst(message.motor_torque)}; });
+  why = why_not_finite(run.torque, "TORQUE", std::array{"motor_torque"}, false,
+                       [](const msgs::Torque& message) { return std::array{worst(message.motor_torque)}; }, std::min(until_fault, until_trip));
   if (!why.empty()) return why;
   why = why_not_finite(run.operator_moves, "OPERATOR", std::array{"speed_request"}, false,
                        [](const msgs::Operator& message) { return std::array{message.speed_request}; });
@@ -112,7 +110,6 @@ std::string why_not_answered(const msgs::RunLog& run, std::int64_t until_fault) 
 }  // namespace
 
 std::string why_not_whole(const msgs::RunLog& run, const sim::Scenario& scenario, bool of_own_plant) {
-  constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
   std::int64_t until_fault = kNever, until_trip = kNever;
   for (const sim::Fault& fault : scenario.faults) until_fault = std::min(until_fault, fault.from);
   for (const msgs::PlantStatus& status : run.plant_status) {

@@ -193,13 +193,14 @@ coordinate: {value: COORDINATE, source: test}
 rated_torque: {value: 5, unit: N m, source: test}
 load_encoder: {value: true, source: test}
 """
+    LINEAR_AXIS = AXIS.replace("COORDINATE", "linear") + """travel_per_turn: {value: 4, unit: mm, source: test}
+mass: {value: 20, unit: kg, source: test}
+top_speed: {value: 1, unit: m/s, source: test}
+"""
 
     def test_an_axis_in_its_own_units(self):
         # 4 mm per turn: x = 1 mm t^2 of the carriage is pi/2 t^2 [rad] of the motor; 100 N are 0.2 / pi N m.
-        (self.folder / "axis.yaml").write_text(self.AXIS.replace("COORDINATE", "linear") +
-                                               "travel_per_turn: {value: 4, unit: mm, source: test}\n"
-                                               "mass: {value: 20, unit: kg, source: test}\n"
-                                               "top_speed: {value: 1, unit: m/s, source: test}\n")
+        (self.folder / "axis.yaml").write_text(self.LINEAR_AXIS)
         text = """kind: import_map
 machine: axis.yaml
 time: {column: t, unit: s}
@@ -223,10 +224,7 @@ load_position: {column: scale, unit: um}
 
     def test_units_that_this_machine_cannot_have_are_warned_of(self):
         # The machine of 1 m/s and 5 N m at 4 mm per turn goes 0.25 m/s and 4 kN at its carriage here.
-        (self.folder / "axis.yaml").write_text(self.AXIS.replace("COORDINATE", "linear") +
-                                               "travel_per_turn: {value: 4, unit: mm, source: test}\n"
-                                               "mass: {value: 20, unit: kg, source: test}\n"
-                                               "top_speed: {value: 1, unit: m/s, source: test}\n")
+        (self.folder / "axis.yaml").write_text(self.LINEAR_AXIS)
         right = """kind: import_map
 machine: axis.yaml
 time: {column: t, unit: s}
