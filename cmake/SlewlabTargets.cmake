@@ -78,6 +78,7 @@ function(slewlab_program target)
   add_executable(${target} ${ARG_SOURCES})
   slewlab_flags(${target})
   target_link_libraries(${target} PRIVATE ${ARG_LINK})
+  target_compile_definitions(${target} PRIVATE SLEWLAB_VERSION="${PROJECT_VERSION}")
   set_target_properties(${target} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${CMAKE_BINARY_DIR}/bin)
 endfunction()
 
