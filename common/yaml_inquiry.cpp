@@ -55,7 +55,12 @@ std::vector<KeyDescription> describe_keys(const std::function<void(YamlReader&)>
   std::vector<KeyDescription> all;
   for (const YamlInquiry& way : ways) {
     for (const KeyDescription& key : way.keys()) {
-      if (std::none_of(all.begin(), all.end(), [&](const KeyDescription& other) { return other.path == key.path; })) all.push_back(key);
+      const auto known = std::find_if(all.begin(), all.end(), [&](const KeyDescription& other) { return other.path == key.path; });
+      if (known == all.end()) {
+        all.push_back(key);
+      } else if (key.unit != known->unit && std::find(known->other_units.begin(), known->other_units.end(), key.unit) == known->other_units.end()) {
+        known->other_units.push_back(key.unit);
+      }
     }
   }
   for (KeyDescription& key : all) {

@@ -24,6 +24,7 @@ struct KeyDescription {
   std::string path;  // dots between keys; * is every entry of a list
   Kind kind = Kind::other;
   Unit unit = Unit::none;
+  std::vector<Unit> other_units = {};  // that it has on other ways
   Range range = {};           // of a number
   std::size_t fewest = 0, most = 0;  // of numbers
   std::vector<std::string> choices = {};

@@ -30,6 +30,7 @@ void read_axis(YamlReader& reader) {
     if (move.has("stop")) move.flag("stop");
     move.finish();
   });
+  reader.number("top_speed", is_linear ? Unit::metre_per_second : Unit::radian_per_second, positive());
   const std::vector<double> map = reader.numbers("map", Unit::none, between(0.0, 1.0), 2, 9);
   if (map.front() != 0.0) reader.report("map", "something else", "0 first");
   reader.finish();
@@ -48,10 +49,10 @@ class YamlInquiryTest : public testing::Test {
 
 TEST_F(YamlInquiryTest, FindsTheKeysOfEveryWay) {
   for (const char* path : {"kind", "description", "coordinate", "mass", "travel", "motor_mass", "inertia", "brake", "brake.torque",
-                           "brake.delay", "moves", "moves.*.time", "moves.*.stop", "map"}) {
+                           "brake.delay", "moves", "moves.*.time", "moves.*.stop", "top_speed", "map"}) {
     EXPECT_NE(find(path), nullptr) << path;
   }
-  EXPECT_EQ(keys_.size(), 14u);
+  EXPECT_EQ(keys_.size(), 15u);
 }
 
 TEST_F(YamlInquiryTest, KnowsWhatMustBeThere) {
@@ -66,6 +67,9 @@ TEST_F(YamlInquiryTest, KnowsWhatAKeyMayHold) {
   EXPECT_EQ(find("coordinate")->choices, (std::vector<std::string>{"rotary", "linear"}));
   EXPECT_EQ(find("moves.*.stop")->choices, (std::vector<std::string>{"false", "true"}));
   EXPECT_EQ(find("brake.torque")->unit, Unit::newton_metre);
+  EXPECT_TRUE(find("brake.torque")->other_units.empty());
+  EXPECT_EQ(find("top_speed")->unit, Unit::radian_per_second);
+  EXPECT_EQ(find("top_speed")->other_units, std::vector<Unit>{Unit::metre_per_second});
   EXPECT_TRUE(find("brake.torque")->range.lowest_allowed);
   EXPECT_FALSE(find("mass")->range.lowest_allowed);
   EXPECT_EQ(find("map")->kind, KeyDescription::Kind::numbers);

@@ -60,9 +60,10 @@ std::string pattern_of(const std::string& spelling) {
 }
 
 // The spellings as common/unit has them, for an editor to offer, and every other way of writing them.
-Json units(common::Unit unit) {
+Json units(common::Unit unit, const std::vector<common::Unit>& others = {}) {
   Json names = Json::array();
-  const std::string all = common::spellings_of(unit);
+  std::string all = common::spellings_of(unit);
+  for (const common::Unit other : others) all += ", " + common::spellings_of(other);
   for (std::size_t begin = 0; begin <= all.size();) {
     const std::size_t end = std::min(all.find(", ", begin), all.size());
     names.push_back(all.substr(begin, end - begin));
@@ -86,8 +87,8 @@ void bound(Json& number, const common::Range& range, bool in_si) {
 }
 
 // {value, unit, source}
-Json quantity(Json value, common::Unit unit) {
-  return closed_object({{"value", std::move(value)}, {"unit", units(unit)}, {"source", text_schema()},
+Json quantity(Json value, common::Unit unit, const std::vector<common::Unit>& other_units = {}) {
+  return closed_object({{"value", std::move(value)}, {"unit", units(unit, other_units)}, {"source", text_schema()},
                         {"spread", {{"type", Json::array({"number", "string"})}, {"description", "one standard deviation from unit to unit, such as 10 %"}}}},
                        {"value", "unit", "source"});
 }
@@ -103,7 +104,7 @@ Json leaf(const KeyDescription& key) {
     case KeyDescription::Kind::number: {
       Json number{{"type", "number"}};
       bound(number, key.range, false);
-      return quantity(number, key.unit);
+      return quantity(number, key.unit, key.other_units);
     }
     case KeyDescription::Kind::integer: {
       Json number{{"type", "integer"}};
@@ -113,7 +114,7 @@ Json leaf(const KeyDescription& key) {
     case KeyDescription::Kind::numbers: {
       Json number{{"type", "number"}};
       bound(number, key.range, false);
-      return quantity({{"type", "array"}, {"items", number}, {"minItems", key.fewest}, {"maxItems", key.most}}, key.unit);
+      return quantity({{"type", "array"}, {"items", number}, {"minItems", key.fewest}, {"maxItems", key.most}}, key.unit, key.other_units);
     }
     case KeyDescription::Kind::choice:
       return key.is_sourced ? closed_object({{"value", named(key.choices)}, {"source", text_schema()}}, {"value", "source"}) : named(key.choices);

@@ -4,7 +4,9 @@ import copy
 import json
 import re
 import subprocess
+import tempfile
 import unittest
+from pathlib import Path
 
 import jsonschema
 import yaml
@@ -113,6 +115,21 @@ class SchemaTest(unittest.TestCase):
                     self.assertIsNotNone(core.factor(unit, first))
         for section, key, unit in (("drive", "rated_torque", "N-m"), ("house", "inertia", "kg m^3"), ("boom", "angle", "degree")):
             self.assertNotEqual(self.complaints(axis | {section: {key: {"value": 1, "unit": unit, "source": "test"}}}), [])
+
+    def test_a_linear_axis_has_units_of_its_own(self):
+        def value(number, unit):
+            return {"value": number, "unit": unit, "source": "test"}
+
+        axis = {"kind": "axis", "coordinate": {"value": "linear", "source": "test"}, "mass": value(6, "kg"), "motor_mass": value(1, "kg"),
+                "transmission": {"stiffness": value(3, "kN/m"), "damping_ratio": value(5, "%"), "play": value(1, "mm")},
+                "load": {"constant": value(3, "N")}, "rated_force": value(100, "N"), "top_speed": value(1, "m/s")}
+        self.assertEqual(self.complaints(axis), [])
+        with tempfile.TemporaryDirectory() as folder:
+            file = Path(folder) / "axis.yaml"
+            file.write_text(json.dumps(axis))
+            checked = subprocess.run([PROGRAM, "check", file], capture_output=True, text=True, check=False)
+        self.assertEqual(checked.returncode, 0, checked.stderr)
+        self.assertNotEqual(self.complaints(axis | {"top_speed": value(1, "m")}), [])
 
     def test_an_unknown_kind_is_named_with_the_near_one(self):
         ended = subprocess.run([PROGRAM, "schema", "crnae"], capture_output=True, text=True, check=False)
