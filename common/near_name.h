@@ -9,7 +9,7 @@
 namespace slewlab::common {
 
 // The known name that differs from `name` least, where one is near enough to be meant: by a third of its letters, two of
-// a short one.
+// a short one, never all.
 std::optional<std::string> nearest_name(std::string_view name, const std::vector<std::string>& known);
 
 // What to expect instead of an unknown name: "'near' (or one of a, b, near)", "one of a, b".

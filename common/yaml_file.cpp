@@ -282,8 +282,8 @@ YamlNode load_with_includes(const std::filesystem::path& file, const SourceMark&
   std::string text;
   const Reading reading = read_file(file, amount, text);
   if (reading == Reading::impossible) {
-    problems.push_back({named_by, key, "'" + file.string() + "', which cannot be read",
-                        "the name of a readable file"});
+    const std::string why = std::filesystem::is_directory(file, no_such_place) ? ", which is a folder" : ", which cannot be read";
+    problems.push_back({named_by, key, "'" + file.string() + "'" + why, "the name of a readable file"});
     return {};
   }
   if (reading == Reading::too_large) {

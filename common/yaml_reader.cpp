@@ -87,6 +87,10 @@ void YamlReader::report(std::string_view key, std::string found, std::string exp
   report_at(entry != nullptr ? entry->mark : node_->mark, key, std::move(found), std::move(expected));
 }
 
+bool YamlReader::is_told(std::string_view key) const {
+  return inquiry_ == nullptr && !problems_->empty() && problems_->back().key == path_of(key);
+}
+
 const YamlNode* YamlReader::ask(std::string_view key) {
   if (std::find(asked_.begin(), asked_.end(), key) == asked_.end()) asked_.emplace_back(key);
   const YamlNode* entry = node_->find(key);
@@ -118,7 +122,11 @@ const YamlNode* YamlReader::sourced(const YamlNode& entry, std::string_view key,
       if (!parse_share(part.value)) report_at(part.mark, key, "the spread " + excerpt(part.value), "a share above 0, such as 10 %");
       continue;
     }
-    report_at(part.mark, key, "the unknown key '" + part.key + "'", form);
+    std::vector<std::string> known{"value"};
+    if (unit) known.insert(known.end(), {"unit", "spread"});
+    known.emplace_back("source");
+    const bool is_near = nearest_name(part.key, known).has_value();
+    report_at(part.mark, key, "the unknown key '" + part.key + "'", is_near ? known_names_text(part.key, known) : form);
   }
   const YamlNode* value = entry.find("value");
   if (value == nullptr) {

@@ -73,6 +73,8 @@ class YamlReader {
   // A part kept as it is, for a reader elsewhere; nullptr where it is absent.
   const YamlNode* raw(std::string_view key);
 
+  // Whether the last problem so far is one of this key: what was read in its place means nothing.
+  bool is_told(std::string_view key) const;
   // Records a problem with the value of a key.
   void report(std::string_view key, std::string found, std::string expected);
   // Reports the keys that were not asked for.

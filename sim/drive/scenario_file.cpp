@@ -59,10 +59,14 @@ std::vector<OperatorMove> read_moves(YamlReader& scenario, std::int64_t plant_st
   scenario.each("operator", [&](YamlReader& reader) {
     const std::int64_t last = move.time;
     move.time = nanoseconds(reader.number("time", Unit::second, between(0.0, kLongest)));
-    check_multiple(reader, "time", move.time, plant_step);
-    if (!is_first && move.time <= last) {
-      reader.report("time", in_milliseconds(move.time),
-                    "later than the move before, " + in_milliseconds(last));
+    if (reader.is_told("time")) {
+      move.time = last;
+    } else {
+      check_multiple(reader, "time", move.time, plant_step);
+      if (!is_first && move.time <= last) {
+        reader.report("time", in_milliseconds(move.time),
+                      "later than the move before, " + in_milliseconds(last));
+      }
     }
     is_first = false;
     bool slews = false;
@@ -97,7 +101,7 @@ std::vector<EffectSwitch> read_effect_switches(YamlReader& scenario, std::int64_
     if (controller_period > 0 && change.time % controller_period != 0) {
       reader.report("time", in_milliseconds(change.time), "a whole multiple of the controller period, " + in_milliseconds(controller_period));
     }
-    if (!switches.empty() && change.time < switches.back().time) {
+    if (!switches.empty() && change.time < switches.back().time && !reader.is_told("time")) {
       reader.report("time", in_milliseconds(change.time), "no time before that of the switch before, " + in_milliseconds(switches.back().time));
     }
     change.effect = reader.text("effect");

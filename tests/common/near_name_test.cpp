@@ -14,6 +14,7 @@ TEST(NearName, IsTheOneWithTheFewestChanges) {
 TEST(NearName, IsNoneWhereNothingIsNear) {
   EXPECT_EQ(nearest_name("gearbox_ratio", {"mass", "rope_length"}), std::nullopt);
   EXPECT_EQ(nearest_name("abc", {"xyz"}), std::nullopt);  // 3 of 3
+  EXPECT_EQ(nearest_name("4", {"2", "3"}), std::nullopt);  // 1 of 1
 }
 
 TEST(NearName, StandsBeforeTheOthersInWords) {

@@ -127,6 +127,9 @@ TEST(YamlReader, MissingUnitAndMissingSource) {
 TEST(YamlReader, UnknownKeyBesideValueAndUnit) {
   EXPECT_EQ(complaints_about_mass("load:\n  mass: {value: 3, unit: kg, source: s, untit: kg}\n"),
             "crane.yaml:2:41: key 'load.mass': found the unknown key 'untit', "
+            "expected 'unit' (or one of value, unit, spread, source)");
+  EXPECT_EQ(complaints_about_mass("load:\n  mass: {value: 3, unit: kg, source: s, tolerance: 10 %}\n"),
+            "crane.yaml:2:41: key 'load.mass': found the unknown key 'tolerance', "
             "expected {value: a number, unit: kg, source: ...}");
 }
 

@@ -208,7 +208,10 @@ void check_scenario(const std::filesystem::path& file, const std::vector<common:
 std::optional<YamlNode> kind_of(const std::filesystem::path& file, InputProblems& problems) {
   const YamlNode root = common::load_yaml_file(file, {}, problems);
   if (const YamlNode* kind = root.find("kind")) return *kind;
-  if (problems.empty()) {
+  const auto mistyped = std::find_if(root.entries.begin(), root.entries.end(), [](const common::YamlEntry& entry) { return common::nearest_name(entry.key, {"kind"}).has_value(); });
+  if (problems.empty() && mistyped != root.entries.end()) {
+    problems.push_back({mistyped->mark, mistyped->key, "a key that is not known here", "'kind'"});
+  } else if (problems.empty()) {
     problems.push_back({root.mark, "kind", "nothing: the key is missing", common::known_names_text("", known_kinds())});
   }
   return std::nullopt;

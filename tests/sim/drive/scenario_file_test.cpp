@@ -104,6 +104,9 @@ TEST(ScenarioFile, BadValuesAreExplained) {
   EXPECT_EQ(complaint({{"operator.1.time", "4"}}),
             "--set operator.1.time=4: key 'operator.1.time': found 4000 ms, "
             "expected later than the move before, 5000 ms");
+  EXPECT_EQ(complaint({{"operator.1.time", "4 t"}}),  // and nothing of a time that was not read
+            "--set operator.1.time=4 t: key 'operator.1.time': found the unit 't', which measures something else, "
+            "expected one of s, ms, us, min, h");
   EXPECT_EQ(complaint({{"operator.0.speed_request", "1.5"}}),
             "--set operator.0.speed_request=1.5: key 'operator.0.speed_request': found 1.5, "
             "expected a number from -1 to 1");

@@ -140,6 +140,10 @@ TEST_F(CheckCommand, MissingKind) {
   expect_line(said_after("kind: crane\n", ""), "kind", "nothing: the key is missing", "one of crane, axis, controller, scenario, acceptance, acceptance_plan, campaign, soak, import_map, plc_map");
 }
 
+TEST_F(CheckCommand, AKeyThatWasMeantToBeKind) {
+  expect_line(said_after("kind: crane", "kidn: crane"), "kidn", "a key that is not known here", "'kind'");
+}
+
 TEST_F(CheckCommand, UnknownKind) {
   expect_line(said_after("kind: crane", "kind: ship"), "kind", "ship", "one of crane, axis, controller, scenario, acceptance, acceptance_plan, campaign, soak, import_map, plc_map");
 }
