@@ -426,9 +426,9 @@ int main(int argc, char** argv) {
                  "16 hexadecimal digits that stand in every message of this run; a new one where absent")
       ->check(CLI::Validator([](const std::string& text) { return msgs::is_hash_text(text) ? "" : "16 hexadecimal digits are wanted"; },
                              "HEX"));
-  app.add_flag("--realtime", options.realtime, "against the wall clock instead of in lockstep");
+  CLI::Option* realtime = app.add_flag("--realtime", options.realtime, "against the wall clock instead of in lockstep");
   app.add_flag("--steered", options.steered, "by lines on standard input, in place of the scenario's operator");
-  app.add_option("--speed", options.speed, "with --realtime: simulated seconds per second")->check(CLI::PositiveNumber);
+  app.add_option("--speed", options.speed, "with --realtime: simulated seconds per second")->check(CLI::PositiveNumber)->needs(realtime);
   app.add_option("--set", options.overrides, "key=value over the files, e.g. crane.load.mass=20t");
   try {
     app.parse(argc, argv);

@@ -49,7 +49,7 @@ void add_check(CLI::App& app, Action& action) {
   };
   auto options = std::make_shared<Options>();
   CLI::App* command = app.add_subcommand("check", "Read files of every kind (slewlab schema has them) and say what is wrong");
-  command->add_option("FILE", options->files, "files to check")->required();
+  command->add_option("FILE", options->files, "files to check")->required()->check(readable_file());
   add_settings(*command, options->overrides, "key=value over every file");
   command->callback([options, &action] {
     action = [options] {
@@ -145,7 +145,7 @@ void add_accept(CLI::App& app, const std::vector<std::string>& command_line, Act
       ->excludes(own);
   command->add_option("--plant", options->accept.plant_command, "shell command of your own plant");
   command->add_option("--limits", options->accept.limits, "limits (config/acceptance/thesis.yaml)")->excludes(record);
-  command->add_flag("--plot,!--no-plot", options->accept.plot, "draw acceptance.html (as it is by default)");
+  command->add_flag_callback("--no-plot", [options] { options->accept.plot = false; }, "no acceptance.html");
   command->add_option("--junit", options->accept.junit, "JUnit XML to write, for CI");
   command->add_option("--out", options->accept.out, "folder for the run (runs/accept_<scenario>), or for the record (runs/record_<plan>)");
   add_settings(*command, options->overrides, "key=value, as of slewlab run")->excludes(record);

@@ -45,6 +45,10 @@ TEST_F(ExitCodes, AFileThatIsNotThereOrOfAnotherKind) {
     expect_refused({"simulate", kCrane, log, "--out", out_}, log);
     expect_refused({"diagnose", "--crane", kCrane, "--log", log, "--out", out_}, log);
   }
+  for (const std::string& file : {std::string("/nowhere.yaml"), below_}) {
+    expect_refused({"check", kCrane, file}, "FILE: found '" + file + "', expected the name of a file that is there");
+  }
+  expect_refused({"modes", below_}, "'" + below_ + "', which is a folder, expected the name of a readable file");
   expect_refused({"accept", "/nowhere"}, "/nowhere");
   expect_refused({"withhold", "make", "--cases", "1", "--seed", "1", "--crane", "/nowhere", "--out", out_}, "/nowhere");
   expect_refused({"withhold", "make", "--cases", "1", "--seed", "1", "--purpose", "score", "--out", out_}, "seed 1 is for \"tune\"");

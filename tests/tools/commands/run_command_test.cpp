@@ -127,6 +127,16 @@ TEST_F(RunCommandTest, ATypoInASidesOptionsComesBeforeWhatIsMissing) {
   }
 }
 
+TEST_F(RunCommandTest, ASpeedWithoutAWallClockIsRefused) {
+  for (std::vector<std::string> words : {std::vector{kSlewlab, std::string("run"), kScenario},
+                                         {kPlant, "--scenario", kScenario, "--bus", "udpm://239.255.76.67:7667?ttl=0", "--log", out_.string()}}) {
+    words.insert(words.end(), {"--speed", "2"});
+    RunningProgram program(words);
+    EXPECT_EQ(program.wait_for_end(), 2);
+    EXPECT_NE(program.complaints().find("found --speed without --realtime, expected both or neither"), std::string::npos) << program.complaints();
+  }
+}
+
 TEST_F(RunCommandTest, TheProgramsOfASideTellTheirVersion) {
   RunningProgram all({kSlewlab, "--version"});
   EXPECT_EQ(all.wait_for_end(), 0);

@@ -76,6 +76,12 @@ class LaunchTest(unittest.TestCase):
             self.assertIn(told, words, script)
             self.assertEqual(told, name or told)
 
+    def test_completion_offers_options_that_can_be_typed(self):
+        script = subprocess.run([PROGRAM, "completion"], capture_output=True, text=True, timeout=60, check=True).stdout
+        offered = [word for words in re.findall(r'words="([^"]*)"', script) for word in words.split() if word.startswith("--")]
+        self.assertGreater(len(offered), 100)
+        self.assertEqual([word for word in offered if not re.fullmatch("--[a-z-]+", word)], [])
+
     def test_arguments_name_and_exit_code_are_the_programs_own(self):
         program = self.folder / "own.py"
         program.write_text("import sys\nprint(__name__, sys.argv)\nsys.exit(7)\n")
