@@ -52,7 +52,8 @@ def unit_in(name):
     """The unit that a column's name says, in brackets or behind the last underscore."""
     found = said_in_brackets(name)
     said = found or re.split(r"[_ ]", name)[-1]
-    for spelling in (said, OTHER_SPELLINGS.get(said.replace(" ", "").lower())):
+    with_powers = re.sub(r"(?<=[A-Za-z])([234])\b", r"^\1", said)  # m/s2
+    for spelling in (said, with_powers, OTHER_SPELLINGS.get(said.replace(" ", "").lower())):
         if spelling and quantity_of(spelling) and (found or spelling != "-"):
             return spelling
     return None
@@ -63,15 +64,19 @@ def said_in_brackets(name):
     return found.group(1).strip() if found else ""
 
 
+def words_fit(wanted, name):
+    """How many words of the column's name are the signal's."""
+    hits = sum(word in SIGNALS[wanted][1] for word in words_of(name))
+    return hits + 1 if wanted == "time" and name.strip().lower() == "t" else hits
+
+
 def score(wanted, name, unit):
     """How well a column fits a signal: 0 not at all."""
-    quantities, words = SIGNALS[wanted]
+    quantities = SIGNALS[wanted][0]
     quantity = quantity_of(unit) if unit else None
     if quantity and quantities and quantity not in quantities:
         return 0
-    hits = sum(word in words for word in words_of(name))
-    if wanted == "time" and name.strip().lower() == "t":
-        hits += 1
+    hits = words_fit(wanted, name)
     known = 1 if quantity and quantity in quantities and wanted in ("time", "shaft_position", "shaft_speed", "motor_torque") else 0
     return 2 * hits + known if hits else known
 
@@ -190,7 +195,8 @@ def map_text(path):
         if not guessed_column:
             remarks.append("no column was found")
         else:
-            remarks.append("guess: column, by its name" + (" and unit" if unit else ""))
+            by = ["name"] * (words_fit(name, column) > 0) + ["unit"] * bool(unit)
+            remarks.append("guess: column, by its " + " and ".join(by))
         parts = [f"column: {quoted(column)}"]
         if name == "emergency_stop":
             if rests_at_one(table[column]):

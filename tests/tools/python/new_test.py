@@ -190,6 +190,15 @@ class NewTest(unittest.TestCase):
         self.assertEqual(slewlab("import", "--map", map_file, data, "--out", log)[0], 0)
         np.testing.assert_allclose(read_run_log(log).channel("SENSORS")["tip_acceleration"], np.array([0.1, 0.1, 0.0, 0.0]) * 9.80665, rtol=1e-12)
 
+    def test_a_guess_says_what_it_is_made_of(self):
+        data, map_file = self.folder / "data.csv", self.folder / "map.yaml"
+        data.write_text("t,M [Nm],Tip (mm/s2)\n0,1,1\n1,1,1\n2,2,1\n")
+        self.made("map", map_file, "--data", data)
+        text = map_file.read_text()
+        self.assertIn("# guess: column, by its name; guess: unit, the usual one\ntime: {", text)
+        self.assertIn('# guess: column, by its unit; guess: sign 1\n  - {column: "M [Nm]", unit: "Nm"}', text)
+        self.assertIn('# guess: column, by its name and unit\ntip_acceleration: {column: "Tip (mm/s2)", unit: "mm/s^2"}', text)
+
     def test_what_no_column_was_found_for_is_said(self):
         data, map_file = self.folder / "data.csv", self.folder / "map.yaml"
         data.write_text("t,pos_deg\n0,0\n1,1\n2,2\n")
