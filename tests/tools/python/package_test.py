@@ -384,7 +384,8 @@ class SweepTest(unittest.TestCase):
         for wrong, error, words in ((lambda: slewlab.sweep(scenario, {"seed": 3}, measure=lambda run: "fast", progress=False), TypeError, "measure: found 'fast'"),
                                     (lambda: slewlab.sweep(scenario, {"seed": []}, progress=False), ValueError, "seed: found no value"),
                                     (lambda: slewlab.monte_carlo(scenario, {"seed": 3}, 2, seed=1, progress=False), TypeError,
-                                     "seed: found 3, expected a function of a random generator")):
+                                     "seed: found 3, expected a function of a random generator"),
+                                    (lambda: slewlab.monte_carlo(scenario, {}, 0, seed=1, progress=False), ValueError, "runs: found 0, expected at least 1")):
             with self.subTest(words=words), self.assertRaises(error) as raised:
                 wrong()
             self.assertIn(words, str(raised.exception))

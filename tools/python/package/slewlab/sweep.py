@@ -151,6 +151,8 @@ def monte_carlo(scenario: Scenario, draw: Mapping[str, Callable[[np.random.Gener
     for key, value in draw.items():
         if not callable(value):
             raise TypeError(f"{key}: found {value!r}, expected a function of a random generator; what is the same for all runs is the scenario's own")
+    if runs < 1:
+        raise ValueError(f"runs: found {runs}, expected at least 1")
     cases = []
     for number in range(runs):
         random = np.random.default_rng([seed, number])

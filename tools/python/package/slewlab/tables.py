@@ -77,6 +77,7 @@ class Channels:
         raise NotImplementedError
 
     def require(self, channel: str) -> None:
+        """KeyError, with the near name, where there is no such channel."""
         if channel not in self.channels:
             raise KeyError(f"no {channel} here, expected {_core.known_names_text(channel, self.channels)}")
 
