@@ -33,6 +33,11 @@ bool inside(double number, Range range) {
   return range.lowest_allowed ? number >= range.lowest : number > range.lowest;
 }
 
+// The digits behind a decimal comma, which ends a value within braces: {value: 60,5, unit: t}.
+bool is_behind_a_comma(const YamlEntry& entry) {
+  return !entry.key.empty() && entry.value.kind == YamlNode::Kind::null && entry.key.find_first_not_of("0123456789") == std::string::npos;
+}
+
 // A number that a range allows.
 double allowed(Range range) {
   if (std::isfinite(range.lowest) && std::isfinite(range.highest)) return 0.5 * (range.lowest + range.highest);
@@ -116,7 +121,12 @@ const YamlNode* YamlReader::sourced(const YamlNode& entry, std::string_view key,
     report_at(entry.mark, key, excerpt(entry), form);
     return nullptr;
   }
+  const YamlNode* value = entry.find("value");
   for (const YamlEntry& part : entry.entries) {
+    if (unit && value != nullptr && value->kind == YamlNode::Kind::scalar && is_behind_a_comma(part)) {
+      report_at(value->mark, key, value->scalar + ',' + part.key, "a decimal point, " + value->scalar + '.' + part.key);
+      return nullptr;
+    }
     if (part.key == "value" || part.key == "source" || (unit && part.key == "unit")) continue;
     if (unit && part.key == "spread") {
       if (!parse_share(part.value)) report_at(part.mark, key, "the spread " + excerpt(part.value), "a share above 0, such as 10 %");
@@ -128,7 +138,6 @@ const YamlNode* YamlReader::sourced(const YamlNode& entry, std::string_view key,
     const bool is_near = nearest_name(part.key, known).has_value();
     report_at(part.mark, key, "the unknown key '" + part.key + "'", is_near ? known_names_text(part.key, known) : form);
   }
-  const YamlNode* value = entry.find("value");
   if (value == nullptr) {
     report_at(entry.mark, key, excerpt(entry) + " but no 'value'", form);
     return nullptr;
@@ -145,6 +154,10 @@ const YamlNode* YamlReader::sourced(const YamlNode& entry, std::string_view key,
     return nullptr;
   }
   const std::optional<double> known = factor_to_si(*unit, spelling->scalar);
+  if (!known && spelling->scalar.starts_with(',')) {  // "60,5 t" of a command line
+    report_at(value->mark, key, value->scalar + spelling->scalar, "a decimal point, " + value->scalar + '.' + spelling->scalar.substr(1));
+    return nullptr;
+  }
   if (!known) {
     const std::optional<Unit> other = unit_of(spelling->scalar);
     const std::string why = other ? ", which measures something else" : ", which is unknown";

@@ -133,6 +133,13 @@ TEST(YamlReader, UnknownKeyBesideValueAndUnit) {
             "expected {value: a number, unit: kg, source: ...}");
 }
 
+TEST(YamlReader, ADecimalCommaIsToldAsOne) {
+  EXPECT_EQ(complaints_about_mass("load:\n  mass: {value: 60,5, unit: t, source: s}\n"),
+            "crane.yaml:2:17: key 'load.mass': found 60,5, expected a decimal point, 60.5");
+  EXPECT_EQ(complaints_about_mass("load:\n  mass: {value: 60, unit: ',5 t', source: s}\n"),  // as --set takes "60,5 t" apart
+            "crane.yaml:2:17: key 'load.mass': found 60,5 t, expected a decimal point, 60.5 t");
+}
+
 TEST(YamlReader, WholeNumbers) {
   const auto read = [](YamlReader& reader) { reader.integer("groups", 1, 8); };
   EXPECT_EQ(complaints("groups: {value: 2.5, unit: '-', source: s}\n", read),
