@@ -3,7 +3,10 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdlib>
 #include <numbers>
+
+#include "common/yaml_node.h"
 
 namespace slewlab::common {
 
@@ -22,5 +25,10 @@ std::string readable(double number) {
 }
 
 std::string readable_angle(double radians) { return readable(radians * 180.0 / std::numbers::pi) + " deg"; }
+
+std::string readable_time(std::int64_t nanoseconds) {
+  const bool is_short = std::abs(nanoseconds) < 1'000'000'000;
+  return shortest(static_cast<double>(nanoseconds) / (is_short ? 1e6 : 1e9)) + (is_short ? " ms" : " s");
+}
 
 }  // namespace slewlab::common

@@ -1,6 +1,7 @@
 // A number in a message to people.
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 namespace slewlab::common {
@@ -10,5 +11,8 @@ std::string readable(double number);
 
 // [deg] of an angle in rad, "82 deg".
 std::string readable_angle(double radians);
+
+// Of a time in nanoseconds with all its digits, in ms below a second and in s from there on: "10 ms", "5.0005 s".
+std::string readable_time(std::int64_t nanoseconds);
 
 }  // namespace slewlab::common

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <utility>
 
+#include "common/readable_number.h"
 #include "sim/machine/scales.h"
 
 namespace slewlab::sim {
@@ -33,9 +34,7 @@ std::size_t choice(YamlReader& reader, std::string_view key, const std::array<co
 std::int64_t read_time(YamlReader& reader, std::string_view key, std::int64_t period) {
   const std::int64_t time = nanoseconds(reader.number(key, Unit::second, between(0.0, kLongest)));
   if (period > 0 && time % period != 0) {
-    reader.report(key, common::shortest(static_cast<double>(time) / 1e6) + " ms",
-                  "a whole multiple of the controller period, " +
-                      common::shortest(static_cast<double>(period) / 1e6) + " ms");
+    reader.report(key, common::readable_time(time), "a whole multiple of the controller period, " + common::readable_time(period));
   }
   return time;
 }

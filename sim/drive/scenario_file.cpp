@@ -29,10 +29,6 @@ std::int64_t nanoseconds(double seconds) {
   return static_cast<std::int64_t>(std::llround(seconds * kNanosecondsPerSecond));
 }
 
-std::string in_milliseconds(std::int64_t time) {
-  return common::shortest(static_cast<double>(time) / 1e6) + " ms";
-}
-
 std::int64_t read_time(YamlReader& reader, std::string_view key) {
   return nanoseconds(reader.number(key, Unit::second, {1e-9, kLongest, true}));
 }
@@ -40,8 +36,8 @@ std::int64_t read_time(YamlReader& reader, std::string_view key) {
 // A time that must fall on a plant step.
 void check_multiple(YamlReader& reader, std::string_view key, std::int64_t time, std::int64_t plant_step) {
   if (plant_step <= 0 || time % plant_step == 0) return;
-  reader.report(key, in_milliseconds(time),
-                "a whole multiple of the plant step, " + in_milliseconds(plant_step));
+  reader.report(key, common::readable_time(time),
+                "a whole multiple of the plant step, " + common::readable_time(plant_step));
 }
 
 // A wish for another motion than slewing, in the list of `requests`. An emergency stop ends each of them.
@@ -64,8 +60,8 @@ std::vector<OperatorMove> read_moves(YamlReader& scenario, std::int64_t plant_st
     } else {
       check_multiple(reader, "time", move.time, plant_step);
       if (!is_first && move.time <= last) {
-        reader.report("time", in_milliseconds(move.time),
-                      "later than the move before, " + in_milliseconds(last));
+        reader.report("time", common::readable_time(move.time),
+                      "later than the move before, " + common::readable_time(last));
       }
     }
     is_first = false;
@@ -99,10 +95,10 @@ std::vector<EffectSwitch> read_effect_switches(YamlReader& scenario, std::int64_
     EffectSwitch change;
     change.time = nanoseconds(reader.number("time", Unit::second, between(0.0, kLongest)));
     if (controller_period > 0 && change.time % controller_period != 0) {
-      reader.report("time", in_milliseconds(change.time), "a whole multiple of the controller period, " + in_milliseconds(controller_period));
+      reader.report("time", common::readable_time(change.time), "a whole multiple of the controller period, " + common::readable_time(controller_period));
     }
     if (!switches.empty() && change.time < switches.back().time && !reader.is_told("time")) {
-      reader.report("time", in_milliseconds(change.time), "no time before that of the switch before, " + in_milliseconds(switches.back().time));
+      reader.report("time", common::readable_time(change.time), "no time before that of the switch before, " + common::readable_time(switches.back().time));
     }
     change.effect = reader.text("effect");
     change.on = reader.flag("on");

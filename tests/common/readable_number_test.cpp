@@ -24,5 +24,13 @@ TEST(ReadableNumber, HasSixDigitsAndNoExponentWhereNoneIsNeeded) {
 
 TEST(ReadableNumber, AnglesAreInDegrees) { EXPECT_EQ(readable_angle(std::numbers::pi / 3.0), "60 deg"); }
 
+TEST(ReadableNumber, TimesAreInMillisecondsBelowASecond) {
+  EXPECT_EQ(readable_time(10'000'000), "10 ms");
+  EXPECT_EQ(readable_time(0), "0 ms");
+  EXPECT_EQ(readable_time(1'500), "0.0015 ms");
+  EXPECT_EQ(readable_time(5'000'500'000), "5.0005 s");
+  EXPECT_EQ(readable_time(3'600'000'000'000), "3600 s");
+}
+
 }  // namespace
 }  // namespace slewlab::common

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "common/readable_number.h"
 #include "common/yaml_reader.h"
 
 namespace slewlab::tools {
@@ -23,9 +24,7 @@ std::int64_t read_time(YamlReader& reader, const char* key) {
 
 void check_multiple(YamlReader& reader, const char* key, std::int64_t time, std::int64_t of, const char* what) {
   if (of <= 0 || time % of == 0) return;
-  reader.report(key, common::shortest(static_cast<double>(time) / 1e6) + " ms",
-                std::string("a whole multiple of the ") + what + ", " +
-                    common::shortest(static_cast<double>(of) / 1e6) + " ms");
+  reader.report(key, common::readable_time(time), std::string("a whole multiple of the ") + what + ", " + common::readable_time(of));
 }
 
 SoakRange read_range(YamlReader reader, Unit unit, common::Range allowed, const char* lowest, const char* highest) {

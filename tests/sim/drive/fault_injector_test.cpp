@@ -256,7 +256,7 @@ TEST(FaultFile, WrongEntriesAreExplained) {
   EXPECT_NE(complaint("{fault: {value: gremlin, source: test}, " + from + "}").find("found gremlin, expected controller_killed or"),
             std::string::npos);
   EXPECT_NE(complaint("{fault: {value: main_power_lost, source: test}, from: {value: 1.001, unit: s, source: test}}")
-                .find("found 1001 ms, expected a whole multiple of the controller period, 10 ms"),
+                .find("found 1.001 s, expected a whole multiple of the controller period, 10 ms"),
             std::string::npos);
   EXPECT_NE(complaint("{fault: {value: message_lost, source: test}, " + from + "}").find("probability"), std::string::npos);
   EXPECT_NE(complaint("{fault: {value: motor_group_lost, source: test}, " + from + ", group: {value: 2, unit: '-', source: test}}")

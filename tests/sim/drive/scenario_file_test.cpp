@@ -67,7 +67,7 @@ TEST(ScenarioFile, SwitchesEffectsOfItsMachineAtControllerPeriods) {
   EXPECT_EQ(scenario.effect_switches[0].effect, "dragging_brake");
   EXPECT_FALSE(scenario.effect_switches[0].on);
   EXPECT_NE(complaint(with("12.5", "gusts")).find("key 'effect_switches': found 'gusts', expected an effect that stands under 'effects'"), std::string::npos);
-  EXPECT_NE(complaint(with("12.503", "dragging_brake")).find("found 12503 ms, expected a whole multiple of the controller period, 10 ms"), std::string::npos);
+  EXPECT_NE(complaint(with("12.503", "dragging_brake")).find("found 12.503 s, expected a whole multiple of the controller period, 10 ms"), std::string::npos);
 }
 
 TEST(ScenarioFile, NamesAnotherCraneFromTheCommandLine) {
@@ -91,7 +91,7 @@ TEST(ScenarioFile, TimesFallOnPlantSteps) {
             "--set controller_period=1.5 ms: key 'controller_period': found 1.5 ms, "
             "expected a whole multiple of the plant step, 1 ms");
   for (const char* period : {"1 ms", "2 ms", "3 ms", "5 ms", "0.01 s", "20 ms"}) EXPECT_EQ(complaint({{"controller_period", period}}), "");
-  EXPECT_NE(complaint({{"operator.0.time", "5.0005"}}).find("key 'operator.0.time': found 5000.5 ms"),
+  EXPECT_NE(complaint({{"operator.0.time", "5.0005"}}).find("key 'operator.0.time': found 5.0005 s"),
             std::string::npos);
 }
 
@@ -102,8 +102,8 @@ TEST(ScenarioFile, ATimeIsToldAsItWasGiven) {
 
 TEST(ScenarioFile, BadValuesAreExplained) {
   EXPECT_EQ(complaint({{"operator.1.time", "4"}}),
-            "--set operator.1.time=4: key 'operator.1.time': found 4000 ms, "
-            "expected later than the move before, 5000 ms");
+            "--set operator.1.time=4: key 'operator.1.time': found 4 s, "
+            "expected later than the move before, 5 s");
   EXPECT_EQ(complaint({{"operator.1.time", "4 t"}}),  // and nothing of a time that was not read
             "--set operator.1.time=4 t: key 'operator.1.time': found the unit 't', which measures something else, "
             "expected one of s, ms, us, min, h");
