@@ -188,7 +188,8 @@ std::vector<std::string> describe(const LogDamage& damage) {
   };
   if (damage.skipped_bytes > 0) {
     lines.push_back(std::to_string(damage.skipped_bytes) + " bytes in " +
-                    std::to_string(damage.skipped_stretches) + " places are no event and were skipped" + where());
+                    std::to_string(damage.skipped_stretches) + (damage.skipped_stretches == 1 ? " place" : " places") +
+                    " are no event and were skipped" + where());
   }
   if (damage.cut_off_bytes > 0) {
     lines.push_back("the end is cut off: " + std::to_string(damage.cut_off_bytes) +

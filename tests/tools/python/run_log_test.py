@@ -154,7 +154,7 @@ class RunLogTest(unittest.TestCase):
         self.path.write_bytes(whole[:event_size] + b"????" + whole[event_size + 4:])  # the second's sync word
         log = read_run_log(self.path)
         np.testing.assert_array_equal(log.channel("SENSORS")["sequence"], [0, 2, 3])
-        self.assertIn(f"{event_size} bytes in 1 places are no event and were skipped: {event_size} at byte {event_size}", " ".join(log.remarks))
+        self.assertIn(f"{event_size} bytes in 1 place are no event and were skipped: {event_size} at byte {event_size}", " ".join(log.remarks))
 
     def test_a_log_that_is_cut_off_while_it_is_read_is_told(self):
         log = self.read(made_run.messages())
