@@ -5,9 +5,10 @@
 namespace slewlab::common {
 namespace {
 
-// Distances counted by hand: letters put in, left out or changed.
+// Distances counted by hand: letters put in, left out, changed or swapped with the next one.
 TEST(NearName, IsTheOneWithTheFewestChanges) {
-  EXPECT_EQ(nearest_name("rope_lenght", {"rod_length", "rope_length"}), "rope_length");  // 2, and 4 of the other
+  EXPECT_EQ(nearest_name("rope_lenght", {"rod_length", "rope_length"}), "rope_length");  // 1, and 3 of the other
+  EXPECT_EQ(nearest_name("vray", {"draw", "vary"}), "vary");  // 1, and 2 of the other
   EXPECT_EQ(nearest_name("mas", {"mass", "masses"}), "mass");
 }
 

@@ -116,7 +116,7 @@ class MapReader:
             return default
         text = self.text(key, f"one of {', '.join(choices)}")
         if text is not None and text not in choices:
-            self.report(key, text, nearest(text, list(choices)))
+            self.report(key, text, core.known_names_text(text, list(choices)))
             return default
         return text
 
@@ -178,7 +178,7 @@ class MapReader:
     def finish(self):
         for key, (node, _) in self.entries.items():
             if key not in self.asked:
-                self.complain(node, key, "a key that is not known here", nearest(key, sorted(set(self.asked))))
+                self.complain(node, key, "a key that is not known here", core.known_names_text(key, sorted(set(self.asked))))
 
 
 def load(path):

@@ -339,6 +339,7 @@ motor_torque: {column: f, unit: N m, on: axis}
                                                                                    "rate: {value: 100, unit: Hz}"))
 
     def test_unknown_key(self):
+        self.refused(table(), "key 'tmie': found a key that is not known here, expected 'time' (or one of ", text=MAP.replace("time:", "tmie:"))
         self.refused(table(), "map.yaml:7:87: key 'shaft_position[2].sing': found a key that is not known here, "
                      "expected 'sign'", text=MAP.replace("sign:", "sing:"))
 
