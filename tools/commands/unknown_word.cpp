@@ -13,6 +13,15 @@ std::vector<std::string> command_names(const CLI::App& app) {
   return names;
 }
 
+// Those that --help lists: without a group a command is hidden.
+std::vector<std::string> shown_command_names(const CLI::App& app) {
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands({})) {
+    if (!command->get_group().empty()) names.push_back(command->get_name());
+  }
+  return names;
+}
+
 std::vector<std::string> option_names(const CLI::App& app) {
   std::vector<std::string> names;
   for (const CLI::Option* option : app.get_options({})) {
@@ -53,7 +62,7 @@ std::optional<std::string> unknown_word(const CLI::App& app, const std::vector<s
     const std::vector<std::string> commands = command_names(*command);
     if (commands.empty() || word.starts_with('-')) continue;
     if (std::find(commands.begin(), commands.end(), word) == commands.end()) {
-      return refusal(name, word, "command", commands);
+      return refusal(name, word, "command", shown_command_names(*command));
     }
     command = command->get_subcommand(word);
     name += ' ' + word;

@@ -19,6 +19,7 @@ class UnknownWord : public testing::Test {
     withhold->add_subcommand("make", "");
     withhold->add_subcommand("score", "");
     app_.add_subcommand("report", "")->prefix_command();
+    app_.add_subcommand("pages", "not for people")->group("");
   }
 
   std::string found(std::vector<std::string> words) {
@@ -36,6 +37,8 @@ TEST_F(UnknownWord, IsACommandWithTheNearOne) {
   EXPECT_EQ(found({"withhold", "scroe"}), "slewlab withhold: 'scroe' is no command of it, expected 'score' (or one of make, score)");
   EXPECT_EQ(found({"calibrate"}), "slewlab: 'calibrate' is no command of it, expected one of run, withhold, report");
 }
+
+TEST_F(UnknownWord, IsNoneWhereACommandIsHidden) { EXPECT_EQ(found({"pages"}), ""); }
 
 TEST_F(UnknownWord, IsAnOptionWithTheNearOne) {
   const std::string of_run = "slewlab run: '--contoller' is no option of it, expected '--controller' (or one of --help, --controller, --realtime)";
