@@ -85,6 +85,30 @@ EffectCatalogue catalogue_for(const std::vector<const EffectAbout*>& laws, const
   return catalogue;
 }
 
+std::vector<EffectInstance> parts_of(const EffectCatalogue& catalogue, const EffectInstance& whole) {
+  const EffectAbout& about = catalogue.at(whole.name);
+  if (about.parts == nullptr) return {};
+  std::vector<EffectInstance> parts = about.parts({about, whole.values});
+  for (EffectInstance& part : parts) {
+    const EffectAbout* const law = catalogue.find(part.name);
+    if (law == nullptr) return {};
+    for (std::size_t i = 0; i < part.values.size(); ++i) {
+      const EffectParameter& parameter = law->parameters.at(i);
+      part.values[i] = std::clamp(part.values[i], parameter.lower, parameter.upper);
+    }
+  }
+  return parts;
+}
+
+bool are_the_parts_of_one(const EffectCatalogue& catalogue, std::span<const std::string> effects) {
+  return std::any_of(catalogue.effects.begin(), catalogue.effects.end(), [&](const EffectAbout& law) {
+    const std::vector<EffectInstance> parts = parts_of(catalogue, typical_instance(law));
+    return !parts.empty() && parts.size() == effects.size() && std::all_of(parts.begin(), parts.end(), [&](const EffectInstance& part) {
+      return std::find(effects.begin(), effects.end(), part.name) != effects.end();
+    });
+  });
+}
+
 EffectCatalogue joined(EffectCatalogue first, const EffectCatalogue& second) {
   first.effects.insert(first.effects.end(), second.effects.begin(), second.effects.end());
   first.unsuited.insert(first.unsuited.end(), second.unsuited.begin(), second.unsuited.end());

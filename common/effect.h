@@ -9,6 +9,7 @@
 #include <array>
 #include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -124,6 +125,14 @@ struct MachineParts {
 // "" where `has` is all of `needs`, else what is not there: "a boom and a load".
 std::string missing_parts(const MachineParts& needs, const MachineParts& has);
 
+// An effect switched on, values in the order of its parameters, in SI.
+struct EffectInstance {
+  std::string name;
+  std::vector<double> values;
+};
+
+class EffectValues;
+
 struct EffectAbout {
   std::string_view name;
   Subsystem subsystem = Subsystem::drive;
@@ -145,6 +154,8 @@ struct EffectAbout {
   bool of_every_machine = false;
   // Between a command and the motor's torque: it does not show where that torque was measured.
   bool before_torque = false;
+  // The effects that together are this one where it has nothing of its own, with their values by its.
+  std::vector<EffectInstance> (*parts)(const EffectValues& values) = nullptr;
   // What it does grows with the motion, on a machine that stands as well as on one that turns: such an effect answers to the sensors' noise as the rest of the machine does.
   bool linear = false;
 };
@@ -159,12 +170,6 @@ std::size_t index_of(const EffectAbout& about, std::string_view parameter);
 
 // The effect with its numbers in SI.
 EffectAbout in_units_of(const EffectAbout& law, const EffectScales& scales);
-
-// An effect switched on, values in the order of its parameters, in SI.
-struct EffectInstance {
-  std::string name;
-  std::vector<double> values;
-};
 
 // Values by the names of their parameters: what a law is started with.
 class EffectValues {
@@ -191,6 +196,12 @@ struct EffectCatalogue {
 };
 
 EffectCatalogue catalogue_for(const std::vector<const EffectAbout*>& laws, const EffectScales& scales, const MachineParts& has);
+
+// What an effect holds whole (EffectAbout::parts), within their bounds; none where the catalogue has not all of them, or there are none.
+std::vector<EffectInstance> parts_of(const EffectCatalogue& catalogue, const EffectInstance& whole);
+
+// Whether these are all the parts of one law.
+bool are_the_parts_of_one(const EffectCatalogue& catalogue, std::span<const std::string> effects);
 
 // Both, the first one's effects first.
 EffectCatalogue joined(EffectCatalogue first, const EffectCatalogue& second);

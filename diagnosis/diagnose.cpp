@@ -271,6 +271,9 @@ Weighed weigh_fits(Problem& problem, const Found& found, std::size_t effect_coun
     cause.prior = relaxed.prior;
     cause.prior_chance = chance_of_prior(cause.prior, cause.information, evidence.independent_share);
     candidates.push_back({cause.effects, cause.excess, cause.prior, cause.information, count_at_bounds(problem.catalogue, result.point)});
+    Candidate& candidate = candidates.back();
+    for (const common::EffectInstance& effect : result.point.effects) candidate.laws += common::parts_of(problem.catalogue, effect).size();
+    candidate.is_one_cause = candidate.is_one_cause || common::are_the_parts_of_one(problem.catalogue, cause.effects);
     weighed.causes.push_back(std::move(cause));
   };
   add_candidate(found.nothing, relax(problem, under(of_nothing, found.nothing), misfit_cost, least));

@@ -48,23 +48,23 @@ Probabilities weigh(const std::vector<Candidate>& candidates, int single_count, 
   }
   const double gap = nothing->excess - floor;
   const MisfitCost misfit_cost(settings, gap);
-  const auto likelihood = [&](double left, const Candidate& candidate, double effects) {
+  const auto likelihood = [&](double left, const Candidate& candidate, std::size_t laws) {
     const double weight = settings.independent_share * misfit_cost.law_slope(left);
     const double occam = (1.0 + weight * candidate.information.array()).log().sum();
-    return -0.5 / settings.temper * (misfit_cost(left) + candidate.prior + occam + settings.effect_cost * effects);
+    return -0.5 / settings.temper * (misfit_cost(left) + candidate.prior + occam + settings.effect_cost * static_cast<double>(laws));
   };
   const double singles = std::max(1, single_count);
   std::vector<double> score;
   for (const Candidate& candidate : candidates) {
-    const double prior = candidate.effects.empty()       ? settings.prior_nothing
-                         : candidate.effects.size() == 1 ? settings.prior_single / singles
-                                                         : settings.prior_pair / (singles * (singles - 1.0) / 2.0);
-    score.push_back(std::log(prior) - std::numbers::ln2 * candidate.at_bounds + likelihood(std::max(0.0, candidate.excess - floor), candidate, static_cast<double>(candidate.effects.size())));
+    const double prior = candidate.effects.empty() ? settings.prior_nothing
+                         : candidate.is_one_cause  ? settings.prior_single / singles
+                                                   : settings.prior_pair / (singles * (singles - 1.0) / 2.0);
+    score.push_back(std::log(prior) - std::numbers::ln2 * candidate.at_bounds + likelihood(std::max(0.0, candidate.excess - floor), candidate, candidate.laws));
   }
   const double unexplained = std::max(settings.unknown_floor, settings.unknown_share * gap);
   Candidate outside = best_single(candidates);
   outside.prior = settings.unknown_prior;
-  const double unknown = std::log(settings.prior_unknown) + likelihood(unexplained, outside, 1.0);
+  const double unknown = std::log(settings.prior_unknown) + likelihood(unexplained, outside, 1);
   const double top = std::max(unknown, *std::max_element(score.begin(), score.end()));
   Probabilities result;
   result.floor = floor;

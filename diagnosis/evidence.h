@@ -1,6 +1,6 @@
 // From how well each hypothesis fits to how probable it is.
 //
-//   ln P(hypothesis | records) = ln prior - (M(c) + p + sum(ln(1 + w lambda)) + c_e * effects) / (2 T) - ln 2 * at_bounds + constant
+//   ln P(hypothesis | records) = ln prior - (M(c) + p + sum(ln(1 + w lambda)) + c_e * laws) / (2 T) - ln 2 * at_bounds + constant
 //   M(c) = k ln(1 + c / (k + r G)) + m ln(1 + c / (n + q G)),    w = s k / (k + r G + c)
 //
 // c is what the hypothesis leaves above the best one whose parameters a machine can have (above what the noise explains, where even the best leaves more), G
@@ -54,6 +54,10 @@ struct Candidate {
   double prior = 0.0;
   Eigen::VectorXd information{};
   int at_bounds = 0;  // how many shapes of its effects ended there, their sizes aside
+  // Laws that it holds: of an effect that others are together, where it has nothing of its own, these as well.
+  std::size_t laws = effects.size();
+  // As likely as a single effect: two that a law of the catalogue is together belong together.
+  bool is_one_cause = effects.size() == 1;
 };
 
 struct Probabilities {

@@ -375,6 +375,20 @@ void look_again(Problem& problem, const FitResult& base, const Screening& screen
   }
 }
 
+// A law that holds others of the catalogue whole may have taken their place: the leading single effects that are such, as their parts.
+void take_apart(Problem& problem, std::vector<FitResult>& fits) {
+  std::vector<FitResult> apart;
+  std::size_t leaders = 0;
+  for (const FitResult& single : fits) {
+    if (single.point.effects.size() != 1 || leaders++ == kPairLeaders) continue;
+    const std::vector<common::EffectInstance> parts = common::parts_of(problem.catalogue, single.point.effects.front());
+    if (parts.empty()) continue;
+    FitResult& pair = apart.emplace_back(fit(problem, single.columns.leftCols(static_cast<Eigen::Index>(single.point.nuisance.size())), {single.point.nuisance, parts}));
+    settle(problem, pair, kFreshRounds);
+  }
+  for (FitResult& pair : apart) take_cheaper(fits, {std::move(pair)});
+}
+
 // Of two effects that are the same motion the one that was fitted stands for the other as well.
 void name_both(const std::map<std::string, std::string>& same_as, std::vector<FitResult>& fits) {
   for (const auto& [name, other] : same_as) {
@@ -511,6 +525,7 @@ Found search(Problem& problem, FitResult& base, const Screening& screening, cons
   go_back(problem, base.columns, 2, fits);
   converge_singles(problem, fits, static_cast<std::size_t>(settings.contenders));
   if (settings.joint_pairs > 0) look_again(problem, base, screening, same_as, settings, looked_beside, fits, within(going_back, kLookAgain));
+  if (settings.joint_pairs > 0) take_apart(problem, fits);
   going_back(0.8, "going back to none");
   go_back(problem, base.columns, 1, fits);
   share_out(problem, fits.size(), [&](std::size_t i) { conclude(problem, fits[i]); });

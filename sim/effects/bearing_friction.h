@@ -37,6 +37,14 @@ class BearingFriction : public Running<BearingFriction<Level>> {
   Presliding joint_;
 };
 
+// What such a friction is where its level is one torque, and where that rises with the speed by a coefficient [Nm s/rad] besides.
+inline std::vector<common::EffectInstance> dry(double torque, const common::EffectValues& values) {
+  return {{"bearing_coulomb", {torque, values["asymmetry"], values["give"]}}};
+}
+inline std::vector<common::EffectInstance> dry_and_viscous(double torque, double coefficient, const common::EffectValues& values) {
+  return {dry(torque, values).front(), {"bearing_viscous", {coefficient, values["asymmetry"]}}};
+}
+
 inline common::EffectParameter bearing_give_parameter() {
   return give_parameter("slew angle over which the bearing takes up its friction; 0: dry friction", common::ScaleOf::axis_angle, 0.01986, 5.955e-4);
 }

@@ -60,7 +60,11 @@ const EffectDescription& bearing_rising() {
                                 .absent = std::nullopt},
                                asymmetry_parameter(),
                                bearing_give_parameter()},
-                .family = common::Family::friction},
+                .family = common::Family::friction,
+                // Slow beside the speed at which it flattens it is dry friction and a line.
+                .parts = [](const common::EffectValues& values) {
+                  return dry_and_viscous(values["at_rest"] * values["torque"], (1.0 - values["at_rest"]) * values["torque"] / values["speed"], values);
+                }},
       .ports = {EffectPort::friction, EffectPort::force},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<BearingFriction<RisingLevel>>(start);

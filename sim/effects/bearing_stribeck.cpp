@@ -60,7 +60,8 @@ const EffectDescription& bearing_stribeck() {
                                 .absent = std::nullopt},
                                asymmetry_parameter(),
                                bearing_give_parameter()},
-                .family = common::Family::friction},
+                .family = common::Family::friction,
+                .parts = [](const common::EffectValues& values) { return dry(values["coulomb_torque"], values); }},
       .ports = {EffectPort::friction, EffectPort::force},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<BearingFriction<StribeckLevel>>(start);

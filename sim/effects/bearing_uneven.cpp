@@ -82,7 +82,8 @@ const EffectDescription& bearing_uneven() {
                                second(second_cosine_parameter(), "cosine of half the wavelength, share of the mean"),
                                asymmetry_parameter(),
                                bearing_give_parameter()},
-                .family = common::Family::friction},
+                .family = common::Family::friction,
+                .parts = [](const common::EffectValues& values) { return dry(values["torque"], values); }},
       .ports = {EffectPort::friction, EffectPort::force},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<BearingFriction<UnevenLevel>>(start);

@@ -78,7 +78,8 @@ const EffectDescription& bearing_warming() {
                                 .tries = {2.0, 50.0}},
                                asymmetry_parameter(),
                                bearing_give_parameter()},
-                .family = common::Family::friction},
+                .family = common::Family::friction,
+                .parts = [](const common::EffectValues& values) { return dry_and_viscous(values["torque"], values["coefficient"], values); }},
       .ports = {EffectPort::friction, EffectPort::force},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<BearingFriction<WarmingLevel>>(start);

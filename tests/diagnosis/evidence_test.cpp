@@ -35,6 +35,18 @@ TEST(Evidence, ASecondEffectMustEarnItsPlace) {
   EXPECT_GT(p.candidate[1], p.candidate[2]);
 }
 
+// What a law has beside two others that it holds must gain its price, as a second effect beside a first; the two belong together, and are as likely as one.
+TEST(Evidence, ALawThatHoldsOthersMustShowWhatItHasOfItsOwn) {
+  const EvidenceSettings settings;
+  const Candidate nothing{{}, 2000.0, 0.0}, parts{.effects = {"a", "b"}, .laws = 2, .is_one_cause = true};
+  const auto odds = [&](double gain) {
+    const Probabilities p = weigh({nothing, parts, {.effects = {"ab"}, .excess = -gain, .laws = 3}}, 40, settings);
+    return p.candidate[2] / p.candidate[1];
+  };
+  EXPECT_NEAR(odds(0.0), std::exp(-0.5 / settings.temper * settings.effect_cost), 1e-9);
+  EXPECT_GT(odds(10.0 * settings.effect_cost), 10.0);
+}
+
 TEST(Evidence, UnknownWhereEveryCauseLeavesMuchOfALargeGap) {
   const Probabilities p = weigh({{{}, 10000.0, 0.0}, {{"a"}, 6000.0, 0.0}, {{"a", "b"}, 5000.0, 0.0}}, 40, {});
   EXPECT_GT(p.unknown, 0.99);

@@ -41,6 +41,38 @@ double distance(const std::vector<BenchSample>& a, const std::vector<BenchSample
   return std::sqrt(sum / static_cast<double>(a.size()));
 }
 
+// A law that holds others whole moves the machine as these do where it has nothing of its own: frictions that are even, not more at rest, do not warm, or
+// flatten far above every speed, whose curve is a line within 2 % up to a 25th of the speed at which it does.
+TEST(EffectCatalogue, ALawIsItsPartsWhereItHasNothingOfItsOwn) {
+  common::EffectCatalogue catalogue;
+  for (const EffectDescription* effect : effect_catalogue()) catalogue.effects.push_back(thesis_effect(effect->about.name));
+  MachineSettings settings;
+  settings.crane = rigid_crane_without_play();
+  const auto coasted = [&](std::vector<common::EffectInstance> effects) {
+    settings.effects = std::move(effects);
+    return run(settings, 4.0, no_drive, {.slew_speed = 0.004}).back().house_angle;
+  };
+  const std::vector<common::EffectInstance> laws{{"bearing_uneven", {1e5, 0.0, 1.0, 0.3, 0.0, 0.0, 0.2, 5e-5}},
+                                                 {"bearing_stribeck", {1e5, 0.0, 0.01, 0.2, 5e-5}},
+                                                 {"bearing_warming", {1e5, 5e6, 0.0, 1.0, 0.2, 5e-5}},
+                                                 {"bearing_rising", {2e6, 0.1, 0.05, 0.2, 5e-5}}};
+  for (const EffectDescription* effect : effect_catalogue()) {
+    const auto is_it = [&](const common::EffectInstance& law) { return law.name == effect->about.name; };
+    EXPECT_EQ(effect->about.parts != nullptr, std::any_of(laws.begin(), laws.end(), is_it)) << effect->about.name;
+  }
+  for (const common::EffectInstance& whole : laws) {
+    const std::vector<common::EffectInstance> parts = common::parts_of(catalogue, whole);
+    ASSERT_FALSE(parts.empty()) << whole.name;
+    std::vector<std::string> names;
+    for (const common::EffectInstance& part : parts) names.insert(names.begin(), part.name);
+    EXPECT_TRUE(common::are_the_parts_of_one(catalogue, names));
+    EXPECT_FALSE(common::are_the_parts_of_one(catalogue, std::vector<std::string>{names.front(), whole.name}));
+    const double as_one = coasted({whole}), as_parts = coasted(parts), without = coasted({});
+    EXPECT_GT(std::fabs(without - as_one), 0.3 * std::fabs(without)) << whole.name;
+    EXPECT_NEAR(as_parts, as_one, 0.02 * std::fabs(without - as_one)) << whole.name;
+  }
+}
+
 TEST(EffectCatalogue, DescribesEveryEffectFully) {
   std::set<std::string_view> names;
   for (const EffectDescription* effect : effect_catalogue()) {
