@@ -20,7 +20,7 @@ constexpr int kRelaxations = 8;
 // the differences uneven, and one way may end where another does not.
 constexpr std::array<double, 3> kFromAfar{1.0, 100.0, 10.0};
 constexpr double kNearTheNoise = 10.0;  // mean square, beyond which parameters are hardly all that is missing, and one way is enough
-constexpr int kIdleRounds = 2;         // in a row, that end a fit of the nuisances alone
+constexpr int kIdleRounds = 2;         // in a row, that end a fit of the nuisances alone, and behind which no fit is gone on with
 constexpr std::array<double, 4> kShortenings{0.0, 1.0, 3.0, 7.0};  // dampings that halve a step along an axis of the curvature, and again
 constexpr double kAtTheBound = 1.9;     // [standard deviations]
 constexpr double kEffectStep = 0.05;   // [standard deviations] the same for effects, around a fitted size
@@ -28,6 +28,7 @@ constexpr double kSpellStep = 0.05;    // of the time in which a spell fades: it
 constexpr double kStepDeviations = 2.0;  // the step where it is known how well the records tell the parameter, in what they leave open
 constexpr double kMuchTooLong = 0.3;     // open over step, below which a column is taken again
 constexpr int kMostLooks = 4;
+constexpr double kHardlyTold = 0.03;  // of what its prior tells of a nuisance parameter, up to which what the records tell of it hardly moves it: its column may be an older one
 // Share of the first step: large against what contacts and rounding make of a change; an order of a ripple that turns hundreds of times asks for less.
 constexpr double kSmallestNuisanceStep = 0.2, kSmallestEffectStep = 1e-3;
 
@@ -158,35 +159,42 @@ Eigen::VectorXd steps_at(const Problem& problem, const Point& point, const Eigen
   return steps;
 }
 
-// Of nuisances that an effect holds: zero.
-Eigen::MatrixXd nuisance_columns(Problem& problem, const Point& point, const Eigen::VectorXd& difference, const Eigen::VectorXd& steps) {
+// The columns d difference / d z where it stands, of those nuisances that the records tell something of; of those that an effect holds: zero. `weight` is what a
+// squared difference counts.
+void renew_nuisance_columns(Problem& problem, const Point& point, const Eigen::VectorXd& difference, const Eigen::VectorXd& steps, double weight, Eigen::MatrixXd& columns) {
   const std::size_t common = problem.nuisances.common_count(), own = problem.nuisances.per_record(), all = nuisance_count(problem);
   // Nuisances that are moved together: a record's own change no other record, so each of them goes with its likes.
   std::vector<std::vector<std::size_t>> moves;
   for (std::size_t k = 0; k < common; ++k) {
-    if (!is_held(problem, point, k)) moves.push_back({k});
+    if (is_held(problem, point, k)) columns.col(static_cast<Eigen::Index>(k)).setZero();
+    else moves.push_back({k});
   }
   for (std::size_t part = 0; part < own; ++part) {
     std::vector<std::size_t>& move = moves.emplace_back();
     for (std::size_t k = common + part; k < all; k += own) move.push_back(k);
   }
+  std::erase_if(moves, [&](const std::vector<std::size_t>& move) {
+    return std::all_of(move.begin(), move.end(), [&](std::size_t k) {
+      const double told = weight * columns.col(static_cast<Eigen::Index>(k)).squaredNorm();
+      return told > 0.0 && told < kHardlyTold;
+    });
+  });
   std::vector<Point> points(moves.size(), point);
   for (std::size_t i = 0; i < moves.size(); ++i) {
     for (const std::size_t k : moves[i]) points[i].nuisance[k] += steps(static_cast<Eigen::Index>(k));
   }
   const std::vector<Eigen::VectorXd> moved_differences = differences(problem, points);
   const std::vector<Eigen::Index> first_row = first_rows(problem);
-  Eigen::MatrixXd columns = Eigen::MatrixXd::Zero(difference.size(), static_cast<Eigen::Index>(all));
   for (std::size_t i = 0; i < moves.size(); ++i) {
     for (const std::size_t k : moves[i]) {
       const bool is_of_all = k < common;
       const std::size_t record = is_of_all ? 0 : (k - common) / own;
       const Eigen::Index from = first_row[record], to = is_of_all ? first_row.back() : first_row[record + 1];
       const auto column = static_cast<Eigen::Index>(k);
+      columns.col(column).setZero();
       columns.col(column).segment(from, to - from) = (moved_differences[i] - difference).segment(from, to - from) / steps(column);
     }
   }
-  return columns;
 }
 
 // Nuisances that an effect holds go back to the nominal machine, and what they were becomes the effect's.
@@ -325,14 +333,14 @@ double data_weight(const Eigen::VectorXd& difference, const FitSettings& setting
 namespace {
 
 bool improve(Problem& problem, FitResult& result, bool fresh_nuisances, double law_freedom) {
-  const auto nuisance_count = static_cast<Eigen::Index>(result.point.nuisance.size());
   const Eigen::VectorXd steps = steps_at(problem, result.point, result.difference, result.columns);
-  if (fresh_nuisances) {
-    result.columns.leftCols(nuisance_count) = nuisance_columns(problem, result.point, result.difference, steps);
-  }
+  if (fresh_nuisances) renew_nuisance_columns(problem, result.point, result.difference, steps, weight_of(problem, result.difference, law_freedom), result.columns);
   take_effect_columns(problem, result.point, result.difference, steps, result.columns);
   const double fall = descend(problem, result, law_freedom);
-  return fall > problem.settings.settled + problem.settings.settled_share * std::fabs(result.cost);
+  const bool was_worth_it = fall > problem.settings.settled + problem.settings.settled_share * std::fabs(result.cost);
+  if (was_worth_it) result.idle_rounds = 0;
+  else if (fresh_nuisances) ++result.idle_rounds;
+  return was_worth_it;
 }
 
 // A round that was worth little may have stood in a narrow valley of two parameters, along which the next one goes on with fresh columns.
@@ -433,10 +441,11 @@ void settle_from_afar(Problem& problem, FitResult& result, double times, int rou
   result.cost = cost_of(problem, result.point, result.difference, law_freedom);
   improve_until_idle(problem, result, rounds, law_freedom);
   result.cost = cost_of(problem, result.point, result.difference);
+  result.idle_rounds = 0;
 }
 
 void settle(Problem& problem, FitResult& result, int rounds) {
-  for (int round = 0; round < rounds && improve(problem, result, true); ++round) {
+  for (int round = 0; round < rounds && result.idle_rounds < kIdleRounds && improve(problem, result, true); ++round) {
   }
 }
 

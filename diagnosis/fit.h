@@ -54,7 +54,9 @@ struct FitResult {
   double mean_square = 0.0;          // of the differences
   double excess = 0.0;
   std::vector<double> deviation;     // of each effect parameter in order, in its own unit; from the curvature
+  int idle_rounds = 0;               // of its last rounds with fresh columns: they were worth little
   double cost_from_afar = std::numeric_limits<double>::infinity();  // at which it was last tried from afar
+  double cost_elsewhere = std::numeric_limits<double>::infinity();  // and from typical shapes
 };
 
 // The nominal machine, before anything is fitted: no columns.
@@ -100,7 +102,7 @@ bool improve(Problem& problem, FitResult& result, bool fresh_nuisances);
 // settings' afterwards.
 void settle_from_afar(Problem& problem, FitResult& result, double times, int rounds);
 
-// Rounds with fresh columns of both, at most as many, until one was worth little.
+// Rounds with fresh columns of both, at most as many, until one was worth little; none behind two such.
 void settle(Problem& problem, FitResult& result, int rounds);
 
 }  // namespace slewlab::diagnosis

@@ -44,6 +44,7 @@ std::string effects_of(const Point& point) {
 // Goes on until it settles. Parameters of effects that end at their bounds may have gone there on the way and not come back: once more with these at their typical values.
 void settle_rival(Problem& problem, FitResult& fitted) {
   settle(problem, fitted, kFreshRounds);
+  if (fitted.cost > fitted.cost_elsewhere - kNearRival) return;
   Point start = fitted.point;
   bool is_elsewhere = false;
   for (common::EffectInstance& effect : start.effects) {
@@ -59,6 +60,7 @@ void settle_rival(Problem& problem, FitResult& fitted) {
   FitResult other = fit(problem, fitted.columns.leftCols(static_cast<Eigen::Index>(start.nuisance.size())), start);
   settle(problem, other, kFreshRounds);
   if (other.cost < fitted.cost) fitted = std::move(other);
+  fitted.cost_elsewhere = fitted.cost;
 }
 
 // Goes on until it settles; what leaves more than noise, from afar as well, but from one place once.
@@ -79,7 +81,7 @@ void converge(Problem& problem, std::vector<FitResult>& fits, std::size_t count)
     std::stable_sort(fits.begin(), fits.end(), cheaper);
     if (mean_square(fits.front().difference) <= 1.0) return;
     const std::size_t now = std::min(count, fits.size());
-    share_out(problem, now, [&](std::size_t i) { improve(problem, fits[i], true); });
+    share_out(problem, now, [&](std::size_t i) { settle(problem, fits[i], 1); });
     if (count == 2) break;
   }
   std::stable_sort(fits.begin(), fits.end(), cheaper);
