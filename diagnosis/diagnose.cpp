@@ -13,6 +13,7 @@
 
 #include "controller/effects/catalogue.h"
 #include "diagnosis/admit.h"
+#include "diagnosis/hidden_effects.h"
 #include "diagnosis/model_step.h"
 #include "diagnosis/own_noise.h"
 #include "diagnosis/stochastic.h"
@@ -335,7 +336,7 @@ void add_up(const common::EffectCatalogue& known, Diagnosis& diagnosis) {
 
 // The answer in one line.
 void name_answer(const Cause& first, Diagnosis& diagnosis) {
-  diagnosis.gap = diagnosis.controller_differs || diagnosis.counts > 0.0 || diagnosis.probability_nothing < 0.5;
+  diagnosis.gap = diagnosis.controller_differs || diagnosis.counts > 0.0 || diagnosis.probability_nothing + diagnosis.probability_hidden < 0.5;
   diagnosis.is_unknown = diagnosis.probability_unknown > first.probability;
   if (diagnosis.is_unknown) {
     diagnosis.verdict = "outside the catalogue (unknown): no known effect explains what is missing";
@@ -611,6 +612,21 @@ void leave_room_for_the_controller(std::size_t of_the_controller, std::size_t al
   take_away(room / (evidence.prior_nothing + room), false, *nothing, diagnosis);
 }
 
+// Where nothing missing leads, it is no more certain than these records would show what is: an effect may act and be too small for them. It goes on leading.
+void leave_room_for_the_hidden(const Problem& problem, const Screening& screening, EvidenceSettings evidence, Diagnosis& diagnosis) {
+  if (diagnosis.causes.empty() || !diagnosis.causes.front().effects.empty()) return;
+  evidence.independent_share = problem.settings.independent_share;
+  const Hidden hidden = hidden_effects(problem.catalogue, screening.tried, static_cast<int>(screening.names.size()), evidence);
+  Cause& nothing = diagnosis.causes.front();
+  const double next = diagnosis.causes.size() > 1 ? diagnosis.causes[1].probability : 0.0;
+  const double spare = nothing.probability - std::max(next, diagnosis.probability_unknown);
+  diagnosis.probability_hidden = std::clamp(nothing.probability * hidden.odds / (1.0 + hidden.odds), 0.0, std::max(0.0, spare));
+  nothing.probability -= diagnosis.probability_hidden;
+  for (const auto& [effect, share] : hidden.effects) {
+    if (share > 0.5) diagnosis.hidden.push_back(effect);
+  }
+}
+
 // What the evidence cannot know of the lead: it weighs hypotheses as they are fitted, and each is less sure than its best fit says.
 void calibrate_lead(Diagnosis& diagnosis) {
   sort_causes(diagnosis.causes);
@@ -741,6 +757,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   }
   calibrate_lead(diagnosis);
   sort_causes(diagnosis.causes);
+  leave_room_for_the_hidden(problem, screening, settings.evidence, diagnosis);
   add_up(known, diagnosis);
   static const Cause kNone;
   const Cause& first = diagnosis.causes.empty() ? kNone : diagnosis.causes.front();

@@ -48,6 +48,8 @@ struct Diagnosis {
   double mean_square_parameters = 0.0;  // with parameters alone fitted
   std::vector<Cause> causes;            // falling probability; the one without effects is among them
   double probability_nothing = 0.0;
+  double probability_hidden = 0.0;      // that an effect acts which is too small for these records (hidden_effects.h); where nothing missing leads
+  std::vector<std::string> hidden;      // effects of which these records would hide more than a half of the sizes, most first; the same
   double probability_unknown = 0.0;
   bool is_unknown = false;              // nothing else is as probable: the answer is "outside the catalogue"
   std::string verdict;                  // one line

@@ -14,7 +14,7 @@ constexpr int kDrawnManoeuvres = 12;
 }  // namespace
 
 bool is_sure(const Diagnosis& found) {
-  if (!found.gap) return found.probability_nothing >= kSure;
+  if (!found.gap) return found.probability_nothing + found.probability_hidden >= kSure;
   if (found.is_unknown || found.causes.empty()) return false;
   const Cause& first = found.causes.front();
   return found.lead_acts >= kSure && first.group.empty();

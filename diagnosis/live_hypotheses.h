@@ -11,7 +11,7 @@ namespace slewlab::diagnosis {
 
 inline constexpr double kSure = 0.9;  // probability from which an answer is stated without a doubt
 
-// That the effects of one cause act, alone or beside another, or that nothing is missing, with at least kSure.
+// That the effects of one cause act, alone or beside another, or that nothing is missing that the records would show, with at least kSure.
 bool is_sure(const Diagnosis& found);
 
 // The likeliest causes, as fitted, and the controller with them, at the record's own period.

@@ -124,9 +124,14 @@ std::string followed_text(const Diagnosis& diagnosis) {
 // What a person acts on, in one sentence.
 std::string answer_sentence(const Diagnosis& diagnosis) {
   if (!diagnosis.gap) {
-    if (diagnosis.mean_square_nominal <= 1.0) return "No effect is missing: the nominal machine leaves no more than noise.";
-    if (diagnosis.probability_nothing >= diagnosis::kSure) return "No effect is missing: parameters within their spread explain the records.";
-    return fmt::format("Not sure: no effect is missing, {:.0f} %; parameters explain the records.", 100 * diagnosis.probability_nothing);
+    const bool is_nominal = diagnosis.mean_square_nominal <= 1.0;
+    if (!is_nominal && diagnosis.probability_nothing + diagnosis.probability_hidden < diagnosis::kSure) {
+      return fmt::format("Not sure: no effect is missing, {:.0f} %; parameters explain the records.", 100 * diagnosis.probability_nothing);
+    }
+    const char* const why = is_nominal ? "the nominal machine leaves no more than noise" : "parameters within their spread explain the records";
+    if (diagnosis.probability_nothing >= diagnosis::kSure) return fmt::format("No effect is missing: {}.", why);
+    return fmt::format("No effect is missing that these records would show: {}; with {:.0f} % none is, with {:.0f} % one that is too small for them.", why,
+                       100 * diagnosis.probability_nothing, 100 * diagnosis.probability_hidden);
   }
   if (diagnosis.is_unknown || diagnosis.causes.empty()) {
     // What is beside an effect may not be known, and the effect be likelier than that nothing known acts.
@@ -179,12 +184,14 @@ nlohmann::json to_json(const Diagnosis& diagnosis, bool is_damaged) {
                       {"mean_square_nominal", diagnosis.mean_square_nominal},
                       {"mean_square_parameters", diagnosis.mean_square_parameters},
                       {"probability_nothing_missing", diagnosis.probability_nothing},
+                      {"probability_hidden", diagnosis.probability_hidden},
                       {"probability_unknown", diagnosis.probability_unknown},
                       {"simulations", diagnosis.simulations},
                       {"simulation_seconds", diagnosis.simulation_seconds},
                       {"seconds", diagnosis.total_seconds},
                       {"remarks", diagnosis.remarks},
                       {"not_excited", diagnosis.not_excited},
+                      {"hidden", diagnosis.hidden},
                       {"subsystems", nlohmann::json::object()},
                       {"effects", nlohmann::json::object()},
                       {"causes", nlohmann::json::array()}};
@@ -369,6 +376,10 @@ std::string summary_text(const Diagnosis& diagnosis, bool is_damaged, const Told
     }
   }
   if (!is_unknown_told) out << unknown;
+  if (diagnosis.probability_hidden > 0.0) {
+    out << fmt::format("  {:5.1f} %  an effect that is too small for these records{}{}\n", 100 * diagnosis.probability_hidden,
+                       diagnosis.hidden.empty() ? "" : "; more than half of their sizes are, of ", fmt::join(diagnosis.hidden, ", "));
+  }
   const auto unlikely = std::find_if(diagnosis.effects.begin(), diagnosis.effects.end(),
                                      [](const auto& effect) { return effect.second < kWorthNaming; });
   const std::string acting = in_per_cent({diagnosis.effects.begin(), unlikely});

@@ -39,6 +39,9 @@ def probability_figure(found):
     causes = [c for c in found["causes"] if c["probability"] > 0.002][:8]
     names = [cause_name(c) for c in causes] + ["outside the catalogue"]
     shares = [c["probability"] for c in causes] + [found["probability_unknown"]]
+    if found.get("probability_hidden"):
+        names.insert(1, "one too small for these records")
+        shares.insert(1, found["probability_hidden"])
     figure = graph.Figure(graph.Bar(x=shares[::-1], y=names[::-1], orientation="h", marker_color=AFTER))
     figure.update_layout(title="Probability of each cause", xaxis={"range": [0, 1], "tickformat": ".0%"},
                          height=120 + 34 * len(names), margin={"l": 260, "t": 50, "b": 40})

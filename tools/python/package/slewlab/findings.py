@@ -60,6 +60,7 @@ class Diagnosis:
     causes: tuple[Cause, ...]
     subsystems: dict[str, float]  # probabilities
     probability_nothing_missing: float | None  # None of an axis
+    probability_hidden: float  # that an effect acts which is too small for these records, where nothing missing leads; 0 of an axis
     probability_unknown: float
     remarks: tuple[str, ...]
     is_stated: bool | None  # of an axis: the answer names laws, or says that none is missing; None of a crane
@@ -90,7 +91,7 @@ def read_diagnosis(folder: str | Path) -> Diagnosis:
         remainder = Remainder(raw["unexplained_share"], told["follows"], told["share"], told["words"], raw["has_unknown_remainder"])
     # An axis's answer is its verdict; it has no subsystems to blame.
     return Diagnosis(raw["verdict" if is_axis else "answer"], raw["gap"], tuple(causes),
-                     raw.get("subsystems") or {}, raw.get("probability_nothing_missing"), raw["probability_unknown"],
+                     raw.get("subsystems") or {}, raw.get("probability_nothing_missing"), raw.get("probability_hidden", 0.0), raw["probability_unknown"],
                      tuple(raw["remarks"]), raw.get("is_stated"), raw.get("action", ""), raw.get("explained_share"), remainder, folder, raw)
 
 
