@@ -20,6 +20,12 @@ class BusError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+// The address is none.
+class BusUrlError : public BusError {
+ public:
+  using BusError::BusError;
+};
+
 class Bus {
  public:
   using Handler = std::function<void(Bytes)>;

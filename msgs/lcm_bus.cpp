@@ -60,8 +60,8 @@ struct Address {
 };
 
 Address parse(const std::string& url) {
-  const auto refuse = [&](const std::string& what) -> BusError {
-    return BusError("'" + url + "' is no bus: " + what + "; a bus looks like " + bus_url(kDefaultPort));
+  const auto refuse = [&](const std::string& what) -> BusUrlError {
+    return BusUrlError("'" + url + "' is no bus: " + what + "; a bus looks like " + bus_url(kDefaultPort));
   };
   constexpr std::string_view kScheme = "udpm://";
   if (url.rfind(kScheme, 0) != 0) throw refuse("it does not begin with udpm://");

@@ -97,6 +97,9 @@ int main(int argc, char** argv) {
   } catch (const common::InputError& error) {
     std::fprintf(stderr, "%s\n", error.what());
     return 2;
+  } catch (const msgs::BusUrlError& error) {
+    std::fprintf(stderr, "slewlab-controller: %s\n", error.what());
+    return 2;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "slewlab-controller: %s\n", error.what());
     return 1;

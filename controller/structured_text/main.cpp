@@ -47,6 +47,9 @@ int main(int argc, char** argv) {
     const controller::AnswerLoop loop(*bus, controller::st_answer(program, period));
     while (!common::stop_requested()) bus->handle_one(kWait);
     return 0;
+  } catch (const msgs::BusUrlError& error) {
+    std::fprintf(stderr, "slewlab-st-host: %s\n", error.what());
+    return 2;
   } catch (const std::exception& error) {
     std::fprintf(stderr, "slewlab-st-host: %s\n", error.what());
     return 1;

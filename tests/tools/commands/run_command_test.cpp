@@ -137,6 +137,16 @@ TEST_F(RunCommandTest, ASpeedWithoutAWallClockIsRefused) {
   }
 }
 
+TEST_F(RunCommandTest, AnAddressThatIsNoBusIsAWrongCommand) {
+  for (std::vector<std::string> words : {std::vector{kPlant, std::string("--scenario"), kScenario, std::string("--log"), out_.string()},
+                                         {kController, "--config", SLEWLAB_SOURCE_DIR "/config/controllers/thesis.yaml", "--period-ms", "10"}}) {
+    words.insert(words.end(), {"--bus", "udpm://127.0.0.1:7667"});
+    RunningProgram program(words);
+    EXPECT_EQ(program.wait_for_end(), 2);
+    EXPECT_NE(program.complaints().find("127.0.0.1 is no multicast group"), std::string::npos) << program.complaints();
+  }
+}
+
 TEST_F(RunCommandTest, TheProgramsOfASideTellTheirVersion) {
   RunningProgram all({kSlewlab, "--version"});
   EXPECT_EQ(all.wait_for_end(), 0);
