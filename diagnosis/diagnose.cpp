@@ -165,10 +165,11 @@ Searched search_as_built(Problem& problem, int as_cut, FitResult& nominal_machin
 }
 
 // Whether what mesh and step were taken to make wrong is far more than they do, and hides a gap: the nominal machine stays below it, and another one far below that. What numbers
-// and integration leave is less.
-bool is_floor_too_high(const FitResult& nominal_machine, const FitResult& best) {
+// and integration leave is less, but for what goes on behind impacts.
+bool is_floor_too_high(const Problem& problem, const FitResult& nominal_machine, const FitResult& best) {
   constexpr double kHidden = 0.01, kFarBelow = 0.1;
-  return nominal_machine.mean_square > kHidden && nominal_machine.mean_square <= 1.0 && best.mean_square < kFarBelow * nominal_machine.mean_square;
+  const auto is_free = [](const Whitening& whitening) { return judged_share(whitening) >= kFreeOfImpacts; };
+  return std::all_of(problem.whitening.begin(), problem.whitening.end(), is_free) && nominal_machine.mean_square > kHidden && nominal_machine.mean_square <= 1.0 && best.mean_square < kFarBelow * nominal_machine.mean_square;
 }
 
 // The search, and once more where the best fit shows that mesh and step are better than they were taken for, as those of slewlab's own logs are: with the floor that it shows.
@@ -187,7 +188,7 @@ Searched search_to_the_floor(Problem& problem, WhiteningSettings& whitening, Fit
   };
   Searched searched = search_here();
   const FitResult& best = searched.best(problem.catalogue);
-  if (!is_floor_too_high(nominal_machine, best)) return searched;
+  if (!is_floor_too_high(problem, nominal_machine, best)) return searched;
   const double shown = std::sqrt(std::max(kLeastShown, best.mean_square));
   whitening.discrepancy_share *= shown;
   problem.nominal = admitted;

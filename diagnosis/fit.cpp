@@ -28,7 +28,6 @@ constexpr double kSpellStep = 0.05;    // of the time in which a spell fades: it
 constexpr double kStepDeviations = 2.0;  // the step where it is known how well the records tell the parameter, in what they leave open
 constexpr double kMuchTooLong = 0.3;     // open over step, below which a column is taken again
 constexpr int kMostLooks = 4;
-constexpr double kHardlyTold = 0.03;  // of what its prior tells of a nuisance parameter, up to which what the records tell of it hardly moves it: its column may be an older one
 // Share of the first step: large against what contacts and rounding make of a change; an order of a ripple that turns hundreds of times asks for less.
 constexpr double kSmallestNuisanceStep = 0.2, kSmallestEffectStep = 1e-3;
 
@@ -159,9 +158,8 @@ Eigen::VectorXd steps_at(const Problem& problem, const Point& point, const Eigen
   return steps;
 }
 
-// The columns d difference / d z where it stands, of those nuisances that the records tell something of; of those that an effect holds: zero. `weight` is what a
-// squared difference counts.
-void renew_nuisance_columns(Problem& problem, const Point& point, const Eigen::VectorXd& difference, const Eigen::VectorXd& steps, double weight, Eigen::MatrixXd& columns) {
+// The columns d difference / d z where it stands; of nuisances that an effect holds: zero.
+void renew_nuisance_columns(Problem& problem, const Point& point, const Eigen::VectorXd& difference, const Eigen::VectorXd& steps, Eigen::MatrixXd& columns) {
   const std::size_t common = problem.nuisances.common_count(), own = problem.nuisances.per_record(), all = nuisance_count(problem);
   // Nuisances that are moved together: a record's own change no other record, so each of them goes with its likes.
   std::vector<std::vector<std::size_t>> moves;
@@ -173,12 +171,6 @@ void renew_nuisance_columns(Problem& problem, const Point& point, const Eigen::V
     std::vector<std::size_t>& move = moves.emplace_back();
     for (std::size_t k = common + part; k < all; k += own) move.push_back(k);
   }
-  std::erase_if(moves, [&](const std::vector<std::size_t>& move) {
-    return std::all_of(move.begin(), move.end(), [&](std::size_t k) {
-      const double told = weight * columns.col(static_cast<Eigen::Index>(k)).squaredNorm();
-      return told > 0.0 && told < kHardlyTold;
-    });
-  });
   std::vector<Point> points(moves.size(), point);
   for (std::size_t i = 0; i < moves.size(); ++i) {
     for (const std::size_t k : moves[i]) points[i].nuisance[k] += steps(static_cast<Eigen::Index>(k));
@@ -334,7 +326,7 @@ namespace {
 
 bool improve(Problem& problem, FitResult& result, bool fresh_nuisances, double law_freedom) {
   const Eigen::VectorXd steps = steps_at(problem, result.point, result.difference, result.columns);
-  if (fresh_nuisances) renew_nuisance_columns(problem, result.point, result.difference, steps, weight_of(problem, result.difference, law_freedom), result.columns);
+  if (fresh_nuisances) renew_nuisance_columns(problem, result.point, result.difference, steps, result.columns);
   take_effect_columns(problem, result.point, result.difference, steps, result.columns);
   const double fall = descend(problem, result, law_freedom);
   const bool was_worth_it = fall > problem.settings.settled + problem.settings.settled_share * std::fabs(result.cost);

@@ -31,8 +31,6 @@ constexpr double kBetter = 4.6;         // -2 ln of odds of one to ten: what cha
 // Relative closed-loop error beyond which two runs are no longer the same motion (two independent ones differ by 1.4). What leaves noise alone where it was led along moves as the machine does: its free run then differs by what small
 // differences grow to, as behind an impact, and may be worse by half; chosen.
 constexpr double kDecorrelated = 0.7, kWorseByChance = 1.5;
-// Share of a record away from impacts, below which free runs across them are not compared; chosen.
-constexpr double kFreeOfImpacts = 0.8;
 
 std::unique_ptr<Problem> same_machine(const Problem& problem) {
   auto other = std::make_unique<Problem>();
@@ -53,15 +51,6 @@ Whitening whitening_of_half(const Problem& problem, const WhiteningSettings& set
   const Record& last = problem.records.back();
   const std::size_t middle = last.size() / 2;
   return whitening_between(problem, last, follower, settings, second ? middle : 0, second ? last.size() : middle);
-}
-
-// Of the stretch from the first point to the last one that is judged.
-double judged_share(const Whitening& whitening) {
-  const auto is_judged = [](double weight) { return weight > 0.0; };
-  const auto first = std::find_if(whitening.window.begin(), whitening.window.end(), is_judged);
-  const auto last = std::find_if(whitening.window.rbegin(), whitening.window.rend(), is_judged).base();
-  if (first >= last) return 0.0;
-  return static_cast<double>(std::count_if(first, last, is_judged)) / static_cast<double>(last - first);
 }
 
 // One record as a hypothesis predicts it that was fitted to others: with what only its beginning is like (the load's swing, where the motors stand)

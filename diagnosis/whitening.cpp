@@ -439,4 +439,12 @@ void whiten(const Whitening& whitening, const Shadow& shadow, TransformRoom& roo
   for (const FlankPart& part : whitening.flanks) result(row++) = part.weight * beside_the_first(shadow, part);
 }
 
+double judged_share(const Whitening& whitening) {
+  const auto is_judged = [](double weight) { return weight > 0.0; };
+  const auto first = std::find_if(whitening.window.begin(), whitening.window.end(), is_judged);
+  const auto last = std::find_if(whitening.window.rbegin(), whitening.window.rend(), is_judged).base();
+  if (first >= last) return 0.0;
+  return static_cast<double>(std::count_if(first, last, is_judged)) / static_cast<double>(last - first);
+}
+
 }  // namespace slewlab::diagnosis

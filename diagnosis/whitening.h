@@ -124,4 +124,8 @@ class TransformRoom {
 // As whiten(), into `result`.
 void whiten(const Whitening& whitening, const Shadow& shadow, TransformRoom& room, Eigen::Ref<Eigen::VectorXd> result);
 
+// Share that is judged of the stretch from the first point to the last one that is: 1 but for what lies near impacts.
+double judged_share(const Whitening& whitening);
+inline constexpr double kFreeOfImpacts = 0.8;  // share below which what numbers leave behind impacts counts: free runs across them are not compared; chosen
+
 }  // namespace slewlab::diagnosis

@@ -334,8 +334,7 @@ TEST(Diagnose, SaysNothingIsMissingOfALogThatBeginsWhileACraneAtRestStillSwings)
 
 // The logs that slewlab itself writes at a PLC's rate of 10 ms: no noise to hide behind, the boom cut as its file has it, and a model that steps as coarsely.
 Diagnosis diagnose_own_logs(const sim::MachineSettings& truth, const std::vector<std::vector<Move>>& manoeuvres, const DiagnosisSettings& diagnosis_settings = {},
-                            const std::function<void(msgs::RunLog&)>& as_measured = {}) {
-  controller::ControllerSettings controller = bench().controller;
+                            const std::function<void(msgs::RunLog&)>& as_measured = {}, controller::ControllerSettings controller = bench().controller) {
   controller.period = 0.01;
   std::vector<Record> records;
   for (const std::vector<Move>& moves : manoeuvres) {
@@ -379,6 +378,17 @@ TEST(Diagnose, CutsTheBoomOfAnOwnLogAsItsFileHasIt) {
   EXPECT_EQ(found.causes[0].effects, std::vector<std::string>{"bearing_viscous"});
   EXPECT_GT(found.causes[0].probability, 0.8);
   EXPECT_NEAR(found.causes[0].sizes[0].value, 5e6, 0.03 * 5e6);  // its interval is 8 % either side
+}
+
+// Teeth that knock for half of the record, without noise: where it is judged parameters follow what numbers leave behind impacts far below the floor, and nothing is missing for that.
+TEST(Diagnose, SaysNothingIsMissingOfAnOwnLogThatKnocks) {
+  sim::MachineSettings truth;
+  truth.crane = bench().crane;
+  controller::ControllerSettings pushing = bench().controller;
+  pushing.play_compensation.enabled = false;
+  const Diagnosis found = diagnose_own_logs(truth, {kThereAndBack}, {}, {}, pushing);
+  EXPECT_FALSE(found.gap) << found.verdict;
+  EXPECT_LE(found.mean_square_nominal, 1.0);
 }
 
 // A load a fifth heavier changes what the encoders show by less than mesh and step are taken to make wrong, and yet the record tells it.
@@ -431,7 +441,7 @@ TEST(Diagnose, TakesWhatScattersInMeasuredTorquesForNoise) {
     }
   });
   EXPECT_FALSE(found.gap) << found.verdict;
-  EXPECT_GT(found.probability_nothing, 0.9);
+  EXPECT_GT(found.probability_nothing + found.probability_hidden, 0.9);
   EXPECT_TRUE(std::any_of(found.remarks.begin(), found.remarks.end(), [](const std::string& remark) { return remark.find("torque_lag") != std::string::npos; }));
 }
 
@@ -720,7 +730,7 @@ TEST(Diagnose, FindsALargeSecondEffectBesideJitter) {
   EXPECT_TRUE(named.contains("flyjib_torsion")) << found.verdict;
   // Beside so large an effect the held-out record may not tell a jitter from the delay that it is on the average; then no delay is sure.
   const bool is_jitter = named.contains("command_jitter") || named.contains("command_loss");  // FindsJitterWithoutItsDraw
-  EXPECT_TRUE(is_jitter || found.causes[0].probability < 0.6) << found.verdict;
+  EXPECT_TRUE(is_jitter || found.causes[0].probability < 0.6) << found.verdict << " " << found.causes[0].probability;
   EXPECT_TRUE(is_jitter || named.contains("dead_time") || named.contains("command_delay")) << found.verdict;
 }
 
