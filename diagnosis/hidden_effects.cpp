@@ -28,8 +28,8 @@ double told_from(int effect_count, const EvidenceSettings& settings) {
   return to;
 }
 
-double share_hidden(const common::EffectParameter& size, double start, double square, double told_from, double independent_share) {
-  const double amount = std::sqrt(told_from / std::max(independent_share * square, 1e-300));  // of the start, that is hidden
+double share_hidden(const common::EffectParameter& size, double start, double square, double needed, double independent_share) {
+  const double amount = std::sqrt(needed / std::max(independent_share * square, 1e-300));  // of the start, that is hidden
   const bool is_endless = size.absent && !std::isfinite(*size.absent);
   const double absent = size.absent && !is_endless ? *size.absent : size.lower;
   const double reach = std::min(amount, 1e6) * std::fabs(start - absent);

@@ -27,8 +27,8 @@ namespace slewlab::diagnosis {
 // c.
 double told_from(int effect_count, const EvidenceSettings& settings);
 
-// P(|x| < x_h) by one simulation of the effect: `square` is V of the size `start`.
-double share_hidden(const common::EffectParameter& size, double start, double square, double told_from, double independent_share);
+// P(|x| < x_h) by one simulation of the effect: `square` is V of the size `start`, `needed` is c.
+double share_hidden(const common::EffectParameter& size, double start, double square, double needed, double independent_share);
 
 struct Hidden {
   double odds = 0.0;                                    // P(hidden) / P(nothing missing)

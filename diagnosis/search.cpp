@@ -388,7 +388,7 @@ void take_apart(Problem& problem, std::vector<FitResult>& fits) {
     FitResult& pair = apart.emplace_back(fit(problem, single.columns.leftCols(static_cast<Eigen::Index>(single.point.nuisance.size())), {single.point.nuisance, parts}));
     settle(problem, pair, kFreshRounds);
   }
-  for (FitResult& pair : apart) take_cheaper(fits, {std::move(pair)});
+  take_cheaper(fits, std::move(apart));
 }
 
 // Of two effects that are the same motion the one that was fitted stands for the other as well.
