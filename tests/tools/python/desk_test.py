@@ -261,7 +261,7 @@ class DeskTest(unittest.TestCase):
             page.until("document.getElementById('trip').hidden")
 
     def test_one_page_has_the_joystick_and_its_end_lets_go(self):
-        with self.steered() as desk:
+        with self.steered("--let-go-after", "30") as desk:  # it is its end that lets go, not that two pages are slow on a machine with other work
             first, second = self.open(desk.address), self.open(desk.address)
             first.click("#take")
             second.until("document.getElementById('take').disabled")
