@@ -252,7 +252,6 @@ int count_at_bounds(const common::EffectCatalogue& catalogue, const Point& point
 }
 
 Weighed weigh_fits(Problem& problem, const Found& found, std::size_t effect_count, EvidenceSettings evidence) {
-  evidence.independent_share = problem.settings.independent_share;
   evidence.unknown_floor += kNoise * problem.settings.independent_share * static_cast<double>(difference_count(problem));
   const OwnNoise of_nothing = noise_of(problem, found.nothing);
   std::vector<OwnNoise> of_fits(found.fits.size());
@@ -614,9 +613,8 @@ void leave_room_for_the_controller(std::size_t of_the_controller, std::size_t al
 }
 
 // Where nothing missing leads, it is no more certain than these records would show what is: an effect may act and be too small for them. It goes on leading.
-void leave_room_for_the_hidden(const Problem& problem, const Screening& screening, EvidenceSettings evidence, Diagnosis& diagnosis) {
+void leave_room_for_the_hidden(const Problem& problem, const Screening& screening, const EvidenceSettings& evidence, Diagnosis& diagnosis) {
   if (diagnosis.causes.empty() || !diagnosis.causes.front().effects.empty()) return;
-  evidence.independent_share = problem.settings.independent_share;
   const Hidden hidden = hidden_effects(problem.catalogue, screening.tried, static_cast<int>(screening.names.size()), evidence);
   Cause& nothing = diagnosis.causes.front();
   const double next = diagnosis.causes.size() > 1 ? diagnosis.causes[1].probability : 0.0;
@@ -722,7 +720,9 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
     if (square < kVisible) diagnosis.not_excited.push_back(name);
   }
 
-  Weighed weighed = weigh_fits(problem, found, screening.names.size(), settings.evidence);
+  EvidenceSettings evidence = settings.evidence;
+  evidence.independent_share = problem.settings.independent_share;
+  Weighed weighed = weigh_fits(problem, found, screening.names.size(), evidence);
   // The gap lies where the most probable cause takes something away; where none does, where more than noise is left.
   const FitResult* const answer_fit = weighed.answer(found.fits);
   const bool is_taken = answer_fit != nullptr && !is_stochastic(problem.catalogue.at(answer_fit->point.effects[0].name));
@@ -754,11 +754,11 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   const common::EffectCatalogue of_the_controller = controller ? controller::effects_for(*controller) : common::EffectCatalogue{};
   const common::EffectCatalogue known = joined(problem.catalogue, of_the_controller);
   if (controller && !diagnosis.has_controller) {
-    leave_room_for_the_controller(of_the_controller.effects.size(), known.effects.size(), settings.evidence, diagnosis);
+    leave_room_for_the_controller(of_the_controller.effects.size(), known.effects.size(), evidence, diagnosis);
   }
   calibrate_lead(diagnosis);
   sort_causes(diagnosis.causes);
-  leave_room_for_the_hidden(problem, screening, settings.evidence, diagnosis);
+  leave_room_for_the_hidden(problem, screening, evidence, diagnosis);
   add_up(known, diagnosis);
   static const Cause kNone;
   const Cause& first = diagnosis.causes.empty() ? kNone : diagnosis.causes.front();

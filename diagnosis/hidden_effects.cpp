@@ -46,6 +46,7 @@ Hidden hidden_effects(const common::EffectCatalogue& catalogue, std::span<const 
   };
   std::map<std::string, Sum> by_effect;
   for (const Screened& screened : tried) {
+    if (!std::isfinite(screened.visibility)) continue;  // a machine that is none tells nothing
     const common::EffectParameter& size = catalogue.at(screened.start.name).parameters[common::kSize];
     Sum& sum = by_effect[screened.start.name];
     sum.hidden += share_hidden(size, screened.start.values[common::kSize], screened.visibility, c, settings.independent_share);

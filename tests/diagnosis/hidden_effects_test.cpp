@@ -49,16 +49,19 @@ TEST(HiddenEffects, OfALimitTheLargeOnesAreHidden) {
 
 TEST(HiddenEffects, TheOddsAreThePriorsWhereNothingShows) {
   common::EffectCatalogue catalogue;
-  for (const char* name : {"a", "b"}) catalogue.effects.push_back({.name = name, .parameters = {linear_size(0.0)}});
+  for (const char* name : {"a", "b"}) catalogue.effects.emplace_back().name = name;
+  for (common::EffectAbout& about : catalogue.effects) about.parameters = {linear_size(0.0)};
   const EvidenceSettings settings;
   const auto odds = [&](double of_a, double of_b) {
-    return hidden_effects(catalogue, std::vector<Screened>{{.start = {"a", {4.0}}, .visibility = of_a}, {.start = {"b", {4.0}}, .visibility = of_b}}, 2, settings);
+    return hidden_effects(catalogue, std::vector<Screened>{{{"a", {4.0}}, {}, of_a}, {{"b", {4.0}}, {}, of_b}}, 2, settings);
   };
   EXPECT_NEAR(odds(0.0, 0.0).odds, (settings.prior_single + settings.prior_pair) / settings.prior_nothing, 1e-6);
   EXPECT_NEAR(odds(1e18, 1e18).odds, 0.0, 1e-6);
   const Hidden one = odds(1e18, 0.0);
   EXPECT_NEAR(one.odds, (0.5 * settings.prior_single + 0.25 * settings.prior_pair) / settings.prior_nothing, 1e-6);
   EXPECT_EQ(one.effects.front().first, "b");
+  // A size whose machine could not be simulated is no size that was tried.
+  EXPECT_EQ(odds(std::numeric_limits<double>::quiet_NaN(), 0.0).odds, hidden_effects(catalogue, std::vector<Screened>{{{"b", {4.0}}, {}, 0.0}}, 2, settings).odds);
 }
 
 }  // namespace

@@ -59,6 +59,13 @@ class NewTest(unittest.TestCase):
         self.addCleanup(folder.cleanup)
         self.folder = Path(folder.name)
 
+    def map_of(self, table):
+        """The map that is made for a CSV of that text."""
+        data, map_file = self.folder / "data.csv", self.folder / "map.yaml"
+        data.write_text(table)
+        self.made("map", map_file, "--data", data)
+        return map_file
+
     def made(self, *words):
         code, said = slewlab("new", *words)
         self.assertEqual(code, 0, said)
@@ -159,9 +166,7 @@ class NewTest(unittest.TestCase):
         self.assertIn("guess: unit, the usual one", (self.folder / "0.yaml").read_text())
 
     def test_groups_that_some_signals_have_not_are_marked(self):
-        data, map_file = self.folder / "data.csv", self.folder / "map.yaml"
-        data.write_text("t,encoder,torque_1,torque_2\n0,0,1,1\n1,1,1,1\n2,2,1,1\n")
-        self.made("map", map_file, "--data", data)
+        map_file = self.map_of("t,encoder,torque_1,torque_2\n0,0,1,1\n1,1,1,1\n2,2,1,1\n")
         told = yaml.safe_load(map_file.read_text())
         self.assertEqual([each["column"] for each in told["shaft_position"]], ["encoder", "REPLACE_shaft_position_2"])
         self.assertEqual(told["shaft_speed"], 2 * [{"derive": "central_difference"}])
@@ -191,18 +196,14 @@ class NewTest(unittest.TestCase):
         np.testing.assert_allclose(read_run_log(log).channel("SENSORS")["tip_acceleration"], np.array([0.1, 0.1, 0.0, 0.0]) * 9.80665, rtol=1e-12)
 
     def test_a_guess_says_what_it_is_made_of(self):
-        data, map_file = self.folder / "data.csv", self.folder / "map.yaml"
-        data.write_text("t,M [Nm],Tip (mm/s2)\n0,1,1\n1,1,1\n2,2,1\n")
-        self.made("map", map_file, "--data", data)
+        map_file = self.map_of("t,M [Nm],Tip (mm/s2)\n0,1,1\n1,1,1\n2,2,1\n")
         text = map_file.read_text()
         self.assertIn("# guess: column, by its name; guess: unit, the usual one\ntime: {", text)
         self.assertIn('# guess: column, by its unit; guess: sign 1\n  - {column: "M [Nm]", unit: "Nm"}', text)
         self.assertIn('# guess: column, by its name and unit\ntip_acceleration: {column: "Tip (mm/s2)", unit: "mm/s^2"}', text)
 
     def test_what_no_column_was_found_for_is_said(self):
-        data, map_file = self.folder / "data.csv", self.folder / "map.yaml"
-        data.write_text("t,pos_deg\n0,0\n1,1\n2,2\n")
-        self.made("map", map_file, "--data", data)
+        map_file = self.map_of("t,pos_deg\n0,0\n1,1\n2,2\n")
         text = map_file.read_text()
         self.assertIn('column: "REPLACE_motor_torque"', text)
         self.assertIn("derive: central_difference", text)
@@ -210,7 +211,7 @@ class NewTest(unittest.TestCase):
         self.assertEqual(code, 1)
         line = 1 + text[:text.index('"REPLACE_motor_torque"')].count("\n")
         self.assertRegex(said, rf":{line}:\d+: key 'motor_torque\[1\].column': found REPLACE_motor_torque, expected the name of a column of the data")
-        code, said = slewlab("import", "--map", map_file, data)
+        code, said = slewlab("import", "--map", map_file, self.folder / "data.csv")
         self.assertEqual(code, 2)
         self.assertIn("'REPLACE_motor_torque', which data.csv does not have", said)
 
