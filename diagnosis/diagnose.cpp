@@ -766,7 +766,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   if (controller && !diagnosis.has_controller && !diagnosis.gap) diagnosis.verdict += "; what the controller answered could not be compared";
   if (const FitResult* const left = unexplained_fit(problem, found, diagnosis, first)) {
     tell(kFollow.from, "looking for what the rest follows");
-    diagnosis.discrepancies = discrepancies(problem, *left);
+    diagnosis.discrepancies = discrepancies(problem, *left, evidence.law_share);
   }
   if (!unseen.empty()) tell(kFollow.from, "predicting what was not fitted");
   judge_unseen(problem, whitening, controller, found.nothing.point, std::move(unseen), diagnosis);

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "diagnosis/screen.h"
@@ -17,19 +18,21 @@ namespace slewlab::diagnosis {
 namespace {
 
 constexpr int kSegments = 8;                 // between knots
-constexpr int kSplines = kSegments + 3;
+constexpr int kMostSegments = 64;            // of a function of the angle that is fine: what is set in the ring, in teeth and rollers, comes many times in a turn
+constexpr double kFineness = 4.0;            // of those, passed in a characteristic time at the largest speed
 constexpr double kLevelPrice = 0.1;          // of a coefficient beside its second differences
 constexpr double kAmount = 0.01;             // of the rated torque: so little that no tooth parts
 constexpr double kStandstill = 0.02;         // of the largest speed, in which the direction turns
 constexpr double kLowest = -9.0, kHighest = 9.0;  // ln rho, in squares of the amount: from a ten-thousandth to the rated torque
 constexpr int kScales = 25;
-constexpr int kCurvePoints = 41;
+constexpr int kPointsInSegment = 5;          // of a curve
 constexpr double kHighestFrequency = 1.0;    // [1 / characteristic time] that a smooth function of slow quantities is asked to explain
 constexpr double kHeld = 1.0;  // [characteristic times] between the knots of what holds at standstill
 
-// B_j of v, on knots from `low` to `high`.
-double spline(int j, double v, double low, double high) {
-  const double u = std::fabs((v - low) / (high - low) * kSegments - static_cast<double>(j - 1));
+// B_j of v, on `segments` from `low` to `high`; 1 where there are none.
+double spline(int j, double v, double low, double high, int segments) {
+  if (segments == 0) return 1.0;
+  const double u = std::fabs((v - low) / (high - low) * segments - static_cast<double>(j - 1));
   if (u >= 2.0) return 0.0;
   if (u >= 1.0) return (2.0 - u) * (2.0 - u) * (2.0 - u) / 6.0;
   return (4.0 - 6.0 * u * u + 3.0 * u * u * u) / 6.0;
@@ -38,19 +41,29 @@ double spline(int j, double v, double low, double high) {
 // What a record's grid points have of each quantity.
 struct Course {
   std::vector<double> speed, angle, time, direction;
-  std::vector<double> net_torque, load;  // [Nm per motor] mean, and mean of the amounts
+  std::vector<double> load;                       // [Nm per motor] mean of the amounts
+  std::vector<std::vector<double>> motor_torque;  // [Nm] each group's own
+};
+using OfCourse = std::function<double(const Course&, std::size_t point, std::size_t group)>;
+
+// One s_i(t), with the segments of its f_i, which is a constant where there are none.
+struct Part {
+  const char* name;
+  OfCourse factor;
+  int segments = kSegments;
+  OfCourse value{};  // where it is another one than the quantity's
+  int splines() const { return segments > 0 ? segments + 3 : 1; }
 };
 
 struct Quantity {
   const char* name;
   const char* unit;
-  std::vector<double> Course::* values;
+  OfCourse value;
   bool is_of_each_record;
-  struct Part {
-    const char* name;
-    std::function<double(const Course&, std::size_t)> factor;
-  };
   std::vector<Part> parts;
+  // Which parts a law may have: the more, the more it costs, so each is weighed by itself and the best stands for the quantity.
+  std::vector<std::vector<std::size_t>> alternatives;
+  const OfCourse& value_of(const Part& part) const { return part.value ? part.value : value; }
 };
 
 double largest(const std::vector<std::vector<double>>& series) {
@@ -67,20 +80,19 @@ std::vector<Course> courses_of(const Problem& problem, double ratio) {
     Course course;
     const auto groups = static_cast<std::size_t>(record.group_count);
     for (std::size_t n = 0; n < record.size(); ++n) {
-      double speed = 0.0, angle = 0.0, torque = 0.0, load = 0.0;
+      double speed = 0.0, angle = 0.0, load = 0.0;
       for (std::size_t g = 0; g < groups; ++g) {
         speed += record.position_rate[g].empty() ? record.shaft_speed[g][n] : record.position_rate[g][n];
         angle += record.shaft_position[g][n];
-        torque += record.motor_torque[g][n];
         load += std::fabs(record.motor_torque[g][n]);
       }
       const double shafts = ratio * static_cast<double>(groups);
       course.speed.push_back(speed / shafts);
       course.angle.push_back(angle / shafts);
       course.time.push_back(record.step * static_cast<double>(n));
-      course.net_torque.push_back(torque / static_cast<double>(groups));
       course.load.push_back(load / static_cast<double>(groups));
     }
+    course.motor_torque.assign(record.motor_torque.begin(), record.motor_torque.begin() + static_cast<std::ptrdiff_t>(groups));
     courses.push_back(std::move(course));
   }
   std::vector<std::vector<double>> speeds;
@@ -92,33 +104,52 @@ std::vector<Course> courses_of(const Problem& problem, double ratio) {
   return courses;
 }
 
-std::vector<Quantity> quantities(double largest_torque) {
-  const Quantity::Part forward{"forward", [](const Course& c, std::size_t n) { return std::max(0.0, c.direction[n]); }};
-  const Quantity::Part backward{"backward", [](const Course& c, std::size_t n) { return std::max(0.0, -c.direction[n]); }};
-  const Quantity::Part with_torque{"with the torque", [largest_torque](const Course& c, std::size_t n) { return c.net_torque[n] / largest_torque; }};
-  return {{"speed", "rad/s", &Course::speed, false, {forward, backward}},
-          {"angle", "rad", &Course::angle, false, {forward, backward}},
-          {"time", "s", &Course::time, true, {forward, backward, with_torque}},
-          {"torque", "Nm", &Course::load, false, {forward, backward}}};
+// As many as pass in a characteristic time at the largest speed, kFineness times.
+int fine_segments(const std::vector<Course>& courses, double characteristic_time) {
+  double low = std::numeric_limits<double>::infinity(), high = -low, fastest = std::numeric_limits<double>::min();
+  for (const Course& course : courses) {
+    for (const double angle : course.angle) low = std::min(low, angle), high = std::max(high, angle);
+    for (const double speed : course.speed) fastest = std::max(fastest, std::fabs(speed));
+  }
+  return static_cast<int>(std::clamp(std::ceil(kFineness * (high - low) / (fastest * characteristic_time)), double{kSegments}, double{kMostSegments}));
+}
+
+std::vector<Quantity> quantities(double largest_torque, int fine) {
+  const auto of = [](std::vector<double> Course::* values) { return [values](const Course& c, std::size_t n, std::size_t) { return (c.*values)[n]; }; };
+  const auto own_torque = [](const Course& c, std::size_t n, std::size_t g) { return c.motor_torque[g][n]; };
+  const Part forward{"forward", [](const Course& c, std::size_t n, std::size_t) { return std::max(0.0, c.direction[n]); }};
+  const Part backward{"backward", [](const Course& c, std::size_t n, std::size_t) { return std::max(0.0, -c.direction[n]); }};
+  const Part along{"forward, constant", forward.factor, 0}, against{"backward, constant", backward.factor, 0};
+  const Part both{"both ways", [](const Course&, std::size_t, std::size_t) { return 1.0; }};
+  const Part both_fine{"both ways, fine", both.factor, fine};
+  const Part with_torque{"with each motor's torque", [=](const Course& c, std::size_t n, std::size_t g) { return own_torque(c, n, g) / largest_torque; }};
+  const Part own{"each motor's own", both.factor, kSegments, own_torque};
+  return {{"speed", "rad/s", of(&Course::speed), false, {forward, backward, with_torque, along, against}, {{0, 1}, {2}, {3, 4}}},
+          {"angle", "rad", of(&Course::angle), false, {forward, backward, both, both_fine}, {{0, 1}, {2}, {3}}},
+          {"time", "s", of(&Course::time), true, {forward, backward, with_torque, both}, {{0, 1, 2}, {0, 1}, {2}, {3}}},
+          {"torque", "Nm", of(&Course::load), false, {forward, backward, own, with_torque}, {{0, 1}, {2}, {3}}}};
 }
 
 // The least and the greatest value of a quantity where `factor` acts and the records are judged.
-std::pair<double, double> range_of(const Problem& problem, const std::vector<Course>& courses, const Quantity& quantity, const Quantity::Part& part) {
+std::pair<double, double> range_of(const Problem& problem, const std::vector<Course>& courses, const Quantity& quantity, const Part& part) {
   constexpr double kActs = 0.1;  // of a factor's largest
   double low = std::numeric_limits<double>::infinity(), high = -low;
+  const OfCourse& value = quantity.value_of(part);
   for (std::size_t r = 0; r < courses.size(); ++r) {
-    const std::vector<double>& values = courses[r].*quantity.values;
-    for (std::size_t n = 0; n < values.size(); ++n) {
-      if (!(problem.whitening[r].window[n] > 0.0) || std::fabs(part.factor(courses[r], n)) < kActs) continue;
-      low = std::min(low, values[n]);
-      high = std::max(high, values[n]);
+    for (std::size_t n = 0; n < courses[r].time.size(); ++n) {
+      if (!(problem.whitening[r].window[n] > 0.0)) continue;
+      for (std::size_t g = 0; g < courses[r].motor_torque.size(); ++g) {
+        if (std::fabs(part.factor(courses[r], n, g)) < kActs) continue;
+        low = std::min(low, value(courses[r], n, g));
+        high = std::max(high, value(courses[r], n, g));
+      }
     }
   }
   return {low, high};
 }
 
-// The change of the differences by torques at the motors [amounts], one function of record and grid point each.
-using TorqueShape = std::function<double(std::size_t record, std::size_t point)>;
+// The change of the differences by torques at the motors [amounts], one function of record, grid point and group each.
+using TorqueShape = std::function<double(std::size_t record, std::size_t point, std::size_t group)>;
 std::vector<Eigen::VectorXd> traces(Problem& problem, const Point& point, const Eigen::VectorXd& difference, double amount,
                                     const std::vector<TorqueShape>& shapes) {
   std::vector<Eigen::VectorXd> columns(shapes.size());
@@ -128,7 +159,7 @@ std::vector<Eigen::VectorXd> traces(Problem& problem, const Point& point, const 
       DriveCourse course = problem.stock.drives(problem.records[r], r, problem.nominal.drive_protection);
       for (std::size_t g = 0; g < static_cast<std::size_t>(problem.records[r].group_count); ++g) {
         std::vector<double>& torque = course.motor_torque[g];
-        for (std::size_t n = 0; n < torque.size(); ++n) torque[n] += amount * shapes[i](r, n / course.per_point);
+        for (std::size_t n = 0; n < torque.size(); ++n) torque[n] += amount * shapes[i](r, n / course.per_point, g);
       }
       hold_on_grid(course);
       drives.push_back(std::move(course));
@@ -175,15 +206,13 @@ class Orthonormal {
   std::vector<Eigen::VectorXd> axes_;
 };
 
-// A function of one quantity, ready to be weighed.
-struct Columns {
-  const Quantity* quantity;
-  struct Block {
-    std::size_t part, record;  // of all records: 0
-    double low, high;
-  };
-  std::vector<Block> blocks;  // kSplines columns each
-  Eigen::MatrixXd columns;    // what parameters, hypothesis and a constant torque leave of the traces
+// One part of a function, of one record or of all, ready to be weighed.
+struct Block {
+  std::size_t part, record;  // of all records: 0
+  double low, high;
+  int splines;
+  std::size_t first_shape;
+  Eigen::MatrixXd columns;   // what parameters, hypothesis and a constant torque leave of the traces
 };
 
 struct Weighed {
@@ -196,16 +225,22 @@ struct Weighed {
 double penalty(double mean_square) { return mean_square > 1.0 ? std::log(mean_square) : mean_square - 1.0; }
 
 // P of one block.
-Eigen::MatrixXd roughness() {
-  Eigen::MatrixXd second = Eigen::MatrixXd::Zero(kSplines - 2, kSplines);
-  for (int i = 0; i + 2 < kSplines; ++i) second.row(i).segment(i, 3) << 1.0, -2.0, 1.0;
-  return second.transpose() * second + kLevelPrice * Eigen::MatrixXd::Identity(kSplines, kSplines);
+Eigen::MatrixXd roughness(Eigen::Index splines) {
+  Eigen::MatrixXd second = Eigen::MatrixXd::Zero(std::max(Eigen::Index{0}, splines - 2), splines);
+  for (Eigen::Index i = 0; i < second.rows(); ++i) second.row(i).segment(i, 3) << 1.0, -2.0, 1.0;
+  return second.transpose() * second + kLevelPrice * Eigen::MatrixXd::Identity(splines, splines);
 }
 
-Weighed weigh(const Eigen::MatrixXd& columns, const Eigen::VectorXd& gap, double independent_share, double count) {
-  const Eigen::Index size = columns.cols();
-  Eigen::MatrixXd precision = Eigen::MatrixXd::Zero(size, size);
-  for (Eigen::Index b = 0; b < size; b += kSplines) precision.block(b, b, kSplines, kSplines) = roughness();
+Weighed weigh(const std::vector<const Block*>& blocks, const Eigen::VectorXd& gap, double independent_share, double count) {
+  Eigen::Index size = 0;
+  for (const Block* block : blocks) size += block->splines;
+  Eigen::MatrixXd columns(gap.size(), size), precision = Eigen::MatrixXd::Zero(size, size);
+  Eigen::Index first = 0;
+  for (const Block* block : blocks) {
+    columns.middleCols(first, block->splines) = block->columns;
+    precision.block(first, first, block->splines, block->splines) = roughness(block->splines);
+    first += block->splines;
+  }
   const Eigen::LLT<Eigen::MatrixXd> root(precision);  // P = L L'
   // In the coordinates L' a the prior is the unit ball.
   const Eigen::MatrixXd white = root.matrixL().solve(columns.transpose()).transpose();
@@ -233,23 +268,25 @@ Weighed weigh(const Eigen::MatrixXd& columns, const Eigen::VectorXd& gap, double
   return best;
 }
 
-std::vector<DiscrepancyCurve> curves_of(const Columns& function, const Weighed& weighed, double amount, std::size_t records) {
+std::vector<DiscrepancyCurve> curves_of(const Quantity& quantity, const std::vector<const Block*>& blocks, const Weighed& weighed, double amount, std::size_t records) {
   std::vector<DiscrepancyCurve> curves;
-  for (std::size_t b = 0; b < function.blocks.size(); ++b) {
-    const Columns::Block& block = function.blocks[b];
+  Eigen::Index first = 0;
+  for (const Block* block : blocks) {
     DiscrepancyCurve curve;
-    curve.part = function.quantity->parts[block.part].name;
-    if (function.quantity->is_of_each_record && records > 1) curve.part += ", record " + std::to_string(block.record + 1);
-    const auto first = static_cast<Eigen::Index>(b) * kSplines;
-    for (int i = 0; i < kCurvePoints; ++i) {
-      const double v = block.low + (block.high - block.low) * i / (kCurvePoints - 1);
-      Eigen::VectorXd values(kSplines);
-      for (int j = 0; j < kSplines; ++j) values(j) = spline(j, v, block.low, block.high);
+    curve.part = quantity.parts[block->part].name;
+    if (quantity.is_of_each_record && records > 1) curve.part += ", record " + std::to_string(block->record + 1);
+    const int segments = quantity.parts[block->part].segments;
+    const int steps = kPointsInSegment * std::max(1, segments);
+    for (int i = 0; i <= steps; ++i) {
+      const double v = block->low + (block->high - block->low) * i / steps;
+      Eigen::VectorXd values(block->splines);
+      for (int j = 0; j < block->splines; ++j) values(j) = spline(j, v, block->low, block->high, segments);
       curve.at.push_back(v);
-      curve.torque.push_back(amount * values.dot(weighed.mean.segment(first, kSplines)));
-      const double variance = values.dot(weighed.covariance.block(first, first, kSplines, kSplines) * values);
+      curve.torque.push_back(amount * values.dot(weighed.mean.segment(first, block->splines)));
+      const double variance = values.dot(weighed.covariance.block(first, first, block->splines, block->splines) * values);
       curve.deviation.push_back(amount * std::sqrt(std::max(0.0, variance)));
     }
+    first += block->splines;
     curves.push_back(std::move(curve));
   }
   return curves;
@@ -257,47 +294,47 @@ std::vector<DiscrepancyCurve> curves_of(const Columns& function, const Weighed& 
 
 }  // namespace
 
-std::vector<Discrepancy> discrepancies(Problem& problem, const FitResult& fit) {
+std::vector<Discrepancy> discrepancies(Problem& problem, const FitResult& fit, double law_share) {
   const std::vector<Eigen::Index> slow = slow_rows(problem, kHighestFrequency / problem.thresholds.time);
   const double count = static_cast<double>(slow.size());
   const Eigen::VectorXd slow_difference = fit.difference(slow);
   if (mean_square(slow_difference) <= 1.0) return {};
   const sim::Scales scales = sim::scales_of(problem.nominal.crane);
   const std::vector<Course> courses = courses_of(problem, scales.ratio);
-  std::vector<std::vector<double>> torques;
-  for (const Course& course : courses) torques.push_back(course.net_torque);
-  const std::vector<Quantity> all = quantities(std::max(largest(torques), std::numeric_limits<double>::min()));
+  double largest_torque = 0.0;
+  for (const Course& course : courses) largest_torque = std::max(largest_torque, largest(course.motor_torque));
+  const std::vector<Quantity> all = quantities(std::max(largest_torque, std::numeric_limits<double>::min()), fine_segments(courses, problem.thresholds.time));
   const double amount = kAmount * scales.motor_torque;
   const Projector project(fit.columns(slow, Eigen::indexing::all), prior_rows(problem, fit.point), data_weight(slow_difference, problem.settings));
 
   // One simulation moves a function of all records' times at once: each record's rows tell its own. First what is no discrepancy of any
   // variable: a constant, and whatever holds the machine at standstill, which no law of motion tells.
-  std::vector<TorqueShape> shapes{[](std::size_t, std::size_t) { return 1.0; }};
+  std::vector<TorqueShape> shapes{[](std::size_t, std::size_t, std::size_t) { return 1.0; }};
   const double knots = kHeld * problem.thresholds.time;
   const auto held = static_cast<std::size_t>(std::ceil(longest_record(problem) / knots)) + 1;
   for (std::size_t k = 0; k < held; ++k) {
-    const auto hat = [&courses, knots, k](std::size_t r, std::size_t n) {
+    const auto hat = [&courses, knots, k](std::size_t r, std::size_t n, std::size_t) {
       const double at_rest = 1.0 - std::fabs(courses[r].direction[n]);
       return at_rest * std::max(0.0, 1.0 - std::fabs(courses[r].time[n] / knots - static_cast<double>(k)));
     };
     bool acts = false;
     for (std::size_t r = 0; r < courses.size() && !acts; ++r) {
-      for (std::size_t n = 0; n < courses[r].time.size() && !acts; ++n) acts = hat(r, n) > 0.5;
+      for (std::size_t n = 0; n < courses[r].time.size() && !acts; ++n) acts = hat(r, n, 0) > 0.5;
     }
     if (acts) shapes.emplace_back(hat);
   }
   const std::size_t common_shapes = shapes.size();
-  std::vector<Columns> functions;
-  for (const Quantity& quantity : all) {
-    Columns& function = functions.emplace_back(Columns{&quantity, {}, {}});
+  std::vector<std::vector<Block>> functions(all.size());
+  for (std::size_t q = 0; q < all.size(); ++q) {
+    const Quantity& quantity = all[q];
     for (std::size_t p = 0; p < quantity.parts.size(); ++p) {
       const auto [low, high] = range_of(problem, courses, quantity, quantity.parts[p]);
       if (!(high > low)) continue;
       const std::size_t copies = quantity.is_of_each_record ? courses.size() : 1;
-      for (std::size_t r = 0; r < copies; ++r) function.blocks.push_back({p, r, low, high});
-      for (int j = 0; j < kSplines; ++j) {
-        shapes.emplace_back([&courses, &quantity, p, j, low = low, high = high](std::size_t r, std::size_t n) {
-          return quantity.parts[p].factor(courses[r], n) * spline(j, std::clamp((courses[r].*quantity.values)[n], low, high), low, high);
+      for (std::size_t r = 0; r < copies; ++r) functions[q].push_back({p, r, low, high, quantity.parts[p].splines(), shapes.size(), {}});
+      for (int j = 0; j < quantity.parts[p].splines(); ++j) {
+        shapes.emplace_back([&courses, &quantity, &part = quantity.parts[p], j, low = low, high = high](std::size_t r, std::size_t n, std::size_t g) {
+          return part.factor(courses[r], n, g) * spline(j, std::clamp(quantity.value_of(part)(courses[r], n, g), low, high), low, high, part.segments);
         });
       }
     }
@@ -317,6 +354,8 @@ std::vector<Discrepancy> discrepancies(Problem& problem, const FitResult& fit) {
   const Orthonormal at_rest(holding);
   Eigen::VectorXd gap = at_rest.without(project.gap(slow_difference));
   const double at_first = gap.squaredNorm();
+  const double excess = fit.difference.squaredNorm() - static_cast<double>(fit.difference.size());
+  if (at_first - count <= law_share * excess) return {};
   const Orthonormal constant({at_rest.without(project(traced.front()(slow)))});
   gap = constant.without(gap);
   const double above_noise = std::max(at_first - count, std::numeric_limits<double>::min());
@@ -325,25 +364,28 @@ std::vector<Discrepancy> discrepancies(Problem& problem, const FitResult& fit) {
   const auto evidence = [&](double square) { return -0.5 * nu * penalty(problem.settings.independent_share * square / nu); };
   std::vector<Discrepancy> found{{"constant", "", share(at_first, gap.squaredNorm()), evidence(gap.squaredNorm()) - evidence(at_first), {}}};
 
-  std::size_t shape = common_shapes;
-  for (Columns& function : functions) {
-    const auto blocks = static_cast<Eigen::Index>(function.blocks.size());
-    function.columns.resize(gap.size(), blocks * kSplines);
-    std::size_t first_shape = shape;
-    for (Eigen::Index b = 0; b < blocks; ++b) {
-      const Columns::Block& block = function.blocks[static_cast<std::size_t>(b)];
-      if (block.record == 0 && b > 0) first_shape += kSplines;  // the next part's
-      for (int j = 0; j < kSplines; ++j) {
-        const Eigen::VectorXd& trace = traced[first_shape + static_cast<std::size_t>(j)];
-        const Eigen::VectorXd column = project((function.quantity->is_of_each_record ? of_record(trace, block.record) : trace)(slow));
-        function.columns.col(b * kSplines + j) = -constant.without(at_rest.without(column));  // the machine's torque, the model's missing
+  for (std::size_t q = 0; q < all.size(); ++q) {
+    for (Block& block : functions[q]) {
+      block.columns.resize(gap.size(), block.splines);
+      for (int j = 0; j < block.splines; ++j) {
+        const Eigen::VectorXd& trace = traced[block.first_shape + static_cast<std::size_t>(j)];
+        const Eigen::VectorXd column = project((all[q].is_of_each_record ? of_record(trace, block.record) : trace)(slow));
+        block.columns.col(j) = -constant.without(at_rest.without(column));  // the machine's torque, the model's missing
       }
     }
-    if (blocks == 0) continue;
-    shape = first_shape + kSplines;
-    const Weighed weighed = weigh(function.columns, gap, problem.settings.independent_share, count);
-    found.push_back({function.quantity->name, function.quantity->unit, share(gap.squaredNorm(), weighed.left), weighed.evidence,
-                     curves_of(function, weighed, amount, courses.size())});
+    std::optional<Discrepancy> best;  // of the function and the constant
+    const double of_constant = found.front().evidence;
+    for (const std::vector<std::size_t>& parts : all[q].alternatives) {
+      std::vector<const Block*> blocks;
+      for (const Block& block : functions[q]) {
+        if (std::find(parts.begin(), parts.end(), block.part) != parts.end()) blocks.push_back(&block);
+      }
+      if (blocks.empty()) continue;
+      const Weighed weighed = weigh(blocks, gap, problem.settings.independent_share, count);
+      if (best && of_constant + weighed.evidence <= best->evidence) continue;
+      best = {all[q].name, all[q].unit, share(at_first, weighed.left), of_constant + weighed.evidence, curves_of(all[q], blocks, weighed, amount, courses.size())};
+    }
+    if (best) found.push_back(std::move(*best));
   }
   std::stable_sort(found.begin(), found.end(), [](const Discrepancy& a, const Discrepancy& b) { return a.evidence > b.evidence; });
   return found;
@@ -351,8 +393,12 @@ std::vector<Discrepancy> discrepancies(Problem& problem, const FitResult& fit) {
 
 std::vector<std::string> followed_variables(const std::vector<Discrepancy>& discrepancies) {
   std::vector<std::string> names;
+  if (discrepancies.empty() || discrepancies.front().evidence <= kFollowsAsWell) return names;
+  const double as_well = discrepancies.front().evidence - kFollowsAsWell;
   for (const Discrepancy& one : discrepancies) {
-    if (one.share >= kFollowed && one.evidence >= discrepancies.front().evidence - kFollowsAsWell) names.push_back(one.variable);
+    if (one.share < kFollowed || one.evidence < as_well) continue;
+    if (one.variable == "constant") return {one.variable};  // the simplest of them
+    names.push_back(one.variable);
   }
   return names;
 }

@@ -3,7 +3,9 @@
 //   T(t) = sum over i of s_i(t) f_i(v(t)),    f_i(v) = sum over j of a_ij B_j(v),    a ~ N(0, rho P^-1)
 //
 // v is the speed or the angle of the axis, the time since a record's beginning or the motors' torque, the mean of its amounts. The s_i are
-// the two directions of motion, and of the time the motors' mean torque over its largest as well. B_j are cubic B-splines on even knots,
+// one of several sets, that with the largest evidence: the two directions of motion; of angle and time none (s = 1); of speed, time and torque each motor's
+// torque over the largest; of the torque also none, v being each motor's own. B_j are cubic B-splines on even knots, eight segments, of the angle also as many as the axis passes at its largest speed
+// in a quarter of the characteristic time each (64 at most: what is set in a ring comes many times in a turn), of the speed also the constant.
 // P = D'D + 0.1 with D the second differences (Eilers, Marx 1996: P-splines). Parameters, what the hypothesis has, a constant torque, and whatever holds the machine at
 // standstill are projected out, so that the function stands for none of them. rho is that of the largest evidence,
 //
@@ -11,7 +13,8 @@
 //
 // lambda the eigenvalues of the columns' products in P's coordinates, nu the independent differences, Q what they leave together with a' P a / rho: a noise of unknown size, but not
 // below the sensors'. Of the differences those count that are slower than the machine's characteristic time T: in what is faster, laws show how they
-// begin and end, and the structure its modes. Assumption: the torque is small beside what moves the machine, so that its traces add up.
+// begin and end, and the structure its modes. Where those are less of all that is left than what any law is forgiven (evidence.h), nothing is asked: they may be
+// what the faster ones leave there. Assumption: the torque is small beside what moves the machine, so that its traces add up.
 #pragma once
 
 #include <string>
@@ -32,20 +35,21 @@ struct DiscrepancyCurve {
 struct Discrepancy {
   std::string variable;  // constant, speed, angle, time, torque
   std::string unit;
-  double share = 0.0;     // of what is left above the noise, that the function takes away
-  double evidence = 0.0;  // ln E(rho) - ln E(0)
+  double share = 0.0;     // of what is left above the noise, that the function with its constant takes away
+  double evidence = 0.0;  // ln E(rho) - ln E(0), the constant's with it
   std::vector<DiscrepancyCurve> curves;  // none of the constant
 };
 
-// Below this share nothing is said to be followed.
-inline constexpr double kFollowed = 0.3;
-// A variable whose evidence is within so much of the first one's cannot be told from it: odds of one to ten, tempered as those of causes are (evidence.h).
+// Below this share nothing is said to be followed: it is not the most of it.
+inline constexpr double kFollowed = 0.5;
+// A variable whose evidence is within so much of the first one's cannot be told from it, nor one from none: odds of one to ten, tempered as those of causes are (evidence.h).
 inline constexpr double kFollowsAsWell = 6.9;
 
-// Of the fit's residual, largest evidence first; empty where it leaves no more than noise. A hundred to two hundred simulations. Throws Interrupted.
-std::vector<Discrepancy> discrepancies(Problem& problem, const FitResult& fit);
+// Of the fit's residual, largest evidence first; empty where it leaves no more than noise, or next to nothing that is slow. `law_share`: EvidenceSettings'. Two to three
+// hundred simulations. Throws Interrupted.
+std::vector<Discrepancy> discrepancies(Problem& problem, const FitResult& fit, double law_share);
 
-// The names of those that the residual follows, the first one and what cannot be told from it; empty: none.
+// The names of those that the residual follows, the first one and what cannot be told from it; the constant alone where that is among them; empty: none.
 std::vector<std::string> followed_variables(const std::vector<Discrepancy>& discrepancies);
 
 }  // namespace slewlab::diagnosis

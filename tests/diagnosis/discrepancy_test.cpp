@@ -12,6 +12,7 @@
 #include <string>
 #include <vector>
 
+#include "diagnosis/evidence.h"
 #include "tests/diagnosis/bench.h"
 
 namespace slewlab::diagnosis {
@@ -22,6 +23,7 @@ const std::vector<Move> kFarToTheOther{{2.0, 0.5}, {7.0, 0.0}, {10.0, -1.0}, {17
 
 struct State {
   double time, angle, speed, torque;  // [s], [rad] and [rad/s] of the axis, [Nm per motor] mean amount
+  double own_torque;                  // [Nm] of the motor from which it is missing
 };
 using MissingTorque = std::function<double(const State&)>;
 
@@ -39,14 +41,17 @@ struct Missing {
         const auto after = [&](const msgs::Encoder& encoder) { return encoder.simulated_time > torque.simulated_time; };
         const auto next = std::find_if(log.encoder.begin(), log.encoder.end(), after);
         const msgs::Encoder& now = next == log.encoder.begin() ? *next : *(next - 1);
-        State state{1e-9 * static_cast<double>(torque.simulated_time), now.shaft_position[0] / ratio, now.shaft_speed[0] / ratio, 0.0};
+        State state{1e-9 * static_cast<double>(torque.simulated_time), now.shaft_position[0] / ratio, now.shaft_speed[0] / ratio, 0.0, 0.0};
         for (const double t : torque.motor_torque) state.torque += std::fabs(t) / static_cast<double>(torque.motor_torque.size());
-        for (double& t : torque.motor_torque) t -= missing(state);
+        for (double& t : torque.motor_torque) {
+          state.own_torque = t;
+          t -= missing(state);
+        }
       }
       problem.add(make_record(log, moves == &kThereAndBack ? "a" : "b", bench().admission));
     }
     fit = fit_nuisances(problem, nominal_fit(problem));
-    found = discrepancies(problem, fit);
+    found = discrepancies(problem, fit, EvidenceSettings{}.law_share);
   }
 
   BenchProblem problem;
@@ -106,6 +111,36 @@ TEST(Discrepancies, OfATorqueThatComesAndGoesFollowTheTime) {
 TEST(Discrepancies, OfALossOfTorqueFollowTheTorque) {
   const auto law = [](double torque, double direction) { return -0.1 * torque * direction; };  // [Nm]
   expect_curves(Missing({}, [&](const State& s) { return law(s.torque, std::tanh(s.speed / 0.001)); }), "torque", "ward", law);
+}
+
+// Motors that deliver less the faster they turn: the torque that is missing is none of the speed alone.
+TEST(Discrepancies, OfALossThatGrowsWithTheSpeedFollowTheSpeed) {
+  const double fast = bench().machine.scales.top_speed;
+  const auto law = [fast](const State& s) { return -0.3 * s.own_torque * std::pow(s.speed / fast, 2); };
+  EXPECT_EQ(followed_variables(Missing({}, law).found), std::vector<std::string>{"speed"});
+}
+
+// Play compensation winds the groups up against each other: what a motor lacks follows its own torque, not the mean.
+TEST(Discrepancies, OfMotorsThatPullHarderToOneSideFollowTheTorque) {
+  const auto law = [](const State& s) { return 0.05 * std::fabs(s.own_torque); };
+  EXPECT_EQ(followed_variables(Missing({}, law).found), std::vector<std::string>{"torque"});
+}
+
+// Eighty segments in a turn, which the axis passes at its largest speed in about a characteristic time each.
+TEST(Discrepancies, OfATorqueThatComesManyTimesInATurnFollowTheAngle) {
+  const auto law = [](const State& s) { return 10.0 * std::sin(80.0 * s.angle + 1.0); };
+  EXPECT_EQ(followed_variables(Missing({}, law).found), std::vector<std::string>{"angle"});
+}
+
+// Knocks without a mean, far faster than the structure: nothing slow is left that could follow anything.
+TEST(Discrepancies, OfKnocksAreNone) {
+  const auto law = [](const State& s) {
+    const double turn = 12.0 * s.angle, within = (turn - std::floor(turn)) / 0.05;
+    return within < 1.0 ? 60.0 * std::sin(2.0 * std::numbers::pi * within) * std::sin(std::numbers::pi * within) : 0.0;
+  };
+  const Missing knocks({}, law);
+  EXPECT_GT(knocks.fit.mean_square, 10.0);
+  EXPECT_TRUE(followed_variables(knocks.found).empty());
 }
 
 // Friction, with all that it does at standstill.

@@ -115,10 +115,10 @@ nlohmann::json to_json(const Cause& cause, const std::vector<sim::Parameter>& pa
 std::string followed_text(const Diagnosis& diagnosis) {
   const std::vector<std::string> variables = diagnosis::followed_variables(diagnosis.discrepancies);
   if (variables.empty()) return "";
-  const double share = 100 * diagnosis.discrepancies.front().share;
+  const auto named = std::find_if(diagnosis.discrepancies.begin(), diagnosis.discrepancies.end(), [&](const diagnosis::Discrepancy& one) { return one.variable == variables.front(); });
   const bool is_one = variables.size() == 1;
   return fmt::format("{}{} ({:.0f} % of what is slower than the structure)", variables.front() == "constant" ? "is constant" : "follows the " + fmt::format("{}", fmt::join(variables, " or the ")),
-                     is_one ? "" : ", which these records cannot tell apart", share);
+                     is_one ? "" : ", which these records cannot tell apart", 100 * named->share);
 }
 
 // What a person acts on, in one sentence.

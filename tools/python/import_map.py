@@ -23,6 +23,8 @@ DERIVATIVES = ("two_sample_mean", "central_difference", "backward_difference")
 MOST_GROUPS = 8           # sim/model/crane_parameters.h
 ONE_OF_DERIVATIVES = f"a column with its unit, or {{derive: one of {', '.join(DERIVATIVES)}}}"
 ANGULAR_AND_LINEAR = {"position": ("angle", "length"), "speed": ("angular speed", "speed"), "torque": ("torque", "force")}
+PLACEHOLDER = "REPLACE"  # begins what `slewlab new map` leaves to its user
+TO_BE_REPLACED = {"column": "the name of a column of the data", "source": "a value of your own, and where it is from"}
 # Of what kind a signal is, and the message's field that says so.
 FIELD_OF_KIND = {"position": ("ENCODER", "shaft_position"), "speed": ("ENCODER", "shaft_speed"), "torque": ("TORQUE", "motor_torque"),
                  "number": ("OPERATOR", "speed_request")}
@@ -149,7 +151,20 @@ def read_map(path):
         raise InputProblems([f"{path}: there is no such map"])
     root, lines = input_map.load(path)
     machine = machine_named(root)
-    return read_root(root, lines, path, None if machine is None else read_axis(path.parent / machine))
+    found = read_root(root, lines, path, None if machine is None else read_axis(path.parent / machine))
+    lines.extend(placeholders(root.node))
+    return found
+
+
+def placeholders(node, path=""):
+    """What of the map still has to be replaced, a line each."""
+    for key, _, _, value in node.entries:
+        where = f"{path}.{key}".lstrip(".")
+        if key in TO_BE_REPLACED and value.scalar.startswith(PLACEHOLDER):
+            yield f"{value.file}:{value.line}:{value.column}: key '{where}': found {value.scalar}, expected {TO_BE_REPLACED[key]}"
+        yield from placeholders(value, where)
+    for i, item in enumerate(node.items):
+        yield from placeholders(item, f"{path}[{i + 1}]")
 
 
 def machine_named(root):

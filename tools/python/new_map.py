@@ -19,6 +19,7 @@ from unit import factor_to_si, quantity_of
 
 ROWS_LOOKED_AT = 20_000
 OF_ROUNDING = 1e-9  # of the largest value: less than that a difference of decimal numbers does not tell
+OF_RATED_TORQUE = 'scale: {value: 1, unit: "-", source: "REPLACE: N m per motor that 1 % is, a hundredth of the torque that the drive calls rated"}'
 GRAVITY = 'scale: {value: 9.80665, unit: "-", source: "the column is in g; standard gravity"}'
 
 # Signal: quantities of its unit, words of its name; of the first that fits, the column with most words in its name.
@@ -26,7 +27,7 @@ SIGNALS = {
     "time": (("time",), ("time", "zeit", "timestamp", "stamp", "date")),
     "shaft_position": (("angle", "length"), ("position", "pos", "encoder", "enc", "angle", "winkel", "weg")),
     "shaft_speed": (("angular speed", "speed"), ("speed", "velocity", "vel", "drehzahl", "rpm")),
-    "motor_torque": (("torque", "force"), ("torque", "moment", "drehmoment", "force", "kraft")),
+    "motor_torque": (("torque", "force", "number"), ("torque", "moment", "drehmoment", "force", "kraft")),
     "tip_acceleration": (("acceleration",), ("tip", "spitze")),
     "middle_acceleration": (("acceleration",), ("middle", "mid", "mitte")),
     "pivot_acceleration": (("acceleration",), ("pivot", "foot")),
@@ -34,7 +35,11 @@ SIGNALS = {
     "slew_angle": (("angle",), ("slew", "gyro", "yaw", "heading")),
     "speed_request": (("number",), ("request", "joystick", "lever", "setpoint", "reference", "ref", "soll", "sollwert", "hebel")),
     "emergency_stop": ((), ("emergency", "estop", "stop", "not", "aus", "halt", "notaus", "nothalt")),
+    "enable": ((), ("enable", "enabled", "freigabe", "freigegeben")),
+    "brake": ((), ("brake", "brakes", "bremse", "bremsen")),
 }
+FLAGS = ("emergency_stop", "enable", "brake")
+OF_AN_OPEN_BRAKE = {"open", "opened", "release", "released", "lift", "lifted", "offen", "auf", "frei", "gelüftet", "lüften"}
 OF_EVERY_GROUP = ("shaft_position", "shaft_speed", "motor_torque")  # a column for each motor group
 NEEDED = {"time": "s", "shaft_position": "rad", "shaft_speed": "rad/s", "motor_torque": "N m"}
 OTHER_SPELLINGS = {"nm": "N m", "knm": "kN m", "degree": "deg", "degrees": "deg", "sec": "s", "seconds": "s", "1/min": "rpm", "u/min": "rpm",
@@ -74,9 +79,11 @@ def score(wanted, name, unit):
     """How well a column fits a signal: 0 not at all."""
     quantities = SIGNALS[wanted][0]
     quantity = quantity_of(unit) if unit else None
-    if quantity and quantities and quantity not in quantities:
+    if quantity and quantity not in (quantities or ("number",)):
         return 0
     hits = words_fit(wanted, name)
+    if wanted == "motor_torque" and quantity == "number":  # in per cent of the rated torque, where its name says that it is one
+        return 2 * hits if unit == "%" else 0
     known = 1 if quantity and quantity in quantities and wanted in ("time", "shaft_position", "shaft_speed", "motor_torque") else 0
     return 2 * hits + known if hits else known
 
@@ -165,13 +172,22 @@ def signs_agree(table, position, speed):
     return None if abs(correlation) < 0.3 else bool(correlation > 0.0)
 
 
-def rests_at_one(column):
-    """Whether a flag is one that falls when something happens, as the contacts of an emergency stop do."""
+def flag_values(column):
+    """What a column of 0 and 1 alone holds; nothing of any other."""
     try:
         values = column.dropna().to_numpy(float)
     except (ValueError, TypeError):
-        return False
-    return len(values) > 0 and set(values) <= {0.0, 1.0} and values[0] == 1.0
+        return []
+    return values if set(values) <= {0.0, 1.0} else []
+
+
+def why_inverted(name, column, values):
+    """Why a flag stands for what it says where the column is 0; empty where it is so at 1."""
+    if name == "emergency_stop" and len(values) and values[0] == 1.0:  # as the contacts of an emergency stop do
+        return "pressed where it is 0, since it begins at 1"
+    if name == "brake" and OF_AN_OPEN_BRAKE.intersection(words_of(column)):
+        return "on where it is 0, since its name says that it is open at 1"
+    return ""
 
 
 def quoted(name):
@@ -181,7 +197,8 @@ def quoted(name):
 def map_text(path):
     table, csv_line = read_beginning(path)
     names = [str(name) for name in table.columns]
-    guessed = guess(names)
+    guessed = {name: columns for name, columns in guess(names).items()
+               if name not in ("enable", "brake") or len(flag_values(table[columns[None][0]]))}
     groups = in_groups(guessed)
     found = {name: columns[None] for name, columns in guessed.items() if name not in OF_EVERY_GROUP}
     lines = [f"# An import map for {path.name} (docs/import.md). What is marked as a guess is one: look at each.",
@@ -198,10 +215,11 @@ def map_text(path):
             by = ["name"] * (words_fit(name, column) > 0) + ["unit"] * bool(unit)
             remarks.append("guess: column, by its " + " and ".join(by))
         parts = [f"column: {quoted(column)}"]
-        if name == "emergency_stop":
-            if rests_at_one(table[column]):
+        if name in FLAGS:
+            why = why_inverted(name, column, flag_values(table[column]))
+            if why:
                 parts.append("inverted: true")
-                remarks.append("guess: pressed where it is 0, since it begins at 1")
+                remarks.append(f"guess: {why}")
         else:
             if not unit:
                 unit = NEEDED.get(name, {"tip": "m/s^2", "mid": "m/s^2", "piv": "m/s^2", "hou": "m/s^2", "sle": "rad"}.get(name[:3], "-"))
@@ -210,6 +228,9 @@ def map_text(path):
                 if said == "g" and name.endswith("_acceleration"):
                     more = (*more, GRAVITY)
                     remarks[-1] = "guess: in g, the acceleration of gravity"
+            if name == "motor_torque" and unit == "%":
+                unit, more = "N m", (*more, OF_RATED_TORQUE)
+                remarks.append("guess: in per cent of the rated torque")
             parts.append(f"unit: {quoted(unit)}")
         return parts + list(more), "; ".join(remarks)
 

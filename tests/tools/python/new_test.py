@@ -181,6 +181,23 @@ class NewTest(unittest.TestCase):
                     stop = yaml.safe_load(map_text(data))["emergency_stop"]
                     self.assertEqual((stop["column"], stop.get("inverted")), (name, inverted))
 
+    def test_enable_and_brake_are_known_where_they_are_flags(self):
+        data = self.folder / "data.csv"
+        data.write_text("t,pos,torque,Drive Enable,Brake released,Brake torque [Nm]\n0,0,1,0,0,1\n1,1,1,1,1,1\n2,2,1,1,1,1\n")
+        told = yaml.safe_load(map_text(data))
+        self.assertEqual((told["enable"], told["brake"]), ({"column": "Drive Enable"}, {"column": "Brake released", "inverted": True}))
+        data.write_text("t,pos,torque,enable,brake\n0,0,1,3,0\n1,1,1,7,0\n2,2,1,7,0\n")
+        told = yaml.safe_load(map_text(data))
+        self.assertNotIn("enable", told)
+        self.assertEqual(told["brake"], {"column": "brake"})
+
+    def test_a_torque_in_per_cent_waits_for_what_a_per_cent_is(self):
+        map_file = self.map_of("t,M1 Pos [deg],M1 Torque [%],Joystick [%]\n0,0,1,5\n1,1,1,5\n2,2,1,5\n")
+        told = yaml.safe_load(map_file.read_text())
+        self.assertEqual([told["motor_torque"][0][key] for key in ("column", "unit")], ["M1 Torque [%]", "N m"])
+        self.assertEqual(told["speed_request"], {"column": "Joystick [%]", "unit": "%"})
+        self.assertIn("key 'motor_torque[1].scale.source': found REPLACE: N m per motor that 1 % is", slewlab("check", map_file)[1])
+
     def test_a_unit_that_is_none_is_not_taken_for_the_usual_one_in_silence(self):
         data, map_file, log = self.folder / "data.csv", self.folder / "map.yaml", self.folder / "site.lcmlog"
         data.write_text(DATA.replace("Tip acc [m/s^2]", "Tip acc [g]").replace("Drive torque [Nm]", "Drive torque [lbft]"))
@@ -192,6 +209,10 @@ class NewTest(unittest.TestCase):
         code, said = slewlab("check", map_file)
         self.assertEqual(code, 1)
         self.assertIn("key 'shaft_position[1].ratio.source': found REPLACE: motor turns per turn of the slew axis, expected a value of your own", said)
+        code, said = slewlab("import", "--map", map_file, data, "--out", log)
+        self.assertEqual((code, log.exists()), (2, False))
+        self.assertIn("found REPLACE: motor turns per turn of the slew axis", said)
+        map_file.write_text(text.replace("REPLACE: ", "nameplate, "))
         self.assertEqual(slewlab("import", "--map", map_file, data, "--out", log)[0], 0)
         np.testing.assert_allclose(read_run_log(log).channel("SENSORS")["tip_acceleration"], np.array([0.1, 0.1, 0.0, 0.0]) * 9.80665, rtol=1e-12)
 
@@ -213,7 +234,7 @@ class NewTest(unittest.TestCase):
         self.assertRegex(said, rf":{line}:\d+: key 'motor_torque\[1\].column': found REPLACE_motor_torque, expected the name of a column of the data")
         code, said = slewlab("import", "--map", map_file, self.folder / "data.csv")
         self.assertEqual(code, 2)
-        self.assertIn("'REPLACE_motor_torque', which data.csv does not have", said)
+        self.assertIn("found REPLACE_motor_torque, expected the name of a column of the data", said)
 
     def test_a_mistake_in_a_map_is_found_by_line(self):
         map_file = self.folder / "map.yaml"

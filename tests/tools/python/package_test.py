@@ -383,6 +383,7 @@ class SweepTest(unittest.TestCase):
         self.assertIn("measured", slewlab.sweep(scenario, {"seed": 3}, measure=lambda run: 1, progress=False))
         for wrong, error, words in ((lambda: slewlab.sweep(scenario, {"seed": 3}, measure=lambda run: "fast", progress=False), TypeError, "measure: found 'fast'"),
                                     (lambda: slewlab.sweep(scenario, {"seed": []}, progress=False), ValueError, "seed: found no value"),
+                                    (lambda: slewlab.sweep(scenario, {"seed": 3}, threads=-2, progress=False), ValueError, "found -2 workers, expected at least 1"),
                                     (lambda: slewlab.monte_carlo(scenario, {"seed": 3}, 2, seed=1, progress=False), TypeError,
                                      "seed: found 3, expected a function of a random generator"),
                                     (lambda: slewlab.monte_carlo(scenario, {}, 0, seed=1, progress=False), ValueError, "runs: found 0, expected at least 1")):
@@ -533,6 +534,10 @@ class DiagnosisTest(unittest.TestCase):
             with self.subTest(words=words), self.assertRaises(TypeError) as raised:
                 wrong()
             self.assertIn(words, str(raised.exception))
+
+    def test_a_folder_without_findings_is_said(self):
+        with tempfile.TemporaryDirectory() as folder, self.assertRaisesRegex(FileNotFoundError, "found no diagnosis.json there, expected the folder of a finished"):
+            slewlab.read_diagnosis(folder)
 
     def test_a_machine_with_changes_becomes_a_file(self):
         with tempfile.TemporaryDirectory() as folder:

@@ -27,6 +27,8 @@ class WorkerDied:
 
 
 def worker_count(asked: int | None) -> int:
+    if asked is not None and asked < 0:
+        raise ValueError(f"found {asked} workers, expected at least 1, or none said for one per core")
     return asked or len(os.sched_getaffinity(0))
 
 

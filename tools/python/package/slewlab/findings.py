@@ -79,8 +79,10 @@ def _cause(told: dict[str, Any]) -> Cause:
 
 
 def read_diagnosis(folder: str | Path) -> Diagnosis:
-    """What `slewlab diagnose --out FOLDER` left there."""
+    """What `slewlab diagnose --out FOLDER` left there. FileNotFoundError where that is nothing."""
     folder = Path(folder)
+    if not (folder / "diagnosis.json").is_file():
+        raise FileNotFoundError(f"{folder}: found no diagnosis.json there, expected the folder of a finished diagnosis (slewlab diagnose --out {folder})")
     raw = json.loads((folder / "diagnosis.json").read_text(encoding="utf-8"))
     is_axis, causes = raw.get("kind") == "axis", list(map(_cause, raw["causes"]))
     if is_axis and causes:  # the first one alone is validated
