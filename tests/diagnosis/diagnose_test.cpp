@@ -800,7 +800,9 @@ TEST(Diagnose, NamesTwoFrictionsBeforeALawThatHoldsBoth) {
   const std::set<std::string> first(found.causes[0].effects.begin(), found.causes[0].effects.end());
   EXPECT_EQ(first, (std::set<std::string>{"bearing_coulomb", "bearing_viscous"})) << found.verdict;
   for (const auto& [effect, probability] : found.effects) {
-    if (!first.contains(effect)) EXPECT_LT(probability, 0.3) << effect;
+    if (!first.contains(effect)) {
+      EXPECT_LT(probability, 0.3) << effect;
+    }
   }
 }
 
