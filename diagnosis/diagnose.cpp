@@ -290,6 +290,33 @@ Weighed weigh_fits(Problem& problem, const Found& found, std::size_t effect_coun
   return weighed;
 }
 
+// Where nothing missing leads: what a law is forgiven, and what one more must gain, stand for mesh, step and another simulator's laws, which show in what is fast. A torque that
+// a smooth function of one variable takes away, slower than the structure, is none of theirs. Each hypothesis is charged for what of it it leaves; an unknown cause leaves none.
+// A draw's power is no such function: stochastic effects leave what nothing missing leaves.
+void charge_for_smooth_torques(Problem& problem, const Found& found, const EvidenceSettings& evidence, Weighed& weighed) {
+  Probabilities& probabilities = weighed.probabilities;
+  const double nothing = probabilities.candidate.front();
+  if (nothing < probabilities.unknown || nothing < *std::max_element(probabilities.candidate.begin(), probabilities.candidate.end())) return;
+  if (!has_slow_gap(problem, found.nothing)) return;
+  const SmoothTorques smooth(problem, found.nothing);
+  const std::vector<Discrepancy> of_nothing = smooth.left_by(problem, found.nothing, evidence.law_share);
+  if (followed_variables(of_nothing).empty()) return;
+  const double all = of_nothing.front().evidence;
+  std::vector<double> left(found.fits.size(), all);
+  share_out(problem, found.fits.size(), [&](std::size_t i) {
+    if (!stochastic_part(problem.catalogue, found.fits[i].point).empty()) return;
+    const std::vector<Discrepancy> of_fit = smooth.left_by(problem, found.fits[i], evidence.law_share);
+    left[i] = of_fit.empty() ? 0.0 : std::min(all, of_fit.front().evidence);
+  });
+  double sum = probabilities.unknown;
+  for (std::size_t i = 0; i < probabilities.candidate.size(); ++i) {
+    probabilities.candidate[i] *= std::exp(-(i == 0 ? all : left[i - 1]) / evidence.temper);
+    sum += probabilities.candidate[i];
+  }
+  probabilities.unknown /= sum;
+  for (std::size_t i = 0; i < probabilities.candidate.size(); ++i) weighed.causes[i].probability = probabilities.candidate[i] /= sum;
+}
+
 // By falling probability; groups name only causes that are still there.
 void sort_causes(std::vector<Cause>& causes) {
   std::stable_sort(causes.begin(), causes.end(), [](const Cause& a, const Cause& b) { return a.probability > b.probability; });
@@ -723,6 +750,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   EvidenceSettings evidence = settings.evidence;
   evidence.independent_share = problem.settings.independent_share;
   Weighed weighed = weigh_fits(problem, found, screening.names.size(), evidence);
+  charge_for_smooth_torques(problem, found, evidence, weighed);
   // The gap lies where the most probable cause takes something away; where none does, where more than noise is left.
   const FitResult* const answer_fit = weighed.answer(found.fits);
   const bool is_taken = answer_fit != nullptr && !is_stochastic(problem.catalogue.at(answer_fit->point.effects[0].name));

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <utility>
 
@@ -294,18 +295,26 @@ std::vector<DiscrepancyCurve> curves_of(const Quantity& quantity, const std::vec
 
 }  // namespace
 
-std::vector<Discrepancy> discrepancies(Problem& problem, const FitResult& fit, double law_share) {
-  const std::vector<Eigen::Index> slow = slow_rows(problem, kHighestFrequency / problem.thresholds.time);
-  const double count = static_cast<double>(slow.size());
-  const Eigen::VectorXd slow_difference = fit.difference(slow);
-  if (mean_square(slow_difference) <= 1.0) return {};
+struct SmoothTorques::Traced {
+  std::vector<Eigen::Index> slow;
+  double amount = 0.0;
+  std::vector<Quantity> all;
+  std::vector<std::vector<Block>> functions;  // of each quantity
+  std::size_t common_shapes = 0;              // the constant, then what holds at standstill
+  std::vector<Eigen::VectorXd> traces;
+};
+
+SmoothTorques::~SmoothTorques() = default;
+
+SmoothTorques::SmoothTorques(Problem& problem, const FitResult& fit) {
+  auto own = std::make_unique<Traced>();
+  own->slow = slow_rows(problem, kHighestFrequency / problem.thresholds.time);
   const sim::Scales scales = sim::scales_of(problem.nominal.crane);
   const std::vector<Course> courses = courses_of(problem, scales.ratio);
   double largest_torque = 0.0;
   for (const Course& course : courses) largest_torque = std::max(largest_torque, largest(course.motor_torque));
-  const std::vector<Quantity> all = quantities(std::max(largest_torque, std::numeric_limits<double>::min()), fine_segments(courses, problem.thresholds.time));
-  const double amount = kAmount * scales.motor_torque;
-  const Projector project(fit.columns(slow, Eigen::indexing::all), prior_rows(problem, fit.point), data_weight(slow_difference, problem.settings));
+  own->all = quantities(std::max(largest_torque, std::numeric_limits<double>::min()), fine_segments(courses, problem.thresholds.time));
+  own->amount = kAmount * scales.motor_torque;
 
   // One simulation moves a function of all records' times at once: each record's rows tell its own. First what is no discrepancy of any
   // variable: a constant, and whatever holds the machine at standstill, which no law of motion tells.
@@ -323,15 +332,15 @@ std::vector<Discrepancy> discrepancies(Problem& problem, const FitResult& fit, d
     }
     if (acts) shapes.emplace_back(hat);
   }
-  const std::size_t common_shapes = shapes.size();
-  std::vector<std::vector<Block>> functions(all.size());
-  for (std::size_t q = 0; q < all.size(); ++q) {
-    const Quantity& quantity = all[q];
+  own->common_shapes = shapes.size();
+  own->functions.resize(own->all.size());
+  for (std::size_t q = 0; q < own->all.size(); ++q) {
+    const Quantity& quantity = own->all[q];
     for (std::size_t p = 0; p < quantity.parts.size(); ++p) {
       const auto [low, high] = range_of(problem, courses, quantity, quantity.parts[p]);
       if (!(high > low)) continue;
       const std::size_t copies = quantity.is_of_each_record ? courses.size() : 1;
-      for (std::size_t r = 0; r < copies; ++r) functions[q].push_back({p, r, low, high, quantity.parts[p].splines(), shapes.size(), {}});
+      for (std::size_t r = 0; r < copies; ++r) own->functions[q].push_back({p, r, low, high, quantity.parts[p].splines(), shapes.size(), {}});
       for (int j = 0; j < quantity.parts[p].splines(); ++j) {
         shapes.emplace_back([&courses, &quantity, &part = quantity.parts[p], j, low = low, high = high](std::size_t r, std::size_t n, std::size_t g) {
           return part.factor(courses[r], n, g) * spline(j, std::clamp(quantity.value_of(part)(courses[r], n, g), low, high), low, high, part.segments);
@@ -339,7 +348,15 @@ std::vector<Discrepancy> discrepancies(Problem& problem, const FitResult& fit, d
       }
     }
   }
-  const std::vector<Eigen::VectorXd> traced = traces(problem, fit.point, fit.difference, amount, shapes);
+  own->traces = traces(problem, fit.point, fit.difference, own->amount, shapes);
+  traced_ = std::move(own);
+}
+
+std::vector<Discrepancy> SmoothTorques::left_by(const Problem& problem, const FitResult& fit, double law_share) const {
+  const auto& [slow, amount, all, functions, common_shapes, traced] = *traced_;
+  const double count = static_cast<double>(slow.size());
+  const Eigen::VectorXd slow_difference = fit.difference(slow);
+  const Projector project(fit.columns(slow, Eigen::indexing::all), prior_rows(problem, fit.point), data_weight(slow_difference, problem.settings));
 
   const std::vector<Eigen::Index> rows = first_rows(problem);
   const auto of_record = [&](const Eigen::VectorXd& trace, std::size_t record) {
@@ -349,7 +366,7 @@ std::vector<Discrepancy> discrepancies(Problem& problem, const FitResult& fit, d
   };
   std::vector<Eigen::VectorXd> holding;
   for (std::size_t i = 1; i < common_shapes; ++i) {
-    for (std::size_t r = 0; r < courses.size(); ++r) holding.push_back(project(of_record(traced[i], r)(slow)));
+    for (std::size_t r = 0; r + 1 < rows.size(); ++r) holding.push_back(project(of_record(traced[i], r)(slow)));
   }
   const Orthonormal at_rest(holding);
   Eigen::VectorXd gap = at_rest.without(project.gap(slow_difference));
@@ -365,7 +382,8 @@ std::vector<Discrepancy> discrepancies(Problem& problem, const FitResult& fit, d
   std::vector<Discrepancy> found{{"constant", "", share(at_first, gap.squaredNorm()), evidence(gap.squaredNorm()) - evidence(at_first), {}}};
 
   for (std::size_t q = 0; q < all.size(); ++q) {
-    for (Block& block : functions[q]) {
+    std::vector<Block> of_fit = functions[q];
+    for (Block& block : of_fit) {
       block.columns.resize(gap.size(), block.splines);
       for (int j = 0; j < block.splines; ++j) {
         const Eigen::VectorXd& trace = traced[block.first_shape + static_cast<std::size_t>(j)];
@@ -377,18 +395,27 @@ std::vector<Discrepancy> discrepancies(Problem& problem, const FitResult& fit, d
     const double of_constant = found.front().evidence;
     for (const std::vector<std::size_t>& parts : all[q].alternatives) {
       std::vector<const Block*> blocks;
-      for (const Block& block : functions[q]) {
+      for (const Block& block : of_fit) {
         if (std::find(parts.begin(), parts.end(), block.part) != parts.end()) blocks.push_back(&block);
       }
       if (blocks.empty()) continue;
       const Weighed weighed = weigh(blocks, gap, problem.settings.independent_share, count);
       if (best && of_constant + weighed.evidence <= best->evidence) continue;
-      best = {all[q].name, all[q].unit, share(at_first, weighed.left), of_constant + weighed.evidence, curves_of(all[q], blocks, weighed, amount, courses.size())};
+      best = {all[q].name, all[q].unit, share(at_first, weighed.left), of_constant + weighed.evidence, curves_of(all[q], blocks, weighed, amount, rows.size() - 1)};
     }
     if (best) found.push_back(std::move(*best));
   }
   std::stable_sort(found.begin(), found.end(), [](const Discrepancy& a, const Discrepancy& b) { return a.evidence > b.evidence; });
   return found;
+}
+
+bool has_slow_gap(const Problem& problem, const FitResult& fit) {
+  return mean_square(fit.difference(slow_rows(problem, kHighestFrequency / problem.thresholds.time))) > 1.0;
+}
+
+std::vector<Discrepancy> discrepancies(Problem& problem, const FitResult& fit, double law_share) {
+  if (!has_slow_gap(problem, fit)) return {};
+  return SmoothTorques(problem, fit).left_by(problem, fit, law_share);
 }
 
 std::vector<std::string> followed_variables(const std::vector<Discrepancy>& discrepancies) {

@@ -17,6 +17,7 @@
 // what the faster ones leave there. Assumption: the torque is small beside what moves the machine, so that its traces add up.
 #pragma once
 
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -45,8 +46,24 @@ inline constexpr double kFollowed = 0.5;
 // A variable whose evidence is within so much of the first one's cannot be told from it, nor one from none: odds of one to ten, tempered as those of causes are (evidence.h).
 inline constexpr double kFollowsAsWell = 6.9;
 
-// Of the fit's residual, largest evidence first; empty where it leaves no more than noise, or next to nothing that is slow. `law_share`: EvidenceSettings'. Two to three
-// hundred simulations. Throws Interrupted.
+// What such torques do to the differences, simulated at one fit's machine: two to three hundred simulations.
+class SmoothTorques {
+ public:
+  SmoothTorques(Problem& problem, const FitResult& fit);  // throws Interrupted
+  ~SmoothTorques();
+  // Of that fit's residual, or of another one's of the same problem whose machine moves alike; largest evidence first; empty where it leaves next to nothing that is slow.
+  // `law_share`: EvidenceSettings'.
+  std::vector<Discrepancy> left_by(const Problem& problem, const FitResult& fit, double law_share) const;
+
+ private:
+  struct Traced;
+  std::unique_ptr<const Traced> traced_;
+};
+
+// Whether the fit's slow differences are more than noise.
+bool has_slow_gap(const Problem& problem, const FitResult& fit);
+
+// Of the fit's own; empty also where it has no slow gap, without a simulation. Throws Interrupted.
 std::vector<Discrepancy> discrepancies(Problem& problem, const FitResult& fit, double law_share);
 
 // The names of those that the residual follows, the first one and what cannot be told from it; the constant alone where that is among them; empty: none.
