@@ -294,27 +294,22 @@ Weighed weigh_fits(Problem& problem, const Found& found, std::size_t effect_coun
 // a smooth function of one variable takes away, slower than the structure, is none of theirs. Each hypothesis is charged for what of it it leaves; an unknown cause leaves none.
 // A draw's power is no such function: stochastic effects leave what nothing missing leaves.
 void charge_for_smooth_torques(Problem& problem, const Found& found, const EvidenceSettings& evidence, Weighed& weighed) {
-  Probabilities& probabilities = weighed.probabilities;
-  const double nothing = probabilities.candidate.front();
-  if (nothing < probabilities.unknown || nothing < *std::max_element(probabilities.candidate.begin(), probabilities.candidate.end())) return;
+  const Probabilities& before = weighed.probabilities;
+  const double nothing = before.candidate.front();
+  if (nothing < before.unknown || nothing < *std::max_element(before.candidate.begin(), before.candidate.end())) return;
   if (!has_slow_gap(problem, found.nothing)) return;
   const SmoothTorques smooth(problem, found.nothing);
   const std::vector<Discrepancy> of_nothing = smooth.left_by(problem, found.nothing, evidence.law_share);
   if (followed_variables(of_nothing).empty()) return;
   const double all = of_nothing.front().evidence;
-  std::vector<double> left(found.fits.size(), all);
+  std::vector<double> left(before.candidate.size(), all);
   share_out(problem, found.fits.size(), [&](std::size_t i) {
     if (!stochastic_part(problem.catalogue, found.fits[i].point).empty()) return;
     const std::vector<Discrepancy> of_fit = smooth.left_by(problem, found.fits[i], evidence.law_share);
-    left[i] = of_fit.empty() ? 0.0 : std::min(all, of_fit.front().evidence);
+    left[i + 1] = of_fit.empty() ? 0.0 : std::min(all, of_fit.front().evidence);
   });
-  double sum = probabilities.unknown;
-  for (std::size_t i = 0; i < probabilities.candidate.size(); ++i) {
-    probabilities.candidate[i] *= std::exp(-(i == 0 ? all : left[i - 1]) / evidence.temper);
-    sum += probabilities.candidate[i];
-  }
-  probabilities.unknown /= sum;
-  for (std::size_t i = 0; i < probabilities.candidate.size(); ++i) weighed.causes[i].probability = probabilities.candidate[i] /= sum;
+  weighed.probabilities = charged(before, left, evidence);
+  for (std::size_t i = 0; i < left.size(); ++i) weighed.causes[i].probability = weighed.probabilities.candidate[i];
 }
 
 // By falling probability; groups name only causes that are still there.

@@ -75,6 +75,15 @@ Probabilities weigh(const std::vector<Candidate>& candidates, int single_count, 
   return result;
 }
 
+Probabilities charged(Probabilities probabilities, std::span<const double> left, const EvidenceSettings& settings) {
+  double sum = probabilities.unknown;
+  for (std::size_t i = 0; i < probabilities.candidate.size(); ++i) sum += probabilities.candidate[i] *= std::exp(-left[i] / settings.temper);
+  if (!(sum > 0.0)) return probabilities;  // nothing explains it, an unknown cause neither
+  for (double& probability : probabilities.candidate) probability /= sum;
+  probabilities.unknown /= sum;
+  return probabilities;
+}
+
 double chance_of_prior(double prior, const Eigen::VectorXd& information, double independent_share) {
   const Eigen::ArrayXd weighed = independent_share * information.array();
   const double determined = (weighed / (1.0 + weighed)).sum();

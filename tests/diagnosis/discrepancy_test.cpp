@@ -143,6 +143,24 @@ TEST(Discrepancies, OfKnocksAreNone) {
   EXPECT_TRUE(followed_variables(knocks.found).empty());
 }
 
+// Found by the machine of parameters alone, they tell what other machines leave: a law's own fit leaves nothing of it, one that has not to do with it leaves the most of it.
+TEST(SmoothTorques, OfADragAreLeftByWhatIsNoDrag) {
+  Missing drag({{"air_drag", {600.0}}}, nothing);  // [m^2]
+  const double law_share = EvidenceSettings{}.law_share;
+  ASSERT_TRUE(has_slow_gap(drag.problem, drag.fit));
+  const SmoothTorques smooth(drag.problem, drag.fit);
+  const auto left_with = [&](const common::EffectInstance& effect) {
+    Point start = drag.fit.point;
+    start.effects = {effect};
+    const std::vector<Discrepancy> left = smooth.left_by(drag.problem, fit(drag.problem, drag.fit.columns, start), law_share);
+    return left.empty() ? 0.0 : left.front().evidence;
+  };
+  const double of_nothing = smooth.left_by(drag.problem, drag.fit, law_share).front().evidence;
+  EXPECT_GT(of_nothing, 2.0 * kFollowsAsWell);
+  EXPECT_LT(left_with({"air_drag", {300.0}}), kFollowsAsWell);
+  EXPECT_GT(left_with({"boom_stiffness", {0.9}}), 0.5 * of_nothing);
+}
+
 // Friction, with all that it does at standstill.
 TEST(Discrepancies, OfFrictionFollowTheSpeedAndOfGearsTheTorque) {
   EXPECT_EQ(followed_variables(Missing({{"bearing_coulomb", {2e5, 0.0, 3e-5}}}, nothing).found), std::vector<std::string>{"speed"});
