@@ -75,13 +75,14 @@ Probabilities weigh(const std::vector<Candidate>& candidates, int single_count, 
   return result;
 }
 
-Probabilities charged(Probabilities probabilities, std::span<const double> left, const EvidenceSettings& settings) {
-  double sum = probabilities.unknown;
-  for (std::size_t i = 0; i < probabilities.candidate.size(); ++i) sum += probabilities.candidate[i] *= std::exp(-left[i] / settings.temper);
-  if (!(sum > 0.0)) return probabilities;  // nothing explains it, an unknown cause neither
-  for (double& probability : probabilities.candidate) probability /= sum;
-  probabilities.unknown /= sum;
-  return probabilities;
+Probabilities charged(const Probabilities& probabilities, std::span<const double> left, const EvidenceSettings& settings) {
+  Probabilities result = probabilities;
+  double sum = result.unknown;
+  for (std::size_t i = 0; i < result.candidate.size(); ++i) sum += result.candidate[i] *= std::exp(-left[i] / settings.temper);
+  if (!(sum > 0.0)) return probabilities;  // so much is left by all that no number holds what remains of them
+  for (double& probability : result.candidate) probability /= sum;
+  result.unknown /= sum;
+  return result;
 }
 
 double chance_of_prior(double prior, const Eigen::VectorXd& information, double independent_share) {
