@@ -391,19 +391,22 @@ std::vector<Discrepancy> SmoothTorques::left_by(const Problem& problem, const Fi
         block.columns.col(j) = -constant.without(at_rest.without(column));  // the machine's torque, the model's missing
       }
     }
-    std::optional<Discrepancy> best;  // of the function and the constant
-    const double of_constant = found.front().evidence;
+    std::optional<Weighed> best;
+    std::vector<const Block*> of_best;
     for (const std::vector<std::size_t>& parts : all[q].alternatives) {
       std::vector<const Block*> blocks;
       for (const Block& block : of_fit) {
         if (std::find(parts.begin(), parts.end(), block.part) != parts.end()) blocks.push_back(&block);
       }
       if (blocks.empty()) continue;
-      const Weighed weighed = weigh(blocks, gap, problem.settings.independent_share, count);
-      if (best && of_constant + weighed.evidence <= best->evidence) continue;
-      best = {all[q].name, all[q].unit, share(at_first, weighed.left), of_constant + weighed.evidence, curves_of(all[q], blocks, weighed, amount, rows.size() - 1)};
+      Weighed weighed = weigh(blocks, gap, problem.settings.independent_share, count);
+      if (best && weighed.evidence <= best->evidence) continue;
+      best = std::move(weighed);
+      of_best = std::move(blocks);
     }
-    if (best) found.push_back(std::move(*best));
+    if (!best) continue;
+    // Of the function and the constant together.
+    found.push_back({all[q].name, all[q].unit, share(at_first, best->left), found.front().evidence + best->evidence, curves_of(all[q], of_best, *best, amount, rows.size() - 1)});
   }
   std::stable_sort(found.begin(), found.end(), [](const Discrepancy& a, const Discrepancy& b) { return a.evidence > b.evidence; });
   return found;

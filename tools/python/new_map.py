@@ -14,7 +14,7 @@ import numpy as np
 import pandas as pd
 
 from arguments import ArgumentParser
-from import_map import MOST_GROUPS
+from import_map import FLAGS, MOST_GROUPS
 from unit import factor_to_si, quantity_of
 
 ROWS_LOOKED_AT = 20_000
@@ -38,7 +38,6 @@ SIGNALS = {
     "enable": ((), ("enable", "enabled", "freigabe", "freigegeben")),
     "brake": ((), ("brake", "brakes", "bremse", "bremsen")),
 }
-FLAGS = ("emergency_stop", "enable", "brake")
 OF_AN_OPEN_BRAKE = {"open", "opened", "release", "released", "lift", "lifted", "offen", "auf", "frei", "gelüftet", "lüften"}
 OF_EVERY_GROUP = ("shaft_position", "shaft_speed", "motor_torque")  # a column for each motor group
 NEEDED = {"time": "s", "shaft_position": "rad", "shaft_speed": "rad/s", "motor_torque": "N m"}
