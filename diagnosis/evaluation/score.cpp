@@ -64,10 +64,14 @@ namespace {
 
 std::vector<CaseInput> asked_for(const ScoreSettings& settings) {
   std::vector<CaseInput> inputs = case_inputs(settings.directory);
-  if (settings.first < 0 || static_cast<std::size_t>(settings.first) > inputs.size()) {
-    throw std::invalid_argument(
-        fmt::format("the first {} cases are asked for; {} holds {}", settings.first, settings.directory.string(), inputs.size()));
+  const int all = static_cast<int>(inputs.size());
+  if (settings.from < 1 || settings.from > all || settings.first < 0 || settings.from - 1 + settings.first > all) {
+    throw std::invalid_argument(settings.from == 1 ? fmt::format("the first {} cases are asked for; {} holds {}", settings.first, settings.directory.string(), all)
+                                                   : fmt::format("{} from case {} on are asked for; {} holds {}",
+                                                                 settings.first > 0 ? fmt::format("{} cases", settings.first) : "the cases",
+                                                                 settings.from, settings.directory.string(), all));
   }
+  inputs.erase(inputs.begin(), inputs.begin() + settings.from - 1);
   if (settings.first > 0) inputs.resize(static_cast<std::size_t>(settings.first));
   return inputs;
 }
@@ -139,7 +143,7 @@ void diagnose_with(const Judging& judging, const MakeSettings& set, std::size_t 
   const fs::path file = judging.file(input, ("." + which).c_str());
   if (!manoeuvre || fs::exists(file)) return;
   const fs::path log = judging.folder / (input.name + "." + which + ".lcmlog");
-  measure_again(set, static_cast<int>(n) + 1, *manoeuvre, which, log);
+  measure_again(set, judging.settings.from + static_cast<int>(n), *manoeuvre, which, log);
   input.logs.push_back(log);
   CaseResult result = judging.diagnose(input);
   result.name = input.name;
@@ -175,7 +179,7 @@ bool judge_all(const Judging& judging, const std::vector<CaseAnswer>& answers, s
   return side_by_side(judging.inputs.size(), judging.settings.threads, judging.is_stopped, [&](std::size_t n) {
     const CaseInput& input = judging.inputs[n];
     Judged& one = judged[n];
-    one.answer = answers[n];
+    one.answer = answers[static_cast<std::size_t>(judging.settings.from - 1) + n];
     one.result = read_result(judging.file(input));
     const auto again = [&](const char* which) { return fs::exists(judging.file(input, which)) ? read_result(judging.file(input, which)) : one.result; };
     if (judging.settings.second_round) {

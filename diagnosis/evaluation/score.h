@@ -31,7 +31,8 @@ struct ScoreSettings {
   std::filesystem::path directory;
   std::string results = "results";  // folder in it; another one for other sensors or settings
   int threads = 2;
-  int first = 0;  // only so many, from the beginning of the set; 0: all
+  int from = 1;   // the case to begin with
+  int first = 0;  // only so many, from that case on; 0: all
   std::string how = "with accelerometers";  // one line; a folder takes results of one kind alone
   bool second_round = false;
   bool informed_fits = true;  // false: none are made, and the gap's share counts those that are there already
@@ -43,7 +44,7 @@ std::vector<CaseAnswer> open_answers(const std::filesystem::path& directory);
 
 using ScoreProgress = std::function<void(int done, int all, const std::string& line)>;
 
-// Diagnoses every case (or the first ones that were asked for) that has no result yet, then opens the answers, lets `informed` (may be empty) fit, and
+// Diagnoses every case (or those that were asked for) that has no result yet, then opens the answers, lets `informed` (may be empty) fit, and
 // writes DIR/<results>/score.json. Empty where `is_stopped` said so first: call again to go on.
 std::optional<ScoreTable> score_cases(const ScoreSettings& settings, const DiagnoseCase& diagnose,
                                       const InformedFit& informed, const ScoreProgress& progress = {},

@@ -216,7 +216,8 @@ void add_withhold_score(CLI::App& withhold, Action& action) {
   score->add_option("--results", options->results, "folder in it for the results");
   score->add_flag("--no-accelerometers", options->no_accelerometers, "encoders and torques alone");
   score->add_option("--threads", options->threads, "cases side by side")->check(whole_number(1));
-  score->add_option("--first", options->first, "only so many cases, from the beginning of the set")->check(whole_number(1));
+  score->add_option("--from", options->from, "the case to begin with (1)")->check(whole_number(1));
+  score->add_option("--first", options->first, "only so many cases, from there on")->check(whole_number(1));
   score->add_flag("--second-round", options->second_round, "where an answer is not sure, the machine drives the manoeuvre that it proposes, and one that is drawn, and is diagnosed again");
   score->add_flag("--no-informed-fits", options->no_informed_fits, "no fits that are told the effects: the share of the gap closed is of those there already");
   score->callback([options, &action] {

@@ -122,6 +122,7 @@ int withhold_judge(const WithholdScoreOptions& options, std::ostream& out, std::
   score.results = options.results;
   score.how = options.no_accelerometers ? "encoders and torques alone" : "with accelerometers";
   score.threads = options.threads;
+  score.from = options.from;
   score.first = options.first;
   score.informed_fits = !options.no_informed_fits;
   score.second_round = options.second_round;

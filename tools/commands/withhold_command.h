@@ -37,7 +37,8 @@ struct WithholdScoreOptions {
   std::string results = "results";
   bool no_accelerometers = false;
   int threads = 2;
-  int first = 0;  // cases of the set; 0: all
+  int from = 1;
+  int first = 0;  // cases of the set from there on; 0: all
   bool no_informed_fits = false;
   bool second_round = false;
 };

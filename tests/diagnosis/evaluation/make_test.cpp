@@ -203,7 +203,7 @@ TEST_F(MakeTest, ASecondRoundDrivesWhatIsProposed) {
   EXPECT_NE(read_whole(set_ / "rounds" / "case_0001.proposed.lcmlog"), read_whole(set_ / "rounds" / "case_0001.drawn.lcmlog"));
 }
 
-TEST_F(MakeTest, TheFirstCasesCanBeScoredAloneAndAnImpossibleNumberIsRefused) {
+TEST_F(MakeTest, SomeCasesCanBeScoredAloneAndAnImpossibleNumberIsRefused) {
   std::vector<std::string> diagnosed;
   const auto diagnose = [&](const CaseInput& input) {
     diagnosed.push_back(input.name);
@@ -220,8 +220,28 @@ TEST_F(MakeTest, TheFirstCasesCanBeScoredAloneAndAnImpossibleNumberIsRefused) {
   EXPECT_TRUE(score_cases(score, diagnose, {}).has_value());
   EXPECT_EQ(diagnosed, (std::vector<std::string>{"case_0001", "case_0002"}));
   EXPECT_EQ(nlohmann::json::parse(read_whole(set_ / "first" / "score.json")).at("cases"), 2);
-  score.first = 3;
-  EXPECT_THROW(score_cases(score, diagnose, {}), std::invalid_argument);
+  for (const auto [from, first] : {std::pair{1, 3}, {0, 1}, {2, 2}, {3, 0}}) {
+    score.from = from;
+    score.first = first;
+    EXPECT_THROW(score_cases(score, diagnose, {}), std::invalid_argument) << from << ' ' << first;
+  }
+  // The second alone, against the second answer: what both have without what the first has.
+  const auto truths_of = [&](const std::string& results, int begin, int cases) {
+    const std::optional<ScoreTable> table = score_cases({.directory = set_, .results = results, .threads = 1, .from = begin, .first = cases}, diagnose, {});
+    std::multiset<std::string> truths;
+    for (const auto& [truth, answers] : table.value().confusion) {
+      for (const auto& [answer, count] : answers) truths.insert(truth);
+    }
+    return truths;
+  };
+  diagnosed.clear();
+  const std::multiset<std::string> second = truths_of("second", 2, 1);
+  EXPECT_EQ(diagnosed, std::vector<std::string>{"case_0002"});
+  EXPECT_EQ(nlohmann::json::parse(read_whole(set_ / "second" / "score.json")).at("cases"), 1);
+  std::multiset<std::string> merged = truths_of("first", 1, 1);
+  ASSERT_NE(merged, second);
+  merged.merge(std::multiset<std::string>(second));
+  EXPECT_EQ(truths_of("first", 1, 2), merged);
 }
 
 // One short run, written with each of the options.
