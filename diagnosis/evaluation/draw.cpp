@@ -244,14 +244,18 @@ DrawnCase halved(DrawnCase drawn, int times) {
   return drawn;
 }
 
-TruthMachine build(const DrawnCase& drawn, const NominalMachine& nominal, const std::vector<bool>& on,
-                   std::vector<std::vector<TrueSize>>* sizes) {
+sim::CraneParameters spread_crane(const DrawnCase& drawn, const NominalMachine& nominal) {
   sim::CraneParameters crane = nominal.description.machine;
   const std::vector<sim::Parameter>& parameters = nominal.description.parameters;
   for (std::size_t k = 0; k < parameters.size(); ++k) {
     for (const sim::FileNumber& number : parameters[k].numbers) number.of(crane) *= drawn.spread[k];
   }
-  TruthMachine machine = make_truth_machine(crane, nominal.controller);
+  return crane;
+}
+
+TruthMachine build(const DrawnCase& drawn, const NominalMachine& nominal, const std::vector<bool>& on,
+                   std::vector<std::vector<TrueSize>>* sizes) {
+  TruthMachine machine = make_truth_machine(spread_crane(drawn, nominal), nominal.controller);
   machine.scales = nominal.scales;
   for (std::size_t k = 0; k < drawn.laws.size(); ++k) {
     if (!on[k]) continue;

@@ -67,6 +67,9 @@ std::vector<DrawnCase> draw_cases(int count, std::uint64_t seed, const NominalMa
 // The case with the sizes of its laws halved so many times, where they are drawn from a range.
 DrawnCase halved(DrawnCase drawn, int times);
 
+// The nominal crane with the case's spread.
+sim::CraneParameters spread_crane(const DrawnCase& drawn, const NominalMachine& nominal);
+
 // The machine of a case with those of its laws that are `on`, each as it is with all of them; true sizes, in their order, to `sizes`.
 TruthMachine build(const DrawnCase& drawn, const NominalMachine& nominal, const std::vector<bool>& on,
                    std::vector<std::vector<TrueSize>>* sizes = nullptr);

@@ -9,6 +9,7 @@
 #include <stdexcept>
 
 #include "controller/controller_file.h"
+#include "diagnosis/evaluation/known_laws.h"
 #include "diagnosis/evaluation/measure.h"
 #include "diagnosis/evaluation/seal.h"
 #include "diagnosis/evaluation/side_by_side.h"
@@ -42,6 +43,7 @@ std::vector<double> column(const TruthRun& run, double SensorValues::* value) {
 }
 
 constexpr std::array<const char*, 3> kSensorNames{"all", "tip", "none"};
+constexpr std::array<const char*, 2> kLawsNames{"withheld", "known"};
 
 bool is_recorded(Sensors sensors, std::string_view place) { return sensors == Sensors::kAll || (sensors == Sensors::kTip && place == "tip"); }
 
@@ -54,6 +56,15 @@ Sensors sensors_named(const std::string& name) {
     if (name == kSensorNames[k]) return static_cast<Sensors>(k);
   }
   throw std::invalid_argument("sensors are \"all\", \"tip\" or \"none\", not \"" + name + "\"");
+}
+
+const char* name_of(Laws laws) { return kLawsNames[static_cast<std::size_t>(laws)]; }
+
+Laws laws_named(const std::string& name) {
+  for (std::size_t k = 0; k < kLawsNames.size(); ++k) {
+    if (name == kLawsNames[k]) return static_cast<Laws>(k);
+  }
+  throw std::invalid_argument("laws are \"withheld\" or \"known\", not \"" + name + "\"");
 }
 
 Visibility visibility(const TruthRun& with, const TruthRun& without, const TruthMachine& machine, Sensors sensors, double from) {
@@ -196,6 +207,7 @@ json about_text(const MakeSettings& settings, const Nominal& nominal) {
           {"record_period_s", settings.record_period},
           {"sensors", name_of(settings.sensors)},
           {"begin", name_of(settings.begin)},
+          {"laws", name_of(settings.laws)},
           {"accelerometer_noise_m_s2", NoiseSettings{}.accelerometer},
           {"configuration_hash", msgs::hash_text(nominal.hash)},
           {"given_to_the_diagnosis", {"crane.yaml", "controller.yaml", "case_*/a.lcmlog", "case_*/b.lcmlog", "case_*/given.json"}}};
@@ -207,16 +219,32 @@ bool is_complete(const MakeSettings& settings, int number) {
          fs::exists(settings.directory / "sealed" / (case_name(number) + ".json"));
 }
 
-// The drawn machine with the laws that are `on`, behind the nominal machine's drive.
-TruthMachine machine_of(const DrawnCase& drawn, const Nominal& nominal, const std::vector<bool>& on,
-                        std::vector<std::vector<TrueSize>>* sizes = nullptr) {
-  TruthMachine machine = build(drawn, nominal.machine, on, sizes);
-  machine.drive_protection = nominal.drive_protection;
-  return machine;
-}
-
 RunOptions run_options(std::uint64_t noise_seed) {
   return {.noise_seed = noise_seed, .reference = {.method = sim::ReferenceMethod::kDirk, .tolerance = 1e-5, .order = 3}};
+}
+
+bool is_made_of_known_laws(const MakeSettings& settings, const DrawnCase& drawn) { return settings.laws == Laws::kKnown && has_known_laws(drawn); }
+
+// The drawn machine with the laws that are `on`, behind the nominal machine's drive, in one manoeuvre.
+TruthRun run_drawn(const MakeSettings& settings, const Nominal& nominal, const DrawnCase& drawn, const std::vector<bool>& on, const Manoeuvre& manoeuvre,
+                   std::uint64_t noise_seed) {
+  if (is_made_of_known_laws(settings, drawn)) {
+    return run_known(known_machine(drawn, nominal.machine, nominal.drive_protection, on), manoeuvre, noise_seed);
+  }
+  TruthMachine machine = build(drawn, nominal.machine, on);
+  machine.drive_protection = nominal.drive_protection;
+  return run_truth(machine, manoeuvre, run_options(noise_seed));
+}
+
+std::vector<std::vector<TrueSize>> true_sizes(const MakeSettings& settings, const Nominal& nominal, const DrawnCase& drawn) {
+  const std::vector<bool> all(drawn.laws.size(), true);
+  std::vector<std::vector<TrueSize>> sizes;
+  if (is_made_of_known_laws(settings, drawn)) {
+    known_machine(drawn, nominal.machine, nominal.drive_protection, all, &sizes);
+  } else {
+    build(drawn, nominal.machine, all, &sizes);
+  }
+  return sizes;
 }
 
 // What the machine is compared with in the manoeuvres to diagnose: itself without any law, and without each of several.
@@ -254,17 +282,14 @@ json effects_json(const DrawnCase& drawn, const std::vector<std::vector<TrueSize
 json run_case(const MakeSettings& settings, const Nominal& nominal, const DrawnCase& drawn) {
   const fs::path folder = settings.directory / case_name(drawn.number);
   fs::create_directories(folder);
-  std::vector<std::vector<TrueSize>> sizes;
-  const TruthMachine machine = machine_of(drawn, nominal, std::vector<bool>(drawn.laws.size(), true), &sizes);
   std::vector<Comparison> comparisons = comparisons_of(drawn.laws.size());
   for (std::size_t m = 0; m < kLogNames.size(); ++m) {
-    const RunOptions options = run_options(drawn.noise_seeds[m]);
-    const TruthRun run = run_truth(machine, drawn.manoeuvres[m], options);
+    const auto run_with = [&](const std::vector<bool>& on) { return run_drawn(settings, nominal, drawn, on, drawn.manoeuvres[m], drawn.noise_seeds[m]); };
+    const TruthRun run = run_with(std::vector<bool>(drawn.laws.size(), true));
     write_log(run, {nominal.hash, whole_steps(settings.record_period), settings.sensors, drawn.record_from[m]}, folder / kLogNames[m]);
     if (m >= kDiagnosedManoeuvres) continue;
     for (Comparison& other : comparisons) {
-      const TruthMachine without = machine_of(drawn, nominal, other.on);
-      const Visibility one = visibility(run, run_truth(without, drawn.manoeuvres[m], options), without, settings.sensors, drawn.record_from[m]);
+      const Visibility one = visibility(run, run_with(other.on), build(drawn, nominal.machine, other.on), settings.sensors, drawn.record_from[m]);
       if (one.largest > other.seen.largest) other.seen = one;
     }
   }
@@ -274,7 +299,7 @@ json run_case(const MakeSettings& settings, const Nominal& nominal, const DrawnC
   for (std::size_t k = 0; k < drawn.spread.size(); ++k) {
     spread[std::string(nominal.machine.description.parameters[k].name)] = drawn.spread[k];
   }
-  return {{"case", case_name(drawn.number)},   {"kind", name_of(drawn.kind)},  {"effects", effects_json(drawn, sizes, comparisons)},
+  return {{"case", case_name(drawn.number)},   {"kind", name_of(drawn.kind)},  {"effects", effects_json(drawn, true_sizes(settings, nominal, drawn), comparisons)},
           {"visibility", seen.largest},        {"most_visible", seen.signal},  {"spread", spread}};
 }
 
@@ -380,6 +405,7 @@ MakeSettings settings_of(const fs::path& directory) {
   settings.record_period = about.at("record_period_s");
   settings.sensors = sensors_named(about.at("sensors"));
   settings.begin = begin_named(about.at("begin"));
+  settings.laws = laws_named(about.at("laws"));
   return settings;
 }
 
@@ -393,8 +419,7 @@ void measure_again(const MakeSettings& settings, int number, const Manoeuvre& in
   manoeuvre.duration *= ramp;
   for (Request& request : manoeuvre.requests) request.time *= ramp;
   Random noise(settings.seed, "again: " + purpose, static_cast<std::uint64_t>(number));
-  const TruthRun run =
-      run_truth(machine_of(drawn, nominal, std::vector<bool>(drawn.laws.size(), true)), manoeuvre, run_options(noise.bits()));
+  const TruthRun run = run_drawn(settings, nominal, drawn, std::vector<bool>(drawn.laws.size(), true), manoeuvre, noise.bits());
   write_log(run, {nominal.hash, whole_steps(settings.record_period), settings.sensors, 0.0}, log);
 }
 

@@ -30,6 +30,11 @@ enum class Sensors { kAll, kTip, kNone };
 const char* name_of(Sensors sensors);
 Sensors sensors_named(const std::string& name);  // throws std::invalid_argument
 
+// Of what the machines are made: laws that the diagnosis does not have, or its own (known_laws.h), for what can be reached at best.
+enum class Laws { kWithheld, kKnown };
+const char* name_of(Laws laws);
+Laws laws_named(const std::string& name);  // throws std::invalid_argument
+
 struct MakeSettings {
   int cases = 0;
   std::uint64_t seed = 0;
@@ -40,6 +45,7 @@ struct MakeSettings {
   double record_period = 1e-3;              // [s] of SENSORS; ENCODER and TORQUE come with the controller
   Sensors sensors = Sensors::kAll;
   Begin begin = Begin::kAtRest;
+  Laws laws = Laws::kWithheld;
   int threads = 2;
 };
 

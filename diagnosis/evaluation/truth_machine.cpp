@@ -193,6 +193,8 @@ std::int64_t steps_per_period(const TruthMachine& machine) {
   return steps;
 }
 
+}  // namespace
+
 std::vector<sim::OperatorMove> moves_of(const Manoeuvre& manoeuvre) {
   std::vector<sim::OperatorMove> moves;
   for (const Request& request : manoeuvre.requests) {
@@ -211,8 +213,6 @@ void keep_cycle(const msgs::Encoder& encoder, const msgs::Torque& torque, const 
   run.enable.push_back(torque.enable);
   run.brake.push_back(torque.brake);
 }
-
-}  // namespace
 
 TruthRun run_truth(TruthMachine machine, const Manoeuvre& manoeuvre, const RunOptions& options) {
   if (machine.controller.group_count != machine.crane.drive.group_count) {

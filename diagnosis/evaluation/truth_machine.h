@@ -121,6 +121,10 @@ struct DriveStopped : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+// For whoever else runs a machine as a withheld one is run: the manoeuvre as the operator moves the lever, and what a cycle leaves in the run.
+std::vector<sim::OperatorMove> moves_of(const Manoeuvre& manoeuvre);
+void keep_cycle(const msgs::Encoder& encoder, const msgs::Torque& torque, const GroupArray& true_speed, TruthRun& run);
+
 // The machine is copied: its laws start anew in each run. Throws DriveStopped, std::invalid_argument, std::runtime_error.
 TruthRun run_truth(TruthMachine machine, const Manoeuvre& manoeuvre, const RunOptions& options);
 

@@ -197,6 +197,7 @@ void add_withhold(CLI::App& app, Action& action) {
   make->add_option("--rate", options->rate, "[Hz] of the record: SENSORS, and the controller with ENCODER and TORQUE (1000); a whole number of milliseconds per sample")->check(positive_number());
   make->add_option("--sensors", options->sensors, "all, tip or none: what is recorded beside encoders and torques")->check(one_of({"all", "tip", "none"}));
   make->add_option("--begin", options->begin, "rest, on, motion or any: when the recorder is switched on; with the drives on, under way, each of the three, drawn at random")->check(one_of({"rest", "on", "motion", "any"}));
+  make->add_option("--laws", options->laws, "withheld, which the diagnosis does not have, or known, its own, for what can be reached at best (withheld)")->check(one_of({"withheld", "known"}));
   make->add_option("--controller-period", options->controller_period_ms, "[ms] whole milliseconds (as --rate has it)")->check(whole_number(1));
   make->add_option("--threads", options->threads, "cases side by side")->check(whole_number(1));
   make->callback([options, &action] {

@@ -85,6 +85,7 @@ int withhold_make(const WithholdMakeOptions& options, std::ostream& out, std::os
     check_seed(settings.seed, settings.purpose);
     settings.sensors = sensors_named(options.sensors);
     settings.begin = begin_named(options.begin);
+    settings.laws = laws_named(options.laws);
   } catch (const std::invalid_argument& error) {
     complaints << "slewlab withhold make: " << error.what() << '\n';
     return 2;

@@ -20,6 +20,7 @@ struct WithholdMakeOptions {
   double controller_period_ms = 0.0;  // 0: as the record
   std::string sensors = "all";        // all, tip or none
   std::string begin = "rest";         // rest, on, motion or any
+  std::string laws = "withheld";      // withheld or known
   int threads = 2;
 };
 

@@ -244,6 +244,24 @@ TEST_F(MakeTest, SomeCasesCanBeScoredAloneAndAnImpossibleNumberIsRefused) {
   EXPECT_EQ(truths_of("first", 1, 2), merged);
 }
 
+// Known laws change what the machines are made of, not which are drawn.
+TEST_F(MakeTest, KnownLawsMakeTheSameDraw) {
+  MakeSettings known = settings(folder_->path() / "known");
+  known.laws = Laws::kKnown;
+  ASSERT_TRUE(make_cases(known));
+  EXPECT_EQ(settings_of(known.directory).laws, Laws::kKnown);
+  EXPECT_EQ(settings_of(set_).laws, Laws::kWithheld);
+  const std::vector<CaseAnswer> answers = open_answers(known.directory), withheld = open_answers(set_);
+  for (std::size_t n = 0; n < answers.size(); ++n) {
+    EXPECT_EQ(answers[n].kind, withheld[n].kind);
+    ASSERT_EQ(answers[n].effects.size(), withheld[n].effects.size());
+    for (std::size_t k = 0; k < answers[n].effects.size(); ++k) EXPECT_EQ(answers[n].effects[k].effect, withheld[n].effects[k].effect);
+    EXPECT_NE(read_whole(known.directory / case_name(static_cast<int>(n) + 1) / "a.lcmlog"), read_whole(set_ / case_name(static_cast<int>(n) + 1) / "a.lcmlog"));
+  }
+  known.directory = set_;
+  EXPECT_THROW(make_cases(known), std::invalid_argument);  // another set's folder
+}
+
 // One short run, written with each of the options.
 class RecordOptions : public testing::Test {
  protected:
