@@ -20,6 +20,7 @@
 #include "diagnosis/evaluation/structure.h"
 #include "diagnosis/record.h"
 #include "sim/drive/drive_protection_settings.h"
+#include "sim/drive/operator_move.h"
 #include "sim/integrate/reference.h"
 
 namespace slewlab::diagnosis::withheld {
