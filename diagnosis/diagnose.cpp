@@ -291,16 +291,15 @@ Weighed weigh_fits(Problem& problem, const Found& found, std::size_t effect_coun
 }
 
 // Where nothing missing leads: what a law is forgiven, and what one more must gain, stand for mesh, step and another simulator's laws, which show in what is fast. A torque that
-// a smooth function of one variable takes away, slower than the structure, is none of theirs. Each hypothesis is charged for what of it it leaves; an unknown cause leaves none.
+// a smooth function of one variable takes away, slower than the structure, is none of theirs, though it lie below the noise that is given. Each hypothesis is charged for what of it it leaves; an unknown cause leaves none.
 // A draw's power is no such function: stochastic effects leave what nothing missing leaves.
 void charge_for_smooth_torques(Problem& problem, const Found& found, const EvidenceSettings& evidence, Weighed& weighed) {
   const Probabilities& before = weighed.probabilities;
   const double nothing = before.candidate.front();
   if (nothing < before.unknown || nothing < *std::max_element(before.candidate.begin(), before.candidate.end())) return;
-  if (!has_slow_gap(problem, found.nothing)) return;
   const SmoothTorques smooth(problem, found.nothing);
   const std::vector<Discrepancy> of_nothing = smooth.left_by(problem, found.nothing, evidence.law_share);
-  if (followed_variables(of_nothing).empty()) return;
+  if (of_nothing.empty()) return;
   const double all = of_nothing.front().evidence;
   std::vector<double> left(before.candidate.size(), all);
   share_out(problem, found.fits.size(), [&](std::size_t i) {

@@ -371,14 +371,14 @@ std::vector<Discrepancy> SmoothTorques::left_by(const Problem& problem, const Fi
   const Orthonormal at_rest(holding);
   Eigen::VectorXd gap = at_rest.without(project.gap(slow_difference));
   const double at_first = gap.squaredNorm();
-  const double excess = fit.difference.squaredNorm() - static_cast<double>(fit.difference.size());
-  if (at_first - count <= law_share * excess) return {};
+  const double forgiven = law_share * (fit.difference.squaredNorm() - static_cast<double>(fit.difference.size()));
   const Orthonormal constant({at_rest.without(project(traced.front()(slow)))});
   gap = constant.without(gap);
   const double above_noise = std::max(at_first - count, std::numeric_limits<double>::min());
   const auto share = [&](double from, double to) { return std::clamp((from - to) / above_noise, 0.0, 1.0); };
   const double nu = problem.settings.independent_share * count;
   const auto evidence = [&](double square) { return -0.5 * nu * penalty(problem.settings.independent_share * square / nu); };
+  double least = gap.squaredNorm();
   std::vector<Discrepancy> found{{"constant", "", share(at_first, gap.squaredNorm()), evidence(gap.squaredNorm()) - evidence(at_first), {}}};
 
   for (std::size_t q = 0; q < all.size(); ++q) {
@@ -405,10 +405,12 @@ std::vector<Discrepancy> SmoothTorques::left_by(const Problem& problem, const Fi
       of_best = std::move(blocks);
     }
     if (!best) continue;
+    least = std::min(least, best->left);
     // Of the function and the constant together.
     found.push_back({all[q].name, all[q].unit, share(at_first, best->left), found.front().evidence + best->evidence, curves_of(all[q], of_best, *best, amount, rows.size() - 1)});
   }
   std::stable_sort(found.begin(), found.end(), [](const Discrepancy& a, const Discrepancy& b) { return a.evidence > b.evidence; });
+  if (at_first - least <= forgiven) return {};
   return found;
 }
 

@@ -13,7 +13,7 @@
 //
 // lambda the eigenvalues of the columns' products in P's coordinates, nu the independent differences, Q what they leave together with a' P a / rho: a noise of unknown size, but not
 // below the sensors'. Of the differences those count that are slower than the machine's characteristic time T: in what is faster, laws show how they
-// begin and end, and the structure its modes. Where those are less of all that is left than what any law is forgiven (evidence.h), nothing is asked: they may be
+// begin and end, and the structure its modes. Where the functions take away less of all that is left than what any law is forgiven (evidence.h), nothing is said: it may be
 // what the faster ones leave there. Assumption: the torque is small beside what moves the machine, so that its traces add up.
 #pragma once
 
@@ -51,7 +51,7 @@ class SmoothTorques {
  public:
   SmoothTorques(Problem& problem, const FitResult& fit);  // throws Interrupted
   ~SmoothTorques();
-  // Of that fit's residual, or of another one's of the same problem whose machine moves alike; largest evidence first; empty where it leaves next to nothing that is slow.
+  // Of that fit's residual, or of another one's of the same problem whose machine moves alike; largest evidence first; empty where they take next to nothing away.
   // `law_share`: EvidenceSettings'.
   std::vector<Discrepancy> left_by(const Problem& problem, const FitResult& fit, double law_share) const;
 

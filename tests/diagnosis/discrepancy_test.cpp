@@ -161,6 +161,19 @@ TEST(SmoothTorques, OfADragAreLeftByWhatIsNoDrag) {
   EXPECT_GT(left_with({"boom_stiffness", {0.9}}), 0.5 * of_nothing);
 }
 
+// A function of one variable shows where what is slow is less than the noise that it is given, and the machine without it has none.
+TEST(SmoothTorques, ShowBelowTheNoise) {
+  const double law_share = EvidenceSettings{}.law_share;
+  const auto evidence_of = [&](Missing& missing) {
+    EXPECT_FALSE(has_slow_gap(missing.problem, missing.fit));
+    const std::vector<Discrepancy> left = SmoothTorques(missing.problem, missing.fit).left_by(missing.problem, missing.fit, law_share);
+    return left.empty() ? 0.0 : left.front().evidence;
+  };
+  Missing sound({}, nothing), drag({{"air_drag", {100.0}}}, nothing);  // [m^2]
+  EXPECT_LT(evidence_of(sound), 1.0);
+  EXPECT_GT(evidence_of(drag), kFollowsAsWell);
+}
+
 // Friction, with all that it does at standstill.
 TEST(Discrepancies, OfFrictionFollowTheSpeedAndOfGearsTheTorque) {
   EXPECT_EQ(followed_variables(Missing({{"bearing_coulomb", {2e5, 0.0, 3e-5}}}, nothing).found), std::vector<std::string>{"speed"});
