@@ -307,7 +307,7 @@ void charge_for_smooth_torques(Problem& problem, const Found& found, const Evide
     const std::vector<Discrepancy> of_fit = smooth.left_by(problem, found.fits[i], evidence.law_share);
     left[i + 1] = of_fit.empty() ? 0.0 : std::min(all, of_fit.front().evidence);
   });
-  weighed.probabilities = charged(before, left, evidence);
+  weighed.probabilities = charged(before, left);
   for (std::size_t i = 0; i < left.size(); ++i) weighed.causes[i].probability = weighed.probabilities.candidate[i];
 }
 

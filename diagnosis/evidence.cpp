@@ -75,10 +75,10 @@ Probabilities weigh(const std::vector<Candidate>& candidates, int single_count, 
   return result;
 }
 
-Probabilities charged(const Probabilities& probabilities, std::span<const double> left, const EvidenceSettings& settings) {
+Probabilities charged(const Probabilities& probabilities, std::span<const double> left) {
   Probabilities result = probabilities;
   double sum = result.unknown;
-  for (std::size_t i = 0; i < result.candidate.size(); ++i) sum += result.candidate[i] *= std::exp(-left[i] / settings.temper);
+  for (std::size_t i = 0; i < result.candidate.size(); ++i) sum += result.candidate[i] *= std::exp(-left[i]);
   if (!(sum > 0.0)) return probabilities;  // so much is left by all that no number holds what remains of them
   for (double& probability : result.candidate) probability /= sum;
   result.unknown /= sum;

@@ -71,8 +71,8 @@ struct Probabilities {
 // the prior of a single cause, and all pairs of them that of a pair.
 Probabilities weigh(const std::vector<Candidate>& candidates, int single_count, const EvidenceSettings& settings);
 
-// The same where each candidate leaves something that is there by ln(odds) `left`, beside what it is weighed by, and an unknown cause leaves none: P exp(-left / T), with the sum of one.
-Probabilities charged(const Probabilities& probabilities, std::span<const double> left, const EvidenceSettings& settings);
+// The same where each candidate leaves something that is there by ln(odds) `left`, beside what it is weighed by, and an unknown cause leaves none: P exp(-left), with the sum of one; T tempers what mesh, step and laws make wrong, which this is not.
+Probabilities charged(const Probabilities& probabilities, std::span<const double> left);
 
 // The chance that machines as the file describes them lie as far from their nominal values as p says, or further: p is the sum of the squares of those
 // parameters that the records determine, N = sum(s lambda / (1 + s lambda)) of them, hence chi squared of N degrees of freedom (by Wilson and Hilferty's normal
