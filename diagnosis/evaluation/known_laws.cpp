@@ -33,9 +33,9 @@ EffectInstance instance_of(const EffectAbout& about, std::vector<TrueSize>& size
 }
 
 // The plant, measured with sensors as they are bought.
-class MeasuredPlant : public sim::DrivenPlant {
+class KnownPlant : public MeasuredPlant {
  public:
-  MeasuredPlant(const KnownMachine& known, sim::CranePlant plant, std::uint64_t noise_seed)
+  KnownPlant(const KnownMachine& known, sim::CranePlant plant, std::uint64_t noise_seed)
       : plant_(std::move(plant)), groups_(known.machine.crane.drive.group_count), slew_resolution_(known.noise.slew_resolution) {
     for (int a = 0; a < kAccelerometerCount; ++a) noise_.emplace_back(known.noise, Random(noise_seed, "accelerometer", a));
     Random phases(noise_seed, "encoder phase");
@@ -65,13 +65,6 @@ class MeasuredPlant : public sim::DrivenPlant {
     measure();
   }
 
-  void read_sensors(msgs::Sensors& message) override {
-    for (std::size_t s = 0; s < kFields.size(); ++s) message.*msgs::kSensorFields<msgs::Sensors>[s].value = seen_.*kFields[s].value;
-  }
-  void read_truth(msgs::Truth&) override {}
-  void read_status(msgs::PlantStatus&) override {}
-
-  const SensorValues& sensors() const { return seen_; }
   // [rad/s] on the fast axis
   GroupArray true_speed() const {
     GroupArray speed{};
@@ -99,7 +92,6 @@ class MeasuredPlant : public sim::DrivenPlant {
   double slew_resolution_;  // [rad]
   std::vector<ColouredNoise> noise_;  // of the accelerometers
   std::vector<CountingEncoder> counted_, followed_;
-  SensorValues seen_;
 };
 
 }  // namespace
@@ -145,7 +137,7 @@ TruthRun run_known(const KnownMachine& known, const Manoeuvre& manoeuvre, std::u
   run.group_count = known.machine.crane.drive.group_count;
   run.cycle_steps = course.steps_per_period;
   run.manoeuvre = manoeuvre;
-  MeasuredPlant plant(known, sim::CranePlant(settings.machine, drive_run(course, run.group_count)), noise_seed);
+  KnownPlant plant(known, sim::CranePlant(settings.machine, drive_run(course, run.group_count)), noise_seed);
   ControllerAnswer controller(known.controller);
   std::int64_t contact_changes = 0;
   LoopHooks hooks;

@@ -81,7 +81,7 @@ sim::ReferenceMachine reference_machine(const TruthMachine& machine, const Struc
 }
 
 // The machine with its drive on the plant's side of the loop: wire and actuators, the reference, the sensors.
-class TruthPlant : public sim::DrivenPlant {
+class TruthPlant : public MeasuredPlant {
  public:
   TruthPlant(TruthMachine& machine, std::int64_t steps_per_period, const RunOptions& options, TruthRun& run)
       : machine_(machine),
@@ -130,13 +130,6 @@ class TruthPlant : public sim::DrivenPlant {
     measure();
   }
 
-  void read_sensors(msgs::Sensors& message) override {
-    for (std::size_t s = 0; s < kFields.size(); ++s) message.*msgs::kSensorFields<msgs::Sensors>[s].value = seen_.*kFields[s].value;
-  }
-  void read_truth(msgs::Truth&) override {}
-  void read_status(msgs::PlantStatus&) override {}
-
-  const SensorValues& sensors() const { return seen_; }
   const GroupArray& true_speed() const { return readings_.shaft_speed; }
   sim::ReferenceCounts counts() const { return sim::counts(*reference_); }
 
@@ -181,7 +174,6 @@ class TruthPlant : public sim::DrivenPlant {
   std::int64_t steps_ = 0;
   std::int64_t contact_changes_ = 0;
   sim::PlantReadings readings_;
-  SensorValues seen_;
   TruthRun& run_;
 };
 
@@ -194,6 +186,12 @@ std::int64_t steps_per_period(const TruthMachine& machine) {
 }
 
 }  // namespace
+
+void MeasuredPlant::read_sensors(msgs::Sensors& message) {
+  for (std::size_t s = 0; s < msgs::kSensorFields<SensorValues>.size(); ++s) {
+    message.*msgs::kSensorFields<msgs::Sensors>[s].value = seen_.*msgs::kSensorFields<SensorValues>[s].value;
+  }
+}
 
 std::vector<sim::OperatorMove> moves_of(const Manoeuvre& manoeuvre) {
   std::vector<sim::OperatorMove> moves;

@@ -20,6 +20,7 @@
 #include "diagnosis/evaluation/structure.h"
 #include "diagnosis/record.h"
 #include "sim/drive/drive_protection_settings.h"
+#include "sim/drive/driven_plant.h"
 #include "sim/drive/operator_move.h"
 #include "sim/integrate/reference.h"
 
@@ -120,6 +121,18 @@ struct TruthRun {
 // The drive stops the machine, or the controller lets go of it: its loop does not hold.
 struct DriveStopped : std::runtime_error {
   using std::runtime_error::runtime_error;
+};
+
+// What a withheld machine shows of itself: its sensors, and no truth.
+class MeasuredPlant : public sim::DrivenPlant {
+ public:
+  void read_sensors(msgs::Sensors& message) override;
+  void read_truth(msgs::Truth&) override {}
+  void read_status(msgs::PlantStatus&) override {}
+  const SensorValues& sensors() const { return seen_; }
+
+ protected:
+  SensorValues seen_;  // at the end of the step
 };
 
 // For whoever else runs a machine as a withheld one is run: the manoeuvre as the operator moves the lever, and what a cycle leaves in the run.
