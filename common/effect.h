@@ -84,6 +84,8 @@ struct EffectParameter {
   std::vector<double> tries = {};
   // A detail of the law that a diagnosis fits once the effect is found, but does not look for.
   bool detail = false;
+  // An angle of the axis after which friction comes again: a diagnosis starts to look where the missing torque says so as well.
+  bool recurs = false;
 };
 
 // An angle that may be any: a phase or a direction, -pi ... pi.

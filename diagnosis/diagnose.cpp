@@ -16,6 +16,7 @@
 #include "diagnosis/hidden_effects.h"
 #include "diagnosis/model_step.h"
 #include "diagnosis/own_noise.h"
+#include "diagnosis/recurrence.h"
 #include "diagnosis/stochastic.h"
 #include "diagnosis/screen.h"
 #include "sim/effects/catalogue.h"
@@ -38,6 +39,7 @@ constexpr double kOtherLawTemper = 5.0;  // chosen: by which the evidence among 
 // something small where parameters alone leave that.
 constexpr double kHiddenBeside = 0.12, kAboveTheNoise = 0.25, kSmallBesideNothing = 0.25;
 constexpr double kClearLead = 0.6;  // probability, beyond which no other answer can come to lead by that
+constexpr std::size_t kLengths = 2;  // of what recurs with the angle, that are tried: the first may be half of a law's with two harmonics
 constexpr int kRoundsAsBuilt = 3;        // at most, of a fit of the nominal machine built otherwise: its boom cut as its file has it, or what every machine does
 constexpr double kOwnLog = 0.5;          // mean square that no sensors' noise leaves as low; chosen
 constexpr double kBetterAsCut = 20.0;    // fall of the cost, several times what chance lets it fall by
@@ -120,8 +122,8 @@ bool take_what_shows(Problem& problem, const std::vector<common::EffectInstance>
 
 Searched search_all(Problem& problem, FitResult base, const DiagnosisSettings& settings, const TakesMore& takes_more, const Progress& tell) {
   const Projector project(base.columns, prior_rows(problem, base.point), data_weight(base.difference, settings.fit));
-  const std::vector<common::EffectInstance> starts =
-      catalogue_starts(problem.catalogue, problem.nominal, settings.without, longest_record(problem), problem.thresholds.spell_every);
+  const std::vector<common::EffectInstance> starts = catalogue_starts(problem.catalogue, problem.nominal, settings.without, longest_record(problem), problem.thresholds.spell_every,
+                                                                      recurring_lengths(problem, base.point, kLengths));
   Screening screening = screen(problem, base, project, starts, within(tell, kScreen));
   Found found = search(problem, base, screening, settings.search, takes_more, tell);
   return {std::move(base), std::move(screening), std::move(found)};

@@ -226,14 +226,19 @@ double forecast(const Problem& problem, const FitResult& from, const Screening& 
 }
 
 std::vector<common::EffectInstance> catalogue_starts(const common::EffectCatalogue& catalogue, const sim::MachineSettings& nominal,
-                                                     std::span<const std::string> without, double duration, double spell_every) {
+                                                     std::span<const std::string> without, double duration, double spell_every, std::span<const double> lengths) {
   std::vector<common::EffectInstance> starts;
   for (const common::EffectAbout& about : catalogue.effects) {
     const std::string name(about.name);
     if (std::find(without.begin(), without.end(), name) != without.end() || about.read_off != common::ReadOff::none || about.of_every_machine) continue;
     // What the nominal crane has already is not missing, and a machine takes an effect once.
     if (has_effect(nominal.effects, name)) continue;
-    const std::vector<common::EffectInstance> own = starts_of(about, duration, spell_every);
+    common::EffectAbout tried = about;
+    for (common::EffectParameter& parameter : tried.parameters) {
+      if (!parameter.recurs) continue;
+      std::copy_if(lengths.begin(), lengths.end(), std::back_inserter(parameter.tries), [&](double length) { return length > parameter.lower && length < parameter.upper; });
+    }
+    const std::vector<common::EffectInstance> own = starts_of(tried, duration, spell_every);
     starts.insert(starts.end(), own.begin(), own.end());
   }
   return starts;

@@ -100,9 +100,9 @@ struct Screening {
   Eigen::VectorXd gap;                       // what parameters alone leave, as the projector shows it
 };
 // All starts of the machine's catalogue but of `without`, of what the nominal machine has, and of what is read off a record.
-// `duration` [s] of the longest record, in which an effect may begin at any time.
-std::vector<common::EffectInstance> catalogue_starts(const common::EffectCatalogue& catalogue, const sim::MachineSettings& nominal,
-                                                     std::span<const std::string> without, double duration, double spell_every);
+// `duration` [s] of the longest record, in which an effect may begin at any time; what recurs with an angle of the axis is tried with the `lengths` [rad] as well.
+std::vector<common::EffectInstance> catalogue_starts(const common::EffectCatalogue& catalogue, const sim::MachineSettings& nominal, std::span<const std::string> without,
+                                                     double duration, double spell_every, std::span<const double> lengths = {});
 
 // Of each effect the one that leaves least, by what they leave; of all that was tried, or of some.
 std::vector<const Screened*> best_of_each(const Screening& screening);
