@@ -225,6 +225,27 @@ double forecast(const Problem& problem, const FitResult& from, const Screening& 
   return discounted(left, nu) - discounted(left - fall, nu);
 }
 
+namespace {
+
+// From where the law comes again with one of the lengths, its angles all round: beside the law's mean two quarters do not tell the others.
+std::vector<common::EffectInstance> recurring_starts(const common::EffectAbout& about, std::span<const double> lengths) {
+  std::vector<common::EffectInstance> starts;
+  for (std::size_t p = 0; p < about.parameters.size(); ++p) {
+    const common::EffectParameter& parameter = about.parameters[p];
+    if (!parameter.recurs) continue;
+    for (const double length : lengths) {
+      if (length < parameter.lower || length > parameter.upper) continue;
+      common::EffectInstance start = common::typical_instance(about);
+      start.values[p] = length;
+      const std::vector<common::EffectInstance> turned = all_turned(start, turning_angles(about), 3);
+      starts.insert(starts.end(), turned.begin(), turned.end());
+    }
+  }
+  return starts;
+}
+
+}  // namespace
+
 std::vector<common::EffectInstance> catalogue_starts(const common::EffectCatalogue& catalogue, const sim::MachineSettings& nominal,
                                                      std::span<const std::string> without, double duration, double spell_every, std::span<const double> lengths) {
   std::vector<common::EffectInstance> starts;
@@ -233,13 +254,9 @@ std::vector<common::EffectInstance> catalogue_starts(const common::EffectCatalog
     if (std::find(without.begin(), without.end(), name) != without.end() || about.read_off != common::ReadOff::none || about.of_every_machine) continue;
     // What the nominal crane has already is not missing, and a machine takes an effect once.
     if (has_effect(nominal.effects, name)) continue;
-    common::EffectAbout tried = about;
-    for (common::EffectParameter& parameter : tried.parameters) {
-      if (!parameter.recurs) continue;
-      std::copy_if(lengths.begin(), lengths.end(), std::back_inserter(parameter.tries), [&](double length) { return length > parameter.lower && length < parameter.upper; });
-    }
-    const std::vector<common::EffectInstance> own = starts_of(tried, duration, spell_every);
+    const std::vector<common::EffectInstance> own = starts_of(about, duration, spell_every), recurring = recurring_starts(about, lengths);
     starts.insert(starts.end(), own.begin(), own.end());
+    starts.insert(starts.end(), recurring.begin(), recurring.end());
   }
   return starts;
 }

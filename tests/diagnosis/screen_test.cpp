@@ -85,6 +85,23 @@ TEST(Screen, StartsFromEveryCombinationOfValuesWorthATry) {
   EXPECT_EQ(different.size(), combinations.size() + others);
 }
 
+// What recurs with an angle of the axis also with the lengths that were read off, within its bounds, all round; nothing else does.
+TEST(Screen, StartsFromLengthsThatWereReadOff) {
+  sim::MachineSettings nominal;
+  nominal.crane = sim::thesis_crane();
+  const std::vector<double> lengths{0.134, 100.0};  // [rad]
+  const auto before = catalogue_starts(catalogue(), nominal, {}, 30.0, kSpellEvery), with = catalogue_starts(catalogue(), nominal, {}, 30.0, kSpellEvery, lengths);
+  ASSERT_EQ(with.size(), before.size() + 4);
+  const common::EffectAbout& about = catalogue().at("bearing_uneven");
+  std::set<double> phases;
+  for (const common::EffectInstance& start : with) {
+    if (start.name != about.name || start.values[index_of(about, "wavelength")] != lengths[0]) continue;
+    phases.insert(start.values[index_of(about, "phase")]);
+    EXPECT_EQ(start.values[common::kSize], about.parameters[common::kSize].typical);
+  }
+  EXPECT_EQ(phases.size(), 4u);
+}
+
 // Columns of ramps: what begins at 1 s and ends, 1.5 s of ramp included, 3 s later is a ramp from 1 s less one from 2.5 s.
 TEST(Screen, FindsABeginningAndAnEndFromBeginningsAlone) {
   const common::EffectAbout& about = catalogue().at("hoisting");
