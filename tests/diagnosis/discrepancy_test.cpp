@@ -145,7 +145,7 @@ TEST(Discrepancies, OfKnocksAreNone) {
 
 // Found by the machine of parameters alone, they tell what other machines leave: a law's own fit leaves nothing of it, one that has not to do with it leaves the most of it.
 TEST(SmoothTorques, OfADragAreLeftByWhatIsNoDrag) {
-  Missing drag({{"air_drag", {300.0}}}, nothing);  // [m^2]
+  Missing drag({{"air_drag", {600.0}}}, nothing);  // [m^2]
   const double law_share = EvidenceSettings{}.law_share;
   ASSERT_TRUE(has_slow_gap(drag.problem, drag.fit));
   const SmoothTorques smooth(drag.problem, drag.fit);
