@@ -13,9 +13,9 @@ namespace slewlab::diagnosis {
 namespace {
 
 constexpr double kMoves = 0.05;        // of the largest speed, from which on the direction is sure
-constexpr std::size_t kPoints = 4000;  // of a record, at most: some ten of the shortest length
+constexpr std::size_t kPoints = 1500;  // of a record, at most
 constexpr double kFineness = 4.0;      // orders tried in what the angle that is passed tells apart
-constexpr double kShortest = 10.0;     // points that the largest speed takes over a length, at least
+constexpr double kShortest = 10.0;     // points over which the axis passes a length at its largest speed, at least
 
 struct Place {
   double angle, direction, torque;  // [rad], [-], [Nm per motor] against the motion

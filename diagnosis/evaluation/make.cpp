@@ -345,7 +345,7 @@ void begin(const MakeSettings& settings, const Nominal& nominal) {
   const fs::path about_file = settings.directory / "about.json";
   if (fs::exists(about_file) && read_whole(about_file) != about) {
     throw std::invalid_argument(settings.directory.string() +
-                                " holds a set of another seed, size, purpose or crane: take another folder");
+                                " holds a set of another seed, size, purpose, crane or laws: take another folder");
   }
   write_whole(settings.directory / "crane.yaml", read_whole(settings.crane));
   write_whole(settings.directory / "controller.yaml", read_whole(settings.controller));
@@ -405,7 +405,7 @@ MakeSettings settings_of(const fs::path& directory) {
   settings.record_period = about.at("record_period_s");
   settings.sensors = sensors_named(about.at("sensors"));
   settings.begin = begin_named(about.at("begin"));
-  settings.laws = laws_named(about.at("laws"));
+  settings.laws = laws_named(about.value("laws", name_of(Laws::kWithheld)));
   return settings;
 }
 
