@@ -208,6 +208,7 @@ std::optional<ScoreTable> score_cases(const ScoreSettings& settings, const Diagn
   ScoreTable table = tabulate(judged);
   json out = to_json(table);
   out["cases"] = judging.inputs.size();
+  out["from"] = settings.from;
   out["set"] = json::parse(read_whole(settings.directory / "about.json"));
   write_whole(judging.folder / "score.json", out.dump(1) + "\n");
   return table;

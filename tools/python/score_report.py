@@ -185,7 +185,12 @@ def page(files):
     data = files[0][1]
     about = data.get("set", {})
     scored, made = data.get("cases", about.get("cases", "?")), about.get("cases", "?")
-    head = (f"{scored if scored == made else f'the first {scored} of {made}'} cases, seed {about.get('seed', '?')} ({about.get('purpose', '?')})")
+    begin = data.get("from", 1)
+    which = (f"{scored} cases" if scored == made else f"the first {scored} of {made} cases" if begin == 1
+             else f"cases {begin} to {begin + scored - 1} of {made}")
+    head = f"{which}, seed {about.get('seed', '?')} ({about.get('purpose', '?')})"
+    if about.get("laws") == "known":
+        head += ", made of the laws that the diagnosis has: what can be reached at best"
     failures = "".join(f"<li>{html.escape(one)}</li>" for one in data["failures"])
     return themed("Scores on withheld cases", f"""<h1>Scores on withheld cases</h1><p>{html.escape(head)}. Green: aim reached. An effect counts as visible above 3 noise
 floors; intervals are 95 %.</p>

@@ -238,6 +238,7 @@ TEST_F(MakeTest, SomeCasesCanBeScoredAloneAndAnImpossibleNumberIsRefused) {
   const std::multiset<std::string> second = truths_of("second", 2, 1);
   EXPECT_EQ(diagnosed, std::vector<std::string>{"case_0002"});
   EXPECT_EQ(nlohmann::json::parse(read_whole(set_ / "second" / "score.json")).at("cases"), 1);
+  EXPECT_EQ(nlohmann::json::parse(read_whole(set_ / "second" / "score.json")).at("from"), 2);
   std::multiset<std::string> merged = truths_of("first", 1, 1);
   ASSERT_NE(merged, second);
   merged.merge(std::multiset<std::string>(second));

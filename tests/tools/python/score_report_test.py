@@ -48,6 +48,15 @@ class ScoreReportTest(unittest.TestCase):
                       "other_gains × 1", "&lt;droop&gt; answered wrongly"):
             self.assertIn(words, page)
 
+    def test_the_page_says_which_cases_and_of_what_laws(self):
+        for change, words in (({"cases": 6}, "the first 6 of 8 cases, seed 7 (tune). Green"),
+                              ({"cases": 3, "from": 4}, "cases 4 to 6 of 8, seed 7 (tune). Green"),
+                              ({"set": DATA["set"] | {"laws": "known"}}, "what can be reached at best. Green")):
+            with self.subTest(words=words):
+                self.file.write_text(json.dumps(DATA | change))
+                self.assertEqual(self.call(self.file)[0], 0)
+                self.assertIn(words, self.file.with_name("score.html").read_text())
+
     def test_words_are_readable_in_light_and_dark_and_the_page_is_no_wider_than_its_window(self):
         self.call(self.file)
         with Browser() as browser:
