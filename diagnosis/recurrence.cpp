@@ -85,7 +85,11 @@ std::vector<double> recurring_lengths(const Problem& problem, const Point& point
     double order, taken;
   };
   std::vector<Tried> tried;
-  for (double order = 1.0 / travel; order <= 1.0 / shortest; order += 1.0 / (kFineness * travel)) tried.push_back({order, taken_at(places.all, order)});
+  const auto most_turns = static_cast<int>(kFineness * travel / shortest);
+  for (int k = static_cast<int>(kFineness); k <= most_turns; ++k) {
+    const double order = k / (kFineness * travel);
+    tried.push_back({order, taken_at(places.all, order)});
+  }
   std::stable_sort(tried.begin(), tried.end(), [](const Tried& a, const Tried& b) { return a.taken > b.taken; });
   std::vector<double> lengths;
   for (const Tried& one : tried) {
