@@ -3,7 +3,6 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 
 #include "sim/machine/scales.h"
@@ -13,7 +12,7 @@ namespace slewlab::diagnosis {
 namespace {
 
 constexpr double kMoves = 0.05;        // of the largest speed, from which on the direction is sure
-constexpr std::size_t kPoints = 1500;  // of a record, at most
+constexpr std::size_t kPoints = 1500;  // of a record that has so many, and fewer than twice as many
 constexpr double kFineness = 4.0;      // orders tried in what the angle that is passed tells apart
 constexpr double kShortest = 10.0;     // points over which the axis passes a length at its largest speed, at least
 
