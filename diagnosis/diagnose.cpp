@@ -212,32 +212,16 @@ struct Weighed {
   }
 };
 
-// What the sensors' noise makes of a fit's machine, and what it leaves by that.
-struct OwnNoise {
-  Eigen::VectorXd variance;
-  double excess = 0.0;
-};
-
-// Differences that have been divided already by a stochastic effect's power have the less noise beside it, the more of that power there is: they are not
+// What a fit leaves by what the sensors' noise makes of its machine. Differences that have been divided already by a stochastic effect's power have the less noise beside it, the more of that power there is: they are not
 // allowed more of it than in the nominal machine.
-OwnNoise noise_of(const Problem& problem, const FitResult& result) {
+Leaving by_own_machine(const Problem& problem, const FitResult& result) {
   const Point rest = without_stochastic(problem.catalogue, result.point);
-  OwnNoise own{own_noise(problem, rest), 0.0};
+  const double share = problem.settings.independent_share;
   if (rest.effects.size() < result.point.effects.size()) {
-    const double divided = (result.difference.array().square() * (own.variance.array().min(1.0).inverse() - 1.0)).sum();
-    return {{}, result.excess + problem.settings.independent_share * divided};
+    return {result.excess + share * (square_by_less_noise(problem, rest, result.difference) - result.difference.squaredNorm()), {}, {}};
   }
-  own.excess = problem.settings.independent_share * (result.difference.array().square() / own.variance.array() - 1.0).sum();
-  return own;
-}
-
-FitResult under(const OwnNoise& own, FitResult result) {
-  result.excess = own.excess;
-  if (own.variance.size() == 0) return result;
-  const Eigen::VectorXd scale = own.variance.cwiseSqrt().cwiseInverse();
-  result.difference = result.difference.cwiseProduct(scale);
-  result.columns = scale.asDiagonal() * result.columns;
-  return result;
+  ByOwnNoise own = by_own_noise(problem, rest, result.difference, result.columns);
+  return {share * (own.square - static_cast<double>(result.difference.size())), std::move(own.gram), std::move(own.slope)};
 }
 
 // Parameters that shape effects and were moved to a bound at which their priors have no centre: of one that has, half of the prior lies beyond as well. A size there is doubted
@@ -255,9 +239,9 @@ int count_at_bounds(const common::EffectCatalogue& catalogue, const Point& point
 
 Weighed weigh_fits(Problem& problem, const Found& found, std::size_t effect_count, EvidenceSettings evidence) {
   evidence.unknown_floor += kNoise * problem.settings.independent_share * static_cast<double>(difference_count(problem));
-  const OwnNoise of_nothing = noise_of(problem, found.nothing);
-  std::vector<OwnNoise> of_fits(found.fits.size());
-  share_out(problem, found.fits.size(), [&](std::size_t i) { of_fits[i] = noise_of(problem, found.fits[i]); });
+  const Leaving of_nothing = by_own_machine(problem, found.nothing);
+  std::vector<Leaving> of_fits(found.fits.size());
+  share_out(problem, found.fits.size(), [&](std::size_t i) { of_fits[i] = by_own_machine(problem, found.fits[i]); });
   double least = std::min(0.0, of_nothing.excess);
   for (std::size_t i = 0; i < found.fits.size(); ++i) {
     if (is_a_measure(found.fits[i].prior, found.fits[i].information, evidence.independent_share)) least = std::min(least, of_fits[i].excess);
@@ -267,7 +251,7 @@ Weighed weigh_fits(Problem& problem, const Found& found, std::size_t effect_coun
   Weighed weighed;
   std::vector<Candidate> candidates;
   std::vector<Relaxed> relaxed_fits(found.fits.size());
-  share_out(problem, found.fits.size(), [&](std::size_t i) { relaxed_fits[i] = relax(problem, under(of_fits[i], found.fits[i]), misfit_cost, least); });
+  share_out(problem, found.fits.size(), [&](std::size_t i) { relaxed_fits[i] = relax(problem, found.fits[i], of_fits[i], misfit_cost, least); });
   const auto add_candidate = [&](const FitResult& result, const Relaxed& relaxed) {
     Cause cause = make_cause(problem.catalogue, result);
     cause.excess = relaxed.excess;
@@ -279,7 +263,7 @@ Weighed weigh_fits(Problem& problem, const Found& found, std::size_t effect_coun
     candidate.is_one_cause = candidate.is_one_cause || common::are_the_parts_of_one(problem.catalogue, cause.effects);
     weighed.causes.push_back(std::move(cause));
   };
-  add_candidate(found.nothing, relax(problem, under(of_nothing, found.nothing), misfit_cost, least));
+  add_candidate(found.nothing, relax(problem, found.nothing, of_nothing, misfit_cost, least));
   for (std::size_t i = 0; i < found.fits.size(); ++i) add_candidate(found.fits[i], relaxed_fits[i]);
   weighed.probabilities = weigh(candidates, static_cast<int>(effect_count), evidence);
   // What is explained is counted down to what the noise, or the best of all fits, leaves.

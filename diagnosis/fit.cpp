@@ -441,19 +441,18 @@ void settle(Problem& problem, FitResult& result, int rounds) {
   }
 }
 
-Relaxed relax(const Problem& problem, const FitResult& result, const MisfitCost& misfit_cost, double floor) {
-  if (result.columns.size() == 0) return {result.excess, result.prior};  // of a power, not of a motion
+Relaxed relax(const Problem& problem, const FitResult& result, const Leaving& leaving, const MisfitCost& misfit_cost, double floor) {
+  const auto& [excess, gram, slope] = leaving;
+  if (gram.size() == 0) return {excess, result.prior};
   const double share = problem.settings.independent_share;
-  const Eigen::MatrixXd gram = result.columns.transpose() * result.columns;
-  const Eigen::VectorXd slope = result.columns.transpose() * result.difference;
   // The columns of a fit that has not settled promise what is not there: nothing less is left than where it stands.
   const auto excess_at = [&](const Eigen::VectorXd& step) {
-    return result.excess + std::max(0.0, share * (2.0 * slope.dot(step) + step.dot(gram * step)));
+    return leaving.excess + std::max(0.0, share * (2.0 * leaving.slope.dot(step) + step.dot(leaving.gram * step)));
   };
   const auto cost_at = [&](const Relaxed& relaxed) {
     return misfit_cost(std::max(0.0, relaxed.excess - floor)) + relaxed.prior;
   };
-  Relaxed best{result.excess, result.prior};
+  Relaxed best{excess, result.prior};
   const double besides = result.prior - prior_cost(problem, result.point);  // what does not go with where the parameters stand
   Point point = result.point, trial;
   Eigen::VectorXd step = Eigen::VectorXd::Zero(gram.cols()), trial_step;

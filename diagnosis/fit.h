@@ -91,7 +91,13 @@ void conclude(const Problem& problem, FitResult& result);
 struct Relaxed {
   double excess = 0.0, prior = 0.0;
 };
-Relaxed relax(const Problem& problem, const FitResult& result, const MisfitCost& misfit_cost, double floor);
+// By `excess`, and how the fit's columns and differences change it: columns' products with each other and with the differences. No products: of a power, not of a motion.
+struct Leaving {
+  double excess = 0.0;
+  Eigen::MatrixXd gram;
+  Eigen::VectorXd slope;
+};
+Relaxed relax(const Problem& problem, const FitResult& result, const Leaving& leaving, const MisfitCost& misfit_cost, double floor);
 
 // One more round from where it stands, with fresh columns of the effects and, if asked, of the nuisances. False: it was
 // worth little, and so would be another.

@@ -48,14 +48,12 @@ DriveCourse idle_drives(const Record& record) {
   return drives;
 }
 
-std::vector<double> power(const std::vector<double>& values) {
+std::vector<std::complex<double>> spectrum_of(const std::vector<double>& values) {
   Eigen::FFT<double> fft;
   fft.SetFlag(Eigen::FFT<double>::HalfSpectrum);
   std::vector<std::complex<double>> spectrum;
   fft.fwd(spectrum, values);
-  std::vector<double> result;
-  for (const std::complex<double>& value : spectrum) result.push_back(std::norm(value));
-  return result;
+  return spectrum;
 }
 
 }  // namespace
@@ -74,12 +72,12 @@ NoiseResponse noise_response(const sim::MachineSettings& nominal, const Record& 
     std::vector<Shadowing> alone;
     alone.push_back({follower, 0.0, {}, &differences});
     shadow(std::move(alone), still, drives, gains);
-    SourceResponse powers;
-    for (std::size_t g = 0; g < groups; ++g) powers.torque[g] = power(differences.missing_torque[g]);
+    SourceResponse answers;
+    for (std::size_t g = 0; g < groups; ++g) answers.torque[g] = spectrum_of(differences.missing_torque[g]);
     for (std::size_t a = 0; a < kAccelerometerCount; ++a) {
-      if (!still.acceleration[a].empty()) powers.acceleration[a] = power(differences.acceleration_difference[a]);
+      if (!still.acceleration[a].empty()) answers.acceleration[a] = spectrum_of(differences.acceleration_difference[a]);
     }
-    return powers;
+    return answers;
   };
   for (std::size_t g = 0; g < groups; ++g) {
     // Between two readings a position is a cubic (record.h).

@@ -2,12 +2,14 @@
 // tip's accelerometer: below its own frequency the missing torque follows an encoder's noise as the machine's inertia has it, above it as
 // the observer's gains do, and the model's accelerations shake with it. So no formula of the gains gives the noise, but the loop itself:
 //
-//   N_c(f) = sum over sources s of |H_cs(f)|^2 S_s(f),    H_cs = transform of what channel c answers to one reading of s that is off by 1
+//   N_cd(f) = sum over sources s of H_cs(f) S_s(f) conj(H_ds(f)),    H_cs = transform of what channel c answers to one reading of s that is off by 1
 //
+// on the diagonal the power in a channel, beside it how far two channels have the same noise.
 // of the machine with its teeth together (no play) and without effects that act while it runs but the linear ones.
 #pragma once
 
 #include <array>
+#include <complex>
 #include <vector>
 
 #include "diagnosis/record.h"
@@ -16,10 +18,10 @@
 
 namespace slewlab::diagnosis {
 
-// |H|^2 at each frequency of a transform over the record's grid, from 0 on; channels that the record has not are empty.
+// H at each frequency of a transform over the record's grid, from 0 on, but for the time of the reading, which all channels share; channels that the record has not are empty.
 struct SourceResponse {
-  std::array<std::vector<double>, sim::kMaximumGroupCount> torque;       // [Nm^2] per unit^2 of the source
-  std::array<std::vector<double>, kAccelerometerCount> acceleration;    // [(m/s^2)^2] per unit^2
+  std::array<std::vector<std::complex<double>>, sim::kMaximumGroupCount> torque;    // [Nm] per unit of the source
+  std::array<std::vector<std::complex<double>>, kAccelerometerCount> acceleration;  // [m/s^2] per unit
 };
 struct NoiseResponse {
   std::array<SourceResponse, sim::kMaximumGroupCount> encoder;  // of one reading of the position that is off by 1 rad

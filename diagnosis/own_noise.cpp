@@ -1,5 +1,7 @@
 #include "diagnosis/own_noise.h"
 
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cstddef>
 
@@ -12,27 +14,72 @@ namespace {
 
 constexpr double kLeastVariance = 1e-3;  // what is rounded away
 
-}  // namespace
+using BinRows = Eigen::Matrix<std::complex<double>, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMostChannels, Eigen::Dynamic>;
 
-Eigen::VectorXd own_noise(const Problem& problem, const Point& point) {
-  Eigen::VectorXd variance(difference_count(problem));
+// The values of all channels at a bin, one column each.
+void take_bin(const Whitening& whitening, const Eigen::MatrixXd& values, Eigen::Index first_row, std::size_t bin, BinRows& rows) {
+  const auto channels = static_cast<Eigen::Index>(whitening.channels.size());
+  rows.resize(channels, values.cols());
+  for (Eigen::Index column = 0; column < values.cols(); ++column) {
+    for (Eigen::Index c = 0; c < channels; ++c) {
+      const Eigen::Index row = first_row + 2 * (c * static_cast<Eigen::Index>(whitening.bin_count) + static_cast<Eigen::Index>(bin));
+      rows(c, column) = {values(row, column), values(row + 1, column)};
+    }
+  }
+}
+
+// Calls visit(V, rows of the values) for every bin of the records, and flanks(rows) for the deviation of the gears' places, which is hardly noise.
+template <typename Visit, typename Flanks>
+void each_bin(const Problem& problem, const Point& point, const Eigen::MatrixXd& values, Visit&& visit, Flanks&& flanks) {
   const sim::MachineSettings machine = machine_at(problem.nominal, problem.nuisances, point);
   Eigen::Index row = 0;
+  BinRows rows;
   for (std::size_t r = 0; r < problem.records.size(); ++r) {
     const Whitening& whitening = problem.whitening[r];
-    const std::vector<Eigen::VectorXd> answered = noise_through(whitening, noise_response(machine, problem.records[r], problem.gains, whitening.transform_length, problem.force_steps));
-    for (std::size_t c = 0; c < whitening.channels.size(); ++c) {
-      for (Eigen::Index b = 0; b < answered[c].size(); ++b) {
-        const double weight = whitening.weight[c](b);
-        const double v = std::max(kLeastVariance, 1.0 + 0.5 * weight * weight * (answered[c](b) - whitening.answered[c](b)));
-        variance(row++) = v;  // of the real and the imaginary part
-        variance(row++) = v;
+    const NoiseResponse response = noise_response(machine, problem.records[r], problem.gains, whitening.transform_length, problem.force_steps);
+    for (std::size_t b = 0; b < whitening.bin_count; ++b) {
+      ChannelMatrix noise = noise_through(whitening, response, b);
+      for (Eigen::Index c = 0; c < noise.rows(); ++c) {
+        noise(c, c) += std::max(kLeastVariance, whitening.beside[static_cast<std::size_t>(c)](static_cast<Eigen::Index>(b)));
       }
+      const ChannelMatrix apart = apart_at(whitening, b);
+      take_bin(whitening, values, row, b, rows);
+      visit(ChannelMatrix(apart * noise * apart.adjoint()), rows);
     }
-    variance.segment(row, whitening.flanks_size()).setOnes();  // the deviation of the gears' places is hardly noise
+    row += whitening.spectra_size();
+    flanks(values.middleRows(row, whitening.flanks_size()));
     row += whitening.flanks_size();
   }
-  return variance;
+}
+
+}  // namespace
+
+ByOwnNoise by_own_noise(const Problem& problem, const Point& point, const Eigen::VectorXd& difference, const Eigen::MatrixXd& columns) {
+  Eigen::MatrixXd values(difference.size(), columns.cols() + 1);
+  values.leftCols(columns.cols()) = columns;
+  values.rightCols(1) = difference;
+  // Of real numbers, a complex one being two.
+  Eigen::MatrixXd products = Eigen::MatrixXd::Zero(values.cols(), values.cols());
+  each_bin(
+      problem, point, values,
+      [&](const ChannelMatrix& covariance, BinRows& rows) {
+        covariance.llt().matrixL().solveInPlace(rows);
+        products += rows.real().transpose() * rows.real() + rows.imag().transpose() * rows.imag();
+      },
+      [&](const auto& rows) { products += rows.transpose() * rows; });
+  return {products(columns.cols(), columns.cols()), products.topLeftCorner(columns.cols(), columns.cols()), products.topRightCorner(columns.cols(), 1)};
+}
+
+double square_by_less_noise(const Problem& problem, const Point& point, const Eigen::VectorXd& difference) {
+  double square = 0.0;
+  each_bin(
+      problem, point, difference,
+      [&](const ChannelMatrix& covariance, const BinRows& rows) {
+        const Eigen::SelfAdjointEigenSolver<ChannelMatrix> axes(covariance);
+        square += ((axes.eigenvectors().adjoint() * rows.col(0)).array().abs2() / axes.eigenvalues().array().min(1.0).max(kLeastVariance)).sum();
+      },
+      [&](const auto& rows) { square += rows.squaredNorm(); });
+  return square;
 }
 
 }  // namespace slewlab::diagnosis

@@ -1,12 +1,12 @@
 // The sensors' noise as another machine than the nominal one has it.
 //
 // Differences are divided by what the sensors' noise makes of them in the nominal machine (whitening.h). Another machine makes something else of it: a boom that is damped more shakes
-// less with the noise of the accelerometer by which the observer leads it, and leaves less than the noise without being right. So its differences count by their own variance,
+// less with the noise of the accelerometer by which the observer leads it, and leaves less than the noise without being right. So its differences count by their own covariance,
 //
-//   -2 ln P = sum(d^2 / v),    v = 1 + (N(machine) - N(nominal)) w^2 / 2,
+//   -2 ln P = sum over bins of z* V^-1 z,    V = L^-1 (B + W N(machine) W* / 2) L^-*
 //
-// N the power of the noise that comes through the observer, w the weight. No ln v: what is compared is the density of the readings, whose noise is the same whatever machine it
-// is led through, and the determinant of that way takes ln v away.
+// N the power of the noise that comes through the observer, B what else there is in each channel, W and L as whitening.h has them: 1 in the nominal machine. No ln det V: what is compared is the density of the readings, whose
+// noise is the same whatever machine it is led through, and the determinant of that way takes it away.
 #pragma once
 
 #include <Eigen/Core>
@@ -15,7 +15,17 @@
 
 namespace slewlab::diagnosis {
 
-// v of every whitened difference, where the noise alone makes it, in the machine at the point. What acts while it runs and is not linear changes nothing.
-Eigen::VectorXd own_noise(const Problem& problem, const Point& point);
+// What differences and their columns come to by their own covariance.
+struct ByOwnNoise {
+  double square = 0.0;    // z* V^-1 z
+  Eigen::MatrixXd gram;   // J* V^-1 J
+  Eigen::VectorXd slope;  // J* V^-1 z
+};
+
+// In the machine at the point, where what acts while it runs and is not linear changes nothing. Columns may be none.
+ByOwnNoise by_own_noise(const Problem& problem, const Point& point, const Eigen::VectorXd& difference, const Eigen::MatrixXd& columns);
+
+// z* V^-1 z where the machine makes nowhere more of the noise than the nominal one.
+double square_by_less_noise(const Problem& problem, const Point& point, const Eigen::VectorXd& difference);
 
 }  // namespace slewlab::diagnosis

@@ -125,7 +125,7 @@ template <typename EncoderPower, typename TorquePower>
 double add_noise_through(const NoiseResponse& response, const Channel& channel, std::size_t bin, std::size_t groups, EncoderPower&& encoder_power, double tip_power,
                          TorquePower&& torque_power, double noise) {
   const auto i = static_cast<std::size_t>(channel.index);
-  const auto of = [&](const SourceResponse& source) { return channel.is_torque ? source.torque[i][bin] : source.acceleration[i][bin]; };
+  const auto of = [&](const SourceResponse& source) { return std::norm(channel.is_torque ? source.torque[i][bin] : source.acceleration[i][bin]); };
   for (std::size_t g = 0; g < groups; ++g) noise += encoder_power(g) * of(response.encoder[g]);
   if (tip_power > 0.0) noise += tip_power * of(response.tip);
   for (std::size_t g = 0; g < groups; ++g) {
@@ -179,7 +179,7 @@ class NoisePowers {
         // What the bins hold is (white + corner rise) / (1 + corner d) besides what other sensors add, d the rise where the differences see it.
         double left_over = 0.0, white = 0.0, rise = 0.0, square = 0.0;
         for (std::size_t k = low; k < high; ++k) {
-          const double own_white = accelerometer_[i] * (is_own ? response_.tip.acceleration[i][k] : 1.0), frequency = static_cast<double>(k) * bin_width_;
+          const double own_white = accelerometer_[i] * (is_own ? std::norm(response_.tip.acceleration[i][k]) : 1.0), frequency = static_cast<double>(k) * bin_width_;
           left_over += std::norm(spectrum[k]) - (at(channel, k, shares) - own_white * rising(i, frequency));
           white += own_white;
           rise += own_white / frequency;
@@ -210,7 +210,6 @@ class NoisePowers {
       }
       if (!whitening.tip_power.empty()) whitening.tip_power[b] = flicker(kTip, k);
     }
-    whitening.answered = noise_through(whitening, response_);
   }
 
  private:
@@ -240,18 +239,36 @@ class NoisePowers {
 
 }  // namespace
 
-std::vector<Eigen::VectorXd> noise_through(const Whitening& whitening, const NoiseResponse& response) {
-  std::vector<Eigen::VectorXd> powers;
-  for (const Channel& channel : whitening.channels) {
-    Eigen::VectorXd& power = powers.emplace_back(static_cast<Eigen::Index>(whitening.bin_count));
-    for (std::size_t b = 0; b < whitening.bin_count; ++b) {
-      power(static_cast<Eigen::Index>(b)) =
-          add_noise_through(response, channel, whitening.first_bin + b, whitening.encoder_power.size(), [&](std::size_t g) { return whitening.encoder_power[g][b]; },
-                            whitening.tip_power.empty() ? 0.0 : whitening.tip_power[b],
-                            [&](std::size_t g) { return whitening.torque_power[g][b]; }, 0.0);
+ChannelMatrix noise_through(const Whitening& whitening, const NoiseResponse& response, std::size_t bin) {
+  const auto count = static_cast<Eigen::Index>(whitening.channels.size());
+  const std::size_t k = whitening.first_bin + bin;
+  ChannelMatrix noise = ChannelMatrix::Zero(count, count);
+  Eigen::Matrix<std::complex<double>, Eigen::Dynamic, 1, Eigen::ColMajor, kMostChannels, 1> answers(count);
+  const auto add = [&](const SourceResponse& source, double power) {
+    if (!(power > 0.0)) return;
+    for (Eigen::Index c = 0; c < count; ++c) {
+      const Channel& channel = whitening.channels[static_cast<std::size_t>(c)];
+      const auto i = static_cast<std::size_t>(channel.index);
+      answers(c) = whitening.weight[static_cast<std::size_t>(c)](static_cast<Eigen::Index>(bin)) * (channel.is_torque ? source.torque[i][k] : source.acceleration[i][k]);
     }
+    noise += 0.5 * power * (answers * answers.adjoint());
+  };
+  for (std::size_t g = 0; g < whitening.encoder_power.size(); ++g) {
+    add(response.encoder[g], whitening.encoder_power[g][bin]);
+    add(response.torque[g], whitening.torque_power[g][bin]);
   }
-  return powers;
+  if (!whitening.tip_power.empty()) add(response.tip, whitening.tip_power[bin]);
+  return noise;
+}
+
+ChannelMatrix apart_at(const Whitening& whitening, std::size_t bin) {
+  const auto count = static_cast<Eigen::Index>(whitening.channels.size());
+  ChannelMatrix apart = ChannelMatrix::Zero(count, count);
+  const std::complex<double>* next = whitening.apart.data() + bin * whitening.channels_apart();
+  for (Eigen::Index c = 0; c < count; ++c) {
+    for (Eigen::Index d = 0; d <= c; ++d) apart(c, d) = *next++;
+  }
+  return apart;
 }
 
 std::size_t transform_length(std::size_t count) {
@@ -279,6 +296,28 @@ std::vector<bool> trusted_stretches(const Record& record, const Shadow& shadow, 
   if (record.begins_bent) std::fill(trusted.begin(), trusted.begin() + static_cast<std::ptrdiff_t>(std::min(count, after)), false);
   return trusted;
 }
+
+namespace {
+
+// What the channels have in common is the sensors' noise, as the response has it.
+void take_apart(const NoiseResponse& response, Whitening& whitening) {
+  const auto count = static_cast<Eigen::Index>(whitening.channels.size());
+  whitening.beside.assign(whitening.channels.size(), Eigen::VectorXd(static_cast<Eigen::Index>(whitening.bin_count)));
+  whitening.apart.reserve(whitening.bin_count * whitening.channels_apart());
+  for (std::size_t b = 0; b < whitening.bin_count; ++b) {
+    ChannelMatrix together = noise_through(whitening, response, b);
+    for (Eigen::Index c = 0; c < count; ++c) {
+      whitening.beside[static_cast<std::size_t>(c)](static_cast<Eigen::Index>(b)) = std::max(0.0, 1.0 - together(c, c).real());
+      together(c, c) = 1.0;
+    }
+    const ChannelMatrix apart = together.llt().matrixL().solve(ChannelMatrix::Identity(count, count));
+    for (Eigen::Index c = 0; c < count; ++c) {
+      for (Eigen::Index d = 0; d <= c; ++d) whitening.apart.push_back(apart(c, d));
+    }
+  }
+}
+
+}  // namespace
 
 Whitening make_whitening(const Record& record, const std::vector<bool>& trusted, const NoiseResponse& response,
                          const Shadow& nominal, const WhiteningSettings& settings) {
@@ -362,6 +401,7 @@ Whitening make_whitening(const Record& record, const std::vector<bool>& trusted,
     }
     whitening.weight.push_back(weight);
   }
+  take_apart(response, whitening);
   return whitening;
 }
 
@@ -433,6 +473,24 @@ void whiten(const Whitening& whitening, const Shadow& shadow, TransformRoom& roo
         result(row++) = w * spectra[b].real().lanes[lane];
         result(row++) = w * spectra[b].imag().lanes[lane];
       }
+    }
+  }
+  // Each channel freed of those before it, the last one first.
+  const double* const apart = reinterpret_cast<const double*>(whitening.apart.data());
+  const std::size_t channels = whitening.channels.size();
+  for (std::size_t b = 0; b < whitening.bin_count; ++b) {
+    const double* const of_bin = apart + 2 * b * whitening.channels_apart();
+    double* const values = result.data() + 2 * b;
+    for (std::size_t c = channels; c-- > 0;) {
+      const double* const factors = of_bin + c * (c + 1);
+      double real = 0.0, imaginary = 0.0;
+      for (std::size_t d = 0; d <= c; ++d) {
+        const double* const value = values + static_cast<std::size_t>(rows) * d;
+        real += factors[2 * d] * value[0] - factors[2 * d + 1] * value[1];
+        imaginary += factors[2 * d] * value[1] + factors[2 * d + 1] * value[0];
+      }
+      values[static_cast<std::size_t>(rows) * c] = real;
+      values[static_cast<std::size_t>(rows) * c + 1] = imaginary;
     }
   }
   Eigen::Index row = whitening.spectra_size();

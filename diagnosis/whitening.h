@@ -1,8 +1,11 @@
 // Differences between record and shadow as one vector of numbers that are comparable with each other: the
-// spectrum of each channel, divided at each frequency by what a good model may still miss there.
+// spectrum of each channel, divided at each frequency by what a good model may still miss there, and then freed of what the channels have in common.
 //
-//   weight(f) = sqrt(2 / (e^2 P(f) + N(f)))
+//   z(f) = L(f)^-1 W(f) d(f),    w_c(f) = sqrt(2 / (e^2 P_c(f) + N_cc(f))),    L L* = R,    R_cd = w_c w_d N_cd / 2 beside the diagonal, 1 on it
 //
+// The noise of one encoder, and of the tip's accelerometer, leads the observer and so is in every channel: what the channels before it say of it is taken off each one, torques first. A residual
+// of an accelerometer is then that sensor's own noise, and hardly the encoders', whose noise the controller hands on to the machine: it would be correlated with what another machine makes of the torques, and a wrong
+// machine could leave less of it than the true one.
 // P is the smoothed power of the measured signal itself, e the share of it that mesh, step and laws of a good
 // model still miss (learned from machines with nothing missing), the 2 because real and imaginary part share a
 // bin's power: noise alone leaves parts of variance 1, N the sensors' noise as the observer's loop has it (noise_response.h). An
@@ -57,12 +60,14 @@ struct Whitening {
   std::vector<double> window;           // per grid point, 0 where the record is not to be judged
   double window_sum = 0.0;              // of all its points
   std::vector<FlankPart> flanks;        // in pairs
-  // The sensors' noise that comes through the observer, as `weight` has it: the power of each source per bin [rad^2], [(m/s^2)^2], [Nm^2], and what the nominal machine makes of
-  // all of them, per channel and bin. For machines that make something else of it (own_noise.h).
+  std::vector<std::complex<double>> apart;  // L^-1 of each bin, row by row up to the diagonal
+  // The sensors' noise that comes through the observer, as `weight` has it: the power of each source per bin [rad^2], [(m/s^2)^2], [Nm^2], and what of a channel's variance the
+  // nominal machine does not make of them, per channel and bin. For machines that make something else of it (own_noise.h).
   std::vector<std::vector<double>> encoder_power;
   std::vector<double> tip_power;
   std::vector<std::vector<double>> torque_power;
-  std::vector<Eigen::VectorXd> answered;
+  std::vector<Eigen::VectorXd> beside;
+  std::size_t channels_apart() const { return channels.size() * (channels.size() + 1) / 2; }  // numbers of `apart` in a bin
   Eigen::Index spectra_size() const { return static_cast<Eigen::Index>(2 * bin_count * channels.size()); }
   Eigen::Index flanks_size() const { return static_cast<Eigen::Index>(flanks.size()); }
   Eigen::Index size() const { return spectra_size() + flanks_size(); }
@@ -74,8 +79,14 @@ struct Whitening {
 Whitening make_whitening(const Record& record, const std::vector<bool>& trusted, const NoiseResponse& response,
                          const Shadow& nominal, const WhiteningSettings& settings);
 
-// What a machine of that response makes of the whitening's sources, per channel and bin.
-std::vector<Eigen::VectorXd> noise_through(const Whitening& whitening, const NoiseResponse& response);
+inline constexpr int kMostChannels = sim::kMaximumGroupCount + static_cast<int>(kAccelerometerCount);
+using ChannelMatrix = Eigen::Matrix<std::complex<double>, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMostChannels, kMostChannels>;
+
+// W N W* / 2 of one bin: what a machine of that response makes of the whitening's sources, in the channels as they are weighted.
+ChannelMatrix noise_through(const Whitening& whitening, const NoiseResponse& response, std::size_t bin);
+
+// L^-1 of one bin.
+ChannelMatrix apart_at(const Whitening& whitening, std::size_t bin);
 
 // The next length for so many grid points that 2, 3 and 5 divide down to 1, where the transform is fast; an even one.
 std::size_t transform_length(std::size_t count);
