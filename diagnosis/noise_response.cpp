@@ -48,17 +48,20 @@ DriveCourse idle_drives(const Record& record) {
   return drives;
 }
 
-std::vector<std::complex<double>> spectrum_of(const std::vector<double>& values) {
+// Its first frequencies, or all.
+std::vector<std::complex<double>> spectrum_of(const std::vector<double>& values, std::size_t frequencies) {
   Eigen::FFT<double> fft;
   fft.SetFlag(Eigen::FFT<double>::HalfSpectrum);
   std::vector<std::complex<double>> spectrum;
   fft.fwd(spectrum, values);
-  return spectrum;
+  if (frequencies == 0 || frequencies >= spectrum.size()) return spectrum;
+  return {spectrum.begin(), spectrum.begin() + static_cast<std::ptrdiff_t>(frequencies)};
 }
 
 }  // namespace
 
-NoiseResponse noise_response(const sim::MachineSettings& nominal, const Record& record, const ShadowGains& gains, std::size_t length, const ForceSteps& force_steps) {
+NoiseResponse noise_response(const sim::MachineSettings& nominal, const Record& record, const ShadowGains& gains, std::size_t length, const ForceSteps& force_steps,
+                             std::size_t frequencies) {
   NoiseResponse response;
   Record still = standing(record, length);
   DriveCourse drives = idle_drives(still);
@@ -73,9 +76,9 @@ NoiseResponse noise_response(const sim::MachineSettings& nominal, const Record& 
     alone.push_back({follower, 0.0, {}, &differences});
     shadow(std::move(alone), still, drives, gains);
     SourceResponse answers;
-    for (std::size_t g = 0; g < groups; ++g) answers.torque[g] = spectrum_of(differences.missing_torque[g]);
+    for (std::size_t g = 0; g < groups; ++g) answers.torque[g] = spectrum_of(differences.missing_torque[g], frequencies);
     for (std::size_t a = 0; a < kAccelerometerCount; ++a) {
-      if (!still.acceleration[a].empty()) answers.acceleration[a] = spectrum_of(differences.acceleration_difference[a]);
+      if (!still.acceleration[a].empty()) answers.acceleration[a] = spectrum_of(differences.acceleration_difference[a], frequencies);
     }
     return answers;
   };

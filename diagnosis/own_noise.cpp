@@ -36,11 +36,11 @@ void each_bin(const Problem& problem, const Point& point, const Eigen::MatrixXd&
   BinRows rows;
   for (std::size_t r = 0; r < problem.records.size(); ++r) {
     const Whitening& whitening = problem.whitening[r];
-    const NoiseResponse response = noise_response(machine, problem.records[r], problem.gains, whitening.transform_length, problem.force_steps);
+    const CommonNoise common(whitening, noise_response(machine, problem.records[r], problem.gains, whitening.transform_length, problem.force_steps, whitening.smear.size() / 2 + 1));
     for (std::size_t b = 0; b < whitening.bin_count; ++b) {
-      ChannelMatrix noise = noise_through(whitening, response, b);
+      ChannelMatrix noise = common.weighted(whitening, b);
       for (Eigen::Index c = 0; c < noise.rows(); ++c) {
-        noise(c, c) += std::max(kLeastVariance, whitening.beside[static_cast<std::size_t>(c)](static_cast<Eigen::Index>(b)));
+        noise(c, c) += whitening.beside[static_cast<std::size_t>(c)](static_cast<Eigen::Index>(b));
       }
       const ChannelMatrix apart = apart_at(whitening, b);
       take_bin(whitening, values, row, b, rows);

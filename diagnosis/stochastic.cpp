@@ -26,14 +26,12 @@ constexpr std::uint64_t kDraws = 6;    // whose mean and power stand for all
 constexpr double kFarthestScale = 4.0;  // [deviations] of a scale that is known from elsewhere
 constexpr int kPredictedScales = 20;   // either side
 
-constexpr int kMostChannels = sim::kMaximumGroupCount + kAccelerometerCount;
 using BinValues = Eigen::Matrix<std::complex<double>, Eigen::Dynamic, 1, Eigen::ColMajor, kMostChannels, 1>;
-using BinMatrix = Eigen::Matrix<std::complex<double>, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMostChannels, kMostChannels>;
 
-Eigen::Map<BinMatrix> axes_at(ChannelAxes& record, Eigen::Index bin) {
+Eigen::Map<ChannelMatrix> axes_at(ChannelAxes& record, Eigen::Index bin) {
   return {record.axes.data() + bin * record.channels * record.channels, record.channels, record.channels};
 }
-Eigen::Map<const BinMatrix> axes_at(const ChannelAxes& record, Eigen::Index bin) {
+Eigen::Map<const ChannelMatrix> axes_at(const ChannelAxes& record, Eigen::Index bin) {
   return {record.axes.data() + bin * record.channels * record.channels, record.channels, record.channels};
 }
 
@@ -132,7 +130,7 @@ std::vector<ChannelAxes> axes_of(const Problem& problem, std::span<const Eigen::
     for (const Eigen::VectorXd& change : changes) {
       for (Eigen::Index bin = 0; bin < record.bins; ++bin) {
         const BinValues values = across(change, record, bin);
-        const BinMatrix product = values * values.adjoint();
+        const ChannelMatrix product = values * values.adjoint();
         const Eigen::Index end = std::min(record.bins, bin + kNearestBins + 1);
         for (Eigen::Index near = std::max<Eigen::Index>(0, bin - kNearestBins); near < end; ++near) {
           if (near != bin) axes_at(record, near) += product;
@@ -140,8 +138,8 @@ std::vector<ChannelAxes> axes_of(const Problem& problem, std::span<const Eigen::
       }
     }
     for (Eigen::Index bin = 0; bin < record.bins; ++bin) {
-      const BinMatrix product = axes_at(record, bin);
-      axes_at(record, bin) = Eigen::SelfAdjointEigenSolver<BinMatrix>(product).eigenvectors();
+      const ChannelMatrix product = axes_at(record, bin);
+      axes_at(record, bin) = Eigen::SelfAdjointEigenSolver<ChannelMatrix>(product).eigenvectors();
     }
     first_row += whitening.size();
     records.push_back(std::move(record));

@@ -27,6 +27,7 @@ constexpr double kLeastWhite = 0.1;  // of what the differences show; chosen
 constexpr double kTellsARise = 3.0;  // times as much as there 1/f must be in a band, before it tells of a rise; chosen
 constexpr std::size_t kCountBins = 8;    // either side, over which the power of the counting error is smoothed
 constexpr int kCountPlaces = 4;          // between two counts, at which a motion may have begun
+constexpr double kLeastBeside = 0.01;  // of a channel's variance, that no other channel tells; chosen, above what the window smears
 constexpr double kTaper = 0.02;  // share of the record over which the window rises and falls
 
 // Many series of one record, one after the other.
@@ -193,22 +194,22 @@ class NoisePowers {
     }
   }
   double at(const Channel& channel, std::size_t k, const EncoderShares& shares) const {
-    const auto i = static_cast<std::size_t>(channel.index);
     return add_noise_through(response_, channel, k, groups_, [&](std::size_t g) { return shares[g] * encoder_[g][k]; }, flicker(kTip, k),
-                             [&](std::size_t g) { return torque_[g][k]; }, channel.is_torque || i == kTip ? 0.0 : flicker(i, k));
+                             [&](std::size_t g) { return torque_[g][k]; }, own(channel, k));
   }
-  // Into the whitening: the sources, at its bins.
-  void tell_sources(const EncoderShares& shares, Whitening& whitening) const {
-    whitening.encoder_power.assign(groups_, std::vector<double>(whitening.bin_count));
+  // Of what comes into a channel from nothing else.
+  double own(const Channel& channel, std::size_t k) const { return channel.is_torque || channel.index == static_cast<int>(kTip) ? 0.0 : flicker(static_cast<std::size_t>(channel.index), k); }
+  // Into the whitening: the sources, at so many frequencies.
+  void tell_sources(const EncoderShares& shares, std::size_t count, Whitening& whitening) const {
+    whitening.encoder_power.assign(groups_, std::vector<double>(count));
     whitening.torque_power = whitening.encoder_power;
-    if (accelerometer_[kTip] > 0.0) whitening.tip_power.resize(whitening.bin_count);
-    for (std::size_t b = 0; b < whitening.bin_count; ++b) {
-      const std::size_t k = whitening.first_bin + b;
+    if (accelerometer_[kTip] > 0.0) whitening.tip_power.resize(count);
+    for (std::size_t k = 0; k < count; ++k) {
       for (std::size_t g = 0; g < groups_; ++g) {
-        whitening.encoder_power[g][b] = shares[g] * encoder_[g][k];
-        whitening.torque_power[g][b] = torque_[g][k];
+        whitening.encoder_power[g][k] = shares[g] * encoder_[g][k];
+        whitening.torque_power[g][k] = torque_[g][k];
       }
-      if (!whitening.tip_power.empty()) whitening.tip_power[b] = flicker(kTip, k);
+      if (!whitening.tip_power.empty()) whitening.tip_power[k] = flicker(kTip, std::max<std::size_t>(k, 1));
     }
   }
 
@@ -239,25 +240,53 @@ class NoisePowers {
 
 }  // namespace
 
-ChannelMatrix noise_through(const Whitening& whitening, const NoiseResponse& response, std::size_t bin) {
-  const auto count = static_cast<Eigen::Index>(whitening.channels.size());
-  const std::size_t k = whitening.first_bin + bin;
-  ChannelMatrix noise = ChannelMatrix::Zero(count, count);
-  Eigen::Matrix<std::complex<double>, Eigen::Dynamic, 1, Eigen::ColMajor, kMostChannels, 1> answers(count);
-  const auto add = [&](const SourceResponse& source, double power) {
-    if (!(power > 0.0)) return;
-    for (Eigen::Index c = 0; c < count; ++c) {
-      const Channel& channel = whitening.channels[static_cast<std::size_t>(c)];
-      const auto i = static_cast<std::size_t>(channel.index);
-      answers(c) = whitening.weight[static_cast<std::size_t>(c)](static_cast<Eigen::Index>(bin)) * (channel.is_torque ? source.torque[i][k] : source.acceleration[i][k]);
-    }
-    noise += 0.5 * power * (answers * answers.adjoint());
+CommonNoise::CommonNoise(const Whitening& whitening, const NoiseResponse& response) : in_bin_(whitening.channels_apart()), lower_(whitening.bin_count * in_bin_) {
+  std::vector<std::complex<double>> power(whitening.smear.size() / 2 + 1);
+  std::vector<double> over_time;
+  Eigen::FFT<double> fft;
+  fft.SetFlag(Eigen::FFT<double>::HalfSpectrum);
+  const auto answer = [&](std::size_t c, const SourceResponse& source) -> const std::vector<std::complex<double>>& {
+    const auto i = static_cast<std::size_t>(whitening.channels[c].index);
+    return whitening.channels[c].is_torque ? source.torque[i] : source.acceleration[i];
   };
-  for (std::size_t g = 0; g < whitening.encoder_power.size(); ++g) {
-    add(response.encoder[g], whitening.encoder_power[g][bin]);
-    add(response.torque[g], whitening.torque_power[g][bin]);
+  std::size_t place = 0;
+  for (std::size_t c = 0; c < whitening.channels.size(); ++c) {
+    for (std::size_t d = 0; d <= c; ++d, ++place) {
+      std::fill(power.begin(), power.end(), 0.0);
+      const auto add = [&](const SourceResponse& source, const std::vector<double>& of_source) {
+        const std::vector<std::complex<double>>&one = answer(c, source), &other = answer(d, source);
+        if (one.empty()) return;  // a source that the record has not
+        for (std::size_t k = 0; k < power.size(); ++k) power[k] += of_source[k] * one[k] * std::conj(other[k]);
+      };
+      for (std::size_t g = 0; g < whitening.encoder_power.size(); ++g) {
+        add(response.encoder[g], whitening.encoder_power[g]);
+        add(response.torque[g], whitening.torque_power[g]);
+      }
+      if (!whitening.tip_power.empty()) add(response.tip, whitening.tip_power);
+      fft.inv(over_time, power);
+      for (std::size_t n = 0; n < over_time.size(); ++n) over_time[n] *= whitening.smear[n];
+      fft.fwd(power, over_time);
+      for (std::size_t b = 0; b < whitening.bin_count; ++b) lower_[b * in_bin_ + place] = power[whitening.first_bin + b];
+    }
   }
-  if (!whitening.tip_power.empty()) add(response.tip, whitening.tip_power[bin]);
+}
+
+double CommonNoise::power(std::size_t channel, std::size_t bin) const { return std::max(0.0, lower_[bin * in_bin_ + channel * (channel + 3) / 2].real()); }
+
+ChannelMatrix CommonNoise::weighted(const Whitening& whitening, std::size_t bin) const {
+  const std::size_t count = whitening.channels.size();
+  ChannelMatrix noise(count, count);
+  const std::complex<double>* next = lower_.data() + bin * in_bin_;
+  const auto weight = [&](std::size_t c) { return whitening.weight[c](static_cast<Eigen::Index>(bin)); };
+  for (std::size_t c = 0; c < count; ++c) {
+    for (std::size_t d = 0; d < c; ++d) {
+      const std::complex<double> value = 0.5 * weight(c) * weight(d) * *next++;
+      noise(static_cast<Eigen::Index>(c), static_cast<Eigen::Index>(d)) = value;
+      noise(static_cast<Eigen::Index>(d), static_cast<Eigen::Index>(c)) = std::conj(value);
+    }
+    noise(static_cast<Eigen::Index>(c), static_cast<Eigen::Index>(c)) = 0.5 * weight(c) * weight(c) * power(c, bin);
+    ++next;
+  }
   return noise;
 }
 
@@ -299,16 +328,34 @@ std::vector<bool> trusted_stretches(const Record& record, const Shadow& shadow, 
 
 namespace {
 
-// What the channels have in common is the sensors' noise, as the response has it.
-void take_apart(const NoiseResponse& response, Whitening& whitening) {
+// How a window smears over so many bins of its transform.
+std::vector<double> smear_of(const Whitening& whitening, std::size_t length) {
+  Eigen::FFT<double> fft;
+  std::vector<double> padded(whitening.transform_length, 0.0);
+  std::copy(whitening.window.begin(), whitening.window.end(), padded.begin());
+  std::vector<std::complex<double>> spectrum;
+  fft.SetFlag(Eigen::FFT<double>::HalfSpectrum);
+  fft.fwd(spectrum, padded);
+  const double all = window_energy(whitening.window) * static_cast<double>(whitening.transform_length);
+  std::vector<std::complex<double>> power(length / 2 + 1);
+  for (std::size_t k = 0; k < power.size(); ++k) power[k] = std::norm(spectrum[k]) / std::max(all, std::numeric_limits<double>::min());
+  std::vector<double> over_time;
+  fft.inv(over_time, power);
+  for (double& value : over_time) value *= static_cast<double>(length);
+  return over_time;
+}
+
+// What the channels have in common is the sensors' noise.
+void take_apart(const CommonNoise& common, Whitening& whitening) {
   const auto count = static_cast<Eigen::Index>(whitening.channels.size());
   whitening.beside.assign(whitening.channels.size(), Eigen::VectorXd(static_cast<Eigen::Index>(whitening.bin_count)));
   whitening.apart.reserve(whitening.bin_count * whitening.channels_apart());
   for (std::size_t b = 0; b < whitening.bin_count; ++b) {
-    ChannelMatrix together = noise_through(whitening, response, b);
+    ChannelMatrix together = common.weighted(whitening, b);
     for (Eigen::Index c = 0; c < count; ++c) {
-      whitening.beside[static_cast<std::size_t>(c)](static_cast<Eigen::Index>(b)) = std::max(0.0, 1.0 - together(c, c).real());
-      together(c, c) = 1.0;
+      const double beside = std::max(kLeastBeside, 1.0 - together(c, c).real());
+      whitening.beside[static_cast<std::size_t>(c)](static_cast<Eigen::Index>(b)) = beside;
+      together(c, c) += beside;
     }
     const ChannelMatrix apart = together.llt().matrixL().solve(ChannelMatrix::Identity(count, count));
     for (Eigen::Index c = 0; c < count; ++c) {
@@ -387,8 +434,13 @@ Whitening make_whitening(const Record& record, const std::vector<bool>& trusted,
     shown[i] = std::clamp(*middle / std::numbers::ln2, kLeastNoise, 1.0);
   }
   noise.lower_corners(whitening, nominal, shown, settings.corner_from);
-  noise.tell_sources(shown, whitening);
-  for (const Channel& channel : whitening.channels) {
+  // What lies as far again above the judged frequencies as they go leaks too.
+  const std::size_t smeared = std::min(whitening.transform_length, transform_length(4 * (whitening.first_bin + whitening.bin_count)));
+  whitening.smear = smear_of(whitening, smeared);
+  noise.tell_sources(shown, smeared / 2 + 1, whitening);
+  const CommonNoise common(whitening, response);
+  for (std::size_t c = 0; c < whitening.channels.size(); ++c) {
+    const Channel& channel = whitening.channels[c];
     const auto i = static_cast<std::size_t>(channel.index);
     const std::vector<double> sum = channel.is_torque ? torque_power : running_power({&record.acceleration[i]}, whitening);
     const double rounding = rounding_power(sum, channel.is_torque ? settings.least_torque : settings.least_acceleration, whitening);
@@ -397,11 +449,11 @@ Whitening make_whitening(const Record& record, const std::vector<bool>& trusted,
       const std::size_t k = whitening.first_bin + b;
       const std::size_t half = 4 + static_cast<std::size_t>(0.5 * settings.smoothing * static_cast<double>(k));
       const double missed = settings.discrepancy_share * settings.discrepancy_share * mean_around(sum, k, half);
-      weight(static_cast<Eigen::Index>(b)) = std::numbers::sqrt2 / std::sqrt(missed + rounding + noise.at(channel, k, shown));
+      weight(static_cast<Eigen::Index>(b)) = std::numbers::sqrt2 / std::sqrt(missed + rounding + noise.own(channel, k) + common.power(c, b));
     }
     whitening.weight.push_back(weight);
   }
-  take_apart(response, whitening);
+  take_apart(common, whitening);
   return whitening;
 }
 

@@ -3,6 +3,7 @@
 //
 //   z(f) = L(f)^-1 W(f) d(f),    w_c(f) = sqrt(2 / (e^2 P_c(f) + N_cc(f))),    L L* = R,    R_cd = w_c w_d N_cd / 2 beside the diagonal, 1 on it
 //
+// N as the window smears it, whose bin holds what of its neighbours leaks into it: N_cd(f) = sum over f' of |V(f - f')|^2 N_cd(f') / sum |V|^2, V the window's transform.
 // The noise of one encoder, and of the tip's accelerometer, leads the observer and so is in every channel: what the channels before it say of it is taken off each one, torques first. A residual
 // of an accelerometer is then that sensor's own noise, and hardly the encoders', whose noise the controller hands on to the machine: it would be correlated with what another machine makes of the torques, and a wrong
 // machine could leave less of it than the true one.
@@ -61,11 +62,12 @@ struct Whitening {
   double window_sum = 0.0;              // of all its points
   std::vector<FlankPart> flanks;        // in pairs
   std::vector<std::complex<double>> apart;  // L^-1 of each bin, row by row up to the diagonal
-  // The sensors' noise that comes through the observer, as `weight` has it: the power of each source per bin [rad^2], [(m/s^2)^2], [Nm^2], and what of a channel's variance the
-  // nominal machine does not make of them, per channel and bin. For machines that make something else of it (own_noise.h).
+  // The sensors' noise that comes through the observer, as `weight` has it: the power of each source at the transform's frequencies from 0 on, beyond those that are judged as far again [rad^2], [(m/s^2)^2],
+  // [Nm^2], how the window smears it, and what of a channel's variance the nominal machine does not make of it, per channel and bin. For machines that make something else of it (own_noise.h).
   std::vector<std::vector<double>> encoder_power;
   std::vector<double> tip_power;
   std::vector<std::vector<double>> torque_power;
+  std::vector<double> smear;  // |V|^2 over its sum, as a function of time
   std::vector<Eigen::VectorXd> beside;
   std::size_t channels_apart() const { return channels.size() * (channels.size() + 1) / 2; }  // numbers of `apart` in a bin
   Eigen::Index spectra_size() const { return static_cast<Eigen::Index>(2 * bin_count * channels.size()); }
@@ -82,8 +84,19 @@ Whitening make_whitening(const Record& record, const std::vector<bool>& trusted,
 inline constexpr int kMostChannels = sim::kMaximumGroupCount + static_cast<int>(kAccelerometerCount);
 using ChannelMatrix = Eigen::Matrix<std::complex<double>, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kMostChannels, kMostChannels>;
 
-// W N W* / 2 of one bin: what a machine of that response makes of the whitening's sources, in the channels as they are weighted.
-ChannelMatrix noise_through(const Whitening& whitening, const NoiseResponse& response, std::size_t bin);
+// N of every bin that is judged.
+class CommonNoise {
+ public:
+  // Of a machine of that response, whose frequencies go as far as the whitening's sources.
+  CommonNoise(const Whitening& whitening, const NoiseResponse& response);
+  double power(std::size_t channel, std::size_t bin) const;
+  // W N W* / 2, as the channels are weighted.
+  ChannelMatrix weighted(const Whitening& whitening, std::size_t bin) const;
+
+ private:
+  std::size_t in_bin_;
+  std::vector<std::complex<double>> lower_;  // rows up to the diagonal, bin by bin
+};
 
 // L^-1 of one bin.
 ChannelMatrix apart_at(const Whitening& whitening, std::size_t bin);

@@ -48,32 +48,49 @@ DriveCourse idle(std::size_t count) {
   return drives;
 }
 
-// Mean over the bins of a band of the power that a channel has, under Hann's window, in what `response` says of noise of variance 1. Each is exponential.
-double whitened_power(const std::vector<double>& channel, const std::vector<double>& response, double step, double from, double to) {
-  std::vector<double> windowed(2 * (response.size() - 1), 0.0);
+using Spectrum = std::vector<std::complex<double>>;
+
+// Under Hann's window of energy 1, in a transform of so many points.
+Spectrum windowed_spectrum(const std::vector<double>& channel, std::size_t length) {
+  std::vector<double> windowed(length, 0.0);
   double energy = 0.0;
   for (std::size_t n = 0; n < channel.size(); ++n) {
     const double weight = 0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * (static_cast<double>(n) + 0.5) / static_cast<double>(channel.size()));
     windowed[n] = weight * channel[n];
     energy += weight * weight;
   }
-  std::vector<std::complex<double>> spectrum;
+  Spectrum spectrum;
   Eigen::FFT<double>().fwd(spectrum, windowed);
-  const double bin = 1.0 / (step * static_cast<double>(windowed.size()));
-  double sum = 0.0;
+  for (std::complex<double>& value : spectrum) value /= std::sqrt(energy);
+  return spectrum;
+}
+
+// Mean over the bins of a band of what two channels have in common, in what their responses say of noise of variance 1: 1, and of one channel with itself its power. Each is exponential.
+std::complex<double> whitened_product(const std::vector<double>& a, const Spectrum& response_a, const std::vector<double>& b, const Spectrum& response_b, double step, double from,
+                                      double to) {
+  const std::size_t length = 2 * (response_a.size() - 1);
+  const Spectrum of_a = windowed_spectrum(a, length), of_b = windowed_spectrum(b, length);
+  const double bin = 1.0 / (step * static_cast<double>(length));
+  std::complex<double> sum = 0.0;
   std::size_t bins = 0;
-  for (auto k = static_cast<std::size_t>(from / bin); static_cast<double>(k) * bin < to; ++k, ++bins) sum += std::norm(spectrum[k]) / (energy * response[k]);
+  for (auto k = static_cast<std::size_t>(from / bin); static_cast<double>(k) * bin < to; ++k, ++bins) {
+    sum += of_a[k] * std::conj(of_b[k]) / (response_a[k] * std::conj(response_b[k]));
+  }
   return sum / static_cast<double>(bins);
 }
 
 // Of some hundred bins at least, of which Hann's window makes two thirds independent: within four deviations, and 5 % for what it
 // leaks where a response falls steeply.
-void expect_white(const std::vector<double>& channel, const std::vector<double>& response, double step, const std::string& what) {
+void expect_in_common(const std::vector<double>& a, const Spectrum& response_a, const std::vector<double>& b, const Spectrum& response_b, double step, const std::string& what) {
   const std::vector<double> edges{0.5, 3.0, 10.0, std::min(40.0, 0.4 / step)};  // [Hz]
   for (std::size_t k = 0; k + 1 < edges.size(); ++k) {
-    const double bins = (edges[k + 1] - edges[k]) * step * static_cast<double>(channel.size());
-    EXPECT_NEAR(whitened_power(channel, response, step, edges[k], edges[k + 1]), 1.0, 0.05 + 4.0 / std::sqrt(bins / 1.5)) << what << ", from " << edges[k] << " Hz";
+    const double bins = (edges[k + 1] - edges[k]) * step * static_cast<double>(a.size());
+    EXPECT_LT(std::abs(whitened_product(a, response_a, b, response_b, step, edges[k], edges[k + 1]) - 1.0), 0.05 + 4.0 / std::sqrt(bins / 1.5))
+        << what << ", from " << edges[k] << " Hz";
   }
+}
+void expect_white(const std::vector<double>& channel, const Spectrum& response, double step, const std::string& what) {
+  expect_in_common(channel, response, channel, response, step, what);
 }
 
 class NoiseResponseAt : public ::testing::TestWithParam<double> {};
@@ -103,6 +120,8 @@ TEST_P(NoiseResponseAt, SaysWhatWhiteNoiseOfASensorMakesOfEveryChannel) {
     expect_white(of_encoder.missing_torque[g], response.encoder[0].torque[g], step, "encoder to motor " + std::to_string(g + 1));
   }
   expect_white(of_encoder.acceleration_difference[kTip], response.encoder[0].acceleration[kTip], step, "encoder to tip");
+  expect_in_common(of_encoder.missing_torque[0], response.encoder[0].torque[0], of_encoder.acceleration_difference[kTip], response.encoder[0].acceleration[kTip], step,
+                   "encoder to motor 1 and tip");
   std::fill(position.begin(), position.end(), 0.0);
   for (double& value : noisy.record.acceleration[kTip]) value = normal(generator);
   const Shadow of_tip = follow();

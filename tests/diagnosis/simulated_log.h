@@ -20,7 +20,7 @@ struct Move {
   double speed_request;  // [-]
 };
 
-inline constexpr double kStep = 1e-3;  // [s] of the machine, and the controller's period
+inline constexpr double kStep = 1e-3;  // [s] of the machine, and the controller's period unless another is given
 
 // A crane behind ordinary sensors.
 class NoisyPlant : public sim::CranePlant {
@@ -48,12 +48,13 @@ class NoisyPlant : public sim::CranePlant {
   std::normal_distribution<double> normal_;
 };
 
-// From the state that the machine has; its step is kStep.
+// From the state that the machine has; its step is kStep. Recorded once in a period [s] of the controller.
 inline msgs::RunLog simulated_log(sim::Machine machine, controller::Compute compute, const std::vector<Move>& moves, double duration,
-                                  unsigned seed, const sim::DriveProtectionSettings& protection = {}) {
+                                  unsigned seed, const sim::DriveProtectionSettings& protection = {}, double period = kStep) {
   const int groups = machine.model.group_count;
   LoopCourse course;
   course.plant_step = kStep;
+  course.steps_per_period = std::lround(period / kStep);
   course.steps = std::lround(duration / kStep);
   for (const Move& move : moves) course.operator_moves.push_back({.time = std::llround(move.time * 1e9), .speed_request = move.speed_request});
   NoisyPlant plant(std::move(machine), protection, drive_run(course, groups), seed);
@@ -76,15 +77,15 @@ inline msgs::RunLog simulated_log(sim::Machine machine, controller::Compute comp
 }
 
 inline msgs::RunLog simulated_log(sim::Machine machine, controller::ControllerSettings settings, const std::vector<Move>& moves,
-                                  double duration, unsigned seed, const sim::DriveProtectionSettings& protection = {}) {
-  settings.period = kStep;
-  return simulated_log(std::move(machine), controller::computed_answer(settings), moves, duration, seed, protection);
+                                  double duration, unsigned seed, const sim::DriveProtectionSettings& protection = {}, double period = kStep) {
+  settings.period = period;
+  return simulated_log(std::move(machine), controller::computed_answer(settings), moves, duration, seed, protection, period);
 }
 
 inline msgs::RunLog simulated_log(sim::MachineSettings machine, const controller::ControllerSettings& controller,
-                                  const std::vector<Move>& moves, double duration, unsigned seed) {
+                                  const std::vector<Move>& moves, double duration, unsigned seed, double period = kStep) {
   machine.step = kStep;
-  return simulated_log(sim::make_machine(machine), controller, moves, duration, seed, machine.drive_protection);
+  return simulated_log(sim::make_machine(machine), controller, moves, duration, seed, machine.drive_protection, period);
 }
 
 // The log of a recorder that was switched on so many messages of each channel later.
