@@ -141,6 +141,8 @@ struct EffectAbout {
   std::string_view physics;
   std::vector<EffectParameter> parameters = {};  // the first is the effect's size
   std::optional<Spell> spell = std::nullopt;
+  // Its size and its one angle are an arrow's length and direction: what it does is smooth in the arrow's two components, of which an angle far off is no large step.
+  bool is_arrow = false;
   // Two angles that may be any enter as two sines multiplied (a roll's phase and direction), not each in its own place.
   bool angles_multiply = false;
   MachineParts needs = {};

@@ -26,4 +26,15 @@ Eigen::VectorXd effect_coordinates(const common::EffectCatalogue& catalogue, std
 std::vector<common::EffectInstance> effects_at(const common::EffectCatalogue& catalogue, std::vector<common::EffectInstance> effects,
                                                const Eigen::VectorXd& coordinates);
 
+// A step in coordinates, from effects to the same with other parameters, and back. Of an effect that is an arrow (common/effect.h) size r and angle a span the plane of the arrow's tip,
+//
+//   along = r' cos(a' - a) - r,    across / r = r' sin(a' - a) / r,
+//
+// so that a descent meets no curved valley where two arrows do nearly the same, and passes through none at all to the other side; elsewhere it is the difference of the coordinates, angles by the shorter way round.
+std::vector<common::EffectInstance> effects_moved(const common::EffectCatalogue& catalogue, std::vector<common::EffectInstance> effects, const Eigen::VectorXd& step);
+Eigen::VectorXd effects_step(const common::EffectCatalogue& catalogue, std::span<const common::EffectInstance> from, std::span<const common::EffectInstance> to);
+
+// What steps from `from` are as steps from `to`: those from `to` times this, where differences by the former are known. The axes of an arrow turn with it.
+Eigen::MatrixXd step_axes(const common::EffectCatalogue& catalogue, std::span<const common::EffectInstance> from, std::span<const common::EffectInstance> to);
+
 }  // namespace slewlab::diagnosis

@@ -48,9 +48,8 @@ constexpr int kMostValidated = 4;      // causes that are asked to predict befor
 // On a log of the wire both sides are exact; a thousandth leaves room for logs that were rounded.
 constexpr double kSameTorque = 1e-3;
 constexpr double kOfNoise = 1.5;  // of the deviation of torques that were measured or rounded; the integrals are told by one of them
-// Sum of squares V of the most visible size below which the effect could not be named: s V outweighs neither the effect's cost and Occam's factor (some 29) nor the
-// prior of one among forty effects against nothing missing (2 T times 4.3).
-constexpr double kVisible = 183.0;
+// [-] Occam's factor of one number, beside which an effect must tell; about that of sizes known to a twelfth of their prior.
+constexpr double kOccam = 5.0;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
@@ -214,13 +213,13 @@ struct Weighed {
 
 // What a fit leaves by what the sensors' noise makes of its machine. Differences that have been divided already by a stochastic effect's power have the less noise beside it, the more of that power there is: they are not
 // allowed more of it than in the nominal machine.
-Leaving by_own_machine(const Problem& problem, const FitResult& result) {
+Leaving by_own_machine(const Problem& problem, const FitResult& result, double discrepancy_count) {
   const Point rest = without_stochastic(problem.catalogue, result.point);
   const double share = problem.settings.independent_share;
   if (rest.effects.size() < result.point.effects.size()) {
-    return {result.excess + share * (square_by_less_noise(problem, rest, result.difference) - result.difference.squaredNorm()), {}, {}};
+    return {result.excess + share * (square_by_less_noise(problem, rest, result.difference, discrepancy_count) - result.difference.squaredNorm()), {}, {}};
   }
-  ByOwnNoise own = by_own_noise(problem, rest, result.difference, result.columns);
+  ByOwnNoise own = by_own_noise(problem, rest, result.difference, result.columns, discrepancy_count);
   return {share * (own.square - static_cast<double>(result.difference.size())), std::move(own.gram), std::move(own.slope)};
 }
 
@@ -239,9 +238,9 @@ int count_at_bounds(const common::EffectCatalogue& catalogue, const Point& point
 
 Weighed weigh_fits(Problem& problem, const Found& found, std::size_t effect_count, EvidenceSettings evidence) {
   evidence.unknown_floor += kNoise * problem.settings.independent_share * static_cast<double>(difference_count(problem));
-  const Leaving of_nothing = by_own_machine(problem, found.nothing);
+  const Leaving of_nothing = by_own_machine(problem, found.nothing, evidence.discrepancy_count);
   std::vector<Leaving> of_fits(found.fits.size());
-  share_out(problem, found.fits.size(), [&](std::size_t i) { of_fits[i] = by_own_machine(problem, found.fits[i]); });
+  share_out(problem, found.fits.size(), [&](std::size_t i) { of_fits[i] = by_own_machine(problem, found.fits[i], evidence.discrepancy_count); });
   double least = std::min(0.0, of_nothing.excess);
   for (std::size_t i = 0; i < found.fits.size(); ++i) {
     if (is_a_measure(found.fits[i].prior, found.fits[i].information, evidence.independent_share)) least = std::min(least, of_fits[i].excess);
@@ -723,12 +722,13 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   diagnosis.mean_square_parameters = base.mean_square;
   diagnosis.moments = largest_moments(problem, base.point, kMoments);
   const Projector project(base.columns, prior_rows(problem, base.point), data_weight(base.difference, settings.fit));
-  for (const auto& [name, square] : screening.visibility) {
-    if (square < kVisible) diagnosis.not_excited.push_back(name);
-  }
-
   EvidenceSettings evidence = settings.evidence;
   evidence.independent_share = problem.settings.independent_share;
+  // Below it the most visible size of an effect could not be named.
+  const double visible = (told_from(static_cast<int>(screening.names.size()), evidence) + kOccam) / evidence.independent_share;
+  for (const auto& [name, square] : screening.visibility) {
+    if (square < visible) diagnosis.not_excited.push_back(name);
+  }
   Weighed weighed = weigh_fits(problem, found, screening.names.size(), evidence);
   charge_for_smooth_torques(problem, found, evidence, weighed);
   // The gap lies where the most probable cause takes something away; where none does, where more than noise is left.

@@ -28,9 +28,10 @@ struct EvidenceSettings {
   double unknown_share = 0.15;   // of the gap that a cause outside the catalogue leaves unexplained
   double unknown_floor = 100.0;  // [-] c that it leaves at least
   double unknown_prior = 17.0;   // p of its parameters: what the nuisances of a machine have on the average
-  double temper = 3.0;           // T
+  double temper = 1.5;           // T
   double independent_share = 0.3;  // s, as in fit.h
-  double effect_cost = 24.0;     // c_e: what mesh, step and another simulator's laws let one more take away where nothing more is missing
+  double discrepancy_count = 2.0;  // m, by which mesh and step count in own_noise.h
+  double effect_cost = 12.0;     // c_e: what mesh, step and another simulator's laws let one more take away where nothing more is missing
   double prior_nothing = 0.4;
   double prior_single = 0.24;
   double prior_pair = 0.28;

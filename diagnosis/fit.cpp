@@ -40,30 +40,19 @@ Point moved(const common::EffectCatalogue& catalogue, const Point& point, const 
     double& z = result.nuisance[static_cast<std::size_t>(i)];
     z = std::clamp(z + change(i), -kFarthest, kFarthest);
   }
-  result.effects = effects_at(catalogue, point.effects, effect_coordinates(catalogue, point.effects) + change.tail(change.size() - nuisances));
+  result.effects = effects_moved(catalogue, point.effects, change.tail(change.size() - nuisances));
   return result;
 }
 
 namespace {
 
-Eigen::VectorXd coordinates_of(const common::EffectCatalogue& catalogue, const Point& point) {
-  const Eigen::VectorXd effects = effect_coordinates(catalogue, point.effects);
-  const auto nuisances = static_cast<Eigen::Index>(point.nuisance.size());
-  Eigen::VectorXd all(nuisances + effects.size());
-  all << Eigen::Map<const Eigen::VectorXd>(point.nuisance.data(), nuisances), effects;
-  return all;
-}
-
-// In coordinates, angles by the shorter way round.
+// In coordinates, of effects as effects_step() has it.
 Eigen::VectorXd step_between(const common::EffectCatalogue& catalogue, const Point& from, const Point& to) {
-  Eigen::VectorXd step = coordinates_of(catalogue, to) - coordinates_of(catalogue, from);
-  auto i = static_cast<Eigen::Index>(from.nuisance.size());
-  for (const common::EffectInstance& effect : from.effects) {
-    for (const common::EffectParameter& parameter : catalogue.at(effect.name).parameters) {
-      if (is_all_round(parameter)) step(i) = std::remainder(step(i), 2.0 * std::numbers::pi / parameter.prior_scale);
-      ++i;
-    }
-  }
+  const auto nuisances = static_cast<Eigen::Index>(from.nuisance.size());
+  const auto nuisance = [&](const Point& point) { return Eigen::Map<const Eigen::VectorXd>(point.nuisance.data(), nuisances); };
+  const Eigen::VectorXd of_effects = effects_step(catalogue, from.effects, to.effects);
+  Eigen::VectorXd step(nuisances + of_effects.size());
+  step << nuisance(to) - nuisance(from), of_effects;
   return step;
 }
 
@@ -247,6 +236,13 @@ void take_effect_columns(Problem& problem, const Point& point, const Eigen::Vect
   }
 }
 
+// Products of columns of which the effects' turn so.
+Eigen::MatrixXd turned(Eigen::MatrixXd gram, const Eigen::MatrixXd& effect_axes) {
+  gram.rightCols(effect_axes.cols()) *= effect_axes;
+  gram.bottomRows(effect_axes.rows()) = (effect_axes.transpose() * gram.bottomRows(effect_axes.rows())).eval();
+  return gram;
+}
+
 // Steps from where `result` stands with its columns, corrected after each step by what it showed (Broyden 1965), also after one that was
 // too bold. Returns by how much the cost fell.
 double descend(Problem& problem, FitResult& result, double law_freedom) {
@@ -275,6 +271,9 @@ double descend(Problem& problem, FitResult& result, double law_freedom) {
     return trial_cost;
   };
   problem_here.accept = [&] {
+    const Eigen::MatrixXd axes = step_axes(problem.catalogue, result.point.effects, trial.effects);
+    result.columns.rightCols(axes.cols()) *= axes;
+    gram = turned(std::move(gram), axes);
     result.point = trial;
     result.difference = trial_difference;
     result.cost = trial_cost;
@@ -442,8 +441,7 @@ void settle(Problem& problem, FitResult& result, int rounds) {
 }
 
 Relaxed relax(const Problem& problem, const FitResult& result, const Leaving& leaving, const MisfitCost& misfit_cost, double floor) {
-  const auto& [excess, gram, slope] = leaving;
-  if (gram.size() == 0) return {excess, result.prior};
+  if (leaving.gram.size() == 0) return {leaving.excess, result.prior};
   const double share = problem.settings.independent_share;
   // The columns of a fit that has not settled promise what is not there: nothing less is left than where it stands.
   const auto excess_at = [&](const Eigen::VectorXd& step) {
@@ -452,16 +450,19 @@ Relaxed relax(const Problem& problem, const FitResult& result, const Leaving& le
   const auto cost_at = [&](const Relaxed& relaxed) {
     return misfit_cost(std::max(0.0, relaxed.excess - floor)) + relaxed.prior;
   };
-  Relaxed best{excess, result.prior};
+  Relaxed best{leaving.excess, result.prior};
   const double besides = result.prior - prior_cost(problem, result.point);  // what does not go with where the parameters stand
   Point point = result.point, trial;
-  Eigen::VectorXd step = Eigen::VectorXd::Zero(gram.cols()), trial_step;
+  Eigen::VectorXd step = Eigen::VectorXd::Zero(leaving.gram.cols()), trial_step;
   Relaxed relaxed;
   Descending problem_here;
   problem_here.model = [&]() -> LocalModel {
     const double weight = share * misfit_cost.slope(std::max(0.0, best.excess - floor));
     const PriorRows prior = prior_rows(problem, point);
-    LocalModel model{weight * gram, weight * (slope + gram * step) + prior.value.cwiseProduct(prior.slope)};
+    const Eigen::MatrixXd axes = step_axes(problem.catalogue, result.point.effects, point.effects);
+    Eigen::VectorXd slope_here = leaving.slope + leaving.gram * step;
+    slope_here.tail(axes.rows()) = (axes.transpose() * slope_here.tail(axes.rows())).eval();
+    LocalModel model{weight * turned(leaving.gram, axes), weight * slope_here + prior.value.cwiseProduct(prior.slope)};
     model.curvature.diagonal() += prior.slope.cwiseProduct(prior.slope);
     return model;
   };

@@ -28,9 +28,9 @@ void take_bin(const Whitening& whitening, const Eigen::MatrixXd& values, Eigen::
   }
 }
 
-// Calls visit(V, rows of the values) for every bin of the records, and flanks(rows) for the deviation of the gears' places, which is hardly noise.
+// Calls visit(V with m = 1, what is more of it for another m, rows of the values) for every bin of the records, and flanks(rows) for the deviation of the gears' places, which is hardly noise.
 template <typename Visit, typename Flanks>
-void each_bin(const Problem& problem, const Point& point, const Eigen::MatrixXd& values, Visit&& visit, Flanks&& flanks) {
+void each_bin(const Problem& problem, const Point& point, const Eigen::MatrixXd& values, double discrepancy_count, Visit&& visit, Flanks&& flanks) {
   const sim::MachineSettings machine = machine_at(problem.nominal, problem.nuisances, point);
   Eigen::Index row = 0;
   BinRows rows;
@@ -38,13 +38,16 @@ void each_bin(const Problem& problem, const Point& point, const Eigen::MatrixXd&
     const Whitening& whitening = problem.whitening[r];
     const CommonNoise common(whitening, noise_response(machine, problem.records[r], problem.gains, whitening.transform_length, problem.force_steps, whitening.smear.size() / 2 + 1));
     for (std::size_t b = 0; b < whitening.bin_count; ++b) {
-      ChannelMatrix noise = common.weighted(whitening, b);
+      ChannelMatrix noise = common.weighted(whitening, b), more = ChannelMatrix::Zero(noise.rows(), noise.cols());
       for (Eigen::Index c = 0; c < noise.rows(); ++c) {
-        noise(c, c) += whitening.beside[static_cast<std::size_t>(c)](static_cast<Eigen::Index>(b));
+        const auto channel = static_cast<std::size_t>(c);
+        const auto bin = static_cast<Eigen::Index>(b);
+        noise(c, c) += whitening.beside[channel](bin);
+        more(c, c) = (discrepancy_count - 1.0) * whitening.missed[channel](bin);
       }
       const ChannelMatrix apart = apart_at(whitening, b);
       take_bin(whitening, values, row, b, rows);
-      visit(ChannelMatrix(apart * noise * apart.adjoint()), rows);
+      visit(ChannelMatrix(apart * noise * apart.adjoint()), ChannelMatrix(apart * more * apart.adjoint()), rows);
     }
     row += whitening.spectra_size();
     flanks(values.middleRows(row, whitening.flanks_size()));
@@ -54,29 +57,31 @@ void each_bin(const Problem& problem, const Point& point, const Eigen::MatrixXd&
 
 }  // namespace
 
-ByOwnNoise by_own_noise(const Problem& problem, const Point& point, const Eigen::VectorXd& difference, const Eigen::MatrixXd& columns) {
+ByOwnNoise by_own_noise(const Problem& problem, const Point& point, const Eigen::VectorXd& difference, const Eigen::MatrixXd& columns, double discrepancy_count) {
   Eigen::MatrixXd values(difference.size(), columns.cols() + 1);
-  values.leftCols(columns.cols()) = columns;
+  if (columns.cols() > 0) values.leftCols(columns.cols()) = columns;
   values.rightCols(1) = difference;
   // Of real numbers, a complex one being two.
   Eigen::MatrixXd products = Eigen::MatrixXd::Zero(values.cols(), values.cols());
   each_bin(
-      problem, point, values,
-      [&](const ChannelMatrix& covariance, BinRows& rows) {
-        covariance.llt().matrixL().solveInPlace(rows);
+      problem, point, values, discrepancy_count,
+      [&](const ChannelMatrix& covariance, const ChannelMatrix& more, BinRows& rows) {
+        ChannelMatrix(covariance + more).llt().matrixL().solveInPlace(rows);
         products += rows.real().transpose() * rows.real() + rows.imag().transpose() * rows.imag();
       },
       [&](const auto& rows) { products += rows.transpose() * rows; });
   return {products(columns.cols(), columns.cols()), products.topLeftCorner(columns.cols(), columns.cols()), products.topRightCorner(columns.cols(), 1)};
 }
 
-double square_by_less_noise(const Problem& problem, const Point& point, const Eigen::VectorXd& difference) {
+double square_by_less_noise(const Problem& problem, const Point& point, const Eigen::VectorXd& difference, double discrepancy_count) {
   double square = 0.0;
   each_bin(
-      problem, point, difference,
-      [&](const ChannelMatrix& covariance, const BinRows& rows) {
+      problem, point, difference, discrepancy_count,
+      [&](const ChannelMatrix& covariance, const ChannelMatrix& more, BinRows& rows) {
         const Eigen::SelfAdjointEigenSolver<ChannelMatrix> axes(covariance);
-        square += ((axes.eigenvectors().adjoint() * rows.col(0)).array().abs2() / axes.eigenvalues().array().min(1.0).max(kLeastVariance)).sum();
+        const Eigen::VectorXd less = axes.eigenvalues().array().min(1.0).max(kLeastVariance).matrix();
+        ChannelMatrix(axes.eigenvectors() * less.asDiagonal() * axes.eigenvectors().adjoint() + more).llt().matrixL().solveInPlace(rows);
+        square += rows.squaredNorm();
       },
       [&](const auto& rows) { square += rows.squaredNorm(); });
   return square;

@@ -3,9 +3,10 @@
 // Differences are divided by what the sensors' noise makes of them in the nominal machine (whitening.h). Another machine makes something else of it: a boom that is damped more shakes
 // less with the noise of the accelerometer by which the observer leads it, and leaves less than the noise without being right. So its differences count by their own covariance,
 //
-//   -2 ln P = sum over bins of z* V^-1 z,    V = L^-1 (B + W N(machine) W* / 2) L^-*
+//   -2 ln P = sum over bins of z* V^-1 z,    V = L^-1 (B + (m - 1) E + W N(machine) W* / 2) L^-*
 //
-// N the power of the noise that comes through the observer, B what else there is in each channel, W and L as whitening.h has them: 1 in the nominal machine. No ln det V: what is compared is the density of the readings, whose
+// with m = 1. N the power of the noise that comes through the observer, B what else there is in each channel, W and L as whitening.h has them: 1 in the nominal machine. E is what mesh and step make wrong of B, and m how many times it counts: unlike noise, that is
+// not drawn anew from bin to bin. No ln det V: what is compared is the density of the readings, whose
 // noise is the same whatever machine it is led through, and the determinant of that way takes it away.
 #pragma once
 
@@ -22,10 +23,10 @@ struct ByOwnNoise {
   Eigen::VectorXd slope;  // J* V^-1 z
 };
 
-// In the machine at the point, where what acts while it runs and is not linear changes nothing. Columns may be none.
-ByOwnNoise by_own_noise(const Problem& problem, const Point& point, const Eigen::VectorXd& difference, const Eigen::MatrixXd& columns);
+// In the machine at the point, where what acts while it runs and is not linear changes nothing. Columns may be none; `discrepancy_count` is m.
+ByOwnNoise by_own_noise(const Problem& problem, const Point& point, const Eigen::VectorXd& difference, const Eigen::MatrixXd& columns, double discrepancy_count);
 
 // z* V^-1 z where the machine makes nowhere more of the noise than the nominal one.
-double square_by_less_noise(const Problem& problem, const Point& point, const Eigen::VectorXd& difference);
+double square_by_less_noise(const Problem& problem, const Point& point, const Eigen::VectorXd& difference, double discrepancy_count);
 
 }  // namespace slewlab::diagnosis

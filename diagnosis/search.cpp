@@ -17,7 +17,7 @@ namespace slewlab::diagnosis {
 
 namespace {
 
-constexpr double kLeastPairGain = 40.0;         // fall of the excess below the best single effect's, forecast, to try a pair
+constexpr double kLeastPairGain = 25.0;         // fall of the excess below the best single effect's, forecast, to try a pair
 constexpr double kSameMotion = 1e-6;            // relative difference of two signatures below which two effects are one motion
 constexpr double kNearRival = 30.0;              // cost above the best fit's, below which the order may be that of convergence
 constexpr std::size_t kMostRivals = 2;
@@ -185,19 +185,30 @@ Point start_on(Problem& problem, const FitResult& ground, const Point& other) {
   return with_amount(problem.catalogue, ground.point, screened, screened.amount);
 }
 
+// Whether two fits of one effect each are of laws of one physics.
+bool is_relative(const Problem& problem, const FitResult& one, const FitResult& other) {
+  if (one.point.effects.size() != 1 || other.point.effects.size() != 1) return false;
+  const common::Family family = problem.catalogue.at(one.point.effects.front().name).family;
+  return family != common::Family::none && family == problem.catalogue.at(other.point.effects.front().name).family;
+}
+
 // The best fit's machine, with another one's effects: of two laws of one motion the one that ended lower need not be the better law, and one that is a part of the other, with fewer
-// parameters, can do as well. The next best fits with as many effects try it; what both have starts where the best one has it. Whether one came on by it.
+// parameters, can do as well. The next best fits with as many effects try it, and all laws of the same physics, which go on until they settle: between those the answer lies. What both have starts where the best one
+// has it. Whether one came on by it.
 bool start_from_best_machine(Problem& problem, std::vector<FitResult>& fits) {
   if (fits.empty() || fits.front().point.effects.empty()) return false;
   const FitResult& best = fits.front();
   const Eigen::MatrixXd nuisance_columns = best.columns.leftCols(static_cast<Eigen::Index>(best.point.nuisance.size()));
   std::vector<FitResult*> others;
-  for (std::size_t i = 1; i < fits.size() && others.size() < kFromBest; ++i) {
-    if (fits[i].point.effects.size() == best.point.effects.size()) others.push_back(&fits[i]);
+  std::size_t next = 0;
+  for (std::size_t i = 1; i < fits.size(); ++i) {
+    if (fits[i].point.effects.size() != best.point.effects.size()) continue;
+    if (next++ < kFromBest || is_relative(problem, best, fits[i])) others.push_back(&fits[i]);
   }
   std::atomic<bool> came_on{false};
   share_out(problem, others.size(), [&](std::size_t i) {
     FitResult again = fit(problem, nuisance_columns, start_on(problem, common_ground(problem, best, others[i]->point), others[i]->point));
+    if (is_relative(problem, best, again)) settle(problem, again, kFreshRounds);
     if (again.cost >= others[i]->cost) return;
     *others[i] = std::move(again);
     came_on = true;

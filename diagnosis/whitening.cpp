@@ -444,14 +444,17 @@ Whitening make_whitening(const Record& record, const std::vector<bool>& trusted,
     const auto i = static_cast<std::size_t>(channel.index);
     const std::vector<double> sum = channel.is_torque ? torque_power : running_power({&record.acceleration[i]}, whitening);
     const double rounding = rounding_power(sum, channel.is_torque ? settings.least_torque : settings.least_acceleration, whitening);
-    Eigen::VectorXd weight(static_cast<Eigen::Index>(whitening.bin_count));
+    Eigen::VectorXd weight(static_cast<Eigen::Index>(whitening.bin_count)), missed_share = weight;
     for (std::size_t b = 0; b < whitening.bin_count; ++b) {
       const std::size_t k = whitening.first_bin + b;
       const std::size_t half = 4 + static_cast<std::size_t>(0.5 * settings.smoothing * static_cast<double>(k));
       const double missed = settings.discrepancy_share * settings.discrepancy_share * mean_around(sum, k, half);
-      weight(static_cast<Eigen::Index>(b)) = std::numbers::sqrt2 / std::sqrt(missed + rounding + noise.own(channel, k) + common.power(c, b));
+      const double variance = missed + rounding + noise.own(channel, k) + common.power(c, b);
+      weight(static_cast<Eigen::Index>(b)) = std::numbers::sqrt2 / std::sqrt(variance);
+      missed_share(static_cast<Eigen::Index>(b)) = missed / variance;
     }
     whitening.weight.push_back(weight);
+    whitening.missed.push_back(missed_share);
   }
   take_apart(common, whitening);
   return whitening;

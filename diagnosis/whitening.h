@@ -69,6 +69,7 @@ struct Whitening {
   std::vector<std::vector<double>> torque_power;
   std::vector<double> smear;  // |V|^2 over its sum, as a function of time
   std::vector<Eigen::VectorXd> beside;
+  std::vector<Eigen::VectorXd> missed;  // of a channel's variance, the part of mesh and step, e^2 P
   std::size_t channels_apart() const { return channels.size() * (channels.size() + 1) / 2; }  // numbers of `apart` in a bin
   Eigen::Index spectra_size() const { return static_cast<Eigen::Index>(2 * bin_count * channels.size()); }
   Eigen::Index flanks_size() const { return static_cast<Eigen::Index>(flanks.size()); }

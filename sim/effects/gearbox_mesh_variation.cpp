@@ -33,6 +33,7 @@ const EffectDescription& gearbox_mesh_variation() {
                                common::angle_parameter("phase", "phase of the mesh at the start"),
                                second_sine_parameter(),
                                second_cosine_parameter()},
+                .is_arrow = true,
                 .needs = {.gears = true, .gearbox_teeth = true},
                 .family = common::Family::ripple},
       .ports = {EffectPort::force, EffectPort::sensor},

@@ -58,6 +58,7 @@ const EffectDescription& heel() {
                                 .absent = 0.0},
                                common::angle_parameter("direction",
                                                        "downhill, from the boom's first direction", 0.5 * std::numbers::pi)},
+                .is_arrow = true,
                 .needs = {.boom = true},
                 .family = common::Family::gravity},
       .ports = {EffectPort::force, EffectPort::sensor},

@@ -45,6 +45,7 @@ const EffectDescription& tilted_axis() {
                                 .absent = 0.0},
                                common::angle_parameter("direction", "angle of the axis, from where it stands at first, at which the centre of mass is lowest",
                                                        0.5 * std::numbers::pi)},
+                .is_arrow = true,
                 .family = common::Family::gravity},
       .ports = {EffectPort::force},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {

@@ -61,6 +61,7 @@ const EffectDescription& wind() {
                                                        "where it blows to, from the boom's first direction", 0.5 * std::numbers::pi),
                                boom_drag_area_parameter(),
                                load_drag_area_parameter()},
+                .is_arrow = true,
                 .needs = {.boom = true},
                 .family = common::Family::wind},
       .ports = {EffectPort::force},

@@ -42,12 +42,12 @@ TEST(OwnNoise, IsOneInTheNominalMachine) {
   Standing problem;
   const Eigen::VectorXd difference = differences(problem, Point{});
   const Eigen::MatrixXd columns = Eigen::MatrixXd::Random(difference.size(), 2);
-  const ByOwnNoise own = by_own_noise(problem, {}, difference, columns);
+  const ByOwnNoise own = by_own_noise(problem, {}, difference, columns, 1.0);
   const double near = 1e-9 * difference.squaredNorm();
   EXPECT_NEAR(own.square, difference.squaredNorm(), near);
   EXPECT_LT((own.gram - columns.transpose() * columns).cwiseAbs().maxCoeff(), near);
   EXPECT_LT((own.slope - columns.transpose() * difference).cwiseAbs().maxCoeff(), near);
-  EXPECT_NEAR(square_by_less_noise(problem, {}, difference), difference.squaredNorm(), near);
+  EXPECT_NEAR(square_by_less_noise(problem, {}, difference, 1.0), difference.squaredNorm(), near);
 }
 
 // Nothing but noise is in the record. A boom that is damped eight times as much, and one on a softer ring, leave another noise than the nominal one, without being right; by their own covariance they leave what
@@ -61,7 +61,7 @@ TEST(OwnNoise, IsWhatIsLeftOfNoiseAloneByAnotherMachine) {
     const Eigen::VectorXd difference = differences(problem, point);
     const auto count = static_cast<double>(difference.size());
     const double scatter = 4.0 * std::sqrt(2.0 / count);
-    EXPECT_NEAR(by_own_noise(problem, point, difference, Eigen::MatrixXd(difference.size(), 0)).square / count, of_truth / count, scatter) << effect.name;
+    EXPECT_NEAR(by_own_noise(problem, point, difference, {}, 1.0).square / count, of_truth / count, scatter) << effect.name;
     EXPECT_GT(std::fabs(difference.squaredNorm() - of_truth) / count, 2.0 * scatter) << effect.name << ": else nothing is shown";
   }
 }
@@ -73,7 +73,7 @@ TEST(OwnNoise, KnowsWhatIsLinear) {
   const auto change_by = [&](const common::EffectInstance& effect) {
     Point point;
     point.effects = {effect};
-    return std::fabs(by_own_noise(problem, point, difference, Eigen::MatrixXd(difference.size(), 0)).square / difference.squaredNorm() - 1.0);
+    return std::fabs(by_own_noise(problem, point, difference, {}, 1.0).square / difference.squaredNorm() - 1.0);
   };
   common::EffectInstance viscous = common::typical_instance(problem.catalogue.at("bearing_viscous"));
   viscous.values[0] *= 10.0;
