@@ -182,6 +182,30 @@ TEST(Fit, ArrivesWhereAFullStepIsTooBold) {
   EXPECT_LT(excess(result.difference, problem.settings), 0.0);
 }
 
+// A heel across the boom, begun as one that is four times as steep and mostly along it, which does nearly the same where the axis turns little: by length and angle a descent stays in the valley between
+// the two. Judge: the fit that begins at the truth.
+TEST(Fit, FollowsAnArrowAcrossItsPlane) {
+  constexpr double kPeriod = 1e-2;             // [s]
+  constexpr double kHeel = 7.5e-3, kAcross = 1.3;  // [rad]
+  BenchProblem problem;
+  problem.gains = shadow_gains(bench().machine.scales, not_faster_than(bench().thresholds.shadow, kPeriod));
+  sim::MachineSettings truth;
+  truth.crane = bench().crane;
+  truth.effects = {{"heel", {kHeel, kAcross}}};
+  problem.add(make_record(simulated_log(truth, bench().controller, kThereAndBack, kDuration, 4, kPeriod), "a", bench().admission));
+  const auto from = [&](const common::EffectInstance& heel) {
+    Point start;
+    start.nuisance.assign(nuisance_count(problem), 0.0);
+    start.effects = {heel};
+    FitResult fitted = fit(problem, Eigen::MatrixXd::Zero(difference_count(problem), static_cast<Eigen::Index>(start.nuisance.size())), start);
+    settle(problem, fitted, 10);
+    return fitted;
+  };
+  const FitResult from_truth = from({"heel", {kHeel, kAcross}}), from_afar = from({"heel", {0.0214, 0.33}});
+  EXPECT_LT(from_afar.cost, from_truth.cost + problem.settings.settled);
+  EXPECT_NEAR(from_afar.point.effects[0].values[1], from_truth.point.effects[0].values[1], 0.2);
+}
+
 // Judge: the same machine with all modes of its boom, at 12 elements up to 2 kHz, and one whose fly jib bends and twists it.
 TEST(Fit, ModesThatAreLeftOutWouldChangeLessThanTheNoise) {
   sim::MachineSettings truth;
