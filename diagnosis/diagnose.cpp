@@ -48,7 +48,7 @@ constexpr int kMostValidated = 4;      // causes that are asked to predict befor
 // On a log of the wire both sides are exact; a thousandth leaves room for logs that were rounded.
 constexpr double kSameTorque = 1e-3;
 constexpr double kOfNoise = 1.5;  // of the deviation of torques that were measured or rounded; the integrals are told by one of them
-// [-] Occam's factor of one number, beside which an effect must tell; about that of sizes known to a twelfth of their prior.
+// Occam's factor of one number, beside which an effect must tell: of one that is known to a twelfth of its prior.
 constexpr double kOccam = 5.0;
 
 double seconds_since(std::chrono::steady_clock::time_point start) {
@@ -196,6 +196,16 @@ Searched search_to_the_floor(Problem& problem, WhiteningSettings& whitening, Fit
   whiten_again(problem, whitening);
   diagnosis.remarks.push_back(fmt::format("a machine was found that the records follow to {:.2g} of what mesh and step are taken to make wrong: judged by what it leaves", shown));
   return search_here();
+}
+
+// Effects of which these records could not name even the most visible size.
+std::vector<std::string> not_excited(const Screening& screening, const EvidenceSettings& evidence) {
+  const double visible = (told_from(static_cast<int>(screening.names.size()), evidence) + kOccam) / evidence.independent_share;
+  std::vector<std::string> names;
+  for (const auto& [name, square] : screening.visibility) {
+    if (square < visible) names.push_back(name);
+  }
+  return names;
 }
 
 // From fits to causes with probabilities, in the order of the fits, that without effects first.
@@ -724,11 +734,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   const Projector project(base.columns, prior_rows(problem, base.point), data_weight(base.difference, settings.fit));
   EvidenceSettings evidence = settings.evidence;
   evidence.independent_share = problem.settings.independent_share;
-  // Below it the most visible size of an effect could not be named.
-  const double visible = (told_from(static_cast<int>(screening.names.size()), evidence) + kOccam) / evidence.independent_share;
-  for (const auto& [name, square] : screening.visibility) {
-    if (square < visible) diagnosis.not_excited.push_back(name);
-  }
+  diagnosis.not_excited = not_excited(screening, evidence);
   Weighed weighed = weigh_fits(problem, found, screening.names.size(), evidence);
   charge_for_smooth_torques(problem, found, evidence, weighed);
   // The gap lies where the most probable cause takes something away; where none does, where more than noise is left.
