@@ -48,6 +48,15 @@ class LaterReading {
     for (std::ptrdiff_t side = kSide; side > 0 && part != 0.0; side /= 2) weights_.push_back(weights(part, side));
   }
   bool is_like(const LaterReading& other) const { return points_ == other.points_; }
+  // What a record's first point reads so many points later.
+  FirstReading first(const Record& record) const {
+    FirstReading later;
+    for (std::size_t g = 0; g < static_cast<std::size_t>(record.group_count); ++g) {
+      read(record.shaft_position[g], 0, {&later.position[g], 1});
+      read(record.position_rate[g], 0, {&later.rate[g], 1});
+    }
+    return later;
+  }
   // Of `result.size()` points from `n` on: the sums of neighbouring points, each in its order, side by side.
   void read(const std::vector<double>& series, std::size_t n, std::span<double> result) const {
     const std::ptrdiff_t first = static_cast<std::ptrdiff_t>(n) + whole_, count = static_cast<std::ptrdiff_t>(result.size());
@@ -175,12 +184,12 @@ bool can_bend(const sim::PlantModel& model, std::size_t mode) {
 }
 
 // A crane that is already turning starts at the motors' mean speed, its teeth where they were.
-void start_moving(sim::Machine& machine, const Record& record) {
+void start_moving(sim::Machine& machine, const Record& record, const FirstReading& first) {
   const sim::PlantModel& model = machine.model;
   double speed = 0.0;
   for (int g = 0; g < record.group_count; ++g) {
     const auto i = static_cast<std::size_t>(g);
-    machine.state.motor_speed[i] = record.position_rate[i][0] / model.ratio;
+    machine.state.motor_speed[i] = first.rate[i] / model.ratio;
     speed += machine.state.motor_speed[i] / record.group_count;
   }
   if (speed == 0.0) return;
@@ -223,19 +232,19 @@ double bend_under_steady_forces(sim::Machine& machine) {
 }
 
 // Turned as one body to where the encoders say that it stands: what goes with the angle (meshes, an incline) has one phase in all records.
-void turn_to_first_angle(sim::Machine& machine, const Record& record) {
+void turn_to_first_angle(sim::Machine& machine, const Record& record, const FirstReading& first) {
   const sim::PlantModel& model = machine.model;
   double angle = 0.0;
-  for (int g = 0; g < record.group_count; ++g) angle += record.shaft_position[static_cast<std::size_t>(g)][0] / (model.ratio * record.group_count);
+  for (int g = 0; g < record.group_count; ++g) angle += first.position[static_cast<std::size_t>(g)] / (model.ratio * record.group_count);
   if (angle == 0.0) return;
   for (int g = 0; g < record.group_count; ++g) machine.state.motor_angle[static_cast<std::size_t>(g)] += angle;
   machine.state.q[0] += angle / model.house[0];
   move_load(machine, model.tip[0] * angle / model.house[0], 0.0);
 }
 
-void start(sim::Machine& machine, const Record& record, const Beginning& beginning, double time) {
-  turn_to_first_angle(machine, record);
-  start_moving(machine, record);
+void start(sim::Machine& machine, const Record& record, const FirstReading& first, const Beginning& beginning, double time) {
+  turn_to_first_angle(machine, record, first);
+  start_moving(machine, record, first);
   double acceleration = rigid_acceleration(machine.model, record, 0);
   if (record.begins_bent) {
     acceleration = first_acceleration(record, time) / machine.model.ratio;
@@ -364,7 +373,19 @@ Shadow shadow(const sim::MachineSettings& settings, const Record& record, const 
   return result;
 }
 
+FirstReading first_reading(const Record& record) {
+  FirstReading first;
+  for (std::size_t g = 0; g < static_cast<std::size_t>(record.group_count); ++g) {
+    first.position[g] = record.shaft_position[g][0];
+    first.rate[g] = record.position_rate[g][0];
+  }
+  return first;
+}
+
 Observer::Observer(Follower follower, const Record& record, const ShadowGains& gains, const Beginning& beginning)
+    : Observer(std::move(follower), record, first_reading(record), gains, beginning) {}
+
+Observer::Observer(Follower follower, const Record& record, const FirstReading& first, const ShadowGains& gains, const Beginning& beginning)
     : machine_(std::move(follower.machine)),
       steps_(follower.steps),
       to_slew_axis_(follower.to_slew_axis),
@@ -374,9 +395,9 @@ Observer::Observer(Follower follower, const Record& record, const ShadowGains& g
       leak_(std::exp(-record.step / gains.leak_time)),
       forget_(std::exp(-record.step / gains.offset_time)),
       first_(static_cast<std::size_t>(gains.first_offset / record.step)) {
-  start(machine_, record, beginning, gains.first_slope);
+  start(machine_, record, first, beginning, gains.first_slope);
   for (std::size_t i = 0; i < groups_; ++i) {
-    origin_[i] = record.shaft_position[i][0] - machine_.state.motor_angle[i] * machine_.model.ratio;
+    origin_[i] = first.position[i] - machine_.state.motor_angle[i] * machine_.model.ratio;
   }
   past_error_.assign(std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(gains.speed_window / record.step))), GroupAngles{});
   speed_window_ = step_ * static_cast<double>(past_error_.size());
@@ -434,7 +455,7 @@ void shadow(std::vector<Shadowing> shadowings, const Record& record, const Drive
     position.emplace_back(shadowing.encoder_latency / record.step + shadowing.follower.encoder_delay);
     const auto alike = std::find_if(position.begin(), position.end(), [&](const LaterReading& one) { return one.is_like(position.back()); });
     reads_as.push_back(static_cast<std::size_t>(alike - position.begin()));
-    observers.emplace_back(std::move(shadowing.follower), record, gains, shadowing.beginning);
+    observers.emplace_back(std::move(shadowing.follower), record, position.back().first(record), gains, shadowing.beginning);
     machines[observers.back().steps()].push_back(&observers.back().machine());
     Shadow& result = *shadowing.result;
     for (std::size_t g = 0; g < result.missing_torque.size(); ++g) result.missing_torque[g].resize(g < groups ? count : 0);

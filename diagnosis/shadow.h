@@ -118,11 +118,19 @@ double rigid_acceleration(const sim::PlantModel& model, const Record& record, st
 // point, wound up by what goes through it while the axis accelerates so.
 GroupAngles places_on_flanks(const sim::PlantModel& model, const Record& record, std::size_t point, double acceleration);
 
+// Where the shafts are at a record's first point and how fast they turn: of encoders that read late this is what they say later.
+struct FirstReading {
+  GroupAngles position{}, rate{};  // [rad], [rad/s] of the shafts
+};
+// Of encoders that are not late.
+FirstReading first_reading(const Record& record);
+
 // The follower on its way, a grid point after the other.
 class Observer {
  public:
   // Begins as the record does, at its first point.
   Observer(Follower follower, const Record& record, const ShadowGains& gains, const Beginning& beginning = {});
+  Observer(Follower follower, const Record& record, const FirstReading& first, const ShadowGains& gains, const Beginning& beginning);
 
   struct Measured {
     GroupAngles position{};  // [rad] of the shafts
