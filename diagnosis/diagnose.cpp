@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <mutex>
 #include <set>
@@ -121,7 +122,7 @@ bool take_what_shows(Problem& problem, const std::vector<common::EffectInstance>
 
 Searched search_all(Problem& problem, FitResult base, const DiagnosisSettings& settings, const TakesMore& takes_more, const Progress& tell) {
   const Projector project(base.columns, prior_rows(problem, base.point), data_weight(base.difference, settings.fit));
-  const std::vector<common::EffectInstance> starts = catalogue_starts(problem.catalogue, problem.nominal, settings.without, longest_record(problem), problem.thresholds.spell_every,
+  const std::vector<common::EffectInstance> starts = catalogue_starts(problem.catalogue, problem.nominal, settings.without, last_moment(problem), problem.thresholds.spell_every,
                                                                       recurring_lengths(problem, base.point, kLengths));
   Screening screening = screen(problem, base, project, starts, within(tell, kScreen));
   Found found = search(problem, base, screening, settings.search, takes_more, tell);
@@ -517,15 +518,28 @@ DiagnosisSettings without_what_is_before_torques(DiagnosisSettings settings, con
   return settings;
 }
 
+// [s] From where effects count their time: zero of the records' clock, by which several of them know the same roll; but of records that all begin later than they are long, the first beginning:
+// phases would else go with the period so steeply that no fit finds them.
+double time_of_effects(const std::vector<Record>& records) {
+  double first = std::numeric_limits<double>::infinity(), longest = 0.0;
+  for (const Record& record : records) {
+    first = std::min(first, record.start_time);
+    longest = std::max(longest, record.step * static_cast<double>(record.size()));
+  }
+  return first > longest ? first : 0.0;
+}
+
 // From the records to the problem that is fitted. Gives how their differences are whitened. Throws NotAdmitted.
 WhiteningSettings take_records(const sim::MachineSettings& nominal, std::vector<Record> records, const DiagnosisSettings& settings, Problem& problem, Diagnosis& diagnosis) {
+  const double effects_from = time_of_effects(records);
+  for (Record& record : records) record.effects_from = effects_from;
   set_machine(nominal, records, problem);
   if (settings.noise_corner) problem.thresholds.whitening.noise_corner = *settings.noise_corner;
   const WhiteningSettings whitening = whitening_for(problem.thresholds, has_coarse_counts(records));
   diagnosis.followed = admit(std::move(records), whitening, problem, diagnosis.remarks);
   diagnosis.nuisances = problem.nuisances;
   const std::vector<common::EffectInstance> starts =
-      catalogue_starts(problem.catalogue, problem.nominal, settings.without, longest_record(problem), problem.thresholds.spell_every);
+      catalogue_starts(problem.catalogue, problem.nominal, settings.without, last_moment(problem), problem.thresholds.spell_every);
   problem.force_steps = steps_for_forces(problem, starts, settings.evidence);
   return whitening;
 }
@@ -537,6 +551,7 @@ void judge_unseen(Problem& problem, const WhiteningSettings& whitening, const st
   if (!diagnosis.is_unknown && !diagnosis.causes.empty()) answer = fitted_part(problem.catalogue, diagnosis.causes.front());
   for (Record& record : unseen) {
     const std::string name = record.name;
+    record.effects_from = problem.records.front().effects_from;
     std::optional<HeldOutData> admitted;
     try {
       admitted.emplace(problem, whitening, std::move(record), diagnosis.remarks);

@@ -108,6 +108,7 @@ Prediction predict(const sim::MachineSettings& machine, const controller::Contro
   settings.machine = machine;
   const int steps = steps_per_point(machine, record);
   settings.machine.step = record.step / steps;
+  settings.machine.started_at = record.effects_begin();
   settings.controller = controller;
   settings.controller.period = record.encoder_period;
   settings.operator_moves = moves_of(record);

@@ -53,6 +53,12 @@ double longest_record(const Problem& problem) {
   return longest;
 }
 
+double last_moment(const Problem& problem) {
+  double last = 0.0;
+  for (const Record& record : problem.records) last = std::max(last, record.effects_begin() + record.step * static_cast<double>(record.size()));
+  return last;
+}
+
 const DriveCourse& SimulationStock::drives(const Record& record, std::size_t index, const sim::DriveProtectionSettings& protection) {
   const std::lock_guard lock(mutex_);
   if (drives_.size() <= index) drives_.resize(index + 1);

@@ -133,6 +133,7 @@ void share_out(Problem& problem, std::size_t count, const std::function<void(std
 
 std::size_t nuisance_count(const Problem& problem);
 double longest_record(const Problem& problem);  // [s]
+double last_moment(const Problem& problem);     // [s] of the effects' time in any record
 
 // The machine at a point as it follows one of the records.
 Shadow shadow_at(const Problem& problem, const Point& point, std::size_t record);

@@ -60,6 +60,7 @@ struct Record {
   double encoder_period = 0.0;  // [s] of the controller's cycle
   int group_count = 0;
   double start_time = 0.0;      // [s] of the first grid point
+  double effects_from = 0.0;    // [s] the same clock's where effects begin to count their time (a roll's phase, a clock's drift)
   // Series of equal length. Torque [Nm per motor] is the command that holds from this grid point to the next.
   std::array<std::vector<double>, sim::kMaximumGroupCount> motor_torque;
   std::array<std::vector<double>, sim::kMaximumGroupCount> shaft_speed;     // [rad/s]
@@ -94,6 +95,7 @@ struct Record {
 
   std::size_t size() const { return motor_torque[0].size(); }
   double time(std::size_t n) const { return start_time + step * static_cast<double>(n); }
+  double effects_begin() const { return start_time - effects_from; }  // [s] of their time, at the first grid point
 };
 
 // [Nm per motor] over the groups, at a grid point: what of their torques turns the axis.

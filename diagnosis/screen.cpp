@@ -281,7 +281,7 @@ std::vector<common::EffectInstance> best_starts(const Problem& problem, const Sc
     const std::vector<common::EffectInstance> turned = all_turned(screened->start, turning_angles(about), 1);
     starts.insert(starts.end(), turned.begin(), turned.end());
     if (about.spell) {  // when, cannot be told before the place is known
-      const std::vector<common::EffectInstance> all = starts_of(about, longest_record(problem), problem.thresholds.spell_every);
+      const std::vector<common::EffectInstance> all = starts_of(about, last_moment(problem), problem.thresholds.spell_every);
       starts.insert(starts.end(), all.begin(), all.end());
     }
   }

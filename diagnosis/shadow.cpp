@@ -243,6 +243,7 @@ void turn_to_first_angle(sim::Machine& machine, const Record& record, const Firs
 }
 
 void start(sim::Machine& machine, const Record& record, const FirstReading& first, const Beginning& beginning, double time) {
+  machine.started_at = record.effects_begin();
   turn_to_first_angle(machine, record, first);
   start_moving(machine, record, first);
   double acceleration = rigid_acceleration(machine.model, record, 0);

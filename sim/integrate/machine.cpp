@@ -165,6 +165,7 @@ Machine make_machine(const MachineSettings& settings) {
       }
     }
   }
+  machine.started_at = settings.started_at;
   machine.motion = crane_motion(parameters.crane, settings.motion_requests);
   machine.steps_per_boom_angle = settings.steps_per_boom_angle;
   if (!machine.motion.luffing.is_still()) {
@@ -297,7 +298,7 @@ double rope_angle(const Machine& machine) {
 }
 
 double time_of(const Machine& machine) {
-  return static_cast<double>(machine.state.step_count) * machine.model.step;
+  return machine.started_at + static_cast<double>(machine.state.step_count) * machine.model.step;
 }
 
 bool switch_effect(Machine& machine, std::string_view name, bool on) {

@@ -80,6 +80,7 @@ struct Machine {
   int steps_per_boom_angle = 10;
   PortForces steady;                    // what the effects' forces are on a machine that stands, at the beginning
   PortForces outside;                   // from outside the model, held over each step: how a shadow is led; zero otherwise
+  double started_at = 0.0;              // [s] as the settings have it
   std::int64_t hooks_per_step = 0;
   std::int64_t effect_evaluations = 0;  // hooks called since the start
 };
@@ -108,7 +109,7 @@ MachineReadings read(const Machine& machine);
 // [rad] beta_1 at the rope's length of the moment.
 double rope_angle(const Machine& machine);
 
-// [s] since the start
+// [s] on the clock of effects and motions
 double time_of(const Machine& machine);
 
 // Tells the machine that its state was set by hand: the next step extrapolates from it alone.

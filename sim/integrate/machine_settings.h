@@ -25,6 +25,7 @@ struct MachineSettings {
   std::vector<common::EffectInstance> effects;
   double step = 0.001;     // [s]
   std::uint64_t seed = 0;  // of the effects that draw numbers
+  double started_at = 0.0;  // [s] on the clock by which effects and motions know the time
   // By which the effects' bounds are judged: those of the nominal machine, where `crane` is a changed one. Without them
   // the crane's own.
   std::optional<common::EffectScales> scales = std::nullopt;

@@ -48,6 +48,48 @@ TEST(Shadow, WhatGoesWithTheAngleHasItsPhaseInARecordThatBeginsElsewhere) {
   EXPECT_GT(mean_square(fit_nuisances(problem, nominal_fit(problem)).difference), 5.0);
 }
 
+// What only the truth's own machine leaves of a log from which so many messages are left out at first.
+FitResult of_truth(const sim::MachineSettings& truth, std::ptrdiff_t from) {
+  msgs::RunLog log = simulated_log(truth, bench().controller, kThereAndBack, kDuration, 5);
+  leave_out_beginning(log, from);
+  log.operator_moves.clear();
+  sim::MachineSettings nominal;
+  nominal.crane = bench().crane;
+  Problem problem;
+  std::vector<Record> records{make_record(log, "log", bench().admission)};
+  set_machine(nominal, records, problem);
+  std::vector<std::string> remarks;
+  admit(std::move(records), problem.thresholds.whitening, problem, remarks);
+  Point point;
+  point.nuisance.assign(nuisance_count(problem), 0.0);
+  point.effects = truth.effects;
+  FitResult fitted = fit(problem, Eigen::MatrixXd::Zero(difference_count(problem), static_cast<Eigen::Index>(nuisance_count(problem))), point);
+  settle(problem, fitted, 4);
+  return fitted;
+}
+
+// Encoders that read 13 ms late say 13 ms later where a machine stood when the record began in the midst of a slew; it is followed to the noise, 1, from there on.
+TEST(Shadow, LateEncodersSayLaterWhereARecordInMotionBegins) {
+  constexpr double kDelay = 0.0128;  // [s]
+  sim::MachineSettings truth;
+  truth.crane = bench().crane;
+  truth.effects = {{"encoder_delay", {kDelay}}};
+  const FitResult fitted = of_truth(truth, 6500);
+  EXPECT_LT(mean_square(fitted.difference), 1.2);
+  EXPECT_NEAR(fitted.point.effects[0].values[0], kDelay, 1e-4);
+}
+
+// A vessel's roll has the phase of the log's clock, not of the moment at which its recorder was switched on: followed to the noise, with the phase that it was given.
+TEST(Shadow, ARollKeepsThePhaseOfTheLogsClock) {
+  constexpr double kPhase = 0.7;  // [rad]
+  sim::MachineSettings truth;
+  truth.crane = bench().crane;
+  truth.effects = {{"vessel_roll", {0.005, 9.0, kPhase, 1.5, 15.0}}};
+  const FitResult fitted = of_truth(truth, 6500);
+  EXPECT_LT(mean_square(fitted.difference), 1.3);
+  EXPECT_NEAR(fitted.point.effects[0].values[2], kPhase, 0.1);
+}
+
 // White noise of an encoder keeps its power when it is read parts of a period later: a line between two readings would leave cos^2(pi / 4) = 0.5 of it at
 // a quarter of the sampling rate, Lagrange's polynomial through sixteen points 0.67 of it at 0.4 of that rate, up to which encoders are judged; through 64 it leaves 0.98 there
 // (the square of the sum of its weights with their phases).
