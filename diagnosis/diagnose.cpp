@@ -518,21 +518,22 @@ DiagnosisSettings without_what_is_before_torques(DiagnosisSettings settings, con
   return settings;
 }
 
-// [s] From where effects count their time: zero of the records' clock, by which several of them know the same roll; but of records that all begin later than they are long, the first beginning:
-// phases would else go with the period so steeply that no fit finds them.
-double time_of_effects(const std::vector<Record>& records) {
+// [s] Where effects begin to count their time: at zero of the clock that records have in common, by which they know one roll; of records that all begin later than they are long at the first
+// beginning, or phases would go with the period so steeply that no fit finds them. One that begins far from the others goes by another clock, and counts from its own beginning.
+double effects_from(std::span<const Record> records, const Record& record) {
+  constexpr double kOfAnotherClock = 10.0;  // times the longest record's length; chosen
   double first = std::numeric_limits<double>::infinity(), longest = 0.0;
-  for (const Record& record : records) {
-    first = std::min(first, record.start_time);
-    longest = std::max(longest, record.step * static_cast<double>(record.size()));
+  for (const Record& one : records) {
+    first = std::min(first, one.start_time);
+    longest = std::max(longest, one.step * static_cast<double>(one.size()));
   }
+  if (std::fabs(record.start_time - first) > kOfAnotherClock * longest) return record.start_time;
   return first > longest ? first : 0.0;
 }
 
 // From the records to the problem that is fitted. Gives how their differences are whitened. Throws NotAdmitted.
 WhiteningSettings take_records(const sim::MachineSettings& nominal, std::vector<Record> records, const DiagnosisSettings& settings, Problem& problem, Diagnosis& diagnosis) {
-  const double effects_from = time_of_effects(records);
-  for (Record& record : records) record.effects_from = effects_from;
+  for (Record& record : records) record.effects_from = effects_from(records, record);
   set_machine(nominal, records, problem);
   if (settings.noise_corner) problem.thresholds.whitening.noise_corner = *settings.noise_corner;
   const WhiteningSettings whitening = whitening_for(problem.thresholds, has_coarse_counts(records));
@@ -551,7 +552,7 @@ void judge_unseen(Problem& problem, const WhiteningSettings& whitening, const st
   if (!diagnosis.is_unknown && !diagnosis.causes.empty()) answer = fitted_part(problem.catalogue, diagnosis.causes.front());
   for (Record& record : unseen) {
     const std::string name = record.name;
-    record.effects_from = problem.records.front().effects_from;
+    record.effects_from = effects_from({problem.records.data(), problem.records.size()}, record);
     std::optional<HeldOutData> admitted;
     try {
       admitted.emplace(problem, whitening, std::move(record), diagnosis.remarks);
