@@ -19,12 +19,14 @@ constexpr double kIndistinguishable = 0.97;    // cosine of two signatures, nuis
 constexpr double kGroupOdds = 20.0;            // of two causes' probabilities, beyond which the records tell them apart
 constexpr double kWorthAGroup = 0.005;         // probability of a pair below which its group is not looked for
 constexpr double kThirdPrior = 0.1;            // chosen: of three effects at once, against two
-constexpr double kControllerExplained = 0.01;  // share of its difference that the right effect of a controller leaves at most
+constexpr double kControllerExplained = 0.01;  // share of its difference that an effect of a controller may leave, to be the right one
+constexpr double kControllerTold = 1e-3;       // the same, to be that surely: answers are computed, not measured, and the right law leaves what was rounded; chosen, below what wrong ones left
 constexpr double kLawShare = 0.05;             // relative standard deviation of a size by its law: learned, docs/diagnosis/method.md
 constexpr double kCurvatureFactor = 1.7;       // of the standard deviations that the curvature gives: learned as well
 constexpr double kCountError = 1e-3;           // relative, of a quantum found in the positions
 constexpr double kSure = 0.98;                 // probability of what needs no fit, or leaves next to nothing
 constexpr double kUnlikely = 0.02;             // probability of what was left out, or leaves much
+constexpr double kPerhaps = 0.6;               // chosen: of what leaves more than it should, and little
 constexpr double kNegligible = 1e-4;           // probability of a part that is not combined further
 
 std::vector<Size> sizes_of(const common::EffectCatalogue& catalogue, const std::vector<common::EffectInstance>& effects,
@@ -182,8 +184,18 @@ double add_counts(const Problem& problem, std::span<const std::string> without, 
   return quantum;
 }
 
+namespace {
+
+// That the best of a controller's effects is what it has.
+double chance_of_the_best(const std::vector<ControllerCause>& parts) {
+  if (parts.empty() || parts.front().share_left > kControllerExplained) return kUnlikely;
+  return parts.front().share_left > kControllerTold ? kPerhaps : kSure;
+}
+
+}  // namespace
+
 void add_controller_causes(const common::EffectCatalogue& catalogue, const std::vector<ControllerCause>& parts, Ranking& ranking) {
-  const double known = parts.empty() || parts.front().share_left > kControllerExplained ? kUnlikely : kSure;
+  const double known = chance_of_the_best(parts);
   std::vector<Cause> combined;
   for (const ControllerCause& part : parts) {
     if (part.probability < kNegligible) continue;

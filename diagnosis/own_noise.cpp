@@ -55,6 +55,12 @@ void each_bin(const Problem& problem, const Point& point, const Eigen::MatrixXd&
   }
 }
 
+// K^-1 of the rows, K K* the covariance; where that was rounded away, as they are.
+void divide(const ChannelMatrix& covariance, BinRows& rows) {
+  const Eigen::LLT<ChannelMatrix> root(covariance);
+  if (root.info() == Eigen::Success) root.matrixL().solveInPlace(rows);
+}
+
 }  // namespace
 
 ByOwnNoise by_own_noise(const Problem& problem, const Point& point, const Eigen::VectorXd& difference, const Eigen::MatrixXd& columns, double discrepancy_count) {
@@ -66,7 +72,7 @@ ByOwnNoise by_own_noise(const Problem& problem, const Point& point, const Eigen:
   each_bin(
       problem, point, values, discrepancy_count,
       [&](const ChannelMatrix& covariance, const ChannelMatrix& more, BinRows& rows) {
-        ChannelMatrix(covariance + more).llt().matrixL().solveInPlace(rows);
+        divide(covariance + more, rows);
         products += rows.real().transpose() * rows.real() + rows.imag().transpose() * rows.imag();
       },
       [&](const auto& rows) { products += rows.transpose() * rows; });
@@ -80,7 +86,7 @@ double square_by_less_noise(const Problem& problem, const Point& point, const Ei
       [&](const ChannelMatrix& covariance, const ChannelMatrix& more, BinRows& rows) {
         const Eigen::SelfAdjointEigenSolver<ChannelMatrix> axes(covariance);
         const Eigen::VectorXd less = axes.eigenvalues().array().min(1.0).max(kLeastVariance).matrix();
-        ChannelMatrix(axes.eigenvectors() * less.asDiagonal() * axes.eigenvectors().adjoint() + more).llt().matrixL().solveInPlace(rows);
+        divide(axes.eigenvectors() * less.asDiagonal() * axes.eigenvectors().adjoint() + more, rows);
         square += rows.squaredNorm();
       },
       [&](const auto& rows) { square += rows.squaredNorm(); });

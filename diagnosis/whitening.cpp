@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -357,7 +358,10 @@ void take_apart(const CommonNoise& common, Whitening& whitening) {
       whitening.beside[static_cast<std::size_t>(c)](static_cast<Eigen::Index>(b)) = beside;
       together(c, c) += beside;
     }
-    const ChannelMatrix apart = together.llt().matrixL().solve(ChannelMatrix::Identity(count, count));
+    // Where a response is so small that its products are what was rounded, nothing is in common.
+    const Eigen::LLT<ChannelMatrix> root(together);
+    ChannelMatrix apart = ChannelMatrix::Identity(count, count);
+    if (root.info() == Eigen::Success) root.matrixL().solveInPlace(apart);
     for (Eigen::Index c = 0; c < count; ++c) {
       for (Eigen::Index d = 0; d <= c; ++d) whitening.apart.push_back(apart(c, d));
     }

@@ -1,7 +1,7 @@
 // Differences between record and shadow as one vector of numbers that are comparable with each other: the
 // spectrum of each channel, divided at each frequency by what a good model may still miss there, and then freed of what the channels have in common.
 //
-//   z(f) = L(f)^-1 W(f) d(f),    w_c(f) = sqrt(2 / (e^2 P_c(f) + N_cc(f))),    L L* = R,    R_cd = w_c w_d N_cd / 2 beside the diagonal, 1 on it
+//   z(f) = L(f)^-1 W(f) d(f),    w_c(f) = sqrt(2 / (e^2 P_c(f) + N_cc(f))),    L L* = R,    R_cd = w_c w_d N_cd / 2 beside the diagonal, 1 on it, of which a hundredth at least is a channel's own
 //
 // N as the window smears it, whose bin holds what of its neighbours leaks into it: N_cd(f) = sum over f' of |V(f - f')|^2 N_cd(f') / sum |V|^2, V the window's transform.
 // The noise of one encoder, and of the tip's accelerometer, leads the observer and so is in every channel: what the channels before it say of it is taken off each one, torques first. A residual

