@@ -23,7 +23,7 @@ std::size_t angle_of(const common::EffectAbout& about) {
   return static_cast<std::size_t>(std::find_if(about.parameters.begin(), about.parameters.end(), is_all_round) - about.parameters.begin());
 }
 
-// An arrow by its size and angle, in deviations of their priors, and the angle [rad].
+// An arrow's length, in the unit of its size, and its direction [rad], with the parameters that they are.
 struct Arrow {
   const common::EffectParameter& size;
   const common::EffectParameter& angle;

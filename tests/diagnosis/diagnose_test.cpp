@@ -908,6 +908,33 @@ TEST(Diagnose, SeesCoarseCountsInThePositionsThemselves) {
   EXPECT_NEAR(size->value, kCount, 1e-6 * kCount);
 }
 
+// The same log by a clock that began long before: a roll has its phase from the log's beginning on, so that it is found with the same sizes, but for what so late a time rounds.
+TEST(Diagnose, FindsARollByAClockThatBeganLongBefore) {
+  sim::MachineSettings nominal, truth;
+  nominal.crane = truth.crane = bench().crane;
+  truth.effects = {{"vessel_roll", {0.005, 9.0, 0.7, 1.5, 15.0}}};
+  DiagnosisSettings settings;
+  settings.hold_out = false;
+  for (const common::EffectAbout& about : sim::effects_for(bench().crane).effects) {
+    if (about.name != truth.effects[0].name) settings.without.emplace_back(about.name);
+  }
+  const auto sizes_where = [&](std::int64_t later) {  // [ns]
+    msgs::RunLog log = simulated_log(truth, bench().controller, kThereAndBack, kDuration, 5);
+    const auto shift = [&](auto& messages) {
+      for (auto& message : messages) message.simulated_time += later;
+    };
+    shift(log.encoder);
+    shift(log.torque);
+    shift(log.sensors);
+    shift(log.operator_moves);
+    const Diagnosis found = diagnose(nominal, std::nullopt, {make_record(log, "log", bench().admission)}, settings);
+    EXPECT_EQ(found.causes.at(0).effects, std::vector<std::string>{truth.effects[0].name});
+    return found.causes.at(0).point.effects.at(0).values;
+  };
+  const std::vector<double> own = sizes_where(0), later = sizes_where(1'000'000'000'000'000);
+  for (std::size_t p = 0; p < own.size(); ++p) EXPECT_NEAR(later[p], own[p], 0.02 * std::fabs(own[p])) << p;
+}
+
 // A crawl with the load still excites neither load nor boom: it says so of what acts through them. To say that nothing is missing would
 // be wrong, for these machines miss it; a slew there and back tells. Of the boom's damping alone the noise in the torques says a little (three times as much is known to a sixth): not enough to be named.
 TEST(Diagnose, ACrawlTellsNothingAboutTheBoom) {

@@ -15,57 +15,45 @@
 namespace slewlab::diagnosis {
 namespace {
 
+// A log of the truth's machine whose recorder was switched on in the midst of a slew, as the nominal one is fitted to it.
+struct BegunInMotion : Problem {
+  explicit BegunInMotion(const sim::MachineSettings& truth) {
+    constexpr std::size_t kFrom = 6500;  // messages
+    msgs::RunLog log = simulated_log(truth, bench().controller, kThereAndBack, kDuration, 5);
+    leave_out_beginning(log, kFrom);
+    log.operator_moves.clear();
+    sim::MachineSettings nominal_machine;
+    nominal_machine.crane = bench().crane;
+    std::vector<Record> logs{make_record(log, "log", bench().admission)};
+    EXPECT_TRUE(logs[0].begins_in_motion);
+    EXPECT_GT(std::fabs(logs[0].shaft_position[0][0]), 10.0);  // [rad] of the motor
+    set_machine(nominal_machine, logs, *this);
+    std::vector<std::string> remarks;
+    admit(std::move(logs), thresholds.whitening, *this, remarks);
+  }
+  // What nobody knows of the beginning is fitted from the truth's effects on.
+  FitResult fit_of(const std::vector<common::EffectInstance>& effects) {
+    Point point;
+    point.nuisance.assign(nuisance_count(*this), 0.0);
+    point.effects = effects;
+    FitResult fitted = fit(*this, Eigen::MatrixXd::Zero(difference_count(*this), static_cast<Eigen::Index>(point.nuisance.size())), point);
+    settle(*this, fitted, 4);
+    return fitted;
+  }
+};
+
 // A machine whose pinions' mesh is where the house stands: begun in the midst of a slew, a record has the mesh of that angle and not of zero, and
 // its first readings are those of its first moment.
 TEST(Shadow, WhatGoesWithTheAngleHasItsPhaseInARecordThatBeginsElsewhere) {
   sim::MachineSettings truth;
   truth.crane = bench().crane;
   truth.effects = {{"pinion_mesh_variation", {0.1, 1.0, 1.0, 0.2, 0.0}}};
-  msgs::RunLog log = simulated_log(truth, bench().controller, kThereAndBack, kDuration, 5);
-  constexpr std::size_t kFrom = 6500;  // messages
-  leave_out_beginning(log, kFrom);
-  log.operator_moves.clear();
-  sim::MachineSettings nominal;
-  nominal.crane = bench().crane;
-  Problem problem;
-  std::vector<Record> records{make_record(log, "log", bench().admission)};
-  ASSERT_TRUE(records[0].begins_in_motion);
-  ASSERT_GT(std::fabs(records[0].shaft_position[0][0]), 10.0);  // [rad] of the motor
-  set_machine(nominal, records, problem);
-  std::vector<std::string> remarks;
-  admit(std::move(records), problem.thresholds.whitening, problem, remarks);
-  Point point;
-  point.effects = truth.effects;
-  // What nobody knows of the beginning is fitted; the mesh is as it is.
-  FitResult with_mesh = fit(problem, Eigen::MatrixXd::Zero(difference_count(problem), static_cast<Eigen::Index>(nuisance_count(problem))), [&] {
-    point.nuisance.assign(nuisance_count(problem), 0.0);
-    return point;
-  }());
-  settle(problem, with_mesh, 4);
+  BegunInMotion problem(truth);
+  const FitResult with_mesh = problem.fit_of(truth.effects);
   EXPECT_LT(mean_square(with_mesh.difference), 1.3);  // 1 is noise alone
   EXPECT_NEAR(with_mesh.point.effects[0].values[0], 0.1, 0.005);
   EXPECT_NEAR(with_mesh.point.effects[0].values[1], 1.0, 0.05);
   EXPECT_GT(mean_square(fit_nuisances(problem, nominal_fit(problem)).difference), 5.0);
-}
-
-// What only the truth's own machine leaves of a log from which so many messages are left out at first.
-FitResult of_truth(const sim::MachineSettings& truth, std::ptrdiff_t from) {
-  msgs::RunLog log = simulated_log(truth, bench().controller, kThereAndBack, kDuration, 5);
-  leave_out_beginning(log, from);
-  log.operator_moves.clear();
-  sim::MachineSettings nominal;
-  nominal.crane = bench().crane;
-  Problem problem;
-  std::vector<Record> records{make_record(log, "log", bench().admission)};
-  set_machine(nominal, records, problem);
-  std::vector<std::string> remarks;
-  admit(std::move(records), problem.thresholds.whitening, problem, remarks);
-  Point point;
-  point.nuisance.assign(nuisance_count(problem), 0.0);
-  point.effects = truth.effects;
-  FitResult fitted = fit(problem, Eigen::MatrixXd::Zero(difference_count(problem), static_cast<Eigen::Index>(nuisance_count(problem))), point);
-  settle(problem, fitted, 4);
-  return fitted;
 }
 
 // Encoders that read 13 ms late say 13 ms later where a machine stood when the record began in the midst of a slew; it is followed to the noise, 1, from there on.
@@ -74,7 +62,7 @@ TEST(Shadow, LateEncodersSayLaterWhereARecordInMotionBegins) {
   sim::MachineSettings truth;
   truth.crane = bench().crane;
   truth.effects = {{"encoder_delay", {kDelay}}};
-  const FitResult fitted = of_truth(truth, 6500);
+  const FitResult fitted = BegunInMotion(truth).fit_of(truth.effects);
   EXPECT_LT(mean_square(fitted.difference), 1.2);
   EXPECT_NEAR(fitted.point.effects[0].values[0], kDelay, 1e-4);
 }
@@ -85,7 +73,7 @@ TEST(Shadow, ARollKeepsThePhaseOfTheLogsClock) {
   sim::MachineSettings truth;
   truth.crane = bench().crane;
   truth.effects = {{"vessel_roll", {0.005, 9.0, kPhase, 1.5, 15.0}}};
-  const FitResult fitted = of_truth(truth, 6500);
+  const FitResult fitted = BegunInMotion(truth).fit_of(truth.effects);
   EXPECT_LT(mean_square(fitted.difference), 1.3);
   EXPECT_NEAR(fitted.point.effects[0].values[2], kPhase, 0.1);
 }
