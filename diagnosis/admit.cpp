@@ -19,7 +19,6 @@ namespace slewlab::diagnosis {
 
 namespace {
 
-constexpr double kLeastTrusted = 0.3;      // share of a record that must lie away from impacts
 constexpr double kAllTrusted = 0.999;      // share from which nothing is said of impacts
 constexpr double kSlowFollower = 4.0;      // by which the observer is slower behind coarse counts, or they would shake its boom
 constexpr double kModelStep = 1e-3;         // of the characteristic time, of the model where forces act between readings: that of config/scenarios, of the thesis's crane
@@ -212,7 +211,13 @@ Following follow_from_its_beginning(const Problem& problem, Record& record, cons
 
 }  // namespace
 
-Whitening whitening_between(const Problem& problem, const Record& record, const Shadow& follower, const WhiteningSettings& settings, std::size_t from, std::size_t to) {
+Whitening whitening_between(const Problem& problem, const Record& record, const Shadow& nominal, const WhiteningSettings& settings, std::size_t from, std::size_t to) {
+  std::optional<Shadow> with_impacts;
+  if (!record.impacts_of_cause.empty()) {
+    with_impacts = nominal;
+    for (std::size_t n = 0; n < record.size(); ++n) with_impacts->contact_lost[n] = nominal.contact_lost[n] || record.impacts_of_cause[n];
+  }
+  const Shadow& follower = with_impacts ? *with_impacts : nominal;
   const std::vector<bool> trusted = trusted_stretches(record, follower, settings);
   std::vector<bool> judged(record.size(), false);
   std::copy(trusted.begin() + static_cast<std::ptrdiff_t>(from), trusted.begin() + static_cast<std::ptrdiff_t>(to), judged.begin() + static_cast<std::ptrdiff_t>(from));

@@ -10,6 +10,8 @@
 
 namespace slewlab::diagnosis {
 
+inline constexpr double kLeastTrusted = 0.3;  // share of a record that must lie away from impacts
+
 // Whether some record's encoders count so coarsely that their noise rules the torques.
 bool has_coarse_counts(std::span<const Record> records);
 
@@ -21,7 +23,7 @@ WhiteningSettings whitening_for(const Thresholds& thresholds, bool is_coarse);
 void set_machine(const sim::MachineSettings& nominal, const std::vector<Record>& records, Problem& problem);
 
 // How a record is whitened that the nominal machine follows so, judged between two grid points alone.
-Whitening whitening_between(const Problem& problem, const Record& record, const Shadow& follower, const WhiteningSettings& settings, std::size_t from, std::size_t to);
+Whitening whitening_between(const Problem& problem, const Record& record, const Shadow& nominal, const WhiteningSettings& settings, std::size_t from, std::size_t to);
 
 // Takes the records into the problem, each with its whitening. Those of which too little lies away from impacts are left out, and
 // remarked. Gives the last one that is judged, as the nominal machine follows it. Throws NotAdmitted.

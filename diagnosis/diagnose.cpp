@@ -15,6 +15,7 @@
 #include "controller/effects/catalogue.h"
 #include "diagnosis/admit.h"
 #include "diagnosis/hidden_effects.h"
+#include "diagnosis/impacts_of_cause.h"
 #include "diagnosis/model_step.h"
 #include "diagnosis/own_noise.h"
 #include "diagnosis/recurrence.h"
@@ -120,12 +121,12 @@ bool take_what_shows(Problem& problem, const std::vector<common::EffectInstance>
   return take_built_otherwise(problem, std::move(with), fitted, [&](const FitResult& other) { return other.cost < fitted.cost - kBetterWithAll; });
 }
 
-Searched search_all(Problem& problem, FitResult base, const DiagnosisSettings& settings, const TakesMore& takes_more, const Progress& tell) {
+Searched search_all(Problem& problem, FitResult base, const DiagnosisSettings& settings, const Shows& shows, const Progress& tell) {
   const Projector project(base.columns, prior_rows(problem, base.point), data_weight(base.difference, settings.fit));
   const std::vector<common::EffectInstance> starts = catalogue_starts(problem.catalogue, problem.nominal, settings.without, last_moment(problem), problem.thresholds.spell_every,
                                                                       recurring_lengths(problem, base.point, kLengths));
   Screening screening = screen(problem, base, project, starts, within(tell, kScreen));
-  Found found = search(problem, base, screening, settings.search, takes_more, tell);
+  Found found = search(problem, base, screening, settings.search, shows, tell);
   return {std::move(base), std::move(screening), std::move(found)};
 }
 
@@ -142,7 +143,9 @@ bool take_as_cut(Problem& problem, int as_cut, bool is_last, FitResult& fitted) 
 }
 
 // The search on the machine as its records show it to be built: as parameters alone show it, as the best single effect does, or the best fit, and then again.
-Searched search_as_built(Problem& problem, int as_cut, FitResult& nominal_machine, const DiagnosisSettings& settings, Diagnosis& diagnosis, const Progress& tell) {
+// `take_out` takes what lies near a cause's impacts out of what is judged; where it did, the search ends.
+Searched search_as_built(Problem& problem, int as_cut, FitResult& nominal_machine, const DiagnosisSettings& settings, const std::function<bool(const Point&)>& take_out, Diagnosis& diagnosis,
+                         const Progress& tell) {
   std::vector<common::EffectInstance> of_all;
   if (nominal_machine.mean_square > 1.0) of_all = what_all_do(problem, settings.without);
   const auto take_of = [&](bool is_last, FitResult& fitted) {
@@ -151,15 +154,19 @@ Searched search_as_built(Problem& problem, int as_cut, FitResult& nominal_machin
     diagnosis.of_every_machine = std::exchange(of_all, {});
     return true;
   };
-  const auto take = [&](FitResult& fitted) { return take_of(false, fitted); };
+  const auto shows = [&](FitResult& fitted) {
+    if (take_out(fitted.point)) return Shown::judged_elsewhere;
+    return take_of(false, fitted) ? Shown::built_otherwise : Shown::nothing;
+  };
   const auto search_from = [&](const FitResult& start) {
     tell(kFitParameters.from, "fitting the parameters alone");
     FitResult base = fit_nuisances(problem, start);
-    take(base);
-    return search_all(problem, std::move(base), settings, take, tell);
+    take_of(false, base);
+    return search_all(problem, std::move(base), settings, shows, tell);
   };
   const int first_count = problem.nominal.crane.boom.element_count;
   Searched searched = search_from(nominal_machine);
+  if (searched.found.is_judged_elsewhere) return searched;
   FitResult best = searched.best(problem.catalogue);
   if (take_of(true, best)) searched = search_from(nominal_fit(problem));
   if (problem.nominal.crane.boom.element_count != first_count) nominal_machine = nominal_fit(problem);
@@ -174,21 +181,39 @@ bool is_floor_too_high(const Problem& problem, const FitResult& nominal_machine,
   return std::all_of(problem.whitening.begin(), problem.whitening.end(), is_free) && nominal_machine.mean_square > kHidden && nominal_machine.mean_square <= 1.0 && best.mean_square < kFarBelow * nominal_machine.mean_square;
 }
 
-// The search, and once more where the best fit shows that mesh and step are better than they were taken for, as those of slewlab's own logs are: with the floor that it shows.
+// The search, on what is left to be judged where a cause has impacts of its own, and once more where the best fit shows that mesh and step are better than they were taken for, as those of slewlab's own logs are: with the
+// floor that it shows.
 Searched search_to_the_floor(Problem& problem, WhiteningSettings& whitening, FitResult& nominal_machine, const DiagnosisSettings& settings, Diagnosis& diagnosis, const Progress& tell) {
   constexpr double kLeastShown = 1e-4;  // of the floor's square; chosen: what is left below may be a fit's own
+  constexpr int kMostTakenOut = 2;      // times; chosen
   const sim::MachineSettings admitted = problem.nominal;
   const int as_cut = admitted.crane.boom.element_count;
+  int taken_out = 0;
+  const auto take_out = [&](const Point& cause) {
+    if (taken_out == kMostTakenOut) return false;
+    const double share = take_out_impacts(problem, admitted, whitening, cause);
+    if (share <= 0.0) return false;
+    ++taken_out;
+    diagnosis.remarks.push_back(fmt::format("a machine that leaves less than the nominal one lets its gears strike where that does not: {:.0f} % of the records lie near that and are not judged either", 100.0 * share));
+    return true;
+  };
   const auto search_here = [&] {
     problem.nominal = admitted;
+    diagnosis.of_every_machine.clear();
     nominal_machine = nominal_fit(problem);
     if (nominal_machine.mean_square > 1.0 && as_cut > 0 && as_cut < kBoomElements) {
       problem.nominal = with_boom_elements(problem.nominal, kBoomElements);
       nominal_machine = nominal_fit(problem);
     }
-    return search_as_built(problem, as_cut, nominal_machine, settings, diagnosis, tell);
+    return search_as_built(problem, as_cut, nominal_machine, settings, take_out, diagnosis, tell);
   };
-  Searched searched = search_here();
+  const auto search_judged = [&] {
+    while (true) {
+      Searched searched = search_here();
+      if (!searched.found.is_judged_elsewhere && !take_out(searched.best(problem.catalogue).point)) return searched;
+    }
+  };
+  Searched searched = search_judged();
   const FitResult& best = searched.best(problem.catalogue);
   if (!is_floor_too_high(problem, nominal_machine, best)) return searched;
   const double shown = std::sqrt(std::max(kLeastShown, best.mean_square));
@@ -196,7 +221,7 @@ Searched search_to_the_floor(Problem& problem, WhiteningSettings& whitening, Fit
   problem.nominal = admitted;
   whiten_again(problem, whitening);
   diagnosis.remarks.push_back(fmt::format("a machine was found that the records follow to {:.2g} of what mesh and step are taken to make wrong: judged by what it leaves", shown));
-  return search_here();
+  return search_judged();
 }
 
 // Effects of which these records could not name even the most visible size.

@@ -30,6 +30,7 @@ constexpr double kMuchTooLong = 0.3;     // open over step, below which a column
 constexpr int kMostLooks = 4;
 // Share of the first step: large against what contacts and rounding make of a change; an order of a ripple that turns hundreds of times asks for less.
 constexpr double kSmallestNuisanceStep = 0.2, kSmallestEffectStep = 1e-3;
+constexpr double kFiner = 0.1;  // of the steps, where a descent by them promised much and led nowhere
 
 }  // namespace
 
@@ -244,8 +245,8 @@ Eigen::MatrixXd turned(Eigen::MatrixXd gram, const Eigen::MatrixXd& effect_axes)
 }
 
 // Steps from where `result` stands with its columns, corrected after each step by what it showed (Broyden 1965), also after one that was
-// too bold. Returns by how much the cost fell.
-double descend(Problem& problem, FitResult& result, double law_freedom) {
+// too bold.
+Descent descend(Problem& problem, FitResult& result, double law_freedom) {
   Point trial;
   Eigen::VectorXd trial_difference;
   double trial_cost = 0.0;
@@ -279,10 +280,9 @@ double descend(Problem& problem, FitResult& result, double law_freedom) {
     result.cost = trial_cost;
   };
   const FitSettings& settings = problem.settings;
-  const double first_cost = result.cost;
-  const Descent descent = descend(problem_here, first_cost, {settings.iterations, kDampings, settings.enough, settings.enough_share});
+  const Descent descent = descend(problem_here, result.cost, {settings.iterations, kDampings, settings.enough, settings.enough_share});
   result.ending = descent.ending;
-  return first_cost - result.cost;
+  return descent;
 }
 
 }  // namespace
@@ -324,11 +324,22 @@ double data_weight(const Eigen::VectorXd& difference, const FitSettings& setting
 namespace {
 
 bool improve(Problem& problem, FitResult& result, bool fresh_nuisances, double law_freedom) {
-  const Eigen::VectorXd steps = steps_at(problem, result.point, result.difference, result.columns);
-  if (fresh_nuisances) renew_nuisance_columns(problem, result.point, result.difference, steps, result.columns);
-  take_effect_columns(problem, result.point, result.difference, steps, result.columns);
-  const double fall = descend(problem, result, law_freedom);
-  const bool was_worth_it = fall > problem.settings.settled + problem.settings.settled_share * std::fabs(result.cost);
+  Eigen::VectorXd steps = steps_at(problem, result.point, result.difference, result.columns);
+  const auto take_columns = [&] {
+    if (fresh_nuisances) renew_nuisance_columns(problem, result.point, result.difference, steps, result.columns);
+    take_effect_columns(problem, result.point, result.difference, steps, result.columns);
+  };
+  const auto worth = [&] { return problem.settings.settled + problem.settings.settled_share * std::fabs(result.cost); };
+  const double first_cost = result.cost;
+  take_columns();
+  const Descent descent = descend(problem, result, law_freedom);
+  // Difference quotients over steps that are long against what quiet sensors leave open lead nowhere.
+  if (fresh_nuisances && descent.ending == Ending::no_descent && first_cost - result.cost <= worth() && descent.promised > worth()) {
+    steps *= kFiner;
+    take_columns();
+    descend(problem, result, law_freedom);
+  }
+  const bool was_worth_it = first_cost - result.cost > worth();
   if (was_worth_it) result.idle_rounds = 0;
   else if (fresh_nuisances) ++result.idle_rounds;
   return was_worth_it;

@@ -13,25 +13,33 @@ std::string_view name_of(Ending ending) {
 }
 
 Descent descend(const Descending& problem, double cost, const DescentSettings& settings) {
-  Descent descent{cost, 0, Ending::most_iterations};
+  Descent descent{cost, 0, Ending::most_iterations, 0.0};
+  const auto ended = [&](Ending ending) {
+    descent.ending = ending;
+    return descent;
+  };
   for (; descent.iterations < settings.iterations; ++descent.iterations) {
     bool fell = false;
     for (const double damping : settings.dampings) {
       LocalModel model = problem.model();
       model.curvature.diagonal() *= 1.0 + damping;
       const Eigen::VectorXd step = model.curvature.ldlt().solve(-model.slope);
-      if (!step.allFinite()) return {descent.cost, descent.iterations, Ending::no_direction};
+      if (damping == settings.dampings.front()) descent.promised = -model.slope.dot(step);
+      if (!step.allFinite()) return ended(Ending::no_direction);
       const std::optional<double> trial = problem.attempt(step);
-      if (!trial) return {descent.cost, descent.iterations, Ending::at_the_bounds};
+      if (!trial) return ended(Ending::at_the_bounds);
       if (!(*trial < descent.cost)) continue;
       const double least = descent.cost - settings.enough - settings.enough_share * std::fabs(descent.cost);
       fell = true;
       problem.accept();
       descent.cost = *trial;
-      if (!(*trial < least)) return {descent.cost, descent.iterations + 1, Ending::settled};
+      if (!(*trial < least)) {
+        ++descent.iterations;
+        return ended(Ending::settled);
+      }
       break;
     }
-    if (!fell) return {descent.cost, descent.iterations, Ending::no_descent};
+    if (!fell) return ended(Ending::no_descent);
   }
   return descent;
 }

@@ -47,6 +47,7 @@ struct Descent {
   double cost = 0.0;
   int iterations = 0;
   Ending ending = Ending::most_iterations;
+  double promised = 0.0;  // fall of the cost, -g^T step, by the undamped step from where it ended: where no step makes it fall and much was promised, the slopes were wrong
 };
 
 // From where `problem` stands, with `cost` there.

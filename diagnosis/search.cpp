@@ -75,13 +75,22 @@ void settle_leader(Problem& problem, FitResult& leader) {
 }
 
 // Rounds with fresh columns for the best `count`, each time for the better half of them: none loses for want of convergence, and few go all the way.
-// Beside one that leaves noise alone nobody can win.
+// Beside one that leaves noise alone those go on that would reach it at the pace of their last round.
 void converge(Problem& problem, std::vector<FitResult>& fits, std::size_t count) {
   for (; count > 1 && !fits.empty(); count = (count + 1) / 2) {
     std::stable_sort(fits.begin(), fits.end(), cheaper);
-    if (mean_square(fits.front().difference) <= 1.0) return;
     const std::size_t now = std::min(count, fits.size());
-    share_out(problem, now, [&](std::size_t i) { settle(problem, fits[i], 1); });
+    std::atomic<bool> comes_on{false};
+    share_out(problem, now, [&](std::size_t i) {
+      const double before = fits[i].cost, best = fits.front().cost;
+      if (i > 0) settle(problem, fits[i], 1);
+      if (i > 0 && fits[i].cost - kFreshRounds * (before - fits[i].cost) < best) comes_on = true;
+    });
+    if (mean_square(fits.front().difference) > 1.0) {
+      settle(problem, fits.front(), 1);
+    } else if (!comes_on) {
+      break;
+    }
     if (count == 2) break;
   }
   std::stable_sort(fits.begin(), fits.end(), cheaper);
@@ -102,15 +111,21 @@ void start_over(Problem& problem, const Eigen::MatrixXd& nuisance_columns, std::
   std::stable_sort(fits.begin(), fits.end(), cheaper);
 }
 
+// Of fits in their order the best one and those that are near it.
+std::size_t count_near_best(const std::vector<FitResult>& fits) {
+  const auto is_far = [&](const FitResult& one) {
+    return one.cost > fits.front().cost + kNearRival && mean_square(one.difference) > (one.ending == Ending::most_iterations ? kNoiseAlone : 1.0);
+  };
+  const auto near = static_cast<std::size_t>(std::find_if(fits.begin(), fits.end(), is_far) - fits.begin());
+  return std::min(near, kMostRivals + 1);
+}
+
 // The best one, and where another one is near, that one too: none loses for want of convergence.
 void settle_best(Problem& problem, std::vector<FitResult>& fits) {
   if (fits.empty()) return;
   settle_leader(problem, fits.front());
-  const auto is_far = [&](const FitResult& one) {
-    return one.cost > fits.front().cost + kNearRival && mean_square(one.difference) > (one.ending == Ending::most_iterations ? kNoiseAlone : 1.0);
-  };
-  const auto rivals = static_cast<std::size_t>(std::find_if(fits.begin(), fits.end(), is_far) - fits.begin()) - 1;
-  share_out(problem, std::min(rivals, kMostRivals), [&](std::size_t behind) { settle_rival(problem, fits[behind + 1]); });
+  const std::size_t rivals = count_near_best(fits) - 1;
+  share_out(problem, rivals, [&](std::size_t behind) { settle_rival(problem, fits[behind + 1]); });
   std::stable_sort(fits.begin(), fits.end(), cheaper);
 }
 
@@ -171,18 +186,24 @@ FitResult common_ground(Problem& problem, const FitResult& best, const Point& ot
   return ground;
 }
 
-// Where a law begins on that ground: as much of it, or of a typical one, as takes most away there, for its own fit may have ended far from that. Two laws at once begin as they ended.
-Point start_on(Problem& problem, const FitResult& ground, const Point& other) {
+// Where a fit's effects begin on that ground, and the sum of squares that they leave there, linearly.
+struct OnGround {
+  Point start;
+  double left = 0.0;
+};
+
+// As much of a law, or of a typical one, as takes most away there, for its own fit may have ended far from that. Two laws at once begin as they ended.
+OnGround start_on(Problem& problem, const FitResult& ground, const FitResult& other) {
   std::vector<common::EffectInstance> starts;
-  for (const common::EffectInstance& effect : other.effects) {
+  for (const common::EffectInstance& effect : other.point.effects) {
     if (has_effect(ground.point.effects, effect.name)) continue;
     starts.push_back(effect);
   }
-  if (starts.size() != 1) return {ground.point.nuisance, other.effects};
+  if (starts.size() != 1) return {{ground.point.nuisance, other.point.effects}, other.difference.squaredNorm()};
   starts.push_back(common::typical_instance(problem.catalogue.at(starts.front().name)));
   const Screening there = screen(problem, ground, projector_of(problem, ground), starts, [](double, const std::string&) {});
   const Screened& screened = *best_of_each(there).front();
-  return with_amount(problem.catalogue, ground.point, screened, screened.amount);
+  return {with_amount(problem.catalogue, ground.point, screened, screened.amount), screened.left};
 }
 
 // Whether two fits of one effect each are of laws of one physics.
@@ -193,24 +214,33 @@ bool is_relative(const Problem& problem, const FitResult& one, const FitResult& 
 }
 
 // The best fit's machine, with another one's effects: of two laws of one motion the one that ended lower need not be the better law, and one that is a part of the other, with fewer
-// parameters, can do as well. The next best fits with as many effects try it, and all laws of the same physics, which go on until they settle: between those the answer lies. What both have starts where the best one
-// has it. Whether one came on by it.
+// parameters, can do as well. Of the fits with as many effects those try it that promise most there, for how low they ended elsewhere says nothing of it, and all laws of the same physics, which go on until they settle:
+// between those the answer lies. What both have starts where the best one has it. Whether one came on by it.
 bool start_from_best_machine(Problem& problem, std::vector<FitResult>& fits) {
   if (fits.empty() || fits.front().point.effects.empty()) return false;
   const FitResult& best = fits.front();
   const Eigen::MatrixXd nuisance_columns = best.columns.leftCols(static_cast<Eigen::Index>(best.point.nuisance.size()));
-  std::vector<FitResult*> others;
-  std::size_t next = 0;
+  struct Other {
+    FitResult* fitted;
+    OnGround there;
+  };
+  std::vector<Other> others;
   for (std::size_t i = 1; i < fits.size(); ++i) {
-    if (fits[i].point.effects.size() != best.point.effects.size()) continue;
-    if (next++ < kFromBest || is_relative(problem, best, fits[i])) others.push_back(&fits[i]);
+    if (fits[i].point.effects.size() == best.point.effects.size()) others.push_back({&fits[i], {}});
   }
+  share_out(problem, others.size(), [&](std::size_t i) {
+    const FitResult& other = *others[i].fitted;
+    others[i].there = start_on(problem, common_ground(problem, best, other.point), other);
+  });
+  std::stable_sort(others.begin(), others.end(), [](const Other& a, const Other& b) { return a.there.left < b.there.left; });
+  std::size_t next = 0;
+  std::erase_if(others, [&](const Other& other) { return next++ >= kFromBest && !is_relative(problem, best, *other.fitted); });
   std::atomic<bool> came_on{false};
   share_out(problem, others.size(), [&](std::size_t i) {
-    FitResult again = fit(problem, nuisance_columns, start_on(problem, common_ground(problem, best, others[i]->point), others[i]->point));
+    FitResult again = fit(problem, nuisance_columns, others[i].there.start);
     if (is_relative(problem, best, again)) settle(problem, again, kFreshRounds);
-    if (again.cost >= others[i]->cost) return;
-    *others[i] = std::move(again);
+    if (again.cost >= others[i].fitted->cost) return;
+    *others[i].fitted = std::move(again);
     came_on = true;
   });
   std::stable_sort(fits.begin(), fits.end(), cheaper);
@@ -480,7 +510,7 @@ std::vector<FitResult> refined_from_nominal(Problem& problem, const FitResult& b
 
 }  // namespace
 
-Found search(Problem& problem, FitResult& base, const Screening& screening, const SearchSettings& settings, const TakesMore& takes_more,
+Found search(Problem& problem, FitResult& base, const Screening& screening, const SearchSettings& settings, const Shows& shows,
              const Progress& tell_all) {
   const std::vector<const Screened*> ranked = ranked_starts(problem, screening);
   std::vector<const Screened*> best = best_of_each(ranked);
@@ -511,7 +541,12 @@ Found search(Problem& problem, FitResult& base, const Screening& screening, cons
   converging(kStartOver.to, "settling single effects");
   settle_best(problem, fits);
   // The best single effect may show what the nominal machine lacks, which parameters alone did not.
-  if (!fits.empty() && takes_more(fits.front())) {
+  const Shown shown = fits.empty() ? Shown::nothing : shows(fits.front());
+  if (shown == Shown::judged_elsewhere) {
+    found.is_judged_elsewhere = true;
+    return found;
+  }
+  if (shown == Shown::built_otherwise) {
     share_out(problem, fits.size() - 1, [&](std::size_t behind) { fits[behind + 1] = fit_again(problem, fits[behind + 1]); });  // the first one went on with it
     base = fit_again(problem, base);
     conclude(problem, base);
@@ -532,7 +567,10 @@ Found search(Problem& problem, FitResult& base, const Screening& screening, cons
   const Progress going_back = within(tell, kGoBack);
   going_back(0.0, "meeting at the best fit");
   std::stable_sort(fits.begin(), fits.end(), cheaper);
-  start_from_best_machine(problem, fits);
+  if (start_from_best_machine(problem, fits)) {
+    start_over(problem, base.columns, fits, count_near_best(fits), [](double, const std::string&) {});
+    settle_best(problem, fits);
+  }
   // What fits with one effect more may show the way to those with less: a descent that stopped short elsewhere goes on from there.
   going_back(0.4, "going back to one effect");
   go_back(problem, base.columns, 2, fits);

@@ -22,13 +22,15 @@ struct SearchSettings {
 struct Found {
   FitResult nothing;            // parameters alone
   std::vector<FitResult> fits;  // of one or two effects
+  bool is_judged_elsewhere = false;  // the records are, and the search is to begin anew
   std::map<std::string, std::string> same_as;  // effects that move this machine as another one does, under whose name they were fitted
 };
-// Asked with the best single fit: whether the problem's nominal machine has been built otherwise, because that fit shows it.
-using TakesMore = std::function<bool(FitResult&)>;
+// What the best single fit shows, with which it is asked: that the problem's nominal machine has been built otherwise, or that the records are judged elsewhere, so that nothing holds that was found.
+enum class Shown { nothing, built_otherwise, judged_elsewhere };
+using Shows = std::function<Shown(FitResult&)>;
 
-// `base` goes on where the nominal machine changes.
-Found search(Problem& problem, FitResult& base, const Screening& screening, const SearchSettings& settings, const TakesMore& takes_more,
+// `base` goes on where the nominal machine changes; where the records are judged elsewhere the search ends there.
+Found search(Problem& problem, FitResult& base, const Screening& screening, const SearchSettings& settings, const Shows& shows,
              const Progress& tell);
 
 }  // namespace slewlab::diagnosis

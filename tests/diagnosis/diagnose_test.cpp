@@ -182,6 +182,27 @@ TEST(Fit, ArrivesWhereAFullStepIsTooBold) {
   EXPECT_LT(excess(result.difference, problem.settings), 0.0);
 }
 
+// Sensors without noise leave so little open that difference quotients over the usual steps lead nowhere; over finer ones the fit arrives where the machine is.
+TEST(Fit, ArrivesWhereQuietSensorsLeaveLittleOpen) {
+  LoopSettings truth;
+  truth.machine.crane = bench().crane;
+  truth.machine.crane.boom.element_count = kBoomElements;
+  truth.machine.effects = {{"torque_lag", {0.03, 0.2}}, {"load_mass", {1.3}}};
+  truth.machine.step = kStep;
+  truth.controller = bench().controller;
+  truth.controller.period = 1e-2;
+  truth.duration = kDuration;
+  for (const Move& move : kInching) truth.operator_moves.push_back({.time = std::llround(move.time * 1e9), .speed_request = move.speed_request});
+  BenchProblem problem;
+  problem.nominal = with_boom_elements(problem.nominal, kBoomElements);
+  problem.add(make_record(logged_run(truth, {.sensors = 10'000'000, .truth = 1'000'000'000, .status = 1'000'000'000}), "a", bench().admission));
+  const FitResult base = fit_nuisances(problem, nominal_fit(problem));
+  FitResult result = fit(problem, base.columns, {std::vector<double>(base.point.nuisance.size(), 0.0), {{"torque_lag", {0.0293, 0.18}}, {"load_mass", {1.13}}}, 0});
+  settle(problem, result, 10);
+  EXPECT_LT(mean_square(result.difference), 0.1);
+  EXPECT_NEAR(result.point.effects[1].values[0], 1.3, 0.01);
+}
+
 // A heel across the boom, begun as one that is four times as steep and mostly along it, which does nearly the same where the axis turns little: by length and angle a descent stays in the valley between
 // the two. Judge: the fit that begins at the truth.
 TEST(Fit, FollowsAnArrowAcrossItsPlane) {

@@ -55,6 +55,18 @@ TEST(LeastSquares, OneStepSolvesALinearProblem) {
   EXPECT_LE(result.descent.iterations, 2);
 }
 
+// Of a linear problem the undamped step promises all that it takes away, here down to 1/6. By slopes of the wrong sign it promises as much and leads nowhere.
+TEST(LeastSquares, SaysWhatWasPromisedWhereNoStepLeadsOn) {
+  Residuals wrong = kLine;
+  wrong.jacobian = [](const Eigen::VectorXd& x) -> Eigen::MatrixXd { return -kLine.jacobian(x); };
+  const Eigen::Vector2d start(10.0, -7.0);
+  const double cost = kLine.residual(start).squaredNorm();
+  const Result result = solve(wrong, start, {10, kDampings, 0.0, 1e-12});
+  EXPECT_EQ(result.descent.ending, Ending::no_descent);
+  EXPECT_NEAR(result.descent.promised, cost - 1.0 / 6.0, 1e-9);
+  EXPECT_NEAR(solve(kLine, start, {1, kDampings, 0.0, 1e-12}).descent.promised, cost - 1.0 / 6.0, 1e-9);
+}
+
 // Rosenbrock's valley as residuals 10 (y - x^2) and 1 - x: the least is 0 at (1, 1).
 TEST(LeastSquares, FollowsACurvedValley) {
   constexpr std::array<double, 6> kFine{0.0, 0.1, 1.0, 10.0, 100.0, 1000.0};

@@ -1,0 +1,76 @@
+#include "diagnosis/impacts_of_cause.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <utility>
+#include <vector>
+
+#include "diagnosis/admit.h"
+#include "diagnosis/fit.h"
+
+namespace slewlab::diagnosis {
+
+namespace {
+
+constexpr double kLeftElsewhere = 0.1;  // of the mean square, at most, where impacts rule what is left; chosen
+
+std::size_t judged_points(const Whitening& whitening) {
+  return static_cast<std::size_t>(std::count_if(whitening.window.begin(), whitening.window.end(), [](double weight) { return weight > 0.0; }));
+}
+
+// Where the machine's teeth are apart, or pressed by less than it misses: then nobody knows.
+std::vector<bool> may_be_apart(const Shadow& shadow) {
+  std::vector<bool> apart = shadow.contact_lost;
+  for (const std::vector<double>& missing : shadow.missing_torque) {
+    for (std::size_t n = 0; n < missing.size(); ++n) {
+      if (shadow.holding_torque[n] < std::fabs(missing[n])) apart[n] = true;
+    }
+  }
+  return apart;
+}
+
+void whiten_on(Problem& problem, const sim::MachineSettings& admitted, const WhiteningSettings& settings) {
+  sim::MachineSettings machine = std::exchange(problem.nominal, admitted);
+  whiten_again(problem, settings);
+  problem.nominal = std::move(machine);
+}
+
+}  // namespace
+
+double take_out_impacts(Problem& problem, const sim::MachineSettings& admitted, const WhiteningSettings& settings, const Point& cause) {
+  const double before = mean_square(differences(problem, cause));
+  if (before <= kNoiseAlone) return 0.0;
+  std::vector<std::vector<bool>> known(problem.records.size());
+  std::size_t judged_before = 0, points = 0;
+  bool has_more = false;
+  for (std::size_t r = 0; r < problem.records.size(); ++r) {
+    known[r] = problem.records[r].impacts_of_cause;
+    std::vector<bool> impacts = may_be_apart(shadow_at(problem, cause, r));
+    for (std::size_t n = 0; n < impacts.size(); ++n) {
+      has_more |= impacts[n] && problem.whitening[r].window[n] > 0.0;
+      if (!known[r].empty() && known[r][n]) impacts[n] = true;
+    }
+    judged_before += judged_points(problem.whitening[r]);
+    points += impacts.size();
+    problem.records.set_impacts(r, std::move(impacts));
+  }
+  std::vector<Whitening> whitening = problem.whitening;
+  if (has_more) {
+    whiten_on(problem, admitted, settings);
+    std::size_t judged = 0;
+    bool can_be_judged = true;
+    for (const Whitening& one : problem.whitening) {
+      judged += judged_points(one);
+      can_be_judged &= static_cast<double>(judged_points(one)) >= kLeastTrusted * static_cast<double>(one.window.size());
+    }
+    if (can_be_judged && mean_square(differences(problem, cause)) < kLeftElsewhere * before) {
+      return static_cast<double>(judged_before - judged) / static_cast<double>(points);
+    }
+  }
+  problem.whitening = std::move(whitening);
+  for (std::size_t r = 0; r < known.size(); ++r) problem.records.set_impacts(r, std::move(known[r]));
+  return 0.0;
+}
+
+}  // namespace slewlab::diagnosis

@@ -1,0 +1,15 @@
+// Impacts that a cause's machine has and the nominal one has not. Where gears let go and strike again small differences grow to full size,
+// behind the nominal machine's own impacts and behind those of the machine that was really there: a torque that is late, or a load that is heavier, crosses the play at other moments. What lies near them tells as little, and outweighs
+// all else where sensors are quiet.
+#pragma once
+
+#include "diagnosis/problem.h"
+#include "diagnosis/whitening.h"
+
+namespace slewlab::diagnosis {
+
+// Where most of what a cause's machine leaves lies near its own impacts, these stretches are judged no more (Record::impacts_of_cause): gives the share of all records that they take, and the
+// records are whitened anew, with `admitted` the nominal machine that they were admitted with. 0: nothing has changed, as where too little of a record would be left. Assumes that the problem owns its records.
+double take_out_impacts(Problem& problem, const sim::MachineSettings& admitted, const WhiteningSettings& settings, const Point& cause);
+
+}  // namespace slewlab::diagnosis
