@@ -329,7 +329,7 @@ bool improve(Problem& problem, FitResult& result, bool fresh_nuisances, double l
     if (fresh_nuisances) renew_nuisance_columns(problem, result.point, result.difference, steps, result.columns);
     take_effect_columns(problem, result.point, result.difference, steps, result.columns);
   };
-  const auto worth = [&] { return problem.settings.settled + problem.settings.settled_share * std::fabs(result.cost); };
+  const auto worth = [&] { return problem.settings.settled + problem.settings.settled_share * std::max(0.0, result.cost); };
   const double first_cost = result.cost;
   take_columns();
   const Descent descent = descend(problem, result, law_freedom);

@@ -1,6 +1,7 @@
 #include "diagnosis/least_squares.h"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -29,7 +30,7 @@ Descent descend(const Descending& problem, double cost, const DescentSettings& s
       const std::optional<double> trial = problem.attempt(step);
       if (!trial) return ended(Ending::at_the_bounds);
       if (!(*trial < descent.cost)) continue;
-      const double least = descent.cost - settings.enough - settings.enough_share * std::fabs(descent.cost);
+      const double least = descent.cost - settings.enough - settings.enough_share * std::max(0.0, descent.cost);
       fell = true;
       problem.accept();
       descent.cost = *trial;

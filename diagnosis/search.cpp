@@ -540,6 +540,8 @@ Found search(Problem& problem, FitResult& base, const Screening& screening, cons
   start_over(problem, base.columns, fits, static_cast<std::size_t>(settings.contenders), within(converging, kStartOver));
   converging(kStartOver.to, "settling single effects");
   settle_best(problem, fits);
+  // Where the leader leaves more than noise another law may only have begun too far off.
+  if (!fits.empty() && mean_square(fits.front().difference) > kNoiseAlone && start_from_best_machine(problem, fits)) settle_best(problem, fits);
   // The best single effect may show what the nominal machine lacks, which parameters alone did not.
   const Shown shown = fits.empty() ? Shown::nothing : shows(fits.front());
   if (shown == Shown::judged_elsewhere) {

@@ -635,6 +635,33 @@ TEST(Diagnose, FindsTheSmallerOfTwoEffectsAndForecastsItsEnd) {
   EXPECT_GT(forecasts, 20);
 }
 
+// Without sensors' noise what a finer boom does, and an impact that the nominal machine has not, outweigh a second effect.
+TEST(Diagnose, NamesAHeavierLoadBesideALagWhereSensorsAreQuiet) {
+  LoopSettings truth;
+  truth.machine.crane = bench().crane;
+  truth.machine.crane.boom.element_count = 20;
+  truth.machine.effects = {{"torque_lag", {0.03, 0.2}}, {"load_mass", {1.3}}};
+  truth.machine.step = kStep;
+  truth.controller = bench().controller;
+  truth.duration = kDuration;
+  std::vector<Record> records;
+  for (const auto& [name, moves] : {std::pair("a", kThereAndBack), std::pair("b", kInching)}) {
+    truth.operator_moves.clear();
+    for (const Move& move : moves) truth.operator_moves.push_back({.time = std::llround(move.time * 1e9), .speed_request = move.speed_request});
+    records.push_back(make_record(logged_run(truth, {.sensors = 1'000'000, .truth = 1'000'000'000, .status = 1'000'000'000}), name, bench().admission));
+  }
+  sim::MachineSettings nominal;
+  nominal.crane = bench().crane;
+  DiagnosisSettings settings;
+  settings.hold_out = false;
+  settings.threads = 2;
+  const Diagnosis found = diagnose(nominal, bench().controller, std::move(records), settings, [](double, const std::string&) {});
+  ASSERT_FALSE(found.causes.empty());
+  const std::set<std::string> named(found.causes[0].effects.begin(), found.causes[0].effects.end());
+  EXPECT_EQ(named, (std::set<std::string>{"torque_lag", "load_mass"})) << found.verdict;
+  EXPECT_GT(found.causes[0].probability, 0.9);
+}
+
 // Asked in the middle, it ends before the next simulation of each thread.
 TEST(Diagnose, EndsWhereItIsAskedTo) {
   DiagnosisSettings settings;
