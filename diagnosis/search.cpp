@@ -247,6 +247,16 @@ bool start_from_best_machine(Problem& problem, std::vector<FitResult>& fits) {
   return came_on;
 }
 
+// Where the leader leaves more than noise another law may only have begun too far off: on the leader's machine it may leave noise alone. Only then are its fits kept: those that leave more have drawn parameters far off, to stand for
+// a second effect.
+void find_what_began_too_far_off(Problem& problem, std::vector<FitResult>& fits) {
+  if (fits.empty() || mean_square(fits.front().difference) <= kNoiseAlone) return;
+  std::vector<FitResult> others = fits;
+  if (!start_from_best_machine(problem, others)) return;
+  settle_best(problem, others);
+  if (mean_square(others.front().difference) <= kNoiseAlone) fits = std::move(others);
+}
+
 // Where a pair is fitted from, and the fit of whose columns it begins with: those of a machine without the pair's larger effect
 // lead elsewhere.
 struct PairStart {
@@ -540,8 +550,7 @@ Found search(Problem& problem, FitResult& base, const Screening& screening, cons
   start_over(problem, base.columns, fits, static_cast<std::size_t>(settings.contenders), within(converging, kStartOver));
   converging(kStartOver.to, "settling single effects");
   settle_best(problem, fits);
-  // Where the leader leaves more than noise another law may only have begun too far off.
-  if (!fits.empty() && mean_square(fits.front().difference) > kNoiseAlone && start_from_best_machine(problem, fits)) settle_best(problem, fits);
+  find_what_began_too_far_off(problem, fits);
   // The best single effect may show what the nominal machine lacks, which parameters alone did not.
   const Shown shown = fits.empty() ? Shown::nothing : shows(fits.front());
   if (shown == Shown::judged_elsewhere) {
