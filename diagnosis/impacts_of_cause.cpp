@@ -41,35 +41,35 @@ void whiten_on(Problem& problem, const sim::MachineSettings& admitted, const Whi
 double take_out_impacts(Problem& problem, const sim::MachineSettings& admitted, const WhiteningSettings& settings, const Point& cause) {
   const double before = mean_square(differences(problem, cause));
   if (before <= kNoiseAlone) return 0.0;
-  std::vector<std::vector<bool>> known(problem.records.size());
-  std::size_t judged_before = 0, points = 0;
+  const std::size_t count = problem.records.size();
+  std::vector<std::vector<bool>> impacts(count);
   bool has_more = false;
-  for (std::size_t r = 0; r < problem.records.size(); ++r) {
-    known[r] = problem.records[r].impacts_of_cause;
-    std::vector<bool> impacts = may_be_apart(shadow_at(problem, cause, r));
-    for (std::size_t n = 0; n < impacts.size(); ++n) {
-      has_more |= impacts[n] && problem.whitening[r].window[n] > 0.0;
-      if (!known[r].empty() && known[r][n]) impacts[n] = true;
+  for (std::size_t r = 0; r < count; ++r) {
+    impacts[r] = may_be_apart(shadow_at(problem, cause, r));
+    const std::vector<bool>& known = problem.records[r].impacts_of_cause;
+    for (std::size_t n = 0; n < impacts[r].size(); ++n) {
+      has_more |= impacts[r][n] && problem.whitening[r].window[n] > 0.0;
+      if (!known.empty() && known[n]) impacts[r][n] = true;
     }
-    judged_before += judged_points(problem.whitening[r]);
-    points += impacts.size();
-    problem.records.set_impacts(r, std::move(impacts));
   }
+  if (!has_more) return 0.0;
   std::vector<Whitening> whitening = problem.whitening;
-  if (has_more) {
-    whiten_on(problem, admitted, settings);
-    std::size_t judged = 0;
-    bool can_be_judged = true;
-    for (const Whitening& one : problem.whitening) {
-      judged += judged_points(one);
-      can_be_judged &= static_cast<double>(judged_points(one)) >= kLeastTrusted * static_cast<double>(one.window.size());
-    }
-    if (can_be_judged && mean_square(differences(problem, cause)) < kLeftElsewhere * before) {
-      return static_cast<double>(judged_before - judged) / static_cast<double>(points);
-    }
+  const auto swap_impacts = [&] {
+    for (std::size_t r = 0; r < count; ++r) impacts[r] = problem.records.set_impacts(r, std::move(impacts[r]));
+  };
+  swap_impacts();
+  whiten_on(problem, admitted, settings);
+  std::size_t taken = 0, points = 0;
+  bool can_be_judged = true;
+  for (std::size_t r = 0; r < count; ++r) {
+    const std::size_t judged = judged_points(problem.whitening[r]), all = problem.records[r].size();
+    taken += judged_points(whitening[r]) - judged;
+    points += all;
+    can_be_judged &= static_cast<double>(judged) >= kLeastTrusted * static_cast<double>(all);
   }
+  if (can_be_judged && mean_square(differences(problem, cause)) < kLeftElsewhere * before) return static_cast<double>(taken) / static_cast<double>(points);
   problem.whitening = std::move(whitening);
-  for (std::size_t r = 0; r < known.size(); ++r) problem.records.set_impacts(r, std::move(known[r]));
+  swap_impacts();
   return 0.0;
 }
 

@@ -87,8 +87,8 @@ class Records {
     seen_ = own_;
   }
   void look_at(std::span<const Record> others) { seen_ = others; }
-  // Of one of its own.
-  void set_impacts(std::size_t r, std::vector<bool> impacts_of_cause) { own_.at(r).impacts_of_cause = std::move(impacts_of_cause); }
+  // Of one of its own; gives those that it had.
+  std::vector<bool> set_impacts(std::size_t r, std::vector<bool> impacts_of_cause) { return std::exchange(own_.at(r).impacts_of_cause, std::move(impacts_of_cause)); }
 
   std::size_t size() const { return seen_.size(); }
   bool empty() const { return seen_.empty(); }

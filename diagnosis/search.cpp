@@ -80,18 +80,16 @@ void converge(Problem& problem, std::vector<FitResult>& fits, std::size_t count)
   for (; count > 1 && !fits.empty(); count = (count + 1) / 2) {
     std::stable_sort(fits.begin(), fits.end(), cheaper);
     const std::size_t now = std::min(count, fits.size());
+    const bool is_noise_alone = mean_square(fits.front().difference) <= 1.0;
+    const double best = fits.front().cost;
     std::atomic<bool> comes_on{false};
     share_out(problem, now, [&](std::size_t i) {
-      const double before = fits[i].cost, best = fits.front().cost;
-      if (i > 0) settle(problem, fits[i], 1);
-      if (i > 0 && fits[i].cost - kFreshRounds * (before - fits[i].cost) < best) comes_on = true;
+      if (i == 0 && is_noise_alone) return;
+      const double before = fits[i].cost;
+      settle(problem, fits[i], 1);
+      if (fits[i].cost - kFreshRounds * (before - fits[i].cost) < best) comes_on = true;
     });
-    if (mean_square(fits.front().difference) > 1.0) {
-      settle(problem, fits.front(), 1);
-    } else if (!comes_on) {
-      break;
-    }
-    if (count == 2) break;
+    if (count == 2 || (is_noise_alone && !comes_on)) break;
   }
   std::stable_sort(fits.begin(), fits.end(), cheaper);
 }

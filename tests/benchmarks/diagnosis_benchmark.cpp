@@ -17,7 +17,6 @@
 #include <string>
 #include <vector>
 
-#include "diagnosis/loop/loop_log.h"
 #include "sim/integrate/machine.h"
 #include "tests/diagnosis/bench.h"
 
@@ -58,15 +57,8 @@ msgs::RunLog measured(const Case& one, const std::vector<Move>& moves, unsigned 
   machine.crane = bench().crane;
   machine.crane.boom.element_count = kMeasuredElements;
   machine.effects = one.effects;
-  machine.step = kStep;
   if (one.has_noise) return simulated_log(machine, bench().controller, moves, kRecordDuration, seed);
-  LoopSettings settings;
-  settings.machine = machine;
-  settings.controller = bench().controller;
-  settings.controller.period = one.period;
-  settings.duration = kRecordDuration;
-  for (const Move& move : moves) settings.operator_moves.push_back({.time = std::llround(move.time * 1e9), .speed_request = move.speed_request});
-  return logged_run(settings, {.sensors = std::llround(one.period * 1e9), .truth = 1'000'000'000, .status = 1'000'000'000});
+  return quiet_log(machine, bench().controller, moves, kRecordDuration, one.period);
 }
 
 // [s] of the processor for a simulated second of the machine that fits begin with, stepped without a record.

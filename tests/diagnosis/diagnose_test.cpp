@@ -20,7 +20,6 @@
 #include "controller/effects/catalogue.h"
 #include "diagnosis/stochastic_fit.h"
 #include "diagnosis/nuisance.h"
-#include "diagnosis/loop/loop_log.h"
 #include "diagnosis/prediction.h"
 #include "sim/effects/catalogue.h"
 #include "tests/diagnosis/bench.h"
@@ -184,18 +183,13 @@ TEST(Fit, ArrivesWhereAFullStepIsTooBold) {
 
 // Sensors without noise leave so little open that difference quotients over the usual steps lead nowhere; over finer ones the fit arrives where the machine is.
 TEST(Fit, ArrivesWhereQuietSensorsLeaveLittleOpen) {
-  LoopSettings truth;
-  truth.machine.crane = bench().crane;
-  truth.machine.crane.boom.element_count = kBoomElements;
-  truth.machine.effects = {{"torque_lag", {0.03, 0.2}}, {"load_mass", {1.3}}};
-  truth.machine.step = kStep;
-  truth.controller = bench().controller;
-  truth.controller.period = 1e-2;
-  truth.duration = kDuration;
-  for (const Move& move : kInching) truth.operator_moves.push_back({.time = std::llround(move.time * 1e9), .speed_request = move.speed_request});
+  sim::MachineSettings truth;
+  truth.crane = bench().crane;
+  truth.crane.boom.element_count = kBoomElements;
+  truth.effects = {{"torque_lag", {0.03, 0.2}}, {"load_mass", {1.3}}};
   BenchProblem problem;
   problem.nominal = with_boom_elements(problem.nominal, kBoomElements);
-  problem.add(make_record(logged_run(truth, {.sensors = 10'000'000, .truth = 1'000'000'000, .status = 1'000'000'000}), "a", bench().admission));
+  problem.add(make_record(quiet_log(truth, bench().controller, kInching, kDuration, 0.01), "a", bench().admission));
   const FitResult base = fit_nuisances(problem, nominal_fit(problem));
   FitResult result = fit(problem, base.columns, {std::vector<double>(base.point.nuisance.size(), 0.0), {{"torque_lag", {0.0293, 0.18}}, {"load_mass", {1.13}}}, 0});
   settle(problem, result, 10);
@@ -383,13 +377,7 @@ Diagnosis diagnose_own_logs(const sim::MachineSettings& truth, const std::vector
   controller.period = 0.01;
   std::vector<Record> records;
   for (const std::vector<Move>& moves : manoeuvres) {
-    LoopSettings settings;
-    settings.machine = truth;
-    settings.machine.step = kStep;
-    settings.controller = controller;
-    settings.duration = kDuration;
-    for (const Move& move : moves) settings.operator_moves.push_back({.time = std::llround(move.time * 1e9), .speed_request = move.speed_request});
-    msgs::RunLog log = logged_run(settings, {.sensors = 10'000'000, .truth = 1'000'000'000, .status = 1'000'000'000});
+    msgs::RunLog log = quiet_log(truth, controller, moves, kDuration, controller.period);
     AdmissionSettings admission = bench().admission;
     admission.is_torque_measured = as_measured != nullptr;
     if (as_measured) as_measured(log);
@@ -637,18 +625,13 @@ TEST(Diagnose, FindsTheSmallerOfTwoEffectsAndForecastsItsEnd) {
 
 // Without sensors' noise what a finer boom does, and an impact that the nominal machine has not, outweigh a second effect.
 TEST(Diagnose, NamesAHeavierLoadBesideALagWhereSensorsAreQuiet) {
-  LoopSettings truth;
-  truth.machine.crane = bench().crane;
-  truth.machine.crane.boom.element_count = 20;
-  truth.machine.effects = {{"torque_lag", {0.03, 0.2}}, {"load_mass", {1.3}}};
-  truth.machine.step = kStep;
-  truth.controller = bench().controller;
-  truth.duration = kDuration;
+  sim::MachineSettings truth;
+  truth.crane = bench().crane;
+  truth.crane.boom.element_count = 20;
+  truth.effects = {{"torque_lag", {0.03, 0.2}}, {"load_mass", {1.3}}};
   std::vector<Record> records;
   for (const auto& [name, moves] : {std::pair("a", kThereAndBack), std::pair("b", kInching)}) {
-    truth.operator_moves.clear();
-    for (const Move& move : moves) truth.operator_moves.push_back({.time = std::llround(move.time * 1e9), .speed_request = move.speed_request});
-    records.push_back(make_record(logged_run(truth, {.sensors = 1'000'000, .truth = 1'000'000'000, .status = 1'000'000'000}), name, bench().admission));
+    records.push_back(make_record(quiet_log(truth, bench().controller, moves, kDuration, kStep), name, bench().admission));
   }
   sim::MachineSettings nominal;
   nominal.crane = bench().crane;

@@ -6,7 +6,6 @@
 
 #include "diagnosis/admit.h"
 #include "diagnosis/fit.h"
-#include "diagnosis/loop/loop_log.h"
 #include "tests/diagnosis/bench.h"
 
 namespace slewlab::diagnosis {
@@ -19,17 +18,12 @@ const common::EffectInstance kHeavierLoad{"load_mass", {1.3}};
 // A log without any noise of a crane with such effects, its boom cut finer than the one that is to follow it, admitted on the nominal crane.
 struct Admitted {
   explicit Admitted(const std::vector<common::EffectInstance>& effects) {
-    LoopSettings loop;
-    loop.machine.crane = bench().crane;
-    loop.machine.crane.boom.element_count = 20;
-    loop.machine.effects = effects;
-    loop.machine.step = kStep;
-    loop.controller = bench().controller;
-    loop.controller.period = kPeriod;
-    loop.duration = kDuration;
-    for (const Move& move : kThereAndBack) loop.operator_moves.push_back({.time = std::llround(move.time * 1e9), .speed_request = move.speed_request});
+    sim::MachineSettings truth;
+    truth.crane = bench().crane;
+    truth.crane.boom.element_count = 20;
+    truth.effects = effects;
     std::vector<Record> records;
-    records.push_back(make_record(logged_run(loop, {.sensors = std::llround(kPeriod * 1e9), .truth = 1'000'000'000, .status = 1'000'000'000}), "a", bench().admission));
+    records.push_back(make_record(quiet_log(truth, bench().controller, kThereAndBack, kDuration, kPeriod), "a", bench().admission));
     sim::MachineSettings nominal;
     nominal.crane = bench().crane;
     set_machine(nominal, records, problem);

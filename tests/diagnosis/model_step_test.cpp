@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "diagnosis/admit.h"
-#include "diagnosis/loop/loop_log.h"
 #include "diagnosis/screen.h"
 #include "tests/diagnosis/bench.h"
 
@@ -24,14 +23,7 @@ sim::MachineSettings sticking_crane() {
 }
 
 Record plc_record(const sim::MachineSettings& machine) {
-  LoopSettings settings;
-  settings.machine = machine;
-  settings.machine.step = kStep;
-  settings.controller = bench().controller;
-  settings.controller.period = kPlcPeriod;
-  settings.duration = kDuration;
-  for (const Move& move : kThereAndBack) settings.operator_moves.push_back({.time = std::llround(move.time * 1e9), .speed_request = move.speed_request});
-  return make_record(logged_run(settings, {.sensors = 10'000'000, .truth = 1'000'000'000, .status = 1'000'000'000}), "plc", bench().admission);
+  return make_record(quiet_log(machine, bench().controller, kThereAndBack, kDuration, kPlcPeriod), "plc", bench().admission);
 }
 
 void take(const sim::MachineSettings& nominal, Record record, Problem& problem) {

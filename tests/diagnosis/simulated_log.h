@@ -11,6 +11,7 @@
 
 #include "controller/process/computed_answer.h"
 #include "diagnosis/loop/loop.h"
+#include "diagnosis/loop/loop_log.h"
 #include "msgs/run_log.h"
 
 namespace slewlab::diagnosis {
@@ -86,6 +87,18 @@ inline msgs::RunLog simulated_log(sim::MachineSettings machine, const controller
                                   const std::vector<Move>& moves, double duration, unsigned seed, double period = kStep) {
   machine.step = kStep;
   return simulated_log(sim::make_machine(machine), controller, moves, duration, seed, machine.drive_protection, period);
+}
+
+// The same machine as slewlab's own run logs it, without any noise; sensors as often as the controller.
+inline msgs::RunLog quiet_log(const sim::MachineSettings& machine, const controller::ControllerSettings& controller, const std::vector<Move>& moves, double duration, double period) {
+  LoopSettings settings;
+  settings.machine = machine;
+  settings.machine.step = kStep;
+  settings.controller = controller;
+  settings.controller.period = period;
+  settings.duration = duration;
+  for (const Move& move : moves) settings.operator_moves.push_back({.time = std::llround(move.time * 1e9), .speed_request = move.speed_request});
+  return logged_run(settings, {.sensors = std::llround(period * 1e9), .truth = 1'000'000'000, .status = 1'000'000'000});
 }
 
 // The log of a recorder that was switched on so many messages of each channel later.
