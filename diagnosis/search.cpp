@@ -426,14 +426,15 @@ void look_again(Problem& problem, const FitResult& base, const Screening& screen
   }
 }
 
-// A law that holds others of the catalogue whole may have taken their place: the leading single effects that are such, as their parts.
-void take_apart(Problem& problem, std::vector<FitResult>& fits) {
+// A law that holds others of the catalogue whole may have taken their place: the leading single effects that are such, as their parts, where none of these is left out.
+void take_apart(Problem& problem, const Screening& screening, std::vector<FitResult>& fits) {
   std::vector<FitResult> apart;
   std::size_t leaders = 0;
   for (const FitResult& single : fits) {
     if (single.point.effects.size() != 1 || leaders++ == kPairLeaders) continue;
     const std::vector<common::EffectInstance> parts = common::parts_of(problem.catalogue, single.point.effects.front());
-    if (parts.empty()) continue;
+    const auto is_left_out = [&](const common::EffectInstance& part) { return !screening.names.contains(part.name); };
+    if (parts.empty() || std::any_of(parts.begin(), parts.end(), is_left_out)) continue;
     FitResult& pair = apart.emplace_back(fit(problem, single.columns.leftCols(static_cast<Eigen::Index>(single.point.nuisance.size())), {single.point.nuisance, parts}));
     settle(problem, pair, kFreshRounds);
   }
@@ -585,7 +586,7 @@ Found search(Problem& problem, FitResult& base, const Screening& screening, cons
   go_back(problem, base.columns, 2, fits);
   converge_singles(problem, fits, static_cast<std::size_t>(settings.contenders));
   if (settings.joint_pairs > 0) look_again(problem, base, screening, same_as, settings, looked_beside, fits, within(going_back, kLookAgain));
-  if (settings.joint_pairs > 0) take_apart(problem, fits);
+  if (settings.joint_pairs > 0) take_apart(problem, screening, fits);
   going_back(0.8, "going back to none");
   go_back(problem, base.columns, 1, fits);
   share_out(problem, fits.size(), [&](std::size_t i) { conclude(problem, fits[i]); });

@@ -861,6 +861,21 @@ TEST(Diagnose, NamesTwoFrictionsBeforeALawThatHoldsBoth) {
   }
 }
 
+// A law that holds one whole which the user left out does not bring it back.
+TEST(Diagnose, NamesNothingThatWasLeftOut) {
+  DiagnosisSettings settings;
+  settings.without = {"bearing_coulomb"};
+  for (const sim::EffectDescription* effect : sim::effect_catalogue()) {
+    if (effect->about.family != common::Family::friction) settings.without.emplace_back(effect->about.name);
+  }
+  settings.hold_out = false;
+  const Diagnosis found = diagnose_machine({{"bearing_coulomb", {1.5e5, 0.0, 3e-5}}}, bench().controller, 13, settings);
+  ASSERT_FALSE(found.causes.empty());
+  for (const Cause& cause : found.causes) {
+    EXPECT_EQ(std::count(cause.effects.begin(), cause.effects.end(), "bearing_coulomb"), 0) << name_of(cause) << " " << cause.probability;
+  }
+}
+
 TEST(Diagnose, SaysNotInTheCatalogueWhereTheCauseIsLeftOut) {
   DiagnosisSettings settings;
   // All frictions of drive and bearing: each of them is a relative of the one that acts.
