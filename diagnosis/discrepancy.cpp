@@ -157,13 +157,10 @@ std::vector<Eigen::VectorXd> traces(Problem& problem, const Point& point, const 
   share_out(problem, shapes.size(), [&](std::size_t i) {
     std::vector<DriveCourse> drives;
     for (std::size_t r = 0; r < problem.records.size(); ++r) {
-      DriveCourse course = problem.stock.drives(problem.records[r], r, problem.nominal.drive_protection);
+      drives.push_back(problem.stock.drives(problem.records[r], r, problem.nominal.drive_protection));
       for (std::size_t g = 0; g < static_cast<std::size_t>(problem.records[r].group_count); ++g) {
-        std::vector<double>& torque = course.motor_torque[g];
-        for (std::size_t n = 0; n < torque.size(); ++n) torque[n] += amount * shapes[i](r, n / course.per_point, g);
+        add_on_grid(drives.back(), g, [&](std::size_t n) { return amount * shapes[i](r, n, g); });
       }
-      hold_on_grid(course);
-      drives.push_back(std::move(course));
     }
     columns[i] = differences(problem, point, drives) - difference;
   });

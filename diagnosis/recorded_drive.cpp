@@ -111,6 +111,30 @@ void RecordedDrive::go_on_in(const Record& record) {
   record_ = &record;
 }
 
+namespace {
+
+// What holds from each point to the next.
+void hold_on_grid(DriveCourse& course) {
+  if (course.per_point == 1) return;
+  const std::size_t points = course.per_point;
+  DriveSeries& held = course.held;
+  held.enable.clear();
+  for (std::size_t n = 0; n < course.enable.size(); n += points) {
+    held.enable.push_back(std::any_of(course.enable.begin() + static_cast<std::ptrdiff_t>(n), course.enable.begin() + static_cast<std::ptrdiff_t>(n + points),
+                                      [](bool enable) { return enable; }));
+  }
+  for (std::size_t g = 0; g < course.motor_torque.size(); ++g) {
+    std::vector<double> delivered = course.motor_torque[g];
+    for (std::size_t n = 0; n < delivered.size(); ++n) {
+      if (!course.enable[n]) delivered[n] = 0.0;
+    }
+    held.motor_torque[g] = course.is_filtered ? held_decimated(delivered, points) : means(delivered, points);
+    held.brake_torque[g] = means(course.brake_torque[g], points);
+  }
+}
+
+}  // namespace
+
 DriveCourse drive_course(const Record& record, const sim::DriveProtectionSettings& protection) {
   DriveCourse course;
   course.per_point = record.recorded_per_point;
@@ -134,22 +158,17 @@ DriveCourse drive_course(const Record& record, const sim::DriveProtectionSetting
   return course;
 }
 
-void hold_on_grid(DriveCourse& course) {
-  if (course.per_point == 1) return;
+void add_on_grid(DriveCourse& course, std::size_t group, const std::function<double(std::size_t point)>& torque) {
   const std::size_t points = course.per_point;
-  DriveSeries& held = course.held;
-  held.enable.clear();
-  for (std::size_t n = 0; n < course.enable.size(); n += points) {
-    held.enable.push_back(std::any_of(course.enable.begin() + static_cast<std::ptrdiff_t>(n), course.enable.begin() + static_cast<std::ptrdiff_t>(n + points),
-                                      [](bool enable) { return enable; }));
-  }
-  for (std::size_t g = 0; g < course.motor_torque.size(); ++g) {
-    std::vector<double> delivered = course.motor_torque[g];
-    for (std::size_t n = 0; n < delivered.size(); ++n) {
-      if (!course.enable[n]) delivered[n] = 0.0;
+  for (std::size_t first = 0; first < course.enable.size(); first += points) {
+    const double more = torque(first / points);
+    if (more == 0.0) continue;
+    int enabled = 0;
+    for (std::size_t n = first; n < std::min(first + points, course.enable.size()); ++n) {
+      course.motor_torque[group][n] += more;
+      enabled += course.enable[n] ? 1 : 0;
     }
-    held.motor_torque[g] = course.is_filtered ? held_decimated(delivered, points) : means(delivered, points);
-    held.brake_torque[g] = means(course.brake_torque[g], points);
+    if (points > 1) course.held.motor_torque[group][first / points] += more * enabled / static_cast<double>(points);
   }
 }
 

@@ -9,6 +9,7 @@
 
 #include <array>
 #include <cstddef>
+#include <functional>
 #include <vector>
 
 #include "diagnosis/record.h"
@@ -61,7 +62,7 @@ struct DriveCourse : DriveSeries {
 };
 DriveCourse drive_course(const Record& record, const sim::DriveProtectionSettings& protection);
 
-// Once its commands have changed.
-void hold_on_grid(DriveCourse& course);
+// A torque on top [Nm per motor] that stays from each point of the grid to the next, so that no part of it is beyond the grid's band.
+void add_on_grid(DriveCourse& course, std::size_t group, const std::function<double(std::size_t point)>& torque);
 
 }  // namespace slewlab::diagnosis
