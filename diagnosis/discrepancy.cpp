@@ -29,6 +29,7 @@ constexpr int kScales = 25;
 constexpr int kPointsInSegment = 5;          // of a curve
 constexpr double kHighestFrequency = 1.0;    // [1 / characteristic time] that a smooth function of slow quantities is asked to explain
 constexpr double kHeld = 1.0;  // [characteristic times] between the knots of what holds at standstill
+constexpr std::size_t kSideBySide = 8;  // torques of one thread that are simulated at once
 
 // B_j of v, on `segments` from `low` to `high`; 1 where there are none.
 double spline(int j, double v, double low, double high, int segments) {
@@ -153,17 +154,30 @@ std::pair<double, double> range_of(const Problem& problem, const std::vector<Cou
 using TorqueShape = std::function<double(std::size_t record, std::size_t point, std::size_t group)>;
 std::vector<Eigen::VectorXd> traces(Problem& problem, const Point& point, const Eigen::VectorXd& difference, double amount,
                                     const std::vector<TorqueShape>& shapes) {
-  std::vector<Eigen::VectorXd> columns(shapes.size());
-  share_out(problem, shapes.size(), [&](std::size_t i) {
-    std::vector<DriveCourse> drives;
-    for (std::size_t r = 0; r < problem.records.size(); ++r) {
-      drives.push_back(problem.stock.drives(problem.records[r], r, problem.nominal.drive_protection));
+  std::vector<std::vector<double>> enabled(problem.records.size());  // shares, per record and grid point
+  for (std::size_t r = 0; r < problem.records.size(); ++r) {
+    const DriveCourse& course = problem.stock.drives(problem.records[r], r, problem.nominal.drive_protection);
+    for (std::size_t n = 0; n < problem.records[r].size(); ++n) enabled[r].push_back(enabled_share(course, n));
+  }
+  const auto torques_of = [&](const TorqueShape& shape) {
+    std::vector<MotorTorques> torques(problem.records.size());
+    for (std::size_t r = 0; r < torques.size(); ++r) {
       for (std::size_t g = 0; g < static_cast<std::size_t>(problem.records[r].group_count); ++g) {
-        add_on_grid(drives.back(), g, [&](std::size_t n) { return amount * shapes[i](r, n, g); });
+        std::vector<double>& torque = torques[r][g];
+        torque.resize(problem.records[r].size());
+        for (std::size_t n = 0; n < torque.size(); ++n) torque[n] = enabled[r][n] == 0.0 ? 0.0 : enabled[r][n] * amount * shape(r, n, g);
       }
     }
-    columns[i] = differences(problem, point, drives) - difference;
-  });
+    return torques;
+  };
+  // Those of an hour at 1 kHz are gigabytes: so many at a time as are simulated side by side.
+  const std::size_t together = kSideBySide * static_cast<std::size_t>(std::max(1, problem.threads));
+  std::vector<Eigen::VectorXd> columns;
+  for (std::size_t first = 0; first < shapes.size(); first += together) {
+    std::vector<std::vector<MotorTorques>> torques(std::min(together, shapes.size() - first));
+    share_out(problem, torques.size(), [&](std::size_t i) { torques[i] = torques_of(shapes[first + i]); });
+    for (Eigen::VectorXd& changed : differences(problem, point, torques)) columns.push_back(changed - difference);
+  }
   return columns;
 }
 

@@ -154,16 +154,18 @@ std::size_t side_by_side(const Problem& problem, std::size_t points) {
   return std::clamp((points + shares - 1) / shares, std::size_t{1}, most);
 }
 
-// The whitened differences of some of the points from one of the records. A machine that is not there, because its boom buckles, is far off.
+// The whitened differences of some of the points, under those torques where there are any, from one of the records. A machine that is not there, because its boom buckles, is far off.
 void differ(Problem& problem, std::span<const Point> points, std::span<const std::optional<Follower>> followers, std::size_t r,
-            const DriveCourse& drives, std::span<Eigen::VectorXd> results, Eigen::Index first_row) {
+            std::span<const std::vector<MotorTorques>> torques, std::span<Eigen::VectorXd> results, Eigen::Index first_row) {
   std::unique_ptr<SimulationRoom> room = problem.stock.take_room();
   if (room->shadows.size() < points.size()) room->shadows.resize(points.size());
   std::vector<Shadowing> shadowings;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (followers[i]) shadowings.push_back(shadowing_at(problem, *followers[i], points[i], r, room->shadows[i]));
+    if (!followers[i]) continue;
+    shadowings.push_back(shadowing_at(problem, *followers[i], points[i], r, room->shadows[i]));
+    if (!torques.empty()) shadowings.back().more_torque = &torques[i][r];
   }
-  shadow(std::move(shadowings), problem.records[r], drives, problem.gains);
+  shadow(std::move(shadowings), problem.records[r], drives_of(problem, r), problem.gains);
   for (std::size_t i = 0; i < points.size(); ++i) {
     auto rows = results[i].segment(first_row, problem.whitening[r].size());
     if (followers[i]) {
@@ -176,8 +178,8 @@ void differ(Problem& problem, std::span<const Point> points, std::span<const std
   problem.simulations += static_cast<std::int64_t>(points.size());
 }
 
-// `courses` empty: the records'.
-std::vector<Eigen::VectorXd> differences_under(Problem& problem, std::span<const Point> points, std::span<const DriveCourse> courses) {
+// `torques`: one for each point, or none.
+std::vector<Eigen::VectorXd> differences_under(Problem& problem, std::span<const Point> points, std::span<const std::vector<MotorTorques>> torques) {
   const std::vector<Eigen::Index> first_row = first_rows(problem);
   std::vector<Eigen::VectorXd> results(points.size(), Eigen::VectorXd(first_row.back()));
   const auto count_time = [&](std::chrono::steady_clock::time_point begun) {
@@ -209,7 +211,7 @@ std::vector<Eigen::VectorXd> differences_under(Problem& problem, std::span<const
     if (grid_of(problem.records[r]) != grid_of(problem.records.front())) {
       for (std::size_t i = 0; i < count; ++i) followers[i] = machine_for(points[first + i], problem.records[r]);
     }
-    differ(problem, points.subspan(first, count), followers, r, courses.empty() ? drives_of(problem, r) : courses[r],
+    differ(problem, points.subspan(first, count), followers, r, torques.empty() ? torques : torques.subspan(first, count),
            std::span(results).subspan(first, count), first_row[r]);
     count_time(begun);
   });
@@ -229,8 +231,8 @@ Eigen::VectorXd differences(Problem& problem, const Point& point) {
   return std::move(differences_under(problem, {&point, 1}, {}).front());
 }
 
-Eigen::VectorXd differences(Problem& problem, const Point& point, std::span<const DriveCourse> courses) {
-  return std::move(differences_under(problem, {&point, 1}, courses).front());
+std::vector<Eigen::VectorXd> differences(Problem& problem, const Point& point, std::span<const std::vector<MotorTorques>> torques) {
+  return differences_under(problem, std::vector<Point>(torques.size(), point), torques);
 }
 
 std::vector<Eigen::VectorXd> differences(Problem& problem, std::span<const Point> points) { return differences_under(problem, points, {}); }

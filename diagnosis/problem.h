@@ -149,8 +149,8 @@ Eigen::VectorXd differences(Problem& problem, const Point& point);
 // The same for many points.
 std::vector<Eigen::VectorXd> differences(Problem& problem, std::span<const Point> points);
 
-// The same at one point, under what `courses` say of the drives, one for each record, and not the records.
-Eigen::VectorXd differences(Problem& problem, const Point& point, std::span<const DriveCourse> courses);
+// The same at one point under more torques at the motors, those of each record, once for each of `torques`.
+std::vector<Eigen::VectorXd> differences(Problem& problem, const Point& point, std::span<const std::vector<MotorTorques>> torques);
 
 // Where the differences of each record begin, and where the last ones end.
 std::vector<Eigen::Index> first_rows(const Problem& problem);

@@ -158,18 +158,9 @@ DriveCourse drive_course(const Record& record, const sim::DriveProtectionSetting
   return course;
 }
 
-void add_on_grid(DriveCourse& course, std::size_t group, const std::function<double(std::size_t point)>& torque) {
-  const std::size_t points = course.per_point;
-  for (std::size_t first = 0; first < course.enable.size(); first += points) {
-    const double more = torque(first / points);
-    if (more == 0.0) continue;
-    int enabled = 0;
-    for (std::size_t n = first; n < std::min(first + points, course.enable.size()); ++n) {
-      course.motor_torque[group][n] += more;
-      enabled += course.enable[n] ? 1 : 0;
-    }
-    if (points > 1) course.held.motor_torque[group][first / points] += more * enabled / static_cast<double>(points);
-  }
+double enabled_share(const DriveCourse& course, std::size_t point) {
+  const auto first = course.enable.begin() + static_cast<std::ptrdiff_t>(point * course.per_point);
+  return static_cast<double>(std::count(first, first + static_cast<std::ptrdiff_t>(course.per_point), true)) / static_cast<double>(course.per_point);
 }
 
 }  // namespace slewlab::diagnosis

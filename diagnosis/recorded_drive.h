@@ -9,7 +9,6 @@
 
 #include <array>
 #include <cstddef>
-#include <functional>
 #include <vector>
 
 #include "diagnosis/record.h"
@@ -61,8 +60,7 @@ struct DriveCourse : DriveSeries {
   DriveSeries held;          // nothing where there is one command per point
 };
 DriveCourse drive_course(const Record& record, const sim::DriveProtectionSettings& protection);
-
-// A torque on top [Nm per motor] that stays from each point of the grid to the next, so that no part of it is beyond the grid's band.
-void add_on_grid(DriveCourse& course, std::size_t group, const std::function<double(std::size_t point)>& torque);
+// The share of the time to the next point of the grid in which the motors are enabled.
+double enabled_share(const DriveCourse& course, std::size_t point);
 
 }  // namespace slewlab::diagnosis

@@ -451,6 +451,10 @@ Observer::Moment Observer::compare(const Measured& measured) {
   return moment;
 }
 
+void Observer::push(const MotorTorques& torque, std::size_t point) {
+  for (std::size_t i = 0; i < groups_; ++i) machine_.outside.motor_torque[i] += torque[i][point] * to_slew_axis_;
+}
+
 void shadow(std::vector<Shadowing> shadowings, const Record& record, const DriveCourse& drives, const ShadowGains& gains) {
   const std::size_t count = record.size();
   const auto groups = static_cast<std::size_t>(record.group_count);
@@ -502,6 +506,7 @@ void shadow(std::vector<Shadowing> shadowings, const Record& record, const Drive
       }
       for (std::size_t i = 0; i < groups; ++i) measured.position[i] = ahead[reads_as[f]][i][place];
       const Observer::Moment moment = observers[f].compare(measured);
+      if (const MotorTorques* const more = shadowings[f].more_torque; more != nullptr) observers[f].push(*more, n);
       Shadow& result = *shadowings[f].result;
       for (std::size_t i = 0; i < groups; ++i) result.missing_torque[i][n] = moment.missing_torque[i];
       result.contact_lost[n] = moment.contact_lost;

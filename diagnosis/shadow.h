@@ -130,6 +130,9 @@ struct FirstReading {
 // Of encoders that are not late.
 FirstReading first_reading(const Record& record);
 
+// [Nm per motor] of each group at each grid point, where it acts until the next.
+using MotorTorques = std::array<std::vector<double>, sim::kMaximumGroupCount>;
+
 // The follower on its way, a grid point after the other.
 class Observer {
  public:
@@ -153,6 +156,8 @@ class Observer {
   // The same in parts, for who leads many machines at once: how it stands to what is measured, which says how the machine is led over the
   // next step; the step is the caller's.
   Moment compare(const Measured& measured);
+  // Over the next step the motors get that torque as well.
+  void push(const MotorTorques& torque, std::size_t point);
   sim::Machine& machine() { return machine_; }
   int steps() const { return steps_; }  // of the machine per step of the grid
 
@@ -180,6 +185,7 @@ struct Shadowing {
   double encoder_latency = 0.0;  // [s]
   Beginning beginning;
   Shadow* result = nullptr;
+  const MotorTorques* more_torque = nullptr;  // at the motors, behind what drives and effects make of the commands
 };
 // Many side by side (machine_batch.h), each to the bit as alone.
 void shadow(std::vector<Shadowing> shadowings, const Record& record, const DriveCourse& drives, const ShadowGains& gains);

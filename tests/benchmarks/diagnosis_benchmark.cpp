@@ -39,7 +39,9 @@ const std::vector<Case> kCases{
     {"nothing missing, 1 kHz", 1e-3, true, {}},
     {"torque_lag and load_mass, 1 kHz", 1e-3, true, {{"torque_lag", {0.03, 0.2}}, {"load_mass", {1.3}}}},
     {"the same without noise, 1 kHz", 1e-3, false, {{"torque_lag", {0.03, 0.2}}, {"load_mass", {1.3}}}},
-    {"torque_lag and load_mass, 100 Hz", 1e-2, false, {{"torque_lag", {0.03, 0.2}}, {"load_mass", {1.3}}}},
+    {"nothing missing, 100 Hz", 1e-2, true, {}},
+    {"torque_lag and load_mass, 100 Hz", 1e-2, true, {{"torque_lag", {0.03, 0.2}}, {"load_mass", {1.3}}}},
+    {"the same without noise, 100 Hz", 1e-2, false, {{"torque_lag", {0.03, 0.2}}, {"load_mass", {1.3}}}},
 };
 
 double processor_seconds(clockid_t clock) {

@@ -156,6 +156,15 @@ TEST(RecordedDrive, TripsWherePlantStatusSaysSoUntilItIsAcknowledged) {
   }
 }
 
+TEST(RecordedDrive, SaysInWhichShareOfAGridStepTheMotorsAreEnabled) {
+  DriveCourse course;
+  course.per_point = 2;
+  course.enable = {true, true, true, false, false, false};
+  EXPECT_EQ(enabled_share(course, 0), 1.0);
+  EXPECT_EQ(enabled_share(course, 1), 0.5);
+  EXPECT_EQ(enabled_share(course, 2), 0.0);
+}
+
 // The residual variance ratio (1 = noise only) of the nominal machine, nothing fitted, where its file is the truth.
 double left_by_its_own_file(const sim::DriveProtectionSettings& truth, const sim::DriveProtectionSettings& told, const controller::Compute& compute) {
   sim::MachineSettings machine = machine_with(truth);

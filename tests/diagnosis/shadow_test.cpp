@@ -111,6 +111,41 @@ TEST(Shadow, ReadingAnEncoderLaterKeepsItsNoise) {
   }
 }
 
+// What is missing at the motors is as much more as the drives would deliver where they were told so; what was delivered for it is missing less.
+TEST(Shadow, MoreTorqueAtTheMotorsIsWhatAsMuchMoreFromTheDrivesIs) {
+  sim::MachineSettings nominal;
+  nominal.crane = bench().crane;
+  const Record record = make_record(simulated_log(nominal, bench().controller, kThereAndBack, kDuration, 4), "a", bench().admission);
+  const DriveCourse course = drive_course(record, nominal.drive_protection);
+  ASSERT_EQ(course.per_point, 1U);
+  std::vector<MotorTorques> torques(3);  // so many are simulated side by side
+  std::vector<DriveCourse> courses(3, course);
+  for (std::size_t k = 0; k < torques.size(); ++k) {
+    for (std::size_t g = 0; g < 2; ++g) {
+      for (std::size_t n = 0; n < record.size(); ++n) {
+        torques[k][g].push_back(static_cast<double>(k) * std::sin(1e-3 * static_cast<double>((g + 1) * n)));  // [Nm]
+        courses[k].motor_torque[g][n] += torques[k][g].back();
+      }
+    }
+  }
+  const Follower follower = follower_of(nominal, grid_of(record));
+  std::vector<Shadow> pushed(3), told(3);
+  std::vector<Shadowing> shadowings;
+  for (std::size_t k = 0; k < 3; ++k) shadowings.push_back({follower, 0.0, {}, &pushed[k], &torques[k]});
+  shadow(std::move(shadowings), record, course, bench_gains());
+  for (std::size_t k = 0; k < 3; ++k) shadow({{follower, 0.0, {}, &told[k], nullptr}}, record, courses[k], bench_gains());
+  constexpr double kRounding = 1e-8;  // [Nm], [m/s^2]
+  double largest = 0.0;
+  for (std::size_t n = 0; n < record.size(); ++n) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      for (std::size_t g = 0; g < 2; ++g) ASSERT_NEAR(pushed[k].missing_torque[g][n], told[k].missing_torque[g][n], kRounding) << k << " at " << n;
+      ASSERT_NEAR(pushed[k].acceleration_difference[kTip][n], told[k].acceleration_difference[kTip][n], kRounding) << k << " at " << n;
+    }
+    largest = std::max(largest, std::fabs(pushed[2].missing_torque[0][n] - pushed[0].missing_torque[0][n]));
+  }
+  EXPECT_GT(largest, 0.5) << "[Nm] of two";
+}
+
 // A crane on a slope, its drives on and its gears pressed since 40 s: boom and load hang as the slope has them, and so does the machine that is asked for it. One that begins unbent rings for half a minute.
 TEST(Shadow, AMachineThatStandsOnASlopeBeginsBent) {
   constexpr double kSlope = 0.015;  // [rad]
