@@ -59,7 +59,7 @@ msgs::RunLog measured(const Case& one, const std::vector<Move>& moves, unsigned 
   machine.crane = bench().crane;
   machine.crane.boom.element_count = kMeasuredElements;
   machine.effects = one.effects;
-  if (one.has_noise) return simulated_log(machine, bench().controller, moves, kRecordDuration, seed);
+  if (one.has_noise) return simulated_log(machine, bench().controller, moves, kRecordDuration, seed, one.period);
   return quiet_log(machine, bench().controller, moves, kRecordDuration, one.period);
 }
 
