@@ -13,7 +13,7 @@ ForceSteps steps_for_forces(Problem& problem, std::span<const common::EffectInst
   ForceSteps found;
   std::vector<Point> open;  // that need more steps than were tried
   for (const common::EffectInstance& start : starts) {
-    if (!has_steps_of_its_own(start.name) || !found.emplace(start.name, most).second) continue;
+    if (!acts_by_force(start.name) || !found.emplace(start.name, most).second) continue;
     open.emplace_back();
     open.back().effects = {start};
   }
@@ -26,8 +26,8 @@ ForceSteps steps_for_forces(Problem& problem, std::span<const common::EffectInst
   std::vector<Eigen::VectorXd> finest = with_steps(most);
   const Eigen::VectorXd none = differences(problem, Point{});
   const double share = problem.settings.independent_share;
-  const auto is_enough = [&](const Point& point, const Eigen::VectorXd& coarse, const Eigen::VectorXd& fine) {
-    const double gap = acts_by_force(point.effects.front().name) ? share * (fine - none).squaredNorm() : 0.0;
+  const auto is_enough = [&](const Eigen::VectorXd& coarse, const Eigen::VectorXd& fine) {
+    const double gap = share * (fine - none).squaredNorm();
     return share * (coarse - fine).squaredNorm() <= kStepShare * (evidence.law_freedom + evidence.law_share * gap);
   };
   for (int steps = 1; steps < most && !open.empty(); steps *= 2) {
@@ -35,7 +35,7 @@ ForceSteps steps_for_forces(Problem& problem, std::span<const common::EffectInst
     std::vector<Point> still_open;
     std::vector<Eigen::VectorXd> still_finest;
     for (std::size_t i = 0; i < open.size(); ++i) {
-      if (is_enough(open[i], coarse[i], finest[i])) {
+      if (is_enough(coarse[i], finest[i])) {
         found[open[i].effects.front().name] = steps;
         continue;
       }

@@ -4,8 +4,7 @@
 // middle, so its error falls with the square of the step: to next to nothing at the nominal machine's own, a thousandth of the characteristic time.
 // Steps that small cost the same time whatever the records' rate, and a drag needs none of them where a friction that changes every degree does; so
 // each effect gets as few as keep the misfit that they make of it, at its first start, below kStepShare of what the evidence forgives every law
-// (evidence.h), k + r G, G the gap that it makes. What drives make of their commands, a delay or a lag, gets as many as keep it below that share of k
-// alone: its gap is a hundred times that of a friction, and a part of it would hide whatever else differs.
+// (evidence.h), k + r G, G the gap that it makes.
 #pragma once
 
 #include <span>
@@ -18,7 +17,7 @@ namespace slewlab::diagnosis {
 
 inline constexpr double kStepShare = 0.1;  // chosen
 
-// Of each law among `starts` (screen.h) that has steps of its own (shadow.h): at least 1, at most as many as the nominal machine's step goes into the records'.
+// Of each force and friction among `starts` (screen.h): at least 1, at most as many as the nominal machine's step goes into the records'.
 ForceSteps steps_for_forces(Problem& problem, std::span<const common::EffectInstance> starts, const EvidenceSettings& evidence);
 
 }  // namespace slewlab::diagnosis

@@ -334,13 +334,6 @@ int steps_of_the_settings(const sim::MachineSettings& machine, double step) { re
 
 bool acts_by_force(std::string_view effect) { return acts_on_any(effect, {sim::EffectPort::force, sim::EffectPort::friction}); }
 
-bool has_steps_of_its_own(std::string_view effect) {
-  if (acts_by_force(effect)) return true;
-  const sim::EffectDescription* description = sim::find_effect(effect);
-  if (description == nullptr || description->ports.empty()) return false;
-  return description->about.pure_delay == common::PureDelay::command || description->ports == std::vector{sim::EffectPort::actuator};
-}
-
 Grid grid_of(const Record& record) { return {record.step, record.recorded_per_point}; }
 
 Follower follower_of(const sim::MachineSettings& settings, const Grid& grid, const ForceSteps& force_steps) {
@@ -357,16 +350,13 @@ Follower follower_of(const sim::MachineSettings& settings, const Grid& grid, con
   const int of_the_settings = steps_of_the_settings(settings, step);
   bool takes_commands = false;
   for (const common::EffectInstance& effect : with_step.effects) {
-    const auto found = force_steps.find(effect.name);
-    if (found != force_steps.end()) {
-      follower.steps = std::max(follower.steps, std::min(found->second, of_the_settings));
-      continue;
-    }
     if (acts_on_any(effect.name, {sim::EffectPort::message, sim::EffectPort::actuator})) {
       takes_commands = true;
       follower.steps = std::max(follower.steps, std::min(kMostSteps, of_the_settings));
     }
-    if (acts_by_force(effect.name)) follower.steps = std::max(follower.steps, of_the_settings);
+    if (!acts_by_force(effect.name)) continue;
+    const auto found = force_steps.find(effect.name);
+    follower.steps = std::max(follower.steps, found == force_steps.end() ? of_the_settings : std::min(found->second, of_the_settings));
   }
   if (takes_commands) follower.steps = (follower.steps + commands - 1) / commands * commands;
   with_step.step = step / follower.steps;

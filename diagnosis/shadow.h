@@ -98,8 +98,8 @@ struct Grid {
 Grid grid_of(const Record& record);
 
 // A machine that is to follow records on one grid: made once for all of them. Where an effect acts between two readings - on commands, on what
-// the drives make of them, as a force or a friction - the machine takes steps of its own below the grid's, down to those of its settings; what draws for
-// each command gets each of them.
+// the drives make of them, as a force or a friction - the machine takes steps of its own below the grid's, down to those of its settings; what acts on
+// commands gets each of them.
 struct Follower {
   sim::Machine machine;
   double encoder_delay = 0.0;  // [steps] of its own encoders; the machine itself has none
@@ -112,9 +112,6 @@ Follower follower_of(const sim::MachineSettings& machine, const Grid& grid, cons
 int steps_of_the_settings(const sim::MachineSettings& machine, double step);
 // Whether an effect is a force or a friction.
 bool acts_by_force(std::string_view effect);
-// Whether an effect needs as many steps between two readings as its law asks for: a force, a friction, what the drives make of their commands, and a delay of
-// these. What draws, command by command, gets each of them.
-bool has_steps_of_its_own(std::string_view effect);
 
 // [rad/s^2] slew axis, of all as one body under the torques of a grid point.
 double rigid_acceleration(const sim::PlantModel& model, const Record& record, std::size_t point);

@@ -3,9 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
-#include <string>
 
 #include "diagnosis/admit.h"
 #include "diagnosis/screen.h"
@@ -63,20 +61,13 @@ TEST(ModelStep, EachLawGetsWhatItNeedsAndNoMore) {
   take(nominal, plc_record(sticking_crane()), problem);
   const ForceSteps steps = steps_of(problem);
   for (const auto& [effect, count] : steps) {
-    EXPECT_TRUE(has_steps_of_its_own(effect)) << effect;
+    EXPECT_TRUE(acts_by_force(effect)) << effect;
     EXPECT_GE(count, 1) << effect;
     EXPECT_LE(count, kFinest) << effect;
   }
   // A friction whose size changes every few degrees needs more than a film of grease.
   EXPECT_GT(steps.at("bearing_uneven"), steps.at("bearing_viscous"));
   EXPECT_FALSE(steps.contains("boom_stiffness"));
-  // What draws for each command gets each of them.
-  EXPECT_FALSE(steps.contains("command_loss"));
-  EXPECT_FALSE(steps.contains("command_jitter"));
-  // One motion has one number of steps, or its two names would be two motions.
-  EXPECT_EQ(steps.at("dead_time"), steps.at("command_delay"));
-  // A torque that is cut off is held from command to command, one that follows with a lag changes between them.
-  EXPECT_LT(steps.at("torque_limit"), steps.at("torque_lag"));
   EXPECT_TRUE(problem.force_steps.empty()) << "asking changes nothing";
 }
 
@@ -88,31 +79,6 @@ TEST(ModelStep, RecordsOfTheModelsOwnRateNeedNoShorterSteps) {
   take(nominal, make_record(simulated_log(sticking_crane(), bench().controller, kThereAndBack, kDuration, 3), "fine", bench().admission), problem);
   for (const auto& [effect, count] : steps_of(problem)) {
     EXPECT_LE(count, 5) << effect;
-  }
-}
-
-// A lag moves more than anything else in the catalogue: of what its steps make wrong nothing may be left that a second effect could be.
-TEST(ModelStep, OfWhatTheDrivesMakeOfCommandsTheStepsLeaveNoGap) {
-  Problem problem;
-  sim::MachineSettings nominal;
-  nominal.crane = bench().crane;
-  take(nominal, make_record(simulated_log(nominal, bench().controller, kThereAndBack, kDuration, 3), "fine", bench().admission), problem);
-  const EvidenceSettings evidence;
-  const int finest = steps_of_the_settings(nominal, problem.records.front().step);
-  const auto starts = catalogue_starts(problem.catalogue, problem.nominal, {}, longest_record(problem), problem.thresholds.spell_every);
-  const ForceSteps steps = steps_of(problem);
-  for (const std::string effect : {"torque_lag", "torque_ripple", "dead_time", "torque_limit"}) {
-    EXPECT_LT(steps.at(effect), finest) << effect;
-    const auto start = std::find_if(starts.begin(), starts.end(), [&](const common::EffectInstance& one) { return one.name == effect; });
-    Point point;
-    point.effects = {*start};
-    const auto with_steps = [&](int count) {
-      problem.force_steps[effect] = count;
-      return differences(problem, point);
-    };
-    const Eigen::VectorXd fine = with_steps(finest);
-    EXPECT_LE(problem.settings.independent_share * (with_steps(steps.at(effect)) - fine).squaredNorm(), kStepShare * evidence.law_freedom) << effect;
-    EXPECT_GT(problem.settings.independent_share * (fine - differences(problem, Point{})).squaredNorm(), 100.0 * evidence.law_freedom) << effect << " shows";
   }
 }
 
