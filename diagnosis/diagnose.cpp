@@ -17,6 +17,7 @@
 #include "diagnosis/hidden_effects.h"
 #include "diagnosis/impacts_of_cause.h"
 #include "diagnosis/model_step.h"
+#include "diagnosis/controller_loop.h"
 #include "diagnosis/own_noise.h"
 #include "diagnosis/recurrence.h"
 #include "diagnosis/stochastic.h"
@@ -249,14 +250,15 @@ struct Weighed {
 
 // What a fit leaves by what the sensors' noise makes of its machine. Differences that have been divided already by a stochastic effect's power have the less noise beside it, the more of that power there is: they are not
 // allowed more of it than in the nominal machine.
-Leaving by_own_machine(const Problem& problem, const FitResult& result, double discrepancy_count) {
+Leaving by_own_machine(const Problem& problem, const FitResult& result, double discrepancy_count, const std::optional<ControllerLoop>& loop) {
   const Point rest = without_stochastic(problem.catalogue, result.point);
   const double share = problem.settings.independent_share;
+  const double by_loop = loop ? share * loss_by_loop(problem, *loop, rest) : 0.0;
   if (rest.effects.size() < result.point.effects.size()) {
-    return {result.excess + share * (square_by_less_noise(problem, rest, result.difference, discrepancy_count) - result.difference.squaredNorm()), {}, {}};
+    return {result.excess + by_loop + share * (square_by_less_noise(problem, rest, result.difference, discrepancy_count) - result.difference.squaredNorm()), {}, {}};
   }
   ByOwnNoise own = by_own_noise(problem, rest, result.difference, result.columns, discrepancy_count);
-  return {share * (own.square - static_cast<double>(result.difference.size())), std::move(own.gram), std::move(own.slope)};
+  return {by_loop + share * (own.square - static_cast<double>(result.difference.size())), std::move(own.gram), std::move(own.slope)};
 }
 
 // Parameters that shape effects and were moved to a bound at which their priors have no centre: of one that has, half of the prior lies beyond as well. A size there is doubted
@@ -272,11 +274,13 @@ int count_at_bounds(const common::EffectCatalogue& catalogue, const Point& point
   return count;
 }
 
-Weighed weigh_fits(Problem& problem, const Found& found, std::size_t effect_count, EvidenceSettings evidence) {
+// `is_controlled`: the commands are a controller's answers.
+Weighed weigh_fits(Problem& problem, const Found& found, std::size_t effect_count, EvidenceSettings evidence, bool is_controlled) {
+  const std::optional<ControllerLoop> loop = is_controlled ? std::optional(controller_loop(problem)) : std::nullopt;
   evidence.unknown_floor += kNoise * problem.settings.independent_share * static_cast<double>(difference_count(problem));
-  const Leaving of_nothing = by_own_machine(problem, found.nothing, evidence.discrepancy_count);
+  const Leaving of_nothing = by_own_machine(problem, found.nothing, evidence.discrepancy_count, loop);
   std::vector<Leaving> of_fits(found.fits.size());
-  share_out(problem, found.fits.size(), [&](std::size_t i) { of_fits[i] = by_own_machine(problem, found.fits[i], evidence.discrepancy_count); });
+  share_out(problem, found.fits.size(), [&](std::size_t i) { of_fits[i] = by_own_machine(problem, found.fits[i], evidence.discrepancy_count, loop); });
   double least = std::min(0.0, of_nothing.excess);
   for (std::size_t i = 0; i < found.fits.size(); ++i) {
     if (is_a_measure(found.fits[i].prior, found.fits[i].information, evidence.independent_share)) least = std::min(least, of_fits[i].excess);
@@ -776,7 +780,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   EvidenceSettings evidence = settings.evidence;
   evidence.independent_share = problem.settings.independent_share;
   diagnosis.not_excited = not_excited(screening, evidence);
-  Weighed weighed = weigh_fits(problem, found, screening.names.size(), evidence);
+  Weighed weighed = weigh_fits(problem, found, screening.names.size(), evidence, diagnosis.has_controller);
   charge_for_smooth_torques(problem, found, evidence, weighed);
   // The gap lies where the most probable cause takes something away; where none does, where more than noise is left.
   const FitResult* const answer_fit = weighed.answer(found.fits);

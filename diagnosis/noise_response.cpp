@@ -11,19 +11,6 @@ namespace slewlab::diagnosis {
 
 namespace {
 
-// What follows where nothing but what is linear acts while the machine runs and its teeth never part: what it answers grows with what it is asked. Play may be the crane's
-// or an effect's.
-Follower linear(sim::MachineSettings machine, const Grid& grid, const ForceSteps& force_steps) {
-  std::erase_if(machine.effects, [](const common::EffectInstance& effect) {
-    const sim::EffectDescription* description = sim::find_effect(effect.name);
-    if (description != nullptr && description->about.linear) return false;
-    return description == nullptr || std::any_of(description->ports.begin(), description->ports.end(), [](sim::EffectPort port) { return port != sim::EffectPort::parameters; });
-  });
-  Follower follower = follower_of(machine, grid, force_steps);
-  for (sim::GearContact& gear : follower.machine.model.gear) gear.half_play = 0.0;
-  return follower;
-}
-
 // A record of a machine that stands, on the grid of `record` and with its sensors.
 Record standing(const Record& record, std::size_t length) {
   Record still;
@@ -60,12 +47,23 @@ std::vector<std::complex<double>> spectrum_of(const std::vector<double>& values,
 
 }  // namespace
 
+Follower linear_follower(sim::MachineSettings machine, const Grid& grid, const ForceSteps& force_steps) {
+  std::erase_if(machine.effects, [](const common::EffectInstance& effect) {
+    const sim::EffectDescription* description = sim::find_effect(effect.name);
+    if (description != nullptr && description->about.linear) return false;
+    return description == nullptr || std::any_of(description->ports.begin(), description->ports.end(), [](sim::EffectPort port) { return port != sim::EffectPort::parameters; });
+  });
+  Follower follower = follower_of(machine, grid, force_steps);
+  for (sim::GearContact& gear : follower.machine.model.gear) gear.half_play = 0.0;
+  return follower;
+}
+
 NoiseResponse noise_response(const sim::MachineSettings& nominal, const Record& record, const ShadowGains& gains, std::size_t length, const ForceSteps& force_steps,
                              std::size_t frequencies) {
   NoiseResponse response;
   Record still = standing(record, length);
   DriveCourse drives = idle_drives(still);
-  const Follower follower = linear(nominal, grid_of(still), force_steps);
+  const Follower follower = linear_follower(nominal, grid_of(still), force_steps);
   const std::size_t cycle = reading_stride(record);
   // Behind the time in which the tip sensor's offset is taken, for which a reading that is off would be taken.
   const std::size_t place = std::min(length / 2, static_cast<std::size_t>(gains.first_offset / record.step) + cycle + 1);

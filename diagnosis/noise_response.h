@@ -29,6 +29,10 @@ struct NoiseResponse {
   SourceResponse tip;  // of a tip acceleration that is off by 1 m/s^2 at one grid point; empty: not measured
 };
 
+// What follows where nothing but what is linear acts while the machine runs and its teeth never part: what it answers grows with what it is asked. Play may be the crane's
+// or an effect's. Throws std::invalid_argument where the machine cannot be built.
+Follower linear_follower(sim::MachineSettings machine, const Grid& grid, const ForceSteps& force_steps);
+
 // `length` points on the record's grid, an even number; so many of the frequencies, or all. Throws std::invalid_argument where the machine cannot be built.
 NoiseResponse noise_response(const sim::MachineSettings& nominal, const Record& record, const ShadowGains& gains, std::size_t length, const ForceSteps& force_steps = {},
                              std::size_t frequencies = 0);

@@ -52,7 +52,8 @@ const EffectDescription& command_delay() {
                 .family = common::Family::delay,
                 .acts_late = true,
                 .pure_delay = common::PureDelay::command,
-                .before_torque = true},
+                .before_torque = true,
+                .linear = true},
       .ports = {EffectPort::message},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<CommandDelay>(start);

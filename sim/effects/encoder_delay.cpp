@@ -51,7 +51,8 @@ const EffectDescription& encoder_delay() {
                                 .absent = 0.0}},
                 .family = common::Family::delay,
                 .acts_late = true,
-                .pure_delay = common::PureDelay::encoder},
+                .pure_delay = common::PureDelay::encoder,
+                .linear = true},
       .ports = {EffectPort::sensor},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<EncoderDelay>(start);

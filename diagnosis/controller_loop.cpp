@@ -1,0 +1,197 @@
+#include "diagnosis/controller_loop.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <unsupported/Eigen/FFT>
+
+#include "diagnosis/noise_response.h"
+
+namespace slewlab::diagnosis {
+
+namespace {
+
+using Spectrum = std::vector<std::complex<double>>;
+
+constexpr double kLeastCondition = 1e-10;  // [-] of the normal equations: below, the readings of the groups are one
+constexpr int kTerms = 3;  // of C in s: chosen, a delay of a third of a period within a tenth
+Spectrum spectrum_of(const std::vector<double>& values) {
+  Eigen::FFT<double> fft;
+  fft.SetFlag(Eigen::FFT<double>::HalfSpectrum);
+  Spectrum spectrum;
+  fft.fwd(spectrum, values);
+  return spectrum;
+}
+
+// Twice differenced: what is slow, and large, must not leak into what is fast.
+double second_difference(const std::vector<double>& values, std::size_t n) { return values[n] - 2.0 * values[n - 1] + values[n - 2]; }
+
+// [points] of a transform in which the machine's answer to an impulse dies away, within the record.
+std::size_t response_length(const Problem& problem, const Record& record) {
+  constexpr double kAnswer = 16.0;  // characteristic times; chosen: a mode of T damped by a hundredth falls to a third
+  const auto points = static_cast<std::size_t>(kAnswer * problem.thresholds.time / record.step);
+  return std::min(transform_length(points), (record.size() - 2) / 2 * 2);
+}
+
+// Of each bin: what of the torque channels' variance is noise and not what mesh and step make wrong, in the one that has least.
+Eigen::VectorXd noise_share(const Whitening& whitening) {
+  Eigen::VectorXd share = Eigen::VectorXd::Ones(static_cast<Eigen::Index>(whitening.bin_count));
+  for (std::size_t c = 0; c < whitening.channels.size(); ++c) {
+    if (whitening.channels[c].is_torque) share = share.cwiseMin((1.0 - whitening.missed[c].array()).max(0.0).matrix());
+  }
+  return share;
+}
+
+}  // namespace
+
+GroupMatrix ControllerResponse::at(double frequency) const {
+  const std::complex<double> s(0.0, frequency / unit);
+  GroupMatrix answer = GroupMatrix::Zero(rate.front().rows(), rate.front().cols());
+  std::complex<double> power = s;
+  for (const GroupMatrix& term : rate) {
+    answer += power * term;
+    power *= s;
+  }
+  return answer;
+}
+
+ControllerResponse controller_response(const Record& record, std::size_t length, double from, double to) {
+  const auto groups = static_cast<std::size_t>(record.group_count);
+  const double bin_width = 1.0 / (static_cast<double>(length) * record.step);
+  const auto first = static_cast<std::size_t>(std::ceil(from / bin_width)), end = std::min(static_cast<std::size_t>(to / bin_width), length / 2) + 1;
+  const auto terms = static_cast<Eigen::Index>(groups) * kTerms;
+  // Normal equations of all torques: one row of unknowns for each, of the readings' groups within each power of s.
+  Eigen::MatrixXd of_readings = Eigen::MatrixXd::Zero(terms, terms), with_torques = Eigen::MatrixXd::Zero(terms, static_cast<Eigen::Index>(groups));
+  for (std::size_t begin = 2; begin + length <= record.size(); begin += length / 2) {
+    std::vector<Spectrum> torque, position;
+    for (std::size_t g = 0; g < groups; ++g) {
+      std::vector<double> of_torque(length), of_position(length);
+      for (std::size_t n = 0; n < length; ++n) {
+        const double window = 0.5 * (1.0 - std::cos(2.0 * std::numbers::pi * static_cast<double>(n) / static_cast<double>(length)));
+        of_torque[n] = window * second_difference(record.motor_torque[g], begin + n);
+        of_position[n] = window * second_difference(record.shaft_position[g], begin + n);
+      }
+      torque.push_back(spectrum_of(of_torque));
+      position.push_back(spectrum_of(of_position));
+    }
+    for (std::size_t k = first; k < end; ++k) {
+      Eigen::VectorXcd answered(terms), asked(static_cast<Eigen::Index>(groups));
+      const std::complex<double> s(0.0, static_cast<double>(k) * bin_width / to);
+      double power = 0.0;
+      for (std::size_t g = 0; g < groups; ++g) {
+        const auto row = static_cast<Eigen::Index>(g);
+        asked(row) = -torque[g][k];
+        power += std::norm(position[g][k]);
+        std::complex<double> value = position[g][k];
+        for (Eigen::Index term = 0; term < kTerms; ++term) answered(term * static_cast<Eigen::Index>(groups) + row) = value *= s;
+      }
+      if (power <= 0.0) continue;
+      of_readings += (answered.conjugate() * answered.transpose()).real() / power;
+      with_torques += (answered.conjugate() * asked.transpose()).real() / power;
+    }
+  }
+  const Eigen::LDLT<Eigen::MatrixXd> solved(of_readings);
+  ControllerResponse answer{to, {}};
+  if (solved.info() != Eigen::Success || !solved.isPositive() || solved.rcond() < kLeastCondition) return answer;
+  const Eigen::MatrixXd rates = solved.solve(with_torques);
+  for (Eigen::Index term = 0; term < kTerms; ++term) {
+    answer.rate.emplace_back(rates.middleRows(term * static_cast<Eigen::Index>(groups), static_cast<Eigen::Index>(groups)).transpose().cast<std::complex<double>>());
+  }
+  return answer;
+}
+
+MachineResponse machine_response(const sim::MachineSettings& machine, const Record& record, const ShadowGains& gains, double encoder_latency, std::size_t length, const ForceSteps& force_steps) {
+  const auto groups = static_cast<std::size_t>(record.group_count);
+  const Follower follower = linear_follower(machine, grid_of(record), force_steps);
+  Record still;
+  still.step = record.step;
+  still.group_count = record.group_count;
+  for (std::size_t g = 0; g < groups; ++g) {
+    for (auto* series : {&still.motor_torque[g], &still.shaft_speed[g], &still.shaft_position[g], &still.position_rate[g]}) series->assign(1, 0.0);
+  }
+  // The missing torque of each motor, at each point of the grid, after a first one at which something is otherwise.
+  const auto missing_after = [&](const GroupAngles& reading, const sim::DriveCommand& push) {
+    Observer observer(follower, still, gains);
+    std::vector<std::vector<double>> missing(groups, std::vector<double>(length, 0.0));
+    for (std::size_t n = 0; n < length; ++n) {
+      const Observer::Moment moment = observer.advance(n == 0 ? push : sim::DriveCommand{}, {n == 0 ? reading : GroupAngles{}, nullptr});
+      for (std::size_t g = 0; g < groups; ++g) missing[g][n] = moment.missing_torque[g];
+    }
+    return missing;
+  };
+  const std::vector<std::vector<double>> left_alone = missing_after({}, {});
+  const auto spectra_of = [&](std::vector<std::vector<double>> missing) {
+    std::vector<Spectrum> spectra;
+    for (std::size_t g = 0; g < groups; ++g) {
+      for (std::size_t n = 0; n < length; ++n) missing[g][n] -= left_alone[g][n];
+      spectra.push_back(spectrum_of(missing[g]));
+    }
+    return spectra;
+  };
+  constexpr double kSmall = 1e-6;  // [rad], [Nm]: teeth that a load presses together stay so
+  std::vector<std::vector<Spectrum>> of_reading, of_torque;  // per group that is off, per motor
+  for (std::size_t g = 0; g < groups; ++g) {
+    GroupAngles reading{};
+    reading[g] = kSmall;
+    sim::DriveCommand push;
+    push.motor_torque[g] = kSmall;
+    of_reading.push_back(spectra_of(missing_after(reading, {})));
+    of_torque.push_back(spectra_of(missing_after({}, push)));
+  }
+  const double late = encoder_latency / record.step + follower.encoder_delay;  // [steps]
+  MachineResponse response{length, 1.0 / (static_cast<double>(length) * record.step), {}};
+  const auto size = static_cast<Eigen::Index>(groups);
+  for (std::size_t k = 0; k <= length / 2; ++k) {
+    GroupMatrix by_reading(size, size), by_torque(size, size);
+    for (Eigen::Index g = 0; g < size; ++g) {
+      for (Eigen::Index h = 0; h < size; ++h) {
+        by_reading(h, g) = of_reading[static_cast<std::size_t>(g)][static_cast<std::size_t>(h)][k];
+        by_torque(h, g) = of_torque[static_cast<std::size_t>(g)][static_cast<std::size_t>(h)][k];
+      }
+    }
+    response.at.emplace_back(-std::polar(1.0, -2.0 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(length) * late) * by_reading.inverse() * by_torque);
+  }
+  return response;
+}
+
+Eigen::VectorXd stretch_of_readings(const MachineResponse& machine, const ControllerResponse& controller, const Whitening& whitening) {
+  Eigen::VectorXd stretch = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(whitening.bin_count));
+  if (controller.rate.empty()) return stretch;
+  for (std::size_t b = 0; b < whitening.bin_count; ++b) {
+    const double place = static_cast<double>((whitening.first_bin + b) * machine.length) / static_cast<double>(whitening.transform_length);
+    const auto k = static_cast<std::size_t>(std::lround(place));
+    const GroupMatrix loop = machine.at[k] * controller.at(static_cast<double>(k) * machine.bin_width);
+    const GroupMatrix returned = GroupMatrix::Identity(loop.rows(), loop.cols()) + loop;
+    stretch(static_cast<Eigen::Index>(b)) = 2.0 * std::log(std::norm(returned.determinant()));
+  }
+  return stretch;
+}
+
+ControllerLoop controller_loop(const Problem& problem) {
+  ControllerLoop loop;
+  const WhiteningSettings& band = problem.thresholds.whitening;
+  for (const Record& record : problem.records) {
+    const std::size_t length = response_length(problem, record);
+    loop.controller.push_back(controller_response(record, length, band.encoder_noise_from, band.highest_frequency));
+    const sim::MachineSettings nominal = machine_at(problem.nominal, problem.nuisances, {});
+    loop.of_nominal.push_back(stretch_of_readings(machine_response(nominal, record, problem.gains, 0.0, length, problem.force_steps), loop.controller.back(), problem.whitening[loop.of_nominal.size()]));
+  }
+  return loop;
+}
+
+double loss_by_loop(const Problem& problem, const ControllerLoop& loop, const Point& point) {
+  const sim::MachineSettings machine = machine_at(problem.nominal, problem.nuisances, point);
+  double loss = 0.0;
+  for (std::size_t r = 0; r < problem.records.size(); ++r) {
+    const Record& record = problem.records[r];
+    const Whitening& whitening = problem.whitening[r];
+    const MachineResponse answer = machine_response(machine, record, problem.gains, encoder_latency(problem.nuisances, point.nuisance), response_length(problem, record), problem.force_steps);
+    const Eigen::VectorXd stretch = stretch_of_readings(answer, loop.controller[r], whitening);
+    loss += noise_share(whitening).dot(loop.of_nominal[r] - stretch);
+  }
+  return loss;
+}
+
+}  // namespace slewlab::diagnosis

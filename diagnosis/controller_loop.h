@@ -1,0 +1,66 @@
+// What the controller makes of the encoders' noise n. It answers the readings y with torques u, which turn the machine:
+//
+//   y = P u + n,    u = r - C y
+//
+// A hypothesis' machine P leaves of the readings y - P u = (I + P C) y - P r, and their density is that of the noise times how far the readings' volume is stretched, in every bin |det (I + P C)|^2:
+//
+//   -2 ln p(y) = sum over bins of z* V^-1 z - 2 ln |det (I + P C)|^2
+//
+// z* V^-1 z as own_noise.h has it, less the same of the nominal machine. P follows the torques at least one reading later, so that the mean of ln |det (I + P C)| over all frequencies is that of every machine
+// (Bode's integral): whoever judges all of them need not know it. In the band that is judged it is not: readings that are taken d later leave n (1 - T (1 - exp(-j w d))), T = P C / (1 + P C),
+// less than the noise up to where the loop ends, and more beyond.
+//
+// C is what the record shows where the encoders' noise is all that is in it, above `from`: a delayed and filtered proportion of the speed, (K + K' s + K'' s^2) s, real matrices by least squares over the spectra of
+// commands and readings, each frequency counting alike; so it goes on below. P is what the machine at rest with its teeth together answers to an impulse.
+// Assumption: the commands are a controller's answers to these readings, and what else it is asked is smooth. Of bins in which mesh and step make more of what is left than noise does, only the noise's share counts.
+#pragma once
+
+#include <Eigen/Core>
+#include <complex>
+#include <vector>
+
+#include "diagnosis/problem.h"
+#include "diagnosis/record.h"
+#include "diagnosis/shadow.h"
+#include "diagnosis/whitening.h"
+#include "sim/integrate/machine_settings.h"
+
+namespace slewlab::diagnosis {
+
+using GroupMatrix = Eigen::Matrix<std::complex<double>, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, sim::kMaximumGroupCount, sim::kMaximumGroupCount>;
+
+// At a frequency f: `rate` (j f / unit) + (j f / unit)^2 + ..., C [Nm of each motor per rad of each shaft].
+struct ControllerResponse {
+  double unit = 0.0;  // [Hz]
+  std::vector<GroupMatrix> rate;  // real ones; none: nothing is answered
+
+  GroupMatrix at(double frequency) const;
+};
+
+// Of the band from `from` to `to` [Hz], by transforms over `length` points.
+ControllerResponse controller_response(const Record& record, std::size_t length, double from, double to);
+
+// P at the frequencies of a transform over `length` points of the record's grid, from 0 to its half.
+struct MachineResponse {
+  std::size_t length = 0;
+  double bin_width = 0.0;  // [Hz]
+  std::vector<GroupMatrix> at;
+};
+
+// P [rad of each shaft per Nm of each motor, held over one step of the grid], encoders that read `encoder_latency` [s] late; nothing but what is linear acts. Throws std::invalid_argument where the machine cannot be built.
+MachineResponse machine_response(const sim::MachineSettings& machine, const Record& record, const ShadowGains& gains, double encoder_latency, std::size_t length, const ForceSteps& force_steps);
+
+// Of each bin that is judged: 2 ln |det (I + P C)|^2.
+Eigen::VectorXd stretch_of_readings(const MachineResponse& machine, const ControllerResponse& controller, const Whitening& whitening);
+
+// A problem's records and what its nominal machine makes of them.
+struct ControllerLoop {
+  std::vector<ControllerResponse> controller;  // per record
+  std::vector<Eigen::VectorXd> of_nominal;   // per record: of each bin, the nominal machine's stretch
+};
+ControllerLoop controller_loop(const Problem& problem);
+
+// What it adds to z* V^-1 z that the machine at a point stretches the readings otherwise than the nominal one.
+double loss_by_loop(const Problem& problem, const ControllerLoop& loop, const Point& point);
+
+}  // namespace slewlab::diagnosis
