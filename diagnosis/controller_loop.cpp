@@ -13,10 +13,13 @@ namespace slewlab::diagnosis {
 
 namespace {
 
+using GroupVector = Eigen::Matrix<std::complex<double>, Eigen::Dynamic, 1, Eigen::ColMajor, sim::kMaximumGroupCount, 1>;
 using Spectrum = std::vector<std::complex<double>>;
 
 constexpr double kLeastCondition = 1e-10;  // [-] of the normal equations: below, the readings of the groups are one
-constexpr int kTerms = 3;  // of C in s: chosen, a delay of a third of a period within a tenth
+constexpr double kLeastPower = 1e-3;       // [-] of the mean: what counts of readings that stand still is rounding
+constexpr int kTerms = 3;                  // of C in s: chosen, a delay of a sixth of a period within a twentieth
+
 Spectrum spectrum_of(const std::vector<double>& values) {
   Eigen::FFT<double> fft;
   fft.SetFlag(Eigen::FFT<double>::HalfSpectrum);
@@ -25,13 +28,21 @@ Spectrum spectrum_of(const std::vector<double>& values) {
   return spectrum;
 }
 
-// Twice differenced: what is slow, and large, must not leak into what is fast.
-double second_difference(const std::vector<double>& values, std::size_t n) { return values[n] - 2.0 * values[n - 1] + values[n - 2]; }
+// Under a smooth window and twice differenced: what is slow, and large, must not leak into what is fast.
+Spectrum spectrum_of_stretch(const std::vector<double>& values, std::size_t begin, std::size_t length) {
+  std::vector<double> stretch(length);
+  for (std::size_t n = 0; n < length; ++n) {
+    const double window = 0.5 * (1.0 - std::cos(2.0 * std::numbers::pi * static_cast<double>(n) / static_cast<double>(length)));
+    const std::size_t at = begin + n;
+    stretch[n] = window * (values[at] - 2.0 * values[at - 1] + values[at - 2]);
+  }
+  return spectrum_of(stretch);
+}
 
 // [points] of a transform in which the machine's answer to an impulse dies away, within the record.
 std::size_t response_length(const Problem& problem, const Record& record) {
-  constexpr double kAnswer = 16.0;  // characteristic times; chosen: a mode of T damped by a hundredth falls to a third
-  const auto points = static_cast<std::size_t>(kAnswer * problem.thresholds.time / record.step);
+  constexpr double kTimes = 16.0;  // characteristic times T; chosen: a mode of period T that is damped by a hundredth falls to a third
+  const auto points = static_cast<std::size_t>(kTimes * problem.thresholds.time / record.step);
   return std::min(transform_length(points), (record.size() - 2) / 2 * 2);
 }
 
@@ -58,48 +69,49 @@ GroupMatrix ControllerResponse::at(double frequency) const {
 }
 
 ControllerResponse controller_response(const Record& record, std::size_t length, double from, double to) {
-  const auto groups = static_cast<std::size_t>(record.group_count);
+  const auto groups = static_cast<Eigen::Index>(record.group_count);
   const double bin_width = 1.0 / (static_cast<double>(length) * record.step);
   const auto first = static_cast<std::size_t>(std::ceil(from / bin_width)), end = std::min(static_cast<std::size_t>(to / bin_width), length / 2) + 1;
-  const auto terms = static_cast<Eigen::Index>(groups) * kTerms;
-  // Normal equations of all torques: one row of unknowns for each, of the readings' groups within each power of s.
-  Eigen::MatrixXd of_readings = Eigen::MatrixXd::Zero(terms, terms), with_torques = Eigen::MatrixXd::Zero(terms, static_cast<Eigen::Index>(groups));
+  // All groups' torques and positions at one frequency of one stretch.
+  struct Answered {
+    std::complex<double> s;  // in `to`
+    GroupVector torque, position;
+  };
+  std::vector<Answered> answered;
+  double power = 0.0;
   for (std::size_t begin = 2; begin + length <= record.size(); begin += length / 2) {
     std::vector<Spectrum> torque, position;
-    for (std::size_t g = 0; g < groups; ++g) {
-      std::vector<double> of_torque(length), of_position(length);
-      for (std::size_t n = 0; n < length; ++n) {
-        const double window = 0.5 * (1.0 - std::cos(2.0 * std::numbers::pi * static_cast<double>(n) / static_cast<double>(length)));
-        of_torque[n] = window * second_difference(record.motor_torque[g], begin + n);
-        of_position[n] = window * second_difference(record.shaft_position[g], begin + n);
-      }
-      torque.push_back(spectrum_of(of_torque));
-      position.push_back(spectrum_of(of_position));
+    for (std::size_t g = 0; g < static_cast<std::size_t>(groups); ++g) {
+      torque.push_back(spectrum_of_stretch(record.motor_torque[g], begin, length));
+      position.push_back(spectrum_of_stretch(record.shaft_position[g], begin, length));
     }
     for (std::size_t k = first; k < end; ++k) {
-      Eigen::VectorXcd answered(terms), asked(static_cast<Eigen::Index>(groups));
-      const std::complex<double> s(0.0, static_cast<double>(k) * bin_width / to);
-      double power = 0.0;
-      for (std::size_t g = 0; g < groups; ++g) {
-        const auto row = static_cast<Eigen::Index>(g);
-        asked(row) = -torque[g][k];
-        power += std::norm(position[g][k]);
-        std::complex<double> value = position[g][k];
-        for (Eigen::Index term = 0; term < kTerms; ++term) answered(term * static_cast<Eigen::Index>(groups) + row) = value *= s;
+      answered.push_back({{0.0, static_cast<double>(k) * bin_width / to}, GroupVector(groups), GroupVector(groups)});
+      for (Eigen::Index g = 0; g < groups; ++g) {
+        answered.back().torque(g) = torque[static_cast<std::size_t>(g)][k];
+        answered.back().position(g) = position[static_cast<std::size_t>(g)][k];
       }
-      if (power <= 0.0) continue;
-      of_readings += (answered.conjugate() * answered.transpose()).real() / power;
-      with_torques += (answered.conjugate() * asked.transpose()).real() / power;
+      power += answered.back().position.squaredNorm();
     }
   }
-  const Eigen::LDLT<Eigen::MatrixXd> solved(of_readings);
-  ControllerResponse answer{to, {}};
-  if (solved.info() != Eigen::Success || !solved.isPositive() || solved.rcond() < kLeastCondition) return answer;
-  const Eigen::MatrixXd rates = solved.solve(with_torques);
-  for (Eigen::Index term = 0; term < kTerms; ++term) {
-    answer.rate.emplace_back(rates.middleRows(term * static_cast<Eigen::Index>(groups), static_cast<Eigen::Index>(groups)).transpose().cast<std::complex<double>>());
+  ControllerResponse response{to, {}};
+  if (power <= 0.0) return response;
+  const double least = kLeastPower * power / static_cast<double>(answered.size());
+  // Normal equations of all torques, a column each; the unknowns are the groups' readings within each power of s.
+  Eigen::MatrixXd of_readings = Eigen::MatrixXd::Zero(groups * kTerms, groups * kTerms), with_torques = Eigen::MatrixXd::Zero(groups * kTerms, groups);
+  for (const Answered& one : answered) {
+    Eigen::VectorXcd readings(groups * kTerms);
+    std::complex<double> power_of_s = one.s;
+    for (Eigen::Index term = 0; term < kTerms; ++term, power_of_s *= one.s) readings.segment(term * groups, groups) = power_of_s * one.position;
+    const double weight = 1.0 / std::max(least, one.position.squaredNorm());
+    of_readings += weight * (readings.conjugate() * readings.transpose()).real();
+    with_torques -= weight * (readings.conjugate() * one.torque.transpose()).real();
   }
-  return answer;
+  const Eigen::LDLT<Eigen::MatrixXd> solved(of_readings);
+  if (solved.info() != Eigen::Success || !solved.isPositive() || solved.rcond() < kLeastCondition) return response;
+  const Eigen::MatrixXd rates = solved.solve(with_torques);
+  for (Eigen::Index term = 0; term < kTerms; ++term) response.rate.emplace_back(rates.middleRows(term * groups, groups).transpose().cast<std::complex<double>>());
+  return response;
 }
 
 MachineResponse machine_response(const sim::MachineSettings& machine, const Record& record, const ShadowGains& gains, double encoder_latency, std::size_t length, const ForceSteps& force_steps) {
@@ -172,11 +184,14 @@ Eigen::VectorXd stretch_of_readings(const MachineResponse& machine, const Contro
 ControllerLoop controller_loop(const Problem& problem) {
   ControllerLoop loop;
   const WhiteningSettings& band = problem.thresholds.whitening;
-  for (const Record& record : problem.records) {
+  const sim::MachineSettings nominal = machine_at(problem.nominal, problem.nuisances, {});
+  for (std::size_t r = 0; r < problem.records.size(); ++r) {
+    const Record& record = problem.records[r];
+    const Whitening& whitening = problem.whitening[r];
     const std::size_t length = response_length(problem, record);
-    loop.controller.push_back(controller_response(record, length, band.encoder_noise_from, band.highest_frequency));
-    const sim::MachineSettings nominal = machine_at(problem.nominal, problem.nuisances, {});
-    loop.of_nominal.push_back(stretch_of_readings(machine_response(nominal, record, problem.gains, 0.0, length, problem.force_steps), loop.controller.back(), problem.whitening[loop.of_nominal.size()]));
+    const double to = static_cast<double>(whitening.first_bin + whitening.bin_count) * whitening.bin_width;
+    loop.controller.push_back(controller_response(record, length, to * band.encoder_noise_from / band.highest_frequency, to));
+    loop.of_nominal.push_back(stretch_of_readings(machine_response(nominal, record, problem.gains, 0.0, length, problem.force_steps), loop.controller.back(), whitening));
   }
   return loop;
 }

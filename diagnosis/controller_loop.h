@@ -10,8 +10,9 @@
 // (Bode's integral): whoever judges all of them need not know it. In the band that is judged it is not: readings that are taken d later leave n (1 - T (1 - exp(-j w d))), T = P C / (1 + P C),
 // less than the noise up to where the loop ends, and more beyond.
 //
-// C is what the record shows where the encoders' noise is all that is in it, above `from`: a delayed and filtered proportion of the speed, (K + K' s + K'' s^2) s, real matrices by least squares over the spectra of
-// commands and readings, each frequency counting alike; so it goes on below. P is what the machine at rest with its teeth together answers to an impulse.
+// C is what the record shows in the upper half of the judged band, where the readings hold the encoders' noise alone: a delayed and filtered proportion of the speed, (K + K' s + K'' s^2) s with real matrices, by least
+// squares over the spectra of commands and readings, each frequency counting alike; it is taken to go on so below. P = - A^-1 B of the machine at rest with its teeth together and nothing acting that is not linear, A and B what
+// an observer's missing torque (shadow.h) answers to one reading that is off, and to a torque over one step of the grid: it holds a machine that would not stay where it is.
 // Assumption: the commands are a controller's answers to these readings, and what else it is asked is smooth. Of bins in which mesh and step make more of what is left than noise does, only the noise's share counts.
 #pragma once
 
@@ -29,15 +30,15 @@ namespace slewlab::diagnosis {
 
 using GroupMatrix = Eigen::Matrix<std::complex<double>, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, sim::kMaximumGroupCount, sim::kMaximumGroupCount>;
 
-// At a frequency f: `rate` (j f / unit) + (j f / unit)^2 + ..., C [Nm of each motor per rad of each shaft].
+// C [Nm of each motor per rad of each shaft], with s in `unit`.
 struct ControllerResponse {
   double unit = 0.0;  // [Hz]
-  std::vector<GroupMatrix> rate;  // real ones; none: nothing is answered
+  std::vector<GroupMatrix> rate;  // K, K', K''; none: nothing is read
 
   GroupMatrix at(double frequency) const;
 };
 
-// Of the band from `from` to `to` [Hz], by transforms over `length` points.
+// Of what lies between two frequencies [Hz], by transforms over `length` points.
 ControllerResponse controller_response(const Record& record, std::size_t length, double from, double to);
 
 // P at the frequencies of a transform over `length` points of the record's grid, from 0 to its half.

@@ -27,7 +27,7 @@ Record empty_record(int groups, std::size_t count) {
 // exp(-j w h) at a frequency [Hz].
 std::complex<double> one_step_later(double frequency) { return std::polar(1.0, -2.0 * std::numbers::pi * frequency * kPeriod); }
 
-// Each motor answers its own reading's change with K_p a cycle later: C = K_p (1 - z^-1) / h z^-1, of which the record has noise alone. By polynomials, so within a twentieth.
+// Each motor answers its own reading's change with K_p a cycle later: C = K_p (1 - z^-1) / h z^-1, of which the record has noise alone, and in its second half, where the machine stands, what was rounded. By polynomials, so within a twentieth.
 TEST(ControllerLoop, FindsWhatTheControllerAnswers) {
   constexpr std::size_t kCount = 20000;
   constexpr double kGain[] = {7.0, 3.0};  // [Nms/rad]
@@ -36,8 +36,10 @@ TEST(ControllerLoop, FindsWhatTheControllerAnswers) {
   std::normal_distribution<double> normal;
   for (std::size_t g = 0; g < 2; ++g) {
     for (std::size_t n = 0; n < kCount; ++n) {
-      record.shaft_position[g][n] = 1e-4 * normal(engine);
-      if (n >= 2) record.motor_torque[g][n] = -kGain[g] * (record.shaft_position[g][n - 1] - record.shaft_position[g][n - 2]) / kPeriod;
+      const bool stands = n > kCount / 2;
+      record.shaft_position[g][n] = (stands ? 1e-15 : 1e-4) * normal(engine);
+      if (stands) record.motor_torque[g][n] = 1e-12 * normal(engine);
+      else if (n >= 2) record.motor_torque[g][n] = -kGain[g] * (record.shaft_position[g][n - 1] - record.shaft_position[g][n - 2]) / kPeriod;
     }
   }
   const ControllerResponse answer = controller_response(record, 2000, 8.0, 16.0);
