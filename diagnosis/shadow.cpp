@@ -270,6 +270,18 @@ void start(sim::Machine& machine, const Record& record, const FirstReading& firs
   sim::forget_past(machine);
 }
 
+// How the shafts turn where the encoders read so: those that read a scale or a ripple read another speed than there is.
+FirstReading as_it_turns(const sim::Machine& machine, const Record& record, FirstReading first, const Beginning& beginning, double time) {
+  if (machine.sensor.empty()) return first;
+  sim::Machine begun = machine;
+  start(begun, record, first, beginning, time);
+  const sim::MachineReadings readings = sim::read(begun);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(record.group_count); ++i) {
+    if (readings.shaft_speed[i] != 0.0) first.rate[i] *= first.rate[i] / readings.shaft_speed[i];
+  }
+  return first;
+}
+
 }  // namespace
 
 namespace {
@@ -396,10 +408,9 @@ Observer::Observer(Follower follower, const Record& record, const FirstReading& 
       leak_(std::exp(-record.step / gains.leak_time)),
       forget_(std::exp(-record.step / gains.offset_time)),
       first_(static_cast<std::size_t>(gains.first_offset / record.step)) {
-  start(machine_, record, first, beginning, gains.first_slope);
-  for (std::size_t i = 0; i < groups_; ++i) {
-    origin_[i] = first.position[i] - machine_.state.motor_angle[i] * machine_.model.ratio;
-  }
+  start(machine_, record, as_it_turns(machine_, record, first, beginning, gains.first_slope), beginning, gains.first_slope);
+  const sim::MachineReadings readings = sim::read(machine_);
+  for (std::size_t i = 0; i < groups_; ++i) origin_[i] = first.position[i] - readings.shaft_position[i];
   past_error_.assign(std::max<std::size_t>(1, static_cast<std::size_t>(std::lround(gains.speed_window / record.step))), GroupAngles{});
   speed_window_ = step_ * static_cast<double>(past_error_.size());
 }

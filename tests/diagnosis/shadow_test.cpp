@@ -42,6 +42,17 @@ struct BegunInMotion : Problem {
   }
 };
 
+// Encoders that read 7 % too little: begun in the midst of a slew, the motors turn faster than they say, and their first readings are what they say of where they are.
+TEST(Shadow, BeginsAsFastAsTheMachineTurnsThatIsReadWrong) {
+  sim::MachineSettings truth;
+  truth.crane = bench().crane;
+  truth.effects = {{"encoder_scale", {-0.07}}};
+  BegunInMotion begun(truth);
+  const FitResult fitted = begun.fit_of(truth.effects);
+  EXPECT_LT(mean_square(fitted.difference), 1.2);
+  EXPECT_NEAR(fitted.point.effects[0].values[0], -0.07, 0.006);  // its prior of a hundredth draws it to 0
+}
+
 // A machine whose pinions' mesh is where the house stands: begun in the midst of a slew, a record has the mesh of that angle and not of zero, and
 // its first readings are those of its first moment.
 TEST(Shadow, WhatGoesWithTheAngleHasItsPhaseInARecordThatBeginsElsewhere) {
