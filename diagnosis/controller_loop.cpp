@@ -142,13 +142,14 @@ MachineResponse machine_response(const sim::MachineSettings& machine, const Reco
     }
     return spectra;
   };
-  constexpr double kSmall = 1e-6;  // [rad], [Nm]: teeth that a load presses together stay so
+  constexpr double kSmall = 1e-6;  // [rad], and as a share of the rated torque: teeth that a load presses together stay so
+  const double small_torque = kSmall * follower.machine.model.parameters.drive.rated_torque;  // [Nm]
   std::vector<std::vector<Spectrum>> of_reading, of_torque;  // per group that is off, per motor
   for (std::size_t g = 0; g < groups; ++g) {
     GroupAngles reading{};
     reading[g] = kSmall;
     sim::DriveCommand push;
-    push.motor_torque[g] = kSmall;
+    push.motor_torque[g] = small_torque;
     of_reading.push_back(spectra_of(missing_after(reading, {})));
     of_torque.push_back(spectra_of(missing_after({}, push)));
   }
@@ -163,7 +164,7 @@ MachineResponse machine_response(const sim::MachineSettings& machine, const Reco
         by_torque(h, g) = of_torque[static_cast<std::size_t>(g)][static_cast<std::size_t>(h)][k];
       }
     }
-    response.at.emplace_back(-std::polar(1.0, -2.0 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(length) * late) * by_reading.inverse() * by_torque);
+    response.at.emplace_back(-kSmall / small_torque * std::polar(1.0, -2.0 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(length) * late) * by_reading.inverse() * by_torque);
   }
   return response;
 }

@@ -14,10 +14,10 @@
 
 #include "controller/effects/catalogue.h"
 #include "diagnosis/admit.h"
+#include "diagnosis/controller_loop.h"
 #include "diagnosis/hidden_effects.h"
 #include "diagnosis/impacts_of_cause.h"
 #include "diagnosis/model_step.h"
-#include "diagnosis/controller_loop.h"
 #include "diagnosis/own_noise.h"
 #include "diagnosis/recurrence.h"
 #include "diagnosis/stochastic.h"
