@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <unsupported/Eigen/FFT>
 
 #include "diagnosis/noise_response.h"
 
@@ -19,14 +18,6 @@ using Spectrum = std::vector<std::complex<double>>;
 constexpr double kLeastCondition = 1e-10;  // [-] of the normal equations: below, the readings of the groups are one
 constexpr double kLeastPower = 1e-3;       // [-] of the mean: what counts of readings that stand still is rounding
 constexpr int kTerms = 3;                  // of C in s: chosen, a delay of a sixth of a period within a twentieth
-
-Spectrum spectrum_of(const std::vector<double>& values) {
-  Eigen::FFT<double> fft;
-  fft.SetFlag(Eigen::FFT<double>::HalfSpectrum);
-  Spectrum spectrum;
-  fft.fwd(spectrum, values);
-  return spectrum;
-}
 
 // Under a smooth window and twice differenced: what is slow, and large, must not leak into what is fast.
 Spectrum spectrum_of_stretch(const std::vector<double>& values, std::size_t begin, std::size_t length) {
@@ -117,12 +108,7 @@ ControllerResponse controller_response(const Record& record, std::size_t length,
 MachineResponse machine_response(const sim::MachineSettings& machine, const Record& record, const ShadowGains& gains, double encoder_latency, std::size_t length, const ForceSteps& force_steps) {
   const auto groups = static_cast<std::size_t>(record.group_count);
   const Follower follower = linear_follower(machine, grid_of(record), force_steps);
-  Record still;
-  still.step = record.step;
-  still.group_count = record.group_count;
-  for (std::size_t g = 0; g < groups; ++g) {
-    for (auto* series : {&still.motor_torque[g], &still.shaft_speed[g], &still.shaft_position[g], &still.position_rate[g]}) series->assign(1, 0.0);
-  }
+  const Record still = standing(record, 1);
   // The missing torque of each motor, at each point of the grid, after a first one at which something is otherwise.
   const auto missing_after = [&](const GroupAngles& reading, const sim::DriveCommand& push) {
     Observer observer(follower, still, gains);
@@ -201,6 +187,7 @@ double loss_by_loop(const Problem& problem, const ControllerLoop& loop, const Po
   const sim::MachineSettings machine = machine_at(problem.nominal, problem.nuisances, point);
   double loss = 0.0;
   for (std::size_t r = 0; r < problem.records.size(); ++r) {
+    if (loop.controller[r].rate.empty()) continue;
     const Record& record = problem.records[r];
     const Whitening& whitening = problem.whitening[r];
     const MachineResponse answer = machine_response(machine, record, problem.gains, encoder_latency(problem.nuisances, point.nuisance), response_length(problem, record), problem.force_steps);

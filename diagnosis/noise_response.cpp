@@ -11,7 +11,19 @@ namespace slewlab::diagnosis {
 
 namespace {
 
-// A record of a machine that stands, on the grid of `record` and with its sensors.
+// Drives that are on and push with nothing.
+DriveCourse idle_drives(const Record& record) {
+  DriveCourse drives;
+  for (std::size_t g = 0; g < static_cast<std::size_t>(record.group_count); ++g) {
+    drives.motor_torque[g].assign(record.size(), 0.0);
+    drives.brake_torque[g].assign(record.size(), 0.0);
+  }
+  drives.enable.assign(record.size(), true);
+  return drives;
+}
+
+}  // namespace
+
 Record standing(const Record& record, std::size_t length) {
   Record still;
   still.step = record.step;
@@ -24,18 +36,6 @@ Record standing(const Record& record, std::size_t length) {
   return still;
 }
 
-// Drives that are on and push with nothing.
-DriveCourse idle_drives(const Record& record) {
-  DriveCourse drives;
-  for (std::size_t g = 0; g < static_cast<std::size_t>(record.group_count); ++g) {
-    drives.motor_torque[g].assign(record.size(), 0.0);
-    drives.brake_torque[g].assign(record.size(), 0.0);
-  }
-  drives.enable.assign(record.size(), true);
-  return drives;
-}
-
-// Its first frequencies, or all.
 std::vector<std::complex<double>> spectrum_of(const std::vector<double>& values, std::size_t frequencies) {
   Eigen::FFT<double> fft;
   fft.SetFlag(Eigen::FFT<double>::HalfSpectrum);
@@ -44,8 +44,6 @@ std::vector<std::complex<double>> spectrum_of(const std::vector<double>& values,
   if (frequencies == 0 || frequencies >= spectrum.size()) return spectrum;
   return {spectrum.begin(), spectrum.begin() + static_cast<std::ptrdiff_t>(frequencies)};
 }
-
-}  // namespace
 
 Follower linear_follower(sim::MachineSettings machine, const Grid& grid, const ForceSteps& force_steps) {
   std::erase_if(machine.effects, [](const common::EffectInstance& effect) {

@@ -29,6 +29,12 @@ struct NoiseResponse {
   SourceResponse tip;  // of a tip acceleration that is off by 1 m/s^2 at one grid point; empty: not measured
 };
 
+// A record of a machine that stands, on the grid of `record` and with its sensors.
+Record standing(const Record& record, std::size_t length);
+
+// The first frequencies of a series' transform, from 0 on; 0: all up to half its rate.
+std::vector<std::complex<double>> spectrum_of(const std::vector<double>& values, std::size_t frequencies = 0);
+
 // What follows where nothing but what is linear acts while the machine runs and its teeth never part: what it answers grows with what it is asked. Play may be the crane's
 // or an effect's. Throws std::invalid_argument where the machine cannot be built.
 Follower linear_follower(sim::MachineSettings machine, const Grid& grid, const ForceSteps& force_steps);
