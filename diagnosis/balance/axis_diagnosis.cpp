@@ -517,7 +517,10 @@ struct TransmissionGap {
 TransmissionGap transmission_gap(const sim::MachineFile& axis, const AxisRecord& record, const BalanceRecord& measured, GearBeginning beginning, const Balance& balance,
                                  double nominal_inertia) {
   const BalanceModel nominal = bare(nominal_inertia, 0.0);
-  const BalanceRecord described = make_balance_record(described_record(axis, record, beginning), balance.half_window);
+  std::vector<double> speed;  // the motion's, beyond its ends as there
+  const std::size_t first = (record.position.size() - measured.motion.speed.size()) / 2;
+  for (std::size_t n = 0; n < record.position.size(); ++n) speed.push_back(measured.motion.speed[std::clamp(n, first, first + measured.motion.speed.size() - 1) - first]);
+  const BalanceRecord described = make_balance_record(described_record(axis, record, beginning, speed), balance.half_window);
   const std::vector<double> left = balance_residual(measured, balance.laws, nominal, -1.0), own = balance_residual(described, balance.laws, nominal, -1.0);
   const std::vector<std::size_t> moving = moving_samples(measured, balance.resolved_speed);
   TransmissionGap gap;

@@ -12,7 +12,7 @@
 //
 // What the axis's file has - loads, effects that are forces or frictions, the drive's limit of torque - is part of the nominal axis.
 // Assumption: one inertia; what swings behind an elastic transmission is part of what is left. Where the file has such a transmission, the axis as
-// described is simulated by the recorded efforts (described_axis.h): if it leaves of the balance what the records leave, nothing is missing, and what
+// described is simulated by the recorded efforts and led along the motion (described_axis.h): if it leaves of the balance what the records leave, nothing is missing, and what
 // no law predicts is unknown only where it leaves less. Stretches with brakes, whose torque nobody records, are not judged.
 #pragma once
 
@@ -81,7 +81,7 @@ struct AxisDiagnosis {
   BalanceModel validated;        // `best` with the sizes that were validated
   AxisValidation validation;
   AxisOutcome outcome = AxisOutcome::nothing_missing;
-  bool is_described = false;     // the axis of the file, its transmission included, follows the records by their efforts alone
+  bool is_described = false;     // the axis of the file, its transmission included, leaves of the balance what the records leave
   double transmission = 0.0;     // mean square that the described axis leaves of the balance of one inertia, by its transmission alone; 0 where it is rigid
   bool is_hidden_by_transmission = false;  // which makes most of what is missing, and not as the records have it: no answer
   bool is_below_record = false;  // the nominal axis leaves less than what a record without any noise makes wrong; no law is tried

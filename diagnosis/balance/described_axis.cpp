@@ -5,6 +5,7 @@
 
 #include "sim/drive/scenario_run.h"
 #include "sim/integrate/machine.h"
+#include "sim/machine/scales.h"
 #include "sim/model/crane.h"
 #include "sim/model/drive_line.h"
 
@@ -80,18 +81,24 @@ std::vector<double> described_load(const sim::MachineFile& axis, const std::vect
   return load;
 }
 
-AxisRecord described_record(const sim::MachineFile& axis, const AxisRecord& record, GearBeginning beginning) {
+AxisRecord described_record(const sim::MachineFile& axis, const AxisRecord& record, GearBeginning beginning, const std::vector<double>& led_by_speed) {
   sim::MachineSettings settings = sim::machine_settings(axis);
   settings.step = record.step / kFiner;
   sim::Machine machine = sim::make_machine(settings);
   const double ratio = sim::total_ratio(axis.parameters.drive), per_motor = ratio * axis.parameters.drive.motors_per_group;
+  const double inertia = sim::rigid_inertia(axis.parameters), rate = 1.0 / sim::characteristic_time(axis.parameters);
   AxisRecord described{record.name, record.step, {}, record.effort, record.start_time, {}};
   for (std::size_t n = 0; n < record.load.size(); ++n) described.effort[n] -= record.load[n];
   begin(record.position.front(), rough_speed(record.position, record.step).front(), described.effort.front(), beginning, machine);
   sim::DriveCommand command;
   command.enable = true;
   for (std::size_t n = 0; n < described.effort.size(); ++n) {
-    described.position.push_back(sim::read(machine).shaft_position[0] / ratio);
+    const sim::MachineReadings reading = sim::read(machine);
+    described.position.push_back(reading.shaft_position[0] / ratio);
+    if (!led_by_speed.empty()) {  // (1)
+      const double behind = record.position[n] - described.position.back(), slower = led_by_speed[n] - reading.shaft_speed[0] / ratio;
+      described.effort[n] += inertia * rate * (2.0 * slower + rate * behind);
+    }
     command.sequence = static_cast<std::int64_t>(n);
     command.motor_torque[0] = described.effort[n] / per_motor;
     for (int i = 0; i < kFiner; ++i) sim::step(machine, command);

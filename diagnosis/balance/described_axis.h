@@ -23,6 +23,15 @@ enum class GearBeginning { carrying, middle };
 
 // The record that the described axis makes of what the motors give in this one (effort without load), from its first position and speed on. Brakes, trips
 // and delays of the drive are not simulated.
-AxisRecord described_record(const sim::MachineFile& axis, const AxisRecord& record, GearBeginning beginning = GearBeginning::carrying);
+//
+// By its efforts alone an axis leaves a record's motion, and where a load goes with the position as fast as sqrt(|load'| / J): of hours, or of an arm that stands on its
+// head, nothing comes of that. With the speeds of the record [samples] it is led along it, far more slowly than its transmission swings,
+//
+//   u = J (2 w (q'_measured - q') + w^2 (q_measured - q)),   w = 1 / T,                                              (1)
+//
+// J all that moves, T the axis's characteristic time (scales.h). What leads is a part of the described record's effort: its balance is that of
+// its own motion.
+AxisRecord described_record(const sim::MachineFile& axis, const AxisRecord& record, GearBeginning beginning = GearBeginning::carrying,
+                            const std::vector<double>& led_by_speed = {});
 
 }  // namespace slewlab::diagnosis
