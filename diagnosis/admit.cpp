@@ -267,17 +267,32 @@ void set_machine(const sim::MachineSettings& nominal, const std::vector<Record>&
   problem.gains = shadow_gains(machine.scales, observer);
 }
 
+namespace {
+
+Following checked_following(const Problem& problem, Record& record, const WhiteningSettings& whitening) {
+  check_same_groups(record, problem.nominal.crane);
+  check_groups(record, problem.nominal.crane);
+  Following following = follow_from_its_beginning(problem, record, whitening);
+  check_followed(record, following.follower);
+  check_torques(record, following.follower, problem.nominal, problem.thresholds.admission);
+  return following;
+}
+
+}  // namespace
+
+double judged_share(const sim::MachineSettings& nominal, Record record) {
+  Problem problem;
+  set_machine(nominal, {record}, problem);
+  return checked_following(problem, record, whitening_for(problem.thresholds, record.encoder_quantum >= kCoarseCount)).share;
+}
+
 Followed admit(std::vector<Record> records, const WhiteningSettings& whitening, Problem& problem, std::vector<std::string>& remarks) {
   Followed followed;
   std::string not_judged;  // the records that are left out, with the reason
   for (Record& record : records) {
-    check_same_groups(record, problem.nominal.crane);
-    check_groups(record, problem.nominal.crane);
+    Following following = checked_following(problem, record, whitening);
     remarks.insert(remarks.end(), record.remarks.begin(), record.remarks.end());
-    Following following = follow_from_its_beginning(problem, record, whitening);
     Shadow& follower = following.follower;
-    check_followed(record, follower);
-    check_torques(record, follower, problem.nominal, problem.thresholds.admission);
     const double share = following.share;
     if (share < kLeastTrusted) {
       not_judged += fmt::format("{}{}: only {:.0f} % of the record lies away from impacts of the gears, at least {:.0f} % are needed",

@@ -29,6 +29,9 @@ Whitening whitening_between(const Problem& problem, const Record& record, const 
 // remarked. Gives the last one that is judged, as the nominal machine follows it. Throws NotAdmitted.
 Followed admit(std::vector<Record> records, const WhiteningSettings& whitening, Problem& problem, std::vector<std::string>& remarks);
 
+// The share of a record that would be judged: that lies away from impacts as the nominal machine follows it. Throws NotAdmitted where the record is refused for another reason.
+double judged_share(const sim::MachineSettings& nominal, Record record);
+
 // The whitening of the admitted records by other settings, on the nominal machine that they were admitted with.
 void whiten_again(Problem& problem, const WhiteningSettings& whitening);
 

@@ -108,6 +108,8 @@ Thresholds thresholds_of(const sim::MachineDescription& machine) {
   thresholds.highest_mode = 5.0 * highest;
   thresholds.latency = 3e-4 * time;
   thresholds.coarse_latency = 3e-3 * time;
+  thresholds.fitted_time = 240.0 * time;
+  thresholds.shortest_stretch = 20.0 * time;
   thresholds.moment = time;
   thresholds.spell_every = 0.5 * time;
   return thresholds;

@@ -26,6 +26,8 @@ struct Thresholds {
   double highest_mode = 0.0;       // [Hz] above which fitted machines leave modes out
   double latency = 0.0;            // [s] standard deviation of what is unknown of the encoders' delay
   double coarse_latency = 0.0;     // [s] the same behind coarse counts, whose noise goes far into the torque
+  double fitted_time = 0.0;        // [s] of all logs together that is fitted at most (stretch.h)
+  double shortest_stretch = 0.0;   // [s] of one of them, below which it is not fitted at all
   double moment = 0.0;             // [s] length of a stretch that is named as a moment
   double spell_every = 0.0;        // [s] distance of the beginnings from which an effect of limited duration is tried
 };

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <ostream>
 #include <string>
@@ -11,9 +12,12 @@
 #include "common/unit.h"
 #include "diagnosis/balance/axis_diagnosis.h"
 #include "diagnosis/decimation.h"
+#include "diagnosis/stretch.h"
 #include "sim/drive/scenario_run.h"
 #include "sim/effects/catalogue.h"
+#include "sim/machine/scales.h"
 #include "tools/commands/findings.h"
+#include "tools/commands/long_logs.h"
 #include "tools/commands/measured_runs.h"
 #include "tools/commands/python_command.h"
 
@@ -23,6 +27,9 @@ namespace {
 
 constexpr std::size_t kMostDrawn = 4000;  // points of a series on the page
 constexpr double kWorthNaming = 0.005;    // probability
+constexpr double kMostSamples = 3e5;      // that are fitted, of all logs together; chosen: a balance of so many takes a gigabyte
+constexpr double kShortestStretch = 20.0;  // characteristic times, below which nothing of a log is fitted; as Thresholds::shortest_stretch
+constexpr double kLeastUnbraked = 0.3;     // of a stretch; as kLeastTrusted of a crane's
 constexpr double kNinetyPercent = 1.645;  // standard deviations of a normal 90 % interval
 
 using diagnosis::AxisDiagnosis;
@@ -258,13 +265,28 @@ std::string with_effect_text(const AxisDiagnosis& found, const sim::MachineFile&
   return text;
 }
 
+LongLogSettings long_logs(const sim::MachineFile& axis, const DiagnoseOptions& options, const MeasuredRuns& measured) {
+  double shortest_period = std::numeric_limits<double>::infinity();
+  for (const MeasuredRun& one : measured.runs) {
+    if (one.run.encoder.size() > 1) shortest_period = std::min(shortest_period, diagnosis::length_of(one.run) / static_cast<double>(one.run.encoder.size() - 1));
+  }
+  const double time = sim::characteristic_time(axis.parameters);
+  const auto judged_share = [&axis](const MeasuredRun& one) {
+    const double length = diagnosis::length_of(one.run);
+    const diagnosis::AxisRecord record = diagnosis::axis_record({one.name, one.run}, axis);  // without brakes
+    return record.step * static_cast<double>(record.position.size()) / length;
+  };
+  return {options.fitted_seconds.value_or(kMostSamples * shortest_period), kShortestStretch * time, time, kLeastUnbraked, judged_share};
+}
+
 }  // namespace
 
 int diagnose_axis_logs(const sim::MachineFile& axis, const DiagnoseOptions& options, std::ostream& out) {
   MeasuredRuns measured = measured_runs(options.logs);
+  std::vector<diagnosis::NamedRun> unseen;
+  for (MeasuredRun& one : keep_stretches(long_logs(axis, options, measured), measured)) unseen.push_back({one.name, std::move(one.run)});
   std::vector<diagnosis::NamedRun> runs;
   for (MeasuredRun& one : measured.runs) runs.push_back({one.name, std::move(one.run)});
-  std::vector<diagnosis::NamedRun> unseen;
   if (!options.unseen.empty()) {
     MeasuredRuns kept_back = measured_runs(options.unseen);
     for (MeasuredRun& one : kept_back.runs) unseen.push_back({one.name, std::move(one.run)});

@@ -20,6 +20,7 @@
 #include "common/stop_signal.h"
 #include "controller/controller_file.h"
 #include "controller/effects/catalogue.h"
+#include "diagnosis/admit.h"
 #include "diagnosis/balance/axis_diagnosis.h"
 #include "diagnosis/decimation.h"
 #include "diagnosis/diagnose.h"
@@ -34,6 +35,7 @@
 #include "sim/effects/catalogue.h"
 #include "tools/commands/diagnose_axis.h"
 #include "tools/commands/findings.h"
+#include "tools/commands/long_logs.h"
 #include "tools/commands/measured_runs.h"
 #include "tools/commands/python_command.h"
 #include "tools/commands/status_line.h"
@@ -488,7 +490,7 @@ class ProgressDisplay {
 
 // Throws diagnosis::NotAdmitted; of a damaged log with what is lost, for that may be why. The runs' messages are gone then: of an
 // hour they are as large as its record.
-std::vector<Record> admitted_records(MeasuredRuns& measured, const diagnosis::AdmissionSettings& settings) {
+std::vector<Record> admitted_records(MeasuredRuns&& measured, const diagnosis::AdmissionSettings& settings) {
   std::vector<Record> records;
   for (MeasuredRun& one : measured.runs) {
     try {
@@ -505,6 +507,20 @@ std::vector<Record> admitted_records(MeasuredRuns& measured, const diagnosis::Ad
     records.back().remarks.insert(records.back().remarks.end(), one.remarks.begin(), one.remarks.end());
   }
   return records;
+}
+
+// What is fitted of the logs, and the stretches of long ones that have no part in the answer.
+struct FittedRuns {
+  MeasuredRuns fitted, unseen;
+};
+
+FittedRuns fitted_runs(const DiagnoseOptions& options, const sim::MachineSettings& nominal, const diagnosis::Thresholds& thresholds) {
+  FittedRuns runs{measured_runs(options.logs), {}};
+  const auto judged_share = [&](const MeasuredRun& one) { return diagnosis::judged_share(nominal, diagnosis::make_record(one.run, one.name, thresholds.admission)); };
+  runs.unseen.runs = keep_stretches({options.fitted_seconds.value_or(thresholds.fitted_time), thresholds.shortest_stretch, thresholds.time, diagnosis::kLeastTrusted, judged_share},
+                                    runs.fitted);
+  runs.unseen.is_damaged = runs.fitted.is_damaged;
+  return runs;
 }
 
 // A diagnosis of a crane and what it was made of, for all that is written of it.
@@ -633,10 +649,10 @@ int diagnose_crane_logs(const sim::MachineFile& crane, const DiagnoseOptions& op
   if (!options.controller.empty()) controller = controller::load_controller_file(options.controller).settings;
   diagnosis::Thresholds thresholds = diagnosis::thresholds_of(sim::describe(crane));
   thresholds.admission.is_torque_measured = options.is_torque_measured;
-  MeasuredRuns measured = measured_runs(options.logs);
-  std::vector<Record> admitted = admitted_records(measured, thresholds.admission);
-  MeasuredRuns measured_unseen = measured_runs(options.unseen);
-  std::vector<Record> unseen = admitted_records(measured_unseen, thresholds.admission);
+  FittedRuns measured = fitted_runs(options, nominal, thresholds);
+  std::vector<Record> admitted = admitted_records(std::move(measured.fitted), thresholds.admission);
+  std::vector<Record> unseen = admitted_records(std::move(measured.unseen), thresholds.admission);
+  for (Record& record : admitted_records(measured_runs(options.unseen), thresholds.admission)) unseen.push_back(std::move(record));
 
   diagnosis::DiagnosisSettings settings;
   settings.without = options.without;
@@ -645,14 +661,13 @@ int diagnose_crane_logs(const sim::MachineFile& crane, const DiagnoseOptions& op
   ProgressDisplay progress(options.terminal, complaints);
   Diagnosis found = diagnosis::diagnose(nominal, controller, std::move(admitted), settings, std::ref(progress), common::stop_requested, std::move(unseen));
   progress.keep();
-  if (measured.is_damaged) found.verdict += kOfADamagedLog;
+  if (measured.fitted.is_damaged) found.verdict += kOfADamagedLog;
   if (common::stop_requested()) throw diagnosis::Interrupted{};  // what follows takes seconds, and then it is written
 
   // Read anew: kept beside those that the diagnosis works with they would be in memory twice.
-  MeasuredRuns again = measured_runs(options.logs);
-  const std::vector<Record> records = admitted_records(again, thresholds.admission);
+  const std::vector<Record> records = admitted_records(fitted_runs(options, nominal, thresholds).fitted, thresholds.admission);
   const Cause first = found.causes.empty() ? Cause{} : found.causes.front();
-  const Made made{options, nominal, controller, found, measured.is_damaged, diagnosis::as_fitted(nominal, found),
+  const Made made{options, nominal, controller, found, measured.fitted.is_damaged, diagnosis::as_fitted(nominal, found),
                   first, found.is_unknown ? Cause{} : first};
   const std::string summary = write_findings(made, records, thresholds);
   out << summary << "files: " << options.out.string() << std::endl;

@@ -17,6 +17,7 @@ struct DiagnoseOptions {
   std::filesystem::path out;
   std::vector<std::string> without;  // effects that the catalogue is to do without; of an axis: laws of its torque balance
   std::optional<int> threads;        // of a crane, two without it
+  std::optional<double> fitted_seconds;  // of all logs together, at most; what of longer ones is fitted: long_logs.h
   bool is_torque_measured = false;   // of a crane: the logs' torques are no commands
   bool terminal = false;  // progress is one line that is written over, not a line every two seconds
 };

@@ -174,6 +174,7 @@ void add_diagnose(CLI::App& app, Action& action) {
   command->add_option("--out", options->out, "folder for the findings")->required();
   command->add_option("--without", options->without, "effects that the catalogue is to do without; of an axis: laws of its torque balance");
   command->add_flag("--measured-torque", options->is_torque_measured, "the logs' torques were measured, not commanded: their scatter is noise; not of an axis");
+  command->add_option("--fitted-seconds", options->fitted_seconds, "[s] of all logs that are fitted at most (four minutes of the thesis crane); of longer ones where most moves")->check(positive_number());
   command->add_option("--threads", options->threads, "simulations side by side (2); not of an axis")->check(whole_number(1));
   command->callback([options, &action] {
     options->terminal = ::isatty(STDERR_FILENO) == 1;

@@ -1,0 +1,137 @@
+#include "diagnosis/stretch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace slewlab::diagnosis {
+
+namespace {
+
+constexpr double kNanosecond = 1e-9;          // [s]
+constexpr std::size_t kSpeedsPerTime = 4;     // mean speeds in T
+constexpr double kStands = 0.05;              // of the largest mean speed, below which the machine stands; chosen: as a record begins in motion
+
+// The motors' mean speed [rad/s] from one of these instants [ns] to the next.
+struct CoarseMotion {
+  std::vector<std::int64_t> at;
+  std::vector<double> speed;
+};
+
+double mean_position(const msgs::Encoder& message) {
+  const double sum = std::accumulate(message.shaft_position.begin(), message.shaft_position.end(), 0.0);
+  return message.shaft_position.empty() ? 0.0 : sum / static_cast<double>(message.shaft_position.size());
+}
+
+CoarseMotion coarse_motion(const msgs::RunLog& run, double time) {
+  CoarseMotion motion;
+  const auto distance = std::max<std::int64_t>(1, std::llround(time / kSpeedsPerTime / kNanosecond));
+  double before = 0.0;
+  for (const msgs::Encoder& message : run.encoder) {
+    if (!motion.at.empty() && message.simulated_time - motion.at.back() < distance) continue;
+    const double position = mean_position(message);
+    if (!motion.at.empty()) motion.speed.push_back((position - before) / (static_cast<double>(message.simulated_time - motion.at.back()) * kNanosecond));
+    motion.at.push_back(message.simulated_time);
+    before = position;
+  }
+  return motion;
+}
+
+// Where a stretch may begin that ends at `end` [instants; 0: beyond the run]: where the machine has stood for T and does so for another, as late in each rest as it can, for
+// boom and load swing on; anywhere if it never does.
+std::vector<bool> beginnings(const CoarseMotion& motion, const std::vector<std::size_t>& end) {
+  double largest = 0.0;
+  for (const double speed : motion.speed) largest = std::max(largest, std::fabs(speed));
+  std::vector<bool> may_begin(motion.speed.size(), false);
+  bool is_any = false;
+  for (std::size_t k = 0; k + kSpeedsPerTime <= motion.speed.size(); ++k) {
+    const std::size_t first = k > kSpeedsPerTime ? k - kSpeedsPerTime : 0;
+    may_begin[k] = std::all_of(motion.speed.begin() + static_cast<std::ptrdiff_t>(first), motion.speed.begin() + static_cast<std::ptrdiff_t>(k + kSpeedsPerTime),
+                               [&](double speed) { return std::fabs(speed) < kStands * largest; });
+    is_any = is_any || may_begin[k];
+  }
+  if (!is_any) return std::vector<bool>(motion.speed.size(), true);
+  for (std::size_t k = 0; k + 1 < may_begin.size(); ++k) {
+    if (may_begin[k + 1] && end[k + 1] != 0) may_begin[k] = false;
+  }
+  return may_begin;
+}
+
+template <typename Message>
+std::vector<Message> within(const std::vector<Message>& messages, const Stretch& stretch) {
+  std::vector<Message> kept;
+  for (const Message& message : messages) {
+    if (message.simulated_time >= stretch.from && message.simulated_time <= stretch.to) kept.push_back(message);
+  }
+  return kept;
+}
+
+// With the last one before, which holds until the next.
+template <typename Message>
+std::vector<Message> held_within(const std::vector<Message>& messages, const Stretch& stretch) {
+  std::vector<Message> kept = within(messages, stretch);
+  const auto after = std::find_if(messages.begin(), messages.end(), [&](const Message& message) { return message.simulated_time >= stretch.from; });
+  if (after != messages.begin()) kept.insert(kept.begin(), *(after - 1));
+  return kept;
+}
+
+}  // namespace
+
+std::vector<double> fitted_lengths(std::span<const double> lengths, double most) {
+  std::vector<std::size_t> rising(lengths.size());
+  std::iota(rising.begin(), rising.end(), std::size_t{0});
+  std::stable_sort(rising.begin(), rising.end(), [&](std::size_t a, std::size_t b) { return lengths[a] < lengths[b]; });
+  std::vector<double> fitted(lengths.size());
+  double left = most;
+  for (std::size_t i = 0; i < rising.size(); ++i) {
+    fitted[rising[i]] = std::min(lengths[rising[i]], left / static_cast<double>(rising.size() - i));
+    left -= fitted[rising[i]];
+  }
+  return fitted;
+}
+
+double length_of(const msgs::RunLog& run) {
+  return run.encoder.empty() ? 0.0 : static_cast<double>(run.encoder.back().simulated_time - run.encoder.front().simulated_time) * kNanosecond;
+}
+
+std::vector<Stretch> stretches_by_motion(const msgs::RunLog& run, double length, double time) {
+  const CoarseMotion motion = coarse_motion(run, time);
+  std::vector<double> moved(motion.speed.size() + 1, 0.0);  // the sum of (1) up to each speed
+  for (std::size_t k = 0; k < motion.speed.size(); ++k) moved[k + 1] = moved[k] + (k > 0 ? std::fabs(motion.speed[k] - motion.speed[k - 1]) : 0.0);
+  const std::int64_t duration = std::llround(length / kNanosecond);
+  std::vector<std::size_t> end(motion.speed.size());  // the last instant of a stretch from there on; 0: the run ends before
+  for (std::size_t k = 0, last = 0; k < end.size(); ++k) {
+    while (last + 1 < motion.at.size() && motion.at[last] < motion.at[k] + duration) ++last;
+    end[k] = motion.at[last] >= motion.at[k] + duration ? last : 0;
+  }
+  std::vector<bool> may_begin = beginnings(motion, end);
+  std::vector<Stretch> stretches;
+  std::vector<bool> is_taken(motion.speed.size(), false);
+  for (;;) {
+    std::size_t best = end.size();
+    double most = 0.0;
+    for (std::size_t k = 0; k < end.size(); ++k) {
+      if (!may_begin[k] || end[k] == 0) continue;
+      const double moves = moved[end[k]] - moved[std::min(k + 1, end[k])];
+      if (moves > most) {
+        best = k;
+        most = moves;
+      }
+    }
+    if (best == end.size()) return stretches;
+    stretches.push_back({motion.at[best], motion.at[best] + duration, most});
+    std::fill(is_taken.begin() + static_cast<std::ptrdiff_t>(best), is_taken.begin() + static_cast<std::ptrdiff_t>(end[best]), true);
+    for (std::size_t k = 0; k < end.size(); ++k) {
+      if (end[k] == 0) continue;
+      const auto from = is_taken.begin() + static_cast<std::ptrdiff_t>(k), to = is_taken.begin() + static_cast<std::ptrdiff_t>(end[k]);
+      if (std::find(from, to, true) != to) may_begin[k] = false;
+    }
+  }
+}
+
+msgs::RunLog cut(const msgs::RunLog& run, const Stretch& stretch) {
+  return {run.configuration_hash, run.run_identity, within(run.encoder, stretch), within(run.torque, stretch), held_within(run.operator_moves, stretch),
+          within(run.sensors, stretch), within(run.truth, stretch), within(run.controller_state, stretch), held_within(run.plant_status, stretch)};
+}
+
+}  // namespace slewlab::diagnosis
