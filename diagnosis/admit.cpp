@@ -2,7 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/Cholesky>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -134,14 +136,42 @@ bool begins_unloaded(const Record& record, double time) {
   return largest_first < kUnloaded * largest;
 }
 
-// Mean square of the missing torque from a grid point on.
-double missing_power(const Record& record, const Shadow& follower, std::size_t from = 0) {
-  double square = 0.0;
-  for (std::size_t g = 0; g < static_cast<std::size_t>(record.group_count); ++g) {
-    const std::vector<double>& missing = follower.missing_torque[g];
-    for (std::size_t n = from; n < missing.size(); ++n) square += missing[n] * missing[n] / static_cast<double>(missing.size() - from);
+// Of two followers, from a grid point on, the sum over the groups of the mean of the product of what they miss.
+double missing_product(const Shadow& one, const Shadow& other, std::size_t from) {
+  double sum = 0.0;
+  for (std::size_t g = 0; g < one.missing_torque.size(); ++g) {
+    const std::vector<double>&a = one.missing_torque[g], &b = other.missing_torque[g];
+    for (std::size_t n = from; n < a.size(); ++n) sum += a[n] * b[n] / static_cast<double>(a.size() - from);
   }
-  return square;
+  return sum;
+}
+
+// What it misses more than another one.
+Shadow missing_beside(Shadow one, const Shadow& other) {
+  for (std::size_t g = 0; g < one.missing_torque.size(); ++g) {
+    for (std::size_t n = 0; n < one.missing_torque[g].size(); ++n) one.missing_torque[g][n] -= other.missing_torque[g][n];
+  }
+  return one;
+}
+
+// Mean square of the missing torque from a grid point on. What a load swings from the moves before says nothing of where the gears began, and may be most of it: it is that beside the swing which leaves least.
+double missing_power(const Problem& problem, const Record& record, const Shadow& follower, std::size_t from = 0) {
+  const double power = missing_product(follower, follower, from);
+  if (problem.nuisances.swing_amounts() == 0 || !record.load_may_swing) return power;
+  const double natural = std::sqrt(sim::kGravity / problem.nuisances.rope_length);  // [rad/s]
+  Beginning swung, swinging;
+  swung.swing = kSwingDeviation;
+  swinging.swing_rate = kSwingDeviation * natural;
+  const std::array<Shadow, 2> columns{missing_beside(shadow(problem.nominal, record, problem.gains, 0.0, swung), follower),
+                                      missing_beside(shadow(problem.nominal, record, problem.gains, 0.0, swinging), follower)};
+  Eigen::Matrix2d gram;
+  Eigen::Vector2d along;
+  for (std::size_t a = 0; a < 2; ++a) {
+    along(static_cast<Eigen::Index>(a)) = missing_product(columns[a], follower, from);
+    for (std::size_t b = 0; b < 2; ++b) gram(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b)) = missing_product(columns[a], columns[b], from);
+  }
+  const double taken = along.dot(gram.ldlt().solve(along));
+  return std::isfinite(taken) ? power - taken : power;
 }
 
 // How the nominal machine follows a record, and how much of it may be judged.
@@ -163,12 +193,13 @@ Following follow(const Problem& problem, const Record& record, const WhiteningSe
 Following follow_from_rest(const Problem& problem, const Play& play, Record& record, const WhiteningSettings& whitening) {
   Following best = follow(problem, record, whitening);
   if (play.half <= 0.0 || !are_pushed(play, record, 0, problem.thresholds.time)) return best;
+  const double best_power = missing_power(problem, record, best.follower);
   record.begins_on_flanks = true;
   Following other = follow(problem, record, whitening);
   const bool can_be_judged = best.share >= kLeastTrusted, other_can_be_judged = other.share >= kLeastTrusted;
   const bool are_kept = keep_their_places(play, record, 0, problem.thresholds.time, kKeptAtFirst);
   record.begins_on_flanks = can_be_judged != other_can_be_judged ? other_can_be_judged && are_kept
-                                                                 : missing_power(record, other.follower) < missing_power(record, best.follower);
+                                                                 : missing_power(problem, record, other.follower) < best_power;
   return record.begins_on_flanks ? std::move(other) : std::move(best);
 }
 
@@ -190,20 +221,24 @@ Following follow_from_its_beginning(const Problem& problem, Record& record, cons
   const double time = problem.thresholds.time;
   const Play play = play_of(problem.nominal.crane, time);
   const bool can_be_told = play.half > 0.0 && (record.group_count > 1 || record.begins_in_motion);
-  const std::optional<std::size_t> pressed = can_be_told ? pressed_from(play, record, time) : std::nullopt;
+  const std::optional<std::size_t> found = can_be_told ? pressed_from(play, record, time) : std::nullopt;
+  const bool is_pressed = found.has_value();
+  const std::size_t pressed = found.value_or(0);  // from there on
   const bool is_at_rest = !record.begins_in_motion && begins_at_rest(record, problem.thresholds.admission);
   const bool is_unloaded = is_at_rest && begins_unloaded(record, time);
-  if (!pressed || (is_unloaded && *pressed == 0) || (!record.begins_in_motion && *pressed > 0 && came_from_the_middle(problem, play, record, *pressed))) {
+  // Drives that are on already, or motors that hold something, may have moved before.
+  record.load_may_swing = is_at_rest && ((is_pressed && pressed == 0) || !is_unloaded);
+  if (!is_pressed || (is_unloaded && pressed == 0) || (!record.begins_in_motion && pressed > 0 && came_from_the_middle(problem, play, record, pressed))) {
     return follow_from_rest(problem, play, record, whitening);
   }
   Record later = record;
-  leave_out_beginning(later, *pressed);
+  leave_out_beginning(later, pressed);
   later.begins_bent = later.begins_on_flanks = true;
   Following from_later = follow(problem, later, whitening);
   if (is_at_rest) {
     Following from_rest = follow_from_rest(problem, play, record, whitening);
     const auto forgotten = static_cast<std::size_t>(whitening.after_impact / record.step);
-    if (missing_power(record, from_rest.follower, *pressed + forgotten) < missing_power(later, from_later.follower, forgotten)) return from_rest;
+    if (missing_power(problem, record, from_rest.follower, pressed + forgotten) < missing_power(problem, later, from_later.follower, forgotten)) return from_rest;
   }
   record = std::move(later);
   return from_later;
@@ -280,6 +315,11 @@ Following checked_following(const Problem& problem, Record& record, const Whiten
 
 }  // namespace
 
+RecordBegins begin_of(const Record& record) {
+  if (record.begins_bent) return RecordBegins::in_motion;
+  return record.load_may_swing ? RecordBegins::at_rest : RecordBegins::unmoved;
+}
+
 double judged_share(const sim::MachineSettings& nominal, Record record) {
   Problem problem;
   set_machine(nominal, {record}, problem);
@@ -309,8 +349,8 @@ Followed admit(std::vector<Record> records, const WhiteningSettings& whitening, 
     }
     problem.whitening.push_back(whitening_between(problem, record, following.follower, whitening, 0, record.size()));
     followed = {record.name, record.begins_bent, record.start_time, record.step, std::move(follower), {}};  // the last one stays
-    problem.nuisances.in_motion.push_back(record.begins_bent);
-    problem.nuisances.has_motion |= record.begins_bent;
+    problem.nuisances.begins.push_back(begin_of(record));
+    problem.nuisances.has_motion |= begin_of(record) != RecordBegins::unmoved;
     problem.records.push_back(std::move(record));
   }
   if (problem.records.empty()) throw NotAdmitted(not_judged + "; switch play compensation on, or accelerate more gently");

@@ -29,6 +29,8 @@ Whitening whitening_between(const Problem& problem, const Record& record, const 
 // remarked. Gives the last one that is judged, as the nominal machine follows it. Throws NotAdmitted.
 Followed admit(std::vector<Record> records, const WhiteningSettings& whitening, Problem& problem, std::vector<std::string>& remarks);
 
+RecordBegins begin_of(const Record& record);
+
 // The share of a record that would be judged: that lies away from impacts as the nominal machine follows it. Throws NotAdmitted where the record is refused for another reason.
 double judged_share(const sim::MachineSettings& nominal, Record record);
 

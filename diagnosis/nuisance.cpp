@@ -24,7 +24,7 @@ Nuisances nuisances_of(const sim::MachineDescription& machine, double latency_de
   nuisances.latency_deviation = latency_deviation;
   if (machine.machine.load.mass > 0.0) nuisances.rope_length = machine.machine.load.rope_length;
   // As far as the rated torque inclines the rope while it accelerates the machine.
-  nuisances.swing_in_motion =
+  nuisances.swing_behind_moves =
       std::max(kSwingDeviation, machine.scales.reach * machine.scales.top_speed / machine.scales.acceleration_time / sim::kGravity);
   return nuisances;
 }
@@ -37,15 +37,16 @@ Beginning beginning_of(const Nuisances& nuisances, const std::vector<double>& am
   Beginning beginning;
   std::size_t k = nuisances.count(record);
   if (amount.size() < nuisances.count(record + 1)) return beginning;
-  const bool is_in_motion = nuisances.is_in_motion(record), has_load = nuisances.swing_amounts() > 0;
+  const RecordBegins begins = nuisances.begin_of(record);
+  const bool has_load = nuisances.swing_amounts() > 0;
   const double natural = has_load ? std::sqrt(sim::kGravity / nuisances.rope_length) : 0.0;  // [rad/s]
   if (has_load) {
-    const double deviation = is_in_motion ? nuisances.swing_in_motion : kSwingDeviation;
+    const double deviation = begins == RecordBegins::unmoved ? kSwingDeviation : nuisances.swing_behind_moves;
     beginning.swing = deviation * amount[k++];
     beginning.swing_rate = deviation * natural * amount[k++];
   }
   for (std::size_t g = 0; g < nuisances.offset_groups; ++g) beginning.motor_offset[g] = nuisances.offset_deviation * amount[k++];
-  if (!is_in_motion) return beginning;
+  if (begins == RecordBegins::unmoved) return beginning;
   if (has_load) {
     beginning.rod = kSwingDeviation * amount[k++];
     beginning.rod_rate = kSwingDeviation * natural * amount[k++];

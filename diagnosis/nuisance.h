@@ -21,21 +21,25 @@
 
 namespace slewlab::diagnosis {
 
+// What may swing and ring when a record begins: the load a little, of a machine that has not moved before; else load, rod and boom, at rest behind moves, or in motion and with the boom bent by what
+// presses the gears.
+enum class RecordBegins { unmoved, at_rest, in_motion };
+
 struct Nuisances {
   std::vector<sim::Parameter> parameters;
   double latency_deviation = 0.0;  // [s] of the encoders: late, or early
   double rope_length = 0.0;        // [m] of the nominal machine; 0: no load that swings
   std::size_t offset_groups = 0;   // motor groups whose place at a record's beginning is free
   double offset_deviation = 0.0;   // [rad] of it, on the slew axis
-  double swing_in_motion = 0.0;    // [rad] deviation of the load's swing where a record begins in motion
-  bool has_motion = false;         // some record of the diagnosis begins in motion
-  std::vector<bool> in_motion;     // which of these records do; fewer than records: the others do not
+  double swing_behind_moves = 0.0;  // [rad] deviation of the load's swing where the machine has moved before
+  bool has_motion = false;         // the machine has moved before some record of the diagnosis
+  std::vector<RecordBegins> begins;  // of these records; fewer than records: the others on an unmoved machine
 
   std::size_t common_count() const { return parameters.size() + 1; }  // of all records together
   std::size_t swing_amounts() const { return rope_length > 0.0 ? 2 : 0; }  // per record
   std::size_t motion_amounts() const { return has_motion ? swing_amounts() + 2 * kBeginningBends : 0; }
   std::size_t per_record() const { return swing_amounts() + offset_groups + motion_amounts(); }
-  bool is_in_motion(std::size_t record) const { return record < in_motion.size() && in_motion[record]; }
+  RecordBegins begin_of(std::size_t record) const { return record < begins.size() ? begins[record] : RecordBegins::unmoved; }
   std::size_t count(std::size_t records) const { return common_count() + per_record() * records; }
 };
 Nuisances nuisances_of(const sim::MachineDescription& machine, double latency_deviation);
@@ -43,7 +47,7 @@ Nuisances nuisances_of(const sim::MachineDescription& machine, double latency_de
 double encoder_latency(const Nuisances& nuisances, const std::vector<double>& amount);  // [s]
 
 inline constexpr double kSwingDeviation = 5e-3;  // [rad], chosen: a two-hundredth of the rope's length; of the rate as a pendulum's
-// Chosen: of the rod's angle where a record begins in motion, as of a swing at rest; of the bends, a fifth of what the rated torque bends.
+// Chosen: of the rod's angle where the machine has moved before the record, as of a swing at rest; of the bends, a fifth of what the rated torque bends.
 inline constexpr double kBendDeviation = 0.2;  // [-]
 Beginning beginning_of(const Nuisances& nuisances, const std::vector<double>& amount, std::size_t record);
 // [rad] how far it swings from where the load would hang still.

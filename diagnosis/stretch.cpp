@@ -37,20 +37,17 @@ CoarseMotion coarse_motion(const msgs::RunLog& run, double time) {
   return motion;
 }
 
-// Where a stretch may begin that ends at `end` [instants; 0: beyond the run]: where the machine has stood for T and does so for another, as late in each rest as it can, for
-// boom and load swing on; anywhere if it never does.
+// Where a stretch begins best that ends at `end` [instants; 0: beyond the run]: where the machine has stood for T and does so for another, as late in each rest as it can, for
+// boom and load swing on.
 std::vector<bool> beginnings(const CoarseMotion& motion, const std::vector<std::size_t>& end) {
   double largest = 0.0;
   for (const double speed : motion.speed) largest = std::max(largest, std::fabs(speed));
   std::vector<bool> may_begin(motion.speed.size(), false);
-  bool is_any = false;
   for (std::size_t k = 0; k + kSpeedsPerTime <= motion.speed.size(); ++k) {
     const std::size_t first = k > kSpeedsPerTime ? k - kSpeedsPerTime : 0;
     may_begin[k] = std::all_of(motion.speed.begin() + static_cast<std::ptrdiff_t>(first), motion.speed.begin() + static_cast<std::ptrdiff_t>(k + kSpeedsPerTime),
                                [&](double speed) { return std::fabs(speed) < kStands * largest; });
-    is_any = is_any || may_begin[k];
   }
-  if (!is_any) return std::vector<bool>(motion.speed.size(), true);
   for (std::size_t k = 0; k + 1 < may_begin.size(); ++k) {
     if (may_begin[k + 1] && end[k + 1] != 0) may_begin[k] = false;
   }
@@ -104,29 +101,33 @@ std::vector<Stretch> stretches_by_motion(const msgs::RunLog& run, double length,
     while (last + 1 < motion.at.size() && motion.at[last] < motion.at[k] + duration) ++last;
     end[k] = motion.at[last] >= motion.at[k] + duration ? last : 0;
   }
-  std::vector<bool> may_begin = beginnings(motion, end);
   std::vector<Stretch> stretches;
   std::vector<bool> is_taken(motion.speed.size(), false);
-  for (;;) {
-    std::size_t best = end.size();
-    double most = 0.0;
-    for (std::size_t k = 0; k < end.size(); ++k) {
-      if (!may_begin[k] || end[k] == 0) continue;
-      const double moves = moved[end[k]] - moved[std::min(k + 1, end[k])];
-      if (moves > most) {
-        best = k;
-        most = moves;
+  const auto is_free = [&](std::size_t k) {
+    const auto from = is_taken.begin() + static_cast<std::ptrdiff_t>(k), to = is_taken.begin() + static_cast<std::ptrdiff_t>(end[k]);
+    return std::find(from, to, true) == to;
+  };
+  const std::vector<bool> anywhere(motion.speed.size(), true);
+  for (std::vector<bool> may_begin : {beginnings(motion, end), anywhere}) {
+    for (std::size_t k = 0; k < end.size(); ++k) may_begin[k] = may_begin[k] && end[k] != 0 && is_free(k);
+    for (;;) {
+      std::size_t best = end.size();
+      double most = 0.0;
+      for (std::size_t k = 0; k < end.size(); ++k) {
+        if (!may_begin[k]) continue;
+        const double moves = moved[end[k]] - moved[std::min(k + 1, end[k])];
+        if (moves > most) {
+          best = k;
+          most = moves;
+        }
       }
-    }
-    if (best == end.size()) return stretches;
-    stretches.push_back({motion.at[best], motion.at[best] + duration, most});
-    std::fill(is_taken.begin() + static_cast<std::ptrdiff_t>(best), is_taken.begin() + static_cast<std::ptrdiff_t>(end[best]), true);
-    for (std::size_t k = 0; k < end.size(); ++k) {
-      if (end[k] == 0) continue;
-      const auto from = is_taken.begin() + static_cast<std::ptrdiff_t>(k), to = is_taken.begin() + static_cast<std::ptrdiff_t>(end[k]);
-      if (std::find(from, to, true) != to) may_begin[k] = false;
+      if (best == end.size()) break;
+      stretches.push_back({motion.at[best], motion.at[best] + duration, most});
+      std::fill(is_taken.begin() + static_cast<std::ptrdiff_t>(best), is_taken.begin() + static_cast<std::ptrdiff_t>(end[best]), true);
+      for (std::size_t k = 0; k < end.size(); ++k) may_begin[k] = may_begin[k] && is_free(k);
     }
   }
+  return stretches;
 }
 
 msgs::RunLog cut(const msgs::RunLog& run, const Stretch& stretch) {

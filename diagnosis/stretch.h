@@ -5,7 +5,7 @@
 //   m(t) = sum over [t, t + L] of |v_k - v_(k-1)|                                                                     (1)
 //
 // with v_k the motors' mean speed over a quarter of the machine's characteristic time T, in which noise and counts of the encoders do not show. It begins
-// where the machine has stood and stands for T before it moves, if it ever does: there the state of gears, boom and load is known best. Nothing but the motion chooses: what
+// where the machine has stood and stands for T before it moves, where it does so: there the state of gears, boom and load is known best. Nothing but the motion chooses: what
 // the nominal machine misses has no say, or the choice would speak for a gap.
 //
 // Units: times of a run in [ns] of its clock, lengths in [s].
@@ -30,7 +30,8 @@ std::vector<double> fitted_lengths(std::span<const double> lengths, double most)
 // [s] from the first to the last reading of the encoders.
 double length_of(const msgs::RunLog& run);
 
-// Stretches of that `length` [s] that do not overlap, the one in which most moves (1) first; none in which nothing moves. `time` [s]: T.
+// Stretches of that `length` [s] that do not overlap, the one in which most moves (1) first, and behind all that begin at a rest those that begin in motion; none in which
+// nothing moves. `time` [s]: T.
 std::vector<Stretch> stretches_by_motion(const msgs::RunLog& run, double length, double time);
 
 // The run as a recorder would have it that was on during the stretch alone, and that heard what the operator and the drive's state were before.

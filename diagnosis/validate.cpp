@@ -142,7 +142,7 @@ HeldOutData::HeldOutData(const Problem& problem, const WhiteningSettings& settin
   fitted_->whitening = problem.whitening;
   predicted_->records.look_at(records.subspan(held, 1));
   predicted_->whitening = {problem.whitening[held]};
-  predicted_->nuisances.in_motion = {record.begins_bent};
+  predicted_->nuisances.begins = {begin_of(record)};
   if (is_half_) {
     const Shadow follower = shadow_at(problem, {}, held);
     fitted_->whitening = {whitening_of_half(problem, settings, follower, !is_last)};
@@ -151,8 +151,8 @@ HeldOutData::HeldOutData(const Problem& problem, const WhiteningSettings& settin
   } else {
     const auto place = static_cast<std::ptrdiff_t>(held);
     fitted_->whitening.erase(fitted_->whitening.begin() + place);
-    fitted_->nuisances.in_motion.resize(problem.records.size());
-    fitted_->nuisances.in_motion.erase(fitted_->nuisances.in_motion.begin() + place);
+    fitted_->nuisances.begins.resize(problem.records.size(), RecordBegins::unmoved);
+    fitted_->nuisances.begins.erase(fitted_->nuisances.begins.begin() + place);
   }
   const auto common = static_cast<std::ptrdiff_t>(problem.nuisances.common_count()), own = static_cast<std::ptrdiff_t>(problem.nuisances.per_record());
   if (!is_half_) left_out_ = {common + own * static_cast<std::ptrdiff_t>(held), common + own * static_cast<std::ptrdiff_t>(held + 1)};
@@ -162,7 +162,7 @@ HeldOutData::HeldOutData(const Problem& problem, const WhiteningSettings& settin
     : fitted_(same_machine(problem)), predicted_(same_machine(problem)) {
   fitted_->records.look_at({problem.records.data(), problem.records.size()});
   fitted_->whitening = problem.whitening;
-  predicted_->nuisances.in_motion.clear();
+  predicted_->nuisances.begins.clear();
   std::vector<Record> records;
   records.push_back(std::move(unseen));
   admit(std::move(records), settings, *predicted_, remarks);

@@ -119,19 +119,22 @@ TEST(Nuisance, EachRecordHasItsSwing) {
 }
 
 // Behind a record that begins in motion lie a rod that swings and a boom that bends; beside it one that begins at rest has none.
+// Behind one that begins at rest, the drives on, lie moves whose swing no damping has taken away.
 TEST(Nuisance, ARecordInMotionHasItsRodAndItsBoom) {
   Nuisances nuisances = thesis_nuisances();
   nuisances.rope_length = 40.0;
   const std::size_t at_rest = nuisances.per_record();
   nuisances.has_motion = true;
-  nuisances.in_motion = {false, true};
+  nuisances.begins = {RecordBegins::unmoved, RecordBegins::in_motion, RecordBegins::at_rest};
   EXPECT_EQ(nuisances.per_record(), at_rest + 2 + 2 * kBeginningBends);
-  const std::vector<double> amount(nuisances.count(2), 1.0);
-  const Beginning standing = beginning_of(nuisances, amount, 0), moving = beginning_of(nuisances, amount, 1);
+  const std::vector<double> amount(nuisances.count(3), 1.0);
+  const Beginning standing = beginning_of(nuisances, amount, 0), moving = beginning_of(nuisances, amount, 1), behind = beginning_of(nuisances, amount, 2);
   EXPECT_EQ(standing.swing, kSwingDeviation);
   EXPECT_EQ(standing.rod, 0.0);
   EXPECT_EQ(standing.bend[0], 0.0);
-  EXPECT_EQ(moving.swing, nuisances.swing_in_motion);
+  EXPECT_EQ(moving.swing, nuisances.swing_behind_moves);
+  EXPECT_EQ(behind.swing, nuisances.swing_behind_moves);
+  EXPECT_EQ(behind.rod, kSwingDeviation);
   // The rated torque inclines the rope by R theta'' / g.
   const sim::Scales scales = sim::describe(sim::load_machine_file(SLEWLAB_SOURCE_DIR "/config/cranes/thesis.yaml")).scales;
   EXPECT_NEAR(moving.swing, scales.reach * scales.axis_torque / scales.axis_inertia / 9.81, 1e-9);

@@ -14,7 +14,8 @@ namespace slewlab::tools {
 
 namespace {
 
-constexpr double kNanosecond = 1e-9;  // [s]
+constexpr double kNanosecond = 1e-9;    // [s]
+constexpr double kNearlyWhole = 0.95;   // of a log, from which on it is not cut
 constexpr std::size_t kMostSaid = 3;    // of stretches that were passed over
 constexpr std::size_t kMostTried = 24;  // of a run
 
@@ -88,14 +89,14 @@ std::vector<Judged> judged_stretches(const LongLogSettings& settings, const Meas
 
 std::vector<MeasuredRun> keep_stretches(const LongLogSettings& settings, MeasuredRuns& measured) {
   std::vector<MeasuredRun> unseen;
-  if (total_length(measured) <= settings.most) return unseen;
+  if (settings.most >= kNearlyWhole * total_length(measured)) return unseen;
   leave_out_logs(settings, measured);
   std::vector<double> lengths;
   for (const MeasuredRun& one : measured.runs) lengths.push_back(diagnosis::length_of(one.run));
   const std::vector<double> fitted = diagnosis::fitted_lengths(lengths, settings.most);
   for (std::size_t r = 0; r < measured.runs.size(); ++r) {
     MeasuredRun& one = measured.runs[r];
-    if (fitted[r] >= lengths[r]) continue;
+    if (fitted[r] >= kNearlyWhole * lengths[r]) continue;
     std::vector<std::string> passed_over;
     std::vector<Judged> judged = judged_stretches(settings, one, fitted[r], passed_over);
     if (judged.empty()) continue;

@@ -95,6 +95,24 @@ class DiagnoseCommand : public testing::Test {
 };
 TemporaryFolder* DiagnoseCommand::folder_ = nullptr;
 
+// 10 of the log's 24 s: the brake is found in them with its size, and predicts others.
+TEST_F(DiagnoseCommand, OfALongLogAStretchIsFittedAndAnotherTriesTheAnswer) {
+  std::vector<std::string> arguments = whole_command();
+  arguments.insert(arguments.end(), {"--fitted-seconds", "10"});
+  leave_one(arguments, "dragging_brake");
+  RunningProgram diagnose(arguments);
+  ASSERT_EQ(diagnose.wait_for_end(), 0) << diagnose.complaints();
+  const auto found = nlohmann::json::parse(contents(out() / "diagnosis.json"));
+  EXPECT_EQ(found["verdict"], "dragging_brake");
+  const auto& size = found["causes"][0]["sizes"][0];
+  EXPECT_LT(size["low_90"].get<double>(), kBrakeTorque);
+  EXPECT_GT(size["high_90"].get<double>(), kBrakeTorque);
+  ASSERT_EQ(found["unseen"].size(), 1u);
+  EXPECT_EQ(found["unseen"][0]["log"].get<std::string>().rfind(log() + " ", 0), 0u) << found["unseen"][0]["log"];
+  EXPECT_TRUE(found["unseen"][0]["validation"]["holds"].get<bool>());
+  EXPECT_NE(contents(out() / "summary.txt").find("are fitted, where most moves, and "), std::string::npos);
+}
+
 TEST_F(DiagnoseCommand, FindsTheEffectAndWritesACraneThatRunTakes) {
   RunningProgram diagnose(whole_command());
   ASSERT_EQ(diagnose.wait_for_end(), 0) << diagnose.complaints();

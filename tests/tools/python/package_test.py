@@ -506,6 +506,9 @@ class DiagnosisTest(unittest.TestCase):
         found = slewlab.diagnose(axis, logs[0], unseen=logs[1], without=["dry"])
         self.assertEqual([Path(told["log"]).name for told in found.raw["unseen"]], [logs[1].name])
         self.assertNotIn("dry", [effect for cause in found.causes for effect in cause.effects])
+        stretch = slewlab.diagnose(axis, logs[0], fitted_seconds=5)
+        self.assertTrue(any("are fitted, where most moves" in remark for remark in stretch.raw["remarks"]), stretch.raw["remarks"])
+        self.assertRegex(stretch.raw["unseen"][0]["log"], r" [\d.]+ to [\d.]+ s$")
         with self.assertRaisesRegex(slewlab.ProgramFailed, "expected no --measured-torque beside an axis"):
             slewlab.diagnose(axis, logs, measured_torque=True)
 

@@ -138,10 +138,12 @@ def _file_of(machine: Any, folder: Path) -> Iterator[Path]:
 
 def diagnose(machine: Machine | str | Path, logs: Log | str | Path | Iterable[Log | str | Path], *,
              unseen: Log | str | Path | Iterable[Log | str | Path] = (), controller: str | Path | None = None, without: Iterable[str] = (),
-             measured_torque: bool = False, out: str | Path | None = None, threads: int | None = None) -> Diagnosis:
+             measured_torque: bool = False, fitted_seconds: float | None = None, out: str | Path | None = None,
+             threads: int | None = None) -> Diagnosis:
     """Diagnoses a measured log, or several, of a crane or an axis against its file or a Machine, as `slewlab diagnose` does. `unseen` logs
     have no part in the answer, which is tried on them; `without` names effects that the catalogue is to do without (of an axis: laws of its
-    torque balance); `measured_torque` says that a crane's torques were measured, not commanded, so that their scatter is noise. Without `out`
+    torque balance); `measured_torque` says that a crane's torques were measured, not commanded, so that their scatter is noise;
+    `fitted_seconds` is how much of long logs is fitted at most. Without `out`
     the files go with the temporary folder they were made in. CannotTell, with the reasons, where the records are refused; ProgramFailed, with
     what was said, where a file is wrong."""
     paths, unseen_paths = _paths(logs), _paths(unseen)
@@ -156,6 +158,7 @@ def diagnose(machine: Machine | str | Path, logs: Log | str | Path | Iterable[Lo
             words += ["--threads", str(threads)] if threads is not None else []
             words += ["--controller", str(path_of(controller, "a controller's file"))] if controller is not None else []
             words += ["--measured-torque"] if measured_torque else []
+            words += ["--fitted-seconds", str(fitted_seconds)] if fitted_seconds is not None else []
             for option, given in (("--log", paths), ("--unseen", unseen_paths), ("--without", without)):
                 for one in given:
                     words += [option, str(one)]
