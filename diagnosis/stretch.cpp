@@ -102,11 +102,8 @@ std::vector<Stretch> stretches_by_motion(const msgs::RunLog& run, double length,
     end[k] = motion.at[last] >= motion.at[k] + duration ? last : 0;
   }
   std::vector<Stretch> stretches;
-  std::vector<bool> is_taken(motion.speed.size(), false);
-  const auto is_free = [&](std::size_t k) {
-    const auto from = is_taken.begin() + static_cast<std::ptrdiff_t>(k), to = is_taken.begin() + static_cast<std::ptrdiff_t>(end[k]);
-    return std::find(from, to, true) == to;
-  };
+  std::vector<std::size_t> taken;  // where they begin
+  const auto is_free = [&](std::size_t k) { return std::none_of(taken.begin(), taken.end(), [&](std::size_t other) { return k < end[other] && other < end[k]; }); };
   const std::vector<bool> anywhere(motion.speed.size(), true);
   for (std::vector<bool> may_begin : {beginnings(motion, end), anywhere}) {
     for (std::size_t k = 0; k < end.size(); ++k) may_begin[k] = may_begin[k] && end[k] != 0 && is_free(k);
@@ -123,8 +120,8 @@ std::vector<Stretch> stretches_by_motion(const msgs::RunLog& run, double length,
       }
       if (best == end.size()) break;
       stretches.push_back({motion.at[best], motion.at[best] + duration, most});
-      std::fill(is_taken.begin() + static_cast<std::ptrdiff_t>(best), is_taken.begin() + static_cast<std::ptrdiff_t>(end[best]), true);
-      for (std::size_t k = 0; k < end.size(); ++k) may_begin[k] = may_begin[k] && is_free(k);
+      taken.push_back(best);
+      for (std::size_t k = 0; k < end[best]; ++k) may_begin[k] = may_begin[k] && end[k] <= best;
     }
   }
   return stretches;
