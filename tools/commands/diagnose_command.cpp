@@ -650,7 +650,7 @@ int diagnose_crane_logs(const sim::MachineFile& crane, const DiagnoseOptions& op
   diagnosis::Thresholds thresholds = diagnosis::thresholds_of(sim::describe(crane));
   thresholds.admission.is_torque_measured = options.is_torque_measured;
   FittedRuns measured = fitted_runs(options, nominal, thresholds);
-  std::vector<Record> admitted = admitted_records(std::move(measured.fitted), thresholds.admission);
+  const std::vector<Record> records = admitted_records(std::move(measured.fitted), thresholds.admission);
   std::vector<Record> unseen = admitted_records(std::move(measured.unseen), thresholds.admission);
   for (Record& record : admitted_records(measured_runs(options.unseen), thresholds.admission)) unseen.push_back(std::move(record));
 
@@ -659,13 +659,11 @@ int diagnose_crane_logs(const sim::MachineFile& crane, const DiagnoseOptions& op
   settings.threads = options.threads.value_or(kThreads);
   settings.hold_out = true;
   ProgressDisplay progress(options.terminal, complaints);
-  Diagnosis found = diagnosis::diagnose(nominal, controller, std::move(admitted), settings, std::ref(progress), common::stop_requested, std::move(unseen));
+  Diagnosis found = diagnosis::diagnose(nominal, controller, records, settings, std::ref(progress), common::stop_requested, std::move(unseen));
   progress.keep();
   if (measured.fitted.is_damaged) found.verdict += kOfADamagedLog;
   if (common::stop_requested()) throw diagnosis::Interrupted{};  // what follows takes seconds, and then it is written
 
-  // Read anew: kept beside those that the diagnosis works with they would be in memory twice.
-  const std::vector<Record> records = admitted_records(fitted_runs(options, nominal, thresholds).fitted, thresholds.admission);
   const Cause first = found.causes.empty() ? Cause{} : found.causes.front();
   const Made made{options, nominal, controller, found, measured.fitted.is_damaged, diagnosis::as_fitted(nominal, found),
                   first, found.is_unknown ? Cause{} : first};
