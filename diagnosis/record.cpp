@@ -60,13 +60,13 @@ void check_clock(const char* channel, const std::vector<std::int64_t>& times, st
     const double at = static_cast<double>(times[i - 1]) * kNanosecond;
     if (distance <= 0) {
       throw NotAdmitted(fmt::format("{}: clock of {} jumps back by {:.4f} s at {:.3f} s; the log must rise in "
-                                    "time: cut it there and give the parts as separate logs",
+                                    "time: give the parts (slewlab cut) as separate logs",
                                     record.name, channel, -static_cast<double>(distance) * kNanosecond, at));
     }
     const auto missing = static_cast<int>((distance + period / 2) / period) - 1;
     if (missing > kLongestBridge) {
       throw NotAdmitted(fmt::format("{}: gap of {:.3f} s in {} at {:.3f} s ({} messages missing, at most {} can be "
-                                    "bridged); cut the log there and give the parts as separate logs",
+                                    "bridged); give the parts (slewlab cut) as separate logs",
                                     record.name, static_cast<double>(distance) * kNanosecond, channel, at, missing,
                                     kLongestBridge));
     }
@@ -88,7 +88,7 @@ void check_span(const char* channel, const std::vector<std::int64_t>& times, std
   if (times.front() <= encoder_times.front() + bridge && times.back() >= encoder_times.back() - bridge) return;
   const auto seconds = [](std::int64_t time) { return static_cast<double>(time) * kNanosecond; };
   throw NotAdmitted(fmt::format("{}: {} goes from {:.3f} s to {:.3f} s, ENCODER from {:.3f} s to {:.3f} s; both must cover the same time: cut the "
-                                "log to it, or correct the clock that runs apart",
+                                "log to it (slewlab cut), or correct the clock that runs apart",
                                 record.name, channel, seconds(times.front()), seconds(times.back()), seconds(encoder_times.front()),
                                 seconds(encoder_times.back())));
 }
@@ -169,7 +169,7 @@ void check_driven(const msgs::RunLog& run, const Record& record, double moving) 
     if (steps < 0.0 || steps > static_cast<double>(record.size() - 1)) return;
     const auto n = static_cast<std::size_t>(steps);
     if (std::fabs(record.shaft_speed[0][n]) < moving) return;
-    throw NotAdmitted(fmt::format("{}: {} at {:.3f} s while the motors turn; the commands there are not what drives the crane: cut the log there",
+    throw NotAdmitted(fmt::format("{}: {} at {:.3f} s while the motors turn; the commands there are not what drives the machine: give the part before it (slewlab cut)",
                                   record.name, why, at));
   };
   for (const msgs::Torque& message : run.torque) {
@@ -286,7 +286,7 @@ void take_group_count(const msgs::RunLog& run, Record& record) {
   }
   for (const msgs::Torque& message : run.torque) {
     if (message.group_count == record.group_count) continue;
-    throw NotAdmitted(fmt::format("{}: TORQUE at {:.3f} s is for {} motor groups, the crane has {}; the drive did not take it: cut the log there",
+    throw NotAdmitted(fmt::format("{}: TORQUE at {:.3f} s is for {} motor groups, the crane has {}; the drive did not take it: give the part before it (slewlab cut)",
                                   name, static_cast<double>(message.simulated_time) * kNanosecond, message.group_count, record.group_count));
   }
 }

@@ -43,6 +43,15 @@ EventLengths event_lengths(const std::uint8_t* head) {
   return {channel_bytes, data_bytes};
 }
 
+LogEvent event_of(const std::uint8_t* head, const EventLengths& lengths, std::int64_t offset) {
+  const std::uint8_t* channel = head + kLogEventHeadBytes;
+  return {.offset = offset,
+          .number = get_64(head + 4),
+          .timestamp_us = get_64(head + 12),
+          .channel = std::string_view(reinterpret_cast<const char*>(channel), lengths.channel),
+          .data = Bytes(channel + lengths.channel, lengths.data)};
+}
+
 LogReader::LogReader(const std::filesystem::path& path)
     : path_(path), file_(std::fopen(path.c_str(), "rb")) {
   if (!file_) throw LogError("cannot read the log " + path.string() + ": " + std::strerror(errno));
@@ -153,13 +162,7 @@ bool LogReader::next(LogEvent& event) {
       continue;
     }
     head = buffer_.data() + begin_;
-    event.offset = size_ - static_cast<std::int64_t>(unread_bytes_);
-    event.number = get_64(head + 4);
-    event.timestamp_us = get_64(head + 12);
-    const std::size_t channel_bytes = get_32(head + 20);
-    const std::size_t data_bytes = get_32(head + 24);
-    event.channel = std::string_view(reinterpret_cast<const char*>(head + kLogEventHeadBytes), channel_bytes);
-    event.data = Bytes(head + kLogEventHeadBytes + channel_bytes, data_bytes);
+    event = event_of(head, event_lengths(head), size_ - static_cast<std::int64_t>(unread_bytes_));
     begin_ += whole;
     unread_bytes_ -= whole;
     if (skipped > 0) ++damage_.skipped_stretches;

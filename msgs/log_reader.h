@@ -19,7 +19,7 @@
 
 namespace slewlab::msgs {
 
-// Valid until the next call of LogReader::next.
+// Valid as long as the bytes that it was read from: until the next call of LogReader::next.
 struct LogEvent {
   std::int64_t offset = 0;  // [bytes] of the event in the file
   std::int64_t number = 0;
@@ -80,6 +80,8 @@ struct EventLengths {
   std::size_t data = 0;
 };
 EventLengths event_lengths(const std::uint8_t* head);
+// What stands in memory from `head` on, which is at `offset` in the file.
+LogEvent event_of(const std::uint8_t* head, const EventLengths& lengths, std::int64_t offset);
 
 // One line per kind of damage, empty if there is none.
 std::vector<std::string> describe(const LogDamage& damage);

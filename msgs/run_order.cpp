@@ -463,12 +463,12 @@ bool EventsAt::have(std::int64_t offset, std::size_t bytes) {
   return filled_ >= bytes;
 }
 
-Bytes EventsAt::data(std::int64_t offset) {
+LogEvent EventsAt::event(std::int64_t offset) {
   const auto at = [&] { return window_.data() + (offset - begin_); };
   if (have(offset, kLogEventHeadBytes)) {
     const EventLengths lengths = event_lengths(at());
     const std::size_t whole = kLogEventHeadBytes + lengths.channel + lengths.data;
-    if (lengths.channel > 0 && have(offset, whole)) return Bytes(at() + kLogEventHeadBytes + lengths.channel, lengths.data);
+    if (lengths.channel > 0 && have(offset, whole)) return event_of(at(), lengths, offset);
   }
   throw LogError("the log " + path_.string() + " changed while it was read: there is no event at byte " + std::to_string(offset) + " any more");
 }

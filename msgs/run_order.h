@@ -88,11 +88,13 @@ RunOrder order_runs(const std::filesystem::path& path, const AskedCounts& asked 
 
 [[noreturn]] void throw_no_message(const std::filesystem::path& path, const std::vector<std::string>& remarks);
 
-// The data of events whose offsets order_runs() or a LogReader gave, read anew; cheap where offsets rise.
+// Events whose offsets order_runs() or a LogReader gave, read anew; cheap where offsets rise. Valid until the next call; LogError where no event stands there any
+// more.
 class EventsAt {
  public:
   explicit EventsAt(const std::filesystem::path& path);
-  Bytes data(std::int64_t offset);  // valid until the next call; LogError where no event stands there any more
+  LogEvent event(std::int64_t offset);
+  Bytes data(std::int64_t offset) { return event(offset).data; }
 
  private:
   bool have(std::int64_t offset, std::size_t bytes);

@@ -594,7 +594,7 @@ AxisRecord axis_record(const NamedRun& named, const sim::MachineFile& axis) {
     const msgs::Encoder& encoder = run.encoder[n];
     const double time = static_cast<double>(encoder.simulated_time - run.encoder.front().simulated_time) * kNanosecond;
     if (std::fabs(time - record.step * static_cast<double>(n)) > kOffGrid * record.step) {
-      throw NoBalance(fmt::format("{}: ENCODER at {:.4f} s misses the even grid of {:.4g} ms by {:.2g} ms; cut the log at its gap, or import it with "
+      throw NoBalance(fmt::format("{}: ENCODER at {:.4f} s misses the even grid of {:.4g} ms by {:.2g} ms; cut the log at its gap (slewlab cut), or import it with "
                                   "`resample: linear`",
                                   named.name, static_cast<double>(encoder.simulated_time) * kNanosecond, 1e3 * record.step,
                                   1e3 * std::fabs(time - record.step * static_cast<double>(n))));

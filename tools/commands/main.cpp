@@ -15,6 +15,7 @@
 #include "tools/commands/check_command.h"
 #include "tools/commands/command_line.h"
 #include "tools/commands/command_pages.h"
+#include "tools/commands/cut_command.h"
 #include "tools/commands/diagnose_command.h"
 #include "tools/commands/export_fmu_command.h"
 #include "tools/commands/home.h"
@@ -124,6 +125,17 @@ void add_simulate(CLI::App& app, Action& action) {
       return simulate(options->simulate, std::cout);
     };
   });
+}
+
+void add_cut(CLI::App& app, Action& action) {
+  auto options = std::make_shared<CutOptions>();
+  CLI::App* command = app.add_subcommand("cut", "A piece of a log as a log: what lies before or behind a gap, a trip, a change");
+  command->add_option("LOG", options->log, "log, or the folder of a run")->required()->check(readable_path());
+  command->add_option("--out", options->out, "name of the piece")->required();
+  command->add_option("--from", options->from, "[s] of the run, where the piece begins (the run's begin)");
+  command->add_option("--until", options->until, "[s] of the run, where the piece ends (the run's end)");
+  command->add_option("--run", options->run, "which of several runs in the log, from 1")->check(whole_number(1));
+  command->callback([options, &action] { action = [options] { return cut(*options, std::cout); }; });
 }
 
 void add_accept(CLI::App& app, const std::vector<std::string>& command_line, Action& action) {
@@ -484,6 +496,7 @@ int main(const std::vector<std::string>& command_line) {
   add_run(app, command_line, action);
   add_replay(app, command_line, action);
   add_simulate(app, action);
+  add_cut(app, action);
   add_accept(app, command_line, action);
   add_soak(app, action);
   add_check(app, action);

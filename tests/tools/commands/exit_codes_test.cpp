@@ -43,6 +43,7 @@ TEST_F(ExitCodes, AFileThatIsNotThereOrOfAnotherKind) {
   for (const std::string& log : {std::string("/nowhere/run.lcmlog"), file_}) {
     expect_refused({"replay", log}, log);
     expect_refused({"simulate", kCrane, log, "--out", out_}, log);
+    expect_refused({"cut", log, "--out", out_}, log);
     expect_refused({"diagnose", "--crane", kCrane, "--log", log, "--out", out_}, log);
   }
   for (const std::string& file : {std::string("/nowhere.yaml"), below_}) {
@@ -64,6 +65,7 @@ TEST_F(ExitCodes, ANameThatCannotBeWritten) {
   expect_refused({"modes", kCrane, "--bode", file_ + "/bode.csv"}, "which is a file");
   expect_refused({"export-fmu", kCrane, "--out", file_ + "/crane.fmu"}, "which is a file");
   expect_refused({"completion", "--out", below_}, "which is a folder");
+  expect_refused({"cut", below_, "--out", below_}, "which is a folder");
   expect_refused({"accept", kScenario, "--junit", below_}, "which is a folder");
   EXPECT_EQ(contents(file_), "mine");
   EXPECT_EQ(contents(below_ + "/thesis.txt"), "mine");

@@ -1,0 +1,83 @@
+#include "tools/commands/cut_command.h"
+
+#include <fmt/format.h>
+
+#include <array>
+#include <cmath>
+#include <ostream>
+#include <string>
+#include <system_error>
+
+#include "common/input_error.h"
+#include "msgs/log_piece.h"
+#include "tools/commands/log_path.h"
+
+namespace slewlab::tools {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr double kNanosecond = 1e-9;  // [s]
+
+common::InputError refused(const std::string& option, const std::string& found, const std::string& expected) {
+  return common::InputError({{{option, 0, 0}, "", found, expected}});
+}
+
+// A log that cannot be read is a wrong file on the command line, not work that failed.
+msgs::RunOrder runs_of(const fs::path& log) {
+  try {
+    return msgs::order_runs(log);
+  } catch (const msgs::LogError& error) {
+    throw refused("LOG", "'" + log.string() + "' (" + std::string(error.what()) + ")", "the log of a run");
+  }
+}
+
+std::string stretch_text(const msgs::LogPiece& piece) {
+  return fmt::format("{:.3f} s to {:.3f} s", kNanosecond * static_cast<double>(piece.from), kNanosecond * static_cast<double>(piece.to));
+}
+
+const msgs::OrderedRun& chosen_run(const msgs::RunOrder& order, int run, const fs::path& log) {
+  const auto count = static_cast<int>(order.runs.size());
+  if (run == 0 && count == 1) return order.runs.front();
+  if (run >= 1 && run <= count) return order.runs[static_cast<std::size_t>(run - 1)];
+  std::string runs;
+  for (int n = 0; n < count; ++n) runs += fmt::format("{}{} ({})", n == 0 ? "" : ", ", n + 1, stretch_text(msgs::whole_run(order.runs[static_cast<std::size_t>(n)])));
+  throw refused("--run", run == 0 ? "none, and " + log.string() + " holds several runs" : std::to_string(run), "one of the runs " + runs);
+}
+
+msgs::LogPiece piece_of(const CutOptions& options, const msgs::OrderedRun& run) {
+  const msgs::LogPiece whole = msgs::whole_run(run);
+  msgs::LogPiece piece = whole;
+  if (options.from) piece.from = std::llround(*options.from / kNanosecond);
+  if (options.until) piece.to = std::llround(*options.until / kNanosecond);
+  const std::string within = "[s] within the run, which goes from " + stretch_text(whole);
+  if (piece.from >= whole.to) throw refused("--from", fmt::format("{:.6g}", *options.from), "a time " + within);
+  if (piece.to <= whole.from) throw refused("--until", fmt::format("{:.6g}", *options.until), "a time " + within);
+  if (piece.from >= piece.to) throw refused("--from", fmt::format("{:.6g}, not before --until {:.6g}", kNanosecond * static_cast<double>(piece.from), kNanosecond * static_cast<double>(piece.to)), "two times " + within);
+  return piece;
+}
+
+}  // namespace
+
+int cut(const CutOptions& options, std::ostream& out) {
+  if (fs::is_directory(options.out)) throw refused("--out", "'" + options.out.string() + "', which is a folder", "the name of a file");
+  const fs::path log = log_in(options.log);
+  std::error_code none;
+  if (fs::equivalent(log, options.out, none)) throw refused("--out", "'" + options.out.string() + "', which is the log itself", "another file");
+  const msgs::RunOrder order = runs_of(log);
+  for (const std::string& remark : order.remarks) out << log.string() << ": " << remark << '\n';
+  const msgs::OrderedRun& run = chosen_run(order, options.run, log);
+  const msgs::LogPiece piece = piece_of(options, run);
+
+  msgs::LogWriter writer(options.out);
+  const std::array<std::int64_t, msgs::kChannels> counts = msgs::write_piece(log, run, piece, writer);
+  writer.finish();
+  std::string held;
+  for (std::size_t channel = 0; channel < msgs::kChannels; ++channel) {
+    if (counts[channel] > 0) held += fmt::format("{}{} {}", held.empty() ? "" : ", ", counts[channel], msgs::wire_messages()[channel].channel);
+  }
+  out << fmt::format("{}: {} of {}: {}\n", options.out.string(), stretch_text(piece), log.string(), held);
+  return 0;
+}
+
+}  // namespace slewlab::tools
