@@ -208,7 +208,7 @@ ControllerReplay replay_controller(const Record& record, controller::ControllerS
     while (answer < record.torque.size() && record.torque[answer].answered_sequence < encoder.sequence) ++answer;
     const bool answered =
         answer < record.torque.size() && record.torque[answer].answered_sequence == encoder.sequence;
-    const bool is_known = 1e-9 * static_cast<double>(encoder.simulated_time) >= *known_from;
+    const bool is_known = 1e-9 * static_cast<double>(encoder.simulated_time) > *known_from - 0.5 * record.encoder_period;  // half a cycle: whatever the times are rounded to
     if (!is_known) {
       // As if the ramp had come to its end already: when it is to be known, it has.
       state.ramp = {};

@@ -42,7 +42,6 @@ constexpr double kOtherLawTemper = 5.0;  // chosen: by which the evidence among 
 // something small where parameters alone leave that.
 constexpr double kHiddenBeside = 0.12, kAboveTheNoise = 0.25, kSmallBesideNothing = 0.25;
 constexpr double kClearLead = 0.6;  // probability, beyond which no other answer can come to lead by that
-constexpr std::size_t kLengths = 2;  // of what recurs with the angle, that are tried: the first may be half of a law's with two harmonics
 constexpr int kRoundsAsBuilt = 3;        // at most, of a fit of the nominal machine built otherwise: its boom cut as its file has it, or what every machine does
 constexpr double kOwnLog = 0.5;          // mean square that no sensors' noise leaves as low; chosen
 constexpr double kBetterAsCut = 20.0;    // fall of the cost, several times what chance lets it fall by

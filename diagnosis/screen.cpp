@@ -225,9 +225,6 @@ double forecast(const Problem& problem, const FitResult& from, const Screening& 
   return discounted(left, nu) - discounted(left - fall, nu);
 }
 
-namespace {
-
-// From where the law comes again with one of the lengths, its angles all round: beside the law's mean two quarters do not tell the others.
 std::vector<common::EffectInstance> recurring_starts(const common::EffectAbout& about, std::span<const double> lengths) {
   std::vector<common::EffectInstance> starts;
   for (std::size_t p = 0; p < about.parameters.size(); ++p) {
@@ -243,8 +240,6 @@ std::vector<common::EffectInstance> recurring_starts(const common::EffectAbout& 
   }
   return starts;
 }
-
-}  // namespace
 
 std::vector<common::EffectInstance> catalogue_starts(const common::EffectCatalogue& catalogue, const sim::MachineSettings& nominal,
                                                      std::span<const std::string> without, double duration, double spell_every, std::span<const double> lengths) {

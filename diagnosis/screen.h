@@ -99,6 +99,8 @@ struct Screening {
   std::map<std::string, double> visibility;  // largest of each effect's
   Eigen::VectorXd gap;                       // what parameters alone leave, as the projector shows it
 };
+// From where the law comes again with one of the lengths [rad], its angles all round: beside the law's mean two quarters do not tell the others. None of a law that does not recur.
+std::vector<common::EffectInstance> recurring_starts(const common::EffectAbout& about, std::span<const double> lengths);
 // All starts of the machine's catalogue but of `without`, of what the nominal machine has, and of what is read off a record.
 // `duration` [s] of the longest record, in which an effect may begin at any time; what recurs with an angle of the axis is tried with the `lengths` [rad] as well.
 std::vector<common::EffectInstance> catalogue_starts(const common::EffectCatalogue& catalogue, const sim::MachineSettings& nominal, std::span<const std::string> without,

@@ -10,6 +10,7 @@
 #include <set>
 #include <string>
 
+#include "diagnosis/recurrence.h"
 #include "diagnosis/stochastic.h"
 #include "diagnosis/stochastic_fit.h"
 
@@ -262,6 +263,39 @@ struct PairStart {
   const FitResult* from;
 };
 
+// Starts of a law that recurs with an angle, with the lengths that stand out in what is missing at `point`: where another effect was missing as well, others did.
+std::vector<common::EffectInstance> recurring_on(const Problem& problem, const Point& point, const std::string& name) {
+  const common::EffectAbout& about = problem.catalogue.at(name);
+  const bool recurs = std::any_of(about.parameters.begin(), about.parameters.end(), [](const common::EffectParameter& parameter) { return parameter.recurs; });
+  if (!recurs) return {};
+  return recurring_starts(about, recurring_lengths(problem, point, kLengths));
+}
+
+// A law that recurs has a valley for every length: where the best fit leaves more than noise and has a law of that physics, or itself with another length, it is tried in that one's place.
+void try_recurring(Problem& problem, const Screening& screening, std::vector<FitResult>& fits) {
+  if (fits.empty() || mean_square(fits.front().difference) <= kNoiseAlone) return;
+  const FitResult& best = fits.front();
+  const Eigen::MatrixXd nuisance_columns = best.columns.leftCols(static_cast<Eigen::Index>(best.point.nuisance.size()));
+  std::vector<FitResult> tried;
+  for (const common::EffectInstance& replaced : best.point.effects) {
+    Point rest = best.point;
+    std::erase_if(rest.effects, [&](const common::EffectInstance& effect) { return effect.name == replaced.name; });
+    const common::Family family = problem.catalogue.at(replaced.name).family;
+    for (const std::string& name : screening.names) {
+      if (problem.catalogue.at(name).family != family || has_effect(rest.effects, name)) continue;
+      const std::vector<common::EffectInstance> starts = recurring_on(problem, rest, name);
+      if (starts.empty()) continue;
+      const FitResult ground = common_ground(problem, best, rest);
+      const Screening there = screen(problem, ground, projector_of(problem, ground), starts, [](double, const std::string&) {});
+      const Screened& screened = *best_of_each(there).front();
+      tried.push_back(fit(problem, nuisance_columns, with_amount(problem.catalogue, ground.point, screened, screened.amount)));
+    }
+  }
+  if (tried.empty()) return;
+  take_cheaper(fits, std::move(tried));
+  settle_best(problem, fits);
+}
+
 // What is promised beside a fitted effect: the starts, and what the fit leaves of which they take away.
 struct Beside {
   std::vector<Screened> tried;
@@ -272,6 +306,10 @@ struct Beside {
 Beside look_beside(Problem& problem, const FitResult& single, const Screening& screening, const std::map<std::string, std::string>& same_as,
                    const Progress& tell) {
   std::vector<common::EffectInstance> starts = best_starts(problem, screening);
+  for (const std::string& name : screening.names) {
+    const std::vector<common::EffectInstance> recurring = recurring_on(problem, single.point, name);
+    starts.insert(starts.end(), recurring.begin(), recurring.end());
+  }
   std::erase_if(starts, [&](const common::EffectInstance& start) {
     return same_as.contains(start.name) || is_stochastic(problem.catalogue.at(start.name));
   });
@@ -587,6 +625,7 @@ Found search(Problem& problem, FitResult& base, const Screening& screening, cons
   converge_singles(problem, fits, static_cast<std::size_t>(settings.contenders));
   if (settings.joint_pairs > 0) look_again(problem, base, screening, same_as, settings, looked_beside, fits, within(going_back, kLookAgain));
   if (settings.joint_pairs > 0) take_apart(problem, screening, fits);
+  try_recurring(problem, screening, fits);
   going_back(0.8, "going back to none");
   go_back(problem, base.columns, 1, fits);
   share_out(problem, fits.size(), [&](std::size_t i) { conclude(problem, fits[i]); });

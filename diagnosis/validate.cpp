@@ -53,6 +53,15 @@ Whitening whitening_of_half(const Problem& problem, const WhiteningSettings& set
   return whitening_between(problem, last, follower, settings, second ? middle : 0, second ? last.size() : middle);
 }
 
+// From one point of a hypothesis to another: nuisances, then coordinates of the effects.
+Eigen::VectorXd coordinates_between(const common::EffectCatalogue& catalogue, const Point& from, const Point& to) {
+  const auto count = static_cast<Eigen::Index>(from.nuisance.size());
+  const Eigen::VectorXd effects = effect_coordinates(catalogue, to.effects) - effect_coordinates(catalogue, from.effects);
+  Eigen::VectorXd between(count + effects.size());
+  between << Eigen::Map<const Eigen::VectorXd>(to.nuisance.data(), count) - Eigen::Map<const Eigen::VectorXd>(from.nuisance.data(), count), effects;
+  return between;
+}
+
 // One record as a hypothesis predicts it that was fitted to others: with what only its beginning is like (the load's swing, where the motors stand)
 // fitted there, and the rest free within what the other records leave open.
 struct Predicted {
@@ -61,7 +70,9 @@ struct Predicted {
   double prior_cost = 0.0;  // of how far it moved, and Occam's
 };
 
-Predicted predicted_from(Problem& problem, Point point, const Eigen::MatrixXd& open) {
+// The descent begins where the fitted part stands or, if it is better there, where a fit of all records does (`of_all`): between the two a record may have an impact that comes or does not,
+// and no slope leads from one side of it to the other.
+Predicted predicted_from(Problem& problem, Point point, const Eigen::MatrixXd& open, const std::optional<Point>& of_all) {
   const auto common = static_cast<Eigen::Index>(problem.nuisances.common_count()), own = static_cast<Eigen::Index>(problem.nuisances.per_record());
   const auto nuisances = static_cast<Eigen::Index>(point.nuisance.size());
   const Eigen::Index effects = effect_coordinates(problem.catalogue, point.effects).size();
@@ -81,6 +92,15 @@ Predicted predicted_from(Problem& problem, Point point, const Eigen::MatrixXd& o
   };
   Predicted result{differences(problem, point), point, 0.0};
   if (axes.cols() == 0) return result;
+  if (of_all) {
+    const Eigen::VectorXd change = axes.partialPivLu().solve(coordinates_between(problem.catalogue, point, *of_all));
+    Eigen::VectorXd difference = differences(problem, *of_all);
+    if (cost(difference, amount + change) < cost(result.difference, amount)) {
+      point = *of_all;
+      result.difference = std::move(difference);
+      amount += change;
+    }
+  }
   std::optional<LocalModel> here;  // where the descent stands; none: not yet made
   double occam = 0.0;
   Eigen::VectorXd trial_amount, trial_difference;
@@ -155,7 +175,7 @@ HeldOutData::HeldOutData(const Problem& problem, const WhiteningSettings& settin
     fitted_->nuisances.begins.erase(fitted_->nuisances.begins.begin() + place);
   }
   const auto common = static_cast<std::ptrdiff_t>(problem.nuisances.common_count()), own = static_cast<std::ptrdiff_t>(problem.nuisances.per_record());
-  if (!is_half_) left_out_ = {common + own * static_cast<std::ptrdiff_t>(held), common + own * static_cast<std::ptrdiff_t>(held + 1)};
+  beginning_ = {common + own * static_cast<std::ptrdiff_t>(held), common + own * static_cast<std::ptrdiff_t>(held + 1)};
 }
 
 HeldOutData::HeldOutData(const Problem& problem, const WhiteningSettings& settings, Record unseen, std::vector<std::string>& remarks)
@@ -184,11 +204,11 @@ Point without_stochastic(const common::EffectCatalogue& catalogue, Point point) 
 
 HeldOut HeldOutData::fit_with_stochastic(const Point& answer) {
   const std::vector<common::EffectInstance> stochastic = stochastic_part(fitted_->catalogue, answer);
-  HeldOut held{answer, {}, predicted_->records.front().name, from_time_, is_half_};
+  HeldOut held{answer, {}, of_all(answer), predicted_->records.front().name, from_time_, is_half_};
   Point rest = without_stochastic(fitted_->catalogue, answer);
   // From where a fit of all records has led, as fit() does.
   if (rest.nuisance.empty()) rest.nuisance.assign(nuisance_count(*fitted_), 0.0);
-  else rest.nuisance.erase(rest.nuisance.begin() + left_out_.first, rest.nuisance.begin() + left_out_.second);
+  else rest.nuisance = without_held_out(rest.nuisance);
   held.point.nuisance = rest.nuisance;
   for (int round = 0; round < kDrawRounds; ++round) {
     Drawn drawn = draw(*fitted_, held.point);
@@ -219,11 +239,11 @@ HeldOut HeldOutData::fit_with_stochastic(const Point& answer) {
 
 HeldOut HeldOutData::fit(const Point& answer) {
   if (!stochastic_part(fitted_->catalogue, answer).empty()) return fit_with_stochastic(answer);
-  HeldOut held{answer, {}, predicted_->records.front().name, from_time_, is_half_};
+  HeldOut held{answer, {}, of_all(answer), predicted_->records.front().name, from_time_, is_half_};
   // From where a fit of all records has led, so that a valley that is hard to find from afar is not missed.
   Point start = answer;
   if (start.nuisance.empty()) start.nuisance.assign(nuisance_count(*fitted_), 0.0);
-  else start.nuisance.erase(start.nuisance.begin() + left_out_.first, start.nuisance.begin() + left_out_.second);
+  else start.nuisance = without_held_out(start.nuisance);
   FitResult result = diagnosis::fit(*fitted_, Eigen::MatrixXd::Zero(difference_count(*fitted_), static_cast<Eigen::Index>(start.nuisance.size())), start);
   settle(*fitted_, result, kHeldOutRounds);
   held.point = result.point;
@@ -231,10 +251,24 @@ HeldOut HeldOutData::fit(const Point& answer) {
   return held;
 }
 
+std::vector<double> HeldOutData::without_held_out(std::vector<double> amounts) const {
+  if (!is_half_) amounts.erase(amounts.begin() + beginning_.first, amounts.begin() + beginning_.second);
+  return amounts;
+}
+
 Point HeldOutData::at_held_out(const Point& point) const {
   Point there = point;
   there.nuisance.resize(predicted_->nuisances.common_count());  // without the swings of the fitted records
   there.nuisance.resize(nuisance_count(*predicted_), 0.0);
+  return there;
+}
+
+std::optional<Point> HeldOutData::of_all(const Point& answer) const {
+  if (answer.nuisance.empty() || beginning_.second == 0) return {};
+  const auto common = static_cast<std::ptrdiff_t>(predicted_->nuisances.common_count());
+  Point there = without_stochastic(predicted_->catalogue, answer);
+  there.nuisance.assign(answer.nuisance.begin(), answer.nuisance.begin() + common);
+  there.nuisance.insert(there.nuisance.end(), answer.nuisance.begin() + beginning_.first, answer.nuisance.begin() + beginning_.second);
   return there;
 }
 
@@ -245,7 +279,7 @@ ValidationError HeldOutData::error(const HeldOut& fitted, const std::optional<co
   ValidationError error;
   error.differences = static_cast<double>(difference_count(*predicted_));
   if (stochastic.empty()) {
-    const Predicted predicted = predicted_from(*predicted_, there, fitted.open);
+    const Predicted predicted = predicted_from(*predicted_, there, fitted.open, fitted.of_all);
     error.residual_ratio = mean_square(predicted.difference);
     error.cost = share * predicted.difference.squaredNorm() + predicted.prior_cost;
     if (controller && !predicted_->records.front().begins_bent && free_of_impacts_ >= kFreeOfImpacts) {
@@ -259,7 +293,7 @@ ValidationError HeldOutData::error(const HeldOut& fitted, const std::optional<co
   const Eigen::VectorXd mean = drawn.mean - differences(*predicted_, rest);
   const AddedPower added{std::move(drawn.power), 1.0, mean};
   const UnderPower under_power(*predicted_, added);
-  const Predicted predicted = predicted_from(*predicted_, rest, fitted.open);
+  const Predicted predicted = predicted_from(*predicted_, rest, fitted.open, fitted.of_all);
   // What the draws do on the average goes with a law's shape, which is known less well than its size.
   const Eigen::VectorXd average = divided(added, mean);
   const double curvature = 1.0 + share * kMeanDeviation * kMeanDeviation * average.squaredNorm();
@@ -275,7 +309,7 @@ ValidationError HeldOutData::error(const HeldOut& fitted, const std::optional<co
 }
 
 double HeldOutData::missing_torque(const HeldOut& fitted) const {
-  const Point there = predicted_from(*predicted_, without_stochastic(predicted_->catalogue, at_held_out(fitted.point)), fitted.open).point;
+  const Point there = predicted_from(*predicted_, without_stochastic(predicted_->catalogue, at_held_out(fitted.point)), fitted.open, fitted.of_all).point;
   const Shadow follower = shadow_at(*predicted_, there, 0);
   const std::vector<double>& window = predicted_->whitening.front().window;
   const int groups = predicted_->records.front().group_count;
@@ -289,7 +323,7 @@ double HeldOutData::missing_torque(const HeldOut& fitted) const {
 
 double HeldOutData::unknown_cost(const Point& point) {
   const Point there = at_held_out(point);
-  const Predicted beginning = predicted_from(*predicted_, there, {});
+  const Predicted beginning = predicted_from(*predicted_, there, {}, {});
   const Eigen::VectorXd seen = differences(*fitted_, point), unseen = beginning.difference;
   const auto cost_along = [&](const std::vector<ChannelAxes>& seen_axes, std::vector<ChannelAxes> unseen_axes) {
     return predictive_cost(unseen, unknown_power(*fitted_, seen_axes, seen, *predicted_, std::move(unseen_axes)), kUnknownDeviation);

@@ -33,6 +33,7 @@ struct HeldOut {
   // Covariance of what the fitted part leaves open, in coordinates: the parameters of all records together, then those of the
   // effects that are not stochastic. Empty: nothing was fitted.
   Eigen::MatrixXd open;
+  std::optional<Point> of_all;  // where a fit of all records stands, in the record held out, which is one of them; without what is stochastic
   std::string record;      // that it did not see: the last one, or of a single one the second half
   double from_time = 0.0;  // [s] from which it did not
   bool is_half = false;
@@ -105,12 +106,15 @@ class HeldOutData {
  private:
   HeldOut fit_with_stochastic(const Point& answer);
   Point at_held_out(const Point& point) const;
+  std::optional<Point> of_all(const Point& answer) const;
+  std::vector<double> without_held_out(std::vector<double> amounts) const;
 
   std::unique_ptr<Problem> fitted_, predicted_;
   double from_time_ = 0.0;  // [s]
   double free_of_impacts_ = 0.0;  // share of the record held out, all of it where it is a half
   bool is_half_ = false;
-  std::pair<std::ptrdiff_t, std::ptrdiff_t> left_out_{0, 0};  // of a point's amounts: the first and the one behind the last of the record held out
+  // Of a point's amounts: the first and the one behind the last of the beginning of the record held out; both 0: it is none of those that were fitted.
+  std::pair<std::ptrdiff_t, std::ptrdiff_t> beginning_{0, 0};
 };
 
 }  // namespace slewlab::diagnosis

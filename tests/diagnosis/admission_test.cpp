@@ -250,6 +250,33 @@ TEST_F(Admission, AControllerIsKnownOnceItsSpeedShowsThatTheRampIsAtItsEnd) {
   }
 }
 
+// Coarse counts, by which commands jump from one limit of their change to the other: the moment from which a controller is known lies between two of them, and no rounding of a clock's times
+// decides on which side a cycle is that does not tell the integrals.
+TEST_F(Admission, FromWhenAControllerIsKnownDoesNotHangOnTheClock) {
+  sim::MachineSettings truth;
+  truth.crane = bench().crane;
+  truth.effects = {{"encoder_quantisation", {0.0165, 0.006}}};
+  controller::ControllerSettings slow = bench().controller;
+  slow.limits.rate = 2000.0;  // [N m/s] half of what a count more asks for
+  constexpr std::int64_t kPeriod = 10'000'000;  // [ns]
+  const msgs::RunLog whole = simulated_log(truth, slow, {{0.5, 0.5}, {9.0, 0.0}}, 18.0, 3, 1e-9 * kPeriod);
+  for (const int first : {220, 260, 320, 400, 500}) {
+    log_ = whole;
+    leave_out_beginning(log_, first);
+    Record record = make_record(log_, "log", bench().admission);
+    for (int cycles = 0; cycles < 100; ++cycles) {
+      const std::int64_t later = kPeriod * (cycles == 0 ? 2000 : 1);  // the clock of a recorder that has run before
+      for (msgs::Encoder& message : record.encoder) message.simulated_time += later;
+      for (msgs::Torque& message : record.torque) message.simulated_time += later;
+      for (OperatorMove& move : record.operator_moves) move.simulated_time += later;
+      record.start_time += 1e-9 * static_cast<double>(later);
+      const ControllerReplay replay = replay_controller(record, slow);
+      ASSERT_FALSE(replay.difference.empty());
+      ASSERT_LT(replay.difference_rms, 1e-9 * replay.torque_rms) << first << ", " << cycles << " cycles later";
+    }
+  }
+}
+
 // A speed that does not come to rest shows no end of a ramp: then it is known once no ramp can take longer, or never.
 TEST_F(Admission, AControllerIsKnownOnceNoRampCanTakeLonger) {
   begin_in_motion();

@@ -2,6 +2,7 @@
 // manoeuvres.
 #pragma once
 
+#include <random>
 #include <vector>
 
 #include "controller/controller_file.h"
@@ -42,6 +43,17 @@ inline const std::vector<Move> kInching{{2.0, 0.25}, {6.0, 0.0}, {10.0, -0.25}, 
 // So fast to one side and back that the second group leaves its flank and comes back to it.
 inline const std::vector<Move> kAcrossThePlay{{2.0, 1.0}, {9.0, -1.0}, {16.0, 0.0}};
 inline constexpr double kDuration = 24.0;  // [s]
+
+inline sim::CraneParameters spread_crane(unsigned seed) {
+  std::mt19937 generator(seed);
+  std::uniform_real_distribution<double> uniform(-sim::kUnitSpread, sim::kUnitSpread);
+  std::vector<double> amount;
+  const Nuisances nuisances = nuisances_of(bench().machine, 0.0);
+  for (const sim::Parameter& parameter : nuisances.parameters) amount.push_back(uniform(generator) / parameter.spread);
+  sim::CraneParameters crane = with_nuisances(nuisances, bench().crane, amount);
+  crane.boom.element_count = 20;
+  return crane;
+}
 
 inline ShadowGains bench_gains() { return shadow_gains(bench().machine.scales, bench().thresholds.shadow); }
 

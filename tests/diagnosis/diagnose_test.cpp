@@ -29,17 +29,6 @@
 namespace slewlab::diagnosis {
 namespace {
 
-sim::CraneParameters spread_crane(unsigned seed) {
-  std::mt19937 generator(seed);
-  std::uniform_real_distribution<double> uniform(-sim::kUnitSpread, sim::kUnitSpread);
-  std::vector<double> amount;
-  const Nuisances nuisances = nuisances_of(bench().machine, 0.0);
-  for (const sim::Parameter& parameter : nuisances.parameters) amount.push_back(uniform(generator) / parameter.spread);
-  sim::CraneParameters crane = with_nuisances(nuisances, bench().crane, amount);
-  crane.boom.element_count = 20;
-  return crane;
-}
-
 // There and back, then inching.
 Diagnosis diagnose_truth(const sim::MachineSettings& truth, const controller::ControllerSettings& controller, unsigned noise_seed,
                          const DiagnosisSettings& settings = {}, const Progress& progress = {},
@@ -504,88 +493,23 @@ TEST(Diagnose, TakesWhatScattersInMeasuredTorquesForNoise) {
   EXPECT_TRUE(std::any_of(found.remarks.begin(), found.remarks.end(), [](const std::string& remark) { return remark.find("torque_lag") != std::string::npos; }));
 }
 
-// A cause is asked to predict the record that it did not see: the true one does, one that merely bends what it was fitted to does not.
-TEST(HeldOutData, TellsWhatPredictsFromWhatDoesNot) {
+// Friction that depends on the place has a valley for every length with which it may come again. Beside the pinions' mesh, by which the length of none stands out, a fit of both ends in one of
+// the wrong ones, with plain friction before it; on the machine with that mesh the true length stands out.
+TEST(Diagnose, FindsTheLengthWithWhichFrictionRecursBesideALargerEffect) {
   sim::MachineSettings truth;
-  truth.crane = spread_crane(34);
-  truth.effects = {{"bearing_coulomb", {1e5, 0.0, 3e-5}}};
-  BenchProblem problem;
-  problem.add(make_record(simulated_log(truth, bench().controller, kThereAndBack, kDuration, 34), "a", bench().admission));
-  problem.add(make_record(simulated_log(truth, bench().controller, kInching, kDuration, 35), "b", bench().admission));
-  HeldOutData data(problem, problem.thresholds.whitening, HeldOutPart::last);
-  const std::optional<controller::ControllerSettings> controller = bench().controller;
-  const HeldOut none = data.fit({});
-  EXPECT_EQ(none.record, "b");
-  const ValidationError parameters = data.error(none, controller);
-  Point right, wrong;
-  right.effects = truth.effects;
-  wrong.effects = {{"torque_lag", {0.02, 0.0}}};
-  const ValidationError with_right = data.error(data.fit(right), controller), with_wrong = data.error(data.fit(wrong), controller);
-  EXPECT_TRUE(is_better(with_right, parameters)) << with_right.residual_ratio << " " << parameters.residual_ratio;
-  EXPECT_FALSE(is_better(parameters, with_right));
-  EXPECT_FALSE(is_better(parameters, parameters));
-  EXPECT_FALSE(is_better(with_wrong, with_right));
-  ValidationError worse_loop = with_right;
-  worse_loop.closed_loop = 2.0 * *parameters.closed_loop;
-  EXPECT_FALSE(is_better(worse_loop, parameters)) << "a closed loop that gets worse";
-}
-
-// A record that is given to be predicted alone is judged as one of the fitted ones is when it is held out: the same numbers, by either way.
-TEST(HeldOutData, ARecordWithoutPartIsJudgedAsOneHeldOut) {
-  sim::MachineSettings truth;
-  truth.crane = spread_crane(34);
-  truth.effects = {{"bearing_coulomb", {1e5, 0.0, 3e-5}}};
-  const Record first = make_record(simulated_log(truth, bench().controller, kThereAndBack, kDuration, 34), "a", bench().admission);
-  const Record second = make_record(simulated_log(truth, bench().controller, kInching, kDuration, 35), "b", bench().admission);
-  BenchProblem both, alone;
-  const auto judged = [](const Record& record) { return on_judged_grid(record, bench().thresholds.whitening.highest_frequency); };
-  both.add(judged(first));
-  both.add(judged(second));
-  alone.add(judged(first));
-  std::vector<std::string> remarks;
-  HeldOutData held(both, both.thresholds.whitening, HeldOutPart::last), unseen(alone, alone.thresholds.whitening, second, remarks);
-  const std::optional<controller::ControllerSettings> controller = bench().controller;
-  Point friction;
-  friction.effects = truth.effects;
-  const HeldOut none_held = held.fit({}), none_unseen = unseen.fit({}), right_unseen = unseen.fit(friction);
-  EXPECT_EQ(none_unseen.record, "b");
-  for (const auto& [one, other] : {std::pair(held.error(none_held, controller), unseen.error(none_unseen, controller)),
-                                   std::pair(held.error(held.fit(friction), controller), unseen.error(right_unseen, controller))}) {
-    EXPECT_NEAR(other.residual_ratio, one.residual_ratio, 1e-9 * one.residual_ratio);
-    ASSERT_TRUE(one.closed_loop && other.closed_loop);
-    EXPECT_NEAR(*other.closed_loop, *one.closed_loop, 1e-9 * *one.closed_loop);
+  truth.crane = spread_crane(52);
+  truth.effects = {{"pinion_mesh_variation", {0.16, -2.1, -2.1, 0.0, 0.0}}, {"bearing_uneven", {3e5, 0.5, 0.18, -0.2, 0.0, 0.0, 0.0, 3e-5}}};
+  DiagnosisSettings settings;
+  for (const common::EffectAbout& about : sim::effects_for(bench().crane).effects) {
+    const std::set<std::string_view> asked{"pinion_mesh_variation", "bearing_uneven", "bearing_coulomb", "bearing_stribeck", "bearing_warming", "bearing_viscous"};
+    if (!asked.contains(about.name)) settings.without.emplace_back(about.name);
   }
-  EXPECT_LT(unseen.missing_torque(right_unseen), 0.5 * unseen.missing_torque(none_unseen)) << "beside the friction there is the encoders' noise";
-}
-
-// Messages late at random, and a bearing that sticks: the stochastic effect predicts the power of the record that it did not see where it is the truth,
-// and better than a power that nobody knows; where friction is the truth it does not, though it explains what it fits.
-TEST(HeldOutData, TellsAPowerThatPredictsFromOneThatOnlyExplains) {
-  const auto validation_of_jitter = [](const common::EffectInstance& truth_effect) {
-    sim::MachineSettings truth;
-    truth.crane = spread_crane(36);
-    truth.effects = {truth_effect};
-    truth.seed = 98;
-    BenchProblem problem;
-    problem.add(make_record(simulated_log(truth, bench().controller, kThereAndBack, kDuration, 36), "a", bench().admission));
-    problem.add(make_record(simulated_log(truth, bench().controller, kInching, kDuration, 37), "b", bench().admission));
-    HeldOutData data(problem, problem.thresholds.whitening, HeldOutPart::last);
-    const std::optional<controller::ControllerSettings> controller = bench().controller;
-    const HeldOut none = data.fit({});
-    Point jitter;
-    jitter.effects = {{"command_jitter", {0.027}}};
-    const HeldOut fitted = data.fit(jitter);
-    Validation validation{data.error({}, controller), data.error(none, controller), data.error(fitted, controller), {}, false};
-    validation.unknown_cost = std::min(data.unknown_cost(none.point), data.unknown_cost(without_stochastic(problem.catalogue, fitted.point)));
-    EXPECT_FALSE(validation.cause.closed_loop.has_value()) << "its closed loop is another draw's";
-    EXPECT_EQ(fitted.point.effects.size(), 1u);
-    return std::pair(validation, fitted.point.effects[0].values[0]);
-  };
-  const auto [of_jitter, size] = validation_of_jitter({"command_jitter", {0.03}});
-  EXPECT_TRUE(holds(of_jitter)) << of_jitter.cause.cost << " against " << *of_jitter.unknown_cost;
-  EXPECT_NEAR(size, 0.03, 0.3 * 0.03);  // the relative deviation of a size that is read off the power of few draws
-  const auto [of_friction, unused] = validation_of_jitter({"bearing_coulomb", {1e5, 0.0, 3e-5}});
-  EXPECT_FALSE(holds(of_friction)) << of_friction.cause.cost << " against " << *of_friction.unknown_cost;
+  const Diagnosis found = diagnose_truth(truth, bench().controller, 52, settings);
+  ASSERT_FALSE(found.causes.empty());
+  EXPECT_EQ(std::set<std::string>(found.causes[0].effects.begin(), found.causes[0].effects.end()), (std::set<std::string>{"bearing_uneven", "pinion_mesh_variation"})) << found.verdict;
+  const auto length = std::find_if(found.causes[0].sizes.begin(), found.causes[0].sizes.end(), [](const Size& size) { return size.parameter == "bearing_uneven.wavelength"; });
+  ASSERT_NE(length, found.causes[0].sizes.end());
+  EXPECT_NEAR(length->value, 0.18, 0.02 * 0.18);
 }
 
 TEST(Diagnose, NamesBearingFrictionWithItsSize) {
