@@ -14,6 +14,7 @@ namespace {
 constexpr double kMoves = 0.05;        // of the largest speed, from which on the direction is sure
 constexpr std::size_t kPoints = 1500;  // of a record that has so many, and fewer than twice as many
 constexpr double kFineness = 4.0;      // orders tried in what the angle that is passed tells apart
+constexpr int kRefinements = 4;        // thirds of a step: to the hundredth part of one
 constexpr double kShortest = 10.0;     // points over which the axis passes a length at its largest speed, at least
 
 struct Place {
@@ -71,6 +72,17 @@ double taken_at(const std::vector<Place>& places, double order) {
   return taken;
 }
 
+// The order beside `order`, nearer than `step`, at which most is taken away: by thirds of what is left of the distance.
+double refined(const std::vector<Place>& places, double order, double step) {
+  for (int round = 0; round < kRefinements; ++round) {
+    step /= 3.0;
+    const double before = taken_at(places, order - step), here = taken_at(places, order), behind = taken_at(places, order + step);
+    if (before > here && before >= behind) order -= step;
+    if (behind > here && behind > before) order += step;
+  }
+  return order;
+}
+
 }  // namespace
 
 std::vector<double> recurring_lengths(const Problem& problem, const Point& point, std::size_t most) {
@@ -94,7 +106,7 @@ std::vector<double> recurring_lengths(const Problem& problem, const Point& point
   for (const Tried& one : tried) {
     if (lengths.size() == most) break;
     const bool is_apart = std::all_of(lengths.begin(), lengths.end(), [&](double length) { return std::fabs(one.order - 1.0 / length) * travel > 1.0; });
-    if (is_apart) lengths.push_back(1.0 / one.order);
+    if (is_apart) lengths.push_back(1.0 / refined(places.all, one.order, 1.0 / (kFineness * travel)));
   }
   return lengths;
 }

@@ -30,6 +30,7 @@ constexpr double kLeavesMuch = 2.0;              // mean square of what the nomi
 constexpr double kDoubtful = 1000.0;            // excess of parameters alone below which they may be the answer
 constexpr std::size_t kFromBest = 4;             // fits that try the best one's machine
 constexpr std::size_t kFewSingles = 5;          // starts that are refined, up to which a search is short
+constexpr std::size_t kRecurringStarts = 3;      // of a law that recurs: linearly its angles are not told for sure
 constexpr Stage kStartOver{0.0, 0.4};            // of converging
 constexpr Stage kLookAgain{0.5, 0.8};            // of going back
 constexpr double kParallel = 0.02;              // 1 - cosine^2 of two signatures below which they are not tried as a pair
@@ -263,35 +264,47 @@ struct PairStart {
   const FitResult* from;
 };
 
-// Starts of a law that recurs with an angle, with the lengths that stand out in what is missing at `point`: where another effect was missing as well, others did.
+// Whether a law comes again with an angle.
+bool recurs(const common::EffectAbout& about) {
+  return std::any_of(about.parameters.begin(), about.parameters.end(), [](const common::EffectParameter& parameter) { return parameter.recurs; });
+}
+
+// Starts of a law that recurs, with the lengths that stand out in what is missing at `point`: where another effect was missing as well, others did.
 std::vector<common::EffectInstance> recurring_on(const Problem& problem, const Point& point, const std::string& name) {
   const common::EffectAbout& about = problem.catalogue.at(name);
-  const bool recurs = std::any_of(about.parameters.begin(), about.parameters.end(), [](const common::EffectParameter& parameter) { return parameter.recurs; });
-  if (!recurs) return {};
+  if (!recurs(about)) return {};
   return recurring_starts(about, recurring_lengths(problem, point, kLengths));
 }
 
-// A law that recurs has a valley for every length: where the best fit leaves more than noise and has a law of that physics, or itself with another length, it is tried in that one's place.
+// A law that recurs has a valley for every length: where the best fit has it, or has another law of that physics and leaves more than noise, it is tried in that one's place with the lengths
+// that stand out then.
 void try_recurring(Problem& problem, const Screening& screening, std::vector<FitResult>& fits) {
-  if (fits.empty() || mean_square(fits.front().difference) <= kNoiseAlone) return;
+  if (fits.empty()) return;
   const FitResult& best = fits.front();
+  const bool has_recurring = std::any_of(best.point.effects.begin(), best.point.effects.end(), [&](const common::EffectInstance& effect) { return recurs(problem.catalogue.at(effect.name)); });
+  if (mean_square(best.difference) <= kNoiseAlone && !has_recurring) return;
   const Eigen::MatrixXd nuisance_columns = best.columns.leftCols(static_cast<Eigen::Index>(best.point.nuisance.size()));
-  std::vector<FitResult> tried;
+  std::vector<Point> starts;
   for (const common::EffectInstance& replaced : best.point.effects) {
     Point rest = best.point;
     std::erase_if(rest.effects, [&](const common::EffectInstance& effect) { return effect.name == replaced.name; });
     const common::Family family = problem.catalogue.at(replaced.name).family;
     for (const std::string& name : screening.names) {
       if (problem.catalogue.at(name).family != family || has_effect(rest.effects, name)) continue;
-      const std::vector<common::EffectInstance> starts = recurring_on(problem, rest, name);
-      if (starts.empty()) continue;
+      const std::vector<common::EffectInstance> recurring = recurring_on(problem, rest, name);
+      if (recurring.empty()) continue;
       const FitResult ground = common_ground(problem, best, rest);
-      const Screening there = screen(problem, ground, projector_of(problem, ground), starts, [](double, const std::string&) {});
-      const Screened& screened = *best_of_each(there).front();
-      tried.push_back(fit(problem, nuisance_columns, with_amount(problem.catalogue, ground.point, screened, screened.amount)));
+      Screening there = screen(problem, ground, projector_of(problem, ground), recurring, [](double, const std::string&) {});
+      std::stable_sort(there.tried.begin(), there.tried.end(), [](const Screened& a, const Screened& b) { return a.left < b.left; });
+      for (std::size_t i = 0; i < std::min(kRecurringStarts, there.tried.size()); ++i) {
+        starts.push_back(with_amount(problem.catalogue, ground.point, there.tried[i], there.tried[i].amount));
+      }
     }
   }
-  if (tried.empty()) return;
+  if (starts.empty()) return;
+  std::vector<FitResult> tried(starts.size());
+  share_out(problem, starts.size(), [&](std::size_t i) { tried[i] = fit(problem, nuisance_columns, starts[i]); });
+  settle(problem, *std::min_element(tried.begin(), tried.end(), cheaper), kFreshRounds);
   take_cheaper(fits, std::move(tried));
   settle_best(problem, fits);
 }
