@@ -13,7 +13,7 @@
 //
 //   cost = min over x of (s |d(x)|^2 + x' C^-1 x) + ln det(1 + s D C D'),    C their covariance there, D = dd / dx
 //
-// which is -2 ln P(part held out | part fitted). What is peculiar to the beginning of the held-out record (the load's swing, where
+// which is -2 ln P(part held out | part fitted). The least is looked for from 0 and from where the fit of all records stands, the one held out among them. What is peculiar to the beginning of the held-out record (the load's swing, where
 // the motors stand) is no property of the machine: it is fitted there, for every hypothesis alike.
 #pragma once
 
