@@ -142,6 +142,12 @@ bool take_as_cut(Problem& problem, int as_cut, bool is_last, FitResult& fitted) 
   });
 }
 
+// Of records that begin on a machine that has moved before the nominal machine as they begin on it, if that leaves noise alone; `fitted` has parameters alone.
+void take_beginnings(Problem& problem, const FitResult& fitted, FitResult& nominal_machine) {
+  std::optional<FitResult> begun = nominal_with_beginnings(problem, fitted);
+  if (begun && begun->mean_square <= 1.0) nominal_machine = std::move(*begun);
+}
+
 // The search on the machine as its records show it to be built: as parameters alone show it, as the best single effect does, or the best fit, and then again.
 // `take_out` takes what lies near a cause's impacts out of what is judged; where it did, the search ends.
 Searched search_as_built(Problem& problem, int as_cut, FitResult& nominal_machine, const DiagnosisSettings& settings, const std::function<bool(const Point&)>& take_out, Diagnosis& diagnosis,
@@ -162,6 +168,7 @@ Searched search_as_built(Problem& problem, int as_cut, FitResult& nominal_machin
     tell(kFitParameters.from, "fitting the parameters alone");
     FitResult base = fit_nuisances(problem, start);
     take_of(false, base);
+    if (nominal_machine.mean_square > 1.0) take_beginnings(problem, base, nominal_machine);
     return search_all(problem, std::move(base), settings, shows, tell);
   };
   const int first_count = problem.nominal.crane.boom.element_count;
@@ -174,10 +181,12 @@ Searched search_as_built(Problem& problem, int as_cut, FitResult& nominal_machin
 }
 
 // Whether what mesh and step were taken to make wrong is far more than they do, and hides a gap: the nominal machine stays below it, and another one far below that. What numbers
-// and integration leave is less, but for what goes on behind impacts.
+// and integration leave is less, but for what goes on behind impacts, and for what a beginning on a machine that has moved before leaves of boom and load that no number describes.
 bool is_floor_too_high(const Problem& problem, const FitResult& nominal_machine, const FitResult& best) {
   constexpr double kHidden = 0.01, kFarBelow = 0.1;
   const auto is_free = [](const Whitening& whitening) { return judged_share(whitening) >= kFreeOfImpacts; };
+  const std::vector<RecordBegins>& begins = problem.nuisances.begins;
+  if (std::any_of(begins.begin(), begins.end(), [](RecordBegins one) { return one != RecordBegins::unmoved; })) return false;
   return std::all_of(problem.whitening.begin(), problem.whitening.end(), is_free) && nominal_machine.mean_square > kHidden && nominal_machine.mean_square <= 1.0 && best.mean_square < kFarBelow * nominal_machine.mean_square;
 }
 
@@ -201,7 +210,9 @@ Searched search_to_the_floor(Problem& problem, WhiteningSettings& whitening, Fit
     problem.nominal = admitted;
     diagnosis.of_every_machine.clear();
     nominal_machine = nominal_fit(problem);
-    if (nominal_machine.mean_square > 1.0 && as_cut > 0 && as_cut < kBoomElements) {
+    const bool may_be_cut_finer = as_cut > 0 && as_cut < kBoomElements;
+    if (nominal_machine.mean_square > 1.0 && may_be_cut_finer) take_beginnings(problem, fit_nuisances(problem, nominal_machine), nominal_machine);
+    if (nominal_machine.mean_square > 1.0 && may_be_cut_finer) {
       problem.nominal = with_boom_elements(problem.nominal, kBoomElements);
       nominal_machine = nominal_fit(problem);
     }
@@ -773,6 +784,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   const auto& [base, screening, found] = searched;
   diagnosis.boom_elements = problem.nominal.crane.boom.element_count;
   diagnosis.mean_square_nominal = nominal_machine.mean_square;
+  if (const std::optional<FitResult> begun = nominal_with_beginnings(problem, base)) diagnosis.mean_square_nominal = std::min(diagnosis.mean_square_nominal, begun->mean_square);
   diagnosis.mean_square_parameters = base.mean_square;
   diagnosis.moments = largest_moments(problem, base.point, kMoments);
   const Projector project(base.columns, prior_rows(problem, base.point), data_weight(base.difference, settings.fit));

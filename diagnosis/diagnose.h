@@ -44,7 +44,7 @@ struct Diagnosis {
   double counts = 0.0;                  // [rad] step of the encoders' positions where it is coarse, else 0
   std::vector<ControllerReplay> controller_replay;
   std::vector<ControllerCause> controller_causes;
-  double mean_square_nominal = 0.0;     // with nothing fitted
+  double mean_square_nominal = 0.0;     // with nothing fitted but how a record begins on a machine that has moved before
   double mean_square_parameters = 0.0;  // with parameters alone fitted
   std::vector<Cause> causes;            // falling probability; the one without effects is among them
   double probability_nothing = 0.0;

@@ -148,19 +148,22 @@ Eigen::VectorXd steps_at(const Problem& problem, const Point& point, const Eigen
   return steps;
 }
 
-// The columns d difference / d z where it stands; of nuisances that an effect holds: zero.
-void renew_nuisance_columns(Problem& problem, const Point& point, const Eigen::VectorXd& difference, const Eigen::VectorXd& steps, Eigen::MatrixXd& columns) {
+using Moves = std::vector<std::vector<std::size_t>>;  // nuisances that are moved together
+
+// Of what the records' beginnings are like: a record's own change no other record, so each of them goes with its likes.
+Moves moves_of_beginnings(const Problem& problem) {
   const std::size_t common = problem.nuisances.common_count(), own = problem.nuisances.per_record(), all = nuisance_count(problem);
-  // Nuisances that are moved together: a record's own change no other record, so each of them goes with its likes.
-  std::vector<std::vector<std::size_t>> moves;
-  for (std::size_t k = 0; k < common; ++k) {
-    if (is_held(problem, point, k)) columns.col(static_cast<Eigen::Index>(k)).setZero();
-    else moves.push_back({k});
-  }
+  Moves moves;
   for (std::size_t part = 0; part < own; ++part) {
     std::vector<std::size_t>& move = moves.emplace_back();
     for (std::size_t k = common + part; k < all; k += own) move.push_back(k);
   }
+  return moves;
+}
+
+// The columns d difference / d z of some nuisances where it stands.
+void renew_columns(Problem& problem, const Point& point, const Eigen::VectorXd& difference, const Eigen::VectorXd& steps, const Moves& moves, Eigen::MatrixXd& columns) {
+  const std::size_t common = problem.nuisances.common_count(), own = problem.nuisances.per_record();
   std::vector<Point> points(moves.size(), point);
   for (std::size_t i = 0; i < moves.size(); ++i) {
     for (const std::size_t k : moves[i]) points[i].nuisance[k] += steps(static_cast<Eigen::Index>(k));
@@ -177,6 +180,18 @@ void renew_nuisance_columns(Problem& problem, const Point& point, const Eigen::V
       columns.col(column).segment(from, to - from) = (moved_differences[i] - difference).segment(from, to - from) / steps(column);
     }
   }
+}
+
+// Of all of them; of nuisances that an effect holds: zero.
+void renew_nuisance_columns(Problem& problem, const Point& point, const Eigen::VectorXd& difference, const Eigen::VectorXd& steps, Eigen::MatrixXd& columns) {
+  Moves moves;
+  for (std::size_t k = 0; k < problem.nuisances.common_count(); ++k) {
+    if (is_held(problem, point, k)) columns.col(static_cast<Eigen::Index>(k)).setZero();
+    else moves.push_back({k});
+  }
+  const Moves beginnings = moves_of_beginnings(problem);
+  moves.insert(moves.end(), beginnings.begin(), beginnings.end());
+  renew_columns(problem, point, difference, steps, moves, columns);
 }
 
 // Nuisances that an effect holds go back to the nominal machine, and what they were becomes the effect's.
@@ -403,6 +418,26 @@ FitResult fit_nuisances(Problem& problem, const FitResult& nominal) {
   }
   conclude(problem, best);
   return best;
+}
+
+std::optional<FitResult> nominal_with_beginnings(Problem& problem, const FitResult& fitted) {
+  const std::vector<RecordBegins>& begins = problem.nuisances.begins;
+  if (std::all_of(begins.begin(), begins.end(), [](RecordBegins one) { return one == RecordBegins::unmoved; })) return {};
+  FitResult result;
+  result.point.nuisance = fitted.point.nuisance;
+  std::fill_n(result.point.nuisance.begin(), problem.nuisances.common_count(), 0.0);
+  result.difference = differences(problem, result.point);
+  forget_columns(result);
+  result.cost = cost_of(problem, result.point, result.difference);
+  const Moves moves = moves_of_beginnings(problem);
+  for (int round = 0; round < problem.settings.rounds; ++round) {
+    const double before = result.cost;
+    renew_columns(problem, result.point, result.difference, steps_at(problem, result.point, result.difference, result.columns), moves, result.columns);
+    descend(problem, result, problem.settings.law_freedom);
+    if (before - result.cost <= problem.settings.settled) break;
+  }
+  result.mean_square = mean_square(result.difference);
+  return result;
 }
 
 FitResult fit(Problem& problem, const Eigen::MatrixXd& nuisance_columns, const Point& start) {

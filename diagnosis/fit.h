@@ -65,6 +65,10 @@ FitResult nominal_fit(Problem& problem);
 // Where the hypotheses are compared: with the nuisances alone fitted, concluded.
 FitResult fit_nuisances(Problem& problem, const FitResult& nominal);
 
+// The nominal machine, the parameters where the file has them, with what a record's beginning is like fitted (the load's swing, where motors and boom stand), which is no property of the machine: from where
+// `fitted` has it. Nothing where no record begins on a machine that has moved before.
+std::optional<FitResult> nominal_with_beginnings(Problem& problem, const FitResult& fitted);
+
 // Fits the effects of `start` and the nuisances, from there: one round with nuisance columns from somewhere near. Nuisances that an
 // effect stands for (EffectAbout::stands_for) stay nominal.
 FitResult fit(Problem& problem, const Eigen::MatrixXd& nuisance_columns, const Point& start);
