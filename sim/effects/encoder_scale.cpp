@@ -35,7 +35,8 @@ const EffectDescription& encoder_scale() {
                                 .typical = 0.02,
                                 .prior_scale = 0.01,
                                 .scale = common::ParameterScale::linear,
-                                .absent = 0.0}}},
+                                .absent = 0.0}},
+                .linear = true},
       .ports = {EffectPort::sensor},
       .start = [](const EffectStart& start) -> std::unique_ptr<RunningEffect> {
         return std::make_unique<EncoderScale>(start);

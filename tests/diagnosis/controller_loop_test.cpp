@@ -100,6 +100,21 @@ TEST(ControllerLoop, ReadsLateByLatencyAsByAnEffect) {
   }
 }
 
+// (1 + e) P: encoders that read too much by the share e read so much more of what a torque turns. From 5 Hz on, for the load swings longer than the transform is, to 40 Hz, which are judged.
+TEST(ControllerLoop, ReadsByAnEncodersScale) {
+  sim::MachineSettings machine;
+  machine.crane = bench().crane;
+  const Record record = empty_record(2, 20000);
+  constexpr double kError = 0.05;
+  const MachineResponse as_it_is = machine_response(machine, record, bench_gains(), 0.0, 2000, {});
+  machine.effects = {{"encoder_scale", {kError}}};
+  const MachineResponse read = machine_response(machine, record, bench_gains(), 0.0, 2000, {});
+  for (double frequency = 5.0; frequency <= 40.0; frequency += 5.0) {
+    const auto k = static_cast<std::size_t>(std::lround(frequency / as_it_is.bin_width));
+    EXPECT_LT((read.at[k] - (1.0 + kError) * as_it_is.at[k]).norm(), 1e-3 * as_it_is.at[k].norm()) << frequency << " Hz";
+  }
+}
+
 // The bench's machine stands without play in the loop of a stiff controller, whose only trouble is the encoders' noise. Readings that are taken a few milliseconds later, or torques that come
 // later, leave less of it than the truth does; by what the loop makes of the readings none of them is likelier.
 TEST(ControllerLoop, OfNoiseAloneNoDelayIsLikelier) {
