@@ -22,6 +22,7 @@
 #include "diagnosis/stochastic_fit.h"
 #include "diagnosis/nuisance.h"
 #include "diagnosis/prediction.h"
+#include "diagnosis/stretch.h"
 #include "sim/effects/catalogue.h"
 #include "tests/diagnosis/bench.h"
 #include "tests/diagnosis/simulated_log.h"
@@ -437,6 +438,27 @@ TEST(Diagnose, SaysNothingIsMissingOfAnOwnLogThatKnocks) {
   const Diagnosis found = diagnose_own_logs(truth, {kThereAndBack}, {}, {}, pushing);
   EXPECT_FALSE(found.gap) << found.verdict;
   EXPECT_LE(found.mean_square_nominal, 1.0);
+}
+
+// An own log out of the midst of a slew, without noise: how load, motors and boom stood when it begins is no property of the machine. The whole log leaves nothing, and so must its end.
+TEST(Diagnose, SaysNothingIsMissingOfAnOwnLogCutOutOfASlew) {
+  sim::MachineSettings nominal;
+  nominal.crane = bench().crane;
+  controller::ControllerSettings controller = bench().controller;
+  controller.period = 0.01;
+  const msgs::RunLog whole = quiet_log(nominal, controller, kThereAndBack, 1.5 * kDuration, controller.period);
+  constexpr std::int64_t kFrom = 7'000'000'000;  // [ns] in the midst of the first turn
+  std::vector<Record> records;
+  records.push_back(make_record(cut(whole, {kFrom, whole.encoder.back().simulated_time}), "its end", bench().admission));
+  DiagnosisSettings settings;
+  for (const common::EffectAbout& about : sim::effects_for(bench().crane).effects) {
+    if (about.name != "hoisting" && about.name != "torque_offset" && about.name != "load_mass") settings.without.emplace_back(about.name);
+  }
+  const Diagnosis found = diagnose(nominal, controller, std::move(records), settings);
+  EXPECT_FALSE(found.gap) << found.verdict;
+  EXPECT_LE(found.mean_square_nominal, 1.0);
+  EXPECT_EQ(found.boom_elements, nominal.crane.boom.element_count);
+  EXPECT_GT(found.probability_nothing + found.probability_hidden, 0.99);
 }
 
 // A load a fifth heavier changes what the encoders show by less than mesh and step are taken to make wrong, and yet the record tells it.

@@ -220,7 +220,7 @@ TEST_F(MakeTest, SomeCasesCanBeScoredAloneAndAnImpossibleNumberIsRefused) {
   EXPECT_TRUE(score_cases(score, diagnose, {}).has_value());
   EXPECT_EQ(diagnosed, (std::vector<std::string>{"case_0001", "case_0002"}));
   EXPECT_EQ(nlohmann::json::parse(read_whole(set_ / "first" / "score.json")).at("cases"), 2);
-  for (const auto [from, first] : {std::pair{1, 3}, {0, 1}, {2, 2}, {3, 0}}) {
+  for (const auto& [from, first] : {std::pair{1, 3}, {0, 1}, {2, 2}, {3, 0}}) {
     score.from = from;
     score.first = first;
     EXPECT_THROW(score_cases(score, diagnose, {}), std::invalid_argument) << from << ' ' << first;
@@ -230,7 +230,7 @@ TEST_F(MakeTest, SomeCasesCanBeScoredAloneAndAnImpossibleNumberIsRefused) {
     const std::optional<ScoreTable> table = score_cases({.directory = set_, .results = results, .threads = 1, .from = begin, .first = cases}, diagnose, {});
     std::multiset<std::string> truths;
     for (const auto& [truth, answers] : table.value().confusion) {
-      for (const auto& [answer, count] : answers) truths.insert(truth);
+      for (std::size_t n = 0; n < answers.size(); ++n) truths.insert(truth);
     }
     return truths;
   };
