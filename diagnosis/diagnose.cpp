@@ -185,8 +185,7 @@ Searched search_as_built(Problem& problem, int as_cut, FitResult& nominal_machin
 bool is_floor_too_high(const Problem& problem, const FitResult& nominal_machine, const FitResult& best) {
   constexpr double kHidden = 0.01, kFarBelow = 0.1;
   const auto is_free = [](const Whitening& whitening) { return judged_share(whitening) >= kFreeOfImpacts; };
-  const std::vector<RecordBegins>& begins = problem.nuisances.begins;
-  if (std::any_of(begins.begin(), begins.end(), [](RecordBegins one) { return one != RecordBegins::unmoved; })) return false;
+  if (!all_begin_unmoved(problem)) return false;
   return std::all_of(problem.whitening.begin(), problem.whitening.end(), is_free) && nominal_machine.mean_square > kHidden && nominal_machine.mean_square <= 1.0 && best.mean_square < kFarBelow * nominal_machine.mean_square;
 }
 
@@ -210,9 +209,9 @@ Searched search_to_the_floor(Problem& problem, WhiteningSettings& whitening, Fit
     problem.nominal = admitted;
     diagnosis.of_every_machine.clear();
     nominal_machine = nominal_fit(problem);
-    const bool may_be_cut_finer = as_cut > 0 && as_cut < kBoomElements;
-    if (nominal_machine.mean_square > 1.0 && may_be_cut_finer) take_beginnings(problem, fit_nuisances(problem, nominal_machine), nominal_machine);
-    if (nominal_machine.mean_square > 1.0 && may_be_cut_finer) {
+    const auto may_be_cut_finer = [&] { return nominal_machine.mean_square > 1.0 && as_cut > 0 && as_cut < kBoomElements; };
+    if (may_be_cut_finer() && !all_begin_unmoved(problem)) take_beginnings(problem, fit_nuisances(problem, nominal_machine), nominal_machine);
+    if (may_be_cut_finer()) {
       problem.nominal = with_boom_elements(problem.nominal, kBoomElements);
       nominal_machine = nominal_fit(problem);
     }

@@ -420,9 +420,13 @@ FitResult fit_nuisances(Problem& problem, const FitResult& nominal) {
   return best;
 }
 
-std::optional<FitResult> nominal_with_beginnings(Problem& problem, const FitResult& fitted) {
+bool all_begin_unmoved(const Problem& problem) {
   const std::vector<RecordBegins>& begins = problem.nuisances.begins;
-  if (std::all_of(begins.begin(), begins.end(), [](RecordBegins one) { return one == RecordBegins::unmoved; })) return {};
+  return std::all_of(begins.begin(), begins.end(), [](RecordBegins one) { return one == RecordBegins::unmoved; });
+}
+
+std::optional<FitResult> nominal_with_beginnings(Problem& problem, const FitResult& fitted) {
+  if (all_begin_unmoved(problem)) return {};
   FitResult result;
   result.point.nuisance = fitted.point.nuisance;
   std::fill_n(result.point.nuisance.begin(), problem.nuisances.common_count(), 0.0);

@@ -65,8 +65,11 @@ FitResult nominal_fit(Problem& problem);
 // Where the hypotheses are compared: with the nuisances alone fitted, concluded.
 FitResult fit_nuisances(Problem& problem, const FitResult& nominal);
 
+// Whether no record begins on a machine that has moved before.
+bool all_begin_unmoved(const Problem& problem);
+
 // The nominal machine, the parameters where the file has them, with what a record's beginning is like fitted (the load's swing, where motors and boom stand), which is no property of the machine: from where
-// `fitted` has it. Nothing where no record begins on a machine that has moved before.
+// `fitted` has it. Nothing where all begin unmoved.
 std::optional<FitResult> nominal_with_beginnings(Problem& problem, const FitResult& fitted);
 
 // Fits the effects of `start` and the nuisances, from there: one round with nuisance columns from somewhere near. Nuisances that an
