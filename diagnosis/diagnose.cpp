@@ -44,6 +44,7 @@ constexpr double kHiddenBeside = 0.12, kAboveTheNoise = 0.25, kSmallBesideNothin
 constexpr double kClearLead = 0.6;  // probability, beyond which no other answer can come to lead by that
 constexpr int kRoundsAsBuilt = 3;        // at most, of a fit of the nominal machine built otherwise: its boom cut as its file has it, or what every machine does
 constexpr double kOwnLog = 0.5;          // mean square that no sensors' noise leaves as low; chosen
+constexpr double kOwnLogBegun = 0.1;     // the same of a machine whose beginning was fitted, beside coarse counts as well; chosen
 constexpr double kBetterAsCut = 20.0;    // fall of the cost, several times what chance lets it fall by
 constexpr double kBetterWithAll = 6.0;   // the same for what every machine does: only that it shows is asked
 constexpr int kMostValidated = 4;      // causes that are asked to predict before none is believed
@@ -142,10 +143,10 @@ bool take_as_cut(Problem& problem, int as_cut, bool is_last, FitResult& fitted) 
   });
 }
 
-// Of records that begin on a machine that has moved before the nominal machine as they begin on it, if that leaves noise alone; `fitted` has parameters alone.
-void take_beginnings(Problem& problem, const FitResult& fitted, FitResult& nominal_machine) {
+// Of records that begin on a machine that has moved before the nominal machine as they begin on it, if that leaves no more than `most`; `fitted` has parameters alone.
+void take_beginnings(Problem& problem, const FitResult& fitted, double most, FitResult& nominal_machine) {
   std::optional<FitResult> begun = nominal_with_beginnings(problem, fitted);
-  if (begun && begun->mean_square <= 1.0) nominal_machine = std::move(*begun);
+  if (begun && begun->mean_square <= most) nominal_machine = std::move(*begun);
 }
 
 // The search on the machine as its records show it to be built: as parameters alone show it, as the best single effect does, or the best fit, and then again.
@@ -168,7 +169,7 @@ Searched search_as_built(Problem& problem, int as_cut, FitResult& nominal_machin
     tell(kFitParameters.from, "fitting the parameters alone");
     FitResult base = fit_nuisances(problem, start);
     take_of(false, base);
-    if (nominal_machine.mean_square > 1.0) take_beginnings(problem, base, nominal_machine);
+    if (nominal_machine.mean_square > 1.0) take_beginnings(problem, base, 1.0, nominal_machine);
     return search_all(problem, std::move(base), settings, shows, tell);
   };
   const int first_count = problem.nominal.crane.boom.element_count;
@@ -210,7 +211,7 @@ Searched search_to_the_floor(Problem& problem, WhiteningSettings& whitening, Fit
     diagnosis.of_every_machine.clear();
     nominal_machine = nominal_fit(problem);
     const auto may_be_cut_finer = [&] { return nominal_machine.mean_square > 1.0 && as_cut > 0 && as_cut < kBoomElements; };
-    if (may_be_cut_finer() && !all_begin_unmoved(problem)) take_beginnings(problem, fit_nuisances(problem, nominal_machine), nominal_machine);
+    if (may_be_cut_finer() && !all_begin_unmoved(problem)) take_beginnings(problem, fit_nuisances(problem, nominal_machine), kOwnLogBegun, nominal_machine);
     if (may_be_cut_finer()) {
       problem.nominal = with_boom_elements(problem.nominal, kBoomElements);
       nominal_machine = nominal_fit(problem);
