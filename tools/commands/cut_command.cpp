@@ -2,8 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <ostream>
 #include <string>
 #include <system_error>
@@ -32,8 +34,10 @@ msgs::RunOrder runs_of(const fs::path& log) {
   }
 }
 
+double seconds(std::int64_t time) { return kNanosecond * static_cast<double>(time); }
+
 std::string stretch_text(const msgs::LogPiece& piece) {
-  return fmt::format("{:.3f} s to {:.3f} s", kNanosecond * static_cast<double>(piece.from), kNanosecond * static_cast<double>(piece.to));
+  return fmt::format("{:.3f} s to {:.3f} s", seconds(piece.from), seconds(piece.to));
 }
 
 const msgs::OrderedRun& chosen_run(const msgs::RunOrder& order, int run, const fs::path& log) {
@@ -45,15 +49,17 @@ const msgs::OrderedRun& chosen_run(const msgs::RunOrder& order, int run, const f
   throw refused("--run", run == 0 ? "none, and " + log.string() + " holds several runs" : std::to_string(run), "one of the runs " + runs);
 }
 
-msgs::LogPiece piece_of(const CutOptions& options, const msgs::OrderedRun& run) {
-  const msgs::LogPiece whole = msgs::whole_run(run);
-  msgs::LogPiece piece = whole;
-  if (options.from) piece.from = std::llround(*options.from / kNanosecond);
-  if (options.until) piece.to = std::llround(*options.until / kNanosecond);
-  const std::string within = "[s] within the run, which goes from " + stretch_text(whole);
-  if (piece.from >= whole.to) throw refused("--from", fmt::format("{:.6g}", *options.from), "a time " + within);
-  if (piece.to <= whole.from) throw refused("--until", fmt::format("{:.6g}", *options.until), "a time " + within);
-  if (piece.from >= piece.to) throw refused("--from", fmt::format("{:.6g}, not before --until {:.6g}", kNanosecond * static_cast<double>(piece.from), kNanosecond * static_cast<double>(piece.to)), "two times " + within);
+// What is left out of the two times holds all that there is, also behind the last ENCODER.
+msgs::LogPiece piece_of(const CutOptions& options, const msgs::LogPiece& whole) {
+  const std::string within = "a time [s] within the run, which goes from " + stretch_text(whole);
+  if (options.from && !(*options.from < seconds(whole.to))) throw refused("--from", fmt::format("{:.6g}", *options.from), within);
+  if (options.until && !(*options.until > seconds(whole.from))) throw refused("--until", fmt::format("{:.6g}", *options.until), within);
+  if (options.from && options.until && !(*options.from < *options.until)) {
+    throw refused("--from", fmt::format("{:.6g}, not before --until {:.6g}", *options.from, *options.until), within);
+  }
+  msgs::LogPiece piece{std::numeric_limits<std::int64_t>::min(), std::numeric_limits<std::int64_t>::max()};
+  if (options.from && *options.from > seconds(whole.from)) piece.from = std::llround(*options.from / kNanosecond);
+  if (options.until && *options.until < seconds(whole.to)) piece.to = std::llround(*options.until / kNanosecond);
   return piece;
 }
 
@@ -67,7 +73,7 @@ int cut(const CutOptions& options, std::ostream& out) {
   const msgs::RunOrder order = runs_of(log);
   for (const std::string& remark : order.remarks) out << log.string() << ": " << remark << '\n';
   const msgs::OrderedRun& run = chosen_run(order, options.run, log);
-  const msgs::LogPiece piece = piece_of(options, run);
+  const msgs::LogPiece whole = msgs::whole_run(run), piece = piece_of(options, whole);
 
   msgs::LogWriter writer(options.out);
   const std::array<std::int64_t, msgs::kChannels> counts = msgs::write_piece(log, run, piece, writer);
@@ -76,7 +82,7 @@ int cut(const CutOptions& options, std::ostream& out) {
   for (std::size_t channel = 0; channel < msgs::kChannels; ++channel) {
     if (counts[channel] > 0) held += fmt::format("{}{} {}", held.empty() ? "" : ", ", counts[channel], msgs::wire_messages()[channel].channel);
   }
-  out << fmt::format("{}: {} of {}: {}\n", options.out.string(), stretch_text(piece), log.string(), held);
+  out << fmt::format("{}: {} of {}: {}\n", options.out.string(), stretch_text({std::max(piece.from, whole.from), std::min(piece.to, whole.to)}), log.string(), held);
   return 0;
 }
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <sstream>
 #include <string>
 
@@ -109,6 +110,8 @@ TEST_F(CutCommand, RefusesTimesAndNamesThatAreNoGood) {
   write(log_, 1);
   expect_refused({.log = log_, .out = piece_, .from = 7.0}, "[s] within the run, which goes from 0.000 s to 6.000 s");
   expect_refused({.log = log_, .out = piece_, .until = -1.0}, "--until: found -1");
+  expect_refused({.log = log_, .out = piece_, .from = std::nan("")}, "--from: found nan");
+  expect_refused({.log = log_, .out = piece_, .from = 1e300}, "--from: found 1e+300");
   expect_refused({.log = log_, .out = piece_, .from = 3.0, .until = 2.0}, "3, not before --until 2");
   const std::string before = contents(log_);
   std::ostringstream out;
