@@ -208,7 +208,7 @@ HeldOut HeldOutData::fit_with_stochastic(const Point& answer) {
   Point rest = without_stochastic(fitted_->catalogue, answer);
   // From where a fit of all records has led, as fit() does.
   if (rest.nuisance.empty()) rest.nuisance.assign(nuisance_count(*fitted_), 0.0);
-  else rest.nuisance = without_held_out(rest.nuisance);
+  else rest.nuisance = without_held_out(std::move(rest.nuisance));
   held.point.nuisance = rest.nuisance;
   for (int round = 0; round < kDrawRounds; ++round) {
     Drawn drawn = draw(*fitted_, held.point);
@@ -243,7 +243,7 @@ HeldOut HeldOutData::fit(const Point& answer) {
   // From where a fit of all records has led, so that a valley that is hard to find from afar is not missed.
   Point start = answer;
   if (start.nuisance.empty()) start.nuisance.assign(nuisance_count(*fitted_), 0.0);
-  else start.nuisance = without_held_out(start.nuisance);
+  else start.nuisance = without_held_out(std::move(start.nuisance));
   FitResult result = diagnosis::fit(*fitted_, Eigen::MatrixXd::Zero(difference_count(*fitted_), static_cast<Eigen::Index>(start.nuisance.size())), start);
   settle(*fitted_, result, kHeldOutRounds);
   held.point = result.point;

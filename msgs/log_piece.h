@@ -3,9 +3,9 @@
 // A piece of one run of a log: the messages of a stretch of simulated time as they stand in the file, byte by byte and with their time stamps, and what still
 // held when it began, the last OPERATOR and PLANT_STATUS before it. What is no message of the run, or repeated, is left behind.
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
-#include <string>
 
 #include "msgs/log_writer.h"
 #include "msgs/run_order.h"

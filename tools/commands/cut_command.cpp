@@ -25,12 +25,11 @@ common::InputError refused(const std::string& option, const std::string& found, 
   return common::InputError({{{option, 0, 0}, "", found, expected}});
 }
 
-// A log that cannot be read is a wrong file on the command line, not work that failed.
 msgs::RunOrder runs_of(const fs::path& log) {
   try {
     return msgs::order_runs(log);
   } catch (const msgs::LogError& error) {
-    throw refused("LOG", "'" + log.string() + "' (" + std::string(error.what()) + ")", "the log of a run");
+    throw no_log(log, error);
   }
 }
 

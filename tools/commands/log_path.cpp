@@ -1,6 +1,6 @@
 #include "tools/commands/log_path.h"
 
-#include "common/input_error.h"
+#include <string>
 
 namespace slewlab::tools {
 
@@ -11,6 +11,10 @@ std::filesystem::path log_in(const std::filesystem::path& given) {
     if (std::filesystem::exists(given / name)) return given / name;
   }
   throw common::InputError({{{given.string(), 0, 0}, "", "a folder without run.lcmlog", "a log, or the folder of a run"}});
+}
+
+common::InputError no_log(const std::filesystem::path& log, const std::exception& why) {
+  return common::InputError({{{"LOG", 0, 0}, "", "'" + log.string() + "' (" + std::string(why.what()) + ")", "the log of a run"}});
 }
 
 }  // namespace slewlab::tools

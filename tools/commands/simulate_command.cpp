@@ -7,7 +7,6 @@
 #include <ostream>
 #include <string>
 
-#include "common/input_error.h"
 #include "msgs/configuration_hash.h"
 #include "msgs/log_writer.h"
 #include "sim/drive/scenario_run.h"
@@ -42,12 +41,11 @@ void write_log(const fs::path& path, const msgs::RunLog& run) {
   writer.finish();
 }
 
-// A log that cannot be read is a wrong file on the command line, not work that failed.
 msgs::RunLogs runs_of(const fs::path& log) {
   try {
     return msgs::read_run_logs(log);
   } catch (const msgs::LogError& error) {
-    throw common::InputError({{{"LOG", 0, 0}, "", "'" + log.string() + "' (" + std::string(error.what()) + ")", "the log of a run"}});
+    throw no_log(log, error);
   }
 }
 
