@@ -15,6 +15,7 @@
 #include "controller/effects/catalogue.h"
 #include "diagnosis/admit.h"
 #include "diagnosis/controller_loop.h"
+#include "diagnosis/discrepancy.h"
 #include "diagnosis/hidden_effects.h"
 #include "diagnosis/impacts_of_cause.h"
 #include "diagnosis/model_step.h"
@@ -22,6 +23,7 @@
 #include "diagnosis/recurrence.h"
 #include "diagnosis/stochastic.h"
 #include "diagnosis/screen.h"
+#include "diagnosis/unknown_law.h"
 #include "sim/effects/catalogue.h"
 
 namespace slewlab::diagnosis {
@@ -32,7 +34,7 @@ constexpr double kFarOff = 2.6;        // [standard deviations] of a parameter, 
 constexpr double kMostMachines = 1e6;   // that are spoken of: the chance is not known better
 constexpr double kWorthASwing = 2e-3;  // [rad] of the load at a record's beginning: a five-hundredth of the rope's length
 constexpr std::size_t kMoments = 8;    // that are named
-constexpr double kUnknownBelowNoise = 0.4;  // of the probability that no known effect is missing, where parameters leave noise alone
+constexpr double kUnknownBelowNoise = 0.4;  // of the probability that no known effect is missing, where parameters leave noise alone and no law was fitted
 constexpr double kDoubtful = 0.4;  // share of its probability that a doubted cause loses: it still leads, and is not sure
 // Of what is "unknown", by how often it was on machines that no score uses; the rest are known effects whose law is another one than the catalogue's.
 constexpr double kOutsideTheCatalogue = 0.7;
@@ -284,8 +286,63 @@ int count_at_bounds(const common::EffectCatalogue& catalogue, const Point& point
   return count;
 }
 
+// Hypotheses of the fits and what they are compared by; fits in the order of `found`, that without effects apart.
+struct Compared {
+  std::vector<Leaving> of_fits;
+  Leaving of_nothing;
+  MisfitCost misfit_cost;
+  double floor = 0.0;
+  EvidenceSettings evidence;
+};
+
+// Beside which of them an unknown law is asked for: the best single effect, and those that lead together.
+std::vector<std::size_t> fits_to_ask_beside(const Problem& problem, const std::vector<FitResult>& fits, const FitResult* answer) {
+  std::vector<std::size_t> asked;
+  bool has_best = false;
+  for (std::size_t i = 0; i < fits.size(); ++i) {
+    const Point& point = fits[i].point;
+    if (point.effects.size() != 1 || !stochastic_part(problem.catalogue, point).empty()) continue;
+    const bool leads = answer != nullptr && has_effect(answer->point.effects, point.effects.front().name);
+    if (!has_best || leads) asked.push_back(i);
+    has_best = true;
+  }
+  return asked;
+}
+
+// With laws that are in no catalogue, alone or beside an effect, as hypotheses of their own: their probability is that of an unknown cause, or of the effect, beside which something is left.
+Probabilities with_unknown_laws(Problem& problem, const Found& found, const SmoothTorques& smooth, const Compared& compared, const FitResult* answer, std::size_t effect_count, std::vector<Candidate> candidates) {
+  constexpr double kSmooth = 0.5;    // share of unknown laws that are such functions; chosen
+  constexpr double kVariables = 4.0;
+  const EvidenceSettings& evidence = compared.evidence;
+  const std::vector<std::size_t> beside = fits_to_ask_beside(problem, found.fits, answer);
+  std::vector<std::vector<UnknownLaw>> laws(beside.size() + 1);
+  share_out(problem, laws.size(), [&](std::size_t k) {
+    const FitResult& fit = k == 0 ? found.nothing : found.fits[beside[k - 1]];
+    const double excess = k == 0 ? compared.of_nothing.excess : compared.of_fits[beside[k - 1]].excess;
+    laws[k] = unknown_laws(problem, fit, excess, smooth, smooth.left_by(problem, fit, evidence.law_share), evidence, compared.misfit_cost, compared.floor);
+  });
+  const std::size_t known = candidates.size();
+  const double singles = std::max(1.0, static_cast<double>(effect_count)), each = kSmooth / (kVariables * static_cast<double>(SmoothTorques::scales().size()));
+  std::vector<std::size_t> added_to;  // which of the known candidates each belongs to; 0: none
+  for (std::size_t k = 0; k < laws.size(); ++k) {
+    const std::size_t owner = k == 0 ? 0 : beside[k - 1] + 1;
+    for (UnknownLaw& law : laws[k]) {
+      candidates.push_back({candidates[owner].effects, law.excess, law.prior, std::move(law.information), candidates[owner].at_bounds});
+      Candidate& candidate = candidates.back();
+      candidate.laws = candidates[owner].laws + 1;
+      candidate.chance = each * (k == 0 ? evidence.prior_unknown : evidence.prior_pair * 2.0 / singles * evidence.prior_unknown / evidence.prior_single);
+      added_to.push_back(owner);
+    }
+  }
+  Probabilities result = weigh(candidates, static_cast<int>(effect_count), evidence);
+  for (std::size_t n = 0; n < added_to.size(); ++n) (added_to[n] == 0 ? result.unknown_law : result.candidate[added_to[n]]) += result.candidate[known + n];
+  result.unknown += result.unknown_law;
+  result.candidate.resize(known);
+  return result;
+}
+
 // `is_controlled`: the commands are a controller's answers.
-Weighed weigh_fits(Problem& problem, const Found& found, std::size_t effect_count, EvidenceSettings evidence, bool is_controlled) {
+Weighed weigh_fits(Problem& problem, const Found& found, const SmoothTorques& smooth, std::size_t effect_count, EvidenceSettings evidence, bool is_controlled) {
   const std::optional<ControllerLoop> loop = is_controlled ? std::optional(controller_loop(problem)) : std::nullopt;
   evidence.unknown_floor += kNoise * problem.settings.independent_share * static_cast<double>(difference_count(problem));
   const Leaving of_nothing = by_own_machine(problem, found.nothing, evidence.discrepancy_count, loop);
@@ -315,6 +372,8 @@ Weighed weigh_fits(Problem& problem, const Found& found, std::size_t effect_coun
   add_candidate(found.nothing, relax(problem, found.nothing, of_nothing, misfit_cost, least));
   for (std::size_t i = 0; i < found.fits.size(); ++i) add_candidate(found.fits[i], relaxed_fits[i]);
   weighed.probabilities = weigh(candidates, static_cast<int>(effect_count), evidence);
+  const Compared compared{std::move(of_fits), of_nothing, misfit_cost, least, evidence};
+  weighed.probabilities = with_unknown_laws(problem, found, smooth, compared, weighed.answer(found.fits), effect_count, candidates);
   // What is explained is counted down to what the noise, or the best of all fits, leaves.
   const double floor = weighed.probabilities.floor, gap = nothing_excess - floor;
   for (std::size_t i = 0; i < weighed.causes.size(); ++i) {
@@ -323,27 +382,6 @@ Weighed weigh_fits(Problem& problem, const Found& found, std::size_t effect_coun
     cause.explained = gap > 0.0 ? std::clamp((nothing_excess - cause.excess) / gap, 0.0, 1.0) : 0.0;
   }
   return weighed;
-}
-
-// Where nothing missing leads: what a law is forgiven, and what one more must gain, stand for mesh, step and another simulator's laws, which show in what is fast. A torque that
-// a smooth function of one variable takes away, slower than the structure, is none of theirs, though it lie below the noise that is given. Each hypothesis is charged for what of it it leaves; an unknown cause leaves none.
-// A draw's power is no such function: stochastic effects leave what nothing missing leaves.
-void charge_for_smooth_torques(Problem& problem, const Found& found, const EvidenceSettings& evidence, Weighed& weighed) {
-  const Probabilities& before = weighed.probabilities;
-  const double nothing = before.candidate.front();
-  if (nothing < before.unknown || nothing < *std::max_element(before.candidate.begin(), before.candidate.end())) return;
-  const SmoothTorques smooth(problem, found.nothing);
-  const std::vector<Discrepancy> of_nothing = smooth.left_by(problem, found.nothing, evidence.law_share);
-  if (of_nothing.empty()) return;
-  const double all = of_nothing.front().evidence;
-  std::vector<double> left(before.candidate.size(), all);
-  share_out(problem, found.fits.size(), [&](std::size_t i) {
-    if (!stochastic_part(problem.catalogue, found.fits[i].point).empty()) return;
-    const std::vector<Discrepancy> of_fit = smooth.left_by(problem, found.fits[i], evidence.law_share);
-    left[i + 1] = of_fit.empty() ? 0.0 : std::min(all, of_fit.front().evidence);
-  });
-  weighed.probabilities = charged(before, left);
-  for (std::size_t i = 0; i < left.size(); ++i) weighed.causes[i].probability = weighed.probabilities.candidate[i];
 }
 
 // By falling probability; groups name only causes that are still there.
@@ -432,14 +470,15 @@ void settle_on_nothing(Diagnosis& diagnosis) {
 }
 
 // Parameters alone leave no more than noise. That some machine would leave less still says little of a cause that nobody knows: at most it is
-// as likely as not.
-void doubt_the_unknown_below_the_noise(Diagnosis& diagnosis) {
+// as likely as not. A law that was fitted does say something, as far as it is none of the catalogue's.
+void doubt_the_unknown_below_the_noise(double unknown_law, Diagnosis& diagnosis) {
   Cause* const nothing = nothing_missing(diagnosis);
   if (nothing == nullptr) return;
-  const double both = nothing->probability + diagnosis.probability_unknown;
-  const double kept = std::min(diagnosis.probability_unknown, kUnknownBelowNoise * both);
+  const double fitted = std::min(diagnosis.probability_unknown, kOutsideTheCatalogue * unknown_law);
+  const double rest = diagnosis.probability_unknown - fitted, both = nothing->probability + rest;
+  const double kept = std::min(rest, kUnknownBelowNoise * std::max(0.0, both - (1.0 - kOutsideTheCatalogue) * unknown_law));
   nothing->probability = both - kept;
-  diagnosis.probability_unknown = kept;
+  diagnosis.probability_unknown = fitted + kept;
 }
 
 // A share of a cause's probability goes to the others that have its effects but for those doubted, by their own probabilities; where there are
@@ -751,6 +790,14 @@ void remark_parameters(const Problem& problem, const Point& answer, double prior
                               : "the best fit wants " + far + ", more than machines of one make differ"));
 }
 
+// A gap below the noise that the sensors are taken to have: what shows it.
+void remark_below_the_noise(Diagnosis& diagnosis) {
+  for (const std::string& variable : followed_variables(diagnosis.discrepancies)) {
+    diagnosis.remarks.push_back(fmt::format("what parameters alone leave is no more than the sensors' noise is taken to be; that it follows the {} as noise does not (ln of the odds {:.0f}) is what shows that something is missing",
+                                            variable, diagnosis.discrepancies.front().evidence));
+  }
+}
+
 }  // namespace
 
 sim::MachineSettings as_fitted(sim::MachineSettings nominal, const Diagnosis& diagnosis) {
@@ -791,8 +838,8 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   EvidenceSettings evidence = settings.evidence;
   evidence.independent_share = problem.settings.independent_share;
   diagnosis.not_excited = not_excited(screening, evidence);
-  Weighed weighed = weigh_fits(problem, found, screening.names.size(), evidence, diagnosis.has_controller);
-  charge_for_smooth_torques(problem, found, evidence, weighed);
+  const SmoothTorques smooth(problem, searched.best(problem.catalogue));
+  Weighed weighed = weigh_fits(problem, found, smooth, screening.names.size(), evidence, diagnosis.has_controller);
   // The gap lies where the most probable cause takes something away; where none does, where more than noise is left.
   const FitResult* const answer_fit = weighed.answer(found.fits);
   const bool is_taken = answer_fit != nullptr && !is_stochastic(problem.catalogue.at(answer_fit->point.effects[0].name));
@@ -801,6 +848,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
 
   const bool are_parameters_likely = weighed.causes.front().prior_chance >= kFarTogether;  // with nothing missing
   Ranking ranking{std::move(weighed.causes), weighed.probabilities.unknown};
+  const double unknown_law = weighed.probabilities.unknown_law;
   merge_same_motion(found.same_as, ranking);
   if (diagnosis.controller_differs) {
     tell(kHoldOut.from, "fitting the controller");
@@ -813,12 +861,12 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   diagnosis.probability_unknown = ranking.unknown;
   if (diagnosis.mean_square_nominal <= 1.0 && !diagnosis.controller_differs && diagnosis.counts == 0.0) settle_on_nothing(diagnosis);
   const bool is_nothing_left = found.nothing.mean_square <= 1.0 && are_parameters_likely && !diagnosis.controller_differs && diagnosis.counts == 0.0;
-  if (is_nothing_left) doubt_the_unknown_below_the_noise(diagnosis);
+  if (is_nothing_left) doubt_the_unknown_below_the_noise(unknown_law, diagnosis);
   doubt_what_no_machine_has(problem, is_nothing_left, diagnosis);
   if (settings.hold_out && !diagnosis.causes.empty()) {
     tell(kHoldOut.from, "fitting without the last record");
     validate_lead(problem, whitening, controller, found.nothing.point, are_parameters_likely, diagnosis);
-    if (is_nothing_left) doubt_the_unknown_below_the_noise(diagnosis);
+    if (is_nothing_left) doubt_the_unknown_below_the_noise(unknown_law, diagnosis);
   }
   if (!is_nothing_left) share_with_other_laws(diagnosis);
   const common::EffectCatalogue of_the_controller = controller ? controller::effects_for(*controller) : common::EffectCatalogue{};
@@ -836,7 +884,9 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   if (controller && !diagnosis.has_controller && !diagnosis.gap) diagnosis.verdict += "; what the controller answered could not be compared";
   if (const FitResult* const left = unexplained_fit(problem, found, diagnosis, first)) {
     tell(kFollow.from, "looking for what the rest follows");
-    diagnosis.discrepancies = discrepancies(problem, *left, evidence.law_share);
+    const bool is_fitted = diagnosis.is_unknown && unknown_law > 0.5;
+    diagnosis.discrepancies = is_fitted ? smooth.left_by(problem, *left, evidence.law_share) : discrepancies(problem, *left, smooth, evidence.law_share);
+    if (is_fitted && is_nothing_left) remark_below_the_noise(diagnosis);
   }
   if (!unseen.empty()) tell(kFollow.from, "predicting what was not fitted");
   judge_unseen(problem, whitening, controller, found.nothing.point, std::move(unseen), diagnosis);

@@ -24,8 +24,6 @@ constexpr double kFineness = 4.0;            // of those, passed in a characteri
 constexpr double kLevelPrice = 0.1;          // of a coefficient beside its second differences
 constexpr double kAmount = 0.01;             // of the rated torque: so little that no tooth parts
 constexpr double kStandstill = 0.02;         // of the largest speed, in which the direction turns
-constexpr double kLowest = -9.0, kHighest = 9.0;  // ln rho, in squares of the amount: from a ten-thousandth to the rated torque
-constexpr int kScales = 25;
 constexpr int kPointsInSegment = 5;          // of a curve
 constexpr double kHighestFrequency = 1.0;    // [1 / characteristic time] that a smooth function of slow quantities is asked to explain
 constexpr double kHeld = 1.0;  // [characteristic times] between the knots of what holds at standstill
@@ -150,32 +148,40 @@ std::pair<double, double> range_of(const Problem& problem, const std::vector<Cou
   return {low, high};
 }
 
-// The change of the differences by torques at the motors [amounts], one function of record, grid point and group each.
+// A torque at the motors [amounts], as a function of record, grid point and group.
 using TorqueShape = std::function<double(std::size_t record, std::size_t point, std::size_t group)>;
-std::vector<Eigen::VectorXd> traces(Problem& problem, const Point& point, const Eigen::VectorXd& difference, double amount,
-                                    const std::vector<TorqueShape>& shapes) {
-  std::vector<std::vector<double>> enabled(problem.records.size());  // shares, per record and grid point
+
+// What such a torque is where the drives are enabled: their shares, per record and grid point.
+using Enabled = std::vector<std::vector<double>>;
+Enabled enabled_shares(Problem& problem) {
+  Enabled enabled(problem.records.size());
   for (std::size_t r = 0; r < problem.records.size(); ++r) {
     const DriveCourse& course = problem.stock.drives(problem.records[r], r, problem.nominal.drive_protection);
     for (std::size_t n = 0; n < problem.records[r].size(); ++n) enabled[r].push_back(enabled_share(course, n));
   }
-  const auto torques_of = [&](const TorqueShape& shape) {
-    std::vector<MotorTorques> torques(problem.records.size());
-    for (std::size_t r = 0; r < torques.size(); ++r) {
-      for (std::size_t g = 0; g < static_cast<std::size_t>(problem.records[r].group_count); ++g) {
-        std::vector<double>& torque = torques[r][g];
-        torque.resize(problem.records[r].size());
-        for (std::size_t n = 0; n < torque.size(); ++n) torque[n] = enabled[r][n] == 0.0 ? 0.0 : enabled[r][n] * amount * shape(r, n, g);
-      }
+  return enabled;
+}
+
+std::vector<MotorTorques> torques_of(const Problem& problem, const Enabled& enabled, double amount, const TorqueShape& shape) {
+  std::vector<MotorTorques> torques(problem.records.size());
+  for (std::size_t r = 0; r < torques.size(); ++r) {
+    for (std::size_t g = 0; g < static_cast<std::size_t>(problem.records[r].group_count); ++g) {
+      std::vector<double>& torque = torques[r][g];
+      torque.resize(problem.records[r].size());
+      for (std::size_t n = 0; n < torque.size(); ++n) torque[n] = enabled[r][n] == 0.0 ? 0.0 : enabled[r][n] * amount * shape(r, n, g);
     }
-    return torques;
-  };
+  }
+  return torques;
+}
+
+// The change of the differences by each of some torques.
+std::vector<Eigen::VectorXd> traces(Problem& problem, const Point& point, const Eigen::VectorXd& difference, double amount, const Enabled& enabled, const std::vector<TorqueShape>& shapes) {
   // Those of an hour at 1 kHz are gigabytes: so many at a time as are simulated side by side.
   const std::size_t together = kSideBySide * static_cast<std::size_t>(std::max(1, problem.threads));
   std::vector<Eigen::VectorXd> columns;
   for (std::size_t first = 0; first < shapes.size(); first += together) {
     std::vector<std::vector<MotorTorques>> torques(std::min(together, shapes.size() - first));
-    share_out(problem, torques.size(), [&](std::size_t i) { torques[i] = torques_of(shapes[first + i]); });
+    share_out(problem, torques.size(), [&](std::size_t i) { torques[i] = torques_of(problem, enabled, amount, shapes[first + i]); });
     for (Eigen::VectorXd& changed : differences(problem, point, torques)) columns.push_back(changed - difference);
   }
   return columns;
@@ -196,6 +202,13 @@ std::vector<Eigen::Index> slow_rows(const Problem& problem, double highest) {
     row += whitening.flanks_size();
   }
   return rows;
+}
+
+// What of a trace lies in one record's rows.
+Eigen::VectorXd of_record(const Eigen::VectorXd& trace, const std::vector<Eigen::Index>& rows, std::size_t record) {
+  Eigen::VectorXd own = Eigen::VectorXd::Zero(trace.size());
+  own.segment(rows[record], rows[record + 1] - rows[record]) = trace.segment(rows[record], rows[record + 1] - rows[record]);
+  return own;
 }
 
 // The space of some vectors, to be left out of others.
@@ -265,8 +278,7 @@ Weighed weigh(const std::vector<const Block*>& blocks, const Eigen::VectorXd& ga
   best.mean = Eigen::VectorXd::Zero(size);
   best.covariance = Eigen::MatrixXd::Zero(size, size);
   const double none = -0.5 * nu * penalty(all / nu);
-  for (int k = 0; k < kScales; ++k) {
-    const double rho = std::exp(kLowest + (kHighest - kLowest) * k / (kScales - 1));
+  for (const double rho : SmoothTorques::scales()) {
     const Eigen::ArrayXd shrunk = rho / (1.0 + rho * lambda.array());
     const double left = all - (shrunk * target.array().square()).sum();
     const double evidence = -0.5 * (1.0 + rho * lambda.array()).log().sum() - 0.5 * nu * penalty(left / nu) - none;
@@ -312,16 +324,39 @@ struct SmoothTorques::Traced {
   std::vector<Quantity> all;
   std::vector<std::vector<Block>> functions;  // of each quantity
   std::size_t common_shapes = 0;              // the constant, then what holds at standstill
+  std::vector<Course> courses;
+  Enabled enabled;
+  std::vector<TorqueShape> shapes;
   std::vector<Eigen::VectorXd> traces;
+
+  const Quantity& quantity(const std::string& name) const {
+    return *std::find_if(all.begin(), all.end(), [&](const Quantity& one) { return one.name == name; });
+  }
+  // The blocks of which a function is made.
+  std::vector<const Block*> blocks(const SmoothFunction& function) const {
+    std::vector<const Block*> result;
+    for (const std::size_t index : function.blocks) result.push_back(&of_variable(function.variable)[index]);
+    return result;
+  }
+  const std::vector<Block>& of_variable(const std::string& name) const { return functions[static_cast<std::size_t>(&quantity(name) - all.data())]; }
 };
 
 SmoothTorques::~SmoothTorques() = default;
+
+std::vector<double> SmoothTorques::scales() {
+  constexpr double kLowest = -9.0, kHighest = 9.0;  // ln rho
+  constexpr int kCount = 25;
+  std::vector<double> scales;
+  for (int k = 0; k < kCount; ++k) scales.push_back(std::exp(kLowest + (kHighest - kLowest) * k / (kCount - 1)));
+  return scales;
+}
 
 SmoothTorques::SmoothTorques(Problem& problem, const FitResult& fit) {
   auto own = std::make_unique<Traced>();
   own->slow = slow_rows(problem, kHighestFrequency / problem.thresholds.time);
   const sim::Scales scales = sim::scales_of(problem.nominal.crane);
-  const std::vector<Course> courses = courses_of(problem, scales.ratio);
+  own->courses = courses_of(problem, scales.ratio);
+  const std::vector<Course>& courses = own->courses;
   double largest_torque = 0.0;
   for (const Course& course : courses) largest_torque = std::max(largest_torque, largest(course.motor_torque));
   own->all = quantities(std::max(largest_torque, std::numeric_limits<double>::min()), fine_segments(courses, problem.thresholds.time));
@@ -329,7 +364,8 @@ SmoothTorques::SmoothTorques(Problem& problem, const FitResult& fit) {
 
   // One simulation moves a function of all records' times at once: each record's rows tell its own. First what is no discrepancy of any
   // variable: a constant, and whatever holds the machine at standstill, which no law of motion tells.
-  std::vector<TorqueShape> shapes{[](std::size_t, std::size_t, std::size_t) { return 1.0; }};
+  std::vector<TorqueShape>& shapes = own->shapes;
+  shapes.emplace_back([](std::size_t, std::size_t, std::size_t) { return 1.0; });
   const double knots = kHeld * problem.thresholds.time;
   const auto held = static_cast<std::size_t>(std::ceil(longest_record(problem) / knots)) + 1;
   for (std::size_t k = 0; k < held; ++k) {
@@ -359,25 +395,21 @@ SmoothTorques::SmoothTorques(Problem& problem, const FitResult& fit) {
       }
     }
   }
-  own->traces = traces(problem, fit.point, fit.difference, own->amount, shapes);
+  own->enabled = enabled_shares(problem);
+  own->traces = traces(problem, fit.point, fit.difference, own->amount, own->enabled, shapes);
   traced_ = std::move(own);
 }
 
 std::vector<Discrepancy> SmoothTorques::left_by(const Problem& problem, const FitResult& fit, double law_share) const {
-  const auto& [slow, amount, all, functions, common_shapes, traced] = *traced_;
+  const auto& [slow, amount, all, functions, common_shapes, courses, enabled, shapes, traced] = *traced_;
   const double count = static_cast<double>(slow.size());
   const Eigen::VectorXd slow_difference = fit.difference(slow);
   const Projector project(fit.columns(slow, Eigen::indexing::all), prior_rows(problem, fit.point), data_weight(slow_difference, problem.settings));
 
   const std::vector<Eigen::Index> rows = first_rows(problem);
-  const auto of_record = [&](const Eigen::VectorXd& trace, std::size_t record) {
-    Eigen::VectorXd own = Eigen::VectorXd::Zero(trace.size());
-    own.segment(rows[record], rows[record + 1] - rows[record]) = trace.segment(rows[record], rows[record + 1] - rows[record]);
-    return own;
-  };
   std::vector<Eigen::VectorXd> holding;
   for (std::size_t i = 1; i < common_shapes; ++i) {
-    for (std::size_t r = 0; r + 1 < rows.size(); ++r) holding.push_back(project(of_record(traced[i], r)(slow)));
+    for (std::size_t r = 0; r + 1 < rows.size(); ++r) holding.push_back(project(of_record(traced[i], rows, r)(slow)));
   }
   const Orthonormal at_rest(holding);
   Eigen::VectorXd gap = at_rest.without(project.gap(slow_difference));
@@ -398,18 +430,15 @@ std::vector<Discrepancy> SmoothTorques::left_by(const Problem& problem, const Fi
       block.columns.resize(gap.size(), block.splines);
       for (int j = 0; j < block.splines; ++j) {
         const Eigen::VectorXd& trace = traced[block.first_shape + static_cast<std::size_t>(j)];
-        const Eigen::VectorXd column = project((all[q].is_of_each_record ? of_record(trace, block.record) : trace)(slow));
+        const Eigen::VectorXd column = project((all[q].is_of_each_record ? of_record(trace, rows, block.record) : trace)(slow));
         block.columns.col(j) = -constant.without(at_rest.without(column));  // the machine's torque, the model's missing
       }
     }
     std::optional<Weighed> best;
     std::vector<const Block*> of_best;
-    for (const std::vector<std::size_t>& parts : all[q].alternatives) {
+    for (const SmoothFunction& function : functions_of(all[q].name)) {
       std::vector<const Block*> blocks;
-      for (const Block& block : of_fit) {
-        if (std::find(parts.begin(), parts.end(), block.part) != parts.end()) blocks.push_back(&block);
-      }
-      if (blocks.empty()) continue;
+      for (const std::size_t index : function.blocks) blocks.push_back(&of_fit[index]);
       Weighed weighed = weigh(blocks, gap, problem.settings.independent_share, count);
       if (best && weighed.evidence <= best->evidence) continue;
       best = std::move(weighed);
@@ -425,13 +454,67 @@ std::vector<Discrepancy> SmoothTorques::left_by(const Problem& problem, const Fi
   return found;
 }
 
+std::vector<SmoothFunction> SmoothTorques::functions_of(const std::string& variable) const {
+  std::vector<SmoothFunction> result;
+  const std::vector<Block>& blocks = traced_->of_variable(variable);
+  for (const std::vector<std::size_t>& parts : traced_->quantity(variable).alternatives) {
+    SmoothFunction function{variable, {}};
+    for (std::size_t b = 0; b < blocks.size(); ++b) {
+      if (std::find(parts.begin(), parts.end(), blocks[b].part) != parts.end()) function.blocks.push_back(b);
+    }
+    if (!function.blocks.empty()) result.push_back(std::move(function));
+  }
+  return result;
+}
+
+Eigen::MatrixXd SmoothTorques::columns(const Problem& problem, const SmoothFunction& function) const {
+  const std::vector<Eigen::Index> rows = first_rows(problem);
+  const bool is_of_each_record = traced_->quantity(function.variable).is_of_each_record;
+  const std::vector<const Block*> blocks = traced_->blocks(function);
+  Eigen::Index count = 0;
+  for (const Block* block : blocks) count += block->splines;
+  Eigen::MatrixXd columns(rows.back(), count);
+  Eigen::Index first = 0;
+  for (const Block* block : blocks) {
+    Eigen::MatrixXd of_block(rows.back(), block->splines);
+    for (int j = 0; j < block->splines; ++j) {
+      const Eigen::VectorXd& trace = traced_->traces[block->first_shape + static_cast<std::size_t>(j)];
+      of_block.col(j) = is_of_each_record ? of_record(trace, rows, block->record) : trace;
+    }
+    const Eigen::LLT<Eigen::MatrixXd> root(roughness(block->splines));
+    columns.middleCols(first, block->splines) = root.matrixL().solve(of_block.transpose()).transpose();
+    first += block->splines;
+  }
+  return columns;
+}
+
+std::vector<MotorTorques> SmoothTorques::torques(const Problem& problem, const SmoothFunction& function, const Eigen::VectorXd& coefficients) const {
+  const bool is_of_each_record = traced_->quantity(function.variable).is_of_each_record;
+  const std::vector<const Block*> blocks = traced_->blocks(function);
+  std::vector<Eigen::VectorXd> of_splines;
+  Eigen::Index first = 0;
+  for (const Block* block : blocks) {
+    const Eigen::LLT<Eigen::MatrixXd> root(roughness(block->splines));
+    of_splines.emplace_back(root.matrixU().solve(coefficients.segment(first, block->splines)));
+    first += block->splines;
+  }
+  return torques_of(problem, traced_->enabled, traced_->amount, [&](std::size_t r, std::size_t n, std::size_t g) {
+    double torque = 0.0;
+    for (std::size_t b = 0; b < blocks.size(); ++b) {
+      if (is_of_each_record && blocks[b]->record != r) continue;
+      for (int j = 0; j < blocks[b]->splines; ++j) torque += of_splines[b](j) * traced_->shapes[blocks[b]->first_shape + static_cast<std::size_t>(j)](r, n, g);
+    }
+    return torque;
+  });
+}
+
 bool has_slow_gap(const Problem& problem, const FitResult& fit) {
   return mean_square(fit.difference(slow_rows(problem, kHighestFrequency / problem.thresholds.time))) > 1.0;
 }
 
-std::vector<Discrepancy> discrepancies(Problem& problem, const FitResult& fit, double law_share) {
+std::vector<Discrepancy> discrepancies(const Problem& problem, const FitResult& fit, const SmoothTorques& smooth, double law_share) {
   if (!has_slow_gap(problem, fit)) return {};
-  return SmoothTorques(problem, fit).left_by(problem, fit, law_share);
+  return smooth.left_by(problem, fit, law_share);
 }
 
 std::vector<std::string> followed_variables(const std::vector<Discrepancy>& discrepancies) {

@@ -46,6 +46,12 @@ inline constexpr double kFollowed = 0.5;
 // A variable whose evidence is within so much of the first one's cannot be told from it, nor one from none: odds of one to ten, tempered as those of causes are (evidence.h).
 inline constexpr double kFollowsAsWell = 6.9;
 
+// One of the sets that the s_i f_i of a variable may be.
+struct SmoothFunction {
+  std::string variable;
+  std::vector<std::size_t> blocks;  // SmoothTorques'
+};
+
 // What such torques do to the differences, simulated at one fit's machine: two to three hundred simulations.
 class SmoothTorques {
  public:
@@ -54,6 +60,12 @@ class SmoothTorques {
   // Of that fit's residual, or of another one's of the same problem whose machine moves alike; largest evidence first; empty where they take next to nothing away.
   // `law_share`: EvidenceSettings'.
   std::vector<Discrepancy> left_by(const Problem& problem, const FitResult& fit, double law_share) const;
+  std::vector<SmoothFunction> functions_of(const std::string& variable) const;
+  // What a function does to all differences, by its coefficients in standard deviations of their prior for rho = 1; and with some coefficients the torques themselves, of each record.
+  Eigen::MatrixXd columns(const Problem& problem, const SmoothFunction& function) const;
+  std::vector<MotorTorques> torques(const Problem& problem, const SmoothFunction& function, const Eigen::VectorXd& coefficients) const;
+  // The values that rho may have, evenly in ln rho: squares of a hundredth of the rated torque, so that the function is from a ten-thousandth of that torque to all of it.
+  static std::vector<double> scales();
 
  private:
   struct Traced;
@@ -63,8 +75,8 @@ class SmoothTorques {
 // Whether the fit's slow differences are more than noise.
 bool has_slow_gap(const Problem& problem, const FitResult& fit);
 
-// Of the fit's own; empty also where it has no slow gap, without a simulation. Throws Interrupted.
-std::vector<Discrepancy> discrepancies(Problem& problem, const FitResult& fit, double law_share);
+// What is said to be left by a fit: as left_by(), empty also where it has no slow gap.
+std::vector<Discrepancy> discrepancies(const Problem& problem, const FitResult& fit, const SmoothTorques& smooth, double law_share);
 
 // The names of those that the residual follows, the first one and what cannot be told from it; the constant alone where that is among them; empty: none.
 std::vector<std::string> followed_variables(const std::vector<Discrepancy>& discrepancies);

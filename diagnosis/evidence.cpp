@@ -29,7 +29,7 @@ constexpr double kNever = 1e-6;  // chance of a machine
 // The cause of one effect that leaves least; nothing missing where there is none.
 const Candidate& best_single(const std::vector<Candidate>& candidates) {
   const auto rank = [](const Candidate& candidate) {
-    return std::pair(candidate.effects.size() == 1 ? 0 : candidate.effects.empty() ? 1 : 2, candidate.excess);
+    return std::pair(candidate.chance ? 3 : candidate.effects.size() == 1 ? 0 : candidate.effects.empty() ? 1 : 2, candidate.excess);
   };
   return *std::min_element(candidates.begin(), candidates.end(), [&](const Candidate& a, const Candidate& b) { return rank(a) < rank(b); });
 }
@@ -39,7 +39,7 @@ const Candidate& best_single(const std::vector<Candidate>& candidates) {
 Probabilities weigh(const std::vector<Candidate>& candidates, int single_count, const EvidenceSettings& settings) {
   const Candidate* nothing = nullptr;
   for (const Candidate& candidate : candidates) {
-    if (candidate.effects.empty()) nothing = &candidate;
+    if (candidate.effects.empty() && !candidate.chance) nothing = &candidate;
   }
   if (nothing == nullptr) throw std::invalid_argument("no candidate stands for nothing missing");
   double floor = 0.0;
@@ -56,9 +56,10 @@ Probabilities weigh(const std::vector<Candidate>& candidates, int single_count, 
   const double singles = std::max(1, single_count);
   std::vector<double> score;
   for (const Candidate& candidate : candidates) {
-    const double prior = candidate.effects.empty() ? settings.prior_nothing
-                         : candidate.is_one_cause  ? settings.prior_single / singles
-                                                   : settings.prior_pair / (singles * (singles - 1.0) / 2.0);
+    const double prior = candidate.chance            ? *candidate.chance
+                         : candidate.effects.empty() ? settings.prior_nothing
+                         : candidate.is_one_cause    ? settings.prior_single / singles
+                                                     : settings.prior_pair / (singles * (singles - 1.0) / 2.0);
     score.push_back(std::log(prior) - std::numbers::ln2 * candidate.at_bounds + likelihood(std::max(0.0, candidate.excess - floor), candidate, candidate.laws));
   }
   const double unexplained = std::max(settings.unknown_floor, settings.unknown_share * gap);
@@ -72,16 +73,6 @@ Probabilities weigh(const std::vector<Candidate>& candidates, int single_count, 
   for (const double value : score) sum += std::exp(value - top);
   for (const double value : score) result.candidate.push_back(std::exp(value - top) / sum);
   result.unknown = std::exp(unknown - top) / sum;
-  return result;
-}
-
-Probabilities charged(const Probabilities& probabilities, std::span<const double> left) {
-  Probabilities result = probabilities;
-  double sum = result.unknown;
-  for (std::size_t i = 0; i < result.candidate.size(); ++i) sum += result.candidate[i] *= std::exp(-left[i]);
-  if (!(sum > 0.0)) return probabilities;  // so much is left by all that no number holds what remains of them
-  for (double& probability : result.candidate) probability /= sum;
-  result.unknown /= sum;
   return result;
 }
 

@@ -13,6 +13,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -60,20 +61,19 @@ struct Candidate {
   std::size_t laws = effects.size();
   // As likely as a single effect: two that a law of the catalogue is together belong together.
   bool is_one_cause = effects.size() == 1;
+  std::optional<double> chance{};  // of it before the records, where it is none of the catalogue's alone: an unknown law, alone or beside an effect
 };
 
 struct Probabilities {
   std::vector<double> candidate;  // in the order of the candidates
   double unknown = 0.0;
+  double unknown_law = 0.0;  // of it that of laws that were fitted (unknown_law.h)
   double floor = 0.0;  // the excess from which c counts
 };
 
 // `candidates` holds exactly one without effects. `single_count` effects could have been named, so many share
 // the prior of a single cause, and all pairs of them that of a pair.
 Probabilities weigh(const std::vector<Candidate>& candidates, int single_count, const EvidenceSettings& settings);
-
-// The same where each candidate leaves something that is there by ln(odds) `left`, beside what it is weighed by, and an unknown cause leaves none: P exp(-left), with the sum of one; T tempers what mesh, step and laws make wrong, which this is not.
-Probabilities charged(const Probabilities& probabilities, std::span<const double> left);
 
 // The chance that machines as the file describes them lie as far from their nominal values as p says, or further: p is the sum of the squares of those
 // parameters that the records determine, N = sum(s lambda / (1 + s lambda)) of them, hence chi squared of N degrees of freedom (by Wilson and Hilferty's normal

@@ -45,8 +45,6 @@ Point moved(const common::EffectCatalogue& catalogue, const Point& point, const 
   return result;
 }
 
-namespace {
-
 // In coordinates, of effects as effects_step() has it.
 Eigen::VectorXd step_between(const common::EffectCatalogue& catalogue, const Point& from, const Point& to) {
   const auto nuisances = static_cast<Eigen::Index>(from.nuisance.size());
@@ -63,6 +61,8 @@ double prior_cost(const Problem& problem, const Point& point) {
   for (const double x : effect_coordinates(problem.catalogue, point.effects)) cost += effect_prior(x).cost;
   return cost;
 }
+
+namespace {
 
 double cost_of(const Problem& problem, const Point& point, const Eigen::VectorXd& difference, double law_freedom) {
   return discounted(excess(difference, problem.settings), law_freedom) + prior_cost(problem, point);

@@ -34,6 +34,9 @@ double excess(const Eigen::VectorXd& difference, const FitSettings& settings);
 double discounted(double excess, double law_freedom);
 double discounted_weight(double excess, double law_freedom);
 
+// -2 ln of the prior at a point.
+double prior_cost(const Problem& problem, const Point& point);
+
 // The prior as rows below weighted differences: row k says -2 ln prior = (value + slope dz)^2 + constant about the point.
 struct PriorRows {
   Eigen::VectorXd value, slope;
@@ -82,8 +85,9 @@ FitResult fit_again(Problem& problem, const FitResult& fitted);
 // Goes on with the nuisance columns of another fit, where that has any.
 void take_nuisance_columns(const Problem& problem, const Eigen::MatrixXd& columns, FitResult& result);
 
-// A point moved by `change` in coordinates, nuisances first, within all bounds.
+// A point moved by `change` in coordinates, nuisances first, within all bounds; and the change that leads from one to another.
 Point moved(const common::EffectCatalogue& catalogue, const Point& point, const Eigen::VectorXd& change);
+Eigen::VectorXd step_between(const common::EffectCatalogue& catalogue, const Point& from, const Point& to);
 
 // Covariance of what the records and the priors leave open where a fit has ended, in coordinates, nuisances first.
 Eigen::MatrixXd covariance(const Problem& problem, const FitResult& result);

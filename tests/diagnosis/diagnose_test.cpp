@@ -25,6 +25,7 @@
 #include "diagnosis/stretch.h"
 #include "sim/effects/catalogue.h"
 #include "tests/diagnosis/bench.h"
+#include "tests/diagnosis/missing_torque.h"
 #include "tests/diagnosis/simulated_log.h"
 
 namespace slewlab::diagnosis {
@@ -537,6 +538,33 @@ TEST(Diagnose, FindsTheLengthWithWhichFrictionRecursBesideALargerEffect) {
   const auto length = std::find_if(found.causes[0].sizes.begin(), found.causes[0].sizes.end(), [](const Size& size) { return size.parameter == "bearing_uneven.wavelength"; });
   ASSERT_NE(length, found.causes[0].sizes.end());
   EXPECT_NEAR(length->value, 0.18, 0.03 * 0.18);
+}
+
+// Cables that wind up: a torque over the slew angle that is no law of the catalogue, and near to that of a tilted axis. A second effect takes what that leaves, and is not there: what is left follows the angle.
+TEST(Diagnose, CallsNoSecondEffectWhatFollowsTheAngleBesideOne) {
+  sim::MachineSettings truth, nominal;
+  truth.crane = spread_crane(31);
+  nominal.crane = bench().crane;
+  const std::set<std::string> kept{"tilted_axis", "bearing_viscous", "bearing_coulomb", "torque_offset", "house_inertia", "load_mass"};
+  DiagnosisSettings settings;
+  for (const common::EffectAbout& about : sim::effects_for(bench().crane).effects) {
+    if (!kept.contains(std::string(about.name))) settings.without.emplace_back(about.name);
+  }
+  std::vector<Record> records;
+  unsigned noise = 31;
+  for (const auto& [name, moves] : {std::pair("a", kThereAndBack), std::pair("b", kFarToTheOther)}) {
+    msgs::RunLog log = simulated_log(truth, bench().controller, moves, kDuration, noise++, 0.01);
+    take_off([](const MotorState& state) { return -20.0 * (state.angle + std::pow(state.angle, 3)); }, log);  // [Nm] at angles of up to a radian
+    records.push_back(make_record(log, name, bench().admission));
+  }
+  const Diagnosis found = diagnose(nominal, std::nullopt, std::move(records), settings);
+  ASSERT_FALSE(found.causes.empty());
+  EXPECT_TRUE(found.gap);
+  for (const Cause& cause : found.causes) {
+    if (cause.effects.size() < 2) continue;
+    EXPECT_LT(cause.probability, 0.3) << name_of(cause);
+  }
+  EXPECT_EQ(followed_variables(found.discrepancies), std::vector<std::string>{"angle"}) << found.verdict;
 }
 
 TEST(Diagnose, NamesBearingFrictionWithItsSize) {

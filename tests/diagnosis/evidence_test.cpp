@@ -118,16 +118,5 @@ TEST(Evidence, WantsTheCandidateWithoutEffects) {
   EXPECT_THROW(weigh({{{"a"}, 1.0, 0.0}}, 40, {}), std::invalid_argument);
 }
 
-// Odds by the formula; an unknown cause is charged for nothing.
-TEST(Evidence, HypothesesAreChargedForWhatTheyLeave) {
-  const Probabilities before{{0.8, 0.1, 0.06}, 0.04, 0.0};
-  const std::vector<double> left{6.0, 0.0, 6.0};
-  const Probabilities after = charged(before, left);
-  EXPECT_NEAR(after.candidate[0] / after.candidate[1], 8.0 * std::exp(-6.0), 1e-12);
-  EXPECT_NEAR(after.candidate[2] / after.candidate[0], 0.06 / 0.8, 1e-12);
-  EXPECT_NEAR(after.unknown / after.candidate[1], 0.4, 1e-12);
-  EXPECT_NEAR(after.candidate[0] + after.candidate[1] + after.candidate[2] + after.unknown, 1.0, 1e-12);
-}
-
 }  // namespace
 }  // namespace slewlab::diagnosis

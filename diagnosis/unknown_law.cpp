@@ -1,0 +1,172 @@
+#include "diagnosis/unknown_law.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+#include "diagnosis/own_noise.h"
+
+namespace slewlab::diagnosis {
+
+namespace {
+
+constexpr int kRounds = 8;                             // in which the misfit's weight settles; chosen: it falls by ratios
+constexpr int kSteps = 6;                              // of a descent, at most; chosen: the fit has settled, and the function is nearly linear
+constexpr std::array<double, 3> kDampings{0.0, 1.0, 10.0};
+constexpr double kEnough = 0.5, kEnoughShare = 1e-3;  // of the cost, that a step must be worth
+
+// A fit with a function beside it.
+struct Widened {
+  Point point;
+  Eigen::VectorXd coefficients;  // in standard deviations of their prior for rho = 1
+  Eigen::VectorXd difference;
+  Eigen::MatrixXd columns;  // the fit's, then the function's for rho = 1
+  double cost = 0.0;
+};
+
+// What a step in the coordinates of all columns makes of the prior, the function's in standard deviations for one rho.
+PriorRows prior_of(const Problem& problem, const Widened& at, double rho) {
+  const PriorRows own = prior_rows(problem, at.point);
+  const Eigen::Index count = at.columns.cols();
+  PriorRows rows{Eigen::VectorXd(count), Eigen::VectorXd::Ones(count)};
+  rows.value << own.value, at.coefficients / std::sqrt(rho);
+  rows.slope.head(own.slope.size()) = own.slope;
+  return rows;
+}
+
+// 1 for the fit's columns, the root of rho for the function's.
+Eigen::VectorXd scale_of(const Widened& at, double rho) {
+  Eigen::VectorXd scale = Eigen::VectorXd::Ones(at.columns.cols());
+  scale.tail(at.coefficients.size()).setConstant(std::sqrt(rho));
+  return scale;
+}
+
+double cost_of(const Problem& problem, const Widened& at, double rho) {
+  return discounted(excess(at.difference, problem.settings), problem.settings.law_freedom) + prior_cost(problem, at.point) + at.coefficients.squaredNorm() / rho;
+}
+
+void fit_law(Problem& problem, const SmoothTorques& smooth, const SmoothFunction& torque, double rho, Widened& at) {
+  const Eigen::VectorXd scale = scale_of(at, rho);
+  const Eigen::Index function = at.coefficients.size(), own = at.columns.cols() - function;
+  Widened trial;
+  Descending problem_here;
+  problem_here.model = [&]() -> LocalModel {
+    const double weight = data_weight(at.difference, problem.settings);
+    const Eigen::MatrixXd columns = at.columns * scale.asDiagonal();
+    const PriorRows prior = prior_of(problem, at, rho);
+    LocalModel model{weight * columns.transpose() * columns, weight * columns.transpose() * at.difference + prior.value.cwiseProduct(prior.slope)};
+    model.curvature.diagonal() += prior.slope.cwiseProduct(prior.slope);
+    return model;
+  };
+  problem_here.attempt = [&](const Eigen::VectorXd& asked) -> std::optional<double> {
+    trial.point = moved(problem.catalogue, at.point, asked.head(own));
+    Eigen::VectorXd step(own + function);
+    step << step_between(problem.catalogue, at.point, trial.point), std::sqrt(rho) * asked.tail(function);
+    const double length = step.squaredNorm();
+    if (length == 0.0) return std::nullopt;
+    trial.coefficients = at.coefficients + step.tail(function);
+    const std::array<std::vector<MotorTorques>, 1> torques{smooth.torques(problem, torque, trial.coefficients)};
+    trial.difference = differences(problem, trial.point, torques).front();
+    trial.cost = cost_of(problem, trial, rho);
+    at.columns += (trial.difference - at.difference - at.columns * step) / length * step.transpose();
+    return trial.cost;
+  };
+  problem_here.accept = [&] {
+    const Eigen::MatrixXd axes = step_axes(problem.catalogue, at.point.effects, trial.point.effects);
+    const Eigen::Index effects = axes.cols();
+    at.columns.middleCols(own - effects, effects) = (at.columns.middleCols(own - effects, effects) * axes).eval();
+    at.point = trial.point;
+    at.coefficients = trial.coefficients;
+    at.difference = trial.difference;
+    at.cost = trial.cost;
+  };
+  at.cost = cost_of(problem, at, rho);
+  descend(problem_here, at.cost, {kSteps, kDampings, kEnough, kEnoughShare});
+}
+
+// By the noise of the nominal machine.
+ByOwnNoise by_nominal_noise(const Widened& at) { return {at.difference.squaredNorm(), at.columns.transpose() * at.columns, at.columns.transpose() * at.difference}; }
+
+// The law for every rho from where it stands: z and a move to where M(excess - floor) and prior are least for it, by the columns' products. Nothing less is left than where it stands, as relax() has it, unless it `may_leave_less`.
+std::vector<UnknownLaw> for_every_scale(const Problem& problem, const Widened& at, double excess, const ByOwnNoise& by_noise, bool may_leave_less, double prior_besides, const MisfitCost& misfit_cost, double floor) {
+  const double share = problem.settings.independent_share;
+  const Eigen::MatrixXd plain_gram = by_nominal_noise(at).gram;
+  std::vector<UnknownLaw> laws;
+  for (const double rho : SmoothTorques::scales()) {
+    const Eigen::VectorXd scale = scale_of(at, rho);
+    const Eigen::MatrixXd gram = scale.asDiagonal() * by_noise.gram * scale.asDiagonal();
+    const Eigen::VectorXd slope = scale.cwiseProduct(by_noise.slope);
+    const PriorRows prior = prior_of(problem, at, rho);
+    UnknownLaw& law = laws.emplace_back();
+    law.excess = excess;
+    Eigen::VectorXd step = Eigen::VectorXd::Zero(slope.size());
+    for (int round = 0; round < kRounds; ++round) {
+      const double weight = share * misfit_cost.slope(std::max(0.0, law.excess - floor));
+      Eigen::MatrixXd curvature = weight * gram;
+      curvature.diagonal() += prior.slope.cwiseProduct(prior.slope);
+      step = curvature.ldlt().solve(-(weight * slope + prior.value.cwiseProduct(prior.slope)));
+      const double change = share * (2.0 * slope.dot(step) + step.dot(gram * step));
+      law.excess = excess + (may_leave_less ? change : std::max(0.0, change));
+    }
+    law.prior = prior_besides + prior_cost(problem, at.point) + at.coefficients.squaredNorm() / rho + (prior.value + prior.slope.cwiseProduct(step)).squaredNorm() - prior.value.squaredNorm();
+    law.information = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scale.asDiagonal() * plain_gram * scale.asDiagonal(), Eigen::EigenvaluesOnly).eigenvalues().cwiseMax(0.0);
+  }
+  return laws;
+}
+
+// Which of the laws promises most, by what evidence.h makes of a hypothesis, and how much: -2 ln of its density.
+struct Promise {
+  std::size_t law = 0;
+  double cost = std::numeric_limits<double>::infinity();
+};
+Promise best_of(const std::vector<UnknownLaw>& laws, const EvidenceSettings& evidence, const MisfitCost& misfit_cost, double floor) {
+  Promise best;
+  for (std::size_t k = 0; k < laws.size(); ++k) {
+    const double above = laws[k].excess - floor, left = std::max(0.0, above), weight = evidence.independent_share * misfit_cost.law_slope(left);
+    const double misfit = above > 0.0 ? misfit_cost(above) : misfit_cost.slope(0.0) * above;  // below the floor of the known ones, which it may lower
+    const double cost = misfit + laws[k].prior + (1.0 + weight * laws[k].information.array()).log().sum();
+    if (cost < best.cost) best = {k, cost};
+  }
+  return best;
+}
+
+}  // namespace
+
+std::vector<UnknownLaw> unknown_laws(Problem& problem, const FitResult& fit, double excess, const SmoothTorques& smooth, const std::vector<Discrepancy>& discrepancies, const EvidenceSettings& evidence,
+                                     const MisfitCost& misfit_cost, double floor) {
+  std::vector<UnknownLaw> laws;
+  const double prior_besides = fit.prior - prior_cost(problem, fit.point), share = problem.settings.independent_share;
+  const std::vector<double> scales = SmoothTorques::scales();
+  std::optional<double> square_before;
+  for (const Discrepancy& discrepancy : discrepancies) {
+    if (discrepancy.curves.empty() || discrepancy.evidence <= 0.0) continue;
+    // Which of the variable's functions, and how large it may be, by the columns; that one is fitted.
+    Promise least;
+    SmoothFunction best;
+    Widened at;
+    for (SmoothFunction& function : smooth.functions_of(discrepancy.variable)) {
+      const Eigen::MatrixXd columns = smooth.columns(problem, function);
+      Widened widened{fit.point, Eigen::VectorXd::Zero(columns.cols()), fit.difference, Eigen::MatrixXd(fit.difference.size(), fit.columns.cols() + columns.cols()), 0.0};
+      widened.columns << fit.columns, columns;
+      const Promise promise = best_of(for_every_scale(problem, widened, excess, by_nominal_noise(widened), true, prior_besides, misfit_cost, floor), evidence, misfit_cost, floor);
+      if (promise.cost >= least.cost) continue;
+      least = promise;
+      best = std::move(function);
+      at = std::move(widened);
+    }
+    fit_law(problem, smooth, best, scales[least.law], at);
+    if (!square_before) square_before = by_own_noise(problem, fit.point, fit.difference, Eigen::MatrixXd(), evidence.discrepancy_count).square;
+    const ByOwnNoise by_noise = by_own_noise(problem, at.point, at.difference, at.columns, evidence.discrepancy_count);
+    for (UnknownLaw& law : for_every_scale(problem, at, excess + share * (by_noise.square - *square_before), by_noise, false, prior_besides, misfit_cost, floor)) {
+      law.variable = discrepancy.variable;
+      laws.push_back(std::move(law));
+    }
+  }
+  return laws;
+}
+
+}  // namespace slewlab::diagnosis
