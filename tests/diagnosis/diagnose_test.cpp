@@ -554,7 +554,8 @@ TEST(Diagnose, CallsNoSecondEffectWhatFollowsTheAngleBesideOne) {
   unsigned noise = 31;
   for (const auto& [name, moves] : {std::pair("a", kThereAndBack), std::pair("b", kFarToTheOther)}) {
     msgs::RunLog log = simulated_log(truth, bench().controller, moves, kDuration, noise++, 0.01);
-    take_off([](const MotorState& state) { return -20.0 * (state.angle + std::pow(state.angle, 3)); }, log);  // [Nm] at angles of up to a radian
+    const auto wound = [](const MotorState& state) { return -8.0 * (state.angle / 0.2 + std::pow(state.angle / 0.2, 3)); };  // [Nm], 0.2 rad being what is slewed
+    take_off(wound, log);
     records.push_back(make_record(log, name, bench().admission));
   }
   const Diagnosis found = diagnose(nominal, std::nullopt, std::move(records), settings);
