@@ -310,11 +310,11 @@ std::vector<std::size_t> fits_to_ask_beside(const Problem& problem, const std::v
 }
 
 // With laws that are in no catalogue, alone or beside an effect, as hypotheses of their own: their probability is that of an unknown cause, or of the effect, beside which something is left.
-Probabilities with_unknown_laws(Problem& problem, const Found& found, const SmoothTorques& smooth, const Compared& compared, const FitResult* answer, std::size_t effect_count, std::vector<Candidate> candidates) {
+void weigh_unknown_laws(Problem& problem, const Found& found, const SmoothTorques& smooth, const Compared& compared, std::size_t effect_count, std::vector<Candidate> candidates, Weighed& weighed) {
   constexpr double kSmooth = 0.5;    // share of unknown laws that are such functions; chosen
   constexpr double kVariables = 4.0;
   const EvidenceSettings& evidence = compared.evidence;
-  const std::vector<std::size_t> beside = fits_to_ask_beside(problem, found.fits, answer);
+  const std::vector<std::size_t> beside = fits_to_ask_beside(problem, found.fits, weighed.answer(found.fits));
   std::vector<std::vector<UnknownLaw>> laws(beside.size() + 1);
   share_out(problem, laws.size(), [&](std::size_t k) {
     const FitResult& fit = k == 0 ? found.nothing : found.fits[beside[k - 1]];
@@ -335,10 +335,16 @@ Probabilities with_unknown_laws(Problem& problem, const Found& found, const Smoo
     }
   }
   Probabilities result = weigh(candidates, static_cast<int>(effect_count), evidence);
-  for (std::size_t n = 0; n < added_to.size(); ++n) (added_to[n] == 0 ? result.unknown_law : result.candidate[added_to[n]]) += result.candidate[known + n];
+  std::vector<double> with_law(known, 0.0);
+  for (std::size_t n = 0; n < added_to.size(); ++n) with_law[added_to[n]] += result.candidate[known + n];
+  result.unknown_law = std::exchange(with_law.front(), 0.0);
   result.unknown += result.unknown_law;
   result.candidate.resize(known);
-  return result;
+  for (std::size_t i = 0; i < known; ++i) {
+    result.candidate[i] += with_law[i];
+    if (with_law[i] > 0.0) weighed.causes[i].with_unknown_law = with_law[i] / result.candidate[i];
+  }
+  weighed.probabilities = std::move(result);
 }
 
 // `is_controlled`: the commands are a controller's answers.
@@ -373,7 +379,7 @@ Weighed weigh_fits(Problem& problem, const Found& found, const SmoothTorques& sm
   for (std::size_t i = 0; i < found.fits.size(); ++i) add_candidate(found.fits[i], relaxed_fits[i]);
   weighed.probabilities = weigh(candidates, static_cast<int>(effect_count), evidence);
   const Compared compared{std::move(of_fits), of_nothing, misfit_cost, least, evidence};
-  weighed.probabilities = with_unknown_laws(problem, found, smooth, compared, weighed.answer(found.fits), effect_count, candidates);
+  weigh_unknown_laws(problem, found, smooth, compared, effect_count, std::move(candidates), weighed);
   // What is explained is counted down to what the noise, or the best of all fits, leaves.
   const double floor = weighed.probabilities.floor, gap = nothing_excess - floor;
   for (std::size_t i = 0; i < weighed.causes.size(); ++i) {
@@ -696,7 +702,7 @@ void doubt_what_no_machine_has(const Problem& problem, bool is_nothing_left, Dia
 // No cause explains it: then it may still be a known effect with a law of its own. What its law is not is no noise, so the causes share by their evidence
 // with that much less weight.
 void share_with_other_laws(Diagnosis& diagnosis) {
-  const auto weight = [](const Cause& cause) { return cause.effects.empty() ? 0.0 : std::pow(cause.probability, 1.0 / kOtherLawTemper); };
+  const auto weight = [](const Cause& cause) { return cause.effects.empty() ? 0.0 : std::pow(cause.probability * (1.0 - cause.with_unknown_law), 1.0 / kOtherLawTemper); };
   double sum = 0.0;
   for (const Cause& cause : diagnosis.causes) sum += weight(cause);
   if (!(sum > 0.0)) return;

@@ -114,6 +114,22 @@ TEST(Evidence, TheChanceOfParametersIsThatOfChiSquared) {
   EXPECT_NEAR(chance_of_prior(18.3070, Eigen::VectorXd::Constant(20, 1.0 / 0.3), 0.3), 0.05, 1e-3);
 }
 
+// A hypothesis with a chance of its own has that before the records, and is no single effect by which "unknown" is measured, nor nothing missing, whatever effects it has.
+TEST(Evidence, TakesTheChanceOfAnUnknownLaw) {
+  const std::vector<Candidate> known{{{}, 400.0, 1.0}, {{"a"}, 10.0, 2.0}};
+  std::vector<Candidate> with_law = known;
+  with_law.push_back({{"a"}, 10.0, 2.0});
+  with_law.back().laws = 1;
+  with_law.back().chance = 0.5 * EvidenceSettings{}.prior_single / 40.0;
+  with_law.push_back({{}, 400.0, 1.0});
+  with_law.back().laws = 0;
+  with_law.back().chance = 0.25 * EvidenceSettings{}.prior_nothing;
+  const Probabilities before = weigh(known, 40, {}), after = weigh(with_law, 40, {});
+  EXPECT_NEAR(after.candidate[2] / after.candidate[1], 0.5, 1e-12);
+  EXPECT_NEAR(after.candidate[3] / after.candidate[0], 0.25, 1e-12);
+  EXPECT_NEAR(after.unknown / after.candidate[1], before.unknown / before.candidate[1], 1e-12);
+}
+
 TEST(Evidence, WantsTheCandidateWithoutEffects) {
   EXPECT_THROW(weigh({{{"a"}, 1.0, 0.0}}, 40, {}), std::invalid_argument);
 }
