@@ -844,6 +844,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   EvidenceSettings evidence = settings.evidence;
   evidence.independent_share = problem.settings.independent_share;
   diagnosis.not_excited = not_excited(screening, evidence);
+  tell(kHoldOut.from, "looking for a law that is in no catalogue");
   const SmoothTorques smooth(problem, searched.best(problem.catalogue));
   Weighed weighed = weigh_fits(problem, found, smooth, screening.names.size(), evidence, diagnosis.has_controller);
   // The gap lies where the most probable cause takes something away; where none does, where more than noise is left.

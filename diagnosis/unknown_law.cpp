@@ -158,6 +158,7 @@ std::vector<UnknownLaw> unknown_laws(Problem& problem, const FitResult& fit, dou
       best = std::move(function);
       at = std::move(widened);
     }
+    if (best.blocks.empty()) continue;  // none has a finite promise
     fit_law(problem, smooth, best, scales[least.law], at);
     if (!square_before) square_before = by_own_noise(problem, fit.point, fit.difference, Eigen::MatrixXd(), evidence.discrepancy_count).square;
     const ByOwnNoise by_noise = by_own_noise(problem, at.point, at.difference, at.columns, evidence.discrepancy_count);
