@@ -25,7 +25,6 @@ struct Widened {
   Eigen::VectorXd coefficients;  // in standard deviations of their prior for rho = 1
   Eigen::VectorXd difference;
   Eigen::MatrixXd columns;  // the fit's, then the function's for rho = 1
-  double cost = 0.0;
 };
 
 // What a step in the coordinates of all columns makes of the prior, the function's in standard deviations for one rho.
@@ -71,9 +70,8 @@ void fit_law(Problem& problem, const SmoothTorques& smooth, const SmoothFunction
     trial.coefficients = at.coefficients + step.tail(function);
     const std::array<std::vector<MotorTorques>, 1> torques{smooth.torques(problem, torque, trial.coefficients)};
     trial.difference = differences(problem, trial.point, torques).front();
-    trial.cost = cost_of(problem, trial, rho);
     at.columns += (trial.difference - at.difference - at.columns * step) / length * step.transpose();
-    return trial.cost;
+    return cost_of(problem, trial, rho);
   };
   problem_here.accept = [&] {
     const Eigen::MatrixXd axes = step_axes(problem.catalogue, at.point.effects, trial.point.effects);
@@ -82,19 +80,16 @@ void fit_law(Problem& problem, const SmoothTorques& smooth, const SmoothFunction
     at.point = trial.point;
     at.coefficients = trial.coefficients;
     at.difference = trial.difference;
-    at.cost = trial.cost;
   };
-  at.cost = cost_of(problem, at, rho);
-  descend(problem_here, at.cost, {kSteps, kDampings, kEnough, kEnoughShare});
+  descend(problem_here, cost_of(problem, at, rho), {kSteps, kDampings, kEnough, kEnoughShare});
 }
 
 // By the noise of the nominal machine.
 ByOwnNoise by_nominal_noise(const Widened& at) { return {at.difference.squaredNorm(), at.columns.transpose() * at.columns, at.columns.transpose() * at.difference}; }
 
-// The law for every rho from where it stands: z and a move to where M(excess - floor) and prior are least for it, by the columns' products. Nothing less is left than where it stands, as relax() has it, unless it `may_leave_less`.
-std::vector<UnknownLaw> for_every_scale(const Problem& problem, const Widened& at, double excess, const ByOwnNoise& by_noise, bool may_leave_less, double prior_besides, const MisfitCost& misfit_cost, double floor) {
+// The law for every rho from where it stands: z and a move to where M(excess - floor) and prior are least for it, by the columns' products with the noise that the excess is counted by; `plain_gram` those with the nominal machine's, by which information is told. Nothing less is left than where it stands, as relax() has it, unless it `may_leave_less`.
+std::vector<UnknownLaw> for_every_scale(const Problem& problem, const Widened& at, double excess, const ByOwnNoise& by_noise, const Eigen::MatrixXd& plain_gram, bool may_leave_less, double prior_besides, const MisfitCost& misfit_cost, double floor) {
   const double share = problem.settings.independent_share;
-  const Eigen::MatrixXd plain_gram = by_nominal_noise(at).gram;
   std::vector<UnknownLaw> laws;
   for (const double rho : SmoothTorques::scales()) {
     const Eigen::VectorXd scale = scale_of(at, rho);
@@ -150,9 +145,10 @@ std::vector<UnknownLaw> unknown_laws(Problem& problem, const FitResult& fit, dou
     Widened at;
     for (SmoothFunction& function : smooth.functions_of(discrepancy.variable)) {
       const Eigen::MatrixXd columns = smooth.columns(problem, function);
-      Widened widened{fit.point, Eigen::VectorXd::Zero(columns.cols()), fit.difference, Eigen::MatrixXd(fit.difference.size(), fit.columns.cols() + columns.cols()), 0.0};
+      Widened widened{fit.point, Eigen::VectorXd::Zero(columns.cols()), fit.difference, Eigen::MatrixXd(fit.difference.size(), fit.columns.cols() + columns.cols())};
       widened.columns << fit.columns, columns;
-      const Promise promise = best_of(for_every_scale(problem, widened, excess, by_nominal_noise(widened), true, prior_besides, misfit_cost, floor), evidence, misfit_cost, floor);
+      const ByOwnNoise plain = by_nominal_noise(widened);
+      const Promise promise = best_of(for_every_scale(problem, widened, excess, plain, plain.gram, true, prior_besides, misfit_cost, floor), evidence, misfit_cost, floor);
       if (promise.cost >= least.cost) continue;
       least = promise;
       best = std::move(function);
@@ -162,7 +158,7 @@ std::vector<UnknownLaw> unknown_laws(Problem& problem, const FitResult& fit, dou
     fit_law(problem, smooth, best, scales[least.law], at);
     if (!square_before) square_before = by_own_noise(problem, fit.point, fit.difference, Eigen::MatrixXd(), evidence.discrepancy_count).square;
     const ByOwnNoise by_noise = by_own_noise(problem, at.point, at.difference, at.columns, evidence.discrepancy_count);
-    for (UnknownLaw& law : for_every_scale(problem, at, excess + share * (by_noise.square - *square_before), by_noise, false, prior_besides, misfit_cost, floor)) {
+    for (UnknownLaw& law : for_every_scale(problem, at, excess + share * (by_noise.square - *square_before), by_noise, by_nominal_noise(at).gram, false, prior_besides, misfit_cost, floor)) {
       law.variable = discrepancy.variable;
       laws.push_back(std::move(law));
     }
