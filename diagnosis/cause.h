@@ -2,13 +2,11 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <map>
 #include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
-#include "diagnosis/controller_fit.h"
 #include "diagnosis/fit.h"
 #include "diagnosis/screen.h"
 #include "diagnosis/validate.h"
@@ -53,29 +51,15 @@ std::string name_of(const Cause& cause);
 // The same with what else it may be called: "a or b".
 std::string told_name(const Cause& cause);
 
-// `catalogue` has the effects in the machine's units.
+// Of all parameters of the effects, with their deviations by the curvature in the same order: 90 % intervals, as wide as laws differ. `catalogue` has the effects in the machine's units.
+std::vector<Size> sizes_of(const common::EffectCatalogue& catalogue, const std::vector<common::EffectInstance>& effects, const std::vector<double>& deviations);
+
+// `catalogue` as for sizes_of().
 Cause make_cause(const common::EffectCatalogue& catalogue, const FitResult& result);
 
 // Causes whose signatures, as fitted, cannot be told apart: single ones by all that they do, pairs that share an effect by what
 // the other one does beside it. Probabilities and causes stand in the order of the fits.
 void find_groups(const Problem& problem, const FitResult& base, const Projector& project, const std::vector<FitResult>& fits,
                  std::span<const double> probability, std::span<Cause> causes);
-
-// Causes with the probability that none of them is it.
-struct Ranking {
-  std::vector<Cause> causes;
-  double unknown = 0.0;
-};
-
-// Causes that are one motion become one, with the probability of all of them. `same_as` has the effects that move a machine as another one does, and which.
-void merge_same_motion(const std::map<std::string, std::string>& same_as, Ranking& ranking);
-
-// Coarse counts are seen in the positions themselves, to the count: they need no fit, and every cause gets them beside what it has.
-// Gives the count [rad]; 0 where none is coarse, or the nominal machine has them.
-double add_counts(const Problem& problem, std::span<const std::string> without, Ranking& ranking);
-
-// The controller answers otherwise than its settings say, so every cause needs one of its effects beside what the machine's side needs.
-// `catalogue` is the controller's.
-void add_controller_causes(const common::EffectCatalogue& catalogue, const std::vector<ControllerCause>& parts, Ranking& ranking);
 
 }  // namespace slewlab::diagnosis

@@ -15,6 +15,7 @@
 #include "diagnosis/evidence.h"
 #include "diagnosis/fit.h"
 #include "diagnosis/search.h"
+#include "diagnosis/unseen_record.h"
 #include "diagnosis/validate.h"
 #include "diagnosis/where.h"
 
@@ -28,13 +29,6 @@ struct DiagnosisSettings {
   std::optional<double> noise_corner;  // [Hz] of the accelerometers, where their data sheet names another than the description's
   bool hold_out = true;              // a cause leads only if it predicts the last record, fitted without it
   int threads = 1;
-};
-
-// How the answer predicts a record that no fit has seen.
-struct UnseenRecord {
-  std::string record;
-  Validation validation;  // of the first cause; where nothing is missing or no known effect is the answer, of parameters alone
-  double nominal_torque = 0.0, parameters_torque = 0.0, cause_torque = 0.0;  // [Nm per motor] RMS of the missing torque
 };
 
 struct Diagnosis {

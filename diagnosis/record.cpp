@@ -523,4 +523,15 @@ Record make_record(const msgs::RunLog& run, const std::string& name, const Admis
   return record;
 }
 
+double effects_from(std::span<const Record> records, const Record& record) {
+  constexpr double kOfAnotherClock = 10.0;  // times the longest record's length; chosen
+  double first = std::numeric_limits<double>::infinity(), longest = 0.0;
+  for (const Record& one : records) {
+    first = std::min(first, one.start_time);
+    longest = std::max(longest, one.step * static_cast<double>(one.size()));
+  }
+  if (std::fabs(record.start_time - first) > kOfAnotherClock * longest) return record.start_time;
+  return first > longest ? first : 0.0;
+}
+
 }  // namespace slewlab::diagnosis

@@ -6,6 +6,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <string_view>
@@ -156,5 +157,9 @@ Record unchecked_record(const msgs::RunLog& run, const std::string& name, const 
 
 // Throws NotAdmitted. Small gaps (up to 3 missing messages in a row) are bridged and remarked.
 Record make_record(const msgs::RunLog& run, const std::string& name, const AdmissionSettings& settings);
+
+// [s] Where effects begin to count their time: at zero of the clock that records have in common, by which they know one roll; of records that all begin later than they are long at the first
+// beginning, or phases would go with the period so steeply that no fit finds them. One that begins far from the others goes by another clock, and counts from its own beginning.
+double effects_from(std::span<const Record> records, const Record& record);
 
 }  // namespace slewlab::diagnosis

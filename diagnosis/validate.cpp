@@ -350,6 +350,13 @@ ValidationError together(const ValidationError& one, const ValidationError& othe
   return both;
 }
 
+std::optional<Point> fitted_part(const common::EffectCatalogue& catalogue, const Point& answer) {
+  Point part = answer;
+  std::erase_if(part.effects, [&](const common::EffectInstance& effect) { return catalogue.at(effect.name).read_off != common::ReadOff::none; });
+  if (part.effects.empty()) return {};
+  return part;
+}
+
 bool is_better(const ValidationError& cause, const ValidationError& than) {
   if (!(than.cost - cause.cost > kBetter)) return false;
   if (!cause.closed_loop || !than.closed_loop || *than.closed_loop > kDecorrelated) return true;

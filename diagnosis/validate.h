@@ -68,6 +68,9 @@ bool has_fit(const common::EffectAbout& effect);
 std::vector<common::EffectInstance> stochastic_part(const common::EffectCatalogue& catalogue, const Point& point);
 Point without_stochastic(const common::EffectCatalogue& catalogue, Point point);
 
+// What of an answer's machine can be fitted again on other records; nothing where none of it can.
+std::optional<Point> fitted_part(const common::EffectCatalogue& catalogue, const Point& answer);
+
 // Times the error of another hypothesis in closed loop, up to which the true one may be further off; chosen.
 inline constexpr double kWorse = 1.05;
 

@@ -2,60 +2,45 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <string>
 #include <vector>
 
 namespace slewlab::diagnosis {
 namespace {
 
-Cause cause_of(std::vector<std::string> effects, double probability) {
+TEST(Cause, IsNamedByItsEffects) {
   Cause cause;
-  cause.effects = std::move(effects);
-  cause.probability = probability;
-  return cause;
+  EXPECT_EQ(told_name(cause), "only parameters are off");
+  cause.effects = {"early", "load"};
+  EXPECT_EQ(name_of(cause), "early with load");
+  cause.also = {{"late", "load"}};
+  EXPECT_EQ(told_name(cause), "early with load or late with load");
 }
 
-// Two names of one motion, alone and beside a third effect; what has both names is another motion.
-TEST(Cause, NamesOfOneMotionAreOneAnswer) {
-  Ranking ranking{{cause_of({"early"}, 0.3), cause_of({"load", "early"}, 0.1), cause_of({"late"}, 0.3), cause_of({"late", "load"}, 0.1), cause_of({"early", "late"}, 0.05), cause_of({}, 0.05)}, 0.1};
-  merge_same_motion({{"late", "early"}}, ranking);
-  ASSERT_EQ(ranking.causes.size(), 4U);
-  EXPECT_EQ(told_name(ranking.causes[0]), "early or late");
-  EXPECT_EQ(name_of(ranking.causes[0]), "early");
-  EXPECT_DOUBLE_EQ(ranking.causes[0].probability, 0.6);
-  EXPECT_EQ(told_name(ranking.causes[1]), "load with early or late with load");
-  EXPECT_DOUBLE_EQ(ranking.causes[1].probability, 0.2);
-  EXPECT_EQ(told_name(ranking.causes[2]), "early with late");
-  EXPECT_EQ(told_name(ranking.causes[3]), "only parameters are off");
-  double sum = ranking.unknown;
-  for (const Cause& cause : ranking.causes) sum += cause.probability;
-  EXPECT_DOUBLE_EQ(sum, 1.0);  // as before
-}
-
-// A controller's answers are computed: its right law leaves what was rounded. One that leaves a hundredth may be it and is not sure, one that leaves more hardly is.
-TEST(Cause, AControllersLawIsSureOnlyWhereItLeavesNextToNothing) {
-  common::EffectParameter factor;
-  factor.name = "factor";
-  factor.lower = 0.1;
-  factor.upper = 10.0;
-  factor.typical = 1.1;
-  factor.prior_scale = 0.1;
-  factor.absent = 1.0;
-  common::EffectAbout ramp;
-  ramp.name = "ramp";
-  ramp.parameters = {factor};
-  common::EffectCatalogue catalogue;
-  catalogue.effects = {ramp};
-  const auto lead_where = [&](double share_left) {
-    Ranking ranking{{cause_of({}, 1.0)}, 0.0};
-    add_controller_causes(catalogue, {{{{"ramp", {1.2}}}, {0.01}, share_left, 1.0}}, ranking);
-    EXPECT_NEAR(ranking.causes.front().probability + ranking.unknown, 1.0, 1e-12);
-    return ranking.causes.front().probability;
+// The interval of a number is even to either side, that of a logarithm by a factor; a size may end beyond its range, which is doubted (doubt.h), a shape is what it can be. Of quantiles of the normal distribution.
+TEST(Cause, SizesHaveNinetyPercentIntervals) {
+  constexpr double kNinety = 1.645;
+  const auto parameter = [](std::string_view name, common::ParameterScale scale, double lower) {
+    return common::EffectParameter{.name = name, .unit = common::Unit::newton_metre, .per = common::ScaleOf::one, .meaning = "", .lower = lower, .upper = 10.0, .typical = 1.0, .prior_scale = 1.0,
+                                   .scale = scale, .absent = 0.0};
   };
-  EXPECT_GT(lead_where(1e-9), 0.95);
-  EXPECT_GT(lead_where(5e-3), 0.5);
-  EXPECT_LT(lead_where(5e-3), 0.75);
-  EXPECT_LT(lead_where(0.05), 0.1);
+  common::EffectAbout about;
+  about.name = "law";
+  about.parameters = {parameter("size", common::ParameterScale::linear, 0.0), parameter("shape", common::ParameterScale::linear, 0.0), parameter("factor", common::ParameterScale::logarithmic, 0.01)};
+  common::EffectCatalogue catalogue;
+  catalogue.effects = {about};
+  const std::vector<Size> sizes = sizes_of(catalogue, {{"law", {1.0, 1.0, 1.0}}}, {2.0, 2.0, 0.1});
+  ASSERT_EQ(sizes.size(), 3U);
+  EXPECT_EQ(sizes[0].parameter, "law.size");
+  EXPECT_EQ(sizes[0].unit, "N m");
+  EXPECT_NEAR(sizes[0].high - sizes[0].value, kNinety * sizes[0].deviation, 1e-12);
+  EXPECT_NEAR(sizes[0].value - sizes[0].low, kNinety * sizes[0].deviation, 1e-12);
+  EXPECT_GT(sizes[0].deviation, 2.0);  // laws differ as well
+  EXPECT_LT(sizes[0].low, 0.0);
+  EXPECT_EQ(sizes[1].low, 0.0);
+  EXPECT_NEAR(sizes[2].low * sizes[2].high, 1.0, 1e-12);
+  EXPECT_NEAR(std::log(sizes[2].high), kNinety * sizes[2].deviation, 1e-12);
 }
 
 }  // namespace

@@ -4,9 +4,8 @@
 
 #include <vector>
 
-#include "diagnosis/admit.h"
 #include "diagnosis/fit.h"
-#include "tests/diagnosis/bench.h"
+#include "tests/diagnosis/admitted.h"
 
 namespace slewlab::diagnosis {
 namespace {
@@ -15,39 +14,30 @@ constexpr double kPeriod = 1e-2;  // [s] of a PLC
 const common::EffectInstance kLag{"torque_lag", {0.03, 0.2}};
 const common::EffectInstance kHeavierLoad{"load_mass", {1.3}};
 
+std::vector<msgs::RunLog> quiet_logs(const std::vector<common::EffectInstance>& effects) {
+  sim::MachineSettings truth;
+  truth.crane = bench().crane;
+  truth.crane.boom.element_count = 20;
+  truth.effects = effects;
+  return {quiet_log(truth, bench().controller, kThereAndBack, kDuration, kPeriod)};
+}
+
 // A log without any noise of a crane with such effects, its boom cut finer than the one that is to follow it, admitted on the nominal crane.
-struct Admitted {
-  explicit Admitted(const std::vector<common::EffectInstance>& effects) {
-    sim::MachineSettings truth;
-    truth.crane = bench().crane;
-    truth.crane.boom.element_count = 20;
-    truth.effects = effects;
-    std::vector<Record> records;
-    records.push_back(make_record(quiet_log(truth, bench().controller, kThereAndBack, kDuration, kPeriod), "a", bench().admission));
-    sim::MachineSettings nominal;
-    nominal.crane = bench().crane;
-    set_machine(nominal, records, problem);
-    settings = whitening_for(problem.thresholds, false);
-    std::vector<std::string> remarks;
-    admit(std::move(records), settings, problem, remarks);
-    admitted = problem.nominal;
+struct AdmittedWith : Admitted {
+  explicit AdmittedWith(const std::vector<common::EffectInstance>& effects) : Admitted(quiet_logs(effects)), admitted(problem.nominal) {
     problem.nominal = with_boom_elements(problem.nominal, kBoomElements);
   }
-
-  Point with(std::vector<common::EffectInstance> effects) const { return {std::vector<double>(nuisance_count(problem), 0.0), std::move(effects), 0}; }
   double left(const Point& point) { return mean_square(differences(problem, point)); }
 
-  Problem problem;
-  WhiteningSettings settings;
   sim::MachineSettings admitted;
 };
 
 // With a late torque and a heavier load the gears let go in the middle of the record, where those of the nominal crane, and of a crane with the late torque alone, just do not. What that leaves outweighs the rest
 // of the load's, until it is taken out; the nominal crane is judged there no more either. Judge: where the true crane's teeth are apart.
 TEST(ImpactsOfCause, AreTakenOutWhereTheCauseMayHaveThem) {
-  Admitted record({kLag, kHeavierLoad});
-  const Point lag = record.with({kLag});
-  const std::vector<bool> apart = shadow_at(record.problem, record.with({kLag, kHeavierLoad}), 0).contact_lost;
+  AdmittedWith record({kLag, kHeavierLoad});
+  const Point lag = record.at({kLag});
+  const std::vector<bool> apart = shadow_at(record.problem, record.at({kLag, kHeavierLoad}), 0).contact_lost;
   const auto judged = [&](std::size_t n) { return record.problem.whitening[0].window[n] > 0.0; };
   std::vector<std::size_t> struck;
   for (std::size_t n = 0; n < apart.size(); ++n) {
@@ -55,21 +45,21 @@ TEST(ImpactsOfCause, AreTakenOutWhereTheCauseMayHaveThem) {
   }
   ASSERT_FALSE(struck.empty());
   const double before = record.left(lag);
-  const double share = take_out_impacts(record.problem, record.admitted, record.settings, lag);
+  const double share = take_out_impacts(record.problem, record.admitted, record.whitening, lag);
   EXPECT_GT(share, 0.0);
   EXPECT_LT(share, 0.15);  // what the observer needs to forget one impact
   EXPECT_LT(record.left(lag), 0.1 * before);
   for (const std::size_t n : struck) EXPECT_FALSE(judged(n)) << n;
-  EXPECT_LT(record.left(record.with({kLag, kHeavierLoad})), 1.0);
+  EXPECT_LT(record.left(record.at({kLag, kHeavierLoad})), 1.0);
 }
 
 // Nothing is judged elsewhere where what a machine leaves is not at impacts, or is noise alone.
 TEST(ImpactsOfCause, LeaveWhatLiesElsewhereAsItIs) {
   const common::EffectInstance friction{"bearing_viscous", {1e7, 0.0}};
-  Admitted record({friction});
+  AdmittedWith record({friction});
   const std::vector<double> window = record.problem.whitening[0].window;
-  for (const Point& point : {record.with({}), record.with({friction})}) {
-    EXPECT_EQ(take_out_impacts(record.problem, record.admitted, record.settings, point), 0.0);
+  for (const Point& point : {record.at({}), record.at({friction})}) {
+    EXPECT_EQ(take_out_impacts(record.problem, record.admitted, record.whitening, point), 0.0);
     EXPECT_EQ(record.problem.whitening[0].window, window);
     EXPECT_TRUE(record.problem.records[0].impacts_of_cause.empty());
   }

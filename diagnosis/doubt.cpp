@@ -1,0 +1,128 @@
+#include "diagnosis/doubt.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "diagnosis/coordinates.h"
+#include "diagnosis/evidence.h"
+
+namespace slewlab::diagnosis {
+
+namespace {
+
+constexpr double kUnknownBelowNoise = 0.4;  // of the probability that no known effect is missing, where parameters leave noise alone and no law was fitted
+constexpr double kDoubtful = 0.4;           // share of its probability that a doubted cause loses: it still leads, and is not sure
+constexpr double kOtherLawTemper = 5.0;     // chosen: by which the evidence among laws that are another one than the catalogue's counts less
+// How sure a lead is at most, by how often it was right on machines that no score uses (docs/history/diagnosis.md): where one effect is the answer, parameters
+// or that effect hid a second one so often; where the answer leaves more than the noise can be off by, it was another one so often; and so likely is
+// something small where parameters alone leave that.
+constexpr double kHiddenBeside = 0.12, kAboveTheNoise = 0.25, kSmallBesideNothing = 0.25;
+constexpr double kClearLead = 0.6;  // probability, beyond which no other answer can come to lead by that
+
+}  // namespace
+
+void settle_on_nothing(Ranking& ranking) {
+  for (Cause& cause : ranking.causes) cause.probability = cause.effects.empty() ? 1.0 : 0.0;
+  ranking.unknown = 0.0;
+}
+
+void doubt_the_unknown_below_the_noise(double unknown_law, Ranking& ranking) {
+  Cause* const nothing = nothing_missing(ranking);
+  if (nothing == nullptr) return;
+  const double fitted = std::min(ranking.unknown, kOutsideTheCatalogue * unknown_law);
+  const double rest = ranking.unknown - fitted, both = nothing->probability + rest;
+  const double kept = std::min(rest, kUnknownBelowNoise * std::max(0.0, both - (1.0 - kOutsideTheCatalogue) * unknown_law));
+  nothing->probability = both - kept;
+  ranking.unknown = fitted + kept;
+}
+
+void doubt_what_no_machine_has(const common::EffectCatalogue& catalogue, const Nuisances& nuisances, bool is_nominal_enough, bool is_nothing_left, Ranking& ranking,
+                               std::vector<std::string>& remarks) {
+  constexpr double kAtTheEnd = 1e-6;  // of the range
+  for (Cause& cause : ranking.causes) {
+    const auto parameters = cause.point.nuisance.begin();
+    const auto count = static_cast<std::ptrdiff_t>(std::min(cause.point.nuisance.size(), nuisances.parameters.size()));
+    const bool is_far_off = std::any_of(parameters, parameters + count, [](double amount) { return std::fabs(amount) > kFarOff; });
+    const bool is_nothing = cause.effects.empty();
+    if (is_nothing && is_nominal_enough) continue;  // with every parameter where the file has it
+    if (is_far_off || cause.prior_chance < kFarTogether) take_away(kDoubtful, is_nothing_left && !is_nothing, cause, ranking);
+    for (const common::EffectInstance& effect : cause.point.effects) {
+      const common::EffectAbout& about = catalogue.at(effect.name);
+      // Of its size: shares and shapes may well lie at an end of theirs.
+      const common::EffectParameter& parameter = about.parameters[common::kSize];
+      const double range = parameter.upper - parameter.lower, value = effect.values[common::kSize];
+      if (!std::isfinite(range) || is_all_round(parameter)) continue;
+      const bool is_at_upper = value > parameter.upper - kAtTheEnd * range;
+      const bool is_at_lower = value < parameter.lower + kAtTheEnd * range && !(parameter.absent && *parameter.absent <= parameter.lower);
+      const std::string name = fmt::format("{}.{}", effect.name, parameter.name);
+      const auto size = std::find_if(cause.sizes.begin(), cause.sizes.end(), [&](const Size& one) { return one.parameter == name; });
+      const bool is_undetermined = size != cause.sizes.end() && (size->low < parameter.lower || size->high > parameter.upper);
+      if (is_undetermined) {
+        size->low = std::max(size->low, parameter.lower);
+        size->high = std::min(size->high, parameter.upper);
+      }
+      if (!is_at_upper && !is_at_lower && !is_undetermined) continue;
+      if (&cause == &ranking.causes.front()) {
+        remarks.push_back(is_at_upper || is_at_lower
+                              ? fmt::format("{} was fitted to the {} end of its range, {:.3g} {}", name, is_at_upper ? "upper" : "lower",
+                                                      value, common::name_of(parameter.unit))
+                                        : fmt::format("{}: the 90 % interval goes beyond what it can be; these records do not determine it", name));
+      }
+      hand_on(kDoubtful, [&](const std::string& one) { return one == effect.name; }, is_nothing_left, cause, ranking);
+    }
+  }
+}
+
+void share_with_other_laws(Ranking& ranking) {
+  const auto weight = [](const Cause& cause) { return cause.effects.empty() ? 0.0 : std::pow(cause.probability * (1.0 - cause.with_unknown_law), 1.0 / kOtherLawTemper); };
+  double sum = 0.0;
+  for (const Cause& cause : ranking.causes) sum += weight(cause);
+  if (!(sum > 0.0)) return;
+  const double shared = (1.0 - kOutsideTheCatalogue) * ranking.unknown;
+  ranking.unknown -= shared;
+  for (Cause& cause : ranking.causes) {
+    const bool may_lead = cause.validation && cause.validation->holds;
+    const double share = shared * weight(cause) / sum, room = std::max(0.0, ranking.unknown - cause.probability);
+    const double taken = may_lead ? share : std::min(share, room);
+    cause.probability += taken;
+    ranking.unknown += share - taken;
+  }
+}
+
+void leave_room_for_the_controller(std::size_t of_the_controller, std::size_t all, const EvidenceSettings& evidence, Ranking& ranking) {
+  Cause* const nothing = nothing_missing(ranking);
+  if (nothing == nullptr || all == 0) return;
+  const double share = static_cast<double>(of_the_controller) / static_cast<double>(all);
+  const double room = evidence.prior_single * share + evidence.prior_pair * (1.0 - (1.0 - share) * (1.0 - share));
+  take_away(room / (evidence.prior_nothing + room), false, *nothing, ranking);
+}
+
+double leave_room_for_the_hidden(const Hidden& hidden, Ranking& ranking) {
+  if (ranking.causes.empty() || !ranking.causes.front().effects.empty()) return 0.0;
+  Cause& nothing = ranking.causes.front();
+  const double next = ranking.causes.size() > 1 ? ranking.causes[1].probability : 0.0;
+  const double spare = nothing.probability - std::max(next, ranking.unknown);
+  const double room = std::clamp(nothing.probability * hidden.odds / (1.0 + hidden.odds), 0.0, std::max(0.0, spare));
+  nothing.probability -= room;
+  return room;
+}
+
+void calibrate_lead(Ranking& ranking) {
+  sort_causes(ranking.causes);
+  if (ranking.causes.empty()) return;
+  Cause& lead = ranking.causes.front();
+  if (ranking.unknown >= lead.probability) return;
+  const double above = std::clamp((lead.mean_square - 1.0) / kNoise, 0.0, 1.0);
+  if (lead.effects.empty()) {
+    const double room = kSmallBesideNothing * above;
+    return take_away(room / (1.0 + room), false, lead, ranking);
+  }
+  const double spare = std::max(0.0, 1.0 - ranking.unknown / lead.probability);
+  take_away(std::min(kAboveTheNoise * above, 0.5 * spare), false, lead, ranking);
+  if (lead.effects.size() > 1 || lead.probability < kClearLead) return;
+  hand_on(kHiddenBeside, [](const std::string&) { return false; }, false, lead, ranking);
+}
+
+}  // namespace slewlab::diagnosis

@@ -1,0 +1,49 @@
+// What the evidence cannot know of the causes that it weighed (evidence.h): each of these takes probability from a cause, and says where it goes.
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "common/effect.h"
+#include "diagnosis/evidence.h"
+#include "diagnosis/hidden_effects.h"
+#include "diagnosis/problem.h"
+#include "diagnosis/ranking.h"
+#include "diagnosis/screen.h"
+
+namespace slewlab::diagnosis {
+
+inline constexpr double kFarOff = 2.6;  // [standard deviations] of a parameter, beyond which it may be another crane
+// Of what is "unknown", by how often it was on machines that no score uses; the rest are known effects whose law is another one than the catalogue's.
+inline constexpr double kOutsideTheCatalogue = 0.7;
+
+// The nominal machine leaves no more than noise: what fits this better fits noise.
+void settle_on_nothing(Ranking& ranking);
+
+// Parameters alone leave no more than noise. That some machine would leave less still says little of a cause that nobody knows: at most it is
+// as likely as not. A law that was fitted does say something, as far as it is none of the catalogue's: `unknown_law` is its probability.
+void doubt_the_unknown_below_the_noise(double unknown_law, Ranking& ranking);
+
+// An effect that was fitted to the end of its range is no sure answer: a larger one would fit better. Nor is one whose interval
+// goes beyond its range: the records do not say that it is there; nor one beside which a parameter is farther off than machines of one
+// make differ, or all together are: then something else may hide in them, beside nothing missing as well, unless the nominal machine leaves no more than noise (`is_nominal_enough`). What is taken from an
+// effect goes to nothing missing where parameters alone leave noise (`is_nothing_left`). Of the first of the causes it is told in `remarks`.
+void doubt_what_no_machine_has(const common::EffectCatalogue& catalogue, const Nuisances& nuisances, bool is_nominal_enough, bool is_nothing_left, Ranking& ranking,
+                               std::vector<std::string>& remarks);
+
+// No cause explains it: then it may still be a known effect with a law of its own. What its law is not is no noise, so the causes share by their evidence
+// with that much less weight. None comes to lead by that which has not predicted anything.
+void share_with_other_laws(Ranking& ranking);
+
+// Of a controller whose answers could not be compared nobody knows whether it is as its settings say: that nothing is missing is then no more
+// certain than effects of the controller are rare, among `all` effects alone or as one of two.
+void leave_room_for_the_controller(std::size_t of_the_controller, std::size_t all, const EvidenceSettings& evidence, Ranking& ranking);
+
+// Where nothing missing leads, it is no more certain than these records would show what is: an effect may act and be too small for them. It goes on leading. Gives the probability of that.
+double leave_room_for_the_hidden(const Hidden& hidden, Ranking& ranking);
+
+// What the evidence cannot know of the lead: it weighs hypotheses as they are fitted, and each is less sure than its best fit says.
+void calibrate_lead(Ranking& ranking);
+
+}  // namespace slewlab::diagnosis

@@ -1,0 +1,195 @@
+#include "diagnosis/search_as_built.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <optional>
+#include <span>
+#include <utility>
+
+#include "diagnosis/admit.h"
+#include "diagnosis/impacts_of_cause.h"
+#include "diagnosis/recurrence.h"
+#include "diagnosis/validate.h"
+#include "sim/effects/catalogue.h"
+
+namespace slewlab::diagnosis {
+
+namespace {
+
+constexpr int kRoundsAsBuilt = 3;        // at most, of a fit of the nominal machine built otherwise: its boom cut as its file has it, or what every machine does
+constexpr double kOwnLog = 0.5;          // mean square that no sensors' noise leaves as low; chosen
+constexpr double kOwnLogBegun = 0.1;     // the same of a machine whose beginning was fitted, beside coarse counts as well; chosen
+constexpr double kBetterAsCut = 20.0;    // fall of the cost, several times what chance lets it fall by
+constexpr double kBetterWithAll = 6.0;   // the same for what every machine does: only that it shows is asked
+
+// A fit goes on with the nominal machine built otherwise, and both stay so where that is better.
+bool take_built_otherwise(Problem& problem, sim::MachineSettings otherwise, FitResult& fitted, const std::function<bool(const FitResult& other)>& is_better) {
+  std::swap(problem.nominal, otherwise);
+  FitResult other = fit_again(problem, fitted);
+  settle(problem, other, kRoundsAsBuilt);
+  if (!is_better(other)) {
+    std::swap(problem.nominal, otherwise);
+    return false;
+  }
+  conclude(problem, other);
+  fitted = std::move(other);
+  return true;
+}
+
+// What every machine does, as it is; nothing of what the file has or the catalogue lacks, or the user left out.
+std::vector<common::EffectInstance> what_all_do(const Problem& problem, std::span<const std::string> without) {
+  std::vector<common::EffectInstance> all;
+  for (const common::EffectAbout& about : problem.catalogue.effects) {
+    const bool is_left_out = std::find(without.begin(), without.end(), about.name) != without.end();
+    if (about.of_every_machine && !is_left_out && !has_effect(problem.nominal.effects, about.name)) all.push_back(common::typical_instance(about));
+  }
+  return all;
+}
+
+// Takes what every machine does into the nominal machine where the fit shows it, and goes on from there. A log that slewlab itself made has it
+// not, and small swings do not show it.
+bool take_what_shows(Problem& problem, const std::vector<common::EffectInstance>& of_all, FitResult& fitted) {
+  if (of_all.empty()) return false;
+  sim::MachineSettings with = problem.nominal;
+  with.effects.insert(with.effects.end(), of_all.begin(), of_all.end());
+  return take_built_otherwise(problem, std::move(with), fitted, [&](const FitResult& other) { return other.cost < fitted.cost - kBetterWithAll; });
+}
+
+// What is looked for.
+struct Asked {
+  const std::vector<std::string>& without;
+  const SearchSettings& settings;
+};
+
+Searched search_all(Problem& problem, FitResult base, const Asked& asked, const Shows& shows, const Progress& tell) {
+  const Projector project(base.columns, prior_rows(problem, base.point), data_weight(base.difference, problem.settings));
+  const std::vector<common::EffectInstance> starts = catalogue_starts(problem.catalogue, problem.nominal, asked.without, last_moment(problem), problem.thresholds.spell_every,
+                                                                      recurring_lengths(problem, base.point, kLengths));
+  Screening screening = screen(problem, base, project, starts, within(tell, kScreen));
+  Found found = search(problem, base, screening, asked.settings, shows, tell);
+  return {std::move(base), std::move(screening), std::move(found), {}, {}};
+}
+
+// Takes the boom as the machine's file cuts it where the fit leaves less on it: a log that slewlab itself made of that file. Without sensors' noise what another mesh does shows
+// below the noise as well, where parameters would follow it. Another machine's boom is not cut at all.
+bool take_as_cut(Problem& problem, int as_cut, bool is_last, FitResult& fitted) {
+  if (problem.nominal.crane.boom.element_count == as_cut) return false;
+  sim::MachineSettings with = problem.nominal;
+  with.crane.boom.element_count = as_cut;
+  return take_built_otherwise(problem, std::move(with), fitted, [&](const FitResult& other) {
+    const bool may_be = mean_square(other.difference) < kOwnLog || (is_last && mean_square(fitted.difference) > 1.0);
+    return may_be && other.cost < fitted.cost - kBetterAsCut;
+  });
+}
+
+// Of records that begin on a machine that has moved before the nominal machine as they begin on it, if that leaves no more than `most`; `fitted` has parameters alone.
+void take_beginnings(Problem& problem, const FitResult& fitted, double most, FitResult& nominal_machine) {
+  std::optional<FitResult> begun = nominal_with_beginnings(problem, fitted);
+  if (begun && begun->mean_square <= most) nominal_machine = std::move(*begun);
+}
+
+// The search on the machine as its records show it to be built: as parameters alone show it, as the best single effect does, or the best fit, and then again.
+// `take_out` takes what lies near a cause's impacts out of what is judged; where it did, the search ends.
+Searched search_as_shown(Problem& problem, int as_cut, FitResult& nominal_machine, std::vector<common::EffectInstance>& of_every_machine, const Asked& asked,
+                         const std::function<bool(const Point&)>& take_out, const Progress& tell) {
+  std::vector<common::EffectInstance> of_all;
+  if (nominal_machine.mean_square > 1.0) of_all = what_all_do(problem, asked.without);
+  const auto take_of = [&](bool is_last, FitResult& fitted) {
+    const bool is_as_cut = take_as_cut(problem, as_cut, is_last, fitted);
+    if (!take_what_shows(problem, of_all, fitted)) return is_as_cut;
+    of_every_machine = std::exchange(of_all, {});
+    return true;
+  };
+  const auto shows = [&](FitResult& fitted) {
+    if (take_out(fitted.point)) return Shown::judged_elsewhere;
+    return take_of(false, fitted) ? Shown::built_otherwise : Shown::nothing;
+  };
+  const auto search_from = [&](const FitResult& start) {
+    tell(kFitParameters.from, "fitting the parameters alone");
+    FitResult base = fit_nuisances(problem, start);
+    take_of(false, base);
+    if (nominal_machine.mean_square > 1.0) take_beginnings(problem, base, 1.0, nominal_machine);
+    return search_all(problem, std::move(base), asked, shows, tell);
+  };
+  const int first_count = problem.nominal.crane.boom.element_count;
+  Searched searched = search_from(nominal_machine);
+  if (searched.found.is_judged_elsewhere) return searched;
+  FitResult best = searched.best(problem.catalogue);
+  if (take_of(true, best)) searched = search_from(nominal_fit(problem));
+  if (problem.nominal.crane.boom.element_count != first_count) nominal_machine = nominal_fit(problem);
+  return searched;
+}
+
+// Whether what mesh and step were taken to make wrong is far more than they do, and hides a gap: the nominal machine stays below it, and another one far below that. What numbers
+// and integration leave is less, but for what goes on behind impacts, and for what a beginning on a machine that has moved before leaves of boom and load that no number describes.
+bool is_floor_too_high(const Problem& problem, const FitResult& nominal_machine, const FitResult& best) {
+  constexpr double kHidden = 0.01, kFarBelow = 0.1;
+  const auto is_free = [](const Whitening& whitening) { return judged_share(whitening) >= kFreeOfImpacts; };
+  if (!all_begin_unmoved(problem)) return false;
+  return std::all_of(problem.whitening.begin(), problem.whitening.end(), is_free) && nominal_machine.mean_square > kHidden && nominal_machine.mean_square <= 1.0 && best.mean_square < kFarBelow * nominal_machine.mean_square;
+}
+
+}  // namespace
+
+const FitResult& Searched::best(const common::EffectCatalogue& catalogue) const {
+  const FitResult* best = &found.nothing;
+  for (const FitResult& one : found.fits) {
+    const bool is_motion = stochastic_part(catalogue, one.point).empty();
+    if (is_motion && one.cost < best->cost) best = &one;
+  }
+  return *best;
+}
+
+Searched search_as_built(Problem& problem, WhiteningSettings& whitening, const std::vector<std::string>& without, const SearchSettings& settings, std::vector<std::string>& remarks,
+                         const Progress& tell) {
+  constexpr double kLeastShown = 1e-4;  // of the floor's square; chosen: what is left below may be a fit's own
+  constexpr int kMostTakenOut = 2;      // times; chosen
+  const sim::MachineSettings admitted = problem.nominal;
+  const int as_cut = admitted.crane.boom.element_count;
+  FitResult nominal_machine;
+  std::vector<common::EffectInstance> of_every_machine;
+  int taken_out = 0;
+  const auto take_out = [&](const Point& cause) {
+    if (taken_out == kMostTakenOut) return false;
+    const double share = take_out_impacts(problem, admitted, whitening, cause);
+    if (share <= 0.0) return false;
+    ++taken_out;
+    remarks.push_back(fmt::format("a machine that leaves less than the nominal one lets its gears strike where that does not: {:.0f} % of the records lie near that and are not judged either", 100.0 * share));
+    return true;
+  };
+  const auto search_here = [&] {
+    problem.nominal = admitted;
+    of_every_machine.clear();
+    nominal_machine = nominal_fit(problem);
+    const auto may_be_cut_finer = [&] { return nominal_machine.mean_square > 1.0 && as_cut > 0 && as_cut < kBoomElements; };
+    if (may_be_cut_finer() && !all_begin_unmoved(problem)) take_beginnings(problem, fit_nuisances(problem, nominal_machine), kOwnLogBegun, nominal_machine);
+    if (may_be_cut_finer()) {
+      problem.nominal = with_boom_elements(problem.nominal, kBoomElements);
+      nominal_machine = nominal_fit(problem);
+    }
+    return search_as_shown(problem, as_cut, nominal_machine, of_every_machine, {without, settings}, take_out, tell);
+  };
+  const auto search_judged = [&] {
+    while (true) {
+      Searched searched = search_here();
+      if (searched.found.is_judged_elsewhere || take_out(searched.best(problem.catalogue).point)) continue;
+      searched.nominal_machine = std::move(nominal_machine);
+      searched.of_every_machine = std::move(of_every_machine);
+      return searched;
+    }
+  };
+  Searched searched = search_judged();
+  const FitResult& best = searched.best(problem.catalogue);
+  if (!is_floor_too_high(problem, searched.nominal_machine, best)) return searched;
+  const double shown = std::sqrt(std::max(kLeastShown, best.mean_square));
+  whitening.discrepancy_share *= shown;
+  problem.nominal = admitted;
+  whiten_again(problem, whitening);
+  remarks.push_back(fmt::format("a machine was found that the records follow to {:.2g} of what mesh and step are taken to make wrong: judged by what it leaves", shown));
+  return search_judged();
+}
+
+}  // namespace slewlab::diagnosis

@@ -1,0 +1,28 @@
+// From fits to causes with probabilities: every fit a hypothesis (evidence.h), by what it leaves of the sensors' noise as its own machine has it (own_noise.h) and, where a controller answered, as its loop makes it
+// (controller_loop.h); beside them unknown laws (unknown_law.h), alone, beside the best single effect and beside those that lead together.
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "diagnosis/cause.h"
+#include "diagnosis/discrepancy.h"
+#include "diagnosis/evidence.h"
+#include "diagnosis/fit.h"
+#include "diagnosis/search.h"
+
+namespace slewlab::diagnosis {
+
+// In the order of the fits, that without effects first.
+struct Weighed {
+  std::vector<Cause> causes;
+  Probabilities probabilities;
+
+  // The fit of the likeliest cause that has effects; nothing where an unknown one is likelier.
+  const FitResult* answer(const std::vector<FitResult>& fits) const;
+};
+
+// `effect_count` effects could have been named. `is_controlled`: the commands are a controller's answers. Throws Interrupted.
+Weighed weigh_fits(Problem& problem, const Found& found, const SmoothTorques& smooth, std::size_t effect_count, EvidenceSettings evidence, bool is_controlled);
+
+}  // namespace slewlab::diagnosis

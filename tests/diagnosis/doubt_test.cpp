@@ -1,0 +1,186 @@
+#include "diagnosis/doubt.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace slewlab::diagnosis {
+namespace {
+
+constexpr double kUpper = 10.0;  // end of a size's range
+
+common::EffectCatalogue catalogue() {
+  common::EffectCatalogue catalogue;
+  for (const char* name : {"a", "b"}) {
+    common::EffectAbout& about = catalogue.effects.emplace_back();
+    about.name = name;
+    about.parameters = {{.name = "size", .unit = common::Unit::newton_metre, .per = common::ScaleOf::one, .meaning = "", .lower = 0.0, .upper = kUpper, .typical = 1.0, .prior_scale = 1.0,
+                         .scale = common::ParameterScale::linear, .absent = 0.0}};
+  }
+  return catalogue;
+}
+
+// Of effects of one size each.
+Cause cause_of(const std::vector<std::string>& effects, double probability, double size = 1.0) {
+  Cause cause;
+  cause.effects = effects;
+  cause.probability = probability;
+  cause.mean_square = 1.0;
+  for (const std::string& effect : effects) {
+    cause.point.effects.push_back({effect, {size}});
+    cause.sizes.push_back({effect + ".size", "N m", size, 0.1, size - 0.1, size + 0.1});
+  }
+  return cause;
+}
+
+double sum_of(const Ranking& ranking) {
+  double sum = ranking.unknown;
+  for (const Cause& cause : ranking.causes) sum += cause.probability;
+  return sum;
+}
+
+// Every doubt moves probability, and loses none.
+class Doubt : public testing::Test {
+ protected:
+  void TearDown() override { EXPECT_NEAR(sum_of(ranking), 1.0, 1e-12); }
+  double of(std::size_t k) const { return ranking.causes[k].probability; }
+  void doubt(bool is_nominal_enough, bool is_nothing_left) { doubt_what_no_machine_has(catalogue(), nuisances, is_nominal_enough, is_nothing_left, ranking, remarks); }
+
+  Ranking ranking;
+  Nuisances nuisances;
+  std::vector<std::string> remarks;
+};
+
+TEST_F(Doubt, WhereTheNominalMachineIsEnoughNothingIsMissing) {
+  ranking = {{cause_of({"a"}, 0.7), cause_of({}, 0.1)}, 0.2};
+  settle_on_nothing(ranking);
+  EXPECT_EQ(of(1), 1.0);
+}
+
+// Below the noise a cause that nobody knows is at most as likely as not; a law that was fitted to it stays, as far as unknowns are none of the catalogue's.
+TEST_F(Doubt, OfTheUnknownBelowTheNoise) {
+  ranking = {{cause_of({}, 0.2)}, 0.8};
+  doubt_the_unknown_below_the_noise(0.0, ranking);
+  EXPECT_LT(ranking.unknown, of(0));
+  EXPECT_GT(ranking.unknown, 0.2);
+  const double without_law = ranking.unknown;
+  ranking = {{cause_of({}, 0.2)}, 0.8};
+  doubt_the_unknown_below_the_noise(0.8, ranking);
+  EXPECT_GT(ranking.unknown, without_law);
+  EXPECT_GE(ranking.unknown, kOutsideTheCatalogue * 0.8);
+  EXPECT_LT(ranking.unknown, 0.8);
+}
+
+// A size at the end of its range is not sure: its cause loses, the one with its other effect gains, and the page is told. One within it keeps all.
+TEST_F(Doubt, OfASizeAtTheEndOfItsRange) {
+  ranking = {{cause_of({"a", "b"}, 0.9), cause_of({"b"}, 0.1)}, 0.0};
+  ranking.causes[0].point.effects[0].values[0] = kUpper;
+  doubt(false, false);
+  EXPECT_LT(of(0), 0.9);
+  EXPECT_GT(of(0), of(1));  // it still leads
+  EXPECT_EQ(ranking.unknown, 0.0);
+  ASSERT_EQ(remarks.size(), 1U);
+  EXPECT_NE(remarks[0].find("a.size was fitted to the upper end of its range, 10 N m"), std::string::npos) << remarks[0];
+  ranking = {{cause_of({"a"}, 1.0)}, 0.0};
+  doubt(false, false);
+  EXPECT_EQ(of(0), 1.0);
+  EXPECT_EQ(remarks.size(), 1U);
+}
+
+// An interval beyond the range is cut off there; that the effect acts is not known then, and where parameters alone leave noise nothing is.
+TEST_F(Doubt, OfASizeThatTheRecordsDoNotDetermine) {
+  ranking = {{cause_of({"a"}, 0.9), cause_of({}, 0.1)}, 0.0};
+  ranking.causes[0].sizes[0].low = -5.0;
+  doubt(false, true);
+  EXPECT_EQ(ranking.causes[0].sizes[0].low, 0.0);
+  EXPECT_LT(of(0), 0.9);
+  EXPECT_EQ(ranking.unknown, 0.0);
+  ASSERT_EQ(remarks.size(), 1U);
+  EXPECT_NE(remarks[0].find("do not determine it"), std::string::npos) << remarks[0];
+}
+
+// Parameters that no machine of one make has: something may hide in them, beside nothing missing as well, unless the file's own leave noise.
+TEST_F(Doubt, OfParametersThatNoMachineHas) {
+  nuisances.parameters.resize(1);
+  const auto with_parameter_at = [&](double deviations, double prior_chance) {
+    ranking = {{cause_of({}, 1.0)}, 0.0};
+    ranking.causes[0].point.nuisance = {deviations};
+    ranking.causes[0].prior_chance = prior_chance;
+  };
+  with_parameter_at(-2.0 * kFarOff, 1.0);
+  doubt(false, false);
+  EXPECT_GT(ranking.unknown, 0.2);
+  with_parameter_at(0.5 * kFarOff, 0.1 * kFarTogether);
+  doubt(false, false);
+  EXPECT_GT(ranking.unknown, 0.2);
+  with_parameter_at(0.5 * kFarOff, 1.0);
+  doubt(false, false);
+  EXPECT_EQ(ranking.unknown, 0.0);
+  with_parameter_at(-2.0 * kFarOff, 1.0);
+  doubt(true, false);
+  EXPECT_EQ(ranking.unknown, 0.0);
+}
+
+// What is unknown may be a known effect's with another law: causes share by their evidence, but none passes the unknown by it that predicted nothing, and none gets anything for a law that stands beside it.
+TEST_F(Doubt, WhetherTheUnknownIsAnotherLaw) {
+  ranking = {{cause_of({"a"}, 0.2), cause_of({"b"}, 0.2), cause_of({}, 0.1)}, 0.5};
+  ranking.causes[1].with_unknown_law = 1.0;
+  share_with_other_laws(ranking);
+  EXPECT_GT(of(0), 0.2);
+  EXPECT_EQ(of(1), 0.2);
+  EXPECT_EQ(of(2), 0.1);
+  ranking = {{cause_of({"a"}, 0.49)}, 0.51};
+  share_with_other_laws(ranking);
+  EXPECT_GE(ranking.unknown, of(0));
+  ranking = {{cause_of({"a"}, 0.49)}, 0.51};
+  ranking.causes[0].validation = Validation{};
+  ranking.causes[0].validation->holds = true;
+  share_with_other_laws(ranking);
+  EXPECT_GT(of(0), ranking.unknown);
+}
+
+// By the priors: of one effect that is the controller's, or of two of which one is.
+TEST_F(Doubt, WhereTheControllersAnswersCouldNotBeCompared) {
+  const EvidenceSettings evidence;
+  ranking = {{cause_of({}, 1.0)}, 0.0};
+  leave_room_for_the_controller(10, 40, evidence, ranking);
+  const double room = evidence.prior_single / 4.0 + evidence.prior_pair * (1.0 - 9.0 / 16.0);
+  EXPECT_NEAR(of(0), evidence.prior_nothing / (evidence.prior_nothing + room), 1e-12);
+}
+
+// The room of what the records hide is by its odds, and never so large that nothing missing does not lead.
+TEST_F(Doubt, OfWhatTheRecordsHide) {
+  ranking = {{cause_of({}, 0.8), cause_of({"a"}, 0.2)}, 0.0};
+  double hidden = leave_room_for_the_hidden({0.25, {}}, ranking);
+  EXPECT_NEAR(hidden, 0.2 * 0.8, 1e-12);
+  EXPECT_NEAR(of(0) + hidden, 0.8, 1e-12);
+  ranking = {{cause_of({}, 0.5), cause_of({"a"}, 0.4)}, 0.1};
+  hidden = leave_room_for_the_hidden({1e6, {}}, ranking);
+  EXPECT_NEAR(of(0), 0.4, 1e-12);
+  ranking.unknown += hidden;
+  EXPECT_EQ(leave_room_for_the_hidden({1e6, {}}, ranking = {{cause_of({"a"}, 0.6), cause_of({}, 0.4)}, 0.0}), 0.0);
+}
+
+// One effect alone may hide a second one, and an answer that leaves more than the noise may be another: neither is sure. Of two effects that leave noise nothing is taken.
+TEST_F(Doubt, OfTheLead) {
+  ranking = {{cause_of({"a", "b"}, 1.0)}, 0.0};
+  calibrate_lead(ranking);
+  EXPECT_EQ(of(0), 1.0);
+  ranking = {{cause_of({"b"}, 0.0), cause_of({"a"}, 1.0)}, 0.0};
+  calibrate_lead(ranking);
+  EXPECT_EQ(name_of(ranking.causes[0]), "a");
+  EXPECT_LT(of(0), 0.9);
+  EXPECT_GT(of(0), 0.85);
+  for (const std::vector<std::string>& effects : {std::vector<std::string>{}, {"a", "b"}}) {
+    ranking = {{cause_of(effects, 1.0)}, 0.0};
+    ranking.causes[0].mean_square = 2.0;
+    calibrate_lead(ranking);
+    EXPECT_LT(of(0), 0.9);
+    EXPECT_GT(of(0), ranking.unknown);
+  }
+}
+
+}  // namespace
+}  // namespace slewlab::diagnosis

@@ -1,0 +1,75 @@
+#include "diagnosis/validate_lead.h"
+
+#include <gtest/gtest.h>
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "diagnosis/fit.h"
+#include "tests/diagnosis/bench.h"
+
+namespace slewlab::diagnosis {
+namespace {
+
+const common::EffectInstance kFriction{"bearing_coulomb", {1e5, 0.0, 3e-5}}, kLag{"torque_lag", {0.02, 0.0}};
+
+Cause cause_of(const std::vector<common::EffectInstance>& effects, double probability) {
+  Cause cause;
+  for (const common::EffectInstance& effect : effects) cause.effects.push_back(effect.name);
+  cause.point.effects = effects;
+  cause.probability = probability;
+  return cause;
+}
+
+// A ranking by hand of a machine with such effects, of two manoeuvres, led by a lag that does not act.
+struct Asked {
+  explicit Asked(const std::vector<common::EffectInstance>& effects) : ranking{{cause_of({kLag}, 0.6), cause_of({kFriction}, 0.3), cause_of({}, 0.1)}, 0.0} {
+    sim::MachineSettings truth;
+    truth.crane = bench().crane;
+    truth.effects = effects;
+    problem.add(make_record(simulated_log(truth, bench().controller, kThereAndBack, kDuration, 34), "a", bench().admission));
+    problem.add(make_record(simulated_log(truth, bench().controller, kInching, kDuration, 35), "b", bench().admission));
+    const FitResult parameters = fit_nuisances(problem, nominal_fit(problem));
+    held_out = validate_lead(problem, problem.thresholds.whitening, bench().controller, parameters.point, true, ranking, remarks);
+  }
+
+  BenchProblem problem;
+  Ranking ranking;
+  std::vector<std::string> remarks;
+  std::optional<HeldOut> held_out;
+};
+
+// The likeliest cause does not predict what it was not fitted to, and loses all to what is not known; the next one does.
+TEST(ValidateLead, PassesToTheFirstCauseThatPredicts) {
+  const Asked asked({kFriction});
+  const Cause& lead = asked.ranking.causes.front();
+  EXPECT_EQ(lead.effects, std::vector<std::string>{kFriction.name});
+  EXPECT_DOUBLE_EQ(lead.probability, 0.3);
+  ASSERT_TRUE(lead.validation);
+  EXPECT_TRUE(lead.validation->holds);
+  EXPECT_LT(lead.validation->cause.residual_ratio, lead.validation->parameters.residual_ratio);
+  EXPECT_DOUBLE_EQ(asked.ranking.unknown, 0.6);
+  for (const Cause& cause : asked.ranking.causes) {
+    if (cause.effects == std::vector<std::string>{kLag.name}) {
+      EXPECT_EQ(cause.probability, 0.0);
+      ASSERT_TRUE(cause.validation);
+      EXPECT_FALSE(cause.validation->holds);
+    }
+  }
+  ASSERT_TRUE(asked.held_out);
+  EXPECT_EQ(asked.held_out->record, "b");
+}
+
+// Nothing acts, and parameters leave noise alone on what was not fitted: no cause predicts better, and all goes to nothing missing.
+TEST(ValidateLead, GivesBackToNothingWhereParametersLeaveNoise) {
+  const Asked asked({});
+  const Cause& lead = asked.ranking.causes.front();
+  EXPECT_TRUE(lead.effects.empty());
+  EXPECT_NEAR(lead.probability, 1.0, 1e-12);
+  EXPECT_EQ(asked.ranking.unknown, 0.0);
+  EXPECT_FALSE(asked.held_out);
+}
+
+}  // namespace
+}  // namespace slewlab::diagnosis
