@@ -18,6 +18,7 @@
 #include "diagnosis/model_step.h"
 #include "diagnosis/ranking.h"
 #include "diagnosis/search_as_built.h"
+#include "diagnosis/stochastic.h"
 #include "diagnosis/validate_lead.h"
 #include "diagnosis/weigh_fits.h"
 #include "sim/effects/catalogue.h"

@@ -7,6 +7,7 @@
 
 #include "controller/effects/catalogue.h"
 #include "diagnosis/doubt.h"
+#include "diagnosis/stochastic.h"
 
 namespace slewlab::diagnosis {
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <optional>
 #include <string>
 #include <utility>
@@ -15,7 +16,7 @@ namespace {
 
 // A dragging bearing, known from one record, predicts another; without it the nominal machine and its parameters do not. One whose torques are no such crane's is told, and left out.
 TEST(UnseenRecord, IsPredictedByTheCauseThatActs) {
-  constexpr double kMillinewton = 1e3;  // a slip of unit
+  constexpr double kOfAnotherCrane = 5.0;  // times what moves this one
   sim::MachineSettings truth;
   truth.crane = bench().crane;
   truth.effects = {{"bearing_coulomb", {1e5, 0.0, 3e-5}}};
@@ -23,9 +24,9 @@ TEST(UnseenRecord, IsPredictedByTheCauseThatActs) {
   problem.add(make_record(simulated_log(truth, bench().controller, kThereAndBack, kDuration, 34), "a", bench().admission));
   const FitResult parameters = fit_nuisances(problem, nominal_fit(problem));
   const msgs::RunLog inching = simulated_log(truth, bench().controller, kInching, kDuration, 35);
-  msgs::RunLog slipped = inching;
-  for (msgs::Torque& torque : slipped.torque) {
-    for (double& one : torque.motor_torque) one *= kMillinewton;
+  msgs::RunLog foreign = inching;
+  for (msgs::Torque& torque : foreign.torque) {
+    for (double& one : torque.motor_torque) one *= kOfAnotherCrane;
   }
   const auto judged = [&](const std::optional<Point>& answer, const msgs::RunLog& log, std::vector<std::string>& remarks) {
     std::vector<Record> unseen;
@@ -34,7 +35,6 @@ TEST(UnseenRecord, IsPredictedByTheCauseThatActs) {
   };
   std::vector<std::string> remarks;
   const std::vector<UnseenRecord> by_cause = judged(Point{{}, truth.effects, 0}, inching, remarks), by_parameters = judged({}, inching, remarks);
-  EXPECT_TRUE(remarks.empty());
   ASSERT_EQ(by_cause.size(), 1U);
   EXPECT_EQ(by_cause[0].record, "unseen");
   EXPECT_TRUE(by_cause[0].validation.holds);
@@ -46,9 +46,10 @@ TEST(UnseenRecord, IsPredictedByTheCauseThatActs) {
   EXPECT_FALSE(by_parameters[0].validation.holds);
   EXPECT_EQ(by_parameters[0].validation.cause.residual_ratio, by_parameters[0].validation.parameters.residual_ratio);
   EXPECT_EQ(by_parameters[0].cause_torque, by_parameters[0].parameters_torque);
-  EXPECT_TRUE(judged({}, slipped, remarks).empty());
-  ASSERT_EQ(remarks.size(), 1U);
-  EXPECT_NE(remarks[0].find("unseen could not be predicted"), std::string::npos) << remarks[0];
+  const auto is_told = [&] { return std::any_of(remarks.begin(), remarks.end(), [](const std::string& remark) { return remark.find("unseen could not be predicted") != std::string::npos; }); };
+  EXPECT_FALSE(is_told());
+  EXPECT_TRUE(judged({}, foreign, remarks).empty());
+  EXPECT_TRUE(is_told());
 }
 
 }  // namespace
