@@ -169,6 +169,8 @@ bool rank(Problem& problem, const WhiteningSettings& whitening, const std::optio
     diagnosis.held_out = validate_lead(problem, whitening, controller, found.nothing.point, are_parameters_likely, ranking, diagnosis.remarks);
     if (is_nothing_left) doubt_the_unknown_below_the_noise(unknown_law, ranking);
   }
+  sort_causes(ranking.causes);
+  doubt_draws_beside_a_law(problem.catalogue, evidence, ranking, diagnosis.remarks);
   if (!is_nothing_left) share_with_other_laws(ranking);
   if (controller && !diagnosis.has_controller) {
     leave_room_for_the_controller(of_the_controller.effects.size(), problem.catalogue.effects.size() + of_the_controller.effects.size(), evidence, ranking);

@@ -4,9 +4,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "diagnosis/coordinates.h"
 #include "diagnosis/evidence.h"
+#include "diagnosis/stochastic.h"
 
 namespace slewlab::diagnosis {
 
@@ -72,6 +74,25 @@ void doubt_what_no_machine_has(const common::EffectCatalogue& catalogue, const N
       }
       hand_on(kDoubtful, [&](const std::string& one) { return one == effect.name; }, is_nothing_left, cause, ranking);
     }
+  }
+}
+
+void doubt_draws_beside_a_law(const common::EffectCatalogue& catalogue, const EvidenceSettings& evidence, Ranking& ranking, std::vector<std::string>& remarks) {
+  const auto is_drawn = [&](const std::string& effect) {
+    const common::EffectAbout* const about = catalogue.find(effect);
+    return about != nullptr && is_stochastic(*about);
+  };
+  for (Cause& cause : ranking.causes) {
+    std::vector<std::string> drawn, rest;
+    std::partition_copy(cause.effects.begin(), cause.effects.end(), std::back_inserter(drawn), std::back_inserter(rest), is_drawn);
+    if (drawn.empty() || rest.empty()) continue;
+    const auto alone = std::find_if(ranking.causes.begin(), ranking.causes.end(), [&](const Cause& other) { return std::is_permutation(other.effects.begin(), other.effects.end(), rest.begin(), rest.end()); });
+    if (alone == ranking.causes.end() || cause.explained - alone->explained > evidence.unknown_share) continue;
+    if (&cause == &ranking.causes.front()) {
+      remarks.push_back(fmt::format("{} takes {:.1f} % of the gap beside {}; as much is left by a law that is another one than the catalogue's, so {} alone may be the cause", name_of(drawn),
+                                    100.0 * (cause.explained - alone->explained), name_of(rest), name_of(rest)));
+    }
+    hand_on(kDoubtful, is_drawn, false, cause, ranking);
   }
 }
 

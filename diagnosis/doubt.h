@@ -32,6 +32,10 @@ void doubt_the_unknown_below_the_noise(double unknown_law, Ranking& ranking);
 void doubt_what_no_machine_has(const common::EffectCatalogue& catalogue, const Nuisances& nuisances, bool is_nominal_enough, bool is_nothing_left, Ranking& ranking,
                                std::vector<std::string>& remarks);
 
+// A draw of a stochastic effect takes whatever has its power. Beside another effect of which alone no more of the gap is left than a law leaves that is another one than the catalogue's (the share of a cause that nobody knows,
+// evidence.h), that effect's own law may be what is drawn: the cause is not sure, and the first of them is told in `remarks`.
+void doubt_draws_beside_a_law(const common::EffectCatalogue& catalogue, const EvidenceSettings& evidence, Ranking& ranking, std::vector<std::string>& remarks);
+
 // No cause explains it: then it may still be a known effect with a law of its own. What its law is not is no noise, so the causes share by their evidence
 // with that much less weight. None comes to lead by that which has not predicted anything.
 void share_with_other_laws(Ranking& ranking);

@@ -6,6 +6,7 @@
 
 #include "diagnosis/evaluation/body.h"
 #include "diagnosis/evaluation/law.h"
+#include "sim/model/boom.h"
 
 namespace slewlab::diagnosis::withheld {
 
@@ -28,7 +29,7 @@ std::vector<TrueSize> vessel_roll(TruthMachine& machine, double size, Random& ra
     }
     return sum * std::sin(direction - slew_angle);
   };
-  const double rise = machine.crane.boom.length * std::sin(machine.crane.boom.angle);
+  const double rise = sim::boom_point(machine.crane.boom, 1.0).height;
   const double rope = machine.crane.load.rope_length;
   machine.forces.push_back({{}, {}, [=](const Scene& scene, const double*, sim::ReferenceForces& forces, double*) {
     const double t = scene.motion.time, angle = scene.motion.house_angle;

@@ -8,6 +8,8 @@
 #include <nlohmann/json.hpp>
 #include <stdexcept>
 
+#include "common/yaml_file.h"
+#include "common/yaml_text.h"
 #include "controller/controller_file.h"
 #include "diagnosis/evaluation/known_laws.h"
 #include "diagnosis/evaluation/measure.h"
@@ -338,6 +340,14 @@ Nominal checked_nominal(const MakeSettings& settings) {
   return load_nominal(settings);
 }
 
+// A file of the nominal machine as it stands alone: a set goes where the files that it includes are not.
+std::string whole_configuration(const fs::path& file) {
+  common::InputProblems problems;
+  const common::YamlNode root = common::load_yaml_file(file, {}, problems);
+  if (!problems.empty()) throw common::InputError(problems);
+  return common::yaml_text(root);
+}
+
 // Throws where the folder holds another set.
 void begin(const MakeSettings& settings, const Nominal& nominal) {
   fs::create_directories(settings.directory / "sealed");
@@ -347,8 +357,8 @@ void begin(const MakeSettings& settings, const Nominal& nominal) {
     throw std::invalid_argument(settings.directory.string() +
                                 " holds a set of another seed, size, purpose, crane or laws: take another folder");
   }
-  write_whole(settings.directory / "crane.yaml", read_whole(settings.crane));
-  write_whole(settings.directory / "controller.yaml", read_whole(settings.controller));
+  write_whole(settings.directory / "crane.yaml", whole_configuration(settings.crane));
+  write_whole(settings.directory / "controller.yaml", whole_configuration(settings.controller));
   write_whole(about_file, about);
 }
 

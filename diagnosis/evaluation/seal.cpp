@@ -1,5 +1,8 @@
 #include "diagnosis/evaluation/seal.h"
 
+#include <fmt/format.h>
+#include <unistd.h>
+
 #include <array>
 #include <bit>
 #include <cstdint>
@@ -85,7 +88,7 @@ std::string read_whole(const std::filesystem::path& file) {
 
 void write_whole(const std::filesystem::path& file, std::string_view text) {
   std::filesystem::path temporary = file;
-  temporary += ".partial";
+  temporary += fmt::format(".{}.partial", getpid());  // two scores of one set may write what is the same
   {
     std::ofstream stream(temporary, std::ios::binary);
     stream.write(text.data(), static_cast<std::streamsize>(text.size()));

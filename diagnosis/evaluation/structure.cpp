@@ -21,14 +21,19 @@ Eigen::Matrix4d geometric_stiffness(double l) {
   return matrix / (30.0 * l);
 }
 
+// [y, phi] at both ends of an element from its nodes' [y, phi, psi], in its own axes: at a knuckle they are those of the part behind it.
+Eigen::Matrix<double, 4, 6> ends_of_element(const sim::BoomParameters& boom, int element) {
+  Eigen::Matrix<double, 4, 6> ends = Eigen::Matrix<double, 4, 6>::Zero();
+  ends(0, 0) = ends(1, 1) = ends(2, 3) = ends(3, 4) = 1.0;
+  if (element > 0 && element == sim::elements_before_knuckle(boom)) ends.block<1, 2>(1, 1) = sim::behind_knuckle(boom).row(0);
+  return ends;
+}
+
 void compress(const sim::BoomParameters& boom, double force, Eigen::MatrixXd& stiffness) {
   const int count = boom.element_count;
-  const Eigen::Matrix4d element = geometric_stiffness(boom.length / count);
   for (int e = 0; e < count; ++e) {
-    const int at[4] = {3 * e, 3 * e + 1, 3 * e + 3, 3 * e + 4};
-    for (int i = 0; i < 4; ++i) {
-      for (int j = 0; j < 4; ++j) stiffness(at[i], at[j]) -= force * element(i, j);
-    }
+    const Eigen::Matrix<double, 4, 6> ends = ends_of_element(boom, e);
+    stiffness.block<6, 6>(3 * e, 3 * e) -= force * ends.transpose() * geometric_stiffness(sim::length_of_element(boom, e)) * ends;
   }
   const double towards_pivot = force / boom.length;
   stiffness(0, 0) += towards_pivot;
@@ -108,25 +113,41 @@ Eigen::VectorXd rigid_rotation(const sim::BoomParameters& boom, const Freedoms& 
   Eigen::VectorXd rigid = Eigen::VectorXd::Zero(at.size);
   rigid(at.ring) = rigid(at.house) = 1.0;
   for (int node = 1; node <= elements; ++node) {
-    const double x = boom.length * node / elements;
-    rigid.segment<3>(at.first_node + 3 * (node - 1)) =
-        Eigen::Vector3d(boom.pivot_radius + x * std::cos(boom.angle), std::cos(boom.angle), std::sin(boom.angle));
+    const sim::BoomPoint point = sim::point_of_node(boom, node);
+    rigid.segment<3>(at.first_node + 3 * (node - 1)) = Eigen::Vector3d(point.radius, std::cos(point.angle), std::sin(point.angle));
   }
   rigid /= std::sqrt(rigid.dot(mass * rigid));
   return rigid;
 }
 
+// [y, phi] at an element's ends.
+Eigen::Vector4d bent(const sim::BoomParameters& boom, const Eigen::VectorXd& nodes, int element) {
+  return ends_of_element(boom, element) * nodes.segment<6>(3 * element);
+}
+
 // [m^2] under the boom's deflection, of Hermite's cubics between the nodes.
-double area_under(const Eigen::VectorXd& at, int elements, double h) {
+double area_under(const sim::BoomParameters& boom, const Eigen::VectorXd& nodes) {
   double integral = 0.0;
-  for (int e = 0; e < elements; ++e) {
-    integral += h * (0.5 * (at(3 * e) + at(3 * e + 3)) + h * (at(3 * e + 1) - at(3 * e + 4)) / 12.0);
+  for (int e = 0; e < boom.element_count; ++e) {
+    const double h = sim::length_of_element(boom, e);
+    const Eigen::Vector4d at = bent(boom, nodes, e);
+    integral += h * (0.5 * (at(0) + at(2)) + h * (at(1) - at(3)) / 12.0);
   }
   return integral;
 }
 
-double shear_in(const Eigen::VectorXd& at, int e, double h, double rigidity) {
-  return rigidity / (h * h * h) * (12.0 * (at(3 * e) - at(3 * e + 3)) + 6.0 * h * (at(3 * e + 1) + at(3 * e + 4)));
+double shear_in(const sim::BoomParameters& boom, const Eigen::VectorXd& nodes, int e, double rigidity) {
+  const double h = sim::length_of_element(boom, e);
+  const Eigen::Vector4d at = bent(boom, nodes, e);
+  return rigidity / (h * h * h) * (12.0 * (at(0) - at(2)) + 6.0 * h * (at(1) + at(3)));
+}
+
+// [m] Deflection halfway along the boom, of the cubic there.
+double in_the_middle(const sim::BoomParameters& boom, const Eigen::VectorXd& nodes) {
+  int e = 0;
+  while (sim::share_of_node(boom, e + 1) < 0.5) ++e;
+  const double h = sim::length_of_element(boom, e), s = (0.5 - sim::share_of_node(boom, e)) * boom.length / h, s2 = s * s, s3 = s2 * s;
+  return bent(boom, nodes, e).dot(Eigen::Vector4d(1.0 - 3.0 * s2 + 2.0 * s3, h * (s - 2.0 * s2 + s3), 3.0 * s2 - 2.0 * s3, h * (s3 - s2)));
 }
 
 // A mode: its shape, the boom's nodes in it, and where the rope leaves.
@@ -155,7 +176,7 @@ double felt_at(sim::SensorPlace place, const sim::CraneParameters& crane, const 
   switch (place) {
     case sim::SensorPlace::house: return crane.house.sensor_radius * shape.freedoms(at.house) + sideways;
     case sim::SensorPlace::pivot: return crane.boom.pivot_radius * shape.freedoms(at.house) + sideways;
-    case sim::SensorPlace::middle: return shape.nodes(3 * (crane.boom.element_count / 2));
+    case sim::SensorPlace::middle: return in_the_middle(crane.boom, shape.nodes);
     case sim::SensorPlace::tip: return shape.nodes(at.tip);
     default: return shape.freedoms(at.house);  // what turns
   }
@@ -192,7 +213,6 @@ Structure make_structure(const sim::CraneParameters& crane, const StructureChang
   }
 
   const double a1 = sim::boom_damping_coefficient(boom);
-  const double h = boom.length / elements;
   Structure result;
   sim::FreeHouseModes& modes = result.modes;
   modes.shear = Eigen::MatrixXd::Zero(elements, at.size);
@@ -203,7 +223,7 @@ Structure make_structure(const sim::CraneParameters& crane, const StructureChang
     const double steel_square = k == 0 ? 0.0 : shape.freedoms.dot(steel * shape.freedoms);
     double damping = a1 * change.damping_factor * power * steel_square;
     if (at.has_pedestal) damping += pedestal_damping * shape.freedoms(at.pedestal) * shape.freedoms(at.pedestal);
-    for (int e = 0; k > 0 && e < elements; ++e) modes.shear(e, k) = shear_in(shape.nodes, e, h, beam.element_rigidity[static_cast<std::size_t>(e)]);
+    for (int e = 0; k > 0 && e < elements; ++e) modes.shear(e, k) = shear_in(boom, shape.nodes, e, beam.element_rigidity[static_cast<std::size_t>(e)]);
     modes.frequency.push_back(frequency);
     modes.damping_rate.push_back(damping);
     modes.house.push_back(shape.freedoms(at.ring));
@@ -211,7 +231,7 @@ Structure make_structure(const sim::CraneParameters& crane, const StructureChang
     modes.tip.push_back(shape.rope);
     modes.middle.push_back(felt_at(sim::SensorPlace::middle, crane, shape, at));
     modes.tip_twist.push_back(shape.nodes(at.tip + 2));
-    modes.uniform_load.push_back(area_under(shape.nodes, elements, h));
+    modes.uniform_load.push_back(area_under(boom, shape.nodes));
     for (std::size_t s = 0; s < result.sensors.size(); ++s) {
       result.sensors[s].push_back(felt_at(sim::place_named(msgs::kSensorFields<msgs::SensorReadings>[s].place), crane, shape, at));
     }

@@ -123,6 +123,31 @@ TEST_F(Doubt, OfParametersThatNoMachineHas) {
   EXPECT_EQ(ranking.unknown, 0.0);
 }
 
+// A draw beside a law that explains nearly all alone is not sure: that law may be another one. One beside a law that explains less is, as is a draw alone.
+TEST_F(Doubt, OfADrawBesideALaw) {
+  common::EffectCatalogue with_draws = catalogue();
+  with_draws.effects[1].stochastic.emplace();
+  const EvidenceSettings evidence;
+  const auto doubted = [&](double explained_alone) {
+    ranking = {{cause_of({"b", "a"}, 0.9), cause_of({"a"}, 0.1), cause_of({"b"}, 0.0)}, 0.0};
+    ranking.causes[0].explained = 0.99;
+    ranking.causes[1].explained = explained_alone;
+    remarks.clear();
+    doubt_draws_beside_a_law(with_draws, evidence, ranking, remarks);
+    return of(0) < 0.9;
+  };
+  EXPECT_TRUE(doubted(0.95));
+  EXPECT_GT(of(0), of(1));
+  EXPECT_EQ(of(2), 0.0);
+  ASSERT_EQ(remarks.size(), 1U);
+  EXPECT_NE(remarks[0].find("b takes 4.0 % of the gap beside a"), std::string::npos) << remarks[0];
+  EXPECT_FALSE(doubted(0.99 - 1.1 * evidence.unknown_share));
+  EXPECT_TRUE(remarks.empty());
+  ranking = {{cause_of({"b"}, 1.0)}, 0.0};
+  doubt_draws_beside_a_law(with_draws, evidence, ranking, remarks);
+  EXPECT_EQ(of(0), 1.0);
+}
+
 // What is unknown may be a known effect's with another law: causes share by their evidence, but none passes the unknown by it that predicted nothing, and none gets anything for a law that stands beside it.
 TEST_F(Doubt, WhetherTheUnknownIsAnotherLaw) {
   ranking = {{cause_of({"a"}, 0.2), cause_of({"b"}, 0.2), cause_of({}, 0.1)}, 0.5};

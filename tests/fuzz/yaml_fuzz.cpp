@@ -4,8 +4,8 @@
 #include <cstring>
 
 #include "common/yaml_file.h"
+#include "common/yaml_text.h"
 #include "tests/fuzz/fuzz_target.h"
-#include "tools/commands/resolved_configuration.h"
 
 extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
   using namespace slewlab;
@@ -29,7 +29,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   }
   if (!problems.empty()) return 0;
 
-  const std::string written = tools::to_yaml(tree);
+  const std::string written = yaml_text(tree);
   const YamlNode again = parse_yaml_text(written, "written", problems);
   if (!problems.empty()) std::fprintf(stderr, "%s\n%s\n", written.c_str(), to_text(problems.front()).c_str());
   fuzz::require(problems.empty(), "a tree written as YAML is YAML");

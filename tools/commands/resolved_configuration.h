@@ -17,7 +17,4 @@ std::filesystem::path write_resolved_configuration(const std::filesystem::path& 
                                                    const std::vector<common::Override>& overrides,
                                                    const std::filesystem::path& folder);
 
-// The tree as YAML, block style.
-std::string to_yaml(const common::YamlNode& node);
-
 }  // namespace slewlab::tools

@@ -9,6 +9,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "common/yaml_file.h"
 #include "controller/controller_file.h"
 #include "diagnosis/evaluation/score.h"
 #include "diagnosis/evaluation/seal.h"
@@ -57,6 +58,22 @@ TEST_F(MakeTest, LogsHoldTheFourChannelsAndNothingMore) {
   EXPECT_EQ(logs.runs[0].encoder.size(), 30'001u);  // 30 s at 1 kHz, both ends
   EXPECT_EQ(logs.runs[0].torque.size(), 30'001u);
   EXPECT_EQ(logs.runs[0].sensors.size(), 30'001u);
+}
+
+// A crane whose file includes others is whole in the set, where those are not.
+TEST_F(MakeTest, ACraneThatIncludesOthersStandsAloneInItsSet) {
+  const TemporaryFolder folder;
+  MakeSettings of_another = settings(folder.path() / "set");
+  of_another.cases = 1;
+  of_another.crane = std::string(SLEWLAB_SOURCE_DIR) + "/config/cranes/knuckle.yaml";
+  ASSERT_TRUE(make_cases(of_another));
+  const std::string copy = read_whole(of_another.directory / "crane.yaml");
+  EXPECT_EQ(copy.find("include:"), std::string::npos);
+  const auto text_of = [](const fs::path& file) {
+    common::InputProblems problems;
+    return common::canonical_text(common::load_yaml_file(file, {}, problems));
+  };
+  EXPECT_EQ(text_of(of_another.directory / "crane.yaml"), text_of(of_another.crane));
 }
 
 TEST_F(MakeTest, CaseFoldersSayNothingAboutTheAnswer) {
