@@ -197,12 +197,12 @@ Following follow(const Problem& problem, const Record& record, const WhiteningSe
   return following;
 }
 
-// From the middle of the play, or where the torques push from the first moment on and the record is followed better from there, on the flanks: one
+// From the middle of the play, or where the torques push from the first moment on, or there is no play, and the record is followed better from there, on the flanks, wound up: one
 // that begins elsewhere than the machine did knocks on, or is held off by a torque that never ends. Where the groups do not keep their
 // places, that alone makes no record one that can be judged.
 Following follow_from_rest(const Problem& problem, const Play& play, Record& record, const WhiteningSettings& whitening) {
   Following best = follow(problem, record, whitening);
-  if (play.half <= 0.0 || !are_pushed(play, record, 0, problem.thresholds.time)) return best;
+  if (play.half > 0.0 && !are_pushed(play, record, 0, problem.thresholds.time)) return best;
   const double best_power = missing_power(problem, record, best.follower);
   record.begins_on_flanks = true;
   Following other = follow(problem, record, whitening);
@@ -236,8 +236,9 @@ bool begins_at_rest(const Record& record, const AdmissionSettings& settings) {
 Following follow_from_its_beginning(const Problem& problem, Record& record, const WhiteningSettings& whitening) {
   const double time = problem.thresholds.time;
   const Play play = play_of(problem.nominal.crane, time);
-  const bool can_be_told = play.half > 0.0 && (record.group_count > 1 || record.begins_in_motion);
-  const std::optional<std::size_t> found = can_be_told ? pressed_from(play, record, time) : std::nullopt;
+  const bool can_be_told = record.group_count > 1 || record.begins_in_motion;
+  std::optional<std::size_t> found;
+  if (can_be_told) found = play.half > 0.0 ? pressed_from(play, record, time) : 0;  // gears without play are always pressed
   const bool is_pressed = found.has_value();
   const std::size_t pressed = found.value_or(0);  // from there on
   const bool is_at_rest = !record.begins_in_motion && begins_at_rest(record, problem.thresholds.admission);
@@ -305,12 +306,9 @@ void set_machine(const sim::MachineSettings& nominal, const std::vector<Record>&
   const double latency = is_coarse ? problem.thresholds.coarse_latency : problem.thresholds.latency;
   problem.nuisances = nuisances_of(machine, std::max(latency, kLatencyOfPeriod * period));
   const sim::GearContact gear = sim::gear_contact(nominal.crane);
-  if (gear.half_play > 0.0) {
-    const sim::DriveParameters& drive = nominal.crane.drive;
-    problem.nuisances.offset_groups = static_cast<std::size_t>(drive.group_count);
-    problem.nuisances.offset_deviation =
-        kOffsetShare * (gear.half_play + drive.rated_torque * drive.motors_per_group * sim::total_ratio(drive) / gear.stiffness);
-  }
+  const sim::DriveParameters& drive = nominal.crane.drive;
+  problem.nuisances.offset_groups = static_cast<std::size_t>(drive.group_count);
+  problem.nuisances.offset_deviation = kOffsetShare * (gear.half_play + drive.rated_torque * drive.motors_per_group * sim::total_ratio(drive) / gear.stiffness);
   ShadowSettings observer = not_faster_than(problem.thresholds.shadow, period);
   if (is_coarse) {
     observer.speed_rate /= kSlowFollower;
