@@ -330,6 +330,18 @@ Following checked_following(const Problem& problem, Record& record, const Whiten
 
 }  // namespace
 
+namespace {
+
+// Why nothing is judged behind a moment of a record that begins in motion; nothing where all is that lies away from impacts.
+std::string told_let_go(const Record& record, const Shadow& follower, const char* before, const char* after) {
+  const auto let_go = std::find(follower.house_let_go.begin(), follower.house_let_go.end(), true);
+  if (!record.begins_bent || let_go == follower.house_let_go.end()) return "";
+  return fmt::format("{}it begins in motion, and nothing is judged behind {:.2f} s, where no gear holds the house: how it swings from there on no fit would find{}", before,
+                     record.time(static_cast<std::size_t>(let_go - follower.house_let_go.begin())), after);
+}
+
+}  // namespace
+
 RecordBegins begin_of(const Record& record) {
   if (record.begins_bent) return RecordBegins::in_motion;
   return record.load_may_swing ? RecordBegins::at_rest : RecordBegins::unmoved;
@@ -350,13 +362,13 @@ Followed admit(std::vector<Record> records, const WhiteningSettings& whitening, 
     Shadow& follower = following.follower;
     const double share = following.share;
     if (share < kLeastTrusted) {
-      not_judged += fmt::format("{}{}: only {:.0f} % of the record lies away from impacts of the gears, at least {:.0f} % are needed",
-                                not_judged.empty() ? "" : "; ", record.name, 100.0 * share, 100.0 * kLeastTrusted);
+      not_judged += fmt::format("{}{}: only {:.0f} % of the record lies away from impacts of the gears, at least {:.0f} % are needed{}",
+                                not_judged.empty() ? "" : "; ", record.name, 100.0 * share, 100.0 * kLeastTrusted, told_let_go(record, follower, " (", ")"));
       continue;
     }
     if (share < kAllTrusted) {
       remarks.push_back(fmt::format("{}: {:.0f} % of the record lie near impacts of the gears and are not judged", record.name,
-                                    100.0 * (1.0 - share)));
+                                    100.0 * (1.0 - share)) + told_let_go(record, follower, "; ", ""));
     }
     if (points_per_judged_point(record, whitening.highest_frequency) > 1) {
       record = on_judged_grid(std::move(record), whitening.highest_frequency);
@@ -368,7 +380,7 @@ Followed admit(std::vector<Record> records, const WhiteningSettings& whitening, 
     problem.nuisances.has_motion |= begin_of(record) != RecordBegins::unmoved;
     problem.records.push_back(std::move(record));
   }
-  if (problem.records.empty()) throw NotAdmitted(not_judged + "; switch play compensation on, or accelerate more gently");
+  if (problem.records.empty()) throw NotAdmitted(not_judged + "; begin the record at rest, switch play compensation on, or accelerate more gently");
   if (!not_judged.empty()) remarks.push_back(not_judged + "; left out, the answer stands on the other records");
   return followed;
 }

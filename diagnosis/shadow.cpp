@@ -432,8 +432,10 @@ Observer::Moment Observer::compare(const Measured& measured) {
     // Past the actuators: what is missing at a motor is not limited or delayed by its drive.
     machine_.outside.motor_torque[i] = missing * to_slew_axis_;
     // Gears without play touch always: they change flanks without a shock.
+    const bool touches = machine_.model.gear[i].half_play <= 0.0 || machine_.state.contact[i] != 0;
+    moment.contact_lost |= !touches;
+    moment.house_let_go &= !touches;
     if (machine_.model.gear[i].half_play <= 0.0) continue;
-    if (machine_.state.contact[i] == 0) moment.contact_lost = true;
     moment.holding_torque = std::min(moment.holding_torque, std::fabs(machine_.state.gear_torque[i]) / to_slew_axis_);
   }
   oldest_ = oldest_ + 1 < past_error_.size() ? oldest_ + 1 : 0;
@@ -479,6 +481,7 @@ void shadow(std::vector<Shadowing> shadowings, const Record& record, const Drive
     for (std::size_t g = 0; g < result.missing_torque.size(); ++g) result.missing_torque[g].resize(g < groups ? count : 0);
     for (std::size_t a = 0; a < kAccelerometerCount; ++a) result.acceleration_difference[a].resize(record.acceleration[a].empty() ? 0 : count);
     result.contact_lost.assign(count, false);
+    result.house_let_go.assign(count, false);
     result.holding_torque.resize(count);
   }
   std::vector<std::pair<int, sim::MachineBatch>> batches;
@@ -511,6 +514,7 @@ void shadow(std::vector<Shadowing> shadowings, const Record& record, const Drive
       Shadow& result = *shadowings[f].result;
       for (std::size_t i = 0; i < groups; ++i) result.missing_torque[i][n] = moment.missing_torque[i];
       result.contact_lost[n] = moment.contact_lost;
+      result.house_let_go[n] = moment.house_let_go;
       result.holding_torque[n] = moment.holding_torque;
       for (const std::size_t a : judged) {
         // Where sensors are not sampled on the grid, at first what the shadow's would say.

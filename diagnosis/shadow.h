@@ -63,6 +63,7 @@ struct Shadow {
   std::array<std::vector<double>, sim::kMaximumGroupCount> missing_torque;       // [Nm] per motor
   std::array<std::vector<double>, kAccelerometerCount> acceleration_difference;  // [m/s^2] measured - shadow
   std::vector<bool> contact_lost;  // some group of the shadow has its teeth apart
+  std::vector<bool> house_let_go;  // all of them have
   std::vector<double> holding_torque;  // [Nm per motor] with which the teeth of that group are pressed that are pressed least; infinite without play
 };
 
@@ -144,7 +145,7 @@ class Observer {
   struct Moment {
     GroupAngles missing_torque{};                          // [Nm] per motor
     std::array<double, kAccelerometerCount> acceleration{};  // [m/s^2] of the observer itself
-    bool contact_lost = false;
+    bool contact_lost = false, house_let_go = true;
     double holding_torque = std::numeric_limits<double>::infinity();  // [Nm per motor]
   };
   // To the next grid point, under what the drives make of the commands.

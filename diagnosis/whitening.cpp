@@ -322,8 +322,13 @@ std::vector<bool> trusted_stretches(const Record& record, const Shadow& shadow, 
     const std::size_t to = std::min(count, n + after);
     std::fill(trusted.begin() + static_cast<std::ptrdiff_t>(from), trusted.begin() + static_cast<std::ptrdiff_t>(to), false);
   }
-  // How a machine began that was bent is known as little as an impact.
-  if (record.begins_bent) std::fill(trusted.begin(), trusted.begin() + static_cast<std::ptrdiff_t>(std::min(count, after)), false);
+  if (record.begins_bent) {
+    // How a machine began that was bent is known as little as an impact.
+    std::fill(trusted.begin(), trusted.begin() + static_cast<std::ptrdiff_t>(std::min(count, after)), false);
+    // How it swings is known by fits alone, and no fit finds it through a moment in which nothing holds the house.
+    const auto let_go = std::find(shadow.house_let_go.begin(), shadow.house_let_go.end(), true);
+    std::fill(trusted.begin() + (let_go - shadow.house_let_go.begin()), trusted.end(), false);
+  }
   return trusted;
 }
 

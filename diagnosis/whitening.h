@@ -106,7 +106,8 @@ ChannelMatrix apart_at(const Whitening& whitening, std::size_t bin);
 std::size_t transform_length(std::size_t count);
 
 // Where a record may be judged: away from impacts, at which every small difference grows to full size. Takes out
-// each stretch in which the shadow's gears are not all in contact, and what follows it until it is forgotten; likewise a beginning in motion.
+// each stretch in which the shadow's gears are not all in contact, and what follows it until it is forgotten; likewise a beginning in motion, and behind
+// one all that follows a moment in which no gear is in contact.
 std::vector<bool> trusted_stretches(const Record& record, const Shadow& shadow, const WhiteningSettings& settings);
 
 // Real and imaginary part of every bin of every channel, weighted; then what each part of a stretch on the flanks says.

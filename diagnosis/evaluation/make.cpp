@@ -1,5 +1,7 @@
 #include "diagnosis/evaluation/make.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -193,6 +195,10 @@ struct Nominal {
 
 Nominal load_nominal(const MakeSettings& settings) {
   const sim::MachineFile crane = sim::load_machine_file(settings.crane);
+  if (crane.parameters.boom.element_count == 0) {
+    throw std::invalid_argument(fmt::format("{}: it has {}, and withheld cases are made of cranes whose boom bends: 'boom.elements' of 1 or more", settings.crane.string(),
+                                            crane.parameters.boom.length > 0.0 ? "a rigid boom" : "no boom"));
+  }
   controller::ControllerFile controller = controller::load_controller_file(settings.controller);
   controller.settings.period = settings.controller_period;
   return {nominal_machine(sim::describe(crane), controller.settings), crane.drive_protection,

@@ -1,4 +1,4 @@
-// Logs of the bench's machines as a diagnosis takes them: admitted on the nominal machine, its boom cut as every diagnosis cuts it where the file's is coarser.
+// Logs as a diagnosis takes them: admitted on the nominal machine. Throws NotAdmitted.
 #pragma once
 
 #include <algorithm>
@@ -14,11 +14,12 @@
 namespace slewlab::diagnosis {
 
 struct Admitted {
-  explicit Admitted(const std::vector<msgs::RunLog>& logs) {
+  explicit Admitted(const std::vector<msgs::RunLog>& logs, const sim::CraneParameters& crane = bench().crane) {
+    const AdmissionSettings of_records = thresholds_of(sim::describe(crane)).admission;
     std::vector<Record> records;
-    for (const msgs::RunLog& log : logs) records.push_back(make_record(log, std::string(1, static_cast<char>('a' + records.size())), bench().admission));
+    for (const msgs::RunLog& log : logs) records.push_back(make_record(log, std::string(1, static_cast<char>('a' + records.size())), of_records));
     sim::MachineSettings nominal;
-    nominal.crane = bench().crane;
+    nominal.crane = crane;
     problem.threads = 2;
     set_machine(nominal, records, problem);
     whitening = whitening_for(problem.thresholds, false);

@@ -214,6 +214,26 @@ TEST(Whitening, KnowsHowSlowTorquesWereRounded) {
   EXPECT_LT(left, 2.0);
 }
 
+// Behind a moment in which no gear holds the house nothing is trusted of a record that begins in motion; of one that begins at rest what lies near impacts is not.
+TEST(Whitening, TrustsNothingBehindALooseHouseWhereItsSwingIsNotKnown) {
+  constexpr std::size_t kAt = 12000;
+  constexpr double kAfterImpact = 2.0;  // [s]
+  WhiteningSettings settings = kSettings;
+  settings.after_impact = kAfterImpact;
+  Record record = noisy_record();
+  Shadow shadow = shadow_of(record.acceleration[kTip]);
+  shadow.contact_lost[kAt] = true;
+  shadow.house_let_go.assign(record.size(), false);
+  shadow.house_let_go[kAt] = true;
+  const std::vector<bool> at_rest = trusted_stretches(record, shadow, settings);
+  record.begins_bent = true;
+  const std::vector<bool> in_motion = trusted_stretches(record, shadow, settings);
+  EXPECT_FALSE(at_rest[kAt]);
+  EXPECT_TRUE(at_rest.back());
+  EXPECT_TRUE(in_motion[kAt / 2]);
+  EXPECT_EQ(std::count(in_motion.begin() + kAt, in_motion.end(), true), 0);
+}
+
 // What lies where the record is not trusted changes nothing.
 TEST(Whitening, ForgetsWhatIsNotTrusted) {
   const Record record = noisy_record();

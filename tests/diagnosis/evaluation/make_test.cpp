@@ -76,6 +76,22 @@ TEST_F(MakeTest, ACraneThatIncludesOthersStandsAloneInItsSet) {
   EXPECT_EQ(text_of(of_another.directory / "crane.yaml"), text_of(of_another.crane));
 }
 
+// The truth machines have booms that bend: a set of a crane whose boom does not would be one of other machines.
+TEST_F(MakeTest, RefusesACraneWhoseBoomDoesNotBend) {
+  const TemporaryFolder folder;
+  for (const auto& [file, said] : {std::pair("rigid_boom.yaml", "it has a rigid boom"), std::pair("no_boom.yaml", "it has no boom")}) {
+    MakeSettings of_another = settings(folder.path() / "set");
+    of_another.crane = std::string(SLEWLAB_SOURCE_DIR) + "/config/cranes/" + file;
+    try {
+      make_cases(of_another);
+      FAIL() << file;
+    } catch (const std::invalid_argument& problem) {
+      EXPECT_NE(std::string(problem.what()).find(said), std::string::npos) << problem.what();
+    }
+    EXPECT_FALSE(fs::exists(of_another.directory));
+  }
+}
+
 TEST_F(MakeTest, CaseFoldersSayNothingAboutTheAnswer) {
   for (const auto& entry : fs::directory_iterator(set_ / "case_0001")) {
     const std::string name = entry.path().filename().string();
