@@ -54,6 +54,11 @@ std::vector<Size> sizes_of(const common::EffectCatalogue& catalogue, const std::
   return sizes;
 }
 
+bool may_be_absent(const common::EffectAbout& about, const Size& size) {
+  const std::optional<double>& absent = about.parameters[common::kSize].absent;
+  return absent && std::isfinite(*absent) && size.low <= *absent && *absent <= size.high;
+}
+
 std::string name_of(const std::vector<std::string>& effects) {
   if (effects.empty()) return "only parameters are off";
   std::string name = effects[0];

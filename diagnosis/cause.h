@@ -54,6 +54,9 @@ std::string told_name(const Cause& cause);
 // Of all parameters of the effects, with their deviations by the curvature in the same order: 90 % intervals, as wide as laws differ. `catalogue` has the effects in the machine's units.
 std::vector<Size> sizes_of(const common::EffectCatalogue& catalogue, const std::vector<common::EffectInstance>& effects, const std::vector<double>& deviations);
 
+// Whether the interval of an effect's size reaches where the effect is absent: then it may as well not act.
+bool may_be_absent(const common::EffectAbout& about, const Size& size);
+
 // `catalogue` as for sizes_of().
 Cause make_cause(const common::EffectCatalogue& catalogue, const FitResult& result);
 

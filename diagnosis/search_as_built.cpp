@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "diagnosis/admit.h"
+#include "diagnosis/cause.h"
 #include "diagnosis/impacts_of_cause.h"
 #include "diagnosis/recurrence.h"
 #include "diagnosis/validate.h"
@@ -123,12 +124,21 @@ Searched search_as_shown(Problem& problem, int as_cut, FitResult& nominal_machin
   return searched;
 }
 
+// Whether each of its effects is known to act: one that has next to no size fits numbers, as the step that it asks for does.
+bool acts(const common::EffectCatalogue& catalogue, const FitResult& fit) {
+  const std::vector<Size> sizes = sizes_of(catalogue, fit.point.effects, fit.deviation);
+  std::size_t first = 0;
+  return std::all_of(fit.point.effects.begin(), fit.point.effects.end(), [&](const common::EffectInstance& effect) {
+    return !may_be_absent(catalogue.at(effect.name), sizes[std::exchange(first, first + effect.values.size()) + common::kSize]);
+  });
+}
+
 // Whether what mesh and step were taken to make wrong is far more than they do, and hides a gap: the nominal machine stays below it, and another one far below that. What numbers
 // and integration leave is less, but for what goes on behind impacts, and for what a beginning on a machine that has moved before leaves of boom and load that no number describes.
 bool is_floor_too_high(const Problem& problem, const FitResult& nominal_machine, const FitResult& best) {
   constexpr double kHidden = 0.01, kFarBelow = 0.1;
   const auto is_free = [](const Whitening& whitening) { return judged_share(whitening) >= kFreeOfImpacts; };
-  if (!all_begin_unmoved(problem)) return false;
+  if (!all_begin_unmoved(problem) || !acts(problem.catalogue, best)) return false;
   return std::all_of(problem.whitening.begin(), problem.whitening.end(), is_free) && nominal_machine.mean_square > kHidden && nominal_machine.mean_square <= 1.0 && best.mean_square < kFarBelow * nominal_machine.mean_square;
 }
 
@@ -185,11 +195,21 @@ Searched search_as_built(Problem& problem, WhiteningSettings& whitening, const s
   const FitResult& best = searched.best(problem.catalogue);
   if (!is_floor_too_high(problem, searched.nominal_machine, best)) return searched;
   const double shown = std::sqrt(std::max(kLeastShown, best.mean_square));
+  const WhiteningSettings judged_before = whitening;
+  const sim::MachineSettings built_before = problem.nominal;
   whitening.discrepancy_share *= shown;
   problem.nominal = admitted;
   whiten_again(problem, whitening);
-  remarks.push_back(fmt::format("a machine was found that the records follow to {:.2g} of what mesh and step are taken to make wrong: judged by what it leaves", shown));
-  return search_judged();
+  Searched below = search_judged();
+  if (acts(problem.catalogue, below.best(problem.catalogue))) {
+    remarks.push_back(fmt::format("a machine was found that the records follow to {:.2g} of what mesh and step are taken to make wrong: judged by what it leaves", shown));
+    return below;
+  }
+  whitening = judged_before;
+  problem.nominal = admitted;
+  whiten_again(problem, whitening);
+  problem.nominal = built_before;
+  return searched;
 }
 
 }  // namespace slewlab::diagnosis

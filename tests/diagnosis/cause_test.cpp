@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -41,6 +42,19 @@ TEST(Cause, SizesHaveNinetyPercentIntervals) {
   EXPECT_EQ(sizes[1].low, 0.0);
   EXPECT_NEAR(sizes[2].low * sizes[2].high, 1.0, 1e-12);
   EXPECT_NEAR(std::log(sizes[2].high), kNinety * sizes[2].deviation, 1e-12);
+}
+
+// A size whose interval reaches zero may be none; of a limit, which is absent where it is endless, no interval says so.
+TEST(Cause, ASizeMayBeNoneWhereItsIntervalReachesThere) {
+  common::EffectAbout about;
+  about.parameters.emplace_back();
+  about.parameters[0].absent = 0.0;
+  EXPECT_TRUE(may_be_absent(about, {"size", "N m", 0.1, 1.0, -1.5, 1.7}));
+  EXPECT_FALSE(may_be_absent(about, {"size", "N m", 2.0, 1.0, 0.4, 3.6}));
+  about.parameters[0].absent = std::numeric_limits<double>::infinity();
+  EXPECT_FALSE(may_be_absent(about, {"limit", "N m", 2.0, 1.0, 0.4, 3.6}));
+  about.parameters[0].absent.reset();
+  EXPECT_FALSE(may_be_absent(about, {"size", "N m", 0.1, 1.0, -1.5, 1.7}));
 }
 
 }  // namespace

@@ -81,5 +81,19 @@ TEST(SearchAsBuilt, TakesWhatEveryMachineDoesWhereTheRecordsShowIt) {
   EXPECT_EQ(taken(kept).size(), of_all.size());
 }
 
+// What mesh and step make wrong is not judged anew by an effect of next to no size, whose finer steps are all that follows an own log better.
+TEST(SearchAsBuilt, IsNotLedBelowTheFloorByAnEffectThatDoesNotAct) {
+  sim::MachineSettings truth;
+  truth.crane = sim::load_machine_file(SLEWLAB_SOURCE_DIR "/config/cranes/harbour_5t.yaml").parameters;
+  const controller::ControllerSettings controller = controller::load_controller_file(SLEWLAB_SOURCE_DIR "/config/controllers/harbour_5t.yaml").settings;
+  Admitted admitted({quiet_log(truth, controller, kThereAndBack, 30.0, kPeriod)}, truth.crane);
+  const std::array<std::string_view, 4> kept{"dead_time", "tag_line", "hoisting", "bearing_warming"};
+  const double share = admitted.whitening.discrepancy_share;
+  const Searched found = search_as_built(admitted.problem, admitted.whitening, all_but(admitted.problem.catalogue, kept), {}, admitted.remarks, [](double, const std::string&) {});
+  EXPECT_EQ(admitted.whitening.discrepancy_share, share);
+  EXPECT_LT(found.nominal_machine.mean_square, 1.0);
+  EXPECT_LT(found.found.nothing.mean_square, 1.0);
+}
+
 }  // namespace
 }  // namespace slewlab::diagnosis
