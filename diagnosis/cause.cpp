@@ -48,15 +48,14 @@ std::vector<Size> sizes_of(const common::EffectCatalogue& catalogue, const std::
         size.low = std::max(size.low, parameter.lower);
         size.high = std::min(size.high, parameter.upper);
       }
+      if (p == common::kSize && parameter.absent && std::isfinite(*parameter.absent)) {
+        const double away = std::fabs(to_coordinate(parameter, value) - to_coordinate(parameter, *parameter.absent)), told = std::fabs(value_per_deviation(parameter, value)) * away;
+        size.may_be_none = told <= kNinetyPercent * kCurvatureFactor * deviations[k];
+      }
       sizes.push_back(size);
     }
   }
   return sizes;
-}
-
-bool may_be_absent(const common::EffectAbout& about, const Size& size) {
-  const std::optional<double>& absent = about.parameters[common::kSize].absent;
-  return absent && std::isfinite(*absent) && size.low <= *absent && *absent <= size.high;
 }
 
 std::string name_of(const std::vector<std::string>& effects) {

@@ -19,6 +19,7 @@ struct Size {
   double value = 0.0;
   double deviation = 0.0;  // one standard deviation
   double low = 0.0, high = 0.0;  // 90 % interval
+  bool may_be_none = false;      // of an effect's size: the records tell it from where the effect is absent by less than half of such an interval, laws aside
 };
 
 // Another cause that the records cannot tell from one.
@@ -53,9 +54,6 @@ std::string told_name(const Cause& cause);
 
 // Of all parameters of the effects, with their deviations by the curvature in the same order: 90 % intervals, as wide as laws differ. `catalogue` has the effects in the machine's units.
 std::vector<Size> sizes_of(const common::EffectCatalogue& catalogue, const std::vector<common::EffectInstance>& effects, const std::vector<double>& deviations);
-
-// Whether the interval of an effect's size reaches where the effect is absent: then it may as well not act.
-bool may_be_absent(const common::EffectAbout& about, const Size& size);
 
 // `catalogue` as for sizes_of().
 Cause make_cause(const common::EffectCatalogue& catalogue, const FitResult& result);

@@ -65,12 +65,12 @@ void doubt_what_no_machine_has(const common::EffectCatalogue& catalogue, const N
         size->low = std::max(size->low, parameter.lower);
         size->high = std::min(size->high, parameter.upper);
       }
-      const bool may_not_act = size != cause.sizes.end() && may_be_absent(about, *size);
+      const bool may_not_act = size != cause.sizes.end() && size->may_be_none;
       if (!is_at_upper && !is_at_lower && !is_undetermined && !may_not_act) continue;
       if (&cause == &ranking.causes.front()) {
         std::string told = fmt::format("{}: the 90 % interval goes beyond what it can be; these records do not determine it", name);
         if (is_at_upper || is_at_lower) told = fmt::format("{} was fitted to the {} end of its range, {:.3g} {}", name, is_at_upper ? "upper" : "lower", value, common::name_of(parameter.unit));
-        else if (!is_undetermined) told = fmt::format("{}: the 90 % interval reaches {:.3g} {}, where the effect is absent", name, *parameter.absent, common::name_of(parameter.unit));
+        else if (!is_undetermined) told = fmt::format("{}: these records do not tell it from {:.3g} {}, where the effect is absent", name, *parameter.absent, common::name_of(parameter.unit));
         remarks.push_back(std::move(told));
       }
       hand_on(kDoubtful, [&](const std::string& one) { return one == effect.name; }, is_nothing_left, cause, ranking);

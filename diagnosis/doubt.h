@@ -26,7 +26,7 @@ void settle_on_nothing(Ranking& ranking);
 void doubt_the_unknown_below_the_noise(double unknown_law, Ranking& ranking);
 
 // An effect that was fitted to the end of its range is no sure answer: a larger one would fit better. Nor is one whose interval
-// goes beyond its range, or reaches where the effect is absent: the records do not say that it is there; nor one beside which a parameter is farther off than machines of one
+// goes beyond its range, or that the records do not tell from where the effect is absent: they do not say that it is there; nor one beside which a parameter is farther off than machines of one
 // make differ, or all together are: then something else may hide in them, beside nothing missing as well, unless the nominal machine leaves no more than noise (`is_nominal_enough`). What is taken from an
 // effect goes to nothing missing where parameters alone leave noise (`is_nothing_left`). Of the first of the causes it is told in `remarks`.
 void doubt_what_no_machine_has(const common::EffectCatalogue& catalogue, const Nuisances& nuisances, bool is_nominal_enough, bool is_nothing_left, Ranking& ranking,

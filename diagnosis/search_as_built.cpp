@@ -129,7 +129,7 @@ bool acts(const common::EffectCatalogue& catalogue, const FitResult& fit) {
   const std::vector<Size> sizes = sizes_of(catalogue, fit.point.effects, fit.deviation);
   std::size_t first = 0;
   return std::all_of(fit.point.effects.begin(), fit.point.effects.end(), [&](const common::EffectInstance& effect) {
-    return !may_be_absent(catalogue.at(effect.name), sizes[std::exchange(first, first + effect.values.size()) + common::kSize]);
+    return !sizes[std::exchange(first, first + effect.values.size()) + common::kSize].may_be_none;
   });
 }
 
@@ -195,6 +195,7 @@ Searched search_as_built(Problem& problem, WhiteningSettings& whitening, const s
   const FitResult& best = searched.best(problem.catalogue);
   if (!is_floor_too_high(problem, searched.nominal_machine, best)) return searched;
   const double shown = std::sqrt(std::max(kLeastShown, best.mean_square));
+  const int taken_out_before = taken_out;
   const WhiteningSettings judged_before = whitening;
   const sim::MachineSettings built_before = problem.nominal;
   whitening.discrepancy_share *= shown;
@@ -208,6 +209,7 @@ Searched search_as_built(Problem& problem, WhiteningSettings& whitening, const s
   whitening = judged_before;
   problem.nominal = admitted;
   whiten_again(problem, whitening);
+  if (taken_out != taken_out_before) return search_judged();
   problem.nominal = built_before;
   return searched;
 }

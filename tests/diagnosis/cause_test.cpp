@@ -44,17 +44,26 @@ TEST(Cause, SizesHaveNinetyPercentIntervals) {
   EXPECT_NEAR(std::log(sizes[2].high), kNinety * sizes[2].deviation, 1e-12);
 }
 
-// A size whose interval reaches zero may be none; of a limit, which is absent where it is endless, no interval says so.
-TEST(Cause, ASizeMayBeNoneWhereItsIntervalReachesThere) {
+// A size may be none by what the records say of it, whatever laws differ by: a factor of 1.04 that is known to a hundredth is not 1, though its interval, as wide as laws differ, holds it. Of a limit, which is absent where it is
+// endless, no interval says so.
+TEST(Cause, ASizeMayBeNoneWhereTheRecordsDoNotTellItFromThat) {
+  common::EffectParameter factor{.name = "factor", .unit = common::Unit::none, .per = common::ScaleOf::one, .meaning = "", .lower = 0.1, .upper = 10.0, .typical = 1.2, .prior_scale = 0.1,
+                                 .scale = common::ParameterScale::logarithmic, .absent = 1.0};
   common::EffectAbout about;
-  about.parameters.emplace_back();
-  about.parameters[0].absent = 0.0;
-  EXPECT_TRUE(may_be_absent(about, {"size", "N m", 0.1, 1.0, -1.5, 1.7}));
-  EXPECT_FALSE(may_be_absent(about, {"size", "N m", 2.0, 1.0, 0.4, 3.6}));
-  about.parameters[0].absent = std::numeric_limits<double>::infinity();
-  EXPECT_FALSE(may_be_absent(about, {"limit", "N m", 2.0, 1.0, 0.4, 3.6}));
-  about.parameters[0].absent.reset();
-  EXPECT_FALSE(may_be_absent(about, {"size", "N m", 0.1, 1.0, -1.5, 1.7}));
+  about.name = "law";
+  const auto size_of = [&](double value, double deviation) {
+    about.parameters = {factor};
+    common::EffectCatalogue catalogue;
+    catalogue.effects = {about};
+    return sizes_of(catalogue, {{"law", {value}}}, {deviation}).front();
+  };
+  const Size known = size_of(1.04, 0.01);
+  EXPECT_FALSE(known.may_be_none);
+  EXPECT_LT(known.low, 1.0);
+  EXPECT_TRUE(size_of(1.04, 0.02).may_be_none);
+  EXPECT_TRUE(size_of(0.96, 0.02).may_be_none);
+  factor.absent = std::numeric_limits<double>::infinity();
+  EXPECT_FALSE(size_of(1.04, 0.02).may_be_none);
 }
 
 }  // namespace
