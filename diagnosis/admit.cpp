@@ -328,10 +328,6 @@ Following checked_following(const Problem& problem, Record& record, const Whiten
   return following;
 }
 
-}  // namespace
-
-namespace {
-
 // Why nothing is judged behind a moment of a record that begins in motion; nothing where all is that lies away from impacts.
 std::string told_let_go(const Record& record, const Shadow& follower, const char* before, const char* after) {
   const auto let_go = std::find(follower.house_let_go.begin(), follower.house_let_go.end(), true);

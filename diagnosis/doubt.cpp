@@ -79,10 +79,7 @@ void doubt_what_no_machine_has(const common::EffectCatalogue& catalogue, const N
 }
 
 void doubt_draws_beside_a_law(const common::EffectCatalogue& catalogue, const EvidenceSettings& evidence, Ranking& ranking, std::vector<std::string>& remarks) {
-  const auto is_drawn = [&](const std::string& effect) {
-    const common::EffectAbout* const about = catalogue.find(effect);
-    return about != nullptr && is_stochastic(*about);
-  };
+  const auto is_drawn = [&](const std::string& effect) { return is_stochastic(catalogue, effect); };
   for (Cause& cause : ranking.causes) {
     std::vector<std::string> drawn, rest;
     std::partition_copy(cause.effects.begin(), cause.effects.end(), std::back_inserter(drawn), std::back_inserter(rest), is_drawn);

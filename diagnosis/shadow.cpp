@@ -432,11 +432,10 @@ Observer::Moment Observer::compare(const Measured& measured) {
     // Past the actuators: what is missing at a motor is not limited or delayed by its drive.
     machine_.outside.motor_torque[i] = missing * to_slew_axis_;
     // Gears without play touch always: they change flanks without a shock.
-    const bool touches = machine_.model.gear[i].half_play <= 0.0 || machine_.state.contact[i] != 0;
-    moment.contact_lost |= !touches;
-    moment.house_let_go &= !touches;
-    if (machine_.model.gear[i].half_play <= 0.0) continue;
-    moment.holding_torque = std::min(moment.holding_torque, std::fabs(machine_.state.gear_torque[i]) / to_slew_axis_);
+    const bool has_play = machine_.model.gear[i].half_play > 0.0, is_apart = has_play && machine_.state.contact[i] == 0;
+    moment.contact_lost |= is_apart;
+    moment.house_let_go &= is_apart;
+    if (has_play) moment.holding_torque = std::min(moment.holding_torque, std::fabs(machine_.state.gear_torque[i]) / to_slew_axis_);
   }
   oldest_ = oldest_ + 1 < past_error_.size() ? oldest_ + 1 : 0;
   for (std::size_t a = 0; a < kAccelerometerCount; ++a) moment.acceleration[a] = readings.*kAccelerometers<sim::PlantReadings>[a].value;

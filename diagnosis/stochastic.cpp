@@ -116,6 +116,11 @@ void smooth(const Whitening& whitening, std::span<const double> power, Eigen::Ve
 
 bool is_stochastic(const common::EffectAbout& effect) { return effect.stochastic.has_value(); }
 
+bool is_stochastic(const common::EffectCatalogue& catalogue, std::string_view effect) {
+  const common::EffectAbout* const about = catalogue.find(effect);
+  return about != nullptr && is_stochastic(*about);
+}
+
 bool is_stochastic_delay(const common::EffectAbout& effect) { return effect.stochastic && effect.acts_late; }
 
 bool is_steady_delay(const common::EffectAbout& effect) { return !effect.stochastic && effect.acts_late; }

@@ -17,6 +17,7 @@
 #include <Eigen/Core>
 #include <complex>
 #include <span>
+#include <string_view>
 #include <vector>
 
 #include "common/effect.h"
@@ -25,6 +26,8 @@
 namespace slewlab::diagnosis {
 
 bool is_stochastic(const common::EffectAbout& effect);
+// The same by its name; one that the catalogue has not, as a controller's, is none.
+bool is_stochastic(const common::EffectCatalogue& catalogue, std::string_view effect);
 
 // Whether the stochastic effect delays on the average; and whether another effect is what such a one does on the average: a delay, or a lag.
 bool is_stochastic_delay(const common::EffectAbout& effect);

@@ -81,11 +81,7 @@ std::optional<HeldOut> validate_lead(Problem& problem, const WhiteningSettings& 
     }
     const bool is_better_without_stochastic = validation.unknown_cost && !is_nothing_left;
     if (is_better_without_stochastic) {
-      const auto is_stochastic_effect = [&](const std::string& one) {
-        const common::EffectAbout* about = problem.catalogue.find(one);
-        return about != nullptr && is_stochastic(*about);
-      };
-      hand_on(1.0, is_stochastic_effect, false, lead, ranking);
+      hand_on(1.0, [&](const std::string& effect) { return is_stochastic(problem.catalogue, effect); }, false, lead, ranking);
     } else {
       take_away(1.0, is_nothing_left, lead, ranking);
     }
