@@ -10,7 +10,9 @@ import argparse
 import contextlib
 import importlib.util
 import shutil
+import subprocess
 import sys
+import tempfile
 from pathlib import Path
 
 from arguments import ArgumentParser, output_folder
@@ -18,6 +20,7 @@ from campaign_page import write_page
 from run_log import built_module
 
 INTERRUPTED = 130  # as a shell has it: 128 + SIGINT
+WAIT_FOR_JOBS = 30  # s between two looks at Slurm's queue
 
 
 class Unavailable(Exception):
@@ -57,10 +60,41 @@ def cluster(options):
     except ValueError as error:
         raise Unavailable(f"{str(error).splitlines()[0]} That stands under jobqueue: slurm: in ~/.config/dask/jobqueue.yaml") from error
     with jobs, Client(jobs) as client:
+        check_that_slurm_takes(jobs.job_script())
         jobs.scale(jobs=options.slurm)
         print(f"waiting for the first of {options.slurm} jobs of Slurm", file=sys.stderr)
-        client.wait_for_workers(1)
+        wait_for_first_job(client, jobs)
         yield client
+
+
+def check_that_slurm_takes(script):
+    """dask-jobqueue logs a job that Slurm refuses, and waits for it without end."""
+    with tempfile.NamedTemporaryFile("w", suffix=".sh") as file:
+        file.write(script)
+        file.flush()
+        asked = subprocess.run(["sbatch", "--test-only", file.name], stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False)
+    if asked.returncode != 0:
+        raise Unavailable(f"Slurm takes no such job: {'; '.join(asked.stderr.split(chr(10))).strip('; ')}. "
+                          "What a job asks for stands under jobqueue: slurm: in ~/.config/dask/jobqueue.yaml")
+
+
+def wait_for_first_job(client, jobs):
+    """Until a job is a worker; a queue may be long, so only an end of all jobs ends the wait."""
+    from distributed import TimeoutError as NoWorker
+
+    while True:
+        try:
+            client.wait_for_workers(1, timeout=WAIT_FOR_JOBS)
+            return
+        except NoWorker:
+            submitted = [job.job_id for job in jobs.workers.values() if getattr(job, "job_id", None)]
+            queue = subprocess.run(["squeue", "--noheader", "--jobs", ",".join(submitted), "--format", "job %i: %T %r"],
+                                   stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False)
+            states = [line for line in queue.stdout.splitlines() if line.strip()]
+            if not submitted or not states:
+                raise Unavailable(f"every job of Slurm ended ({', '.join(submitted) or 'none was taken'}) and none came to work; what it printed is in its "
+                                  "log-directory. Workers need the package: export PYTHONPATH in job-script-prologue, docs/campaign.md") from None
+            print("no job works yet; " + "; ".join(states), file=sys.stderr)
 
 
 def at_least(lowest, text):

@@ -253,6 +253,28 @@ class CampaignTest(unittest.TestCase):
         self.assertEqual((ended.returncode, ended.stderr), (1, "slewlab campaign: there is no sbatch here: --slurm is for a machine "
                                                                "from which Slurm takes jobs\n"))
 
+    def test_a_job_that_slurm_does_not_take_or_that_never_works_is_told(self):
+        # Stand-ins for Slurm's two commands; tools/check-slurm runs the real ones.
+        for sbatch, squeue, told in (
+            ("echo 'sbatch: error: Memory specification can not be satisfied' >&2; exit 1", "exit 1",
+             "slewlab campaign: Slurm takes no such job: sbatch: error: Memory specification can not be satisfied. What a job asks for stands under "
+             "jobqueue: slurm: in ~/.config/dask/jobqueue.yaml\n"),
+            ("echo Submitted batch job 7", "exit 0",
+             "waiting for the first of 1 jobs of Slurm\nslewlab campaign: every job of Slurm ended (7) and none came to work; what it printed is in its "
+             "log-directory. Workers need the package: export PYTHONPATH in job-script-prologue, docs/campaign.md\n"),
+        ):
+            for name, text in (("sbatch", sbatch), ("squeue", squeue), ("scancel", "exit 0")):
+                (self.folder / name).write_text(f"#!/bin/sh\n{text}\n")
+                (self.folder / name).chmod(0o755)
+            (self.folder / "jobqueue.yaml").write_text("jobqueue: {slurm: {cores: 1, memory: 1GB, interface: lo}}\n")
+            with (unittest.mock.patch.dict(os.environ, {"PATH": f"{self.folder}:{os.environ['PATH']}", "DASK_CONFIG": str(self.folder)}),
+                  self.subTest(sbatch=sbatch)):
+                ended = subprocess.run([sys.executable, "-c", "import sys, campaign_command as c; c.WAIT_FOR_JOBS = 0.2; sys.exit(c.main(sys.argv[1:]))",
+                                        write_study(self.folder), "--out", self.folder / "out", "--slurm", "1"],
+                                       stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=100, check=False)
+                self.assertEqual((ended.returncode, ended.stderr), (1, told))
+                self.assertFalse((self.folder / "out").exists())
+
     def test_a_run_that_is_refused_is_a_row(self):
         study = write_study(self.folder, change=lambda text: text.replace(
             "values: {value: [30, 60], unit: deg", "values: {value: [30, 600], unit: deg").replace("runs: {value: 8", "runs: {value: 6"))
