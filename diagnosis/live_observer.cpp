@@ -50,7 +50,10 @@ void LiveObserver::take(const std::string& channel, msgs::Bytes bytes) {
   if (channel == msgs::kEncoderChannel) keep(bytes, run_.encoder);
   if (channel == msgs::kTorqueChannel) keep(bytes, run_.torque);
   if (channel == msgs::kSensorsChannel) keep(bytes, run_.sensors);
-  if (channel == msgs::kPlantStatusChannel) keep(bytes, run_.plant_status);
+  if (channel == msgs::kPlantStatusChannel) {
+    keep(bytes, run_.plant_status);
+    if (!run_.plant_status.empty()) status_ = run_.plant_status.back();
+  }
 }
 
 void LiveObserver::forget_until(std::int64_t time) {
@@ -69,7 +72,8 @@ void LiveObserver::begin() {
   if (run_.encoder.front().sequence > 0) record_.begins_on_flanks = true;
   observer_.emplace(follower_of(nominal_, grid_of(record_)), record_, shadow_gains(scales_, not_faster_than(thresholds_.shadow, record_.encoder_period)));
   drive_.emplace(record_, nominal_.drive_protection);
-  told_ = nanoseconds(record_.start_time) - 1;
+  began_ = nanoseconds(record_.start_time);
+  told_ = began_ - 1;
 }
 
 void LiveObserver::advance(std::size_t point, LiveGap& gap) {
@@ -88,9 +92,44 @@ void LiveObserver::advance(std::size_t point, LiveGap& gap) {
   }
 }
 
-std::optional<LiveGap> LiveObserver::look() {
-  if (run_.encoder.empty() || run_.torque.empty() || run_.encoder.back().simulated_time < next_look_) return std::nullopt;
+LiveGap LiveObserver::begin_again(std::string why) {
   const std::int64_t newest = run_.encoder.back().simulated_time;
+  observer_.reset();
+  drive_.reset();
+  forget_until(newest);
+  forget_before(run_.torque, newest);  // a command from before holds no more
+  LiveGap gap;
+  gap.begins_again = std::move(why);
+  return gap;
+}
+
+// One that came and went between two PLANT_STATUS included.
+bool LiveObserver::is_tripped() const {
+  return status_ && (says_tripped(*status_) || (observer_ && status_->trip_time > began_));
+}
+
+std::optional<LiveGap> LiveObserver::wait_behind_trip() {
+  const Drive before = drive_does_;
+  if (is_tripped()) {
+    drive_does_ = Drive::is_tripped;
+    LiveGap stopped = begin_again("the drive is tripped, and nothing is compared until it runs again");
+    if (before == Drive::is_tripped) return std::nullopt;
+    return stopped;
+  }
+  if (before == Drive::is_tripped) {
+    drive_does_ = Drive::presses_teeth;
+    next_look_ = run_.encoder.back().simulated_time + nanoseconds(kFirstStretch * thresholds_.time);
+    return std::nullopt;
+  }
+  drive_does_ = Drive::runs;
+  return begin_again("the drive runs again");
+}
+
+std::optional<LiveGap> LiveObserver::look() {
+  if (run_.encoder.empty() || run_.encoder.back().simulated_time < next_look_) return std::nullopt;
+  const std::int64_t newest = run_.encoder.back().simulated_time;
+  if (is_tripped() || drive_does_ != Drive::runs) return wait_behind_trip();
+  if (run_.torque.empty()) return std::nullopt;
   if (!observer_ && newest - run_.encoder.front().simulated_time < nanoseconds(kFirstStretch * thresholds_.time)) return std::nullopt;
   next_look_ = newest + nanoseconds(kBetweenLooks * thresholds_.time);
   LiveGap gap;
@@ -102,16 +141,12 @@ std::optional<LiveGap> LiveObserver::look() {
     record_ = std::move(stretch);
     if (drive_) drive_->go_on_in(record_);
   } catch (const NotAdmitted& reason) {
-    gap.begins_again = reason.what();
-    observer_.reset();
-    drive_.reset();
-    forget_until(newest);
-    forget_before(run_.torque, newest);  // a command from before the gap holds no more
-    return gap;
+    return begin_again(reason.what());
   }
   if (!observer_) begin();
   std::int64_t known = std::min(newest, run_.torque.back().simulated_time);  // sensors and commands come when they come
   if (!run_.sensors.empty()) known = std::min(known, run_.sensors.back().simulated_time);
+  if (status_) known = std::min(known, status_->simulated_time);  // a trip is told with the next one
   for (std::size_t n = 0; n < record_.size(); ++n) {
     const std::int64_t time = nanoseconds(record_.time(n));
     if (time <= told_) continue;

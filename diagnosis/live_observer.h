@@ -1,6 +1,8 @@
 // The observer (shadow.h) beside a machine that runs: it takes the messages as they come and says from time to time what the motors
 // and the accelerometers have beyond the nominal machine. It goes on from where it was, so that a look costs what is new, and keeps
-// no more of the past than the rate of a position needs. Behind a gap in the messages it begins again, in motion.
+// no more of the past than the rate of a position needs. Behind a gap in the messages it begins again, in motion. Where PLANT_STATUS
+// says that the drive is tripped it stops, for no message tells where the teeth stand when the brakes let go, and begins again once the
+// drive has run for a while; nothing is told that is newer than the newest PLANT_STATUS, if there is any.
 #pragma once
 
 #include <array>
@@ -45,6 +47,9 @@ class LiveObserver {
  private:
   template <class Message>
   void keep(msgs::Bytes bytes, std::vector<Message>& into);
+  LiveGap begin_again(std::string why);
+  bool is_tripped() const;
+  std::optional<LiveGap> wait_behind_trip();
   void begin();
   void advance(std::size_t point, LiveGap& gap);
   void forget_until(std::int64_t time);
@@ -54,10 +59,14 @@ class LiveObserver {
   Thresholds thresholds_;
   msgs::RunLog run_;  // the newest stretch
   bool has_run_ = false;
+  std::optional<msgs::PlantStatus> status_;  // the newest
+  // Behind a trip the drive runs for a while before anything is compared: until then the torques have pressed the teeth.
+  enum class Drive { runs, is_tripped, presses_teeth } drive_does_ = Drive::runs;
   std::int64_t next_look_ = 0;  // [ns]
   Record record_;               // of that stretch
   std::optional<RecordedDrive> drive_;
   std::optional<Observer> observer_;
+  std::int64_t began_ = 0;      // [ns]
   std::int64_t told_ = 0;       // [ns] of the newest point that was told
 };
 

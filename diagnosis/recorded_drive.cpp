@@ -11,14 +11,14 @@ namespace {
 constexpr double kNanosecondsPerSecond = 1e9;
 constexpr double kStanding = 0.05;  // [-] of the record's largest speed; chosen: what a swinging load makes of a crane at rest
 
+}  // namespace
+
 bool says_tripped(const msgs::PlantStatus& status) {
   const auto state = static_cast<sim::DriveState>(status.drive_state);
   const bool braked_by_trip =
       state == sim::DriveState::braked && status.trip_cause != static_cast<std::int8_t>(sim::DriveFault::none);
   return state == sim::DriveState::tripped || braked_by_trip;
 }
-
-}  // namespace
 
 RecordedDrive::RecordedDrive(const Record& record, const sim::DriveProtectionSettings& protection)
     : record_(&record),

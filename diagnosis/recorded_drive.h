@@ -48,6 +48,9 @@ class RecordedDrive {
   std::int64_t last_command_ = 0;    // [ns]
 };
 
+// Whether a trip holds the drive: tripped, or braked by a trip and not acknowledged since.
+bool says_tripped(const msgs::PlantStatus& status);
+
 struct DriveSeries {
   std::array<std::vector<double>, sim::kMaximumGroupCount> motor_torque, brake_torque;  // [Nm per motor] of the groups there are
   std::vector<bool> enable;

@@ -36,6 +36,7 @@ std::vector<Wire> wire_of(const msgs::RunLog& log) {
   add(msgs::kEncoderChannel, 0, log.encoder);
   add(msgs::kTorqueChannel, 1, log.torque);
   add(msgs::kSensorsChannel, 2, log.sensors);
+  add(msgs::kPlantStatusChannel, 3, log.plant_status);
   std::stable_sort(all.begin(), all.end(), [](const Wire& a, const Wire& b) { return std::pair(a.time, a.order) < std::pair(b.time, b.order); });
   return all;
 }
@@ -113,6 +114,32 @@ TEST(LiveObserver, BeginsAgainBehindAGapAndSaysWhy) {
   EXPECT_NE(told.begun_again[0].find("gap of 0.501 s in ENCODER"), std::string::npos) << told.begun_again[0];
   EXPECT_GT(told.gap.time.back(), kDuration - 0.5);
   for (std::size_t n = 1; n < told.gap.time.size(); ++n) ASSERT_GT(told.gap.time[n], told.gap.time[n - 1]);
+}
+
+// A drive that trips at rest, is acknowledged and runs again. Behind the brakes the teeth stand anywhere, until torques press them.
+TEST(LiveObserver, FindsNoGapInAMachineWhoseDriveTripsAndRunsAgain) {
+  constexpr double kTrip = 10.0, kRunsAgain = 12.0;                   // [s]
+  msgs::RunLog log = simulated_log(nominal(), bench().controller, kThereAndBack, kDuration, 3);
+  // As PLANT_STATUS tells it each second; what stands before it is said with the next one alone.
+  for (std::int64_t second = 0; second < static_cast<std::int64_t>(kDuration); ++second) {
+    msgs::PlantStatus status{};
+    status.run_identity = log.run_identity;
+    status.simulated_time = second * 1'000'000'000;
+    const auto at = static_cast<double>(second);
+    const bool is_tripped = at > kTrip && at < kRunsAgain;
+    status.drive_state = static_cast<std::int8_t>(is_tripped ? sim::DriveState::braked : sim::DriveState::running);
+    status.trip_cause = static_cast<std::int8_t>(is_tripped ? sim::DriveFault::silence : sim::DriveFault::none);
+    status.trip_time = at > kTrip ? static_cast<std::int64_t>(kTrip * 1e9) + 500'000'000 : -1;
+    log.plant_status.push_back(status);
+  }
+  const Told told = live(wire_of(log));
+  EXPECT_EQ(told.begun_again, (std::vector<std::string>{"the drive is tripped, and nothing is compared until it runs again", "the drive runs again"}));
+  const auto is_told = [&](double from, double to) {
+    return std::any_of(told.gap.time.begin(), told.gap.time.end(), [&](double time) { return time > from && time < to; });
+  };
+  EXPECT_TRUE(is_told(kTrip - 1.0, kTrip));
+  EXPECT_FALSE(is_told(kTrip + 0.5, kRunsAgain));
+  EXPECT_TRUE(is_told(kRunsAgain + 2.5, kDuration));
 }
 
 }  // namespace

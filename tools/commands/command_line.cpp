@@ -87,12 +87,14 @@ void add_run_options(CLI::App& command, const std::vector<std::string>& command_
   auto options = std::make_shared<Options>();
   command.add_option("SCENARIO", options->run.scenario, "scenario file")->required();
   CLI::Option* own = command.add_option("--controller", options->run.controller_command,
-                                         "shell command of your own controller; it finds its bus in $SLEWLAB_BUS (docs/wire.md)");
+                                         "shell command of your own controller; it finds its bus in $SLEWLAB_BUS (docs/wire.md)")
+                         ->check(shell_command());
   command.add_option("--controller-fmu", options->run.controller_fmu, "controller that is an FMU 2 or 3 for co-simulation (docs/fmu.md)")
       ->check(readable_file())
       ->excludes(own);
   command.add_option("--plant", options->run.plant_command,
-                      "shell command of your own plant; it finds its task in $SLEWLAB_PLANT_TASK (docs/wire.md)");
+                     "shell command of your own plant; it finds its task in $SLEWLAB_PLANT_TASK (docs/wire.md)")
+      ->check(shell_command());
   command.add_option("--out", options->run.out, "folder for log and summary (runs/<scenario>)");
   add_settings(command, options->overrides, "key=value: scenario keys as they are, crane.KEY and controller.KEY for those files");
   const std::vector<std::pair<std::string, int>> modes{{"auto", static_cast<int>(Progress::automatic)},

@@ -87,7 +87,8 @@ void add_replay(CLI::App& app, const std::vector<std::string>& command_line, Act
   command->add_option("--crane,--axis", options->replay.crane, "in place of the scenario's machine");
   command->add_option("--controller-config", options->replay.controller_config, "in place of the scenario's");
   CLI::Option* own = command->add_option("--controller", options->replay.controller_command,
-                                         "shell command of your own controller: what it would have answered to the recorded motion");
+                                         "shell command of your own controller: what it would have answered to the recorded motion")
+                         ->check(shell_command());
   command->add_option("--controller-fmu", options->replay.controller_fmu, "the same of a controller that is an FMU (docs/fmu.md)")
       ->check(readable_file())
       ->excludes(own);
@@ -151,11 +152,11 @@ void add_accept(CLI::App& app, const std::vector<std::string>& command_line, Act
   CLI::Option* record = command->add_option("--record", *plan, "test plan: make every run of it, and the record that traces requirements to them")
                             ->check(readable_file())
                             ->excludes(subject);
-  CLI::Option* own = command->add_option("--controller", options->accept.controller_command, "shell command of your own controller");
+  CLI::Option* own = command->add_option("--controller", options->accept.controller_command, "shell command of your own controller")->check(shell_command());
   command->add_option("--controller-fmu", options->accept.controller_fmu, "controller that is an FMU (docs/fmu.md)")
       ->check(readable_file())
       ->excludes(own);
-  command->add_option("--plant", options->accept.plant_command, "shell command of your own plant");
+  command->add_option("--plant", options->accept.plant_command, "shell command of your own plant")->check(shell_command());
   command->add_option("--limits", options->accept.limits, "limits (config/acceptance/thesis.yaml)")->excludes(record);
   command->add_flag_callback("--no-plot", [options] { options->accept.plot = false; }, "no acceptance.html");
   command->add_option("--junit", options->accept.junit, "JUnit XML to write, for CI");
@@ -295,7 +296,8 @@ void add_bridge(CLI::App& app, Action& action) {
   command->callback([command, &action] {
     action = [command] {
       const std::vector<std::string> words = command->remaining();
-      const bool is_plc = !words.empty() && (words[0] == "modbus" || words[0] == "opcua" || words[0] == "ads");
+      const bool is_plc = !words.empty() && (words[0] == "modbus" || words[0] == "opcua" || words[0] == "ads" ||
+                                               std::find(words.begin(), words.end(), "--map") != words.end());
       return run_python(is_plc ? "plc_bridge.py" : "bridge.py", words);
     };
   });

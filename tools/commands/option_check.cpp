@@ -87,4 +87,12 @@ CLI::Validator readable_path() {
   return existing("PATH(existing)", [](const fs::path& path) { return fs::exists(path); }, "the name of a file or a folder that is there");
 }
 
+CLI::Validator shell_command() {
+  return CLI::Validator(
+      [](const std::string& text) {
+        return text.find_first_not_of(" \t\n") != std::string::npos ? std::string() : refusal(text, "a command of the shell");
+      },
+      "CMD");
+}
+
 }  // namespace slewlab::tools

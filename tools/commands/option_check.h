@@ -19,5 +19,7 @@ CLI::Validator number_of(std::vector<std::pair<std::string, int>> words);
 CLI::Validator readable_file();
 CLI::Validator readable_folder();
 CLI::Validator readable_path();  // a file or a folder
+// Not empty: an unset variable of a shell would else be no command at all, and ours would run in its place.
+CLI::Validator shell_command();
 
 }  // namespace slewlab::tools

@@ -33,6 +33,13 @@ def bus(text):
     return text
 
 
+def shell_command(text):
+    """Not empty: an unset variable of a shell would else be no command at all, and ours would run in its place."""
+    if not text.strip():
+        raise argparse.ArgumentTypeError(f"found '{text}', expected a command of the shell")
+    return text
+
+
 def file_in_the_way(path):
     """The file that stands where a folder on the way to `path` would have to."""
     nearest = next(parent for parent in Path(path).absolute().parents if parent.exists())

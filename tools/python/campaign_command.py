@@ -15,7 +15,7 @@ import sys
 import tempfile
 from pathlib import Path
 
-from arguments import ArgumentParser, output_folder
+from arguments import ArgumentParser, output_folder, shell_command
 from campaign_page import write_page
 from run_log import built_module
 
@@ -122,7 +122,7 @@ def parse(arguments):
     parser = ArgumentParser(prog="slewlab campaign", description="Run a study and judge every run (docs/campaign.md).")
     parser.add_argument("study", metavar="STUDY.yaml", help="what is run: kind: campaign")
     parser.add_argument("--out", metavar="DIR", type=output_folder, help="folder for journal, table and page (runs/campaign_<study>)")
-    parser.add_argument("--controller", metavar="CMD", help="shell command of your own controller, as of slewlab run; runs over LCM")
+    parser.add_argument("--controller", metavar="CMD", type=shell_command, help="shell command of your own controller, as of slewlab run; runs over LCM")
     where = parser.add_mutually_exclusive_group()
     where.add_argument("--workers", metavar="N", type=count_or_none, help="processes of this machine (as many as it has processors); 0: in the command's own")
     where.add_argument("--dask", metavar="ADDRESS", help="on a cluster: address of Dask's scheduler, tcp://HOST:PORT")

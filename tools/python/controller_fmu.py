@@ -400,6 +400,7 @@ def main():
                         "away where this process is killed")
     parser.add_argument("--check", action="store_true", help="say whether it can be the controller, and end")
     arguments = parser.parse_args()
+    os.dup2(sys.stderr.fileno(), sys.stdout.fileno())  # FMPy prints there what an FMU logs, the sentence that says why it refused among it
     period = arguments.period_ms * MILLISECOND
     try:
         import fmpy

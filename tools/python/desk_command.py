@@ -12,7 +12,7 @@ import signal
 import sys
 from pathlib import Path
 
-from arguments import ArgumentParser, bus, output_folder, port
+from arguments import ArgumentParser, bus, output_folder, port, shell_command
 from run_log import LogProblem
 from desk.access import PATIENCE, Access, Joystick
 from desk.diagnosis import Diagnosis
@@ -59,7 +59,7 @@ def parsed(arguments):
     parser.add_argument("--duration", type=float, help=f"[s] of simulated time that a steered run may take ({LONGEST:g})")
     parser.add_argument("--let-go-after", type=float, metavar="S",
                         help=f"[s] of silence after which a page's hand is off the lever ({PATIENCE:g})")
-    parser.add_argument("--controller", help="shell command of your own controller, as of slewlab run")
+    parser.add_argument("--controller", type=shell_command, help="shell command of your own controller, as of slewlab run")
     parser.add_argument("--realtime", action="store_true", help="against the wall clock instead of in lockstep")
     parser.add_argument("--set", action="append", default=[], metavar="KEY=VALUE", help="over the scenario's files, as of slewlab run")
     options = parser.parse_args(arguments)

@@ -3,6 +3,8 @@ not fitted, which is no fault."""
 
 import numpy as np
 
+UNBOUNDED = {("PLANT_STATUS", "bin_edge")}  # the last bin of a histogram has no upper edge
+
 
 def places(log):
     """[(channel, field, how many messages hold such a number, of how many, time [s] of the first)], in the order of the log's fields."""
@@ -10,7 +12,7 @@ def places(log):
     for stretch in log.stretches():
         for channel, messages in stretch.items():
             for field in messages.dtype.names:
-                if messages.dtype[field].base.kind == "f":
+                if messages.dtype[field].base.kind == "f" and (channel, field) not in UNBOUNDED:
                     found = columns.setdefault((channel, field), _Columns())
                     found.add(messages["simulated_time"], messages[field].reshape(len(messages), -1))
     result = []

@@ -40,5 +40,10 @@ TEST(OptionCheck, FilesAndFoldersHaveToBeThere) {
   EXPECT_EQ(said(readable_path(), "nowhere"), "found 'nowhere', expected the name of a file or a folder that is there");
 }
 
+TEST(OptionCheck, ACommandIsNotEmpty) {
+  EXPECT_EQ(said(shell_command(), "exec ./controller --fast"), "");
+  for (const char* text : {"", "  "}) EXPECT_EQ(said(shell_command(), text), "found '" + std::string(text) + "', expected a command of the shell");
+}
+
 }  // namespace
 }  // namespace slewlab::tools

@@ -2,7 +2,7 @@ import contextlib
 import io
 import unittest
 
-from arguments import ArgumentParser, bus, port
+from arguments import ArgumentParser, bus, port, shell_command
 
 
 class ArgumentsTest(unittest.TestCase):
@@ -31,6 +31,12 @@ class ArgumentsTest(unittest.TestCase):
         for typo in ("mcp", "mpac"):
             self.assertEqual(self.refused("run", "--format", typo),
                              f"slewlab export: error: argument --format: found '{typo}', expected 'mcap' (or one of parquet, csv, mcap)")
+
+    def test_a_command_is_not_empty(self):
+        self.parser.add_argument("--controller", type=shell_command)
+        self.assertEqual(self.parser.parse_args(["run", "--format", "csv", "--controller", "exec ./own"]).controller, "exec ./own")
+        self.assertEqual(self.refused("run", "--format", "csv", "--controller", ""),
+                         "slewlab export: error: argument --controller: found '', expected a command of the shell")
 
     def test_a_port_is_a_number_that_a_computer_has(self):
         self.parser.add_argument("--port", type=port)

@@ -132,6 +132,19 @@ class FmuControllerTest(unittest.TestCase):
         self.assertIn('--set controller_period="10 ms"', ended.stderr)
         self.assertFalse((self.folder / "never").exists())
 
+    def test_what_an_fmu_says_of_its_refusal_is_told(self):
+        # Ours refuses a communication step that is not its own; without a step in its description nobody knows before.
+        for version in ("2", "3"):
+            with self.subTest(version=version), zipfile.ZipFile(self.fmus[version]) as archive:
+                description = archive.read("modelDescription.xml").decode()
+                experiment = description[description.index("<DefaultExperiment"):]
+                experiment = experiment[:experiment.index("/>") + 2]
+                silent = changed(self.fmus[version], self.folder / f"silent_{version}.fmu", (experiment, ""))
+                ended = run(self.folder / f"refused_{version}", "--controller-fmu", silent, "--set", "controller_period=20 ms")
+                self.assertEqual(ended.returncode, 1, ended.stdout)
+                self.assertIn("a communication step of 0.020000 s; this controller is asked every 0.010000 s", ended.stderr)
+                self.assertIn("its step at 0 s failed", ended.stderr)
+
     def test_step_unit_and_variables_are_judged_in_words(self):
         self.assertIn("the run asks every 20 ms", self.refusal(self.fmus["3"], period="20"))
         self.assertIn("the machine has 1 motor group", self.refusal(self.fmus["2"], groups="1"))

@@ -28,6 +28,17 @@ class NotFiniteTest(unittest.TestCase):
 
         self.assertEqual(sorted(self.found(change)), [("ENCODER", "shaft_speed", 5, 2000, 3.0), ("SENSORS", "house_acceleration", 1, 4001, 7.0)])
 
+    def test_the_last_bin_of_a_histogram_has_no_upper_edge(self):
+        events = made_run.messages()
+        status = made_run.types.plant_status_t()
+        status.simulated_time, status.configuration_hash, status.run_identity = 1_000_000_000, made_run.HASH, made_run.RUN
+        status.bin_count, status.bin_edge, status.wakeup_latency, status.step_time = 2, [1e-6, float("inf")], [3, 0], [3, 0]
+        with tempfile.TemporaryDirectory() as folder:
+            made_run.write_log(Path(folder) / "run.lcmlog", [*events, ("PLANT_STATUS", status.simulated_time, status)])
+            log = RunLog(Path(folder) / "run.lcmlog")
+            self.assertTrue(log.has("PLANT_STATUS"))
+            self.assertEqual(places(log), [])
+
     def test_what_is_never_there_is_not_fitted(self):
         def change(channel, _, message):
             if channel == "SENSORS":
