@@ -22,6 +22,7 @@ from desk.source import Bus, Difference, Growing, NoBus, Recorded, growing_log
 from desk.steered_run import SteeredRun
 
 DEFAULT_PORT = 0  # any that is free
+OF_THE_MACHINE = ("machine", "geometry", "half_play", "modes", "rated_torque", "top_speed", "total_ratio", "tip_radius")  # of run.json
 LONGEST = 3600.0  # [s] of simulated time that a steered run may take, where nothing else is said
 
 
@@ -51,6 +52,7 @@ def parsed(arguments):
     parser.add_argument("--bus", metavar="URL", type=bus, help="LCM address of a bus to listen to, e.g. udpm://239.255.76.67:7667?ttl=0")
     parser.add_argument("--run", type=Path, metavar="FOLDER", help="with --bus: a run's folder, whose run.json tells ratios, ratings and geometry")
     parser.add_argument("--follow", action="store_true", help="LOG, or the run.lcmlog of a folder, is still being written")
+    parser.add_argument("--same-machine", action="store_true", help="two logs are of one machine: what one does not tell of it (ratio, ratings, geometry), the other does")
     parser.add_argument("--nominal", metavar="MACHINE", help="nominal machine's file: the gap to it is watched while the run goes on")
     parser.add_argument("--nominal-controller", metavar="FILE", help="with --nominal: the controller's file, for a diagnosis")
     parser.add_argument("--host", default="127.0.0.1", help="address to serve on (127.0.0.1); elsewhere than on loopback everybody needs a token")
@@ -92,6 +94,8 @@ def refuse_what_does_not_matter(parser, options):
     for name, value, of in (("--run", options.run, "--bus"), ("--nominal-controller", options.nominal_controller, "--nominal")):
         if value is not None and not getattr(options, of[2:]):
             parser.error(f"{name} belongs to {of}")
+    if options.same_machine and (len(options.subject) != 2 or options.is_scenario):
+        parser.error("--same-machine belongs to two logs")
     if options.follow and options.is_scenario:
         parser.error("--follow belongs to a log: a scenario that the desk runs is followed anyway")
 
@@ -147,6 +151,8 @@ async def open_desk(options):
         sources = [Growing(growing_log(options.subject[0]))]
     else:
         sources = [Recorded(subject) for subject in options.subject]
+    if options.same_machine:
+        share_facts(*sources)
     if len(sources) == 2:
         sources.append(Difference(*sources))
     for source in sources:
@@ -159,6 +165,12 @@ async def open_desk(options):
     finally:
         await end_watching(desk)
     return 0
+
+
+def share_facts(first, second):
+    """What of the machine stands in run.json beside one log alone holds for the other."""
+    for one, other in ((first, second), (second, first)):
+        one.facts = {name: value for name, value in other.facts.items() if name in OF_THE_MACHINE} | one.facts
 
 
 async def end_watching(desk):

@@ -126,7 +126,30 @@ class DeskTest(unittest.TestCase):
             page.until(values.replace(".find(", ".findLast(") + ".join() === '-215,55'")
             page.value("document.getElementById('compare').value = 'difference', "
                        "document.getElementById('compare').dispatchEvent(new Event('change'))")
-            self.assertIn("No difference: a in % of T100, b in N m per motor.", page.value("document.body.innerText"))
+            self.assertIn("No difference: a in % of T100, b in N m per motor. A log does not tell its machine", page.value("document.body.innerText"))
+        with DeskProcess(first, second, "--same-machine") as desk:
+            page = self.open(desk.address)
+            page.value("desk.seek(15), document.getElementById('compare').value = 'difference', "
+                       "document.getElementById('compare').dispatchEvent(new Event('change'))")
+            page.until(f"JSON.stringify({values}) === '[-10,-10]'")
+
+    def test_a_log_that_has_ended_says_so_and_shows_no_values_beyond_its_end(self):
+        short = [event for event in made_run.messages() if event[1] < 12_000_000_000]
+        first, second = made_run.write_run(self.folder / "short", events=short), made_run.write_run(self.folder / "long")
+        with DeskProcess(first, second) as desk:
+            page = self.open(desk.address)
+            values = ("[...[...document.querySelectorAll('.chart')].find(c => c.textContent.startsWith('motor torque'))"
+                      ".querySelectorAll('b')].map(b => b.textContent).join()")
+            page.value("desk.seek(11)")
+            page.until(f"{values} === '-96.00,12.00,-96.00,12.00'")
+            page.value("desk.seek(15)")
+            page.until(f"{values} === '–,–,-96.00,12.00'")
+            page.until("document.getElementById('facts').innerText.includes('this log ended at\\n12.0 s')")
+            # A chart that grows with its window has a column for every pixel at once.
+            page.value("document.getElementById('charts').style.maxWidth = '300px', dispatchEvent(new Event('resize'))")
+            page.until("desk.charts[0].plot.data[0].length === 2 * desk.charts[0].plot.over.clientWidth")
+            page.value("document.getElementById('charts').style.maxWidth = '', dispatchEvent(new Event('resize'))")
+            page.until("desk.charts[0].plot.over.clientWidth > 300 && desk.charts[0].plot.data[0].length === 2 * desk.charts[0].plot.over.clientWidth")
 
     def test_a_log_that_grows_is_followed_and_a_bus_is_heard(self):
         scenario = REPOSITORY / "config" / "scenarios" / "thesis_slew.yaml"
@@ -436,6 +459,8 @@ class DeskTest(unittest.TestCase):
             for address in (bare, bare + "#wrong"):
                 page = self.open(address)
                 self.assertTrue(page.value("document.getElementById('take').disabled && document.getElementById('stop').disabled"))
+                page.until("document.getElementById('notice').innerText.includes('only watches')")
+                page.value("desk.notice('')")
                 page.value("desk.send({type: 'take'}), desk.send({type: 'stop', pressed: true}), desk.send({type: 'joystick', request: 1})")
                 page.until("document.getElementById('notice').innerText.includes('only watches')")
             for origin in ("http://evil.example", "null", "http://127.0.0.1:1", "https" + bare[4:-1]):

@@ -217,7 +217,9 @@ class Page:
             found = charts.envelopes(source.store, signals[:MOST_SIGNALS], first, last, pixels)
             names = [signal for signal in signals if signal in found]
             header["signals"].append(names)
-            header["sources"].append({"pose": charts.pose(source.facts, source.store, at), "state": charts.state(source.store, at),
+            has_ended = not source.is_live and at > source.store.last
+            header["sources"].append({"pose": None if has_ended else charts.pose(source.facts, source.store, at),
+                                      "state": charts.state(source.store, at), "ended": source.store.last if has_ended else None,
                                       "first": finite(source.store.first), "last": finite(source.store.last)})
             for name in names:
                 blocks.append(np.stack(found[name], 1).astype("<f4").tobytes())

@@ -125,8 +125,8 @@ class Chart {
     context.restore();
   }
 
-  // `found`: {key: Float32Array of (lowest, highest) by column}; the window has `bins` columns.
-  draw(times, found, from, to, at, bins) {
+  // `found`: {key: Float32Array of (lowest, highest) by column}; the window has `bins` columns. `over`: the sources that end before `at`.
+  draw(times, found, from, to, at, bins, over) {
     const data = [times];
     const column = Math.min(bins - 1, Math.max(0, Math.floor((at - from) / (to - from) * bins)));
     this.lines.forEach((line, i) => {
@@ -134,7 +134,7 @@ class Chart {
       let last = null;
       if (raw) {
         for (let k = 0; k < values.length; ++k) if (raw[k] === raw[k]) values[k] = raw[k] * line.scale;
-        for (let k = 2 * column + 1; k >= 0; --k) if (values[k] !== null) { last = values[k]; break; }
+        if (!over.has(line.key.split(":")[0])) for (let k = 2 * column + 1; k >= 0; --k) if (values[k] !== null) { last = values[k]; break; }
       }
       this.values[i].textContent = shown(last);
       data.push(values);

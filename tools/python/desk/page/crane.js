@@ -30,6 +30,14 @@ class CranePicture {
     const above = this.canvas(this.above), side = this.canvas(this.side), teeth = this.canvas(this.teeth);
     cranes.forEach((crane, number) => {
       if (!crane.pose || crane.facts.is_axis) return;
+      const lacks = !crane.facts.geometry ? "the crane's shape is not in this log" : crane.pose.angle === null ? "the slew angle is not in this log" : "";
+      if (lacks) {
+        for (const view of [above, side]) {
+          view.context.fillStyle = colour("faint");
+          view.context.fillText((number ? "second log: " : "") + lacks, 6, 32 + 16 * number);
+        }
+        return;
+      }
       const shape = this.shape(crane, factor);
       this.drawAbove(above, crane, shape, number);
       this.drawSide(side, crane, shape, number);
@@ -109,7 +117,7 @@ class CranePicture {
     const gears = crane.pose.gears, half = crane.facts.half_play;
     if (!gears.length || !(half > 0)) {
       context.fillStyle = colour("faint");
-      context.fillText(gears.length ? "no backlash in this machine" : "not in this log", 8, 20);
+      context.fillText(gears.length ? "no backlash in this machine" : "the gears are not in this log", 8, 20);
       return;
     }
     const gear = crane.facts.gear;

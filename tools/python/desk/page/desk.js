@@ -41,7 +41,7 @@ class Desk {
     by("true_scale").addEventListener("click", () => { by("exaggeration").value = 1; this.ask(); });
     by("exaggeration").addEventListener("change", () => this.ask());
     by("viewpoint").addEventListener("change", () => this.ask());
-    addEventListener("resize", () => { for (const chart of this.charts) chart.resize(); this.ask(); });
+    addEventListener("resize", () => { for (const chart of this.charts) chart.resize(); requestAnimationFrame(() => this.ask()); });  // uPlot is as wide a moment later
     matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.ask());
     setInterval(() => this.listen(), 500);
     this.connect();
@@ -111,7 +111,8 @@ class Desk {
     by("live").hidden = !layout.live;
     by("comparison").hidden = sources.length < 2;
     by("crane").classList.toggle("axis", first.facts.is_axis);
-    by("play").hidden = layout.live;
+    by("play").hidden = by("rate").parentElement.hidden = layout.live;
+    if (!before && layout.steered && !layout.may_steer) this.notice("This page only watches: it was opened without the token to steer that the desk printed.");
     const remarks = sources.flatMap((source) => source.remarks.map((remark) => `${source.name}: ${remark}`));
     const ended = sources.filter((source) => hasEnded(source) && source.facts.end !== "complete")
       .map((source) => `${source.name}: ${source.facts.end === "under way" ? "this run was broken off" : source.facts.end}`);
@@ -179,7 +180,8 @@ class Desk {
     const place = document.createElement("div"), heading = document.createElement("h2"), words = document.createElement("p");
     place.className = "chart refused";
     heading.textContent = `${description.title}, difference`;
-    words.textContent = `No difference: ${why}.`;
+    const isTold = this.layout.sources.slice(0, 2).every((source) => source.facts.rated_torque);
+    words.textContent = `No difference: ${why}.${isTold ? "" : " A log does not tell its machine; where both are of one, open them with --same-machine."}`;
     place.append(heading, words);
     by("charts").append(place);
   }
@@ -283,7 +285,8 @@ class Desk {
     this.picture.draw(by("compare").value === "none" ? cranes.slice(0, 1) : cranes);
     const times = new Float64Array(2 * header.bins), step = (header.to - header.from) / header.bins;
     for (let k = 0; k < header.bins; ++k) times[2 * k] = times[2 * k + 1] = header.from + (k + 0.5) * step;
-    for (const chart of this.charts) if (!chart.description.isSpectrum) chart.draw(times, found, header.from, header.to, header.at, header.bins);
+    const over = new Set(header.sources.flatMap((source, number) => source.ended === null ? [] : [String(number)]));
+    for (const chart of this.charts) if (!chart.description.isSpectrum) chart.draw(times, found, header.from, header.to, header.at, header.bins, over);
     this.showState(header);
     by("scrub").value = header.at;
     by("clock").textContent = `${header.at.toFixed(3)} s of ${this.last.toFixed(1)} s`;
@@ -320,7 +323,7 @@ class Desk {
   }
 
   showState(header) {
-    const {state, pose} = header.sources[0];
+    const {state, ended} = header.sources[0], pose = header.sources[0].pose ?? {angle: null, deflection: null, rope: null};
     const drives = {running: "good", ready: "good", tripped: "bad", braked: "warn"};
     // What was said last of a run that is over, or says nothing, is no state of today.
     const say = (id, what, kind) => this.badge(id, what && `${id} ${this.isOver ? "last " : ""}${what}`, this.isOver ? "" : kind);
@@ -330,6 +333,7 @@ class Desk {
     trip.hidden = !state.trip;
     trip.textContent = state.trip ? `Drive tripped${state.trip_time === null ? "" : ` at ${state.trip_time.toFixed(3)} s`}: ${state.trip}. It is acknowledged at rest, with the lever at zero.` : "";
     const degrees = 180 / Math.PI, position = this.layout.sources[0].facts.position, rows = [
+      ["this log ended at", ended === null ? null : `${ended.toFixed(1)} s`],
       ["request", state.request === null ? null : `${(100 * state.request).toFixed(0)} %${state.emergency_stop ? ", emergency stop" : ""}${state.acknowledge ? ", acknowledge" : ""}`],
       [position.title, pose.angle === null ? null : `${(pose.angle * position.scale).toFixed(position.unit === "°" ? 2 : 4)} ${position.unit}`.replace(" °", "°")],
       ["tip deflection", pose.deflection === null ? null : `${(pose.deflection * 1000).toFixed(0)} mm`],
