@@ -238,6 +238,12 @@ std::string size_text(std::uintmax_t bytes) {
 }
 
 YamlNode parse_text(std::string text, const FileName& file_name, InputProblems& problems) {
+  // yaml-cpp takes such bytes for UTF-16 and tells signs of other scripts.
+  if (const std::size_t zero = text.find('\0'); zero != std::string::npos) {
+    const auto line = static_cast<int>(std::count(text.begin(), text.begin() + static_cast<std::ptrdiff_t>(zero), '\n')) + 1;
+    problems.push_back({{file_name, line, 1}, "", "a byte of zero, as in UTF-16 or in what is no text", "text in UTF-8"});
+    return {};
+  }
   std::istringstream stream(std::move(text));
   TreeBuilder builder(file_name, problems);
   try {

@@ -88,8 +88,11 @@ void judge_gears(const CraneParameters& machine, const Scales& scales, double pl
 void judge_drive(const CraneParameters& machine, const Scales& scales, double plant_step, Judgement& judge) {
   const DriveParameters& drive = machine.drive;
   const double with_load = scales.axis_inertia + machine.load.mass * scales.reach * scales.reach;
-  judge("drive.rated_torque", with_load * scales.top_speed / scales.axis_torque, 1e-3, 1e3,
+  judge("drive.rated_torque", with_load * scales.top_speed / scales.axis_torque, 1e-2, 1e3,
         "%.3g s from rest to top speed with the rated torque, the load included", "a tenth of a second to a minute");
+  if (drive.brake_inertia > 0.0) {
+    judge("drive.motor_inertia", drive.motor_inertia / drive.brake_inertia, 0.3, 3e3, "a rotor of %.3g times its brake's inertia", "three to a hundred times");
+  }
   judge_gears(machine, scales, plant_step,
               {"drive.motor_inertia", "drive.gearbox_stiffness", drive.gearbox_play > drive.pinion_play ? "drive.gearbox_play" : "drive.pinion_play"}, judge);
 }
@@ -114,8 +117,9 @@ void judge_axis(const MachineFile& file, const Scales& scales, double plant_step
 void judge_boom(const CraneParameters& machine, const Scales& scales, Judgement& judge) {
   const BoomParameters& boom = machine.boom;
   // All the weight of a crane's house, near the axis, turns more easily than its boom.
-  judge("house.inertia", machine.house.inertia / (scales.driven_inertia - machine.house.inertia), 0.0, 1.0, "a house of %.3g times the boom's inertia, both about the axis",
-        "a thousandth to a half");
+  const double house = machine.house.inertia / (scales.driven_inertia - machine.house.inertia);
+  const char *const house_of_booms = "a house of %.3g times the boom's inertia, both about the axis", *const usual_house = "a thousandth to a half";
+  judge("house.inertia", house, 0.0, 1.0, house_of_booms, usual_house);
   const auto narrower = [](const BoomStation& a, const BoomStation& b) { return a.half_width < b.half_width; };
   const double narrowest = 2.0 * std::min_element(boom.profile.begin(), boom.profile.end(), narrower)->half_width;
   judge("boom.chord_outer_diameter", boom.chord_outer_diameter / narrowest, 0.0, 1.0, "chords %.3g times as thick as the boom is wide where it is narrowest",
@@ -135,8 +139,10 @@ void judge_boom(const CraneParameters& machine, const Scales& scales, Judgement&
   }
   const double buckles = critical_buckling_force(boom.youngs_modulus, mean_second_moment(boom, 0.0, 1.0), boom.length);
   const bool is_boom_light = judge("boom.mass", boom.mass * kGravity / buckles, 0.0, 0.5, "a boom that weighs %.3g times what buckles it", "a thousandth to a twentieth");
-  // Less than any hook; of a boom that is no boom it says nothing.
-  if (is_boom_light && machine.load.mass > 0.0) judge("load.mass", machine.load.mass / boom.mass, 2e-3, HUGE_VAL, kLoadOfBooms, kUsualLoad);
+  if (!is_boom_light) return;  // of a boom that is no boom the rest says nothing
+  judge("house.inertia", house, 1e-4, HUGE_VAL, house_of_booms, usual_house);
+  // Less than any hook.
+  if (machine.load.mass > 0.0) judge("load.mass", machine.load.mass / boom.mass, 2e-3, HUGE_VAL, kLoadOfBooms, kUsualLoad);
 }
 
 // Below one period a drive trips between two commands; after a thousand it has long done what the last one asked for.

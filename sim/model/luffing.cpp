@@ -268,7 +268,7 @@ LuffedBasis basis_at(const LuffingBoom& boom, double angle, int mode_count) {
                     .diagonal = Eigen::VectorXd::Zero(count),
                     .beside = Eigen::VectorXd::Zero(count - 1),
                     .tridiagonal = Eigen::Tridiagonalization<Eigen::MatrixXd>(count),
-                    .modes = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(count)};
+                    .modes = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(Eigen::MatrixXd::Zero(count, count))};
   }
   basis.house = Eigen::VectorXd::Zero(mode_count);
   basis.deflection = Eigen::MatrixXd::Zero(count, mode_count);

@@ -57,7 +57,8 @@ struct HeldSolver {
   Eigen::MatrixXd matrix;
   Eigen::VectorXd diagonal, beside;
   Eigen::Tridiagonalization<Eigen::MatrixXd> tridiagonal;
-  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes;
+  // It has solved something from the beginning: before, Eigen leaves a member unset, which may not be copied.
+  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes{Eigen::MatrixXd::Zero(1, 1)};
 };
 
 // One boom angle. Sized once by basis_at(); luff_to() writes into it and allocates nothing.

@@ -103,6 +103,16 @@ TEST_F(YamlFile, ReportsWhatIsNotYaml) {
   EXPECT_NE(said().find("well-formed YAML"), std::string::npos) << said();
 }
 
+// UTF-16 as an editor saves it, and a damaged file.
+TEST_F(YamlFile, BytesOfZeroAreNoText) {
+  using namespace std::string_literals;
+  load(write("wide.yaml", "\xFF\xFEk\0i\0n\0d\0:\0"s));
+  load(write("damaged.yaml", "kind: crane\nboom: \0\0\n"s));
+  ASSERT_EQ(problems_.size(), 2u);
+  EXPECT_EQ(to_text(problems_[0]), (folder_ / "wide.yaml").string() + ":1:1: found a byte of zero, as in UTF-16 or in what is no text, expected text in UTF-8");
+  EXPECT_EQ(problems_[1].where.line, 2);
+}
+
 // As an editor that saves in Latin-1 writes a degree sign. What is told of it is UTF-8.
 TEST_F(YamlFile, TextThatIsNotUtf8IsRefusedAtItsLine) {
   load(write("latin.yaml", "kind: crane\nangle: {value: 53.5, unit: \xB0, source: a}\n"));

@@ -1,4 +1,4 @@
-# cmake -DBUILD=build/release -DSOURCE=. -DCOMPILER=c++ -P installed_library.cmake
+# cmake -DBUILD=build/release -DSOURCE=. -DCOMPILER=c++ -DFLAGS= -P installed_library.cmake    (FLAGS: of the libraries, as of a sanitizer)
 #
 # Installs the libraries into a folder of its own, moves that folder, builds examples/library against it as a stranger would,
 # runs it, and looks for the source folder's name in what was built and installed.
@@ -10,7 +10,7 @@ run(${CMAKE_COMMAND} --install ${BUILD} --component development --prefix ${place
 file(RENAME ${place}/first ${place}/prefix)
 file(COPY ${SOURCE}/examples/library DESTINATION ${place})
 run(${CMAKE_COMMAND} -S ${place}/library -B ${place}/build -DCMAKE_PREFIX_PATH=${place}/prefix -DCMAKE_CXX_COMPILER=${COMPILER}
-    -DSUNDIALS_DIR=${SUNDIALS_DIR})
+    -DSUNDIALS_DIR=${SUNDIALS_DIR} -DCMAKE_CXX_FLAGS=${FLAGS})
 run(${CMAKE_COMMAND} --build ${place}/build)
 run(${place}/build/stop_study ${SOURCE}/config/scenarios/thesis_slew.yaml)
 

@@ -465,6 +465,14 @@ bool accepted(const std::vector<CheckResult>& results) {
   return any(Verdict::pass) && !any(Verdict::fail);
 }
 
+std::string not_judged(const std::vector<CheckResult>& results) {
+  std::string names;
+  for (const CheckResult& result : results) {
+    if (result.verdict == Verdict::not_applicable) names += (names.empty() ? "" : ", ") + std::string(result.name);
+  }
+  return names;
+}
+
 std::string why_no_verdict(const msgs::RunLogs& logs, const ExpectedRun& expected) {
   if (logs.runs.size() > 1) return fmt::format("the log holds {} runs: which of them is meant is not known", logs.runs.size());
   const msgs::RunLog& run = logs.runs.front();

@@ -68,6 +68,8 @@ std::vector<CheckResult> acceptance_checks(const msgs::RunLog& run, const Accept
 
 // No check failed, and at least one passed.
 bool accepted(const std::vector<CheckResult>& results);
+// Names of the checks for which the run had nothing to judge, commas between.
+std::string not_judged(const std::vector<CheckResult>& results);
 
 // Why a run must not be judged: its log is cut off, damaged or has a hole; empty where it may. Its numbers are in
 // nanoseconds, the scenario's and the machine's.

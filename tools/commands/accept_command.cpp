@@ -97,7 +97,8 @@ int judge(const fs::path& folder, const AcceptOptions& options, const Acceptance
   if (!log_of(folder).empty() && options.plot) draw("acceptance_plot.py", folder);
   const bool good = accepted(results);
   if (no_verdict.empty()) {
-    std::printf("%s: %s\n", name.c_str(), good ? "accepted" : "NOT accepted");
+    const std::string silent = not_judged(results);
+    std::printf("%s: %s%s\n", name.c_str(), good ? "accepted" : "NOT accepted", silent.empty() ? "" : ("; nothing in this run to judge by: " + silent).c_str());
   } else {
     std::printf("%s: no verdict, and NOT accepted: %s\n", name.c_str(), no_verdict.c_str());
   }

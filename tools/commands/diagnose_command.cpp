@@ -359,7 +359,11 @@ std::string summary_text(const Diagnosis& diagnosis, bool is_damaged, const Told
       out << unknown;
       is_unknown_told = true;
     }
-    out << fmt::format("  {:5.1f} %  {} (share of the gap explained on the fitted records: {:.1f} %)\n", 100 * cause.probability, told_name(cause), 100 * cause.explained);
+    if (cause.effects.empty() && !diagnosis.gap) {
+      out << fmt::format("  {:5.1f} %  nothing is missing: the nominal machine, its parameters within their spread\n", 100 * cause.probability);
+    } else {
+      out << fmt::format("  {:5.1f} %  {} (share of the gap explained on the fitted records: {:.1f} %)\n", 100 * cause.probability, told_name(cause), 100 * cause.explained);
+    }
     if (cause.validation) {
       const diagnosis::Validation& validation = *cause.validation;
       out << fmt::format("            residual variance ratio on data that were not fitted: nominal {:.4g}, parameters alone {:.4g}, with it {:.3g}{}{}\n",
@@ -391,10 +395,14 @@ std::string summary_text(const Diagnosis& diagnosis, bool is_damaged, const Told
                        "times its noise. Run it, and give its log on top of these.\n",
                        next->manoeuvre.name, next->gain, next->open, next->first, next->second, next->separation.signal, next->separation.noise_floors);
   }
-  if (predicted) out << "\nValidation on " << place << ": RMS error, nominal -> with the cause, simulated from the operator's commands alone\n";
+  // Where nothing is missing, the parameters that were fitted to what noise there is are no cause to compare with.
+  const bool has_cause = diagnosis.gap;
+  if (predicted) {
+    out << "\nValidation on " << place << ": RMS error" << (has_cause ? ", nominal -> with the cause" : " of the nominal machine") << ", simulated from the operator's commands alone\n";
+  }
   for (std::size_t i = 0; predicted && i < predicted->before.gaps.size(); ++i) {
     const diagnosis::SignalGap &before = predicted->before.gaps[i], &after = predicted->after.gaps[i];
-    out << fmt::format("  {:24} {:10.4g} -> {:10.4g} {}\n", before.signal, before.gap, after.gap, before.unit);
+    out << fmt::format("  {:24} {:10.4g}", before.signal, before.gap) << (has_cause ? fmt::format(" -> {:10.4g}", after.gap) : "") << " " << before.unit << "\n";
   }
   for (const diagnosis::UnseenRecord& one : diagnosis.unseen) out << unseen_text(one, diagnosis);
   for (const std::string& remark : diagnosis.remarks) out << "  note: " << remark << "\n";

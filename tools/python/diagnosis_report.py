@@ -37,7 +37,7 @@ def cause_name(cause):
 
 def probability_figure(found):
     causes = [c for c in found["causes"] if c["probability"] > 0.002][:8]
-    names = [cause_name(c) for c in causes] + ["outside the catalogue"]
+    names = ["nothing is missing" if not c["effects"] and not found["gap"] else cause_name(c) for c in causes] + ["outside the catalogue"]
     shares = [c["probability"] for c in causes] + [found["probability_unknown"]]
     if found.get("probability_hidden"):
         names.insert(1, "one too small for these records")

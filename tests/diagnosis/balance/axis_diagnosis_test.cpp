@@ -501,7 +501,7 @@ TEST(AxisDiagnosis, ForwardSpeedIsTheIntegratedOne) {
   const std::vector<BalanceLaw> laws = balance_laws({3.0, 1e-3, 20.0, 0.0, 1.0, true, {}});
   BalanceModel model;
   model.inertia = kInertia;
-  model.terms = {{"dry", "", LawFamily::friction, 0.0, true, {1.5}, {}, 0.0}, {"viscous", "", LawFamily::friction, 0.0, true, {0.8}, {}, 0.0}};
+  model.terms = {{"dry", "", LawFamily::friction, 0.0, true, {1.5}, {}, 0.0}, {"viscous", "", LawFamily::friction, 0.0, true, {0.8, 0.0}, {}, 0.0}};
   const std::vector<double> forward = forward_speed(record, smooth.motion, laws, model);
   const std::size_t first = (record.position.size() - smooth.motion.speed.size()) / 2;
   double largest = 0.0;

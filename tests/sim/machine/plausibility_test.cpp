@@ -62,6 +62,32 @@ TEST(Plausibility, ALoadThatIsLessThanAHook) {
   EXPECT_EQ(keys(crane), "") << "no load at all";
 }
 
+// 252 t m^2 as 252 kg m^2, the slip of kg for t: less than a thousandth of what the boom has.
+TEST(Plausibility, AHouseLessThanAnything) {
+  CraneParameters crane = thesis_crane();
+  crane.house.inertia *= 1e-3;
+  EXPECT_EQ(keys(crane), "house.inertia");
+}
+
+// 1.08 kg m^2 as 1.08 g m^2, beside a brake of 0.037 kg m^2.
+TEST(Plausibility, ARotorLighterThanItsBrake) {
+  CraneParameters crane = thesis_crane();
+  crane.drive.motor_inertia *= 1e-3;
+  const auto found = found_in(crane);
+  ASSERT_EQ(found.size(), 1u);
+  EXPECT_EQ(found[0].key, "drive.motor_inertia");
+  EXPECT_EQ(found[0].found, "a rotor of 0.0292 times its brake's inertia");  // 1.08e-3 / 0.037
+}
+
+// 250 N m as 250 kN m: whatever else is judged by it, its own key is named first.
+TEST(Plausibility, MotorsOfAThousandTimesTheirTorque) {
+  CraneParameters crane = thesis_crane();
+  crane.drive.rated_torque *= 1e3;
+  const auto found = found_in(crane);
+  ASSERT_FALSE(found.empty());
+  EXPECT_EQ(found[0].key, "drive.rated_torque");
+}
+
 // A thousand times the stiffness is 32 times the frequency, 103 Hz: 9.7 steps of 1 ms to a period. A shorter step has more.
 TEST(Plausibility, GearsTooStiffForTheStep) {
   CraneParameters crane = thesis_crane();

@@ -191,6 +191,12 @@ TEST(AcceptanceChecks, WhatIsNotInTheLogIsNotPassed) {
     EXPECT_EQ(result.reason.find("inf"), std::string::npos) << result.reason;
   }
   EXPECT_FALSE(accepted({}));
+  EXPECT_NE(not_judged(results).find("direction"), std::string::npos) << not_judged(results);
+  std::vector<CheckResult> three(3);
+  three[0].name = "overshoot", three[0].verdict = Verdict::pass;
+  three[1].name = "settling";
+  three[2].name = "reaction";
+  EXPECT_EQ(not_judged(three), "settling, reaction");
 }
 
 TEST(AcceptanceChecks, ARunThatDidNotComeToItsEndGetsNoVerdict) {

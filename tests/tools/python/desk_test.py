@@ -199,7 +199,7 @@ class DeskTest(unittest.TestCase):
         with self.steered("--set", f"crane.effects={effects}") as desk:
             page = self.open(desk.address)
             self.assertIn("Take the joystick", page.value("document.body.innerText"))
-            self.assertTrue(page.value("document.getElementById('live').classList.contains('on') && desk.charts[0].plot.scales.x.min >= 0"))
+            page.until("desk.charts.length > 0 && document.getElementById('live').classList.contains('on') && desk.charts[0].plot.scales.x.min >= 0")
             # Damping is a parameter of the machine as it is assembled.
             self.assertFalse(page.value("document.getElementById('effect_boom_damping')"))
             page.click("#take")
