@@ -401,6 +401,13 @@ int tell_outcome(const Outcome& outcome, const std::string& name, const fs::path
   return 1;
 }
 
+// A scenario that was steered at the desk includes the one beside it, which another run would write over.
+void keep_what_was_steered(const fs::path& folder) {
+  if (!fs::exists(folder / "steered.yaml")) return;
+  throw common::InputError({{{"--out", 0, 0}, "", "'" + folder.string() + "', whose steered.yaml repeats what was steered there and builds on the run's files",
+                             "another folder, or steered.yaml taken away"}});
+}
+
 // What an earlier run left, and what was drawn or exported of it: none of it may be taken for the new run's. A folder of exports goes
 // only if nothing else is in it.
 void remove_earlier_run(const fs::path& folder) {
@@ -595,6 +602,7 @@ int tell_expected(const std::vector<std::string>& broken, const std::string& nam
 
 int run_in(const fs::path& folder, const RunOptions& options, const std::string& name) {
   const FolderLock lock(folder);
+  keep_what_was_steered(folder);
   remove_earlier_run(folder);
   const UnpackedFmu unpacked(folder);
   const msgs::ReservedPort port;

@@ -90,6 +90,18 @@ TEST_F(RunCommandTest, NothingOfAnEarlierRunStaysBesideTheNewLog) {
   EXPECT_TRUE(fs::exists(out_ / "notes.txt"));
 }
 
+// Of the desk: it includes scenario.yaml beside it.
+TEST_F(RunCommandTest, AFolderInWhichWasSteeredIsNotWrittenOver) {
+  fs::create_directories(out_);
+  std::ofstream(out_ / "steered.yaml") << "include: scenario.yaml\n";
+  std::ofstream(out_ / "report.html") << "of that run";
+  RunningProgram run(command({"--set", "duration=1"}));
+  EXPECT_EQ(run.wait_for_end(), 2);
+  EXPECT_NE(run.complaints().find("--out: found '" + out_.string() + "', whose steered.yaml repeats what was steered there"), std::string::npos) << run.complaints();
+  EXPECT_TRUE(fs::exists(out_ / "report.html"));
+  EXPECT_FALSE(fs::exists(out_ / "run.lcmlog"));
+}
+
 TEST_F(RunCommandTest, WhatAControllerThatDoesNotAnswerSaidIsTold) {
   RunningProgram run(long_command({"--controller", "echo no server at 10.0.0.1 >&2; exec sleep 1000"}));
   const std::string line = run.wait_for_line("waiting for the controller for ");
