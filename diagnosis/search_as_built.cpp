@@ -203,7 +203,7 @@ Searched search_as_built(Problem& problem, WhiteningSettings& whitening, const s
   whiten_again(problem, whitening);
   Searched below = search_judged();
   if (acts(problem.catalogue, below.best(problem.catalogue))) {
-    remarks.push_back(fmt::format("a machine was found that the records follow to {:.2g} of what mesh and step are taken to make wrong: judged by what it leaves", shown));
+    remarks.push_back(fmt::format("a machine was found that the records follow to {:.2g} of what mesh and step are taken to make wrong: judged by its residual", shown));
     return below;
   }
   whitening = judged_before;

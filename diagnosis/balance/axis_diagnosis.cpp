@@ -360,7 +360,7 @@ void say_unknown(const sim::MachineFile& axis, const Judgement& judgement, const
   diagnosis.verdict = fmt::format("outside the catalogue (unknown): {:.3g} {} of {:.3g} are missing on {}, and {}", validation.nominal.balance,
                                   axis.axis.is_linear ? "N" : "Nm", validation.effort, validation.place, why);
   if (judgement.is_inertia_off && diagnosis.answer.best.terms.empty()) {
-    diagnosis.remarks.push_back(fmt::format("{} would explain {:.0f} % of the gap, and what it leaves is no noise: something unknown may be what looks like it",
+    diagnosis.remarks.push_back(fmt::format("{} would explain {:.0f} % of the gap, and its residual is more than noise: something unknown may be what looks like it",
                                             inertia_words(axis, diagnosis.nominal_inertia, diagnosis.answer.best.inertia), 100.0 * std::clamp(judgement.share, 0.0, 1.0)));
   }
   if (const std::string& rest = diagnosis.answer.remainder.words; !rest.empty()) diagnosis.verdict += "; what known laws leave " + rest;
@@ -448,7 +448,7 @@ void state(const sim::MachineFile& axis, const Judgement& judgement, AxisDiagnos
   diagnosis.verdict = fmt::format("{}: {:.1f} % of the gap on data that were not fitted", words, 100.0 * judgement.share);
   const std::string follows = what_it_follows(axis, diagnosis);
   if (diagnosis.has_remainder) {
-    diagnosis.verdict += fmt::format("; what is left, {:.3g} {} of {:.3g}, is of no known law (unknown) and {}", validation.cause.balance,
+    diagnosis.verdict += fmt::format("; the residual, {:.3g} {} of {:.3g}, is of no known law (unknown) and {}", validation.cause.balance,
                                      axis.axis.is_linear ? "N" : "Nm", validation.effort, follows);
   } else if ((!diagnosis.answer.remainder.words.empty() && validation.cause_together > validation.floor) || diagnosis.unexplained > kWorthSaying) {
     diagnosis.verdict += "; the rest " + follows;
@@ -730,7 +730,7 @@ AxisDiagnosis diagnose_axis(const sim::MachineFile& axis, const std::vector<Name
                                             records[r].step * static_cast<double>(records[r].position.size()), records[r].start_time));
   }
   if (!axis.parameters.drive.is_rigid) {
-    diagnosis.remarks.push_back("the balance takes motor and load for one inertia: what swings behind the transmission is part of what is left");
+    diagnosis.remarks.push_back("the balance takes motor and load for one inertia: what swings behind the transmission is part of the residual");
   }
   return diagnosis;
 }

@@ -130,7 +130,7 @@ std::string answer_sentence(const Diagnosis& diagnosis) {
     if (!is_nominal && diagnosis.probability_nothing + diagnosis.probability_hidden < diagnosis::kSure) {
       return fmt::format("Not sure: no effect is missing, {:.0f} %; parameters explain the records.", 100 * diagnosis.probability_nothing);
     }
-    const char* const why = is_nominal ? "the nominal machine leaves no more than noise" : "parameters within their spread explain the records";
+    const char* const why = is_nominal ? "the residual of the nominal machine is no more than noise" : "parameters within their spread explain the records";
     if (diagnosis.probability_nothing >= diagnosis::kSure) return fmt::format("No effect is missing: {}.", why);
     return fmt::format("No effect is missing that these records would show: {}; with {:.0f} % none is, with {:.0f} % one that is too small for them.", why,
                        100 * diagnosis.probability_nothing, 100 * diagnosis.probability_hidden);
