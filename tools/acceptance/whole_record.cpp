@@ -7,6 +7,8 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <slewlab_msgs/fields.hpp>
+#include <type_traits>
 #include <vector>
 
 namespace slewlab::tools {
@@ -38,61 +40,64 @@ std::string why_not_every(const std::vector<Message>& messages, const Due& due) 
   return before + due.period <= due.last ? missing(before + due.period) : "";
 }
 
-// The name and the time of a number that is not finite; `read` gives a message's numbers, in the order of `names`. A column
-// without any number is not fitted, where `may_be_missing`. Messages from `until` [ns] on are not looked at.
-template <class Message, std::size_t kCount>
-std::string why_not_finite(const std::vector<Message>& messages, const char* channel, const std::array<const char*, kCount>& names,
-                           bool may_be_missing, const auto& read, std::int64_t until = kNever) {
-  std::array<bool, kCount> all_missing;
+constexpr std::size_t kMostNumbers = 32;  // fields of a message that hold numbers
+
+// The numbers of a message by the names of its .lcm file; of an array the first that is not finite, or 0.
+struct Numbers {
+  std::array<const char*, kMostNumbers> names{};
+  std::array<double, kMostNumbers> values{};
+  std::size_t count = 0;
+};
+
+template <class Message>
+Numbers numbers_of(const Message& message) {
+  Numbers numbers;
+  const auto add = [&](const char* name, double value) {
+    numbers.names.at(numbers.count) = name;
+    numbers.values.at(numbers.count++) = value;
+  };
+  msgs::visit_fields(message, [&](const char* name, const char*, const auto& value) {
+    using Value = std::decay_t<decltype(value)>;
+    if constexpr (std::is_same_v<Value, double>) {
+      add(name, value);
+    } else if constexpr (std::is_same_v<Value, std::vector<double>>) {
+      const auto found = std::find_if(value.begin(), value.end(), [](double each) { return !std::isfinite(each); });
+      add(name, found == value.end() ? 0.0 : *found);
+    }
+  });
+  return numbers;
+}
+
+// The name and the time of a number that is not finite. A column without any number is not fitted, where `may_be_missing`. Messages from
+// `until` [ns] on are not looked at.
+template <class Message>
+std::string why_not_finite(const std::vector<Message>& messages, const char* channel, bool may_be_missing, std::int64_t until = kNever) {
+  std::array<bool, kMostNumbers> all_missing;
   all_missing.fill(may_be_missing);
   if (may_be_missing) {
     for (const Message& message : messages) {
-      const std::array<double, kCount> values = read(message);
-      for (std::size_t i = 0; i < kCount; ++i) all_missing[i] = all_missing[i] && std::isnan(values[i]);
+      const Numbers numbers = numbers_of(message);
+      for (std::size_t i = 0; i < numbers.count; ++i) all_missing[i] = all_missing[i] && std::isnan(numbers.values[i]);
     }
   }
   for (const Message& message : messages) {
     if (message.simulated_time >= until) continue;
-    const std::array<double, kCount> values = read(message);
-    for (std::size_t i = 0; i < kCount; ++i) {
-      if (std::isfinite(values[i]) || all_missing[i]) continue;
-      return fmt::format("{} of {} is {} at {:.3f} s, expected a finite number", names[i], channel, values[i], seconds(message.simulated_time));
+    const Numbers numbers = numbers_of(message);
+    for (std::size_t i = 0; i < numbers.count; ++i) {
+      if (std::isfinite(numbers.values[i]) || all_missing[i]) continue;
+      return fmt::format("{} of {} is {} at {:.3f} s, expected a finite number", numbers.names[i], channel, numbers.values[i], seconds(message.simulated_time));
     }
   }
   return {};
 }
 
-// One number for an array: the first that is not finite, or 0.
-double worst(const std::vector<double>& values) {
-  const auto found = std::find_if(values.begin(), values.end(), [](double value) { return !std::isfinite(value); });
-  return found == values.end() ? 0.0 : *found;
-}
-
 std::string why_not_finite(const msgs::RunLog& run, std::int64_t until_fault, std::int64_t until_trip) {
-  std::string why = why_not_finite(run.encoder, "ENCODER", std::array{"shaft_speed", "shaft_position"}, false,
-                                   [](const msgs::Encoder& message) { return std::array{worst(message.shaft_speed), worst(message.shaft_position)}; }, until_fault);
-  if (!why.empty()) return why;
-  why = why_not_finite(run.torque, "TORQUE", std::array{"motor_torque"}, false,
-                       [](const msgs::Torque& message) { return std::array{worst(message.motor_torque)}; }, std::min(until_fault, until_trip));
-  if (!why.empty()) return why;
-  why = why_not_finite(run.operator_moves, "OPERATOR", std::array{"speed_request"}, false,
-                       [](const msgs::Operator& message) { return std::array{message.speed_request}; });
-  if (!why.empty()) return why;
-  why = why_not_finite(run.sensors, "SENSORS",
-                       std::array{"house_acceleration", "pivot_acceleration", "middle_acceleration", "tip_acceleration", "slew_angle"}, true,
-                       [](const msgs::Sensors& message) {
-                         return std::array{message.house_acceleration, message.pivot_acceleration, message.middle_acceleration,
-                                           message.tip_acceleration, message.slew_angle};
-                       });
-  if (!why.empty()) return why;
-  return why_not_finite(run.truth, "TRUTH",
-                        std::array{"gearbox_torque", "gear_deflection", "house_speed", "tip_displacement", "tip_velocity", "rope_angle", "rod_angle",
-                                   "mechanical_energy", "supplied_work", "shear_force", "modal_energy"},
-                        true, [](const msgs::Truth& message) {
-                          return std::array{worst(message.gearbox_torque), worst(message.gear_deflection), message.house_speed, message.tip_displacement,
-                                            message.tip_velocity, message.rope_angle, message.rod_angle, message.mechanical_energy,
-                                            message.supplied_work, worst(message.shear_force), worst(message.modal_energy)};
-                        });
+  std::string why = why_not_finite(run.encoder, "ENCODER", false, until_fault);
+  if (why.empty()) why = why_not_finite(run.torque, "TORQUE", false, std::min(until_fault, until_trip));
+  if (why.empty()) why = why_not_finite(run.operator_moves, "OPERATOR", false);
+  if (why.empty()) why = why_not_finite(run.sensors, "SENSORS", true);
+  if (why.empty()) why = why_not_finite(run.truth, "TRUTH", true);
+  return why;
 }
 
 // A TORQUE for every ENCODER before the first fault on purpose.
