@@ -56,10 +56,11 @@ class Chart {
 
   begin() {
     const axis = {stroke: () => colour("faint"), grid: {stroke: () => colour("grid"), width: 1}, ticks: {stroke: () => colour("line"), width: 1}, font: "11px system-ui, Arial, sans-serif"};
+    const unitAlong = this.description.isSpectrum ? "Hz" : "s";
     const options = {
       width: this.width(), height: this.height, legend: {show: false}, cursor: {drag: {x: true, y: false, setScale: false}, points: {show: false}, sync: {key: "desk"}},
       scales: {x: this.description.isSpectrum ? {distr: 3, range: [0.1, 100]} : {time: false}, y: this.description.isSpectrum ? {distr: 3, range: (plot, low, high) => this.decades(high)} : {range: (plot, low, high) => this.range(low, high)}},
-      axes: [{...axis, size: 28, values: (plot, ticks) => ticks.map((tick) => tick === null ? "" : String(+tick.toPrecision(9)))},
+      axes: [{...axis, size: 28, values: (plot, ticks) => ticks.map((tick) => tick === null ? "" : `${+tick.toPrecision(9)} ${unitAlong}`)},
              {...axis, size: 58, values: (plot, ticks) => ticks.map((tick) => tick === null ? "" : tickText(+tick.toPrecision(4)))}],
       series: [{}, ...this.lines.map((line) => ({stroke: () => colour(line.colour), width: line.thin ? 1 : 1.3, dash: line.dash ? [5, 4] : undefined, spanGaps: true, points: {show: false},
                                                  paths: line.held ? uPlot.paths.stepped({align: 1}) : undefined}))],

@@ -30,11 +30,11 @@ class CranePicture {
     const above = this.canvas(this.above), side = this.canvas(this.side), teeth = this.canvas(this.teeth);
     cranes.forEach((crane, number) => {
       if (!crane.pose || crane.facts.is_axis) return;
-      const lacks = !crane.facts.geometry ? "the crane's shape is not in this log" : crane.pose.angle === null ? "the slew angle is not in this log" : "";
+      const lacks = this.lacks(crane);
       if (lacks) {
         for (const view of [above, side]) {
           view.context.fillStyle = colour("faint");
-          view.context.fillText((number ? "second log: " : "") + lacks, 6, 32 + 16 * number);
+          view.context.fillText((number ? "second log: " : "") + lacks, 6, 14 + 16 * number);
         }
         return;
       }
@@ -43,10 +43,16 @@ class CranePicture {
       this.drawSide(side, crane, shape, number);
     });
     if (cranes.length && cranes[0].pose) this.drawTeeth(teeth, cranes[0]);
-    for (const view of [above, side]) {
+    if (cranes.some((crane) => crane.pose && this.lacks(crane) === "")) for (const view of [above, side]) {
       view.context.fillStyle = colour("faint");
       view.context.fillText(`deflection × ${factor}`, 6, 14);
     }
+  }
+
+  // What a picture of the crane needs and the log does not tell.
+  lacks(crane) {
+    if (!crane.facts.geometry) return "the crane's shape is not in this log";
+    return crane.pose.angle === null ? "the slew angle is not in this log" : "";
   }
 
   // Points of boom, rope and load in metres: x to the right, y ahead, z up. The boom points ahead at angle 0 and turns to the
@@ -117,7 +123,7 @@ class CranePicture {
     const gears = crane.pose.gears, half = crane.facts.half_play;
     if (!gears.length || !(half > 0)) {
       context.fillStyle = colour("faint");
-      context.fillText(gears.length ? "no backlash in this machine" : "the gears are not in this log", 8, 20);
+      context.fillText(!gears.length ? "the gears are not in this log" : half === undefined ? "the backlash is not in this log" : "no backlash in this machine", 8, 20);
       return;
     }
     const gear = crane.facts.gear;
