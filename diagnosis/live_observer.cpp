@@ -13,6 +13,7 @@ namespace {
 constexpr double kNanosecondsPerSecond = 1e9;
 constexpr double kBetweenLooks = 0.1;  // [-] of the characteristic time, chosen: quick enough to be watched
 constexpr double kFirstStretch = 1.0;  // [-] of the characteristic time, chosen: enough messages to know their periods
+constexpr double kLongestWait = 5.0;   // [-] of the characteristic time, chosen: for a PLANT_STATUS; some seconds of a crane, which says one each second
 constexpr double kMargin = 4.0;        // [-] half windows of a position's rate that stay behind the newest point told
 
 std::int64_t nanoseconds(double seconds) { return std::llround(seconds * kNanosecondsPerSecond); }
@@ -146,7 +147,9 @@ std::optional<LiveGap> LiveObserver::look() {
   if (!observer_) begin();
   std::int64_t known = std::min(newest, run_.torque.back().simulated_time);  // sensors and commands come when they come
   if (!run_.sensors.empty()) known = std::min(known, run_.sensors.back().simulated_time);
-  if (status_) known = std::min(known, status_->simulated_time);  // a trip is told with the next one
+  // A trip is told with the next PLANT_STATUS, which is not waited for without end.
+  const bool is_status_due = status_ && newest - status_->simulated_time < nanoseconds(kLongestWait * thresholds_.time);
+  if (is_status_due) known = std::min(known, status_->simulated_time);
   for (std::size_t n = 0; n < record_.size(); ++n) {
     const std::int64_t time = nanoseconds(record_.time(n));
     if (time <= told_) continue;

@@ -2,7 +2,7 @@
 // and the accelerometers have beyond the nominal machine. It goes on from where it was, so that a look costs what is new, and keeps
 // no more of the past than the rate of a position needs. Behind a gap in the messages it begins again, in motion. Where PLANT_STATUS
 // says that the drive is tripped it stops, for no message tells where the teeth stand when the brakes let go, and begins again once the
-// drive has run for a while; nothing is told that is newer than the newest PLANT_STATUS, if there is any.
+// drive has run for a while; what is newer than the newest PLANT_STATUS waits for the next, for some characteristic times.
 #pragma once
 
 #include <array>

@@ -142,5 +142,17 @@ TEST(LiveObserver, FindsNoGapInAMachineWhoseDriveTripsAndRunsAgain) {
   EXPECT_TRUE(is_told(kRunsAgain + 2.5, kDuration));
 }
 
+TEST(LiveObserver, GoesOnWhereNoPlantStatusComesAnyMore) {
+  msgs::RunLog log = simulated_log(nominal(), bench().controller, kThereAndBack, kDuration, 3);
+  msgs::PlantStatus only{};
+  only.run_identity = log.run_identity;
+  only.drive_state = static_cast<std::int8_t>(sim::DriveState::running);
+  only.trip_time = -1;
+  log.plant_status = {only};
+  const Told told = live(wire_of(log));
+  ASSERT_FALSE(told.gap.time.empty());
+  EXPECT_GT(told.gap.time.back(), kDuration - 0.5);
+}
+
 }  // namespace
 }  // namespace slewlab::diagnosis
