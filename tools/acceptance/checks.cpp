@@ -468,7 +468,7 @@ bool accepted(const std::vector<CheckResult>& results) {
 std::string not_judged(const std::vector<CheckResult>& results) {
   std::string names;
   for (const CheckResult& result : results) {
-    if (result.verdict == Verdict::not_applicable) names += (names.empty() ? "" : ", ") + std::string(result.name);
+    if (result.verdict == Verdict::not_applicable) names += (names.empty() ? "" : ", ") + result.name;
   }
   return names;
 }

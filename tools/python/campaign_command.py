@@ -74,7 +74,7 @@ def check_that_slurm_takes(script):
         file.flush()
         asked = subprocess.run(["sbatch", "--test-only", file.name], stdin=subprocess.DEVNULL, capture_output=True, text=True, check=False)
     if asked.returncode != 0:
-        raise Unavailable(f"Slurm takes no such job: {'; '.join(asked.stderr.split(chr(10))).strip('; ')}. "
+        raise Unavailable(f"Slurm takes no such job: {'; '.join(asked.stderr.splitlines())}. "
                           "What a job asks for stands under jobqueue: slurm: in ~/.config/dask/jobqueue.yaml")
 
 
