@@ -355,7 +355,7 @@ RunOutcome run_outcome(const Outcome& outcome, const Json& plant_summary) {
   if (!plant_summary.is_object()) return result;
   result.simulated_time = plant_summary.value("simulated_seconds", 0.0);
   result.wall_time = plant_summary.value("wall_seconds", 0.0);
-  result.cycles = plant_summary.value("lockstep_cycles", std::int64_t{0});
+  result.cycles = plant_summary.value("lockstep_cycles", plant_summary.value("controller_cycles", std::int64_t{0}));
   result.resends = plant_summary.value("resends", std::int64_t{0});
   return result;
 }

@@ -21,6 +21,7 @@ from desk.source import Bus, Growing, growing_log
 from protobuf_rows import ProtobufRows
 from run_log import LogProblem
 from signals import table
+from subprotocol_proxy import SubprotocolProxy
 
 DEFAULT_PORT = 8765  # that Foxglove asks for
 POLL = 0.02          # [s]
@@ -37,7 +38,7 @@ class Topics:
     def receive(self, channel, messages):
         if channel not in self.topics:
             names = [name for name in messages.dtype.names if name not in OWN]
-            rows = ProtobufRows(f"slewlab.{channel}", np.dtype([(name, messages.dtype[name]) for name in names]))
+            rows = ProtobufRows(f"slewlab.{channel}", np.dtype([(name, messages.dtype[name]) for name in names]), table()[channel])
             schema = foxglove.Schema(name=f"slewlab.{channel}", encoding="protobuf", data=rows.descriptor())
             self.topics[channel] = rows, foxglove.Channel(channel, schema=schema, message_encoding="protobuf", metadata=table()[channel])
         rows, topic = self.topics[channel]
@@ -80,13 +81,15 @@ def main(arguments):
         else:
             source = Growing(log, receive=topics.receive)
             source.skip_what_is_there()
-        server = foxglove.start_server(name="slewlab", host=options.host, port=options.port, message_backlog_size=BACKLOG)
+        server = foxglove.start_server(name="slewlab", host=options.host, port=0, message_backlog_size=BACKLOG)
+        proxy = SubprotocolProxy(options.host, options.port, server.port).start()
     except (LogProblem, OSError, RuntimeError) as problem:
         print(f"slewlab bridge: {problem}", file=sys.stderr)
         return 1
-    print(f"bridge: ws://{options.host}:{server.port}", flush=True)
+    print(f"bridge: ws://{options.host}:{proxy.port}", flush=True)
     while not end.wait(POLL):
         source.poll()
+    proxy.stop()
     server.stop()
     return 0
 

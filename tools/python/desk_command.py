@@ -17,6 +17,7 @@ from run_log import LogProblem
 from desk.access import PATIENCE, Access, Joystick
 from desk.diagnosis import Diagnosis
 from desk.gap import Gap
+from desk.recording import Recorder
 from desk.server import Desk
 from desk.source import Bus, Difference, Growing, NoBus, Recorded, growing_log
 from desk.steered_run import SteeredRun
@@ -57,7 +58,7 @@ def parsed(arguments):
     parser.add_argument("--nominal-controller", metavar="FILE", help="with --nominal: the controller's file, for a diagnosis")
     parser.add_argument("--host", default="127.0.0.1", help="address to serve on (127.0.0.1); elsewhere than on loopback everybody needs a token")
     parser.add_argument("--port", type=port, default=DEFAULT_PORT, help="port to serve on (any that is free)")
-    parser.add_argument("--out", type=output_folder, help="folder for steered runs (runs/desk_<scenario>)")
+    parser.add_argument("--out", type=output_folder, help="folder for steered runs, recordings and diagnoses (runs/desk_NAME)")
     parser.add_argument("--duration", type=float, help=f"[s] of simulated time that a steered run may take ({LONGEST:g})")
     parser.add_argument("--let-go-after", type=float, metavar="S",
                         help=f"[s] of silence after which a page's hand is off the lever ({PATIENCE:g})")
@@ -87,7 +88,7 @@ def refuse_what_does_not_matter(parser, options):
     """Options that say something of a run that this desk does not make, of a bus or of a nominal machine that are not there."""
     of_a_run = {"--duration": options.duration, "--let-go-after": options.let_go_after, "--controller": options.controller,
                 "--realtime": options.realtime or None, "--set": options.set or None,
-                "--out": None if options.nominal else options.out}  # a diagnosis is written there, too
+                "--out": None if options.bus or options.follow else options.out}  # recordings and diagnoses are written there, too
     given = [name for name, value in of_a_run.items() if value is not None]
     if given and not options.is_scenario:
         parser.error(f"{', '.join(given)}: of a scenario that the desk runs; this one shows {'a bus' if options.bus else 'a log'}")
@@ -117,24 +118,24 @@ def main(arguments):
 
 async def open_desk(options):
     access, diagnosis, watch = Access(options.host), None, None
+    out = options.out or Path("runs") / f"desk_{Path(options.subject[0]).stem if options.subject else 'bus'}"
     if options.nominal:
-        stem = Path(options.subject[0]).stem if options.subject else "bus"
-        diagnosis = Diagnosis(options.nominal, options.nominal_controller, options.out or Path("runs") / f"desk_{stem}")
+        diagnosis = Diagnosis(options.nominal, options.nominal_controller, out)
 
         async def watch(source):
             gap = Gap(source, options.nominal, diagnosis.minute)
             await gap.start()
             return gap
     if options.is_scenario:
-        scenario = Path(options.subject[0])
         more = [word for change in options.set for word in ("--set", change)]
         more += ["--controller", options.controller] if options.controller else []
-        run = SteeredRun(scenario, options.out or Path("runs") / f"desk_{scenario.stem}", options.duration, more, options.realtime)
+        run = SteeredRun(options.subject[0], out, options.duration, more, options.realtime)
         source = await run.start()
         if not await run.begins():
             print("\n".join(run.words), file=sys.stderr)
             return 2
         desk = Desk([source], access, run, watch)
+        desk.recorder = recorder_of(source, out)
         desk.joystick = Joystick(options.let_go_after)
         desk.diagnosis = diagnosis
         try:
@@ -142,6 +143,7 @@ async def open_desk(options):
         finally:
             await run.end()
             await end_watching(desk)
+            desk.recorder.stop()
             for words in run.words:
                 print(words)
         return 0
@@ -160,11 +162,21 @@ async def open_desk(options):
             print(remark, file=sys.stderr)
     desk = Desk(sources, access, watch=watch)
     desk.diagnosis = diagnosis
+    if desk.is_live:
+        desk.recorder = recorder_of(sources[0], out)
     try:
         await serve_until_told(desk, options.host, options.port)
     finally:
         await end_watching(desk)
+        if desk.recorder is not None:
+            desk.recorder.stop()
     return 0
+
+
+def recorder_of(source, out):
+    recorder = Recorder(out)
+    recorder.attach(source)
+    return recorder
 
 
 def share_facts(first, second):

@@ -173,7 +173,7 @@ def write_mcap(log, out):
         writer.start(profile="", library="slewlab")
         rows, channels = {}, {}
         for name, described in log.tables.items():
-            rows[name] = ProtobufRows(f"slewlab.{name}", described.dtype)
+            rows[name] = ProtobufRows(f"slewlab.{name}", described.dtype, table()[name])
             schema = writer.register_schema(name=f"slewlab.{name}", encoding="protobuf", data=rows[name].descriptor())
             channels[name] = writer.register_channel(topic=name, message_encoding="protobuf", schema_id=schema,
                                                      metadata=table()[name])

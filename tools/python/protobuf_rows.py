@@ -14,6 +14,7 @@ KINDS = {
     "i1": (Field.TYPE_SFIXED32, FIXED_32, "<i4"),
     "b1": (Field.TYPE_BOOL, VARINT, "?"),
 }
+OF_THE_MESSAGE = (descriptor_pb2.FileDescriptorProto.MESSAGE_TYPE_FIELD_NUMBER, 0, descriptor_pb2.DescriptorProto.FIELD_FIELD_NUMBER)  # path of its fields
 
 
 def varint(value):
@@ -25,9 +26,9 @@ def varint(value):
 
 
 class ProtobufRows:
-    def __init__(self, name, dtype):
-        """`name` is package.Message; field numbers count from 1 in the order of `dtype`."""
-        self.name, self.dtype = name, dtype
+    def __init__(self, name, dtype, units):
+        """`name` is package.Message; field numbers count from 1 in the order of `dtype`; {field: unit}."""
+        self.name, self.dtype, self.units = name, dtype, units
         parts, heads = [], {}
         for number, field in enumerate(dtype.names, 1):
             kind, shape = dtype[field].base, dtype[field].shape
@@ -42,7 +43,7 @@ class ProtobufRows:
         self.layout, self.heads = np.dtype(parts), heads
 
     def descriptor(self):
-        """The schema: a FileDescriptorSet."""
+        """The schema: a FileDescriptorSet, in which a field's unit is the comment behind it."""
         package, message = self.name.rsplit(".", 1)
         file = descriptor_pb2.FileDescriptorProto(name=f"{self.name}.proto", package=package, syntax="proto3")
         described = file.message_type.add(name=message)
@@ -50,6 +51,8 @@ class ProtobufRows:
             kind = self.dtype[field].base
             described.field.add(name=field, number=number, type=KINDS[f"{kind.kind}{kind.itemsize}"][0],
                                 label=Field.LABEL_REPEATED if self.dtype[field].shape else Field.LABEL_OPTIONAL)
+            if unit := self.units.get(field):
+                file.source_code_info.location.add(path=[*OF_THE_MESSAGE, number - 1], span=[number, 0, 0], trailing_comments=f" [{unit}]\n")
         return descriptor_pb2.FileDescriptorSet(file=[file]).SerializeToString()
 
     def encoded(self, messages):

@@ -409,6 +409,7 @@ TEST_F(RunCommandTest, AgainstTheWallClockEveryStepIsInTheHistogramsOfStatusAndS
   EXPECT_EQ(timing["speed"], 10.0);
   EXPECT_NE(timing["permissions"].get<std::string>().find("SCHED_FIFO: "), std::string::npos);
   EXPECT_EQ(timing["log_events_left_out"], 0);
+  EXPECT_EQ(nlohmann::json::parse(contents(out_ / "run.json"))["cycles"], 200);  // 2 s every 10 ms
   const msgs::RunLog log = msgs::read_run_logs(out_ / "run.lcmlog").runs.at(0);
   EXPECT_EQ(log.encoder.size(), 200u);
   const msgs::PlantStatus& status = log.plant_status.back();

@@ -5,6 +5,7 @@ import contextlib
 import json
 import os
 import re
+import socket
 import struct
 import subprocess
 import tempfile
@@ -12,6 +13,7 @@ import unittest
 from pathlib import Path
 
 from google.protobuf import descriptor_pb2, descriptor_pool, message_factory
+from websockets.exceptions import InvalidStatus
 from websockets.sync.client import connect
 
 import made_run
@@ -28,6 +30,12 @@ def message_class(channel):
     for file in files.file:
         pool.Add(file)
     return message_factory.GetMessageClass(pool.FindMessageTypeByName(channel["schemaName"]))
+
+
+def units_of(channel):
+    """{field: comment behind it} of a channel's schema."""
+    file = descriptor_pb2.FileDescriptorSet.FromString(base64.b64decode(channel["schema"])).file[0]
+    return {file.message_type[0].field[place.path[-1]].name: place.trailing_comments.strip() for place in file.source_code_info.location}
 
 
 class BridgeTest(unittest.TestCase):
@@ -98,6 +106,27 @@ class BridgeTest(unittest.TestCase):
             self.assertEqual(list(message.motor_torque), [100.0, -50.0] if time < 10e9 else [-240.0, 30.0])
         self.assertEqual(channels["SENSORS"]["metadata"]["tip_acceleration"], "m/s^2")
         self.assertEqual(channels["TORQUE"]["metadata"]["motor_torque"], "Nm")
+        self.assertEqual(units_of(channels["SENSORS"])["tip_acceleration"], "[m/s^2]")
+        self.assertEqual(units_of(channels["TORQUE"])["motor_torque"], "[Nm]")
+
+    def test_a_viewer_may_ask_by_the_protocols_older_name(self):
+        (self.folder / "run.lcmlog.partial").write_bytes(b"")
+        address = self.start(self.folder)
+        for asked, granted in ((["foxglove.websocket.v1"], "foxglove.websocket.v1"), (["foxglove.sdk.v1"], "foxglove.sdk.v1"),
+                               (["foxglove.sdk.v1", "foxglove.websocket.v1"], "foxglove.sdk.v1")):
+            with self.subTest(asked=asked), connect(address, subprotocols=asked) as viewer:
+                self.assertEqual(viewer.subprotocol, granted)
+                self.assertEqual(json.loads(viewer.recv(PATIENCE))["name"], "slewlab")
+        with self.assertRaises(InvalidStatus) as refused, connect(address, subprotocols=["mqtt"]):
+            pass
+        self.assertEqual(refused.exception.response.status_code, 400)
+
+    def test_a_port_that_is_taken_is_said(self):
+        with socket.create_server(("127.0.0.1", 0)) as other:
+            run = subprocess.run([SLEWLAB, "bridge", "--foxglove", made_run.write_run(self.folder / "a"), "--port", str(other.getsockname()[1])],
+                                 stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=PATIENCE)
+        self.assertEqual(run.returncode, 1)
+        self.assertIn("in use", run.stderr)
 
     def test_what_is_no_log_is_refused(self):
         table = self.folder / "rec.csv"

@@ -118,12 +118,15 @@ class BrowserPage:
         Path(path).write_bytes(base64.b64decode(data))
 
 
-def overlaps(page):
-    """Words of a page's pictures that lie over each other: pairs of texts whose boxes have more than a pixel in common."""
-    return page.value("""(() => {
-        const texts = [...document.querySelectorAll(".picture text")].filter((e) => e.textContent.trim() && e.getBoundingClientRect().width > 0);
+def overlaps(page, selector=".picture text"):
+    """Words of a page, else of its pictures, that lie over each other: pairs of texts, none within the other, whose boxes have more than a
+    pixel in common. What stands still over a page that is scrolled below it is compared with its like."""
+    return page.value(f"(() => {{ const texts = [...document.querySelectorAll({json.dumps(selector)})]" """
+          .filter((e) => e.textContent.trim() && e.getBoundingClientRect().width > 0);
+        const stands = (e) => Boolean(e.closest("footer"));
         const boxes = texts.map((e) => e.getBoundingClientRect()), found = [];
         for (let i = 0; i < boxes.length; ++i) for (let k = 0; k < i; ++k) {
+          if (texts[i].contains(texts[k]) || texts[k].contains(texts[i]) || stands(texts[i]) !== stands(texts[k])) continue;
           const a = boxes[i], b = boxes[k];
           if (Math.min(a.right, b.right) - Math.max(a.left, b.left) > 1 && Math.min(a.bottom, b.bottom) - Math.max(a.top, b.top) > 1)
             found.push(texts[i].textContent + " | " + texts[k].textContent);
@@ -133,9 +136,11 @@ def overlaps(page):
 
 
 def contrast_of(page, selector):
-    """Contrast of the first such element's text, or of an SVG text's fill, against the page's ground (WCAG 2.2)."""
+    """Contrast of the first such element's text, or of an SVG text's fill, against what is behind it (WCAG 2.2)."""
     colours = page.value(f"""(() => {{ const e = document.querySelector({json.dumps(selector)}), style = getComputedStyle(e);
-        return [e instanceof SVGElement ? style.fill : style.color, getComputedStyle(document.body).backgroundColor]; }})()""")
+        let ground = e;
+        while (ground.parentElement && /, 0\\)$|transparent/.test(getComputedStyle(ground).backgroundColor)) ground = ground.parentElement;
+        return [e instanceof SVGElement ? style.fill : style.color, getComputedStyle(ground).backgroundColor]; }})()""")
 
     def luminance(colour):
         shares = [int(part) / 255 for part in re.findall(r"\d+", colour)[:3]]

@@ -14,8 +14,8 @@ from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import connect
 
 import made_run
-from browser import PATIENCE, Browser
-from desk.source import parse_events
+from browser import PATIENCE, Browser, contrast_of, overlaps
+from desk.source import HELD, parse_events
 from run_log import REPOSITORY, read_run_log, seconds
 
 RATED_TORQUE = 250.0  # [N m] T100 of config/controllers/thesis.yaml
@@ -434,6 +434,63 @@ class DeskTest(unittest.TestCase):
             page.value("window.pad.axes[0] = 0.02")  # a stick at rest is never quite at zero
             page.until("document.getElementById('facts').innerText.includes('request\\n0 %, emergency stop')")
             self.assertIn("PULL TO RELEASE", page.value("document.getElementById('stop').innerText"))
+
+    def test_the_page_is_readable_in_three_widths_light_and_dark(self):
+        texts = ("h1", ".badge", ".clock", ".chart h2", ".chart h2 small", ".legend", ".legend b", "figcaption", "dt", "dd", ".hint", "#take", "fieldset label", "#record", ".stop")
+        with self.steered() as desk:
+            page = self.open(desk.address)
+            self.speed_up(page)
+            page.until("desk.last > 3")
+            page.value("document.getElementById('record').click()")
+            page.until("!document.getElementById('recording').hidden")
+            page.value("desk.send({type: 'stop', pressed: true})")
+            page.until("document.getElementById('stop').getAttribute('aria-pressed') === 'true'")
+            for width in (1400, 800, 420):
+                for dark in (False, True):
+                    page.size(width, 900, dark)
+                    drawn = page.value("desk.drawn")
+                    page.until(f"desk.drawn > {drawn} + 1")
+                    with self.subTest(width=width, dark=dark):
+                        self.assertLessEqual(page.value("document.documentElement.scrollWidth"), width)
+                        self.assertEqual(overlaps(page, "button, label, h1, h2, figcaption, .badge, .clock, .legend span, .request, .hint, dt, dd, p.notice"), [])
+                        for selector in texts:
+                            self.assertGreaterEqual(contrast_of(page, selector), 4.5, selector)
+            page.value("document.querySelector('.chart h2').style.marginBottom = '-1.2em'")
+            self.assertNotEqual(overlaps(page, "h2, .legend span"), [], "what lies over each other would not be noticed")
+
+    def test_a_part_of_a_run_is_recorded_from_here(self):
+        with self.steered() as desk:
+            page = self.open(desk.address)
+            page.click("#take")
+            page.until("desk.steering.mine")
+            self.speed_up(page)
+            self.pull(page, 0.6)
+            page.until("desk.last > 5")
+            page.value("document.getElementById('record').click()")  # the mouse holds the lever
+            page.until("document.getElementById('recording').innerText.startsWith('Recording from') && document.getElementById('record').innerText === 'Stop recording'")
+            began = page.value("desk.last")
+            page.until(f"desk.last > {began} + 3")
+            page.value("document.getElementById('record').click()")
+            page.until("document.getElementById('recording').innerText.startsWith('Recorded from') && document.getElementById('record').innerText === 'Record from here'")
+            page.value("desk.send({type: 'record', on: true})")  # another one, which the run's end ends
+            page.until("document.getElementById('recording').innerText.includes('recording_2')")
+            page.mouse("mouseReleased", *page.middle("#lever")[:2])
+        whole = messages(self.folder / "runs" / "1" / "run.lcmlog")
+        for number in (1, 2):
+            folder = self.folder / "runs" / f"recording_{number}"
+            facts, log = json.loads((folder / "run.json").read_text()), read_run_log(folder / "run.lcmlog")
+            self.assertEqual(log.remarks, [])
+            time, position = seconds(log.channel("ENCODER")), 0
+            self.assertGreaterEqual(time[0], facts["recorded_from"])
+            self.assertAlmostEqual(time[-1], facts["recorded_until"], delta=0.011)
+            for message in messages(folder / "run.lcmlog"):  # all of the run's, and in their order; what stood before comes first
+                position = whole.index(message, position if message[0] not in HELD else 0) + (message[0] not in HELD)
+            counts = [sum(channel == "ENCODER" for channel, _ in each) for each in (messages(folder / "run.lcmlog"), whole[:position])]
+            self.assertEqual(counts[0], round((time[-1] - time[0]) / 0.01) + 1)
+            self.assertEqual(facts["total_ratio"], json.loads((self.folder / "runs" / "1" / "run.json").read_text())["total_ratio"])
+            self.assertNotIn("duration", facts)
+            report = subprocess.run([SLEWLAB, "report", folder], capture_output=True, text=True, timeout=PATIENCE)
+            self.assertEqual((report.returncode, report.stderr), (0, ""))
 
     def test_a_run_begins_anew_without_play_compensation(self):
         with self.steered() as desk:

@@ -106,6 +106,7 @@ class ExportTest(unittest.TestCase):
                 self.assertEqual((schema.encoding, channel.message_encoding), ("protobuf", "protobuf"))
                 if channel.topic == "SENSORS":
                     self.assertEqual(channel.metadata["slew_angle"], "rad")
+                    self.assertIn(b" [rad]\n", schema.data)  # the comment behind the field
                 values = self.decoded(schema, message)
                 self.assertEqual((message.sequence, message.log_time), (values.sequence, values.simulated_time))
                 read.setdefault(channel.topic, []).append(values)

@@ -6,7 +6,7 @@ from collections import deque
 from pathlib import Path
 
 from run_log import slewlab_program
-from desk.source import EVENT, SYNC
+from desk.source import event_bytes
 
 SPAN = 60.0  # [s]
 STANDING = ("OPERATOR", "PLANT_STATUS")  # what their last message says stands until the next one
@@ -40,8 +40,7 @@ class Minute:
         cut.events.extendleft((begin, channel, data) for channel, data in cut.standing.items())
         with path.open("wb") as file:
             for number, (time, channel, data) in enumerate(cut.events):
-                name = channel.encode()
-                file.write(EVENT.pack(SYNC, number, max(0, int(time * 1e6)), len(name), len(data)) + name + data)
+                file.write(event_bytes(number, time, channel, data))
 
 
 def drop(events, standing):

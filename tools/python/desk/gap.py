@@ -9,7 +9,7 @@ import math
 import numpy as np
 
 from run_log import messages_folder
-from desk.source import EVENT, SYNC
+from desk.source import event_bytes
 
 CHANNEL = "OBSERVER"
 FEWEST_BLOCKS = 10  # until something is called usual
@@ -57,7 +57,7 @@ class Gap:
         self.source, self.nominal, self.minute = source, nominal, minute
         self.sizes, self.since, self.problem, self.remark = {}, None, "", ""
         self.block = math.nan  # [s] the machine's characteristic time, which the observer says first
-        source.incoming.tap = self.feed
+        source.incoming.taps.append(self.feed)
 
     async def start(self):
         self.process = await asyncio.create_subprocess_exec(
@@ -74,8 +74,7 @@ class Gap:
         if pipe.transport.get_write_buffer_size() > MOST_WAITING:
             self.problem = "the observer cannot keep up with the run"
             return
-        pipe.write(b"".join(EVENT.pack(SYNC, 0, 0, len(channel), len(data)) + channel.encode() + data
-                            for channel, data in events if channel in USED))
+        pipe.write(b"".join(event_bytes(0, 0.0, channel, data) for channel, data in events if channel in USED))
 
     async def _listen(self):
         async for line in self.process.stdout:

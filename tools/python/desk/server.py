@@ -60,7 +60,7 @@ class Desk:
 
     def __init__(self, sources, access, run=None, watch=None):
         """`watch`: makes the Gap of a source, where a nominal machine is given."""
-        self.sources, self.access, self.run, self.watch, self.gap, self.diagnosis = sources, access, run, watch, None, None
+        self.sources, self.access, self.run, self.watch, self.gap, self.diagnosis, self.recorder = sources, access, run, watch, None, None, None
         self.joystick, self.pages = Joystick(), set()
         self.news, self.restarting = asyncio.Condition(), False
         self.began, self.heard = time.monotonic(), {}  # [s] of wall clock; by source: when there was something new
@@ -89,6 +89,7 @@ class Desk:
                 self.joystick.expire(time.monotonic())
                 if self.run.ended:
                     self.joystick.give_back(self.joystick.holder)
+                    self.recorder.stop()
                 self.run.operate(self.joystick)
             if had_news:
                 async with self.news:
@@ -105,6 +106,7 @@ class Desk:
             if self.gap is not None:
                 await self.gap.end()
             self.sources[0] = await self.run.start(play_compensation)
+            self.recorder.attach(self.sources[0])
             if self.watch is not None:
                 self.gap = await self.watch(self.sources[0])
         finally:
@@ -177,6 +179,8 @@ class Page:
                     await handlers[kind](request)
                 elif kind == "diagnose":
                     await self.diagnose()
+                elif kind == "record":
+                    await self.record(bool(request["on"]))
                 elif self.desk.run is not None:
                     await self.steer(kind, request)
             except (ValueError, TypeError, KeyError, AttributeError, OverflowError) as error:
@@ -232,6 +236,8 @@ class Page:
         told = {"gap": desk.gap.state()} if desk.gap is not None else {}
         if desk.diagnosis is not None:
             told["diagnosis"] = desk.diagnosis.state()
+        if desk.recorder is not None:
+            told["recording"] = desk.recorder.state()
         if desk.run is None:
             return told
         holder = desk.joystick.holder
@@ -264,6 +270,17 @@ class Page:
             await self.say({"type": "refused", "why": "this page only watches" if not self.may_steer else "there is no nominal machine to diagnose against"})
         else:
             await self.desk.diagnosis.begin(self.desk.sources[0])
+
+    async def record(self, on):
+        """Begins or ends a log of what goes on from here: it is written where the desk is, so who may steer may ask for it."""
+        if not self.may_steer or self.desk.recorder is None:
+            await self.say({"type": "refused", "why": "this page only watches" if not self.may_steer else "nothing goes on that could be recorded"})
+        elif not on:
+            self.desk.recorder.stop()
+        elif not np.isfinite(self.desk.sources[0].store.last):
+            await self.say({"type": "refused", "why": "nothing has been heard yet"})
+        else:
+            self.desk.recorder.begin()
 
     async def steer(self, kind, request):
         """What changes the run: only with the steering token."""

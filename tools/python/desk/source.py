@@ -32,6 +32,12 @@ LONGEST_CHANNEL = 63  # [bytes] that LCM allows
 LARGEST_MESSAGE = 1 << 20  # [bytes]
 
 
+def event_bytes(number, time, channel, data):
+    """An event of a log, `time` [s] its stamp."""
+    name = channel.encode()
+    return EVENT.pack(SYNC, number, max(0, round(time * 1e6)), len(name), len(data)) + name + data
+
+
 def fill(store, channel, messages):
     """Structured messages of one channel into the store."""
     fields = [field for field in USED.get(channel, ()) if field in messages.dtype.names]
@@ -151,15 +157,13 @@ class Incoming:
     def __init__(self, receive, begin=lambda: None):
         self.receive, self.begin, self.decoders, self.identity = receive, begin, {}, None
         self.span = None  # [ns] times of the plant's messages of this batch
-        self.tap = None  # gets all events as they are
+        self.taps = []  # each gets all events as they are, when it is known of which run they are
         self.moves = []  # OPERATOR as it is on the wire: (time [ns], request, emergency stop, acknowledge)
         types = message_types()
         self.classes = {channel: getattr(types, f"{channel.lower()}_t") for channel in USED}
 
     def take(self, events):
         """`events`: (channel, data), in their order."""
-        if self.tap is not None and events:
-            self.tap(events)
         waiting = {}
         for channel, data in events:
             if channel in self.classes:
@@ -190,6 +194,8 @@ class Incoming:
                 self.moves += zip(*(rows[field].tolist() for field in ("simulated_time", "speed_request", "emergency_stop", "acknowledge")))
             if len(rows):
                 self.receive(channel, rows)
+        for tap in self.taps if events else ():
+            tap(events)
         return bool(waiting)
 
 

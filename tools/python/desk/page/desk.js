@@ -37,6 +37,7 @@ class Desk {
     by("scrub").addEventListener("input", (event) => { this.follow(false); this.seek(Number(event.target.value)); });
     by("span").addEventListener("change", () => { this.window = null; this.ask(); });
     by("compare").addEventListener("change", () => this.build());
+    by("record").addEventListener("click", () => this.send({type: "record", on: !this.recording}));
     by("diagnose").addEventListener("click", () => this.send({type: "diagnose"}));
     by("true_scale").addEventListener("click", () => { by("exaggeration").value = 1; this.ask(); });
     by("exaggeration").addEventListener("change", () => this.ask());
@@ -108,7 +109,7 @@ class Desk {
     by("name").textContent = sources.slice(0, 2).map((source) => source.name).join(" against ");
     document.title = `slewlab desk: ${by("name").textContent}`;
     if (!layout.steered) this.showSources(layout);
-    by("live").hidden = !layout.live;
+    by("live").hidden = by("record").hidden = !layout.live;
     by("comparison").hidden = sources.length < 2;
     by("crane").classList.toggle("axis", first.facts.is_axis);
     by("play").hidden = by("rate").parentElement.hidden = layout.live;
@@ -292,6 +293,7 @@ class Desk {
     by("clock").textContent = `${header.at.toFixed(3)} s of ${this.last.toFixed(1)} s`;
     this.showRun(header.run);
     this.showGap(header.gap, header.diagnosis);
+    this.showRecording(header.recording ?? {});
     this.drawn += 1;
   }
 
@@ -320,6 +322,17 @@ class Desk {
     if (text !== this.gapText) { this.gapText = text; place.lastElementChild.textContent = text; }
     place.classList.toggle("open", open.length > 0);
     by("diagnose").disabled = !this.layout.may_steer || diagnosis?.state === "under way";
+  }
+
+  showRecording({on, folder, from, until, problem}) {
+    this.recording = on ?? false;
+    const place = by("recording"), button = by("record");
+    place.hidden = !folder;
+    const text = problem || (on ? `Recording from ${from?.toFixed(2)} s on: ${folder}` : `Recorded from ${from?.toFixed(2)} to ${until?.toFixed(2)} s: ${folder}`);
+    if (place.textContent !== text) place.textContent = text;
+    if (button.disabled !== (!this.layout.may_steer || this.isOver === true)) button.disabled = !button.disabled;
+    button.setAttribute("aria-pressed", this.recording);
+    button.textContent = this.recording ? "Stop recording" : "Record from here";
   }
 
   showState(header) {
