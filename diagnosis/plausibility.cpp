@@ -27,6 +27,7 @@ constexpr double kManyPlays = 5.0;    // that a group has turned, from which it 
 constexpr double kJump = 0.0036, kJumpOfAcceleration = 36.0;
 constexpr double kAtLimit = 1.0 - 1e-9;  // share of the largest size, from which a value stands at it
 constexpr double kOneTurnsBy = 0.5;   // the same of one group alone
+constexpr double kStands = 0.05;      // of top speed, below which a machine stands while its boom and load swing on; chosen, as a record begins in motion
 constexpr double kTurnsBy = 0.15;     // share of the torques' range by which what is needed may change meanwhile
 
 // Least-squares slope of y on x, and the correlation.
@@ -166,6 +167,19 @@ void check_jumps(const Record& record, std::size_t group, const AdmissionSetting
   }
 }
 
+// Of a machine that stands, a record shows how boom and load swing on, and little of anything else.
+void check_slews(const Record& record, const AdmissionSettings& settings) {
+  double largest = 0.0;
+  for (int g = 0; g < record.group_count; ++g) {
+    for (const double speed : record.shaft_speed[static_cast<std::size_t>(g)]) largest = std::max(largest, std::fabs(speed));
+  }
+  const double top = settings.turn / settings.time;
+  if (largest >= kStands * top) return;
+  throw NotAdmitted(fmt::format("{}: the crane does not slew: its motors turn with {:.3g} rad/s at most, of {:.3g} at top speed; record a move, or check whether speeds and "
+                                "positions are the motor shaft's, in rad",
+                                record.name, largest, top));
+}
+
 }  // namespace
 
 void check_units(const Record& record, const AdmissionSettings& settings) {
@@ -183,6 +197,7 @@ void check_units(const Record& record, const AdmissionSettings& settings) {
                                     record.name, g + 1, fit.slope, fit.correlation, words.empty() ? "" : ": ", words));
     }
   }
+  check_slews(record, settings);
   // Level accelerations of the house follow the motors' at low frequency: a = r_sensor * theta'' / ratio.
   const auto slow = static_cast<std::size_t>(std::lround(settings.slow / record.step));
   std::vector<double> mean_speed(record.size(), 0.0);

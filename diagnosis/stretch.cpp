@@ -23,12 +23,11 @@ double mean_position(const msgs::Encoder& message) {
   return message.shaft_position.empty() ? 0.0 : sum / static_cast<double>(message.shaft_position.size());
 }
 
-CoarseMotion coarse_motion(const msgs::RunLog& run, double time) {
+CoarseMotion coarse_motion(const msgs::LoggedRun& run, double time) {
   CoarseMotion motion;
   const auto distance = std::max<std::int64_t>(1, std::llround(time / kSpeedsPerTime / kNanosecond));
   double before = 0.0;
-  for (const msgs::Encoder& message : run.encoder) {
-    if (!motion.at.empty() && message.simulated_time - motion.at.back() < distance) continue;
+  for (const msgs::Encoder& message : msgs::read_encoders(run, distance)) {
     const double position = mean_position(message);
     if (!motion.at.empty()) motion.speed.push_back((position - before) / (static_cast<double>(message.simulated_time - motion.at.back()) * kNanosecond));
     motion.at.push_back(message.simulated_time);
@@ -37,11 +36,16 @@ CoarseMotion coarse_motion(const msgs::RunLog& run, double time) {
   return motion;
 }
 
+double largest_speed(const CoarseMotion& motion) {
+  double largest = 0.0;
+  for (const double speed : motion.speed) largest = std::max(largest, std::fabs(speed));
+  return largest;
+}
+
 // Where a stretch begins best that ends at `end` [instants; 0: beyond the run]: where the machine has stood for T and does so for another, as late in each rest as it can, for
 // boom and load swing on.
 std::vector<bool> beginnings(const CoarseMotion& motion, const std::vector<std::size_t>& end) {
-  double largest = 0.0;
-  for (const double speed : motion.speed) largest = std::max(largest, std::fabs(speed));
+  const double largest = largest_speed(motion);
   std::vector<bool> may_begin(motion.speed.size(), false);
   for (std::size_t k = 0; k + kSpeedsPerTime <= motion.speed.size(); ++k) {
     const std::size_t first = k > kSpeedsPerTime ? k - kSpeedsPerTime : 0;
@@ -52,24 +56,6 @@ std::vector<bool> beginnings(const CoarseMotion& motion, const std::vector<std::
     if (may_begin[k + 1] && end[k + 1] != 0) may_begin[k] = false;
   }
   return may_begin;
-}
-
-template <typename Message>
-std::vector<Message> within(const std::vector<Message>& messages, const Stretch& stretch) {
-  std::vector<Message> kept;
-  for (const Message& message : messages) {
-    if (message.simulated_time >= stretch.from && message.simulated_time <= stretch.to) kept.push_back(message);
-  }
-  return kept;
-}
-
-// With the last one before, which holds until the next.
-template <typename Message>
-std::vector<Message> held_within(const std::vector<Message>& messages, const Stretch& stretch) {
-  std::vector<Message> kept = within(messages, stretch);
-  const auto after = std::find_if(messages.begin(), messages.end(), [&](const Message& message) { return message.simulated_time >= stretch.from; });
-  if (after != messages.begin()) kept.insert(kept.begin(), *(after - 1));
-  return kept;
 }
 
 }  // namespace
@@ -87,14 +73,24 @@ std::vector<double> fitted_lengths(std::span<const double> lengths, double most)
   return fitted;
 }
 
+double length_of(const msgs::LoggedRun& run) {
+  const std::vector<msgs::EventHead>& heads = run.order.channels[msgs::kEncoderIndex];
+  return heads.empty() ? 0.0 : static_cast<double>(heads.back().time - heads.front().time) * kNanosecond;
+}
+
 double length_of(const msgs::RunLog& run) {
   return run.encoder.empty() ? 0.0 : static_cast<double>(run.encoder.back().simulated_time - run.encoder.front().simulated_time) * kNanosecond;
 }
 
-std::vector<Stretch> stretches_by_motion(const msgs::RunLog& run, double length, double time) {
+std::vector<Stretch> stretches_by_motion(const msgs::LoggedRun& run, double length, double time) {
   const CoarseMotion motion = coarse_motion(run, time);
   std::vector<double> moved(motion.speed.size() + 1, 0.0);  // the sum of (1) up to each speed
-  for (std::size_t k = 0; k < motion.speed.size(); ++k) moved[k + 1] = moved[k] + (k > 0 ? std::fabs(motion.speed[k] - motion.speed[k - 1]) : 0.0);
+  std::vector<std::size_t> turning(motion.speed.size() + 1, 0);  // speeds up to each with which the machine does not stand
+  const double standing = kStands * largest_speed(motion);
+  for (std::size_t k = 0; k < motion.speed.size(); ++k) {
+    moved[k + 1] = moved[k] + (k > 0 ? std::fabs(motion.speed[k] - motion.speed[k - 1]) : 0.0);
+    turning[k + 1] = turning[k] + (std::fabs(motion.speed[k]) >= standing ? 1 : 0);
+  }
   const std::int64_t duration = std::llround(length / kNanosecond);
   std::vector<std::size_t> end(motion.speed.size());  // the last instant of a stretch from there on; 0: the run ends before
   for (std::size_t k = 0, last = 0; k < end.size(); ++k) {
@@ -106,7 +102,7 @@ std::vector<Stretch> stretches_by_motion(const msgs::RunLog& run, double length,
   const auto is_free = [&](std::size_t k) { return std::none_of(taken.begin(), taken.end(), [&](std::size_t other) { return k < end[other] && other < end[k]; }); };
   const std::vector<bool> anywhere(motion.speed.size(), true);
   for (std::vector<bool> may_begin : {beginnings(motion, end), anywhere}) {
-    for (std::size_t k = 0; k < end.size(); ++k) may_begin[k] = may_begin[k] && end[k] != 0 && is_free(k);
+    for (std::size_t k = 0; k < end.size(); ++k) may_begin[k] = may_begin[k] && end[k] != 0 && turning[end[k]] > turning[k] && is_free(k);
     for (;;) {
       std::size_t best = end.size();
       double most = 0.0;
@@ -125,11 +121,6 @@ std::vector<Stretch> stretches_by_motion(const msgs::RunLog& run, double length,
     }
   }
   return stretches;
-}
-
-msgs::RunLog cut(const msgs::RunLog& run, const Stretch& stretch) {
-  return {run.configuration_hash, run.run_identity, within(run.encoder, stretch), within(run.torque, stretch), held_within(run.operator_moves, stretch),
-          within(run.sensors, stretch), within(run.truth, stretch), within(run.controller_state, stretch), held_within(run.plant_status, stretch)};
 }
 
 }  // namespace slewlab::diagnosis

@@ -15,7 +15,7 @@
 #include <span>
 #include <vector>
 
-#include "msgs/run_log.h"
+#include "msgs/logged_run.h"
 
 namespace slewlab::diagnosis {
 
@@ -28,13 +28,11 @@ struct Stretch {
 std::vector<double> fitted_lengths(std::span<const double> lengths, double most);
 
 // [s] from the first to the last reading of the encoders.
+double length_of(const msgs::LoggedRun& run);
 double length_of(const msgs::RunLog& run);
 
 // Stretches of that `length` [s] that do not overlap, the one in which most moves (1) first, and behind all that begin at a rest those that begin in motion; none in which
-// nothing moves. `time` [s]: T.
-std::vector<Stretch> stretches_by_motion(const msgs::RunLog& run, double length, double time);
-
-// The run as a recorder would have it that was on during the stretch alone, and that heard what the operator and the drive's state were before.
-msgs::RunLog cut(const msgs::RunLog& run, const Stretch& stretch);
+// the machine stands throughout, whatever swings on. `time` [s]: T.
+std::vector<Stretch> stretches_by_motion(const msgs::LoggedRun& run, double length, double time);
 
 }  // namespace slewlab::diagnosis

@@ -57,6 +57,16 @@ void scale(std::vector<Message>& messages, Member member, double factor) {
 
 TEST_F(Admission, TakesASoundLog) { EXPECT_EQ(refusal(), ""); }
 
+// Boom and load swing on, and draw the motors to and fro: their accelerations are none of the motors'.
+TEST_F(Admission, RefusesACraneThatStands) {
+  sim::MachineSettings truth;
+  truth.crane = bench().crane;
+  std::vector<Move> moves = kThereAndBack;
+  for (Move& move : moves) move.speed_request *= 0.03;
+  log_ = simulated_log(truth, bench().controller, moves, 12.0, 3);
+  EXPECT_NE(refusal().find("log: the crane does not slew: its motors turn with"), std::string::npos) << refusal();
+}
+
 TEST_F(Admission, RefusesMissingEncoders) {
   log_.encoder.clear();
   EXPECT_NE(refusal().find("no ENCODER"), std::string::npos) << refusal();

@@ -22,11 +22,12 @@
 #include "diagnosis/stochastic_fit.h"
 #include "diagnosis/nuisance.h"
 #include "diagnosis/prediction.h"
-#include "diagnosis/stretch.h"
 #include "sim/effects/catalogue.h"
 #include "tests/diagnosis/bench.h"
 #include "tests/diagnosis/missing_torque.h"
 #include "tests/diagnosis/simulated_log.h"
+#include "tests/msgs/logged_log.h"
+#include "tests/msgs/temporary_folder.h"
 
 namespace slewlab::diagnosis {
 namespace {
@@ -450,7 +451,9 @@ TEST(Diagnose, SaysNothingIsMissingOfAnOwnLogCutOutOfASlew) {
   const msgs::RunLog whole = quiet_log(nominal, controller, kThereAndBack, 1.5 * kDuration, controller.period);
   constexpr std::int64_t kFrom = 7'000'000'000;  // [ns] in the midst of the first turn
   std::vector<Record> records;
-  records.push_back(make_record(cut(whole, {kFrom, whole.encoder.back().simulated_time}), "its end", bench().admission));
+  const TemporaryFolder folder;
+  const msgs::LoggedRun logged = msgs::logged(whole, folder.path() / "run.lcmlog");
+  records.push_back(make_record(msgs::read_run(logged, kFrom, whole.encoder.back().simulated_time), "its end", bench().admission));
   DiagnosisSettings settings;
   for (const common::EffectAbout& about : sim::effects_for(bench().crane).effects) {
     if (about.name != "hoisting" && about.name != "torque_offset" && about.name != "load_mass") settings.without.emplace_back(about.name);

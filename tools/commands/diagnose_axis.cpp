@@ -265,10 +265,11 @@ std::string with_effect_text(const AxisDiagnosis& found, const sim::MachineFile&
   return text;
 }
 
-LongLogSettings long_logs(const sim::MachineFile& axis, const DiagnoseOptions& options, const MeasuredRuns& measured) {
+LongLogSettings long_logs(const sim::MachineFile& axis, const DiagnoseOptions& options, const LoggedRuns& logged) {
   double shortest_period = std::numeric_limits<double>::infinity();
-  for (const MeasuredRun& one : measured.runs) {
-    if (one.run.encoder.size() > 1) shortest_period = std::min(shortest_period, diagnosis::length_of(one.run) / static_cast<double>(one.run.encoder.size() - 1));
+  for (const LoggedRun& one : logged.runs) {
+    const std::size_t count = one.run.order.channels[msgs::kEncoderIndex].size();
+    if (count > 1) shortest_period = std::min(shortest_period, diagnosis::length_of(one.run) / static_cast<double>(count - 1));
   }
   const double time = sim::characteristic_time(axis.parameters);
   const auto judged_share = [&axis](const MeasuredRun& one) {
@@ -282,9 +283,11 @@ LongLogSettings long_logs(const sim::MachineFile& axis, const DiagnoseOptions& o
 }  // namespace
 
 int diagnose_axis_logs(const sim::MachineFile& axis, const DiagnoseOptions& options, std::ostream& out) {
-  MeasuredRuns measured = measured_runs(options.logs);
+  LoggedRuns logged = logged_runs(options.logs);
+  const LongLogSettings settings = long_logs(axis, options, logged);
+  auto [measured, held_out] = fitted_runs(settings, std::move(logged));
   std::vector<diagnosis::NamedRun> unseen;
-  for (MeasuredRun& one : keep_stretches(long_logs(axis, options, measured), measured)) unseen.push_back({one.name, std::move(one.run)});
+  for (MeasuredRun& one : held_out.runs) unseen.push_back({one.name, std::move(one.run)});
   std::vector<diagnosis::NamedRun> runs;
   for (MeasuredRun& one : measured.runs) runs.push_back({one.name, std::move(one.run)});
   if (!options.unseen.empty()) {

@@ -517,18 +517,10 @@ std::vector<Record> admitted_records(MeasuredRuns&& measured, const diagnosis::A
   return records;
 }
 
-// What is fitted of the logs, and the stretches of long ones that have no part in the answer.
-struct FittedRuns {
-  MeasuredRuns fitted, unseen;
-};
-
-FittedRuns fitted_runs(const DiagnoseOptions& options, const sim::MachineSettings& nominal, const diagnosis::Thresholds& thresholds) {
-  FittedRuns runs{measured_runs(options.logs), {}};
+FittedRuns fitted_runs_of(const DiagnoseOptions& options, const sim::MachineSettings& nominal, const diagnosis::Thresholds& thresholds) {
   const auto judged_share = [&](const MeasuredRun& one) { return diagnosis::judged_share(nominal, diagnosis::make_record(one.run, one.name, thresholds.admission)); };
-  runs.unseen.runs = keep_stretches({options.fitted_seconds.value_or(thresholds.fitted_time), thresholds.shortest_stretch, thresholds.time, diagnosis::kLeastTrusted, judged_share},
-                                    runs.fitted);
-  runs.unseen.is_damaged = runs.fitted.is_damaged;
-  return runs;
+  return fitted_runs({options.fitted_seconds.value_or(thresholds.fitted_time), thresholds.shortest_stretch, thresholds.time, diagnosis::kLeastTrusted, judged_share},
+                     logged_runs(options.logs));
 }
 
 // A diagnosis of a crane and what it was made of, for all that is written of it.
@@ -657,7 +649,7 @@ int diagnose_crane_logs(const sim::MachineFile& crane, const DiagnoseOptions& op
   if (!options.controller.empty()) controller = controller::load_controller_file(options.controller).settings;
   diagnosis::Thresholds thresholds = diagnosis::thresholds_of(sim::describe(crane));
   thresholds.admission.is_torque_measured = options.is_torque_measured;
-  FittedRuns measured = fitted_runs(options, nominal, thresholds);
+  FittedRuns measured = fitted_runs_of(options, nominal, thresholds);
   const std::vector<Record> records = admitted_records(std::move(measured.fitted), thresholds.admission);
   std::vector<Record> unseen = admitted_records(std::move(measured.unseen), thresholds.admission);
   for (Record& record : admitted_records(measured_runs(options.unseen), thresholds.admission)) unseen.push_back(std::move(record));

@@ -1,4 +1,5 @@
-// Of logs that are longer together than a diagnosis fits, the stretches that it fits and those that the answer is tried on (diagnosis/stretch.h).
+// Of logs that are longer together than a diagnosis fits, the stretches that it fits and those that the answer is tried on (diagnosis/stretch.h). Only they are held in
+// memory, however long the logs are.
 #pragma once
 
 #include <functional>
@@ -17,8 +18,13 @@ struct LongLogSettings {
   std::function<double(const MeasuredRun&)> judged_share;
 };
 
-// Cuts the runs to what is fitted of them, the stretch in which most moves in what is judged of it, which their names and remarks say; logs that are no longer together stay as they
-// are, and so does one of which no stretch can be judged: it says itself why. Gives of each that was cut the next best stretch: it has no part in the answer.
-std::vector<MeasuredRun> keep_stretches(const LongLogSettings& settings, MeasuredRuns& measured);
+struct FittedRuns {
+  MeasuredRuns fitted;
+  MeasuredRuns unseen;  // of each that was cut the next best stretch: it has no part in the answer
+};
+
+// What is fitted of the runs: of each the stretch in which most moves in what is judged of it, which names and remarks say; logs that are no longer together are read whole, and
+// so is one of which no stretch can be judged: it says itself why. Throws msgs::LogError where a log changed since its order was read.
+FittedRuns fitted_runs(const LongLogSettings& settings, LoggedRuns&& logged);
 
 }  // namespace slewlab::tools

@@ -5,22 +5,32 @@
 #include <string>
 #include <vector>
 
+#include "msgs/logged_run.h"
 #include "msgs/run_log.h"
 
 namespace slewlab::tools {
 
-struct MeasuredRun {
+template <class Run>
+struct RunOf {
   std::string name;                  // the log's; where it holds several runs with the run's number
-  msgs::RunLog run;
+  Run run;
   std::vector<std::string> remarks;  // of the whole log, beside its last run
 };
 
-struct MeasuredRuns {
-  std::vector<MeasuredRun> runs;
+template <class Run>
+struct RunsOf {
+  std::vector<RunOf<Run>> runs;
   bool is_damaged = false;  // bytes or messages of a log were lost
 };
 
-// Throws msgs::LogError.
+// In memory as a whole, or by their order alone.
+using MeasuredRun = RunOf<msgs::RunLog>;
+using MeasuredRuns = RunsOf<msgs::RunLog>;
+using LoggedRun = RunOf<msgs::LoggedRun>;
+using LoggedRuns = RunsOf<msgs::LoggedRun>;
+
+// Both throw msgs::LogError.
+LoggedRuns logged_runs(const std::vector<std::filesystem::path>& logs);
 MeasuredRuns measured_runs(const std::vector<std::filesystem::path>& logs);
 
 // Said with the answer and not only in a note: what is lost may be where the gap was.
