@@ -15,6 +15,7 @@ namespace {
 
 constexpr double kSmallShare = 0.25;            // of an effect's typical size, with which it is tried too
 constexpr int kMostBeginnings = 120;            // of a record longer than a minute, or they would take the time of all other effects
+constexpr Eigen::Index kRowsAtOnce = 1 << 16;   // of the columns of all beginnings, side by side: 63 MB
 constexpr int kCloserLooks = 3;                 // at most, at a size that the last one forecast
 constexpr double kCloserAmount = 2.0;           // at most, of a size that was forecast: forecasts of forecasts run away
 constexpr double kNearlyTried = 0.1;            // of the size: nearer than that to a start is not worth another look
@@ -110,14 +111,20 @@ Screened between_beginnings(const common::EffectCatalogue& catalogue, const std:
   const common::EffectAbout& about = catalogue.at(endless.front()->start.name);
   const SpellPlaces spell = places_of(about);
   const common::EffectParameter& duration = about.parameters[spell.duration];
-  Eigen::MatrixXd columns(target.size(), static_cast<Eigen::Index>(endless.size()));
-  for (Eigen::Index i = 0; i < columns.cols(); ++i) columns.col(i) = endless[static_cast<std::size_t>(i)]->column;
-  const Eigen::MatrixXd products = columns.transpose() * columns;
-  const Eigen::VectorXd with_target = columns.transpose() * target;
+  const auto count = static_cast<Eigen::Index>(endless.size());
+  Eigen::MatrixXd products = Eigen::MatrixXd::Zero(count, count);
+  Eigen::VectorXd with_target = Eigen::VectorXd::Zero(count);
+  for (Eigen::Index row = 0; row < target.size(); row += kRowsAtOnce) {
+    const Eigen::Index rows = std::min(kRowsAtOnce, target.size() - row);
+    Eigen::MatrixXd columns(rows, count);
+    for (Eigen::Index i = 0; i < count; ++i) columns.col(i) = endless[static_cast<std::size_t>(i)]->column.segment(row, rows);
+    products += columns.transpose() * columns;
+    with_target += columns.transpose() * target.segment(row, rows);
+  }
   const double target_square = target.squaredNorm();
   Screened best{{}, {}, 0.0, 0.0, std::numeric_limits<double>::infinity()};
-  for (Eigen::Index i = 0; i < columns.cols(); ++i) {
-    for (Eigen::Index j = i + 1; j < columns.cols(); ++j) {
+  for (Eigen::Index i = 0; i < count; ++i) {
+    for (Eigen::Index j = i + 1; j < count; ++j) {
       Screened spent{endless[static_cast<std::size_t>(i)]->start, {}, 0.0, 0.0, 0.0};
       try_amount(catalogue, products(i, i) + products(j, j) - 2.0 * products(i, j), with_target(i) - with_target(j), target_square, spent, kLargestAmount);
       if (spent.left >= best.left) continue;
