@@ -411,7 +411,7 @@ void keep_what_was_steered(const fs::path& folder) {
 // What an earlier run left, and what was drawn or exported of it: none of it may be taken for the new run's. A folder of exports goes
 // only if nothing else is in it.
 void remove_earlier_run(const fs::path& folder) {
-  for (const char* stale : {"summary.json", kRunFactsName, kPlantTaskName, "run.lcmlog", "run.lcmlog.partial", "report.html",
+  for (const char* stale : {"summary.json", kRunFactsName, kPlantTaskName, "run.lcmlog", "run.lcmlog.partial", "report.html", "run.html",
                             "acceptance.json", "acceptance.html", "run.mcap", "plant.txt", "controller.txt"}) {
     fs::remove(folder / stale);
   }

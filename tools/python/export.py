@@ -26,7 +26,7 @@ from mcap.writer import MCAP0_MAGIC, CompressionType
 from arguments import ArgumentParser, output_file, output_folder
 from mcap_batches import BatchWriter
 from protobuf_rows import ProtobufRows
-from run_log import LogProblem, seconds
+from run_log import LogProblem, beside_its_run, seconds
 from run_numbers import early_end, read_run
 from signals import measured, table, unit_of
 from whole_file import growing, is_free
@@ -200,16 +200,17 @@ def main(arguments=None):
     options = parser.parse_args(arguments)
     options.out = written(options, parser)
     try:
+        out = options.out and beside_its_run(options.out)
         run = read_run(options.log)
         log = run.log
         path = log.path.with_suffix("") if log.path.suffix == ".partial" else log.path
         if options.format == "mcap":
-            out = options.out or path.with_suffix(".mcap")
+            out = out or path.with_suffix(".mcap")
             if not is_free(out, MCAP0_MAGIC):
                 raise LogProblem(f"{out}: is there already and is no earlier export; name another with --out")
             write_mcap(log, out)
         else:
-            out = options.out or path.with_name(f"{path.stem}_{options.format}")
+            out = out or path.with_name(f"{path.stem}_{options.format}")
             if out.exists() and not (out.is_dir() and all(f.suffix == f".{options.format}" for f in out.iterdir())):
                 raise LogProblem(f"{out}: is there already and is no earlier export; name another with --out")
             write_tables(run, out, options.format)

@@ -21,7 +21,7 @@ from comparison import Difference
 from not_finite import places
 from panel import DARK, GREEN, GREY, GROUP_COLOURS, PURPLE, Panel, dash_of, line, slim
 from picture_page import STYLE, picture
-from run_log import LogProblem
+from run_log import LogProblem, beside_its_run
 from run_numbers import early_end, read_run, shown_path, table, table_text
 from run_overview import phase_of
 from whole_file import growing, is_free
@@ -404,10 +404,11 @@ def main(arguments=None):
 
 def draw(options):
     try:
+        out = options.out and beside_its_run(options.out)
         runs = [read_run(folder) for folder in options.run]
         axis_report.share_machine(runs)
         first = Path(options.run[0])
-        out = options.out or (first.with_suffix(".html") if first.is_file() else first / "report.html")
+        out = out or (first.with_suffix(".html") if first.is_file() else first / "report.html")
         if not is_free(out, PAGE[:15].encode()):
             raise LogProblem(f"{out}: is there already and is no earlier page; name another with --out")
         of_axes = all(axis_report.is_axis(run) for run in runs)

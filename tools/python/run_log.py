@@ -115,3 +115,17 @@ def read_run_log(path):
     if not path.is_file():
         raise LogProblem(f"{path}: there is no such log")
     return RunLog(path)
+
+
+# What a later run in a run's folder takes away (tools/commands/run_command.cpp, remove_earlier_run): a picture or an export under another
+# name would stay beside that run's log and be taken for its own.
+OF_A_RUN = ("report.html", "run.html", "run.mcap", "run_parquet", "run_csv")
+
+
+def beside_its_run(out):
+    """`out`, where a picture or an export of a run is written; LogProblem where it would stay beside a later run's log."""
+    folder = Path(out).parent
+    if any((folder / log).exists() for log in ("run.lcmlog", "run.lcmlog.partial")) and Path(out).name not in OF_A_RUN:
+        raise LogProblem(f"--out: found '{out}' in the folder of a run, where a later run would leave it beside its own log; "
+                         f"expected one of {', '.join(OF_A_RUN)} there, or another folder")
+    return out

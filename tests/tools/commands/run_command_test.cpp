@@ -79,13 +79,13 @@ TEST_F(RunCommandTest, NothingOfAnEarlierRunStaysBesideTheNewLog) {
   fs::create_directories(out_ / "run_parquet");
   fs::create_directories(out_ / "run_csv");
   const auto write = [&](const char* name) { std::ofstream(out_ / name) << "of an earlier run"; };
-  for (const char* name : {"report.html", "acceptance.json", "acceptance.html", "run.mcap", "run.lcmlog.partial", "run_parquet/TRUTH.parquet", "notes.txt",
+  for (const char* name : {"report.html", "run.html", "acceptance.json", "acceptance.html", "run.mcap", "run.lcmlog.partial", "run_parquet/TRUTH.parquet", "notes.txt",
                            "run_csv/TRUTH.csv", "run_csv/mine.txt"}) {
     write(name);
   }
   RunningProgram run(command({"--set", "duration=1"}));
   ASSERT_EQ(run.wait_for_end(), 0) << run.complaints();
-  for (const char* name : {"report.html", "acceptance.json", "acceptance.html", "run.mcap", "run.lcmlog.partial", "run_parquet"}) EXPECT_FALSE(fs::exists(out_ / name)) << name;
+  for (const char* name : {"report.html", "run.html", "acceptance.json", "acceptance.html", "run.mcap", "run.lcmlog.partial", "run_parquet"}) EXPECT_FALSE(fs::exists(out_ / name)) << name;
   EXPECT_TRUE(fs::exists(out_ / "run_csv/mine.txt")) << "a folder with something else in it is the user's";
   EXPECT_TRUE(fs::exists(out_ / "notes.txt"));
 }

@@ -132,13 +132,17 @@ class ExportTest(unittest.TestCase):
     def test_a_second_export_replaces_the_first_but_nothing_else(self):
         self.assertEqual(self.call(self.folder, "--format", "csv")[0], 0)
         self.assertEqual(self.call(self.folder, "--format", "csv")[0], 0)
-        precious = self.folder / "precious"
-        precious.mkdir()
+        precious = self.folder / "other" / "precious"
+        precious.mkdir(parents=True)
         (precious / "thesis.txt").write_text("mine")
         code, error = self.call(self.folder, "--format", "csv", "--out", precious)
         self.assertEqual(code, 2)
         self.assertIn("precious: is there already and is no earlier export", error)
         self.assertEqual((precious / "thesis.txt").read_text(), "mine")
+        code, error = self.call(self.folder, "--format", "csv", "--out", self.folder / "first_csv")
+        self.assertEqual(code, 2)
+        self.assertIn("in the folder of a run, where a later run would leave it beside its own log", error)
+        self.assertFalse((self.folder / "first_csv").exists())
 
     def test_mcap_of_one_message_and_of_a_log_written_backwards(self):
         for name, events in (("one", self.events[:1]), ("backwards", self.events[::-1])):

@@ -177,6 +177,15 @@ class ReportTest(unittest.TestCase):
         self.assertIn("run.lcmlog: there is no such log", err)
         self.assertEqual(list(self.folder.iterdir()), [])
 
+    def test_a_page_under_a_name_that_a_later_run_would_leave_is_refused_in_its_folder(self):
+        folder = made_run.write_run(self.folder / "a")
+        code, _, err = self.call(folder, "--out", folder / "first.html")
+        self.assertEqual(code, 2)
+        self.assertIn(f"--out: found '{folder / 'first.html'}' in the folder of a run", err)
+        self.assertFalse((folder / "first.html").exists())
+        for out in (folder / "report.html", folder / "run.html", self.folder / "first.html", folder / "pages" / "first.html"):
+            self.assertEqual(self.call(folder, "--out", out)[0], 0, out)
+
     def test_runs_are_called_by_what_tells_them_apart(self):
         on = read_run(made_run.write_run(self.folder / "a"))
         off = read_run(made_run.write_run(self.folder / "b", play_compensation=False))
