@@ -167,17 +167,12 @@ void check_jumps(const Record& record, std::size_t group, const AdmissionSetting
   }
 }
 
-// Of a machine that stands, a record shows how boom and load swing on, and little of anything else.
-void check_slews(const Record& record, const AdmissionSettings& settings) {
+double largest_speed(const Record& record) {
   double largest = 0.0;
   for (int g = 0; g < record.group_count; ++g) {
     for (const double speed : record.shaft_speed[static_cast<std::size_t>(g)]) largest = std::max(largest, std::fabs(speed));
   }
-  const double top = settings.turn / settings.time;
-  if (largest >= kStands * top) return;
-  throw NotAdmitted(fmt::format("{}: the crane does not slew: its motors turn with {:.3g} rad/s at most, of {:.3g} at top speed; record a move, or check whether speeds and "
-                                "positions are the motor shaft's, in rad",
-                                record.name, largest, top));
+  return largest;
 }
 
 }  // namespace
@@ -197,7 +192,6 @@ void check_units(const Record& record, const AdmissionSettings& settings) {
                                     record.name, g + 1, fit.slope, fit.correlation, words.empty() ? "" : ": ", words));
     }
   }
-  check_slews(record, settings);
   // Level accelerations of the house follow the motors' at low frequency: a = r_sensor * theta'' / ratio.
   const auto slow = static_cast<std::size_t>(std::lround(settings.slow / record.step));
   std::vector<double> mean_speed(record.size(), 0.0);
@@ -217,6 +211,12 @@ void check_units(const Record& record, const AdmissionSettings& settings) {
     // must follow closely before it is refused: near the axis a rolling vessel's gravity is larger than any slewing.
     const double close = a == accelerometer_at("house") || a == accelerometer_at("pivot") ? 0.97 : 0.7;
     if (std::fabs(fit.correlation) > close && (factor < 1.0 / kGross || factor > kGross)) {
+      const double largest = largest_speed(record), top = settings.turn / settings.time;
+      if (largest < kStands * top) {
+        throw NotAdmitted(fmt::format("{}: the crane stands, and boom and load swing on: its motors turn with {:.3g} rad/s at most, of {:.3g} at top speed, and the acceleration at "
+                                      "the {} is {:.3g} times what that gives; record a move",
+                                      record.name, largest, top, accelerometer_name(a), factor));
+      }
       const std::string words = explain_factor(factor, kAccelerationFactors);
       throw NotAdmitted(fmt::format("{}: acceleration at the {} is {:.3g} times what the motors' speed and its radius "
                                     "of {:.1f} m give{}{}; check sign, unit and place of the sensor",

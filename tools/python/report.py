@@ -408,7 +408,8 @@ def draw(options):
         runs = [read_run(folder) for folder in options.run]
         axis_report.share_machine(runs)
         first = Path(options.run[0])
-        out = out or (first.with_suffix(".html") if first.is_file() else first / "report.html")
+        of_a_run = first.parent if first.name in ("run.lcmlog", "run.lcmlog.partial") else first
+        out = out or (of_a_run / "report.html" if of_a_run.is_dir() else first.with_suffix(".html"))
         if not is_free(out, PAGE[:15].encode()):
             raise LogProblem(f"{out}: is there already and is no earlier page; name another with --out")
         of_axes = all(axis_report.is_axis(run) for run in runs)

@@ -179,6 +179,8 @@ class ReportTest(unittest.TestCase):
 
     def test_a_page_under_a_name_that_a_later_run_would_leave_is_refused_in_its_folder(self):
         folder = made_run.write_run(self.folder / "a")
+        self.assertEqual(self.call(folder / "run.lcmlog")[0], 0)
+        self.assertEqual(sorted(path.name for path in folder.glob("*.html")), ["report.html"])
         code, _, err = self.call(folder, "--out", folder / "first.html")
         self.assertEqual(code, 2)
         self.assertIn(f"--out: found '{folder / 'first.html'}' in the folder of a run", err)

@@ -31,6 +31,7 @@ class Recorder:
         self.identity, self.since, self.until = self.source.incoming.identity, self.source.store.last, None
         try:
             self.folder.mkdir(parents=True)
+            self._tell({"end": "under way"})
             self.file = self._partial.open("wb")
         except OSError as error:
             self._give_up(error)
@@ -40,6 +41,11 @@ class Recorder:
     @property
     def _partial(self):
         return self.folder / "run.lcmlog.partial"
+
+    def _tell(self, more):
+        facts = {name: value for name, value in self.source.facts.items() if name not in OF_ITS_RUN}
+        text = json.dumps(facts | {"recorded_from": self.since} | more, indent=2) + "\n"
+        (self.folder / "run.json").write_text(text, encoding="utf-8")
 
     def take(self, events):
         if self.file is not None and self.source.incoming.identity != self.identity:  # another run on this bus
@@ -67,9 +73,7 @@ class Recorder:
         file, self.file, self.until = self.file, None, self.source.store.last
         try:
             file.close()
-            facts = {name: value for name, value in self.source.facts.items() if name not in OF_ITS_RUN}
-            facts |= {"end": "complete", "recorded_from": self.since, "recorded_until": self.until}
-            (self.folder / "run.json").write_text(json.dumps(facts, indent=2) + "\n", encoding="utf-8")
+            self._tell({"end": "complete", "recorded_until": self.until})
             self._partial.replace(self.folder / "run.lcmlog")
         except OSError as error:
             self._give_up(error)

@@ -277,6 +277,8 @@ class Page:
             await self.say({"type": "refused", "why": "this page only watches" if not self.may_steer else "nothing goes on that could be recorded"})
         elif not on:
             self.desk.recorder.stop()
+        elif self.desk.run is not None and self.desk.run.ended:
+            await self.say({"type": "refused", "why": "the run has ended: start it anew"})
         elif not np.isfinite(self.desk.sources[0].store.last):
             await self.say({"type": "refused", "why": "nothing has been heard yet"})
         else:
