@@ -78,7 +78,7 @@ Cause make_cause(const common::EffectCatalogue& catalogue, const FitResult& resu
   for (const common::EffectInstance& effect : result.point.effects) cause.effects.push_back(effect.name);
   cause.point = result.point;
   cause.mean_square = result.mean_square;
-  cause.excess = result.excess;
+  cause.residual_power = result.residual_power;
   cause.prior = result.prior;
   cause.information = result.information;
   cause.ending = result.ending;

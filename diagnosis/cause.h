@@ -34,7 +34,7 @@ struct Cause {
   double with_unknown_law = 0.0;      // share of it that is of the effect with a law beside it that is in no catalogue (unknown_law.h)
   double explained = 0.0;             // share of the gap, down to what the best of all fits leaves
   double mean_square = 0.0;
-  double excess = 0.0, prior = 0.0;    // as in evidence.h
+  double residual_power = 0.0, prior = 0.0;    // as in evidence.h
   Eigen::VectorXd information;         // as in evidence.h
   double prior_chance = 1.0;           // that machines of one make lie so far from their nominal values
   Ending ending = Ending::settled;     // why its fit ended

@@ -29,7 +29,7 @@ constexpr double kNever = 1e-6;  // chance of a machine
 // The cause of one effect that leaves least; nothing missing where there is none.
 const Candidate& best_single(const std::vector<Candidate>& candidates) {
   const auto rank = [](const Candidate& candidate) {
-    return std::pair(candidate.chance ? 3 : candidate.effects.size() == 1 ? 0 : candidate.effects.empty() ? 1 : 2, candidate.excess);
+    return std::pair(candidate.chance ? 3 : candidate.effects.size() == 1 ? 0 : candidate.effects.empty() ? 1 : 2, candidate.residual_power);
   };
   return *std::min_element(candidates.begin(), candidates.end(), [&](const Candidate& a, const Candidate& b) { return rank(a) < rank(b); });
 }
@@ -44,9 +44,9 @@ Probabilities weigh(const std::vector<Candidate>& candidates, int single_count, 
   if (nothing == nullptr) throw std::invalid_argument("no candidate stands for nothing missing");
   double floor = 0.0;
   for (const Candidate& candidate : candidates) {
-    if (is_a_measure(candidate.prior, candidate.information, settings.independent_share)) floor = std::min(floor, candidate.excess);
+    if (is_a_measure(candidate.prior, candidate.information, settings.independent_share)) floor = std::min(floor, candidate.residual_power);
   }
-  const double gap = nothing->excess - floor;
+  const double gap = nothing->residual_power - floor;
   const MisfitCost misfit_cost(settings, gap);
   const auto likelihood = [&](double left, const Candidate& candidate, std::size_t laws) {
     const double weight = settings.independent_share * misfit_cost.law_slope(left);
@@ -60,7 +60,7 @@ Probabilities weigh(const std::vector<Candidate>& candidates, int single_count, 
                          : candidate.effects.empty() ? settings.prior_nothing
                          : candidate.is_one_cause    ? settings.prior_single / singles
                                                      : settings.prior_pair / (singles * (singles - 1.0) / 2.0);
-    score.push_back(std::log(prior) - std::numbers::ln2 * candidate.at_bounds + likelihood(std::max(0.0, candidate.excess - floor), candidate, candidate.laws));
+    score.push_back(std::log(prior) - std::numbers::ln2 * candidate.at_bounds + likelihood(std::max(0.0, candidate.residual_power - floor), candidate, candidate.laws));
   }
   const double unexplained = std::max(settings.unknown_floor, settings.unknown_share * gap);
   Candidate outside = best_single(candidates);

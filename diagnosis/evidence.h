@@ -52,7 +52,7 @@ class MisfitCost {
 
 struct Candidate {
   std::vector<std::string> effects;  // none: nothing missing but parameters
-  double excess = 0.0;
+  double residual_power = 0.0;
   double prior = 0.0;
   Eigen::VectorXd information{};
   int at_bounds = 0;  // how many shapes of its effects ended there, their sizes aside
@@ -67,7 +67,7 @@ struct Probabilities {
   std::vector<double> candidate;  // in the order of the candidates
   double unknown = 0.0;
   double unknown_law = 0.0;  // of it that of laws that were fitted (unknown_law.h)
-  double floor = 0.0;  // the excess from which c counts
+  double floor = 0.0;  // the residual power from which c counts
 };
 
 // `candidates` holds exactly one without effects. `single_count` effects could have been named, so many share

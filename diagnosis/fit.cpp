@@ -65,7 +65,7 @@ double prior_cost(const Problem& problem, const Point& point) {
 namespace {
 
 double cost_of(const Problem& problem, const Point& point, const Eigen::VectorXd& difference, double law_freedom) {
-  return discounted(excess(difference, problem.settings), law_freedom) + prior_cost(problem, point);
+  return discounted(residual_power(difference, problem.settings), law_freedom) + prior_cost(problem, point);
 }
 double cost_of(const Problem& problem, const Point& point, const Eigen::VectorXd& difference) {
   return cost_of(problem, point, difference, problem.settings.law_freedom);
@@ -73,7 +73,7 @@ double cost_of(const Problem& problem, const Point& point, const Eigen::VectorXd
 
 // What a squared difference counts where misfits are discounted with so many degrees of freedom.
 double weight_of(const Problem& problem, const Eigen::VectorXd& difference, double law_freedom) {
-  return problem.settings.independent_share * discounted_weight(excess(difference, problem.settings), law_freedom);
+  return problem.settings.independent_share * discounted_weight(residual_power(difference, problem.settings), law_freedom);
 }
 
 // Products of the columns with each other.
@@ -306,16 +306,16 @@ double mean_square(const Eigen::VectorXd& difference) {
   return difference.squaredNorm() / static_cast<double>(difference.size());
 }
 
-double excess(const Eigen::VectorXd& difference, const FitSettings& settings) {
+double residual_power(const Eigen::VectorXd& difference, const FitSettings& settings) {
   return settings.independent_share * (difference.squaredNorm() - static_cast<double>(difference.size()));
 }
 
-double discounted(double excess, double law_freedom) {
-  return excess > 0.0 ? law_freedom * std::log1p(excess / law_freedom) : excess;
+double discounted(double residual_power, double law_freedom) {
+  return residual_power > 0.0 ? law_freedom * std::log1p(residual_power / law_freedom) : residual_power;
 }
 
-double discounted_weight(double excess, double law_freedom) {
-  return excess > 0.0 ? 1.0 / (1.0 + excess / law_freedom) : 1.0;
+double discounted_weight(double residual_power, double law_freedom) {
+  return residual_power > 0.0 ? 1.0 / (1.0 + residual_power / law_freedom) : 1.0;
 }
 
 PriorRows prior_rows(const Problem& problem, const Point& point) {
@@ -333,7 +333,7 @@ PriorRows prior_rows(const Problem& problem, const Point& point) {
 }
 
 double data_weight(const Eigen::VectorXd& difference, const FitSettings& settings) {
-  return settings.independent_share * discounted_weight(excess(difference, settings), settings.law_freedom);
+  return settings.independent_share * discounted_weight(residual_power(difference, settings), settings.law_freedom);
 }
 
 namespace {
@@ -491,23 +491,23 @@ void settle(Problem& problem, FitResult& result, int rounds) {
 }
 
 Relaxed relax(const Problem& problem, const FitResult& result, const Leaving& leaving, const MisfitCost& misfit_cost, double floor) {
-  if (leaving.gram.size() == 0) return {leaving.excess, result.prior};
+  if (leaving.gram.size() == 0) return {leaving.residual_power, result.prior};
   const double share = problem.settings.independent_share;
   // The columns of a fit that has not settled promise what is not there: nothing less is left than where it stands.
-  const auto excess_at = [&](const Eigen::VectorXd& step) {
-    return leaving.excess + std::max(0.0, share * (2.0 * leaving.slope.dot(step) + step.dot(leaving.gram * step)));
+  const auto residual_power_at = [&](const Eigen::VectorXd& step) {
+    return leaving.residual_power + std::max(0.0, share * (2.0 * leaving.slope.dot(step) + step.dot(leaving.gram * step)));
   };
   const auto cost_at = [&](const Relaxed& relaxed) {
-    return misfit_cost(std::max(0.0, relaxed.excess - floor)) + relaxed.prior;
+    return misfit_cost(std::max(0.0, relaxed.residual_power - floor)) + relaxed.prior;
   };
-  Relaxed best{leaving.excess, result.prior};
+  Relaxed best{leaving.residual_power, result.prior};
   const double besides = result.prior - prior_cost(problem, result.point);  // what does not go with where the parameters stand
   Point point = result.point, trial;
   Eigen::VectorXd step = Eigen::VectorXd::Zero(leaving.gram.cols()), trial_step;
   Relaxed relaxed;
   Descending problem_here;
   problem_here.model = [&]() -> LocalModel {
-    const double weight = share * misfit_cost.slope(std::max(0.0, best.excess - floor));
+    const double weight = share * misfit_cost.slope(std::max(0.0, best.residual_power - floor));
     const PriorRows prior = prior_rows(problem, point);
     const Eigen::MatrixXd axes = step_axes(problem.catalogue, result.point.effects, point.effects);
     Eigen::VectorXd slope_here = leaving.slope + leaving.gram * step;
@@ -519,7 +519,7 @@ Relaxed relax(const Problem& problem, const FitResult& result, const Leaving& le
   problem_here.attempt = [&](const Eigen::VectorXd& change) -> std::optional<double> {
     trial = moved(problem.catalogue, point, change);
     trial_step = step_between(problem.catalogue, result.point, trial);
-    relaxed = {excess_at(trial_step), prior_cost(problem, trial) + besides};
+    relaxed = {residual_power_at(trial_step), prior_cost(problem, trial) + besides};
     return cost_at(relaxed);
   };
   problem_here.accept = [&] {
@@ -533,7 +533,7 @@ Relaxed relax(const Problem& problem, const FitResult& result, const Leaving& le
 
 void conclude(const Problem& problem, FitResult& result) {
   result.mean_square = mean_square(result.difference);
-  result.excess = excess(result.difference, problem.settings);
+  result.residual_power = residual_power(result.difference, problem.settings);
   result.prior = prior_cost(problem, result.point);
   result.information = information_of(result.columns);
   const Eigen::VectorXd variance = covariance(problem, result.point, result.difference, result.columns).diagonal();

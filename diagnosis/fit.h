@@ -28,11 +28,11 @@ inline constexpr double kNoiseAlone = 1.0 + kNoise;  // mean square of what it m
 double mean_square(const Eigen::VectorXd& difference);
 
 // What of the differences noise alone does not explain: s (sum(d^2) - n).
-double excess(const Eigen::VectorXd& difference, const FitSettings& settings);
+double residual_power(const Eigen::VectorXd& difference, const FitSettings& settings);
 
-// L of the excess, and dL/dc.
-double discounted(double excess, double law_freedom);
-double discounted_weight(double excess, double law_freedom);
+// L of the residual power, and dL/dc.
+double discounted(double residual_power, double law_freedom);
+double discounted_weight(double residual_power, double law_freedom);
 
 // -2 ln of the prior at a point.
 double prior_cost(const Problem& problem, const Point& point);
@@ -55,7 +55,7 @@ struct FitResult {
   Eigen::VectorXd information;       // eigenvalues of columns^T columns
   Ending ending = Ending::settled;   // of the last descent
   double mean_square = 0.0;          // of the differences
-  double excess = 0.0;
+  double residual_power = 0.0;
   std::vector<double> deviation;     // of each effect parameter in order, in its own unit; from the curvature
   int idle_rounds = 0;               // of its last rounds with fresh columns: they were worth little
   double cost_from_afar = std::numeric_limits<double>::infinity();  // at which it was last tried from afar
@@ -96,15 +96,15 @@ Eigen::MatrixXd covariance(const Problem& problem, const FitResult& result);
 void conclude(const Problem& problem, FitResult& result);
 
 // What a fit leaves and what its point costs where misfits count less than in the fit: where the parameters would stand if
-//   M(excess - floor) + prior
+//   M(residual power - floor) + prior
 // were what is made small, by the fit's columns. A fit takes every unlikely value that noise or a law's misfit asks for; an evidence that
 // discounts the misfit must not count the value in full.
 struct Relaxed {
-  double excess = 0.0, prior = 0.0;
+  double residual_power = 0.0, prior = 0.0;
 };
-// By `excess`, and how the fit's columns and differences change it: columns' products with each other and with the differences. No products: of a power, not of a motion.
+// By `residual_power`, and how the fit's columns and differences change it: columns' products with each other and with the differences. No products: of a power, not of a motion.
 struct Leaving {
-  double excess = 0.0;
+  double residual_power = 0.0;
   Eigen::MatrixXd gram;
   Eigen::VectorXd slope;
 };

@@ -227,7 +227,7 @@ bool has_effect(std::span<const common::EffectInstance> effects, std::string_vie
 double forecast(const Problem& problem, const FitResult& from, const Screening& screening, const Screened& screened) {
   // Where the parameters have not been fitted, without what they would take away.
   const double independent = problem.settings.independent_share, count = static_cast<double>(from.difference.size());
-  const double left = std::min(excess(from.difference, problem.settings), independent * (screening.gap.squaredNorm() - count)), nu = problem.settings.law_freedom;
+  const double left = std::min(residual_power(from.difference, problem.settings), independent * (screening.gap.squaredNorm() - count)), nu = problem.settings.law_freedom;
   const double fall = independent * (screening.gap.squaredNorm() - screened.left);
   return discounted(left, nu) - discounted(left - fall, nu);
 }

@@ -18,7 +18,7 @@ namespace slewlab::diagnosis {
 
 namespace {
 
-constexpr double kLeastPairGain = 25.0;         // fall of the excess below the best single effect's, forecast, to try a pair
+constexpr double kLeastPairGain = 25.0;         // fall of the residual power below the best single effect's, forecast, to try a pair
 constexpr double kSameMotion = 1e-6;            // relative difference of two signatures below which two effects are one motion
 constexpr double kNearRival = 30.0;              // cost above the best fit's, below which the order may be that of convergence
 constexpr std::size_t kMostRivals = 2;
@@ -27,7 +27,7 @@ constexpr std::size_t kPairLeaders = 3;         // single effects beside which a
 constexpr int kMoreLooks = 2;                   // beside single effects that came on
 constexpr int kPairsPerLeader = 2;              // that are refined beside each of them but the best
 constexpr double kLeavesMuch = 2.0;              // mean square of what the nominal machine leaves, above which an effect may be hidden by where the parameters went
-constexpr double kDoubtful = 1000.0;            // excess of parameters alone below which they may be the answer
+constexpr double kDoubtful = 1000.0;            // residual power of parameters alone below which they may be the answer
 constexpr std::size_t kFromBest = 4;             // fits that try the best one's machine
 constexpr std::size_t kFewSingles = 5;          // starts that are refined, up to which a search is short
 constexpr std::size_t kRecurringStarts = 3;      // of a law that recurs: linearly its angles are not told for sure
@@ -157,7 +157,7 @@ void go_back(Problem& problem, const Eigen::MatrixXd& nuisance_columns, std::siz
     again = fit(problem, nuisance_columns, start);
     take_nuisance_columns(problem, from.columns, again);
     improve(problem, again, false);
-    if (again.point.effects.empty() && excess(again.difference, problem.settings) < kDoubtful) settle(problem, again, kFreshRounds);
+    if (again.point.effects.empty() && residual_power(again.difference, problem.settings) < kDoubtful) settle(problem, again, kFreshRounds);
   });
   take_cheaper(fits, std::move(fewer));
 }
@@ -582,7 +582,7 @@ Found search(Problem& problem, FitResult& base, const Screening& screening, cons
   std::erase_if(best, [&](const Screened* screened) { return same_as.count(screened->start.name) != 0; });
   std::vector<FitResult>& fits = found.fits;
   fits.resize(chosen.size());
-  const bool is_short = chosen.size() <= kFewSingles && excess(base.difference, problem.settings) < kDoubtful;
+  const bool is_short = chosen.size() <= kFewSingles && residual_power(base.difference, problem.settings) < kDoubtful;
   const Progress tell = is_short ? shortened(tell_all, kWithFewEffects) : tell_all;
   const Progress refining = within(tell, kRefineSingles);
   share_out(problem, chosen.size(), [&](std::size_t i) {

@@ -26,9 +26,9 @@ constexpr double kNearForce = 0.1;   // as kNearFreePower, of a force: it explai
 constexpr std::size_t kBeside = 6;   // single fits beside which stochastic effects are tried
 constexpr std::size_t kSeconds = 4;  // effects that are fitted beside the best stochastic one
 constexpr double kWorthALook = 1.0;  // above the free power, before its own draws were made
-constexpr double kLeastFall = 20.0;  // of the excess, for which draws are made
-constexpr double kMuch = 1000.0;     // excess of every other fit from which a second effect is looked for beside a stochastic one that is not near
-constexpr double kLeastSecondGain = 40.0;  // fall of the excess, forecast, for which a second effect is fitted
+constexpr double kLeastFall = 20.0;  // of the residual power, for which draws are made
+constexpr double kMuch = 1000.0;     // residual power of every other fit from which a second effect is looked for beside a stochastic one that is not near
+constexpr double kLeastSecondGain = 40.0;  // fall of the residual power, forecast, for which a second effect is fitted
 
 // The change without what is parallel to the columns.
 Eigen::VectorXd without_columns(Eigen::VectorXd change, const std::vector<Eigen::VectorXd>& columns) {
@@ -155,9 +155,9 @@ FitResult with_stochastic_effect(const Problem& problem, const Try& one, const F
     to += size;
   }
   conclude(problem, result);
-  result.excess += problem.settings.independent_share * logarithm_sum;
+  result.residual_power += problem.settings.independent_share * logarithm_sum;
   result.prior += one.mean_cost + kOccam * static_cast<double>(one.effect.values.size());
-  result.cost = result.excess + result.prior;
+  result.cost = result.residual_power + result.prior;
   const common::EffectAbout& about = problem.catalogue.at(one.effect.name);
   for (std::size_t p = 0; p < one.effect.values.size(); ++p) {
     result.deviation[p] =
@@ -439,7 +439,7 @@ std::vector<FitResult> stochastic_fits(Problem& problem, const Screening& screen
     if (is_near_enough(problem, one, ground.free)) near.insert(one.effect.name);
   }
   // Where no power is near and much is left, a second effect may be what is too much for the best of them alone.
-  const bool much_is_left = std::all_of(fits.begin(), fits.end(), [](const FitResult& result) { return result.excess > kMuch; });
+  const bool much_is_left = std::all_of(fits.begin(), fits.end(), [](const FitResult& result) { return result.residual_power > kMuch; });
   const Sorted candidates = sorted(problem, tries, near, ground.free, much_is_left);
 
   BestOfEachSet best(problem, screening);

@@ -45,7 +45,7 @@ Eigen::VectorXd scale_of(const Widened& at, double rho) {
 }
 
 double cost_of(const Problem& problem, const Widened& at, double rho) {
-  return discounted(excess(at.difference, problem.settings), problem.settings.law_freedom) + prior_cost(problem, at.point) + at.coefficients.squaredNorm() / rho;
+  return discounted(residual_power(at.difference, problem.settings), problem.settings.law_freedom) + prior_cost(problem, at.point) + at.coefficients.squaredNorm() / rho;
 }
 
 void fit_law(Problem& problem, const SmoothTorques& smooth, const SmoothFunction& torque, double rho, Widened& at) {
@@ -87,8 +87,8 @@ void fit_law(Problem& problem, const SmoothTorques& smooth, const SmoothFunction
 // By the noise of the nominal machine.
 ByOwnNoise by_nominal_noise(const Widened& at) { return {at.difference.squaredNorm(), at.columns.transpose() * at.columns, at.columns.transpose() * at.difference}; }
 
-// The law for every rho from where it stands: z and a move to where M(excess - floor) and prior are least for it, by the columns' products with the noise that the excess is counted by; `plain_gram` those with the nominal machine's, by which information is told. Nothing less is left than where it stands, as relax() has it, unless it `may_leave_less`.
-std::vector<UnknownLaw> for_every_scale(const Problem& problem, const Widened& at, double excess, const ByOwnNoise& by_noise, const Eigen::MatrixXd& plain_gram, bool may_leave_less, double prior_besides, const MisfitCost& misfit_cost, double floor) {
+// The law for every rho from where it stands: z and a move to where M(residual power - floor) and prior are least for it, by the columns' products with the noise that the residual power is counted by; `plain_gram` those with the nominal machine's, by which information is told. Nothing less is left than where it stands, as relax() has it, unless it `may_leave_less`.
+std::vector<UnknownLaw> for_every_scale(const Problem& problem, const Widened& at, double residual_power, const ByOwnNoise& by_noise, const Eigen::MatrixXd& plain_gram, bool may_leave_less, double prior_besides, const MisfitCost& misfit_cost, double floor) {
   const double share = problem.settings.independent_share;
   std::vector<UnknownLaw> laws;
   for (const double rho : SmoothTorques::scales()) {
@@ -97,15 +97,15 @@ std::vector<UnknownLaw> for_every_scale(const Problem& problem, const Widened& a
     const Eigen::VectorXd slope = scale.cwiseProduct(by_noise.slope);
     const PriorRows prior = prior_of(problem, at, rho);
     UnknownLaw& law = laws.emplace_back();
-    law.excess = excess;
+    law.residual_power = residual_power;
     Eigen::VectorXd step = Eigen::VectorXd::Zero(slope.size());
     for (int round = 0; round < kRounds; ++round) {
-      const double weight = share * misfit_cost.slope(std::max(0.0, law.excess - floor));
+      const double weight = share * misfit_cost.slope(std::max(0.0, law.residual_power - floor));
       Eigen::MatrixXd curvature = weight * gram;
       curvature.diagonal() += prior.slope.cwiseProduct(prior.slope);
       step = curvature.ldlt().solve(-(weight * slope + prior.value.cwiseProduct(prior.slope)));
       const double change = share * (2.0 * slope.dot(step) + step.dot(gram * step));
-      law.excess = excess + (may_leave_less ? change : std::max(0.0, change));
+      law.residual_power = residual_power + (may_leave_less ? change : std::max(0.0, change));
     }
     law.prior = prior_besides + prior_cost(problem, at.point) + at.coefficients.squaredNorm() / rho + (prior.value + prior.slope.cwiseProduct(step)).squaredNorm() - prior.value.squaredNorm();
     law.information = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(scale.asDiagonal() * plain_gram * scale.asDiagonal(), Eigen::EigenvaluesOnly).eigenvalues().cwiseMax(0.0);
@@ -121,7 +121,7 @@ struct Promise {
 Promise best_of(const std::vector<UnknownLaw>& laws, const EvidenceSettings& evidence, const MisfitCost& misfit_cost, double floor) {
   Promise best;
   for (std::size_t k = 0; k < laws.size(); ++k) {
-    const double above = laws[k].excess - floor, left = std::max(0.0, above), weight = evidence.independent_share * misfit_cost.law_slope(left);
+    const double above = laws[k].residual_power - floor, left = std::max(0.0, above), weight = evidence.independent_share * misfit_cost.law_slope(left);
     const double misfit = above > 0.0 ? misfit_cost(above) : misfit_cost.slope(0.0) * above;  // below the floor of the known ones, which it may lower
     const double cost = misfit + laws[k].prior + (1.0 + weight * laws[k].information.array()).log().sum();
     if (cost < best.cost) best = {k, cost};
@@ -131,7 +131,7 @@ Promise best_of(const std::vector<UnknownLaw>& laws, const EvidenceSettings& evi
 
 }  // namespace
 
-std::vector<UnknownLaw> unknown_laws(Problem& problem, const FitResult& fit, double excess, const SmoothTorques& smooth, const std::vector<Discrepancy>& discrepancies, const EvidenceSettings& evidence,
+std::vector<UnknownLaw> unknown_laws(Problem& problem, const FitResult& fit, double residual_power, const SmoothTorques& smooth, const std::vector<Discrepancy>& discrepancies, const EvidenceSettings& evidence,
                                      const MisfitCost& misfit_cost, double floor) {
   std::vector<UnknownLaw> laws;
   const double prior_besides = fit.prior - prior_cost(problem, fit.point), share = problem.settings.independent_share;
@@ -148,7 +148,7 @@ std::vector<UnknownLaw> unknown_laws(Problem& problem, const FitResult& fit, dou
       Widened widened{fit.point, Eigen::VectorXd::Zero(columns.cols()), fit.difference, Eigen::MatrixXd(fit.difference.size(), fit.columns.cols() + columns.cols())};
       widened.columns << fit.columns, columns;
       const ByOwnNoise plain = by_nominal_noise(widened);
-      const Promise promise = best_of(for_every_scale(problem, widened, excess, plain, plain.gram, true, prior_besides, misfit_cost, floor), evidence, misfit_cost, floor);
+      const Promise promise = best_of(for_every_scale(problem, widened, residual_power, plain, plain.gram, true, prior_besides, misfit_cost, floor), evidence, misfit_cost, floor);
       if (promise.cost >= least.cost) continue;
       least = promise;
       best = std::move(function);
@@ -158,7 +158,7 @@ std::vector<UnknownLaw> unknown_laws(Problem& problem, const FitResult& fit, dou
     fit_law(problem, smooth, best, scales[least.law], at);
     if (!square_before) square_before = by_own_noise(problem, fit.point, fit.difference, Eigen::MatrixXd(), evidence.discrepancy_count).square;
     const ByOwnNoise by_noise = by_own_noise(problem, at.point, at.difference, at.columns, evidence.discrepancy_count);
-    for (UnknownLaw& law : for_every_scale(problem, at, excess + share * (by_noise.square - *square_before), by_noise, by_nominal_noise(at).gram, false, prior_besides, misfit_cost, floor)) {
+    for (UnknownLaw& law : for_every_scale(problem, at, residual_power + share * (by_noise.square - *square_before), by_noise, by_nominal_noise(at).gram, false, prior_besides, misfit_cost, floor)) {
       law.variable = discrepancy.variable;
       laws.push_back(std::move(law));
     }

@@ -19,12 +19,12 @@ namespace slewlab::diagnosis {
 
 struct UnknownLaw {
   std::string variable;  // as Discrepancy's
-  double excess = 0.0, prior = 0.0;  // as Relaxed's
+  double residual_power = 0.0, prior = 0.0;  // as Relaxed's
   Eigen::VectorXd information;       // as FitResult's, of its columns and the function's
 };
 
-// Beside what a fit has; `excess` is what that leaves as its cause is weighed by, `discrepancies` what `smooth` says that it leaves. Throws Interrupted.
-std::vector<UnknownLaw> unknown_laws(Problem& problem, const FitResult& fit, double excess, const SmoothTorques& smooth, const std::vector<Discrepancy>& discrepancies, const EvidenceSettings& evidence,
+// Beside what a fit has; `residual_power` is what that leaves as its cause is weighed by, `discrepancies` what `smooth` says that it leaves. Throws Interrupted.
+std::vector<UnknownLaw> unknown_laws(Problem& problem, const FitResult& fit, double residual_power, const SmoothTorques& smooth, const std::vector<Discrepancy>& discrepancies, const EvidenceSettings& evidence,
                                      const MisfitCost& misfit_cost, double floor);
 
 }  // namespace slewlab::diagnosis

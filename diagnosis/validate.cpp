@@ -88,7 +88,7 @@ Predicted predicted_from(Problem& problem, Point point, const Eigen::MatrixXd& o
   Eigen::VectorXd amount = Eigen::VectorXd::Zero(axes.cols());
   for (Eigen::Index k = 0; k < own; ++k) amount(k) = point.nuisance[static_cast<std::size_t>(common + k)];
   const auto cost = [&](const Eigen::VectorXd& difference, const Eigen::VectorXd& at) {
-    return discounted(excess(difference, problem.settings), problem.settings.law_freedom) + at.squaredNorm();
+    return discounted(residual_power(difference, problem.settings), problem.settings.law_freedom) + at.squaredNorm();
   };
   Predicted result{differences(problem, point), point, 0.0};
   if (axes.cols() == 0) return result;

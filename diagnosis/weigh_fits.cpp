@@ -21,7 +21,7 @@ Leaving by_own_machine(const Problem& problem, const FitResult& result, double d
   const double share = problem.settings.independent_share;
   const double by_loop = loop ? share * loss_by_loop(problem, *loop, rest) : 0.0;
   if (rest.effects.size() < result.point.effects.size()) {
-    return {result.excess + by_loop + share * (square_by_less_noise(problem, rest, result.difference, discrepancy_count) - result.difference.squaredNorm()), {}, {}};
+    return {result.residual_power + by_loop + share * (square_by_less_noise(problem, rest, result.difference, discrepancy_count) - result.difference.squaredNorm()), {}, {}};
   }
   ByOwnNoise own = by_own_noise(problem, rest, result.difference, result.columns, discrepancy_count);
   return {by_loop + share * (own.square - static_cast<double>(result.difference.size())), std::move(own.gram), std::move(own.slope)};
@@ -72,8 +72,8 @@ void weigh_unknown_laws(Problem& problem, const Found& found, const SmoothTorque
   std::vector<std::vector<UnknownLaw>> laws(beside.size() + 1);
   share_out(problem, laws.size(), [&](std::size_t k) {
     const FitResult& fit = k == 0 ? found.nothing : found.fits[beside[k - 1]];
-    const double excess = k == 0 ? compared.of_nothing.excess : compared.of_fits[beside[k - 1]].excess;
-    laws[k] = unknown_laws(problem, fit, excess, smooth, smooth.left_by(problem, fit, evidence.law_share), evidence, compared.misfit_cost, compared.floor);
+    const double residual_power = k == 0 ? compared.of_nothing.residual_power : compared.of_fits[beside[k - 1]].residual_power;
+    laws[k] = unknown_laws(problem, fit, residual_power, smooth, smooth.left_by(problem, fit, evidence.law_share), evidence, compared.misfit_cost, compared.floor);
   });
   const std::size_t known = candidates.size();
   const double singles = std::max(1.0, static_cast<double>(effect_count)), each = kSmooth / (kVariables * static_cast<double>(SmoothTorques::scales().size()));
@@ -81,7 +81,7 @@ void weigh_unknown_laws(Problem& problem, const Found& found, const SmoothTorque
   for (std::size_t k = 0; k < laws.size(); ++k) {
     const std::size_t owner = k == 0 ? 0 : beside[k - 1] + 1;
     for (UnknownLaw& law : laws[k]) {
-      candidates.push_back({candidates[owner].effects, law.excess, law.prior, std::move(law.information), candidates[owner].at_bounds});
+      candidates.push_back({candidates[owner].effects, law.residual_power, law.prior, std::move(law.information), candidates[owner].at_bounds});
       Candidate& candidate = candidates.back();
       candidate.laws = candidates[owner].laws + 1;
       candidate.chance = each * (k == 0 ? evidence.prior_unknown : evidence.prior_pair * 2.0 / singles * evidence.prior_unknown / evidence.prior_single);
@@ -115,22 +115,22 @@ Weighed weigh_fits(Problem& problem, const Found& found, const SmoothTorques& sm
   const Leaving of_nothing = by_own_machine(problem, found.nothing, evidence.discrepancy_count, loop);
   std::vector<Leaving> of_fits(found.fits.size());
   share_out(problem, found.fits.size(), [&](std::size_t i) { of_fits[i] = by_own_machine(problem, found.fits[i], evidence.discrepancy_count, loop); });
-  double least = std::min(0.0, of_nothing.excess);
+  double least = std::min(0.0, of_nothing.residual_power);
   for (std::size_t i = 0; i < found.fits.size(); ++i) {
-    if (is_a_measure(found.fits[i].prior, found.fits[i].information, evidence.independent_share)) least = std::min(least, of_fits[i].excess);
+    if (is_a_measure(found.fits[i].prior, found.fits[i].information, evidence.independent_share)) least = std::min(least, of_fits[i].residual_power);
   }
-  const double nothing_excess = of_nothing.excess;
-  const MisfitCost misfit_cost(evidence, nothing_excess - least);
+  const double nothing_residual_power = of_nothing.residual_power;
+  const MisfitCost misfit_cost(evidence, nothing_residual_power - least);
   Weighed weighed;
   std::vector<Candidate> candidates;
   std::vector<Relaxed> relaxed_fits(found.fits.size());
   share_out(problem, found.fits.size(), [&](std::size_t i) { relaxed_fits[i] = relax(problem, found.fits[i], of_fits[i], misfit_cost, least); });
   const auto add_candidate = [&](const FitResult& result, const Relaxed& relaxed) {
     Cause cause = make_cause(problem.catalogue, result);
-    cause.excess = relaxed.excess;
+    cause.residual_power = relaxed.residual_power;
     cause.prior = relaxed.prior;
     cause.prior_chance = chance_of_prior(cause.prior, cause.information, evidence.independent_share);
-    candidates.push_back({cause.effects, cause.excess, cause.prior, cause.information, count_at_bounds(problem.catalogue, result.point)});
+    candidates.push_back({cause.effects, cause.residual_power, cause.prior, cause.information, count_at_bounds(problem.catalogue, result.point)});
     Candidate& candidate = candidates.back();
     for (const common::EffectInstance& effect : result.point.effects) candidate.laws += common::parts_of(problem.catalogue, effect).size();
     candidate.is_one_cause = candidate.is_one_cause || common::are_the_parts_of_one(problem.catalogue, cause.effects);
@@ -142,11 +142,11 @@ Weighed weigh_fits(Problem& problem, const Found& found, const SmoothTorques& sm
   const Compared compared{std::move(of_fits), of_nothing, misfit_cost, least, evidence};
   weigh_unknown_laws(problem, found, smooth, compared, effect_count, std::move(candidates), weighed);
   // What is explained is counted down to what the noise, or the best of all fits, leaves.
-  const double floor = weighed.probabilities.floor, gap = nothing_excess - floor;
+  const double floor = weighed.probabilities.floor, gap = nothing_residual_power - floor;
   for (std::size_t i = 0; i < weighed.causes.size(); ++i) {
     Cause& cause = weighed.causes[i];
     cause.probability = weighed.probabilities.candidate[i];
-    cause.explained = gap > 0.0 ? std::clamp((nothing_excess - cause.excess) / gap, 0.0, 1.0) : 0.0;
+    cause.explained = gap > 0.0 ? std::clamp((nothing_residual_power - cause.residual_power) / gap, 0.0, 1.0) : 0.0;
   }
   return weighed;
 }

@@ -59,7 +59,7 @@ withheld::CaseResult diagnose_case(const withheld::CaseInput& input, const CaseS
     result.seconds = diagnosis.total_seconds;
     result.simulations = diagnosis.simulations;
     for (const Cause& cause : diagnosis.causes) {
-      withheld::NamedCause named{cause.effects, cause.probability, {}, {}, cause.excess, cause.prior,
+      withheld::NamedCause named{cause.effects, cause.probability, {}, {}, cause.residual_power, cause.prior,
                                  {cause.information.begin(), cause.information.end()}, cause.mean_square, {}, {}};
       if (cause.validation) {
         named.held_out_ratio = cause.validation->cause.residual_ratio;

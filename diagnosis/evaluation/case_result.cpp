@@ -44,7 +44,7 @@ json to_json(const CaseResult& result) {
     causes.push_back({{"effects", cause.effects},
                       {"probability", cause.probability},
                       {"group", cause.group},
-                      {"excess", cause.excess},
+                      {"residual_power", cause.residual_power},
                       {"prior", cause.prior},
                       {"information", cause.information},
                       {"residual_ratio", cause.residual_ratio},
@@ -77,7 +77,7 @@ CaseResult result_from(const json& j) {
   result.gap = j.at("gap");
   result.probability_unknown = j.at("probability_unknown");
   for (const json& c : j.at("causes")) {
-    NamedCause cause{c.at("effects"), c.at("probability"), c.at("group"), {}, c.at("excess"), c.at("prior"), c.at("information"), c.at("residual_ratio"),
+    NamedCause cause{c.at("effects"), c.at("probability"), c.at("group"), {}, c.at("residual_power"), c.at("prior"), c.at("information"), c.at("residual_ratio"),
                      number_from(c.at("held_out_ratio")), number_from(c.at("nominal_held_out_ratio"))};
     // JSON has no infinity: a bound that is not given lies there.
     const auto bound = [](const json& value, double otherwise) {

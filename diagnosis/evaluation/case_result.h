@@ -25,7 +25,7 @@ struct NamedCause {
   std::vector<std::string> group;    // declared as not to be told apart from it, itself left out
   std::vector<NamedSize> sizes;
   // As in evidence.h: probabilities can be weighed again from them.
-  double excess = 0.0, prior = 0.0;
+  double residual_power = 0.0, prior = 0.0;
   std::vector<double> information;
   double residual_ratio = 0.0;                // residual variance ratio of the fit
   std::optional<double> held_out_ratio{};       // on what was held out, and of the nominal machine there; nothing where the cause was not asked

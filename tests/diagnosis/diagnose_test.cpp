@@ -171,7 +171,7 @@ TEST(Fit, ArrivesWhereAFullStepIsTooBold) {
   start.effects = {{"torque_ripple", {17.21, 2.99992, 2.2504, 2.2504, -0.1124, 0.2783}}};  // where undamped steps stand still
   FitResult result = fit(problem, base.columns, start);
   settle(problem, result, 5);
-  EXPECT_LT(excess(result.difference, problem.settings), 0.0);
+  EXPECT_LT(residual_power(result.difference, problem.settings), 0.0);
 }
 
 // Sensors without noise leave so little open that difference quotients over the usual steps lead nowhere; over finer ones the fit arrives where the machine is.
@@ -289,7 +289,7 @@ TEST(Fit, FindsTheSwingThatALoadHasWhenTheRecordBegins) {
   }
   const FitResult nominal = nominal_fit(problem), fitted = fit_nuisances(problem, nominal);
   // Taken for a load that hangs still it is a gap many times an effect's cost.
-  EXPECT_GT(excess(nominal.difference, problem.settings), fitted.excess + 1000.0);
+  EXPECT_GT(residual_power(nominal.difference, problem.settings), fitted.residual_power + 1000.0);
   for (std::size_t r = 0; r < swings.size(); ++r) {
     const Beginning found = beginning_of(problem.nuisances, fitted.point.nuisance, r);
     EXPECT_NEAR(found.swing, swings[r].angle, 5e-4);
@@ -617,7 +617,7 @@ TEST(Diagnose, FindsTheSmallerOfTwoEffectsAndForecastsItsEnd) {
   const std::set<std::string> named(found.causes[0].effects.begin(), found.causes[0].effects.end());
   std::string table;
   for (std::size_t i = 0; i < std::min<std::size_t>(6, found.causes.size()); ++i) {
-    table += fmt::format(" | {} {:.3f} (residual variance ratio {:.3g}, excess {:.0f})", name_of(found.causes[i]), found.causes[i].probability, found.causes[i].mean_square, found.causes[i].excess);
+    table += fmt::format(" | {} {:.3f} (residual variance ratio {:.3g}, residual_power {:.0f})", name_of(found.causes[i]), found.causes[i].probability, found.causes[i].mean_square, found.causes[i].residual_power);
   }
   EXPECT_EQ(named, (std::set<std::string>{"gear_friction", "uneven_gearbox_stiffness"})) << found.verdict << table;
   EXPECT_EQ(found.simulations, simulations);
@@ -682,7 +682,7 @@ TEST(Diagnose, AnswersTheSameOnAnyNumberOfThreads) {
     const Cause &one = found[0].causes[i], &other = found[1].causes[i];
     EXPECT_EQ(one.effects, other.effects);
     EXPECT_EQ(one.probability, other.probability);
-    EXPECT_EQ(one.excess, other.excess);
+    EXPECT_EQ(one.residual_power, other.residual_power);
     EXPECT_EQ(one.point.nuisance, other.point.nuisance);
     ASSERT_EQ(one.sizes.size(), other.sizes.size());
     for (std::size_t k = 0; k < one.sizes.size(); ++k) EXPECT_EQ(one.sizes[k].value, other.sizes[k].value);

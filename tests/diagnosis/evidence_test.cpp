@@ -40,7 +40,7 @@ TEST(Evidence, ALawThatHoldsOthersMustShowWhatItHasOfItsOwn) {
   const EvidenceSettings settings;
   const Candidate nothing{{}, 2000.0, 0.0}, parts{.effects = {"a", "b"}, .laws = 2, .is_one_cause = true};
   const auto odds = [&](double gain) {
-    const Probabilities p = weigh({nothing, parts, {.effects = {"ab"}, .excess = -gain, .laws = 3}}, 40, settings);
+    const Probabilities p = weigh({nothing, parts, {.effects = {"ab"}, .residual_power = -gain, .laws = 3}}, 40, settings);
     return p.candidate[2] / p.candidate[1];
   };
   EXPECT_NEAR(odds(0.0), std::exp(-0.5 / settings.temper * settings.effect_cost), 1e-9);

@@ -24,7 +24,7 @@ TEST(Discount, WeightIsItsSlope) {
 TEST(Excess, IsWhatStandsAboveTheNoise) {
   FitSettings settings;
   settings.independent_share = 0.5;
-  EXPECT_NEAR(excess(Eigen::VectorXd::Constant(10, 2.0), settings), 0.5 * (40.0 - 10.0), 1e-12);
+  EXPECT_NEAR(residual_power(Eigen::VectorXd::Constant(10, 2.0), settings), 0.5 * (40.0 - 10.0), 1e-12);
 }
 
 // One nuisance (the first) moves one difference; the fit stands at z = 3, far beyond the bound at 2, where nothing is left.
@@ -48,21 +48,21 @@ class Relaxation : public testing::Test {
     result_.prior = 9.0 + 30.0;  // z^2 and beyond the bound 30 (z - 2)^2, nuisance.h
   }
   Relaxed relaxed_by(double usual) const {
-    return relax(problem_, result_, {excess_, result_.columns.transpose() * result_.columns, result_.columns.transpose() * result_.difference}, misfit_cost(usual), 0.0);
+    return relax(problem_, result_, {residual_power_, result_.columns.transpose() * result_.columns, result_.columns.transpose() * result_.difference}, misfit_cost(usual), 0.0);
   }
   Problem problem_;
   FitResult result_;
-  double excess_ = 0.0;
+  double residual_power_ = 0.0;
 };
 
 // Limits: where misfits cost nothing the parameter goes back to 0 and leaves s (10 * 3)^2; where they cost all it stays.
 TEST_F(Relaxation, TradesMisfitForLikelyValues) {
   const Relaxed discounted = relaxed_by(1e12);
   EXPECT_NEAR(discounted.prior, 0.0, 1e-6);
-  EXPECT_NEAR(discounted.excess, problem_.settings.independent_share * 900.0, 1e-3);
+  EXPECT_NEAR(discounted.residual_power, problem_.settings.independent_share * 900.0, 1e-3);
   const Relaxed charged = relaxed_by(1e-3);
   EXPECT_NEAR(charged.prior, result_.prior, 0.05);
-  EXPECT_NEAR(charged.excess, 0.0, 1e-3);
+  EXPECT_NEAR(charged.residual_power, 0.0, 1e-3);
 }
 
 // A cost that does not go with where the parameters stand stays wherever they go.
@@ -83,15 +83,15 @@ TEST_F(Relaxation, FindsTheLeastOfBoth) {
     prior = p;
   }
   const Relaxed relaxed = relaxed_by(1000.0);
-  EXPECT_NEAR(100.0 * std::log1p(relaxed.excess / 1000.0) + relaxed.prior, least, 0.02);
+  EXPECT_NEAR(100.0 * std::log1p(relaxed.residual_power / 1000.0) + relaxed.prior, least, 0.02);
   EXPECT_NEAR(relaxed.prior, prior, 0.3);
 }
 
 // Columns that promise less than the fit has reached are not believed: they are those of a fit that has not settled.
 TEST_F(Relaxation, PromisesNothingThatWasNotReached) {
   result_.difference(0) = 30.0;
-  excess_ = 500.0;
-  EXPECT_GE(relaxed_by(1e-3).excess, 500.0);
+  residual_power_ = 500.0;
+  EXPECT_GE(relaxed_by(1e-3).residual_power, 500.0);
 }
 
 }  // namespace

@@ -19,12 +19,12 @@ namespace {
 double stiffening_spring(const MotorState& state) { return -20.0 * (state.angle + std::pow(state.angle, 3)); }
 
 struct Laws {
-  explicit Laws(MissingTorque& missing) : excess(excess_of(missing)), misfit_cost(evidence, excess) {
+  explicit Laws(MissingTorque& missing) : residual_power(residual_power_of(missing)), misfit_cost(evidence, residual_power) {
     const SmoothTorques smooth(missing.problem, missing.fit);
-    all = unknown_laws(missing.problem, missing.fit, excess, smooth, smooth.left_by(missing.problem, missing.fit, evidence.law_share), evidence, misfit_cost, 0.0);
+    all = unknown_laws(missing.problem, missing.fit, residual_power, smooth, smooth.left_by(missing.problem, missing.fit, evidence.law_share), evidence, misfit_cost, 0.0);
   }
   // What parameters alone leave, as a cause of a record without a controller's answers is weighed by.
-  double excess_of(const MissingTorque& missing) const {
+  double residual_power_of(const MissingTorque& missing) const {
     const double square = by_own_noise(missing.problem, missing.fit.point, missing.fit.difference, Eigen::MatrixXd(), evidence.discrepancy_count).square;
     return missing.problem.settings.independent_share * (square - static_cast<double>(missing.fit.difference.size()));
   }
@@ -32,13 +32,13 @@ struct Laws {
   double left(const std::string& variable) const {
     double least = std::numeric_limits<double>::infinity();
     for (const UnknownLaw& law : all) {
-      if (law.variable == variable) least = std::min(least, law.excess);
+      if (law.variable == variable) least = std::min(least, law.residual_power);
     }
     return least;
   }
 
   EvidenceSettings evidence;
-  double excess;
+  double residual_power;
   MisfitCost misfit_cost;
   std::vector<UnknownLaw> all;
 };
@@ -47,9 +47,9 @@ struct Laws {
 TEST(UnknownLaw, OfTheVariableThatATorqueFollowsLeavesNoise) {
   MissingTorque missing({}, stiffening_spring), sound({}, no_torque);
   const Laws laws(missing), of_noise(sound);
-  ASSERT_GT(laws.excess, of_noise.excess + 300.0);
-  EXPECT_LT(laws.left("angle"), of_noise.excess + 30.0);
-  for (const char* other : {"speed", "torque"}) EXPECT_GT(laws.left(other), of_noise.excess + 100.0) << other;
+  ASSERT_GT(laws.residual_power, of_noise.residual_power + 300.0);
+  EXPECT_LT(laws.left("angle"), of_noise.residual_power + 30.0);
+  for (const char* other : {"speed", "torque"}) EXPECT_GT(laws.left(other), of_noise.residual_power + 100.0) << other;
 }
 
 // Functions of no size change nothing; the larger they may be, the less is left, and the more the records say of them.
@@ -59,9 +59,9 @@ TEST(UnknownLaw, ExplainsNoMoreThanItMayBeLarge) {
   std::vector<UnknownLaw> of_angle;
   std::copy_if(laws.all.begin(), laws.all.end(), std::back_inserter(of_angle), [](const UnknownLaw& law) { return law.variable == "angle"; });
   ASSERT_EQ(of_angle.size(), SmoothTorques::scales().size());
-  EXPECT_NEAR(of_angle.front().excess, laws.excess, 0.1 * (laws.excess - of_angle.back().excess));
+  EXPECT_NEAR(of_angle.front().residual_power, laws.residual_power, 0.1 * (laws.residual_power - of_angle.back().residual_power));
   for (std::size_t k = 1; k < of_angle.size(); ++k) {
-    EXPECT_LE(of_angle[k].excess, of_angle[k - 1].excess + 1.0) << k;
+    EXPECT_LE(of_angle[k].residual_power, of_angle[k - 1].residual_power + 1.0) << k;
     EXPECT_GT(of_angle[k].information.sum(), of_angle[k - 1].information.sum()) << k;
   }
 }
@@ -70,7 +70,7 @@ TEST(UnknownLaw, ExplainsNoMoreThanItMayBeLarge) {
 TEST(UnknownLaw, IsNoneWhereNothingIsMissing) {
   MissingTorque sound({}, no_torque);
   const Laws laws(sound);
-  for (const UnknownLaw& law : laws.all) EXPECT_GT(law.excess, laws.excess - 30.0) << law.variable;
+  for (const UnknownLaw& law : laws.all) EXPECT_GT(law.residual_power, laws.residual_power - 30.0) << law.variable;
 }
 
 }  // namespace

@@ -91,7 +91,7 @@ nlohmann::json to_json(const Cause& cause, const std::vector<sim::Parameter>& pa
   nlohmann::json json{{"effects", cause.effects},
                       {"probability", cause.probability},
                       {"explained_share", cause.explained},
-                      {"excess", cause.excess},
+                      {"residual_power", cause.residual_power},
                       {"prior", cause.prior},
                       {"prior_chance", cause.prior_chance},
                       {"mean_square_left", cause.mean_square},
