@@ -125,7 +125,8 @@ OF_A_RUN = ("report.html", "run.html", "run.mcap", "run_parquet", "run_csv")
 def beside_its_run(out):
     """`out`, where a picture or an export of a run is written; LogProblem where it would stay beside a later run's log."""
     folder = Path(out).parent
-    if any((folder / log).exists() for log in ("run.lcmlog", "run.lcmlog.partial")) and Path(out).name not in OF_A_RUN:
+    is_a_run = (folder / "run.json").exists() and any((folder / log).exists() for log in ("run.lcmlog", "run.lcmlog.partial"))
+    if is_a_run and Path(out).name not in OF_A_RUN:
         raise LogProblem(f"--out: found '{out}' in the folder of a run, where a later run would leave it beside its own log; "
                          f"expected one of {', '.join(OF_A_RUN)} there, or another folder")
     return out

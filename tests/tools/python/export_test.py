@@ -139,6 +139,7 @@ class ExportTest(unittest.TestCase):
         self.assertEqual(code, 2)
         self.assertIn("precious: is there already and is no earlier export", error)
         self.assertEqual((precious / "thesis.txt").read_text(), "mine")
+        (self.folder / "run.json").write_text("{}")  # of slewlab run, which takes away what it knows
         code, error = self.call(self.folder, "--format", "csv", "--out", self.folder / "first_csv")
         self.assertEqual(code, 2)
         self.assertIn("in the folder of a run, where a later run would leave it beside its own log", error)
