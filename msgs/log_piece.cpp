@@ -8,8 +8,6 @@
 namespace slewlab::msgs {
 namespace {
 
-constexpr std::array<std::size_t, 2> kHeld{kOperatorIndex, kPlantIndices[3]};  // what a message says holds until the next one
-
 // [bytes] where the messages of the piece stand, of one channel.
 std::vector<std::int64_t> offsets_of(const std::vector<EventHead>& messages, const LogPiece& piece, bool is_held) {
   std::vector<std::int64_t> offsets;

@@ -12,6 +12,9 @@
 
 namespace slewlab::msgs {
 
+// Channels whose messages hold until the next one: a part of a run takes the last one before it along.
+inline constexpr std::array<std::size_t, 2> kHeld{kOperatorIndex, kPlantIndices[3]};
+
 struct LogPiece {
   std::int64_t from = 0, to = 0;  // [ns] of simulated time, both belong to it
 };

@@ -4,6 +4,8 @@
 #include <limits>
 #include <utility>
 
+#include "msgs/log_piece.h"
+
 namespace slewlab::msgs {
 namespace {
 
@@ -11,10 +13,6 @@ template <class Message>
 void read_message(EventsAt& events, const EventHead& head, Message& message) {
   if (decode(events.data(head.offset), message) == DecodeStatus::ok) return;
   throw LogError("the log changed while it was read: the message at byte " + std::to_string(head.offset));
-}
-
-bool holds_until_the_next(std::size_t channel) {
-  return channel == kOperatorIndex || wire_messages()[channel].channel == "PLANT_STATUS";
 }
 
 }  // namespace
@@ -40,7 +38,7 @@ RunLog read_run(const LoggedRun& run, std::int64_t from, std::int64_t to) {
     const std::vector<EventHead>& heads = run.order.channels[channel];
     const auto is_within = [&](const EventHead& head) { return head.time >= from && head.time <= to; };
     auto first = std::find_if(heads.begin(), heads.end(), [&](const EventHead& head) { return head.time >= from; });
-    if (holds_until_the_next(channel) && first != heads.begin()) {
+    if (std::find(kHeld.begin(), kHeld.end(), channel) != kHeld.end() && first != heads.begin()) {
       read_message(events, *(first - 1), messages.emplace_back());
     }
     messages.reserve(messages.size() + static_cast<std::size_t>(std::count_if(first, heads.end(), is_within)));

@@ -2,6 +2,7 @@
 
 import contextlib
 import errno
+import itertools
 import os
 import shutil
 from pathlib import Path
@@ -21,6 +22,11 @@ def is_free(path, beginning):
         return True
     with path.open("rb") as stream:
         return stream.read(len(beginning)) == beginning
+
+
+def next_folder(out, stem=""):
+    """The first of OUT/STEM1, STEM2, ... that is not there yet."""
+    return next(folder for number in itertools.count(1) if not (folder := Path(out) / f"{stem}{number}").exists())
 
 
 @contextlib.contextmanager

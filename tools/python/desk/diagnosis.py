@@ -6,6 +6,7 @@ from collections import deque
 from pathlib import Path
 
 from run_log import slewlab_program
+from whole_file import next_folder
 from desk.source import event_bytes
 
 SPAN = 60.0  # [s]
@@ -59,10 +60,7 @@ class Diagnosis:
     async def begin(self, source):
         if self.is_under_way:
             return
-        number = 1
-        while (self.out / f"diagnosis_{number}").exists():
-            number += 1
-        self.folder = self.out / f"diagnosis_{number}"
+        self.folder = next_folder(self.out, "diagnosis_")
         self.folder.mkdir(parents=True)
         minute = self.minute.copy()
         await self._try(minute, LATER[0])

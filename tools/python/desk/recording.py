@@ -3,8 +3,8 @@
 import json
 from pathlib import Path
 
+from whole_file import next_folder
 from desk.source import HELD, event_bytes
-
 
 OF_ITS_RUN = ("duration", "simulated_time", "wall_time", "cycles", "resends")  # of run.json: of the whole run, none of a part of it
 
@@ -24,10 +24,7 @@ class Recorder:
     def begin(self):
         """What the last messages say that stand until the next one is in front."""
         self.stop()
-        number = 1
-        while (self.out / f"recording_{number}").exists():
-            number += 1
-        self.folder, self.problem, self.count = self.out / f"recording_{number}", "", 0
+        self.folder, self.problem, self.count = next_folder(self.out, "recording_"), "", 0
         self.identity, self.since, self.until = self.source.incoming.identity, self.source.store.last, None
         try:
             self.folder.mkdir(parents=True)

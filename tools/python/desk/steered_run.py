@@ -8,7 +8,7 @@ import time
 from pathlib import Path
 
 from run_log import slewlab_program
-from whole_file import growing
+from whole_file import growing, next_folder
 from yaml_tree import file_text, flow, read_yaml
 from desk.source import Growing
 
@@ -64,10 +64,7 @@ class SteeredRun:
     async def start(self, play_compensation=None):
         """The source of its signals. `play_compensation`: other than the controller's file has it, for this run."""
         switched = [] if play_compensation is None else ["--set", f"controller.play_compensation.enabled={str(play_compensation).lower()}"]
-        number = 1
-        while (self.out / str(number)).exists():
-            number += 1
-        self.folder = self.out / str(number)
+        self.folder = next_folder(self.out)
         self.folder.mkdir(parents=True)
         self.paused, self.speed, self.ended, self.why = False, 1.0, False, ""
         self.told, self.faults, self.effects, self.compensation, self.words = None, [], [], [], []
