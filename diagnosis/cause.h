@@ -32,7 +32,7 @@ struct Cause {
   std::vector<std::string> effects;   // one or two; none: only parameters are off
   double probability = 0.0;
   double with_unknown_law = 0.0;      // share of it that is of the effect with a law beside it that is in no catalogue (unknown_law.h)
-  double explained = 0.0;             // share of the gap, down to what the best of all fits leaves
+  double explained = 0.0;             // share of the gap explained, counted down to the residual of the best of all fits
   double mean_square = 0.0;
   double residual_power = 0.0, prior = 0.0;    // as in evidence.h
   Eigen::VectorXd information;         // as in evidence.h

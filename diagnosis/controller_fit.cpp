@@ -34,9 +34,9 @@ constexpr double kSizeReach = 4.0, kOtherReach = 3.0;
 constexpr std::size_t kStartsToGoOn = 3;
 constexpr double kRounding = 1e-9;  // share of a sum of squares by which another order of its additions may change it, and far more
 constexpr double kFirstStride = 0.1, kLastStride = 1e-4;  // [standard deviations] of the search without slopes
-constexpr double kExact = 1e-9;         // share of the difference below which nothing is left to find
+constexpr double kExact = 1e-9;         // residual, as a share of the difference, below which nothing more is searched
 constexpr int kSinglesToPair = 3;
-// Share of the difference that the right effect may leave where the real law differs from the catalogue's.
+// Residual that the right effect may have, as a share of the difference, where the real law differs from the catalogue's.
 constexpr double kUsualShareLeft = 1e-3;
 constexpr double kIndependent = 60.0;  // independent differences that the replay is worth
 constexpr double kPairPrior = 0.1;     // of two effects, against one
@@ -176,7 +176,7 @@ void feel_around(const Replays& replays, double change_time, Effects& effects) {
   effects = effects_at(replays.catalogue, effects, x);
 }
 
-// The starts that leave least of the changes.
+// The starts with the smallest residual of the changes.
 std::vector<Effects> best_of(const Replays& replays, const std::vector<Effects>& starts) {
   constexpr double kInfinity = std::numeric_limits<double>::infinity();
   std::vector<std::pair<double, std::size_t>> ranked;
@@ -214,7 +214,7 @@ ControllerCause fit_effects(const Replays& replays, double gap, const std::vecto
     if (without_slopes) feel_around(replays, replays.change_time, effects);
     consider(descend(replays, 0.0, effects, gram));
   }
-  // What is left is not noise but law; it is worth kIndependent differences.
+  // The residual is not noise but law; it is worth kIndependent differences.
   const double variance = std::max(best.share_left, kUsualShareLeft) * gap / kIndependent;
   Eigen::MatrixXd regular = best_gram;
   regular.diagonal().array() += kLeastCurvature * std::max(1e-300, best_gram.diagonal().maxCoeff());

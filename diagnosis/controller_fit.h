@@ -1,6 +1,6 @@
-// Which effect of the controller explains that it answers otherwise than its settings say. The controller is
-// known to the bit and fed with what it was fed, so this side of the wire has no noise: the right effect leaves
-// next to nothing. Where one effect does not, two are tried.
+// Which effect of the controller explains that its answers differ from those of its settings. The controller is known to the bit and gets the
+// recorded inputs, so this side of the wire has no noise: the residual of the right effect is nearly zero. Where that of one effect is not, two are
+// tried.
 #pragma once
 
 #include <cstddef>
@@ -19,7 +19,7 @@ namespace slewlab::diagnosis {
 struct ControllerCause {
   std::vector<common::EffectInstance> effects;  // one or two
   std::vector<double> deviation;  // of each value in order, from the curvature
-  double share_left = 1.0;        // of the torque difference's mean square that it leaves, 0 ... 1
+  double share_left = 1.0;        // mean square of its residual over that of the torque difference, 0 ... 1
   double probability = 0.0;       // among the controller's effects
 };
 

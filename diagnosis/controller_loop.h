@@ -2,18 +2,23 @@
 //
 //   y = P u + n,    u = r - C y
 //
-// A hypothesis' machine P leaves of the readings y - P u = (I + P C) y - P r, and their density is that of the noise times how far the readings' volume is stretched, in every bin |det (I + P C)|^2:
+// The residual of a hypothesis' machine P is y - P u = (I + P C) y - P r. The density of the readings is that of the noise times how far the
+// readings' volume is stretched, in every bin |det (I + P C)|^2:
 //
 //   -2 ln p(y) = sum over bins of z* V^-1 z - 2 ln |det (I + P C)|^2
 //
-// z* V^-1 z as own_noise.h has it, less the same of the nominal machine. P follows the torques at least one reading later, so that the mean of ln |det (I + P C)| over all frequencies is that of every machine
-// (Bode's integral): whoever judges all of them need not know it. In the band that is judged it is not: readings that are taken d later leave n (1 - T (1 - exp(-j w d))), T = P C / (1 + P C),
-// less than the noise up to where the loop ends, and more beyond.
+// z* V^-1 z as own_noise.h has it, less the same of the nominal machine. P follows the torques at least one reading later, so the mean of
+// ln |det (I + P C)| over all frequencies is that of every machine (Bode's integral): a comparison over all frequencies need not know it. In the
+// judged band the mean differs from machine to machine: the residual of readings that are taken d later is n (1 - T (1 - exp(-j w d))),
+// T = P C / (1 + P C), smaller than the noise up to where the loop ends, and larger beyond.
 //
-// C is what the record shows in the upper half of the judged band, where the readings hold the encoders' noise alone: a delayed and filtered proportion of the speed, (K + K' s + K'' s^2) s with real matrices, by least
-// squares over the spectra of commands and readings, each frequency counting alike; it is taken to go on so below. P = - A^-1 B of the machine at rest with its teeth together and nothing acting that is not linear, A and B what
-// an observer's missing torque (shadow.h) answers to one reading that is off, and to a torque over one step of the grid: it holds a machine that would not stay where it is.
-// Assumption: the commands are a controller's answers to these readings, and what else it is asked is smooth. Of bins in which mesh and step make more of what is left than noise does, only the noise's share counts.
+// C is what the record shows in the upper half of the judged band, where the readings hold the encoders' noise alone: a delayed and filtered
+// proportion of the speed, (K + K' s + K'' s^2) s with real matrices, by least squares over the spectra of commands and readings, each frequency
+// counting alike. It is taken to go on so below. P = - A^-1 B of the machine at rest with its teeth together and nothing acting that is not linear.
+// A and B are what an observer's missing torque (shadow.h) answers to one reading that is off, and to a torque over one step of the grid: it holds a
+// machine that would not stay where it is.
+// Assumption: the commands are a controller's answers to these readings, and what else it is asked is smooth. In bins where mesh and step make more
+// of the residual than noise does, only the noise's share counts.
 #pragma once
 
 #include <Eigen/Core>

@@ -17,7 +17,7 @@ constexpr double kRampTimes = 1.5;  // of the slowest change from one top speed 
 constexpr double kFilterTimes = 7.0, kFirstCycles = 3.0;
 // Of the rated torque: a controller that was switched on with the recorder answers its first reading as exactly.
 constexpr double kFreshly = 1e-6;
-constexpr int kTakeUpSteps = 20;    // of the integrals: each leaves what the droop and the filter couple, a small share
+constexpr int kTakeUpSteps = 20;    // of the integrals: after each an error remains, what the droop and the filter couple, a small share
 // Of the rated torque: below it a taken-up integral is exact.
 constexpr double kTakenUpExactly = 1e-12;
 

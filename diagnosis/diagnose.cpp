@@ -143,8 +143,8 @@ WhiteningSettings take_records(const sim::MachineSettings& nominal, std::vector<
   return whitening;
 }
 
-// From what was weighed to the causes as they are told: with what the controller and the encoders' counts show, doubted for what the evidence cannot know, and led by one that predicts. Gives whether parameters alone leave
-// no more than noise.
+// From what was weighed to the causes as they are told: with what the controller and the encoders' counts show, doubted for what the evidence cannot
+// know, and led by one that predicts. Gives whether the residual of parameters alone is no more than noise.
 bool rank(Problem& problem, const WhiteningSettings& whitening, const std::optional<controller::ControllerSettings>& controller, const common::EffectCatalogue& of_the_controller, const Searched& searched, Weighed weighed,
           const DiagnosisSettings& settings, const EvidenceSettings& evidence, const Progress& tell, Diagnosis& diagnosis) {
   const Found& found = searched.found;
@@ -189,8 +189,8 @@ bool rank(Problem& problem, const WhiteningSettings& whitening, const std::optio
   return is_nothing_left;
 }
 
-// The fit whose residual nobody has explained: that of the answer, or of parameters alone where there is none. Null where only draws of its stochastic
-// effects are left, which follow nothing.
+// The fit whose residual nobody has explained: that of the answer, or of parameters alone where there is none. Null where the residual is only draws
+// of its stochastic effects, which follow nothing.
 const FitResult* unexplained_fit(const Problem& problem, const Found& found, const Diagnosis& diagnosis, const Cause& first) {
   if (!diagnosis.gap) return nullptr;
   if (diagnosis.is_unknown || first.point.effects.empty()) return &found.nothing;
@@ -229,7 +229,7 @@ void remark_parameters(const Problem& problem, const Point& answer, double prior
 // A gap below the noise that the sensors are taken to have: what shows it.
 void remark_below_the_noise(Diagnosis& diagnosis) {
   for (const std::string& variable : followed_variables(diagnosis.discrepancies)) {
-    diagnosis.remarks.push_back(fmt::format("what parameters alone leave is no more than the sensors' noise is taken to be; that it follows the {} as noise does not (ln of the odds {:.0f}) is what shows that something is missing",
+    diagnosis.remarks.push_back(fmt::format("the residual of the parameters alone is no larger than the noise assumed of the sensors; but it follows the {}, as noise does not (ln of the odds {:.0f}): something is missing",
                                             variable, diagnosis.discrepancies.front().evidence));
   }
 }
@@ -279,7 +279,7 @@ Diagnosis diagnose(const sim::MachineSettings& nominal, const std::optional<cont
   tell(kHoldOut.from, "looking for a law that is in no catalogue");
   const SmoothTorques smooth(problem, searched.best(problem.catalogue));
   Weighed weighed = weigh_fits(problem, found, smooth, screening.names.size(), evidence, diagnosis.has_controller);
-  // The gap lies where the most probable cause takes something away; where none does, where more than noise is left.
+  // The gap lies where the most probable cause takes something away; where none does, where the residual is more than noise.
   const FitResult* const answer_fit = weighed.answer(found.fits);
   const bool is_taken = answer_fit != nullptr && !is_stochastic(problem.catalogue.at(answer_fit->point.effects[0].name));
   diagnosis.bands = bands_of_gap(problem, base.difference, is_taken ? answer_fit->difference : Eigen::VectorXd::Ones(base.difference.size()));

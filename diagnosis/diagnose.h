@@ -54,7 +54,7 @@ struct Diagnosis {
   std::vector<common::EffectInstance> of_every_machine;  // what every machine does, where the fits have it
   std::vector<BandShare> bands;
   std::vector<Moment> moments;
-  std::vector<Discrepancy> discrepancies;  // of what the answer, or parameters alone where it is unknown, leaves; empty: no more than noise
+  std::vector<Discrepancy> discrepancies;  // in the residual of the answer, or of parameters alone where it is unknown; empty: no more than noise
   std::vector<std::string> remarks;
   Nuisances nuisances;                   // that the points of the causes are told in
   std::vector<std::string> not_excited;  // effects of which no size that was tried, a typical one among them, changes these records enough to be named

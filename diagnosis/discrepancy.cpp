@@ -41,7 +41,7 @@ double spline(int j, double v, double low, double high, int segments) {
 // What a record's grid points have of each quantity.
 struct Course {
   std::vector<double> speed, angle, time, direction;
-  std::vector<double> load;                       // [Nm per motor] mean of the amounts
+  std::vector<double> load;                       // [Nm per motor] mean of the magnitudes
   std::vector<std::vector<double>> motor_torque;  // [Nm] each group's own
 };
 using OfCourse = std::function<double(const Course&, std::size_t point, std::size_t group)>;
@@ -237,12 +237,12 @@ struct Block {
   double low, high;
   int splines;
   std::size_t first_shape;
-  Eigen::MatrixXd columns;   // what parameters, hypothesis and a constant torque leave of the traces
+  Eigen::MatrixXd columns;   // traces, with parameters, hypothesis and a constant torque projected out
 };
 
 struct Weighed {
   double evidence = 0.0;
-  double left = 0.0;               // sum of squares
+  double left = 0.0;               // sum of squares of the residual
   Eigen::VectorXd mean;            // [amounts]
   Eigen::MatrixXd covariance;      // [amounts^2]
 };

@@ -1,20 +1,22 @@
-// What a hypothesis leaves unexplained, as a torque at the motors that is a smooth function of one variable v and of the direction of motion:
+// The residual of a hypothesis, as a torque at the motors that is a smooth function of one variable v and of the direction of motion:
 //
 //   T(t) = sum over i of s_i(t) f_i(v(t)),    f_i(v) = sum over j of a_ij B_j(v),    a ~ N(0, rho P^-1)
 //
-// v is the speed or the angle of the axis, the time since a record's beginning or the motors' torque, the mean of its amounts. The s_i are
-// one of several sets, that with the largest evidence: the two directions of motion; of angle and time none (s = 1); of speed, time and torque each motor's
-// torque over the largest; of the torque also none, v being each motor's own. B_j are cubic B-splines on even knots, eight segments, of the angle also as many as the axis passes at its largest speed
-// in a quarter of the characteristic time each (64 at most: what is set in a ring comes many times in a turn), of the speed also the constant.
-// P = D'D + 0.1 with D the second differences (Eilers, Marx 1996: P-splines). Parameters, what the hypothesis has, a constant torque, and whatever holds the machine at
-// standstill are projected out, so that the function stands for none of them. rho is that of the largest evidence,
+// v is the speed or the angle of the axis, the time since a record's beginning, or the magnitude of the motors' torque, mean over the groups. The s_i
+// are one of several sets, that with the largest evidence: the two directions of motion; of angle and time none (s = 1); of speed, time and torque
+// each motor's torque over the largest; of the torque also none, v being each motor's own. B_j are cubic B-splines on even knots, eight segments; of
+// the angle also as many as the axis passes at its largest speed in a quarter of the characteristic time each (64 at most: what is set in a ring
+// comes many times in a turn); of the speed also the constant. P = D'D + 0.1 with D the second differences (Eilers, Marx 1996: P-splines).
+// Parameters, what the hypothesis has, a constant torque, and whatever holds the machine at standstill are projected out, so that the function stands
+// for none of them. rho is that of the largest evidence,
 //
 //   ln E(rho) = -1/2 sum ln(1 + rho lambda) - nu / 2 h(Q(rho) / nu),    h(q) = ln q where q > 1, else q - 1,
 //
-// lambda the eigenvalues of the columns' products in P's coordinates, nu the independent differences, Q what they leave together with a' P a / rho: a noise of unknown size, but not
-// below the sensors'. Of the differences those count that are slower than the machine's characteristic time T: in what is faster, laws show how they
-// begin and end, and the structure its modes. Where the functions take away less of all that is left than what any law is forgiven (evidence.h), nothing is said: it may be
-// what the faster ones leave there. Assumption: the torque is small beside what moves the machine, so that its traces add up.
+// lambda the eigenvalues of the columns' products in P's coordinates, nu the independent differences, Q the sum of squares of the residual beside
+// them together with a' P a / rho: a noise of unknown size, but not below the sensors'. Only differences that are slower than the machine's
+// characteristic time T count: faster ones show how laws begin and end, and the modes of the structure. Where the functions take away a smaller share
+// of the whole residual than the usual misfit of a law (r in evidence.h), nothing is said: that share may come from the faster differences.
+// Assumption: the torque is small beside what moves the machine, so that its traces add up.
 #pragma once
 
 #include <memory>
@@ -36,7 +38,7 @@ struct DiscrepancyCurve {
 struct Discrepancy {
   std::string variable;  // constant, speed, angle, time, torque
   std::string unit;
-  double share = 0.0;     // of what is left above the noise, that the function with its constant takes away
+  double share = 0.0;     // of the residual above the noise, that the function with its constant takes away
   double evidence = 0.0;  // ln E(rho) - ln E(0), the constant's with it
   std::vector<DiscrepancyCurve> curves;  // none of the constant
 };
@@ -75,7 +77,7 @@ class SmoothTorques {
 // Whether the fit's slow differences are more than noise.
 bool has_slow_gap(const Problem& problem, const FitResult& fit);
 
-// What is said to be left by a fit: as left_by(), empty also where it has no slow gap.
+// The discrepancies that are told of a fit's residual: as left_by(), empty also where the fit has no slow gap.
 std::vector<Discrepancy> discrepancies(const Problem& problem, const FitResult& fit, const SmoothTorques& smooth, double law_share);
 
 // The names of those that the residual follows, the first one and what cannot be told from it; the constant alone where that is among them; empty: none.

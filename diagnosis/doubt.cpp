@@ -14,12 +14,12 @@ namespace slewlab::diagnosis {
 
 namespace {
 
-constexpr double kUnknownBelowNoise = 0.4;  // of the probability that no known effect is missing, where parameters leave noise alone and no law was fitted
+constexpr double kUnknownBelowNoise = 0.4;  // of the probability that no known effect is missing, where parameters' residual is noise alone and no law was fitted
 constexpr double kDoubtful = 0.4;           // share of its probability that a doubted cause loses: it still leads, and is not sure
 constexpr double kOtherLawTemper = 5.0;     // chosen: by which the evidence among laws that are another one than the catalogue's counts less
-// How sure a lead is at most, by how often it was right on machines that no score uses (docs/history/diagnosis.md): where one effect is the answer, parameters
-// or that effect hid a second one so often; where the answer leaves more than the noise can be off by, it was another one so often; and so likely is
-// something small where parameters alone leave that.
+// How sure a lead is at most, by how often it was right on machines that no score uses (docs/history/diagnosis.md). Where one effect is the answer,
+// parameters or that effect hid a second one so often (kHiddenBeside). Where the residual of the answer is more than the noise can be off by, it was
+// another one so often (kAboveTheNoise). Where parameters alone have such a residual, something small is so likely (kSmallBesideNothing).
 constexpr double kHiddenBeside = 0.12, kAboveTheNoise = 0.25, kSmallBesideNothing = 0.25;
 constexpr double kClearLead = 0.6;  // probability, beyond which no other answer can come to lead by that
 
@@ -87,7 +87,7 @@ void doubt_draws_beside_a_law(const common::EffectCatalogue& catalogue, const Ev
     const auto alone = std::find_if(ranking.causes.begin(), ranking.causes.end(), [&](const Cause& other) { return std::is_permutation(other.effects.begin(), other.effects.end(), rest.begin(), rest.end()); });
     if (alone == ranking.causes.end() || cause.explained - alone->explained > evidence.unknown_share) continue;
     if (&cause == &ranking.causes.front()) {
-      remarks.push_back(fmt::format("{} takes {:.1f} % of the gap beside {}; as much is left by a law that is another one than the catalogue's, so {} alone may be the cause", name_of(drawn),
+      remarks.push_back(fmt::format("{} explains {:.1f} % of the gap beside {}; the residual is as large where a law differs from that of the catalogue, so {} alone may be the cause", name_of(drawn),
                                     100.0 * (cause.explained - alone->explained), name_of(rest), name_of(rest)));
     }
     hand_on(kDoubtful, is_drawn, false, cause, ranking);

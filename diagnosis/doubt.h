@@ -18,22 +18,25 @@ inline constexpr double kFarOff = 2.6;  // [standard deviations] of a parameter,
 // Of what is "unknown", by how often it was on machines that no score uses; the rest are known effects whose law is another one than the catalogue's.
 inline constexpr double kOutsideTheCatalogue = 0.7;
 
-// The nominal machine leaves no more than noise: what fits this better fits noise.
+// The residual of the nominal machine is no more than noise: what fits the records better fits noise.
 void settle_on_nothing(Ranking& ranking);
 
-// Parameters alone leave no more than noise. That some machine would leave less still says little of a cause that nobody knows: at most it is
-// as likely as not. A law that was fitted does say something, as far as it is none of the catalogue's: `unknown_law` is its probability.
+// The residual of parameters alone is no more than noise. That some machine would have a smaller one still says little of a cause that nobody knows:
+// at most it is as likely as not. A law that was fitted does say something, as far as it is none of the catalogue's: `unknown_law` is its
+// probability.
 void doubt_the_unknown_below_the_noise(double unknown_law, Ranking& ranking);
 
-// An effect that was fitted to the end of its range is no sure answer: a larger one would fit better. Nor is one whose interval
-// goes beyond its range, or that the records do not tell from where the effect is absent: they do not say that it is there; nor one beside which a parameter is farther off than machines of one
-// make differ, or all together are: then something else may hide in them, beside nothing missing as well, unless the nominal machine leaves no more than noise (`is_nominal_enough`). What is taken from an
-// effect goes to nothing missing where parameters alone leave noise (`is_nothing_left`). Of the first of the causes it is told in `remarks`.
+// An effect that was fitted to the end of its range is no sure answer: a larger one would fit better. Nor is one whose interval goes beyond its
+// range, or that the records do not tell from where the effect is absent: they do not say that it is there. Nor is one beside which a parameter, or
+// all parameters together, are farther off than machines of one make differ: something else may hide in them. The latter holds of nothing missing as
+// well, unless the residual of the nominal machine is no more than noise (`is_nominal_enough`). What is taken from an effect goes to nothing missing
+// where the residual of parameters alone is noise (`is_nothing_left`). Of the first of the causes it is told in `remarks`.
 void doubt_what_no_machine_has(const common::EffectCatalogue& catalogue, const Nuisances& nuisances, bool is_nominal_enough, bool is_nothing_left, Ranking& ranking,
                                std::vector<std::string>& remarks);
 
-// A draw of a stochastic effect takes whatever has its power. Beside another effect of which alone no more of the gap is left than a law leaves that is another one than the catalogue's (the share of a cause that nobody knows,
-// evidence.h), that effect's own law may be what is drawn: the cause is not sure, and the first of them is told in `remarks`.
+// A draw of a stochastic effect takes whatever has its power. It may stand for the law of the effect beside it, where the residual of that effect
+// alone is no larger a share of the gap than that of a law other than the catalogue's (the share of a cause that nobody knows, evidence.h). Then the
+// cause is not sure, and the first of them is told in `remarks`.
 void doubt_draws_beside_a_law(const common::EffectCatalogue& catalogue, const EvidenceSettings& evidence, Ranking& ranking, std::vector<std::string>& remarks);
 
 // No cause explains it: then it may still be a known effect with a law of its own. What its law is not is no noise, so the causes share by their evidence

@@ -26,7 +26,7 @@ namespace {
 
 constexpr double kNever = 1e-6;  // chance of a machine
 
-// The cause of one effect that leaves least; nothing missing where there is none.
+// The cause of one effect with the smallest residual; nothing missing where there is none.
 const Candidate& best_single(const std::vector<Candidate>& candidates) {
   const auto rank = [](const Candidate& candidate) {
     return std::pair(candidate.chance ? 3 : candidate.effects.size() == 1 ? 0 : candidate.effects.empty() ? 1 : 2, candidate.residual_power);

@@ -3,13 +3,14 @@
 //   ln P(hypothesis | records) = ln prior - (M(c) + p + sum(ln(1 + w lambda)) + c_e * laws) / (2 T) - ln 2 * at_bounds + constant
 //   M(c) = k ln(1 + c / (k + r G)) + m ln(1 + c / (n + q G)),    w = s k / (k + r G + c)
 //
-// c is what the hypothesis leaves above the best one whose parameters a machine can have (above what the noise explains, where even the best leaves more), G
-// the gap: what parameters alone leave, counted the same way. The law of a real effect is never quite the catalogue's: of some
-// the true cause leaves a usual share r of the gap, of most no more than n + q G. With the size of that mismatch integrated out, misfits
-// count by their ratios. p is -2 ln of the prior where M + p is least (relax() in fit.h), and the sum, over the eigenvalues lambda of what the records say of
-// the parameters (fit.h), Occam's factor: how much narrower they became. Of a shape that ends at its bound half of that width lies beyond it. A cause that is in no catalogue is a hypothesis too: it would leave a usual,
-// larger share of the gap, and its parameters, whichever they are, would be as narrow as those of the single cause that fits best.
-// T tempers it all: what mesh, step and law make wrong is not independent from bin to bin.
+// c is the residual power of the hypothesis above that of the best one whose parameters a machine can have (above what the noise explains, where even
+// the best is larger). G is the gap: the residual power of parameters alone, counted the same way. The law of a real effect is never quite the
+// catalogue's: for some effects the residual of the true cause is a usual share r of the gap, for most no more than n + q G. With the size of that
+// mismatch integrated out, misfits count by their ratios. p is -2 ln of the prior where M + p is least (relax() in fit.h). The sum, over the
+// eigenvalues lambda of what the records say of the parameters (fit.h), is Occam's factor: how much narrower they became. Of a shape that ends at its
+// bound half of that width lies beyond it. A cause that is in no catalogue is a hypothesis too: its residual would be a usual, larger share of the
+// gap, and its parameters, whichever they are, would be as narrow as those of the single cause that fits best. T tempers it all: the errors of mesh,
+// step and law are not independent from bin to bin.
 #pragma once
 
 #include <Eigen/Core>
@@ -25,8 +26,8 @@ struct EvidenceSettings {
   double near_freedom = 20.0;    // m
   double near_misfit = 100.0;    // n
   double near_share = 0.0002;    // q
-  double unknown_share = 0.15;   // of the gap that a cause outside the catalogue leaves unexplained
-  double unknown_floor = 100.0;  // [-] c that it leaves at least
+  double unknown_share = 0.15;   // residual of a cause outside the catalogue, as a share of the gap
+  double unknown_floor = 100.0;  // [-] c of such a cause, at least
   double unknown_prior = 17.0;   // p of its parameters: what the nuisances of a machine have on the average
   double temper = 1.5;           // T
   double independent_share = 0.3;  // s, as in fit.h
@@ -80,7 +81,8 @@ Probabilities weigh(const std::vector<Candidate>& candidates, int single_count, 
 inline constexpr double kFarTogether = 0.01;  // chance below which something else may hide in the parameters: one machine in a hundred
 double chance_of_prior(double prior, const Eigen::VectorXd& information, double independent_share);
 
-// Whether what a machine leaves is a measure for others: not where it has parameters that none has, once in a million, which fit the noise.
+// Whether the residual of a machine is a measure for others: not where its parameters are such as no machine has (chance below one in a million), for
+// they fit the noise.
 bool is_a_measure(double prior, const Eigen::VectorXd& information, double independent_share);
 
 }  // namespace slewlab::diagnosis

@@ -16,7 +16,7 @@ constexpr double kNuisanceStep = 0.3;  // [standard deviations] difference quoti
 constexpr double kFarthest = 6.0;      // [standard deviations] that a nuisance is let go
 constexpr std::array<double, 4> kDampings{0.0, 0.1, 1.0, 10.0};  // of a step: the next where the one before did not make the cost fall
 constexpr int kRelaxations = 8;
-// From far off a fit goes as if it did not know the noise's size, and where that leaves more than noise, as if it nearly did: contacts make
+// From far off a fit goes as if it did not know the noise's size and, where its residual then is more than noise, as if it nearly did: contacts make
 // the differences uneven, and one way may end where another does not.
 constexpr std::array<double, 3> kFromAfar{1.0, 100.0, 10.0};
 constexpr double kNearTheNoise = 10.0;  // mean square, beyond which parameters are hardly all that is missing, and one way is enough
@@ -493,7 +493,7 @@ void settle(Problem& problem, FitResult& result, int rounds) {
 Relaxed relax(const Problem& problem, const FitResult& result, const Leaving& leaving, const MisfitCost& misfit_cost, double floor) {
   if (leaving.gram.size() == 0) return {leaving.residual_power, result.prior};
   const double share = problem.settings.independent_share;
-  // The columns of a fit that has not settled promise what is not there: nothing less is left than where it stands.
+  // The columns of a fit that has not settled promise what is not there: the residual power falls no lower than where it stands.
   const auto residual_power_at = [&](const Eigen::VectorXd& step) {
     return leaving.residual_power + std::max(0.0, share * (2.0 * leaving.slope.dot(step) + step.dot(leaving.gram * step)));
   };

@@ -2,13 +2,12 @@
 //
 //   cost = L(s (sum(d^2) - n)) + sum(p(z)) + sum(q(x)),    L(c) = nu ln(1 + c / nu) for c > 0, c otherwise
 //
-// d are the n whitened differences (noise alone leaves a mean square of 1), z the nuisances and x the effects'
-// parameters, both in standard deviations of their priors p and q (nuisance.h). So cost is -2 ln of the posterior density. s is the share of
-// the differences that are independent of each other: what mesh and step make wrong shows in many of them. What the
-// noise cannot explain is mismatch of mesh, step and laws; its size is not known beforehand, and with it integrated out
-// a sum of squares counts as in a Student distribution of nu degrees of freedom (learned, docs/diagnosis/method.md): in full while
-// it is small, by ratios when it is large. Gauss-Newton steps with the weight dL/dc, shortened where the cost would
-// rise; the columns are difference quotients, corrected after each step by what it showed.
+// d are the n whitened differences (their mean square is the residual variance ratio, 1 = noise only), z the nuisances and x the effects' parameters,
+// both in standard deviations of their priors p and q (nuisance.h). So cost is -2 ln of the posterior density. s is the share of the differences that
+// are independent of each other: what mesh and step make wrong shows in many of them. What the noise cannot explain is mismatch of mesh, step and
+// laws. Its size is not known beforehand, and with it integrated out a sum of squares counts as in a Student distribution of nu degrees of freedom
+// (learned, docs/diagnosis/method.md): in full while it is small, by ratios when it is large. Gauss-Newton steps with the weight dL/dc, shortened
+// where the cost would rise; the columns are difference quotients, corrected after each step by what it showed.
 #pragma once
 
 #include <Eigen/Core>
@@ -24,7 +23,7 @@
 namespace slewlab::diagnosis {
 
 inline constexpr double kNoise = 0.1;                // share by which the sensors' noise is known
-inline constexpr double kNoiseAlone = 1.0 + kNoise;  // mean square of what it may leave
+inline constexpr double kNoiseAlone = 1.0 + kNoise;  // largest residual variance ratio of noise alone
 double mean_square(const Eigen::VectorXd& difference);
 
 // What of the differences noise alone does not explain: s (sum(d^2) - n).
@@ -95,10 +94,10 @@ Eigen::MatrixXd covariance(const Problem& problem, const FitResult& result);
 // Where the fits have ended: prior, information, mean square and the spread of the sizes, from the curvature there.
 void conclude(const Problem& problem, FitResult& result);
 
-// What a fit leaves and what its point costs where misfits count less than in the fit: where the parameters would stand if
+// The residual power and the prior of a fit where misfits count less than in it. By the fit's columns, the parameters would stand where
 //   M(residual power - floor) + prior
-// were what is made small, by the fit's columns. A fit takes every unlikely value that noise or a law's misfit asks for; an evidence that
-// discounts the misfit must not count the value in full.
+// is least. A fit takes every unlikely value that noise or a law's misfit asks for; an evidence that discounts the misfit must not count the value in
+// full.
 struct Relaxed {
   double residual_power = 0.0, prior = 0.0;
 };

@@ -2,10 +2,10 @@
 //
 //   P(hidden) / P(nothing missing) = (P_1 H + P_2 H^2) / P_0,    H = mean over the catalogue of P(|x| < x_h)
 //
-// P_0, P_1, P_2 are the priors of nothing, one and two effects (evidence.h), x an effect's size, of the prior of its sizes (Student's t of 2 degrees of freedom
-// over its bounds, coordinates.h). By a size x_0 that was simulated the differences change by a column of which parameters imitate a part; what remains of it has
-// the sum of squares V (screen.h). Linearly a size x leaves c = s V (x / x_0)^2 that parameters alone do not explain, and x_h is the one for which c makes a single
-// effect as likely as nothing missing:
+// P_0, P_1, P_2 are the priors of nothing, one and two effects (evidence.h), x an effect's size, of the prior of its sizes (Student's t of 2 degrees
+// of freedom over its bounds, coordinates.h). A size x_0 that was simulated changes the differences by a column of which parameters imitate a part;
+// the rest of it has the sum of squares V (screen.h). Linearly, a size x gives parameters alone the residual power c = s V (x / x_0)^2, and x_h is
+// the size for which c makes a single effect as likely as nothing missing:
 //
 //   M(c) = c_e + 2 T ln(P_0 n / P_1),
 //

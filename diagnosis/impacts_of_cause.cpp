@@ -13,7 +13,7 @@ namespace slewlab::diagnosis {
 
 namespace {
 
-constexpr double kLeftElsewhere = 0.1;  // of the mean square, at most, where impacts rule what is left; chosen
+constexpr double kLeftElsewhere = 0.1;  // of the mean square, at most, where impacts rule the residual; chosen
 
 std::size_t judged_points(const Whitening& whitening) {
   return static_cast<std::size_t>(std::count_if(whitening.window.begin(), whitening.window.end(), [](double weight) { return weight > 0.0; }));

@@ -8,8 +8,9 @@
 
 namespace slewlab::diagnosis {
 
-// Where most of what a cause's machine leaves lies near its own impacts, these stretches are judged no more (Record::impacts_of_cause): gives the share of all records that they take, and the
-// records are whitened anew, with `admitted` the nominal machine that they were admitted with. 0: nothing has changed, as where too little of a record would be left. Assumes that the problem owns its records.
+// Where most of the residual of a cause's machine lies near its own impacts, these stretches are judged no more (Record::impacts_of_cause), and the
+// records are whitened anew, with `admitted` the nominal machine that they were admitted with. Gives the share of all records that the stretches
+// take. 0: nothing has changed, as where too little of a record would be left to judge. Assumes that the problem owns its records.
 double take_out_impacts(Problem& problem, const sim::MachineSettings& admitted, const WhiteningSettings& settings, const Point& cause);
 
 }  // namespace slewlab::diagnosis

@@ -2,7 +2,7 @@
 // from unit to unit, and what nobody knows of a record. A wrong one imitates a missing effect and the other way round, so every
 // hypothesis is fitted with all of them free under their priors.
 //
-// A point's amounts, in standard deviations: the parameters; the encoders' latency; of each record angle and rate of the load's
+// A point's nuisance parameters, in standard deviations: the parameters; the encoders' latency; of each record angle and rate of the load's
 // swing at its beginning, where the machine has a load; where each motor stands between its flanks then; and where some record begins in
 // motion, angle and rate of the load's rod and amounts and rates of the lowest modes of the boom. Those of a record that begins at rest
 // change nothing. The encoders' noise goes through the controller into the torque, so a fit can

@@ -1,7 +1,8 @@
 // The sensors' noise as another machine than the nominal one has it.
 //
-// Differences are divided by what the sensors' noise makes of them in the nominal machine (whitening.h). Another machine makes something else of it: a boom that is damped more shakes
-// less with the noise of the accelerometer by which the observer leads it, and leaves less than the noise without being right. So its differences count by their own covariance,
+// Differences are divided by what the sensors' noise makes of them in the nominal machine (whitening.h). Another machine makes something else of it:
+// a boom that is damped more shakes less with the noise of the accelerometer by which the observer leads it, and its residual is smaller than the
+// noise without being right. So its differences count by their own covariance,
 //
 //   -2 ln P = sum over bins of z* V^-1 z,    V = L^-1 (B + (m - 1) E + W N(machine) W* / 2) L^-*
 //

@@ -1,5 +1,5 @@
-// Everything that stays the same over one diagnosis, and what a hypothesis leaves of the records: the whitened differences of the machine at a point
-// as it follows them. Machines side by side, records and points on all threads; the same bits on any number of them.
+// Everything that stays the same over one diagnosis, and the residual of a hypothesis: the whitened differences between the records and the machine
+// at a point as it follows them. Machines side by side, records and points on all threads; the same bits on any number of them.
 #pragma once
 
 #include <Eigen/Core>
@@ -42,8 +42,8 @@ struct Point {
 // Whether two points name the same effects, whatever their order and sizes.
 bool has_same_effects(const Point& a, const Point& b);
 
-// Of a flexible boom, at least, whatever the machine's file has, unless the record is of a machine cut as the file has it. With half as
-// many the higher modes stand so far off that the error of a large effect is fitted by a second one; 10, 12 and 16 leave the same.
+// Of a flexible boom, at least, whatever the machine's file has, unless the record is of a machine cut as the file has it. With half as many the
+// higher modes are so far off that a second effect fits the error of a large one; with 10, 12 and 16 the residual is the same.
 inline constexpr int kBoomElements = 12;
 
 // The machine with its boom, where it has one that bends, cut into as many elements at least.

@@ -11,12 +11,12 @@ namespace slewlab::diagnosis {
 namespace {
 
 constexpr double kThirdPrior = 0.1;            // chosen: of three effects at once, against two
-constexpr double kControllerExplained = 0.01;  // share of its difference that an effect of a controller may leave, to be the right one
-constexpr double kControllerTold = 1e-3;       // the same, to be that surely: answers are computed, not measured, and the right law leaves what was rounded; chosen, below what wrong ones left
+constexpr double kControllerExplained = 0.01;  // largest residual of the right effect of a controller, as a share of its difference
+constexpr double kControllerTold = 1e-3;       // and to be that surely: answers are computed, not measured, so the right law's residual is rounding; chosen, below those of wrong ones
 constexpr double kCountError = 1e-3;           // relative, of a quantum found in the positions
-constexpr double kSure = 0.98;                 // probability of what needs no fit, or leaves next to nothing
-constexpr double kUnlikely = 0.02;             // probability of what was left out, or leaves much
-constexpr double kPerhaps = 0.6;               // chosen: of what leaves more than it should, and little
+constexpr double kSure = 0.98;                 // probability of what needs no fit, or has next to no residual
+constexpr double kUnlikely = 0.02;             // probability of what was left out, or has a large residual
+constexpr double kPerhaps = 0.6;               // chosen: of what has a larger residual than it should, and a small one
 constexpr double kNegligible = 1e-4;           // probability of a part that is not combined further
 
 // The effect whose size a record shows so; nullptr where the catalogue has none.

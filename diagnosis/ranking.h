@@ -24,7 +24,8 @@ void sort_causes(std::vector<Cause>& causes);
 // The cause without effects; null where there is none.
 Cause* nothing_missing(Ranking& ranking);
 
-// Takes a share of a cause's probability and gives it to what is not known, or where the machine without it leaves noise alone, to nothing missing.
+// Takes a share of a cause's probability. It goes to nothing missing where the residual of the machine without the cause is noise alone
+// (`is_nothing_left`), else to what is not known.
 void take_away(double share, bool is_nothing_left, Cause& cause, Ranking& ranking);
 
 // A share of a cause's probability goes to the others that have its effects but for those doubted, by their own probabilities; where there are

@@ -72,7 +72,7 @@ double taken_at(const std::vector<Place>& places, double order) {
   return taken;
 }
 
-// The order beside `order`, nearer than `step`, at which most is taken away: by thirds of what is left of the distance.
+// The order beside `order`, nearer than `step`, at which most is taken away: by thirds of the remaining distance.
 double refined(const std::vector<Place>& places, double order, double step) {
   for (int round = 0; round < kRefinements; ++round) {
     step /= 3.0;

@@ -16,8 +16,8 @@ namespace slewlab::diagnosis {
 
 inline constexpr std::size_t kLengths = 2;  // that are tried: the first may be half of a law's with two harmonics
 
-// [rad] The lengths at which the machine at `point` leaves least, the best first, `most` of them at most, each farther from the others than the angle that is passed tells apart. None
-// where the axis hardly turns.
+// [rad] The lengths at which the law above has the smallest residual of the missing torque of the machine at `point`. The best first, `most` of them
+// at most, each farther from the others than the angle that is passed tells apart. None where the axis hardly turns.
 std::vector<double> recurring_lengths(const Problem& problem, const Point& point, std::size_t most);
 
 }  // namespace slewlab::diagnosis

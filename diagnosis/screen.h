@@ -1,5 +1,5 @@
-// The whole catalogue, looked at once: what each effect, from each of its starts, could linearly take away of what
-// parameters alone leave. One simulation per start, and closer looks at the size which that forecasts.
+// The whole catalogue, looked at once: what each effect, from each of its starts, could linearly take away of the residual of parameters alone. One
+// simulation per start, and closer looks at the size that it forecasts.
 #pragma once
 
 #include <Eigen/Cholesky>
@@ -34,7 +34,7 @@ struct Screened {
   Eigen::VectorXd column;       // change of the differences by the start's size; empty where nobody asks for it any more
   double visibility = 0.0;      // sum of squares of the column, nuisances taken out
   double amount = 0.0;          // of the start's size, fitted
-  double left = 0.0;            // sum of squares that it leaves, linearly
+  double left = 0.0;            // sum of squares of its residual, linearly
 };
 
 // The point with the start added, its fading parameters scaled by `amount`.
@@ -75,8 +75,8 @@ class Projector {
   Eigen::LDLT<Eigen::MatrixXd> factor_;
 };
 
-// Gives `screened` the multiple of the column that takes most of `target` away, at most `farthest`, and what that leaves;
-// a negative one only where the effect's size turns sign.
+// Gives `screened` the multiple of the column that takes most of `target` away, at most `farthest`, and the sum of squares of the residual. A
+// negative multiple only where the effect's size turns sign.
 void try_amount(const common::EffectCatalogue& catalogue, const Eigen::VectorXd& column, const Eigen::VectorXd& target, Screened& screened, double farthest = kLargestAmount);
 
 // Of one effect that begins at one moment each and never ends, at least two of them by rising beginnings, the best one from one
@@ -97,7 +97,7 @@ struct Screening {
   std::set<std::string> names;               // of the effects that were tried
   std::vector<Screened> tried;               // all starts and closer looks; with their columns the best of each effect, and all that the power of draws is asked of
   std::map<std::string, double> visibility;  // largest of each effect's
-  Eigen::VectorXd gap;                       // what parameters alone leave, as the projector shows it
+  Eigen::VectorXd gap;                       // residual of parameters alone, as the projector shows it
 };
 // From where the law comes again with one of the lengths [rad], its angles all round: beside the law's mean two quarters do not tell the others. None of a law that does not recur.
 std::vector<common::EffectInstance> recurring_starts(const common::EffectAbout& about, std::span<const double> lengths);
@@ -106,7 +106,7 @@ std::vector<common::EffectInstance> recurring_starts(const common::EffectAbout& 
 std::vector<common::EffectInstance> catalogue_starts(const common::EffectCatalogue& catalogue, const sim::MachineSettings& nominal, std::span<const std::string> without,
                                                      double duration, double spell_every, std::span<const double> lengths = {});
 
-// Of each effect the one that leaves least, by what they leave; of all that was tried, or of some.
+// Of each effect the start with the smallest residual, in the order of their residuals; of all that was tried, or of some.
 std::vector<const Screened*> best_of_each(const Screening& screening);
 std::vector<const Screened*> best_of_each(std::vector<const Screened*> screened);
 

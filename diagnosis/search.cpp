@@ -26,7 +26,7 @@ constexpr int kFreshRounds = 10;                // at most, for a leader
 constexpr std::size_t kPairLeaders = 3;         // single effects beside which a second one is looked for
 constexpr int kMoreLooks = 2;                   // beside single effects that came on
 constexpr int kPairsPerLeader = 2;              // that are refined beside each of them but the best
-constexpr double kLeavesMuch = 2.0;              // mean square of what the nominal machine leaves, above which an effect may be hidden by where the parameters went
+constexpr double kLeavesMuch = 2.0;              // residual variance ratio of the nominal machine, above which an effect may be hidden by where the parameters went
 constexpr double kDoubtful = 1000.0;            // residual power of parameters alone below which they may be the answer
 constexpr std::size_t kFromBest = 4;             // fits that try the best one's machine
 constexpr std::size_t kFewSingles = 5;          // starts that are refined, up to which a search is short
@@ -65,7 +65,7 @@ void settle_rival(Problem& problem, FitResult& fitted) {
   fitted.cost_elsewhere = fitted.cost;
 }
 
-// Goes on until it settles; what leaves more than noise, from afar as well, but from one place once.
+// Goes on until it settles. A fit whose residual is more than noise does so from afar as well, but from one place once.
 void settle_leader(Problem& problem, FitResult& leader) {
   settle_rival(problem, leader);
   if (mean_square(leader.difference) <= 1.0 || leader.cost > leader.cost_from_afar - kNearRival) return;
@@ -77,7 +77,7 @@ void settle_leader(Problem& problem, FitResult& leader) {
 }
 
 // Rounds with fresh columns for the best `count`, each time for the better half of them: none loses for want of convergence, and few go all the way.
-// Beside one that leaves noise alone those go on that would reach it at the pace of their last round.
+// Beside one whose residual is noise alone those go on that would reach it at the pace of their last round.
 void converge(Problem& problem, std::vector<FitResult>& fits, std::size_t count) {
   for (; count > 1 && !fits.empty(); count = (count + 1) / 2) {
     std::stable_sort(fits.begin(), fits.end(), cheaper);
@@ -186,7 +186,7 @@ FitResult common_ground(Problem& problem, const FitResult& best, const Point& ot
   return ground;
 }
 
-// Where a fit's effects begin on that ground, and the sum of squares that they leave there, linearly.
+// Where a fit's effects begin on that ground, and the sum of squares of their residual there, linearly.
 struct OnGround {
   Point start;
   double left = 0.0;
@@ -247,8 +247,8 @@ bool start_from_best_machine(Problem& problem, std::vector<FitResult>& fits) {
   return came_on;
 }
 
-// Where the leader leaves more than noise another law may only have begun too far off: on the leader's machine it may leave noise alone. Only then are its fits kept: those that leave more have drawn parameters far off, to stand for
-// a second effect.
+// Where the leader's residual is more than noise another law may only have begun too far off: on the leader's machine its residual may be noise
+// alone. Only then are its fits kept: those with a larger residual have drawn parameters far off, to stand for a second effect.
 void find_what_began_too_far_off(Problem& problem, std::vector<FitResult>& fits) {
   if (fits.empty() || mean_square(fits.front().difference) <= kNoiseAlone) return;
   std::vector<FitResult> others = fits;
@@ -276,8 +276,8 @@ std::vector<common::EffectInstance> recurring_on(const Problem& problem, const P
   return recurring_starts(about, recurring_lengths(problem, point, kLengths));
 }
 
-// A law that recurs has a valley for every length: where the best fit has it, or has another law of that physics and leaves more than noise, it is tried in that one's place with the lengths
-// that stand out then.
+// A law that recurs has a valley for every length. Where the best fit has one, or has another law of that physics and a residual of more than noise,
+// the law is tried in that one's place with the lengths that stand out then.
 void try_recurring(Problem& problem, const Screening& screening, std::vector<FitResult>& fits) {
   if (fits.empty()) return;
   const FitResult& best = fits.front();
@@ -309,7 +309,7 @@ void try_recurring(Problem& problem, const Screening& screening, std::vector<Fit
   settle_best(problem, fits);
 }
 
-// What is promised beside a fitted effect: the starts, and what the fit leaves of which they take away.
+// What is promised beside a fitted effect: the starts, and the sum of squares of the fit's residual, of which they take a part away.
 struct Beside {
   std::vector<Screened> tried;
   double left = 0.0;
@@ -452,7 +452,7 @@ struct LookedBeside {
   double cost = 0.0;
 };
 
-// A fit of one effect that came on only beside a second one leaves something else than what seconds were looked for in: they are looked for
+// A fit of one effect that came on only beside a second one has another residual than that in which seconds were looked for. They are looked for
 // again from where it stands now, until the best single effect is one that was looked beside there.
 void look_again(Problem& problem, const FitResult& base, const Screening& screening, const std::map<std::string, std::string>& same_as,
                 const SearchSettings& settings, LookedBeside looked_beside, std::vector<FitResult>& fits, const Progress& tell) {
@@ -528,7 +528,7 @@ std::vector<const Screened*> chosen_starts(const Problem& problem, const FitResu
   return chosen;
 }
 
-// What can be refined of a screening, by what it leaves.
+// What can be refined of a screening, the smallest residual first.
 std::vector<const Screened*> ranked_starts(const Problem& problem, const Screening& screening) {
   std::vector<const Screened*> ranked;
   for (const Screened& screened : screening.tried) {
@@ -538,8 +538,8 @@ std::vector<const Screened*> ranked_starts(const Problem& problem, const Screeni
   return ranked;
 }
 
-// Where the nominal machine leaves much, parameters alone may stand for what an effect says, and beside them it promises nothing: the catalogue is looked at from the nominal
-// machine as well, and refined from there. So where they have gone farther than machines of one make do.
+// Where the residual of the nominal machine is large, parameters alone may stand for what an effect says, and beside them it promises nothing: the
+// catalogue is looked at from the nominal machine as well, and refined from there. So where they have gone farther than machines of one make do.
 std::vector<FitResult> refined_from_nominal(Problem& problem, const FitResult& base, const Screening& screening, const SearchSettings& settings,
                                             std::map<std::string, std::string>& same_as, const Progress& tell) {
   FitResult from = base;

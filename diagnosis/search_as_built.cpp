@@ -21,7 +21,7 @@ namespace slewlab::diagnosis {
 namespace {
 
 constexpr int kRoundsAsBuilt = 3;        // at most, of a fit of the nominal machine built otherwise: its boom cut as its file has it, or what every machine does
-constexpr double kOwnLog = 0.5;          // mean square that no sensors' noise leaves as low; chosen
+constexpr double kOwnLog = 0.5;          // residual variance ratio below that of any sensors' noise; chosen
 constexpr double kOwnLogBegun = 0.1;     // the same of a machine whose beginning was fitted, beside coarse counts as well; chosen
 constexpr double kBetterAsCut = 20.0;    // fall of the cost, several times what chance lets it fall by
 constexpr double kBetterWithAll = 6.0;   // the same for what every machine does: only that it shows is asked
@@ -74,8 +74,8 @@ Searched search_all(Problem& problem, FitResult base, const Asked& asked, const 
   return {std::move(base), std::move(screening), std::move(found), {}, {}};
 }
 
-// Takes the boom as the machine's file cuts it where the fit leaves less on it: a log that slewlab itself made of that file. Without sensors' noise what another mesh does shows
-// below the noise as well, where parameters would follow it. Another machine's boom is not cut at all.
+// Takes the boom as the machine's file cuts it where the residual of the fit is smaller with it: a log that slewlab itself made of that file. Without
+// sensors' noise what another mesh does shows below the noise as well, where parameters would follow it. Another machine's boom is not cut at all.
 bool take_as_cut(Problem& problem, int as_cut, bool is_last, FitResult& fitted) {
   if (problem.nominal.crane.boom.element_count == as_cut) return false;
   sim::MachineSettings with = problem.nominal;
@@ -86,7 +86,8 @@ bool take_as_cut(Problem& problem, int as_cut, bool is_last, FitResult& fitted) 
   });
 }
 
-// Of records that begin on a machine that has moved before the nominal machine as they begin on it, if that leaves no more than `most`; `fitted` has parameters alone.
+// Of records that begin on a machine that has moved before: takes the nominal machine as they begin on it, if its residual variance ratio is no more
+// than `most`. `fitted` has parameters alone.
 void take_beginnings(Problem& problem, const FitResult& fitted, double most, FitResult& nominal_machine) {
   std::optional<FitResult> begun = nominal_with_beginnings(problem, fitted);
   if (begun && begun->mean_square <= most) nominal_machine = std::move(*begun);
@@ -133,8 +134,9 @@ bool acts(const common::EffectCatalogue& catalogue, const FitResult& fit) {
   });
 }
 
-// Whether what mesh and step were taken to make wrong is far more than they do, and hides a gap: the nominal machine stays below it, and another one far below that. What numbers
-// and integration leave is less, but for what goes on behind impacts, and for what a beginning on a machine that has moved before leaves of boom and load that no number describes.
+// Whether the assumed errors of mesh and step are far larger than the real ones, and hide a gap: the nominal machine stays below them, and another
+// one far below that. Errors of rounding and integration are smaller, except behind impacts, and except for what boom and load still do after a
+// beginning on a machine that has moved before, which no number describes.
 bool is_floor_too_high(const Problem& problem, const FitResult& nominal_machine, const FitResult& best) {
   constexpr double kHidden = 0.01, kFarBelow = 0.1;
   const auto is_free = [](const Whitening& whitening) { return judged_share(whitening) >= kFreeOfImpacts; };
@@ -155,7 +157,7 @@ const FitResult& Searched::best(const common::EffectCatalogue& catalogue) const 
 
 Searched search_as_built(Problem& problem, WhiteningSettings& whitening, const std::vector<std::string>& without, const SearchSettings& settings, std::vector<std::string>& remarks,
                          const Progress& tell) {
-  constexpr double kLeastShown = 1e-4;  // of the floor's square; chosen: what is left below may be a fit's own
+  constexpr double kLeastShown = 1e-4;  // of the floor's square; chosen: a smaller residual may be a fit's own
   constexpr int kMostTakenOut = 2;      // times; chosen
   const sim::MachineSettings admitted = problem.nominal;
   const int as_cut = admitted.crane.boom.element_count;
@@ -167,7 +169,7 @@ Searched search_as_built(Problem& problem, WhiteningSettings& whitening, const s
     const double share = take_out_impacts(problem, admitted, whitening, cause);
     if (share <= 0.0) return false;
     ++taken_out;
-    remarks.push_back(fmt::format("a machine that leaves less than the nominal one lets its gears strike where that does not: {:.0f} % of the records lie near that and are not judged either", 100.0 * share));
+    remarks.push_back(fmt::format("the gears of a machine with a smaller residual than the nominal one strike where those of the nominal machine do not: {:.0f} % of the records lie near these impacts and are not judged either", 100.0 * share));
     return true;
   };
   const auto search_here = [&] {

@@ -1,12 +1,11 @@
-// Stochastic effects (jitter, loss): no simulation meets the draw that was, but it has the draw's power. So
-// such an effect is not fitted to the differences but to their variance,
+// Stochastic effects (jitter, loss): no simulation repeats the draw that was, but it has the draw's power. So such an effect is not fitted to the
+// differences but to their variance,
 //
 //   -2 ln P(d) = sum(ln(1 + a S) + d^2 / (1 + a S)) + constant,
 //
-// S being the power that a draw of its own adds to each whitened difference, smoothed over neighbouring frequencies, and a
-// its scale, fitted. In a deterministic fit S = 0 and only the sum of squares is left, so both are compared as they are.
-// Because a smooth power fits nearly any difference better than no effect does, such an effect is a candidate only where it comes
-// near what a free power would reach.
+// S being the power that a draw of its own adds to each whitened difference, smoothed over neighbouring frequencies, and a its scale, fitted. In a
+// deterministic fit S = 0 and only the sum of squares remains, so both are compared as they are. A smooth power fits nearly any difference better
+// than no effect does. Therefore such an effect is a candidate only where it comes near what a free power would reach.
 //
 // What one force adds to the channels of a record stands, at each frequency, in proportions that no draw changes. So the power is taken
 // along the axes that the draws have there among the channels, the eigenvectors of sum(c c^H) over the draws and the nearest other bins, c
@@ -116,7 +115,7 @@ struct FreePower {
 };
 FreePower free_power(const Problem& problem, const Eigen::VectorXd& difference);
 
-// How much more the fit of `count` differences costs, as a share of what the free power leaves above the noise.
+// By how much the cost of the fit of `count` differences is above that of the free power, as a share of the free power's cost above the noise.
 inline constexpr double kNearFreePower = 0.25;  // below which it may be the cause
 double above_free_power(const PowerFit& fit, const FreePower& free, Eigen::Index count);
 

@@ -21,7 +21,7 @@ constexpr double kSettledScale = 0.1, kNearScale = 0.7;  // |ln a| from which th
 constexpr std::uint64_t kDraws = 3;  // of which a look takes the mean power
 constexpr double kMeanSpread = 0.4;  // of the logarithm of the mean that a draw's power goes with: laws differ
 constexpr double kLeastMean = 0.02;  // of the fitted delay's, below which there is none
-constexpr double kNoPart = 1e-12;    // share of a column that another leaves, below which they are one
+constexpr double kNoPart = 1e-12;    // residual of a column beside another, as a share of it, below which they are one
 constexpr double kNearForce = 0.1;   // as kNearFreePower, of a force: it explains differences along one axis only, the true one comes nearer
 constexpr std::size_t kBeside = 6;   // single fits beside which stochastic effects are tried
 constexpr std::size_t kSeconds = 4;  // effects that are fitted beside the best stochastic one
@@ -194,7 +194,7 @@ EffectAxes screened_axes(Problem& problem, const Screening& screening, Eigen::In
   return by_effect;
 }
 
-// Whether along every other effect's axes a free power leaves more. One channel alone says nothing of axes.
+// Whether a free power costs more along every other effect's axes. One channel alone says nothing of axes.
 bool has_best_axes(const Problem& problem, const EffectAxes& axes, const std::string& effect, const Eigen::VectorXd& difference) {
   const auto left_along = [&](const std::vector<ChannelAxes>& records) { return free_power(problem, along_axes(records, difference)).cost; };
   const double own = left_along(axes.at(effect));
@@ -272,7 +272,7 @@ std::vector<Second> seconds(Problem& problem, const Screening& catalogue, const 
 struct Ground {
   std::vector<Eigen::VectorXd> delays;    // columns of the steady delays that were screened
   std::vector<const FitResult*> besides;  // that of parameters alone first
-  FreePower free;                         // the least that a free power leaves beside any fit
+  FreePower free;                         // the cheapest free power beside any fit
 };
 
 Ground ground_of(Problem& problem, const Screening& screening, const FitResult& nothing, const std::vector<FitResult>& fits) {
@@ -438,7 +438,7 @@ std::vector<FitResult> stochastic_fits(Problem& problem, const Screening& screen
   for (const Try& one : tries) {
     if (is_near_enough(problem, one, ground.free)) near.insert(one.effect.name);
   }
-  // Where no power is near and much is left, a second effect may be what is too much for the best of them alone.
+  // Where no power is near and all residuals are large, a second effect may be what is too much for the best of them alone.
   const bool much_is_left = std::all_of(fits.begin(), fits.end(), [](const FitResult& result) { return result.residual_power > kMuch; });
   const Sorted candidates = sorted(problem, tries, near, ground.free, much_is_left);
 

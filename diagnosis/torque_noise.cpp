@@ -70,7 +70,7 @@ Eigen::MatrixXd fast_readings(const std::vector<msgs::Encoder>& encoder, const s
   return fast;
 }
 
-// What no combination of the columns leaves, by least squares in which what is far off counts less.
+// The residual of the best combination of the columns, by least squares in which what is far off counts less.
 Eigen::VectorXd left_by(const Eigen::MatrixXd& columns, const Eigen::VectorXd& wanted) {
   Eigen::VectorXd weight = Eigen::VectorXd::Ones(wanted.size()), left = wanted;
   for (int round = 0; round < kRounds; ++round) {

@@ -3,9 +3,9 @@
 //
 //   d^3 T_g(k) = sum over groups h and readings j of a_ghj d^3 position_h(k - j) + b_ghj d^3 speed_h(k - j) + r_g(k),
 //
-// d^3 the third difference, in which nothing slow is left. A measured torque has in r_g besides what no reading tells: its noise, 20 times whose
-// variance r_g has where it is white. A controller that hears of more than the encoders has such a part as well, and nothing in the record
-// tells it from noise: whether torques were measured is said by who recorded them.
+// d^3 the third difference, which takes away all that is slow. In r_g a measured torque has besides what no reading tells: its noise. Where that is
+// white, r_g has 20 times its variance. A controller that hears of more than the encoders has such a part as well, and nothing in the record tells it
+// from noise: whether torques were measured is said by who recorded them.
 //
 // Kinks of a ramp and switched torques show in few differences, which count less (Huber's weights); a torque that mostly keeps its value is a command that is held.
 #pragma once

@@ -87,7 +87,9 @@ void fit_law(Problem& problem, const SmoothTorques& smooth, const SmoothFunction
 // By the noise of the nominal machine.
 ByOwnNoise by_nominal_noise(const Widened& at) { return {at.difference.squaredNorm(), at.columns.transpose() * at.columns, at.columns.transpose() * at.difference}; }
 
-// The law for every rho from where it stands: z and a move to where M(residual power - floor) and prior are least for it, by the columns' products with the noise that the residual power is counted by; `plain_gram` those with the nominal machine's, by which information is told. Nothing less is left than where it stands, as relax() has it, unless it `may_leave_less`.
+// The law for every rho from where it stands: z and a move to where the sum of M(residual power - floor) and prior is least for it, by the columns'
+// products with the noise that the residual power is counted by. `plain_gram` are those with the nominal machine's noise, by which information is
+// told. The residual power falls no lower than where the law stands, as in relax(), unless it `may_leave_less`.
 std::vector<UnknownLaw> for_every_scale(const Problem& problem, const Widened& at, double residual_power, const ByOwnNoise& by_noise, const Eigen::MatrixXd& plain_gram, bool may_leave_less, double prior_besides, const MisfitCost& misfit_cost, double floor) {
   const double share = problem.settings.independent_share;
   std::vector<UnknownLaw> laws;

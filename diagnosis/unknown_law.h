@@ -23,7 +23,8 @@ struct UnknownLaw {
   Eigen::VectorXd information;       // as FitResult's, of its columns and the function's
 };
 
-// Beside what a fit has; `residual_power` is what that leaves as its cause is weighed by, `discrepancies` what `smooth` says that it leaves. Throws Interrupted.
+// Beside what a fit has. `residual_power` is that of the fit by which its cause is weighed, `discrepancies` are those that `smooth` tells of the
+// fit's residual. Throws Interrupted.
 std::vector<UnknownLaw> unknown_laws(Problem& problem, const FitResult& fit, double residual_power, const SmoothTorques& smooth, const std::vector<Discrepancy>& discrepancies, const EvidenceSettings& evidence,
                                      const MisfitCost& misfit_cost, double floor);
 

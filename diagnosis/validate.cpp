@@ -28,8 +28,9 @@ constexpr int kDrawRounds = 2;        // of draws and a fit under their power
 constexpr double kSizeDeviation = 0.3, kUnknownDeviation = 0.5;
 constexpr double kMeanDeviation = 0.4;  // of the mean of its draws, as in the search (stochastic_fit.cpp)
 constexpr double kBetter = 4.6;         // -2 ln of odds of one to ten: what chance takes off a residual that was not fitted
-// Relative closed-loop error beyond which two runs are no longer the same motion (two independent ones differ by 1.4). What leaves noise alone where it was led along moves as the machine does: its free run then differs by what small
-// differences grow to, as behind an impact, and may be worse by half; chosen.
+// Relative closed-loop error beyond which two runs are no longer the same motion (two independent ones differ by 1.4). A machine whose residual is
+// noise alone where it was led along moves as the real one does: its free run then differs by what small differences grow to, as behind an impact,
+// and may be worse by half; chosen.
 constexpr double kDecorrelated = 0.7, kWorseByChance = 1.5;
 
 std::unique_ptr<Problem> same_machine(const Problem& problem) {

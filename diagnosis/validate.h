@@ -1,20 +1,21 @@
-// Prediction of data that were not fitted. The last record, or of a single one its second half, is held out, and in its turn the first one (half); a
-// hypothesis is fitted to the rest, and judged by what it leaves of the parts held out:
+// Prediction of data that were not fitted. The last record, or of a single one its second half, is held out, and in its turn the first one (half). A
+// hypothesis is fitted to the rest, and judged by its residual on the parts held out:
 //
 //   residual variance ratio      of the observer's missing torques and accelerations there, 1 = noise only
 //   relative closed-loop error   of the simulation from the operator's commands alone, where the controller is known
 //
-// against the nominal machine and against parameters alone. Of a hypothesis with stochastic effects the ratio is that of what its draws leave
-// on the average, to noise and what one draw adds; it must also predict the held-out part better than the same hypothesis in which what is
-// stochastic is replaced by a power that nobody knows, learned in each third of an octave from the part that was fitted, in
-// each channel or where one of its other effects acts. (A smooth power explains
-// nearly any difference, so against the nominal machine alone it would always win.) Its closed loop is another draw's and is not
-// compared. A size that the fitted part leaves open predicts as widely: sizes and parameters may move, at the cost of leaving where the fitted part has them,
+// against the nominal machine and against parameters alone. Of a hypothesis with stochastic effects the ratio is that of the mean residual of its
+// draws to noise and what one draw adds. It must also predict the held-out part better than the same hypothesis in which what is stochastic is
+// replaced by a power that nobody knows, learned in each third of an octave from the part that was fitted, in each channel or where one of its other
+// effects acts. (A smooth power explains nearly any difference, so against the nominal machine alone it would always win.) Its closed loop is another
+// draw's and is not compared. A size that the fitted part leaves open predicts as widely: sizes and parameters may move, at the cost of being
+// elsewhere than the fitted part has them,
 //
 //   cost = min over x of (s |d(x)|^2 + x' C^-1 x) + ln det(1 + s D C D'),    C their covariance there, D = dd / dx
 //
-// which is -2 ln P(part held out | part fitted). The least is looked for from 0 and from where the fit of all records stands, the one held out among them. What is peculiar to the beginning of the held-out record (the load's swing, where
-// the motors stand) is no property of the machine: it is fitted there, for every hypothesis alike.
+// which is -2 ln P(part held out | part fitted). The least is looked for from 0 and from where the fit of all records stands, the one held out among
+// them. What is peculiar to the beginning of the held-out record (the load's swing, where the motors stand) is no property of the machine: it is
+// fitted there, for every hypothesis alike.
 #pragma once
 
 #include <memory>
@@ -47,7 +48,7 @@ struct Followed {
   Shadow nominal, explained;
 };
 
-// What a hypothesis leaves of the data held out.
+// The residual of a hypothesis on the data held out.
 struct ValidationError {
   double differences = 0.0;     // how many
   double residual_ratio = 0.0;
@@ -92,15 +93,14 @@ class HeldOutData {
   // The records of `problem`, and one that is none of them. Throws NotAdmitted as admit() does.
   HeldOutData(const Problem& problem, const WhiteningSettings& settings, Record unseen, std::vector<std::string>& remarks);
 
-  // The hypothesis of `answer` fitted to what is not held out, from where `answer` stands; without
-  // amounts, from the nominal machine.
+  // The hypothesis of `answer` fitted to what is not held out, from where `answer` stands; without nuisance parameters, from the nominal machine.
   HeldOut fit(const Point& answer);
   ValidationError error(const HeldOut& fitted, const std::optional<controller::ControllerSettings>& controller);
   // [Nm per motor] root of the mean square of the observer's missing torque where the part held out is judged, over the groups, of `fitted` without
   // its stochastic effects.
   double missing_torque(const HeldOut& fitted) const;
-  // The cost of `point`, which has no stochastic effect, and beside it a power that nobody knows, as large as what it leaves of the fitted
-  // part: in each channel on its own, or along the axes of one of its effects, as what that effect's law leaves would act. The least of them.
+  // The cost of `point`, which has no stochastic effect, with a power beside it that nobody knows, as large as its residual on the fitted part: in
+  // each channel on its own, or along the axes of one of its effects, as the residual of that effect's law would act. The least of them.
   double unknown_cost(const Point& point);
 
   std::int64_t simulations() const { return fitted_->simulations + predicted_->simulations; }
@@ -116,7 +116,8 @@ class HeldOutData {
   double from_time_ = 0.0;  // [s]
   double free_of_impacts_ = 0.0;  // share of the record held out, all of it where it is a half
   bool is_half_ = false;
-  // Of a point's amounts: the first and the one behind the last of the beginning of the record held out; both 0: it is none of those that were fitted.
+  // Of a point's nuisance parameters: the first and the one behind the last of the beginning of the record held out; both 0: it is none of those that
+  // were fitted.
   std::pair<std::ptrdiff_t, std::ptrdiff_t> beginning_{0, 0};
 };
 

@@ -73,7 +73,7 @@ std::optional<HeldOut> validate_lead(Problem& problem, const WhiteningSettings& 
       const std::optional<double> before = validation.parameters.closed_loop, after = validation.cause.closed_loop;
       if (before && after && *after > kWorse * *before) {
         remarks.push_back(fmt::format("the closed loop with {} is further off than with parameters alone ({:.2g} after {:.2g} of the signals), though where the model "
-                                                "is led along, it leaves {:.2g} times the noise and not {:.2g}",
+                                                "is led along the record, the residual variance ratio is {:.2g} and not {:.2g}",
                                                 name_of(lead), *after, *before, validation.cause.residual_ratio, validation.parameters.residual_ratio));
       }
       held_out = std::move(fitted.front());

@@ -14,8 +14,8 @@ namespace slewlab::diagnosis {
 
 namespace {
 
-// What a fit leaves by what the sensors' noise makes of its machine. Differences that have been divided already by a stochastic effect's power have the less noise beside it, the more of that power there is: they are not
-// allowed more of it than in the nominal machine.
+// The residual power of a fit, by what the sensors' noise makes of its machine. Differences that have been divided already by a stochastic effect's
+// power have the less noise beside it, the more of that power there is: they are not allowed more of it than in the nominal machine.
 Leaving by_own_machine(const Problem& problem, const FitResult& result, double discrepancy_count, const std::optional<ControllerLoop>& loop) {
   const Point rest = without_stochastic(problem.catalogue, result.point);
   const double share = problem.settings.independent_share;
@@ -63,7 +63,8 @@ std::vector<std::size_t> fits_to_ask_beside(const Problem& problem, const std::v
   return asked;
 }
 
-// With laws that are in no catalogue, alone or beside an effect, as hypotheses of their own: their probability is that of an unknown cause, or of the effect, beside which something is left.
+// With laws that are in no catalogue, alone or beside an effect, as hypotheses of their own: their probability is that of an unknown cause, or of the
+// effect whose residual they explain.
 void weigh_unknown_laws(Problem& problem, const Found& found, const SmoothTorques& smooth, const Compared& compared, std::size_t effect_count, std::vector<Candidate> candidates, Weighed& weighed) {
   constexpr double kSmooth = 0.5;    // share of unknown laws that are such functions; chosen
   constexpr double kVariables = 4.0;
@@ -141,7 +142,7 @@ Weighed weigh_fits(Problem& problem, const Found& found, const SmoothTorques& sm
   weighed.probabilities = weigh(candidates, static_cast<int>(effect_count), evidence);
   const Compared compared{std::move(of_fits), of_nothing, misfit_cost, least, evidence};
   weigh_unknown_laws(problem, found, smooth, compared, effect_count, std::move(candidates), weighed);
-  // What is explained is counted down to what the noise, or the best of all fits, leaves.
+  // The share of the gap explained is counted down to the noise, or to the residual of the best of all fits.
   const double floor = weighed.probabilities.floor, gap = nothing_residual_power - floor;
   for (std::size_t i = 0; i < weighed.causes.size(); ++i) {
     Cause& cause = weighed.causes[i];

@@ -1,5 +1,6 @@
-// From fits to causes with probabilities: every fit a hypothesis (evidence.h), by what it leaves of the sensors' noise as its own machine has it (own_noise.h) and, where a controller answered, as its loop makes it
-// (controller_loop.h); beside them unknown laws (unknown_law.h), alone, beside the best single effect and beside those that lead together.
+// From fits to causes with probabilities. Every fit is a hypothesis (evidence.h), weighed by its residual against the sensors' noise as its own
+// machine has it (own_noise.h) and, where a controller answered, as its loop makes it (controller_loop.h). Beside them stand unknown laws
+// (unknown_law.h): alone, beside the best single effect and beside those that lead together.
 #pragma once
 
 #include <cstddef>

@@ -14,7 +14,7 @@ struct BandShare {
   std::string channel;
   double from = 0.0, to = 0.0;  // [Hz]
   double share = 0.0;           // of what the most probable cause takes away, or of what stands above the noise
-  double mean_square = 0.0;     // of what parameters alone leave; 1 is the noise's
+  double mean_square = 0.0;     // residual variance ratio of parameters alone; 1 = noise only
 };
 
 struct Moment {
@@ -24,7 +24,7 @@ struct Moment {
   double missing_torque = 0.0;  // [Nm per motor] RMS in it
 };
 
-// What `difference` has more than `left`, by signal and band (thresholds.h); falling shares.
+// The power of `difference` less that of `left`, by signal and band (thresholds.h); falling shares.
 std::vector<BandShare> bands_of_gap(const Problem& problem, const Eigen::VectorXd& difference, const Eigen::VectorXd& left);
 
 // The moments at which the machine at a point misses most torque, at most `most` of them, falling.

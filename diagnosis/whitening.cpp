@@ -162,8 +162,8 @@ class NoisePowers {
       raise(rounding_[a], rounding_error_power(record.acceleration[a], record.acceleration_rounding[a].step, false, record, whitening, settings.count_smoothing), 1.0);
     }
   }
-  // A data sheet says how noise may rise; a sensor that is sampled slowly, or a better one, is white from a lower frequency on. What the
-  // nominal machine leaves is noise and more, so in no band may there be more noise.
+  // A data sheet says how noise may rise; a sensor that is sampled slowly, or a better one, is white from a lower frequency on. The residual of the
+  // nominal machine is noise and more, so in no band may there be more noise.
   void lower_corners(const Whitening& whitening, const Shadow& nominal, const EncoderShares& shares, double from) {
     Transform transform(whitening);
     for (const Channel& channel : whitening.channels) {

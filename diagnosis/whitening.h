@@ -3,16 +3,18 @@
 //
 //   z(f) = L(f)^-1 W(f) d(f),    w_c(f) = sqrt(2 / (e^2 P_c(f) + N_cc(f))),    L L* = R,    R_cd = w_c w_d N_cd / 2 beside the diagonal, 1 on it, of which a hundredth at least is a channel's own
 //
-// N as the window smears it, whose bin holds what of its neighbours leaks into it: N_cd(f) = sum over f' of |V(f - f')|^2 N_cd(f') / sum |V|^2, V the window's transform.
-// The noise of one encoder, and of the tip's accelerometer, leads the observer and so is in every channel: what the channels before it say of it is taken off each one, torques first. A residual
-// of an accelerometer is then that sensor's own noise, and hardly the encoders', whose noise the controller hands on to the machine: it would be correlated with what another machine makes of the torques, and a wrong
-// machine could leave less of it than the true one.
-// P is the smoothed power of the measured signal itself, e the share of it that mesh, step and laws of a good
-// model still miss (learned from machines with nothing missing), the 2 because real and imaginary part share a
-// bin's power: noise alone leaves parts of variance 1, N the sensors' noise as the observer's loop has it (noise_response.h). An
-// accelerometer's is white and rises as 1/f below a corner f_c, that of its data sheet or, where what the nominal machine leaves allows less, a lower
-// one: v (1 + f_c / f) / (1 + f_c d), v as the record's fastest differences show it, which hold 1/f noise as well, d = 1.186 over half their rate;
-// an encoder's that of its counts, q^2 / 12 per reading, or what its fastest differences show.
+// N as the window smears it, whose bin holds what of its neighbours leaks into it: N_cd(f) = sum over f' of |V(f - f')|^2 N_cd(f') / sum |V|^2, V the
+// window's transform.
+// The noise of one encoder, and of the tip's accelerometer, leads the observer and so is in every channel: what the channels before it say of it is
+// taken off each one, torques first. A residual of an accelerometer is then that sensor's own noise, and hardly the encoders', whose noise the
+// controller hands on to the machine. That noise would be correlated with what another machine makes of the torques, and the residual of a wrong
+// machine could be smaller than that of the true one.
+// P is the smoothed power of the measured signal itself, e the share of it that mesh, step and laws of a good model still miss (learned from machines
+// with nothing missing). The 2 is there because real and imaginary part share a bin's power: parts of noise alone have variance 1. N is the sensors'
+// noise as the observer's loop has it (noise_response.h). An accelerometer's is white and rises as 1/f below a corner f_c, that of its data sheet or,
+// where the residual of the nominal machine allows less, a lower one: v (1 + f_c / f) / (1 + f_c d), v as the record's fastest differences show it,
+// which hold 1/f noise as well, d = 1.186 over half their rate; an encoder's that of its counts, q^2 / 12 per reading, or what its fastest
+// differences show.
 #pragma once
 
 #include <Eigen/Core>
@@ -35,7 +37,7 @@ struct WhiteningSettings {
   double highest_frequency = 0.0;    // [Hz] of the modes that matter
   double lowest_frequency = 0.0;     // [Hz] below which a record knows nothing
   double noise_corner = 0.0;         // [Hz] below which an accelerometer's noise rises as 1/f, at most (its data sheet)
-  double corner_from = 0.0;          // [Hz] above which what the nominal machine leaves may lower that
+  double corner_from = 0.0;          // [Hz] above which the residual of the nominal machine may lower that
   double encoder_noise_from = 0.0;   // [Hz] from which torque channels hold the encoders' noise alone
   double before_impact = 0.0;        // [s] a real machine may let go a little before its model
   double after_impact = 0.0;         // [s] in which the observer forgets an impact, three of its slowest time constants
@@ -152,6 +154,6 @@ void whiten(const Whitening& whitening, const Shadow& shadow, TransformRoom& roo
 
 // Share that is judged of the stretch from the first point to the last one that is: 1 but for what lies near impacts.
 double judged_share(const Whitening& whitening);
-inline constexpr double kFreeOfImpacts = 0.8;  // share below which what numbers leave behind impacts counts: free runs across them are not compared; chosen
+inline constexpr double kFreeOfImpacts = 0.8;  // share below which numerical errors behind impacts count: free runs across them are not compared; chosen
 
 }  // namespace slewlab::diagnosis

@@ -29,12 +29,12 @@ constexpr double kGross = 3.0;               // factors of the inertia within it
 constexpr double kNoises = 3.0;              // standard deviations by which it lies beyond
 constexpr double kInertiaDeviations = 2.0;   // of the spread from unit to unit, beyond which the inertia is another one
 constexpr double kBetter = 0.99;             // of an error that counts as smaller
-constexpr double kAboveNoise = 3.0;          // times what noise leaves, from which something is missing
-constexpr double kImitated = 5.0;            // times what a law leaves, that an inertia may take of it: of F |F| under a sine, 8 / (3 pi) to the rest of 0.17
+constexpr double kAboveNoise = 3.0;          // times the residual of noise, from which something is missing
+constexpr double kImitated = 5.0;            // times the residual, that an inertia may take of a law: of F |F| under a sine, 8 / (3 pi) to a residual of 0.17
 constexpr double kRecordShare = 0.004;       // of what the motors give, that step, window and the drive's limits make of a record of the very axis: as WhiteningSettings::discrepancy_share
 constexpr double kSure = 0.9;                // probability from which a law is named without its family
 constexpr double kMost = 0.5;                // share of the gap on data that were not fitted, that an answer explains at least
-constexpr double kWorthSaying = 0.1;         // share of the gap that is left unexplained and named
+constexpr double kWorthSaying = 0.1;         // share of the gap that is not explained, from which it is named
 constexpr double kBeyondRating = 20.0;       // times the rated torque or the top speed: no motor is overloaded so far
 constexpr double kSlowestJudged = 2e-3;      // of the top speed, below which nothing is judged (balance_setup.cpp)
 constexpr double kFewMoves = 0.01;           // of a record, by which it moves in a direction
@@ -166,7 +166,7 @@ double driving_effort(const AxisRecord& record) {
   return root_mean_square(driving);
 }
 
-// Whether the nominal axis leaves so little of each record that even a record without any noise tells no law by it. `smooth`: of the records.
+// Whether the nominal axis's residual is so small on each record that even a record without any noise tells no law by it. `smooth`: of the records.
 bool is_below_record(const std::vector<AxisRecord>& records, const std::vector<BalanceRecord>& smooth, const Balance& balance, const BalanceModel& nominal) {
   for (std::size_t r = 0; r < records.size(); ++r) {
     if (root_mean_square(balance_residual(smooth[r], balance.laws, nominal, balance.resolved_speed)) >= kRecordShare * driving_effort(records[r])) return false;
@@ -236,7 +236,7 @@ bool is_above_noise(const AxisValidation& validation, double rms, double togethe
   return rms > kAboveNoise * validation.noise || together > kAboveNoise * validation.floor;
 }
 
-// What is left of all records: how they differ shows in no fewer. What follows something is no noise.
+// The residual of all records: how they differ shows in no fewer. A residual that follows something is no noise.
 void take_remainder(const sim::MachineFile& axis, const FittedSizes& sizes, AxisDiagnosis& diagnosis) {
   Remainder& remainder = diagnosis.answer.remainder;
   remainder = sizes.remainder;
@@ -301,7 +301,7 @@ void keep_only(double factor, BalanceAnswer& answer) {
   answer.probability_unknown = 1.0 - factor * (1.0 - answer.probability_unknown);
 }
 
-// Something unknown that leaves more of the gap than a rare law explains may be what that law was fitted to.
+// Something unknown whose residual is a larger share of the gap than a rare law explains may be what that law was fitted to.
 void doubt_what_an_unknown_may_imitate(AxisDiagnosis& diagnosis) {
   BalanceAnswer& answer = diagnosis.answer;
   for (LawProbability& doubted : answer.laws) {
@@ -318,7 +318,7 @@ void doubt_what_an_unknown_may_imitate(AxisDiagnosis& diagnosis) {
   }
 }
 
-// What is left, in words.
+// What the residual follows, in words.
 std::string what_it_follows(const sim::MachineFile& axis, const AxisDiagnosis& diagnosis) {
   const std::string& rest = diagnosis.answer.remainder.words;
   if (!rest.empty()) return rest;
@@ -333,9 +333,9 @@ bool is_each_sure(const BalanceModel& model) {
 // What the answer is decided by.
 struct Judgement {
   bool is_inertia_off = false;      // beyond its spread, and known well enough to say so
-  bool is_gap = false;              // the nominal axis leaves more than noise
-  bool is_rest = false;             // so does the cause
-  bool is_inertia_doubted = false;  // what the cause leaves goes together, and is so large that its law may be what the inertia was fitted to
+  bool is_gap = false;              // the nominal axis's residual is more than noise
+  bool is_rest = false;             // so is the cause's
+  bool is_inertia_doubted = false;  // the cause's residual goes together, and is so large that its law may be what the inertia was fitted to
   double share = 0.0;               // of the gap, that the cause explains on data that were not fitted
 };
 
@@ -363,7 +363,7 @@ void say_unknown(const sim::MachineFile& axis, const Judgement& judgement, const
     diagnosis.remarks.push_back(fmt::format("{} would explain {:.0f} % of the gap, and its residual is more than noise: something unknown may be what looks like it",
                                             inertia_words(axis, diagnosis.nominal_inertia, diagnosis.answer.best.inertia), 100.0 * std::clamp(judgement.share, 0.0, 1.0)));
   }
-  if (const std::string& rest = diagnosis.answer.remainder.words; !rest.empty()) diagnosis.verdict += "; what known laws leave " + rest;
+  if (const std::string& rest = diagnosis.answer.remainder.words; !rest.empty()) diagnosis.verdict += "; the residual of the known laws " + rest;
 }
 
 void say_not_identifiable(const std::string& why, AxisDiagnosis& diagnosis) {
@@ -398,7 +398,7 @@ void remark_what_is_alike(const sim::MachineFile& axis, const Judgement& judgeme
   const AxisValidation& validation = diagnosis.validation;
   const BalanceModel& best = diagnosis.answer.best;
   if (validation.is_other_direction && 1.0 - judgement.share > kWorthSaying) {
-    diagnosis.remarks.push_back(validation.place + " moves in a direction in which the other data do not: what the laws leave there may be that direction's own "
+    diagnosis.remarks.push_back(validation.place + " moves in a direction in which the other data do not: the residual there may be that direction's own "
                                                    "friction; a log that goes both ways would tell");
   }
   if (validation.is_one_direction && (term_of(best, "dry") != nullptr || term_of(best, "offset") != nullptr)) {
@@ -461,7 +461,7 @@ void name_answer(const sim::MachineFile& axis, double inertia_spread, AxisDiagno
   const Judgement judgement = judged(inertia_spread, diagnosis);
   if (best.terms.empty() && !judgement.is_inertia_off && !judgement.is_gap) {
     diagnosis.outcome = AxisOutcome::nothing_missing;
-    diagnosis.verdict = diagnosis.is_described ? "no effect is missing; the axis of the file, simulated with its transmission by the recorded efforts, leaves of the balance what the records leave"
+    diagnosis.verdict = diagnosis.is_described ? "no effect is missing; the axis of the file, simulated with its transmission by the recorded efforts, has the residual of the records"
                                                : "no effect is missing; the inertia is within its spread";
     return;
   }
@@ -508,8 +508,8 @@ void say_what_to_do(const sim::MachineFile& axis, AxisDiagnosis& diagnosis) {
 
 // What a transmission that gives makes of the balance of one inertia; mean squares.
 struct TransmissionGap {
-  double measured = 0.0;    // that the nominal axis leaves of a record
-  double described = 0.0;   // and of the described axis's own, simulated by the recorded efforts
+  double measured = 0.0;    // of the nominal axis's residual on a record
+  double described = 0.0;   // and on the described axis's own, simulated by the recorded efforts
   double difference = 0.0;  // of the two
 };
 
@@ -559,7 +559,7 @@ void judge_transmission(const sim::MachineFile& axis, double measured, AxisDiagn
   if (!is_open || diagnosis.transmission < kMost * measured) return;
   diagnosis.is_hidden_by_transmission = true;
   const char* unit = axis.axis.is_linear ? "N" : "Nm";
-  say_not_identifiable(fmt::format("the balance takes motor and load for one inertia, and the transmission of the file alone leaves {:.3g} {} of it where the records leave {:.3g} {}",
+  say_not_identifiable(fmt::format("the balance takes motor and load for one inertia, and for the transmission of the file alone its residual is {:.3g} {}, for the records {:.3g} {}",
                                    std::sqrt(diagnosis.transmission), unit, std::sqrt(measured), unit), diagnosis);
 }
 

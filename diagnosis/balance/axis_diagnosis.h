@@ -11,9 +11,10 @@
 // better in both is not stated; the sizes of one that is are fitted to all records.
 //
 // What the axis's file has - loads, effects that are forces or frictions, the drive's limit of torque - is part of the nominal axis.
-// Assumption: one inertia; what swings behind an elastic transmission is part of what is left. Where the file has such a transmission, the axis as
-// described is simulated by the recorded efforts and led along the motion (described_axis.h): if it leaves of the balance what the records leave, nothing is missing, and what
-// no law predicts is unknown only where it leaves less. Stretches with brakes, whose torque nobody records, are not judged.
+// Assumption: one inertia; what swings behind an elastic transmission is part of the residual. Where the file has such a transmission, the axis as
+// described is simulated by the recorded efforts and led along the motion (described_axis.h). If its balance has the residual of the records' balance,
+// nothing is missing. What no law predicts is unknown only where the described axis has a smaller residual. Stretches with brakes, whose torque nobody
+// records, are not judged.
 #pragma once
 
 #include <limits>
@@ -53,7 +54,7 @@ struct AxisValidation {
   std::string place;                 // the data that were not fitted, in words
   AxisError nominal, inertia, cause;
   double effort = 0.0, speed = 0.0, acceleration = 0.0;  // RMS of what was measured there
-  double noise = 0.0;                // RMS of what noise of positions and efforts and laws known no better leave of the balance
+  double noise = 0.0;                // RMS of the balance's residual by noise of positions and efforts and by laws known no better
   double floor = 0.0;                // of this, what is not the efforts' noise
   // RMS of that part of the balance's residual that is no white noise of the efforts: it goes together over more than the window.
   double nominal_together = 0.0, cause_together = 0.0;
@@ -81,12 +82,12 @@ struct AxisDiagnosis {
   BalanceModel validated;        // `best` with the sizes that were validated
   AxisValidation validation;
   AxisOutcome outcome = AxisOutcome::nothing_missing;
-  bool is_described = false;     // the axis of the file, its transmission included, leaves of the balance what the records leave
-  double transmission = 0.0;     // mean square that the described axis leaves of the balance of one inertia, by its transmission alone; 0 where it is rigid
+  bool is_described = false;     // the axis of the file, its transmission included, has the balance residual of the records
+  double transmission = 0.0;     // mean square of the described axis's residual in the balance of one inertia, by its transmission alone; 0 where rigid
   bool is_hidden_by_transmission = false;  // which makes most of what is missing, and not as the records have it: no answer
-  bool is_below_record = false;  // the nominal axis leaves less than what a record without any noise makes wrong; no law is tried
+  bool is_below_record = false;  // the nominal axis's residual is below the error of a record without any noise; no law is tried
   bool is_physical = true;       // its laws fit all records with sizes that they can have
-  double unexplained = 0.0;      // share of the gap that the stated laws leave on data that were not fitted
+  double unexplained = 0.0;      // residual share of the gap with the stated laws, on data that were not fitted
   bool has_remainder = false;    // and that is more than noise and laws known no better make
   std::vector<AxisValidation> unseen;  // on the logs that had no part in the answer, by the sizes of `best`
   std::string verdict;

@@ -12,7 +12,7 @@
 //   balance_search.h       which sets are judged
 //   balance_probability.h  how probable each is, and which is the answer; balance_unknown.h: what no law explains
 //   balance_sizes.h        the sizes that are stated, and those that predict
-//   balance_model.h        what a model is, and what it leaves of a record
+//   balance_model.h        what a model is, and its residual on a record
 //
 // The answer is the model of the laws that are likelier there than not. All sizes are in units of the axis; every threshold is a share of the
 // record's own or the machine's scales.
@@ -29,7 +29,7 @@ struct LawProbability {
   std::string law, words;
   LawFamily family = LawFamily::friction;
   double probability = 0.0;  // that it is there, alone or beside any others
-  double belief = 1.0;       // share of that which what is left takes from it not: what is unknown may be what it was fitted to
+  double belief = 1.0;       // share of the probability that the residual does not take away: something unknown may be what the law was fitted to
 };
 
 struct BalanceAnswer {

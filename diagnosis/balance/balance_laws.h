@@ -50,7 +50,7 @@ struct BalanceLaw {
   std::vector<LawShape> shapes;      // of which one is chosen
   bool is_dissipative = false;       // its first size cannot be negative
   std::string needs;                 // name of the law of which this is a detail; empty: stands alone
-  bool is_ordinary = false;          // nearly every machine has it: tried before the others, which bend what these leave
+  bool is_ordinary = false;          // nearly every machine has it: tried before the others, which bend the residual of these
 };
 
 // What the laws are scaled by. `resolved_speed`: below it the direction of motion is not known.

@@ -1,4 +1,4 @@
-// A model of an axis: its inertia and laws with their sizes, and what it leaves of a record.
+// A model of an axis: its inertia and laws with their sizes, and its residual r on a record.
 //
 //   r = F - J q'' - tau dF/dt - sum over laws of size * law(q', q, t)                                 (1)
 //
@@ -36,11 +36,11 @@ struct BalanceModel {
   std::vector<BalanceTerm> acting() const;  // terms and details
 };
 
-// What the residual follows, of what is left.
+// What the residual follows.
 struct Remainder {
   std::string variable;  // "speed", "position", "time", "torque" and what else balance_unknown.cpp tries; empty: none
   std::string words;     // "follows the speed"
-  double share = 0.0;    // of the remaining mean square, on left-out blocks
+  double share = 0.0;    // of the residual's mean square, on left-out blocks
 };
 
 // The shape that a term has among the laws. Throws std::invalid_argument where they have none.

@@ -1,4 +1,4 @@
-// Priors of what every machine and recorder has a little of: normal, about 0 but for the inertia, against the noise that the ordinary laws leave.
+// Priors of what every machine and recorder has a little of: normal, about 0 but for the inertia, against the residual of the ordinary laws.
 //
 //   inertia                                         kInertiaPrior of the file's, about that
 //   skew between the channels                       kSkewPrior of a sample and kDriveLag of the motion's time
@@ -6,7 +6,7 @@
 //
 //   R_kk = s^2 / p_k^2                                                                                (1)
 //
-// in equation (1) of balance_regression.h; p_k: standard deviation of the prior, s^2: mean square that the ordinary laws leave times the
+// in equation (1) of balance_regression.h; p_k: standard deviation of the prior, s^2: mean square of the ordinary laws' residual times the
 // samples over which it goes together. So records in which an axis hardly changes its speed leave the inertia where the file has it.
 #pragma once
 

@@ -10,9 +10,9 @@ namespace {
 constexpr double kFrictionPrior = 0.3;   // odds of an ordinary friction more, its Occam factor included: learned likewise
 constexpr double kLoadPrior = 0.15;      // of an ordinary load
 constexpr double kRarePrior = 0.05;      // of any of the others, likewise
-constexpr double kRestShare = 0.05;      // of the gap, that known laws may leave and be the answer; what it follows is said beside it
+constexpr double kRestShare = 0.05;      // of the gap, that the residual of known laws may be where they are the answer; what it follows is said beside it
 constexpr double kUnknownPrior = 0.02;   // of a law outside the catalogue, against the best of those in it
-constexpr double kRatioDeviation = 0.1;  // of the logarithm of what two laws leave: learned on simulated axes, docs/axis.md
+constexpr double kRatioDeviation = 0.1;  // of the logarithm of the ratio of two laws' residuals: learned on simulated axes, docs/axis.md
 constexpr double kMedianShare = 0.2;     // of the likeliest model's probability, that the model of all likely laws has at least
 
 // ln of the prior of a set of laws. Every machine has friction, many a constant torque as well; the others share what one of them has.
@@ -26,7 +26,7 @@ double log_prior(const std::vector<BalanceLaw>& laws, const LawChoice& choice) {
   return sum;
 }
 
-// That which leaves least, each law more at its prior.
+// The candidate with the smallest residual, each law more at its prior.
 const ValidatedChoice& reference_of(const std::vector<ValidatedChoice>& candidates, const std::vector<BalanceLaw>& laws, const Regression& regression, double floor) {
   const ValidatedChoice& least = *std::min_element(candidates.begin(), candidates.end(), [](const ValidatedChoice& a, const ValidatedChoice& b) { return a.of_blocks < b.of_blocks; });
   const double independent = regression.count / correlation_length(regression, least);

@@ -1,7 +1,7 @@
-// How probable each set of laws is, by what it leaves of data that were not fitted.
+// How probable each set of laws is, by its residual on data that were not fitted.
 //
-// With x_b the logarithm of the ratio of what two models leave of block b, both above (kLawDiscrepancy of the gap's amplitude)^2, m its mean over
-// n blocks and s its standard error, kRatioDeviation added,
+// With x_b the logarithm of the ratio of two models' mean squares of the residual on block b, both above (kLawDiscrepancy of the gap's amplitude)^2,
+// m its mean over n blocks and s its standard error, kRatioDeviation added,
 //
 //   ln odds = -(n / 2) ln(1 + (m / s)^2 / (n - 1)) sign(m)                                            (1)
 //
@@ -16,7 +16,7 @@
 
 namespace slewlab::diagnosis {
 
-// Equation (1), of one model against another. What laws are known no better than (`floor`, a mean square) is left by both.
+// Equation (1), of one model against another. What laws are known no better than (`floor`, a mean square) is part of both residuals.
 double log_odds(const LeftOutError& one, const LeftOutError& other, double floor);
 
 struct SetProbabilities {
@@ -25,7 +25,7 @@ struct SetProbabilities {
   double unknown = 0.0;
   std::size_t answer = 0;           // index of the candidate that is the answer
 };
-// `alone`: the inertia alone; `unknown`: what a smooth function leaves.
+// `alone`: the inertia alone; `unknown`: the residual of a smooth function.
 SetProbabilities set_probabilities(const std::vector<ValidatedChoice>& candidates, const std::vector<BalanceLaw>& laws, const Regression& regression,
                                    const ValidatedChoice& alone, const LeftOutError& unknown);
 

@@ -14,7 +14,7 @@ namespace slewlab::diagnosis {
 
 namespace {
 
-constexpr double kNoiseShare = 0.02;          // of the effort's root mean square, chosen: noise then hides in what laws leave
+constexpr double kNoiseShare = 0.02;          // of the effort's root mean square, chosen: noise then hides in the laws' residual
 constexpr std::size_t kFewestMotionHalf = 2;  // [samples] the fewest that a cubic can be fitted to with one to spare
 constexpr std::size_t kLeastWindows = 4;      // of a record
 

@@ -87,7 +87,7 @@ RegressionSums sums_of(const Regression& regression, const std::vector<Eigen::In
 Eigen::VectorXd solve(const RegressionSums& sums);
 // Smallest eigenvalue of the products of columns brought to one size: 0 where some of them are parallel.
 double least_determined(const RegressionSums& sums);
-// Sum of squares that these sizes leave of a block.
+// Sum of squares of the residual of these sizes on a block.
 double squared_error(const RegressionBlock& block, const std::vector<Eigen::Index>& columns, const Eigen::VectorXd& sizes);
 
 // A choice of laws with the size of each of its columns.

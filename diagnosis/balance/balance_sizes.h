@@ -32,7 +32,7 @@ struct FittedSizes {
   BalanceModel best, stated;
   bool is_physical = true;  // no size has a sign that its law cannot have, and the records determine all of them
   Remainder remainder;      // of `best`
-  double rest = 0.0;        // RMS of what `best` leaves of these records
+  double rest = 0.0;        // RMS of the residual of `best` on these records
 };
 // The same laws in the same shapes, their sizes fitted to other records. Throws std::invalid_argument where these do not move enough for a balance, or
 // `laws` lack one of the model's. `motor_angle` as of balance_unknown.h.

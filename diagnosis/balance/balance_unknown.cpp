@@ -25,7 +25,7 @@ Eigen::MatrixXd bumps(const Eigen::VectorXd& variable, double low, double high) 
   return values;
 }
 
-// What columns leave of some targets, each record having its own.
+// The residual of targets on columns, each record having its own: errors on blocks and records that were left out.
 LeftOutError left_out_error(const std::vector<Eigen::MatrixXd>& values, const std::vector<Eigen::VectorXd>& targets) {
   const Eigen::Index size = values.front().cols();
   struct Part {
@@ -217,7 +217,7 @@ Remainder find_remainder(const std::vector<BalanceRecord>& records, const Regres
     const double share = 1.0 - mean_over(regression, left_out_error(one.columns, residuals).block_error) / mean;
     if (share > remainder.share) remainder = {one.name, one.words, share};
   }
-  constexpr double kWorthAWord = 0.1;  // of what is left
+  constexpr double kWorthAWord = 0.1;  // share of the residual's mean square
   return remainder.share > kWorthAWord ? remainder : Remainder{};
 }
 

@@ -1,5 +1,5 @@
 // What no law of the catalogue explains: a smooth function under the same validation as the laws, of the effort beside the inertia ("unknown"),
-// and of what a model leaves.
+// and of the residual of a model.
 //
 //   f(v) = sum over k of c_k exp(-((v - v_k) / w)^2 / 2)                                              (1)
 //
@@ -14,7 +14,7 @@
 
 namespace slewlab::diagnosis {
 
-// What an inertia and smooth functions of speed and position leave of the effort.
+// The residual of an inertia and smooth functions of speed and position, fitted to the effort.
 LeftOutError unknown_validation(const std::vector<BalanceRecord>& records, const Regression& regression);
 
 // What the residual of a model follows most; nothing where that is hardly worth a word. Tried are smooth functions of speed, position and time, of the

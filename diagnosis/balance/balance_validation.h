@@ -16,9 +16,9 @@
 
 namespace slewlab::diagnosis {
 
-inline constexpr double kLeastShare = kLawDiscrepancy * kLawDiscrepancy;  // of the gap, below which an addition is what a known law leaves
+inline constexpr double kLeastShare = kLawDiscrepancy * kLawDiscrepancy;  // of the gap, below which an addition is within a known law's residual
 
-// Mean squares of what is left where it was not fitted.
+// Mean squares of the residual on data that were not fitted.
 struct LeftOutError {
   std::vector<double> block_error;         // of each block, left out on its own
   std::vector<double> record_block_error;  // of each block, its whole record left out; empty where the others do not determine the sizes
@@ -41,7 +41,7 @@ std::pair<double, double> compared(const ValidatedChoice& a, const ValidatedChoi
 bool is_better(const ValidatedChoice& a, const ValidatedChoice& b);
 
 // Whether `with` predicts left-out data better than `without`: block by block, the mean fall more than kSignificance of its standard errors, and no
-// whole record at the others' cost. `gap`: mean square that the inertia alone leaves.
+// whole record at the others' cost. `gap`: mean square of the residual of the inertia alone.
 bool helps(const ValidatedChoice& without, const ValidatedChoice& with, double gap);
 
 }  // namespace slewlab::diagnosis

@@ -105,7 +105,7 @@ double informed_gap(const withheld::CaseInput& input, const std::vector<std::str
   }
   const Diagnosis diagnosis = diagnose(data.nominal, data.controller, data.records, with, {}, is_stopped);
   double best = predict(data.nominal, data.controller, data.unseen).relative_gap;
-  // Of its fits, the one with most of the told effects and the least left.
+  // Of its fits, the one with most of the told effects and the smallest residual.
   const Cause* chosen = nullptr;
   for (const Cause& cause : diagnosis.causes) {
     if (chosen == nullptr || cause.effects.size() > chosen->effects.size() ||

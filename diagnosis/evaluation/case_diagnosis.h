@@ -26,7 +26,7 @@ CaseData load_case(const withheld::CaseInput& input, bool accelerometers);
 withheld::CaseResult diagnose_case(const withheld::CaseInput& input, const CaseSettings& settings,
                                    const std::function<bool()>& is_stopped = {});
 
-// The gap that is left in the unseen manoeuvre by a fit that is told the effects.
+// The gap in the unseen manoeuvre, of a fit that is told the effects.
 double informed_gap(const withheld::CaseInput& input, const std::vector<std::string>& effects,
                     const CaseSettings& settings, const std::function<bool()>& is_stopped = {});
 

@@ -41,7 +41,7 @@ struct CaseResult {
   std::vector<std::pair<std::string, double>> subsystems;  // falling probability
   // Size of the gap in the unseen manoeuvre, one number in any unit: the nominal crane, then with what was found.
   double unseen_before = 0.0, unseen_after = 0.0;
-  std::vector<std::string> follows;  // variables that what is left follows and that cannot be told apart; empty: none
+  std::vector<std::string> follows;  // variables that the residual follows and that cannot be told apart; empty: none
   // To drive next, times in the controller's ramps: the manoeuvre that would tell most, and one that is drawn, to compare it with; nothing where
   // the answer is sure.
   std::optional<Manoeuvre> next, drawn;

@@ -496,15 +496,15 @@ TEST_F(Admission, RefusesNotANumber) {
   EXPECT_NE(refusal().find("shaft speed of group 2 is not a number at 0.100 s"), std::string::npos) << refusal();
 }
 
-// The mean square that parameters alone leave of a record, taken as it is.
+// The residual variance ratio (1 = noise only) of parameters alone on a record, taken as it is.
 double left_by_parameters(const Record& record) {
   BenchProblem problem;
   problem.add(record);
   return fit_nuisances(problem, nominal_fit(problem)).mean_square;
 }
 
-// What is refused would indeed have been answered wrongly: in the crane of this log nothing is missing, and with each of these
-// faults bridged in silence parameters would leave several times what noise makes, which is a gap that no crane has.
+// What is refused would indeed have been answered wrongly. In the crane of this log nothing is missing. With each of these faults
+// bridged in silence the residual variance ratio (1 = noise only) of parameters would be several, which is a gap that no crane has.
 TEST_F(Admission, WhatIsRefusedWouldHaveLookedLikeAGap) {
   const Record sound = make_record(log_, "log", bench().admission);
   EXPECT_LT(left_by_parameters(sound), 1.2);
@@ -621,7 +621,7 @@ TEST_F(Admission, SlowerSensorsAreNoGap) {
   const Record record = make_record(log_, "log", bench().admission);
   EXPECT_DOUBLE_EQ(record.step, 1e-3);
   EXPECT_LT(left_by_parameters(record), 1.2);
-  Record as_on_grid = record;  // what it would leave if the lines were taken for measurements
+  Record as_on_grid = record;  // for the residual if the lines were taken for measurements
   as_on_grid.sampled_at.clear();
   EXPECT_GT(left_by_parameters(as_on_grid), 3.0);
 }

@@ -116,7 +116,7 @@ TEST(ControllerLoop, ReadsByAnEncodersScale) {
 }
 
 // The bench's machine stands without play in the loop of a stiff controller, whose only trouble is the encoders' noise. Readings that are taken a few milliseconds later, or torques that come
-// later, leave less of it than the truth does; by what the loop makes of the readings none of them is likelier.
+// later, have a smaller residual than the truth. By what the loop makes of the readings none of them is likelier.
 TEST(ControllerLoop, OfNoiseAloneNoDelayIsLikelier) {
   constexpr std::size_t kCount = 36000;
   constexpr double kRate = 60.0;  // [1/s] of the speed controller, against the motors alone

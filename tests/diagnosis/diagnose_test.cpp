@@ -69,7 +69,7 @@ TEST(FitController, FindsARampFarFromTheSettings) {
   EXPECT_NEAR(found.front().effects[0].values[1], -0.05, 1e-3);
 }
 
-// Two settings of one controller: neither alone leaves nothing, and both together are exact.
+// Two settings of one controller: neither alone has no residual, and both together are exact.
 TEST(FitController, FindsTwoEffectsOfOneController) {
   const std::vector<common::EffectInstance> both{{"droop", {2.4}}, {"speed_filter", {0.058}}};
   sim::MachineSettings truth;
@@ -104,8 +104,8 @@ TEST(FitController, FindsAnEffectOfAControllerThatWasOnBefore) {
   }
 }
 
-// A delay of 40 ms in the shadow's own feedback (its fastest pole is at 26 rad/s) would shake it to pieces; taken out of
-// the record it leaves what a machine without any delay leaves.
+// A delay of 40 ms in the shadow's own feedback (its fastest pole is at 26 rad/s) would make it unstable. With the delay
+// taken out of the record, the residual is that of a machine without any delay.
 TEST(Shadow, FollowsEncodersThatReadLate) {
   sim::MachineSettings truth;
   truth.crane = bench().crane;
@@ -133,7 +133,7 @@ TEST(Shadow, FollowsEncodersThatReadLate) {
 }
 
 // A ripple's order is multiplied by hundreds of turns of the motor: over the step that does for other parameters, a column of it says nothing. From one part
-// in a thousand beside it the fit finds order and phase, and the noise is all that is left.
+// in a thousand beside it the fit finds order and phase, and the residual is noise alone.
 TEST(Fit, FindsTheOrderOfARippleOverHundredsOfTurns) {
   constexpr double kAmplitude = 20.0, kOrder = 2.0, kPhase = 0.7;
   sim::MachineSettings truth;
@@ -155,7 +155,7 @@ TEST(Fit, FindsTheOrderOfARippleOverHundredsOfTurns) {
 }
 
 // A ripple's phase grows over many turns, so full steps with the first columns diverge: with them alone this fit stops thousands above
-// the noise. Held back it leaves nothing above it. The machine has other parameters than the nominal one, and a finer boom.
+// the noise. With its steps held back the fit's residual is no more than noise. The machine has other parameters than the nominal one, and a finer boom.
 TEST(Fit, ArrivesWhereAFullStepIsTooBold) {
   sim::MachineSettings truth;
   truth.crane = spread_crane(43);
@@ -238,7 +238,7 @@ TEST(Fit, ModesThatAreLeftOutWouldChangeLessThanTheNoise) {
 }
 
 // A recorder that is started between two moves finds a load that swings on from those before, farther than one does on a crane that has not moved, drives that hold against it and a boom that
-// rings. Taken for one that stands, a sound machine would leave several times the noise.
+// rings. Taken for one that stands, a sound machine would have a residual of several times the noise.
 TEST(Fit, FindsTheSwingThatMovesBeforeTheRecordHaveLeft) {
   const std::vector<Move> moves{{2.0, -0.42}, {13.1, 0.0}, {28.4, -0.40}, {35.8, 0.0}, {52.2, -0.74}, {58.2, 0.0}, {73.1, 0.72}, {81.4, 0.0}};
   constexpr double kPeriod = 0.01;  // [s]
@@ -368,7 +368,7 @@ TEST(Diagnose, SaysNothingIsMissingOfALogThatBeginsWithTheDrivesOn) {
 }
 
 // A recorder that was started while the drives held a crane that had just come to rest: nothing pushes it on its way, but boom and load still swing, and the
-// motors with them. Taken for one that stands, a sound machine would leave many times the noise.
+// motors with them. Taken for one that stands, a sound machine would have a residual of many times the noise.
 TEST(Diagnose, SaysNothingIsMissingOfALogThatBeginsWhileACraneAtRestStillSwings) {
   sim::MachineSettings nominal, truth;
   nominal.crane = bench().crane;
@@ -415,8 +415,8 @@ TEST(Diagnose, SaysNothingIsMissingOfTheNominalCraneAtThePlcsOwnRate) {
   EXPECT_GT(found.probability_nothing, 0.9);
 }
 
-// Of friction that leaves a gap the boom is cut finer at first, and what the other mesh makes wrong shows as a house of another inertia: where the file's own leaves next to nothing, it
-// is the log's.
+// Friction makes a gap, so the boom is cut finer at first, and what the other mesh makes wrong shows as a house of another inertia.
+// Where the residual with the file's own mesh is next to nothing, that mesh is the log's.
 TEST(Diagnose, CutsTheBoomOfAnOwnLogAsItsFileHasIt) {
   sim::MachineSettings truth;
   truth.crane = bench().crane;
@@ -431,7 +431,8 @@ TEST(Diagnose, CutsTheBoomOfAnOwnLogAsItsFileHasIt) {
   EXPECT_NEAR(found.causes[0].sizes[0].value, 5e6, 0.03 * 5e6);  // its interval is 8 % either side
 }
 
-// Teeth that knock for half of the record, without noise: where it is judged parameters follow what numbers leave behind impacts far below the floor, and nothing is missing for that.
+// Teeth that knock for half of the record, without noise. Where it is judged, parameters follow the numerical error behind impacts, far below the
+// floor, and nothing is missing for that.
 TEST(Diagnose, SaysNothingIsMissingOfAnOwnLogThatKnocks) {
   sim::MachineSettings truth;
   truth.crane = bench().crane;
@@ -442,7 +443,8 @@ TEST(Diagnose, SaysNothingIsMissingOfAnOwnLogThatKnocks) {
   EXPECT_LE(found.mean_square_nominal, 1.0);
 }
 
-// An own log out of the midst of a slew, without noise: how load, motors and boom stood when it begins is no property of the machine. The whole log leaves nothing, and so must its end.
+// An own log out of the midst of a slew, without noise: how load, motors and boom stood when it begins is no property of the machine. The whole log
+// has no residual, and neither may its end have one.
 TEST(Diagnose, SaysNothingIsMissingOfAnOwnLogCutOutOfASlew) {
   sim::MachineSettings nominal;
   nominal.crane = bench().crane;
@@ -543,8 +545,8 @@ TEST(Diagnose, FindsTheLengthWithWhichFrictionRecursBesideALargerEffect) {
   EXPECT_NEAR(length->value, 0.18, 0.03 * 0.18);
 }
 
-// Cables that wind up: a torque over the slew angle that is no law of the catalogue, and near to that of a tilted axis or a wind, alone or with another. Each of them leaves something that follows the angle, and so does nothing
-// missing: a function of it alone explains it all.
+// Cables that wind up: a torque over the slew angle that is no law of the catalogue, and near to that of a tilted axis or a wind, alone or with
+// another. The residual of each of them follows the angle, and so does that of nothing missing: a function of the angle alone explains it all.
 TEST(Diagnose, KnowsALawOfTheAngleFromItsRelatives) {
   sim::MachineSettings truth, nominal;
   truth.crane = spread_crane(31);

@@ -18,7 +18,7 @@
 namespace slewlab::diagnosis {
 namespace {
 
-// What is said to be left of one.
+// A missing torque, with what is said of the residual.
 struct Missing : MissingTorque {
   using MissingTorque::MissingTorque;
   std::vector<Discrepancy> found = discrepancies(problem, fit, SmoothTorques(problem, fit), EvidenceSettings{}.law_share);
@@ -95,7 +95,7 @@ TEST(Discrepancies, OfATorqueThatComesManyTimesInATurnFollowTheAngle) {
   EXPECT_EQ(followed_variables(Missing({}, law).found), std::vector<std::string>{"angle"});
 }
 
-// Knocks without a mean, far faster than the structure: nothing slow is left that could follow anything.
+// Knocks without a mean, far faster than the structure: nothing in the residual is slow and could follow anything.
 TEST(Discrepancies, OfKnocksAreNone) {
   const auto law = [](const MotorState& s) {
     const double turn = 12.0 * s.angle, within = (turn - std::floor(turn)) / 0.05;
@@ -106,7 +106,8 @@ TEST(Discrepancies, OfKnocksAreNone) {
   EXPECT_TRUE(followed_variables(knocks.found).empty());
 }
 
-// Found by the machine of parameters alone, they tell what other machines leave: a law's own fit leaves nothing of it, one that has not to do with it leaves the most of it.
+// Found by the machine of parameters alone, they also describe the residuals of other machines. The residual of a law's own fit has nothing of that law.
+// The residual of a fit that has nothing to do with it has most of it.
 TEST(SmoothTorques, OfADragAreLeftByWhatIsNoDrag) {
   Missing drag({{"air_drag", {600.0}}}, no_torque);  // [m^2]
   const double law_share = EvidenceSettings{}.law_share;

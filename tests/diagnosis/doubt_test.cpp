@@ -89,7 +89,8 @@ TEST_F(Doubt, OfASizeAtTheEndOfItsRange) {
   EXPECT_EQ(remarks.size(), 1U);
 }
 
-// An interval beyond the range is cut off there; that the effect acts is not known then, and where parameters alone leave noise nothing is.
+// An interval beyond the range is cut off there. That the effect acts is not known then, and where the residual of parameters alone is no more than
+// noise, nothing is missing.
 TEST_F(Doubt, OfASizeThatTheRecordsDoNotDetermine) {
   ranking = {{cause_of({"a"}, 0.9), cause_of({}, 0.1)}, 0.0};
   ranking.causes[0].sizes[0].low = -5.0;
@@ -118,7 +119,8 @@ TEST_F(Doubt, OfASizeThatMayBeNone) {
   EXPECT_TRUE(remarks.empty());
 }
 
-// Parameters that no machine of one make has: something may hide in them, beside nothing missing as well, unless the file's own leave noise.
+// Parameters that no machine of one make has: something may hide in them, beside nothing missing as well, unless the residual of the file's own
+// parameters is no more than noise.
 TEST_F(Doubt, OfParametersThatNoMachineHas) {
   nuisances.parameters.resize(1);
   const auto with_parameter_at = [&](double deviations, double prior_chance) {
@@ -157,7 +159,7 @@ TEST_F(Doubt, OfADrawBesideALaw) {
   EXPECT_GT(of(0), of(1));
   EXPECT_EQ(of(2), 0.0);
   ASSERT_EQ(remarks.size(), 1U);
-  EXPECT_NE(remarks[0].find("b takes 4.0 % of the gap beside a"), std::string::npos) << remarks[0];
+  EXPECT_NE(remarks[0].find("b explains 4.0 % of the gap beside a"), std::string::npos) << remarks[0];
   EXPECT_FALSE(doubted(0.99 - 1.1 * evidence.unknown_share));
   EXPECT_TRUE(remarks.empty());
   ranking = {{cause_of({"b"}, 1.0)}, 0.0};
@@ -205,7 +207,8 @@ TEST_F(Doubt, OfWhatTheRecordsHide) {
   EXPECT_EQ(leave_room_for_the_hidden({1e6, {}}, ranking = {{cause_of({"a"}, 0.6), cause_of({}, 0.4)}, 0.0}), 0.0);
 }
 
-// One effect alone may hide a second one, and an answer that leaves more than the noise may be another: neither is sure. Of two effects that leave noise nothing is taken.
+// One effect alone may hide a second one, and an answer whose residual is more than noise may be another: neither is sure. From two effects whose
+// residual is noise nothing is taken.
 TEST_F(Doubt, OfTheLead) {
   ranking = {{cause_of({"a", "b"}, 1.0)}, 0.0};
   calibrate_lead(ranking);

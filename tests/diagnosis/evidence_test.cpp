@@ -71,7 +71,8 @@ TEST(Evidence, OddsFollowTheFormula) {
   EXPECT_NEAR(p.candidate[1] / p.candidate[2], std::pow(1.5, 5.0) * std::pow(1.25, 2.0), 1e-9);
 }
 
-// What noise leaves to parameters that no machine has is no measure for the others: ten parameters that the records determine, whose squares of deviations sum to 150 in the pair; chi squared of 10 exceeds that in 3e-27.
+// The residual of noise under parameters that no machine has is no measure for the others: ten parameters that the records determine, whose squares of
+// deviations sum to 150 in the pair; chi squared of 10 exceeds that in 3e-27.
 TEST(Evidence, AMachineThatNobodyBuildsSetsNoFloor) {
   const Eigen::VectorXd ten = Eigen::VectorXd::Constant(10, 1e3);
   const std::vector<Candidate> others{{{}, 400.0, 8.0, ten}, {{"a"}, -50.0, 12.0, ten}, {{"b"}, 60.0, 20.0, ten}};
@@ -83,7 +84,8 @@ TEST(Evidence, AMachineThatNobodyBuildsSetsNoFloor) {
   EXPECT_DOUBLE_EQ(weigh(all, 40, {}).floor, -300.0);
 }
 
-// Two laws that leave the same, one of which does so at a bound of its own, where it is the other one: half of what its parameter may be lies beyond.
+// Two laws with the same residual, one of which has it at a bound of its own, where it is the other one: half of what its parameter may be lies
+// beyond.
 TEST(Evidence, AParameterAtItsBoundHasHalfItsWidth) {
   const Probabilities p = weigh({{{}, 500.0, 0.0}, {{"a"}, 10.0, 4.0}, {{"b"}, 10.0, 4.0, {}, 1}}, 40, {});
   EXPECT_NEAR(p.candidate[1] / p.candidate[2], 2.0, 1e-12);

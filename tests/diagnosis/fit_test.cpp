@@ -27,7 +27,7 @@ TEST(Excess, IsWhatStandsAboveTheNoise) {
   EXPECT_NEAR(residual_power(Eigen::VectorXd::Constant(10, 2.0), settings), 0.5 * (40.0 - 10.0), 1e-12);
 }
 
-// One nuisance (the first) moves one difference; the fit stands at z = 3, far beyond the bound at 2, where nothing is left.
+// One nuisance (the first) moves one difference; the fit stands at z = 3, far beyond the bound at 2, where the residual is 0.
 class Relaxation : public testing::Test {
  protected:
   // 100 ln(1 + c / usual).
@@ -55,7 +55,7 @@ class Relaxation : public testing::Test {
   double residual_power_ = 0.0;
 };
 
-// Limits: where misfits cost nothing the parameter goes back to 0 and leaves s (10 * 3)^2; where they cost all it stays.
+// Limits: where misfits cost nothing the parameter goes back to 0, with a residual power of s (10 * 3)^2; where they cost all it stays.
 TEST_F(Relaxation, TradesMisfitForLikelyValues) {
   const Relaxed discounted = relaxed_by(1e12);
   EXPECT_NEAR(discounted.prior, 0.0, 1e-6);

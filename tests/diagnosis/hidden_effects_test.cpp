@@ -16,7 +16,7 @@ common::EffectParameter linear_size(double lower) {
           .scale = common::ParameterScale::linear, .absent = 0.0};
 }
 
-// By the evidence itself: what makes a single effect that leaves nothing as likely as nothing missing.
+// By the evidence itself: what makes a single effect with no residual as likely as nothing missing.
 TEST(HiddenEffects, AnEffectIsToldFromWhereItIsAsLikelyAsNothingMissing) {
   const EvidenceSettings settings;
   for (const int effects : {1, 20, 50}) {

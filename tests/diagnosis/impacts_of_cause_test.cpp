@@ -32,8 +32,9 @@ struct AdmittedWith : Admitted {
   sim::MachineSettings admitted;
 };
 
-// With a late torque and a heavier load the gears let go in the middle of the record, where those of the nominal crane, and of a crane with the late torque alone, just do not. What that leaves outweighs the rest
-// of the load's, until it is taken out; the nominal crane is judged there no more either. Judge: where the true crane's teeth are apart.
+// With a late torque and a heavier load the gears let go in the middle of the record, where those of the nominal crane, and of a crane with the late
+// torque alone, just do not. The residual there outweighs the rest of the load's until it is taken out; the nominal crane is judged there no more
+// either. Judge: where the true crane's teeth are apart.
 TEST(ImpactsOfCause, AreTakenOutWhereTheCauseMayHaveThem) {
   AdmittedWith record({kLag, kHeavierLoad});
   const Point lag = record.at({kLag});
@@ -53,7 +54,7 @@ TEST(ImpactsOfCause, AreTakenOutWhereTheCauseMayHaveThem) {
   EXPECT_LT(record.left(record.at({kLag, kHeavierLoad})), 1.0);
 }
 
-// Nothing is judged elsewhere where what a machine leaves is not at impacts, or is noise alone.
+// Nothing is judged elsewhere where a machine's residual is not at impacts, or is noise alone.
 TEST(ImpactsOfCause, LeaveWhatLiesElsewhereAsItIs) {
   const common::EffectInstance friction{"bearing_viscous", {1e7, 0.0}};
   AdmittedWith record({friction});

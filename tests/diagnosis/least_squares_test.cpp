@@ -41,7 +41,7 @@ Result solve(const Residuals& problem, Eigen::VectorXd x, const DescentSettings&
   return {x, descent};
 }
 
-// A straight line through (0, 1), (1, 2), (2, 4): normal equations give 5/6 + 3/2 t, and leave 1/6.
+// A straight line through (0, 1), (1, 2), (2, 4): normal equations give 5/6 + 3/2 t, the residual's sum of squares is 1/6.
 const Residuals kLine{[](const Eigen::VectorXd& x) -> Eigen::VectorXd {
                         return Eigen::Vector3d(x(0) - 1.0, x(0) + x(1) - 2.0, x(0) + 2.0 * x(1) - 4.0);
                       },

@@ -38,7 +38,7 @@ inline void take_off(const TorqueLaw& missing, msgs::RunLog& log) {
   }
 }
 
-// What parameters alone leave of two manoeuvres of the nominal machine with some effects and such a torque.
+// The residual of parameters alone on two manoeuvres of the nominal machine with some effects and such a torque.
 struct MissingTorque {
   MissingTorque(const std::vector<common::EffectInstance>& effects, const TorqueLaw& missing) {
     problem.threads = 2;

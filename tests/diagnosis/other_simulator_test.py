@@ -19,8 +19,8 @@ class OtherSimulatorTest(SharedDataTest):
         return self.diagnosed("--crane", NOMINAL, logs, self.folder / crane, "--unseen", unseen)
 
     def check_on_unseen(self, found):
-        """What is stated holds on the record that had no part in it: the first cause, or parameters within their spread, leave less of the gap
-        than the nominal machine, as a right answer does on any manoeuvre."""
+        """What is stated holds on the record that had no part in it: the first cause, or parameters within their spread, has a smaller residual
+        than the nominal machine, as a right answer has on any manoeuvre."""
         unseen = found["unseen"][0]
         left = unseen["validation"]["cause"]["residual_variance_ratio"]
         self.assertLess(left, unseen["validation"]["nominal"]["residual_variance_ratio"])

@@ -50,8 +50,9 @@ TEST(OwnNoise, IsOneInTheNominalMachine) {
   EXPECT_NEAR(square_by_less_noise(problem, {}, difference, 1.0), difference.squaredNorm(), near);
 }
 
-// Nothing but noise is in the record. A boom that is damped eight times as much, and one on a softer ring, leave another noise than the nominal one, without being right; by their own covariance they leave what
-// the true machine leaves, within what the mean of six times 3600 squares scatters by, four deviations.
+// Nothing but noise is in the record. The residuals of a boom that is damped eight times as much, and of one on a softer ring, are another noise than
+// the nominal machine's, without these booms being right. By their own covariance their residuals are as large as the true machine's, within what the
+// mean of six times 3600 squares scatters by, four deviations.
 TEST(OwnNoise, IsWhatIsLeftOfNoiseAloneByAnotherMachine) {
   Standing problem;
   const double of_truth = differences(problem, Point{}).squaredNorm();
@@ -82,8 +83,9 @@ TEST(OwnNoise, KnowsWhatIsLinear) {
   EXPECT_GT(change_by(viscous), 1e-5);
 }
 
-// A controller hands its encoders' noise on to the machine, by torques that the record holds. Nothing is missing, so that another house's inertia can make less of what is left by chance alone: of one parameter more, chi squared of one
-// degree of freedom (13 of one machine in three thousand) of which the cost counts its share. By the variance of each channel alone it took away 30 to 60, with a house of a tenth of its inertia.
+// A controller hands its encoders' noise on to the machine, by torques that the record holds. Nothing is missing, so another inertia of the house
+// can reduce the residual by chance alone: one parameter more takes away chi squared of one degree of freedom (13 of one machine in three thousand),
+// of which the cost counts its share. By the variance of each channel alone it took away 30 to 60, with a house of a tenth of its inertia.
 TEST(OwnNoise, OfEncodersThatGoesThroughTheControllerSpeaksForNoOtherMachine) {
   for (const unsigned seed : {1U, 2U, 3U}) {
     BenchProblem problem;

@@ -32,7 +32,8 @@ TEST(Ranking, NamesOfOneMotionAreOneAnswer) {
   EXPECT_DOUBLE_EQ(sum, 1.0);  // as before
 }
 
-// A controller's answers are computed: its right law leaves what was rounded. One that leaves a hundredth may be it and is not sure, one that leaves more hardly is.
+// A controller's answers are computed: the residual of its right law is what was rounded. A law with a residual of a hundredth may be the right one
+// and is not sure. A law with a larger residual hardly is.
 TEST(Ranking, AControllersLawIsSureOnlyWhereItLeavesNextToNothing) {
   common::EffectParameter factor;
   factor.name = "factor";
@@ -64,7 +65,8 @@ double sum_of(const Ranking& ranking) {
   return sum;
 }
 
-// What a cause loses is not known, or where parameters alone leave noise, nothing is missing; without a cause of which nothing is missing it is not known either.
+// The probability that a cause loses goes to "unknown", or to nothing missing where the residual of parameters alone is no more than noise. Without a
+// cause of which nothing is missing it goes to "unknown" as well.
 TEST(Ranking, WhatIsTakenAwayIsKeptElsewhere) {
   const auto taken = [](Ranking ranking, bool is_nothing_left) {
     take_away(0.5, is_nothing_left, ranking.causes[0], ranking);

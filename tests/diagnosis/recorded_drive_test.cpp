@@ -182,7 +182,7 @@ TEST(OwnFile, LeavesNoGapWhateverTheDrivesProtection) {
 }
 
 // The test above would notice: the same machines against a file that does not speak of their drives. (What holds motors
-// that stand, brakes or the observer, leaves the same.)
+// that stand, brakes or the observer, has the same residual.)
 TEST(OwnFile, LeavesAGapWhereTheFileForgetsTheDrive) {
   EXPECT_GT(left_by_its_own_file(weak_drive(), {}, plain()), 10.0);
   EXPECT_GT(left_by_its_own_file(slow_drive(), {}, plain()), 10.0);

@@ -34,8 +34,8 @@ sim::MachineSettings crane_with_friction() {
   return truth;
 }
 
-// The boom is cut finer than the file cuts it where the nominal machine leaves a gap. A log of that very file, without noise, is followed far below the noise by the file's own boom with the friction that it had, and by no
-// other's.
+// The boom is cut finer than the file cuts it where the nominal machine has a residual above the noise. A log of that very file, without noise, is
+// followed far below the noise by the file's own boom with the friction that it had, and by no other's.
 TEST(SearchAsBuilt, CutsTheBoomOfAnOwnLogAsItsFileHasIt) {
   const sim::MachineSettings truth = crane_with_friction();
   const Search search({quiet_log(truth, bench().controller, kThereAndBack, kDuration, kPeriod)});

@@ -120,7 +120,7 @@ class OneForce : public testing::Test {
     both << drawn(shape(), seed), drawn(shape(), seed + 100);
     return both;
   }
-  // What another draw leaves, of a force 1.5 times as strong, with unit noise.
+  // The residual of another draw, of a force 1.5 times as strong, with unit noise.
   static Eigen::VectorXd left(double angle) {
     return 1.5 * change(11, angle) + drawn(Eigen::VectorXd::Ones(4 * kBins), 12);
   }

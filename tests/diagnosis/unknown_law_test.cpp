@@ -23,12 +23,12 @@ struct Laws {
     const SmoothTorques smooth(missing.problem, missing.fit);
     all = unknown_laws(missing.problem, missing.fit, residual_power, smooth, smooth.left_by(missing.problem, missing.fit, evidence.law_share), evidence, misfit_cost, 0.0);
   }
-  // What parameters alone leave, as a cause of a record without a controller's answers is weighed by.
+  // The residual power of parameters alone, as a cause of a record without a controller's answers is weighed by.
   double residual_power_of(const MissingTorque& missing) const {
     const double square = by_own_noise(missing.problem, missing.fit.point, missing.fit.difference, Eigen::MatrixXd(), evidence.discrepancy_count).square;
     return missing.problem.settings.independent_share * (square - static_cast<double>(missing.fit.difference.size()));
   }
-  // The least that one of a variable leaves.
+  // The least residual power of a law of a variable.
   double left(const std::string& variable) const {
     double least = std::numeric_limits<double>::infinity();
     for (const UnknownLaw& law : all) {
@@ -43,7 +43,8 @@ struct Laws {
   std::vector<UnknownLaw> all;
 };
 
-// Of its own variable no more than noise is left, which is what the machine leaves on which no such torque acts; of another's more.
+// With a law of its own variable the residual is no more than noise, the residual of the machine on which no such torque acts. With a law of another
+// variable it is larger.
 TEST(UnknownLaw, OfTheVariableThatATorqueFollowsLeavesNoise) {
   MissingTorque missing({}, stiffening_spring), sound({}, no_torque);
   const Laws laws(missing), of_noise(sound);
@@ -52,7 +53,7 @@ TEST(UnknownLaw, OfTheVariableThatATorqueFollowsLeavesNoise) {
   for (const char* other : {"speed", "torque"}) EXPECT_GT(laws.left(other), of_noise.residual_power + 100.0) << other;
 }
 
-// Functions of no size change nothing; the larger they may be, the less is left, and the more the records say of them.
+// Functions of no size change nothing; the larger they may be, the smaller is the residual, and the more the records say of them.
 TEST(UnknownLaw, ExplainsNoMoreThanItMayBeLarge) {
   MissingTorque missing({}, stiffening_spring);
   const Laws laws(missing);

@@ -61,7 +61,8 @@ TEST(ValidateLead, PassesToTheFirstCauseThatPredicts) {
   EXPECT_EQ(asked.held_out->record, "b");
 }
 
-// Nothing acts, and parameters leave noise alone on what was not fitted: the cause that leads predicts no better: what it loses goes to nothing missing, which leads then.
+// Nothing acts, and the residual of parameters on data that were not fitted is noise alone, so the cause that leads predicts no better. What it loses
+// goes to nothing missing, which leads then.
 TEST(ValidateLead, GivesBackToNothingWhereParametersLeaveNoise) {
   const Asked asked({});
   const Cause& lead = asked.ranking.causes.front();

@@ -62,7 +62,7 @@ double mean_square(const Whitening& whitening, const Shadow& shadow, std::size_t
   return all.segment(static_cast<Eigen::Index>(channel) * rows, rows).squaredNorm() / static_cast<double>(rows);
 }
 
-// The definition of the weights: noise alone leaves numbers of variance 1. About 2400 of them, so within 5 sigma of it.
+// The definition of the weights: the whitened residual of noise alone has variance 1. It is about 2400 numbers, so within 5 sigma of it.
 TEST(Whitening, NoiseAloneHasVarianceOne) {
   const Record record = noisy_record();
   const WhiteningSettings settings = kSettings;

@@ -205,7 +205,7 @@ std::string summary_text(const AxisDiagnosis& found, const Words& words) {
     for (const BalanceTerm& term : model.terms) {
       for (std::size_t k = 0; k < term.size.size(); ++k) {
         const Interval interval = interval_of(term.size[k], term.deviation[k], k == 0 && term.is_dissipative);
-        text += fmt::format("            {}{} = {:.4g} {} (90 %: {:.4g} to {:.4g}; there with {:.0f} %; without it {:.1f} % more of the gap are left)\n", term.words,
+        text += fmt::format("            {}{} = {:.4g} {} (90 %: {:.4g} to {:.4g}; there with {:.0f} %; without it the share of the gap explained falls by {:.1f} %)\n", term.words,
                             k == 1 && term.law == "viscous" ? ", half the difference of the directions"
                             : term.law == "spring"               ? ", from the middle of the range to its end"
                             : is_rest(term)                      ? ", in the middle of the range"

@@ -45,7 +45,7 @@ namespace slewlab::tools {
 namespace {
 
 constexpr double kWorthNaming = 0.05;  // probability that an effect acts, from which the page says so
-constexpr double kWorthFollowing = 0.02;  // share of the gap that is left, from which it is said what it follows
+constexpr double kWorthFollowing = 0.02;  // residual share of the gap, from which it is said what it follows
 constexpr double kLineInterval = 2.0;  // [s] between progress lines where there is no terminal
 constexpr int kThreads = 2;            // of a crane, where nothing else is said
 // The page's spectrogram: up to half the highest frequency that is judged, over windows of two characteristic times.
@@ -94,7 +94,7 @@ nlohmann::json to_json(const Cause& cause, const std::vector<sim::Parameter>& pa
                       {"residual_power", cause.residual_power},
                       {"prior", cause.prior},
                       {"prior_chance", cause.prior_chance},
-                      {"mean_square_left", cause.mean_square},
+                      {"residual_variance_ratio", cause.mean_square},
                       {"fit_ended", diagnosis::name_of(cause.ending)},
                       {"or", cause.also},
                       {"cannot_be_told_from", nlohmann::json::array()},
@@ -183,8 +183,8 @@ nlohmann::json to_json(const Diagnosis& diagnosis, bool is_damaged) {
                       {"gap", diagnosis.gap},
                       {"verdict", diagnosis.verdict},
                       {"controller_differs", diagnosis.controller_differs},
-                      {"mean_square_nominal", diagnosis.mean_square_nominal},
-                      {"mean_square_parameters", diagnosis.mean_square_parameters},
+                      {"residual_variance_ratio_nominal", diagnosis.mean_square_nominal},
+                      {"residual_variance_ratio_parameters", diagnosis.mean_square_parameters},
                       {"probability_nothing_missing", diagnosis.probability_nothing},
                       {"probability_hidden", diagnosis.probability_hidden},
                       {"probability_unknown", diagnosis.probability_unknown},
@@ -201,7 +201,7 @@ nlohmann::json to_json(const Diagnosis& diagnosis, bool is_damaged) {
   for (const auto& [effect, probability] : diagnosis.effects) json["effects"][effect] = probability;
   for (const diagnosis::BandShare& band : diagnosis.bands) {
     json["bands"].push_back({{"signal", band.channel}, {"from_hz", band.from}, {"to_hz", band.to}, {"share", band.share},
-                             {"mean_square", band.mean_square}});
+                             {"residual_variance_ratio", band.mean_square}});
   }
   for (const diagnosis::Moment& moment : diagnosis.moments) {
     json["moments"].push_back({{"log", moment.record}, {"time_s", moment.time}, {"phase", moment.phase},
@@ -368,7 +368,7 @@ std::string summary_text(const Diagnosis& diagnosis, bool is_damaged, const Told
       const diagnosis::Validation& validation = *cause.validation;
       out << fmt::format("            residual variance ratio on data that were not fitted: nominal {:.4g}, parameters alone {:.4g}, with it {:.3g}{}{}\n",
                          validation.nominal.residual_ratio, validation.parameters.residual_ratio, validation.cause.residual_ratio,
-                         validation.unknown_cost ? " of what noise and its draws leave" : "",
+                         validation.unknown_cost ? " (1 = noise and the draws of the effect)" : "",
                          validation.holds ? "" : ": it does not predict them better, and cannot lead");
     }
     if (i > 1) continue;

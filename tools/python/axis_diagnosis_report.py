@@ -31,7 +31,7 @@ def residual_figure(found, series, log):
                                              showlegend=column == 1, marker={"size": 3, "color": colour}), row=1, col=column)
         figure.update_xaxes(title_text=title, row=1, col=column)
     figure.update_yaxes(title_text=f"residual of the torque balance [{unit}]", row=1, col=1)
-    figure.update_layout(title=f"What the balance leaves: {log}", height=420, legend=LEGEND, margin={"t": 110})
+    figure.update_layout(title=f"Residual of the torque balance: {log}", height=420, legend=LEGEND, margin={"t": 110})
     return figure
 
 

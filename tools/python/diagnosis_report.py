@@ -91,7 +91,7 @@ def missing_figure(series, after):
 
 
 def discrepancy_figure(found, is_narrow):
-    """The torque that the answer leaves missing, as a smooth function of each variable: with two standard deviations either side.
+    """The torque in the answer's residual, as a smooth function of each variable: with two standard deviations either side.
     Variables beside each other, or one below the other where there is no room."""
     variables = [one for one in found["discrepancies"] if one["curves"]]
     titles = [f"{one['follows']}: {100 * one['share']:.0f} %" for one in variables]

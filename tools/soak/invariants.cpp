@@ -164,7 +164,7 @@ void check_contact(const SoakFacts& facts, const StepRecord& before, const StepR
     const double torque = record.gear_torque[i];
     const double law = sim::contact_torque(gear, deflection, rate);
     const double depth = std::fabs(deflection) - gear.half_play;
-    // Both by the same doubles: what is left is the cancellation in motor minus house angle.
+    // Both by the same doubles: they differ by the cancellation in motor minus house angle.
     const double cancellation = std::fabs(record.motor_angle[i]) + std::fabs(record.house_angle);
     const double speeds = std::fabs(record.motor_speed[i]) + std::fabs(record.house_speed);
     const double rounding =

@@ -249,7 +249,7 @@ TEST(AxisDiagnosis, AGapThatNoLawPredictsIsUnknown) {
 }
 
 // A motor that saturates, F - s F |F|, asks for more effort as another inertia would. Under a sine of amplitude A, 8 / (3 pi) s A^2 of it is one: up to 17 % here.
-// What is left is a fifth of that and goes together, so the inertia is no answer.
+// The residual is a fifth of that and goes together, so the inertia is no answer.
 TEST(AxisDiagnosis, AMotorThatSaturatesIsNoInertia) {
   constexpr double kAmplitude = 9.0, kSaturation = 0.2 / kAmplitude;  // [N m], [1 / (N m)]
   const auto saturating = [](double frequency, unsigned seed, bool rubs) {
@@ -323,7 +323,7 @@ TEST(AxisDiagnosis, NamesADriveThatLags) {
   EXPECT_TRUE(std::any_of(found.effects.begin(), found.effects.end(), [](const auto& effect) { return effect.name == "torque_lag"; }));
 }
 
-// Beside friction that is named, a torque of time alone is said to be unknown, with how much it leaves.
+// Beside friction that is named, a torque of time alone is said to be unknown, with the size of its residual.
 TEST(AxisDiagnosis, SaysThatWhatIsLeftIsOfNoKnownLaw) {
   const AxisDiagnosis found =
       diagnose_axis(axis_file(), two_runs(noisy([](double t, double q, double v) { return friction(t, q, v) + 1.2 * std::sin(2.3 * t) * std::sin(0.7 * t); })));
@@ -566,8 +566,8 @@ NamedRun own_run(const sim::MachineFile& axis, double speed, double braked = 1e9
   return named;
 }
 
-// Without noise anything may be fitted to what the record's step leaves: gravity that is taken half a sample late looks like a friction over the position.
-// The plant holds a load over its step of 1 ms, which leaves a 1e-5 of it.
+// Without noise anything may be fitted to the residual of the record's step: gravity that is taken half a sample late looks like a friction over the position.
+// The plant holds a load over its step of 1 ms; the residual of that is 1e-5 of the load.
 TEST(AxisDiagnosis, AnAxisAgainstItsOwnRecordMissesNothing) {
   for (const double gravity : {-30.0, -120.0, -300.0}) {
     const sim::MachineFile axis = table(gravity);
@@ -614,7 +614,7 @@ TEST(AxisDiagnosis, AnElasticAxisAgainstItsOwnRecordOfMinutesMissesNothing) {
 TEST(AxisDiagnosis, ADescribedTransmissionThatMakesMostOfTheGapLeavesItOpen) {
   const AxisDiagnosis found = diagnose_axis(table(-120.0, transmission(150e3, 0.6)), {own_run(table(-120.0, transmission(110e3, 0.9)), 0.3)});
   EXPECT_EQ(found.outcome, AxisOutcome::not_identifiable) << found.verdict;
-  EXPECT_NE(found.verdict.find("the transmission of the file alone leaves"), std::string::npos) << found.verdict;
+  EXPECT_NE(found.verdict.find("for the transmission of the file alone its residual is"), std::string::npos) << found.verdict;
   EXPECT_EQ(found.action.rfind("Compare stiffness and play", 0), 0u) << found.action;
 }
 

@@ -25,7 +25,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr double kDegree = 3.14159265358979323846 / 180.0;  // [rad]
-constexpr double kYardstick = 1.1;                          // times least squares, that the answer may leave
+constexpr double kYardstick = 1.1;                          // times the error of least squares, that the answer's may be
 
 fs::path data_folder() {
   const char* folder = std::getenv("SLEWLAB_SHARED_DATA");

@@ -1,4 +1,4 @@
-// A model in words, and what it leaves of a record that was made by it.
+// A model in words, and its residual on a record that was made by it.
 #include "diagnosis/balance/balance_model.h"
 
 #include <gtest/gtest.h>

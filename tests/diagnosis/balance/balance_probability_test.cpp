@@ -13,7 +13,7 @@
 namespace slewlab::diagnosis {
 namespace {
 
-// Four blocks, each left with e times as much: m = 1, s^2 = 0.1^2, so that ln odds = -2 ln(1 + 100 / 3).
+// Four blocks, the residual's mean square in each e times as large: m = 1, s^2 = 0.1^2, so that ln odds = -2 ln(1 + 100 / 3).
 TEST(BalanceProbability, OddsAreThoseOfTheirEquation) {
   const double e = std::exp(1.0);
   const LeftOutError more{{e, 2.0 * e, 3.0 * e, 4.0 * e}, {}}, less{{1.0, 2.0, 3.0, 4.0}, {}};

@@ -1,11 +1,16 @@
 #include "tests/diagnosis/balance/drawn_axis.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <functional>
+#include <iterator>
+#include <map>
+#include <memory>
 #include <numbers>
 #include <random>
 #include <sstream>
+#include <utility>
 
 namespace slewlab::diagnosis {
 namespace {
@@ -221,6 +226,247 @@ NamedRun run_of(const Samples& samples, const Recorder& recorder, const std::str
   return named;
 }
 
+// An axis on its way from its kind to its records.
+struct Drawing {
+  DrawnAxis axis;
+  Physics physics;
+  Recorder recorder;
+  Excitation excitation = Excitation::switched;
+  double nominal_error = 0.0;  // of the inertia, true over the file's, less 1
+  double range = 0.0;          // that the motion covers either side
+  double dry = 0.0, viscous = 0.0;
+  bool is_linear = false;
+  double length = 1.0, force = 1.0;  // units of position and effort
+};
+
+// Rate, duration, inertia, manoeuvre, and how far the file is off.
+Drawing draw_excitation(const std::string& kind, Numbers& draw) {
+  Drawing drawing;
+  Recorder& recorder = drawing.recorder;
+  constexpr double kRates[] = {50.0, 100.0, 150.0, 250.0, 500.0, 1000.0, 5000.0};
+  recorder.rate = kRates[draw.below(7)];
+  recorder.duration = recorder.rate > 2000.0 ? draw.uniform(6.0, 9.0) : draw.uniform(12.0, 25.0);
+  drawing.physics.inertia = std::max(draw.logarithmic(0.15, 1.2), 15.0 / recorder.rate);
+  drawing.excitation = static_cast<Excitation>(draw.below(6));
+  const bool is_gravity = kind == "gravity" || kind == "spring";
+  if (is_gravity && draw.chance(0.7)) drawing.excitation = draw.chance(0.5) ? Excitation::positioning : Excitation::speed_profile;
+  const double inertia_off = draw.chance(0.6) ? draw.uniform(-0.05, 0.05) : draw.uniform(0.2, 0.5) * draw.sign();
+  drawing.nominal_error = kind == "nothing" ? draw.uniform(-0.03, 0.03) : kind == "inertia" ? draw.uniform(0.25, 0.5) * draw.sign() : inertia_off;
+  drawing.range = draw.uniform(0.5, 2.0) * drawing.physics.inertia + 0.3;
+  return drawing;
+}
+
+// Dry and viscous friction, which most kinds have.
+void take_both_frictions(Drawing& drawing) {
+  drawing.physics.dry = [dry = drawing.dry](double, double, double) { return dry; };
+  drawing.physics.smooth = [viscous = drawing.viscous](double, double, double v) { return viscous * v; };
+  drawing.axis.laws = {"dry", "viscous"};
+}
+
+void draw_asymmetric(Numbers& draw, Drawing& drawing) {
+  take_both_frictions(drawing);
+  drawing.physics.dry_asymmetry = draw.uniform(0.1, 0.25) * draw.sign();
+  const double lean = draw.uniform(0.1, 0.25) * draw.sign();
+  drawing.physics.smooth = [=, viscous = drawing.viscous](double, double, double v) { return viscous * (1.0 + (v > 0 ? lean : -lean)) * v; };
+  drawing.axis.alike.insert("offset");
+}
+
+void draw_offset(Numbers& draw, Drawing& drawing) {
+  take_both_frictions(drawing);
+  const double constant = draw.uniform(0.04, 0.15) * draw.sign();
+  drawing.physics.smooth = [=, viscous = drawing.viscous](double, double, double v) { return viscous * v + constant; };
+  drawing.axis.laws.insert("offset");
+}
+
+void draw_stribeck(Numbers& draw, Drawing& drawing) {
+  take_both_frictions(drawing);
+  const double excess = drawing.dry * draw.uniform(0.3, 1.0), speed = draw.logarithmic(0.02, 0.2), power = draw.chance(0.5) ? 2.0 : 1.0;
+  drawing.physics.dry = [=, dry = drawing.dry](double, double, double v) { return dry + excess * std::exp(-std::pow(std::fabs(v) / speed, power)); };
+  drawing.axis.laws.insert("stribeck");
+}
+
+void draw_rising(Numbers& draw, Drawing& drawing) {
+  const double rise = draw.uniform(0.1, 0.3), speed = draw.logarithmic(0.05, 0.4), floor = draw.chance(0.5) ? 0.0 : 0.4 * drawing.dry;
+  const bool is_arc = draw.chance(0.5);
+  drawing.physics.dry = [=](double, double, double) { return floor; };
+  drawing.physics.smooth = [=](double, double, double v) { return rise * (is_arc ? std::atan(v / speed) / (0.5 * kPi) : std::tanh(v / speed)); };
+  drawing.axis.laws = {"rising"};
+  drawing.axis.alike.insert({"dry", "viscous"});
+}
+
+// A power of speed between one and two, with dry friction.
+void draw_drag(Numbers& draw, Drawing& drawing) {
+  take_both_frictions(drawing);
+  const double power = draw.uniform(1.3, 1.7);
+  drawing.physics.smooth = [=, viscous = drawing.viscous](double, double, double v) { return viscous * std::copysign(std::pow(std::fabs(v), power), v); };
+  drawing.axis.laws = {"dry"};
+  drawing.axis.alike.insert({"viscous", "quadratic"});
+}
+
+void draw_warming(Numbers& draw, Drawing& drawing) {
+  take_both_frictions(drawing);
+  const double fall = drawing.dry * draw.uniform(0.5, 1.0), time = drawing.recorder.duration * draw.uniform(0.2, 1.0);
+  drawing.physics.dry = [=, dry = drawing.dry](double t, double, double) { return dry + fall * std::exp(-t / time); };
+  drawing.axis.laws.insert("warming");
+}
+
+void draw_spring(Numbers& draw, Drawing& drawing) {
+  take_both_frictions(drawing);
+  const double stiffness = draw.uniform(0.1, 0.3) / drawing.range;
+  drawing.physics.smooth = [=, viscous = drawing.viscous](double, double q, double v) { return viscous * v + stiffness * q; };
+  drawing.axis.laws.insert("spring");
+  drawing.axis.alike.insert("offset");  // its middle is the axis's zero, the law's that of the range
+}
+
+void draw_uneven(Numbers& draw, Drawing& drawing) {
+  take_both_frictions(drawing);
+  const double lean = draw.uniform(0.3, 0.8) * draw.sign();
+  drawing.physics.dry = [=, dry = drawing.dry, range = drawing.range](double, double q, double) { return dry * std::max(0.1, 1.0 + lean * q / range); };
+  drawing.axis.laws.insert("position_friction");
+}
+
+void draw_three(Numbers& draw, Drawing& drawing) {
+  take_both_frictions(drawing);
+  const double constant = draw.uniform(0.04, 0.15) * draw.sign(), excess = drawing.dry * draw.uniform(0.5, 1.0), speed = draw.logarithmic(0.03, 0.2);
+  drawing.physics.dry = [=, dry = drawing.dry](double, double, double v) { return dry + excess * std::exp(-std::pow(std::fabs(v) / speed, 2)); };
+  drawing.physics.smooth = [=, viscous = drawing.viscous](double, double, double v) { return viscous * v + constant; };
+  drawing.axis.laws.insert({"stribeck", "offset"});
+  drawing.nominal_error = draw.uniform(0.2, 0.5) * draw.sign();
+}
+
+void draw_elastic(Numbers& draw, Drawing& drawing) {
+  take_both_frictions(drawing);
+  drawing.physics.load_share = draw.uniform(0.2, 0.6);
+  drawing.physics.frequency = draw.logarithmic(8.0, 40.0);
+}
+
+void draw_cogging(Numbers& draw, Drawing& drawing) {
+  take_both_frictions(drawing);
+  const double size = draw.uniform(0.1, 0.25), waves = draw.uniform(3.0, 12.0) / drawing.range;
+  drawing.physics.smooth = [=, viscous = drawing.viscous](double, double q, double v) { return viscous * v + size * std::sin(waves * q + 0.3); };
+}
+
+// What is in no catalogue: a torque of time alone that is another one in each record, a load that shifts, ...
+constexpr const char* kUnknownKinds[] = {"cogging", "cam", "shift", "mass_shift"};
+
+void draw_laws(const std::string& kind, Numbers& draw, Drawing& drawing) {
+  drawing.dry = draw.uniform(0.05, 0.2);
+  drawing.viscous = draw.uniform(0.08, 0.35);
+  drawing.physics.dry_asymmetry = draw.uniform(-0.05, 0.05);
+  using Law = std::function<void(Numbers&, Drawing&)>;
+  static const std::map<std::string, Law> kLaws{
+      {"nothing", [](Numbers&, Drawing& axis) { axis.physics.dry_asymmetry = 0.0; }},
+      {"inertia", [](Numbers&, Drawing& axis) { axis.physics.dry_asymmetry = 0.0; }},
+      {"dry", [](Numbers&, Drawing& axis) { take_both_frictions(axis); axis.physics.smooth = Physics{}.smooth; axis.axis.laws = {"dry"}; }},
+      {"viscous", [](Numbers&, Drawing& axis) { take_both_frictions(axis); axis.physics.dry = Physics{}.dry; axis.axis.laws = {"viscous"}; }},
+      {"asymmetric", draw_asymmetric}, {"offset", draw_offset}, {"stribeck", draw_stribeck},
+      {"lugre", [](Numbers& numbers, Drawing& axis) { draw_stribeck(numbers, axis); axis.physics.bristle_stiffness = axis.dry / numbers.logarithmic(1e-4, 3e-3); }},
+      {"rising", draw_rising}, {"drag", draw_drag},
+      {"quadratic", [](Numbers&, Drawing& axis) {
+         take_both_frictions(axis);
+         axis.physics.smooth = [viscous = axis.viscous](double, double, double v) { return 1.3 * viscous * v * std::fabs(v); };
+         axis.axis.laws = {"dry", "quadratic"};
+       }},
+      {"warming", draw_warming},
+      {"gravity", [](Numbers&, Drawing& axis) { take_both_frictions(axis); axis.axis.laws.insert("gravity"); }},
+      {"spring", draw_spring}, {"uneven", draw_uneven},
+      {"late", [](Numbers& numbers, Drawing& axis) {
+         take_both_frictions(axis);
+         axis.physics.torque_lag = std::max(numbers.logarithmic(0.02, 0.08), 3.0 / axis.recorder.rate);
+         axis.axis.laws.insert("lag");
+       }},
+      {"three", draw_three}, {"elastic", draw_elastic},
+      {"play", [](Numbers& numbers, Drawing& axis) { draw_elastic(numbers, axis); axis.physics.play = numbers.logarithmic(1e-3, 1e-2) * axis.range; }},
+      {"cogging", draw_cogging}};
+  const auto law = kLaws.find(kind);
+  if (law == kLaws.end()) take_both_frictions(drawing);
+  else law->second(draw, drawing);
+  std::set<std::string>& alike = drawing.axis.alike;
+  // Dry friction with a value of its own in each direction is a constant torque as well.
+  if (drawing.axis.laws.contains("dry") || kind == "shift") alike.insert("offset");
+  drawing.axis.is_unknown = std::find(std::begin(kUnknownKinds), std::end(kUnknownKinds), kind) != std::end(kUnknownKinds);
+  if (drawing.axis.is_unknown) alike.insert({"dry", "viscous"});
+}
+
+// Drives and recorders as they are, and the units.
+void draw_recorder(const std::string& kind, Numbers& draw, Drawing& drawing) {
+  Physics& physics = drawing.physics;
+  Recorder& recorder = drawing.recorder;
+  const double range = drawing.range;
+  if (kind != "late" && draw.chance(0.5)) physics.torque_lag = draw.logarithmic(0.5e-3, 4e-3);
+  if (draw.chance(0.2)) physics.torque_delay = draw.uniform(0.5, 2.0) * 1e-3;
+  recorder.counts = draw.chance(0.3) ? range * draw.logarithmic(2e-4, 1e-3) : range * draw.logarithmic(1e-6, 5e-5);
+  recorder.noise = draw.chance(0.4) ? recorder.counts * draw.uniform(0.2, 1.0) : 0.0;
+  recorder.torque_constant = draw.chance(0.3) && kind != "nothing" && kind != "inertia" ? draw.uniform(0.9, 1.1) : 1.0;
+  recorder.is_measured = kind != "late" && draw.chance(0.3);
+  recorder.torque_noise = recorder.is_measured ? draw.uniform(0.003, 0.02) : 0.0;
+  recorder.skip = draw.chance(0.3) ? draw.uniform(1.0, 3.0) : 0.0;
+  drawing.is_linear = kind != "gravity" && draw.chance(0.4);
+  drawing.length = drawing.is_linear ? draw.logarithmic(0.05, 2.0) : kind == "gravity" ? 1.5 / range * draw.uniform(0.7, 1.6) : draw.logarithmic(0.3, 300.0);
+  drawing.force = draw.logarithmic(1e-2, 1e4);
+  if (kind == "gravity") {
+    const double weight = draw.uniform(0.15, 0.4), angle = draw.uniform(-kPi, kPi);
+    physics.smooth = [=, viscous = drawing.viscous, length = drawing.length](double, double q, double v) { return viscous * v + weight * std::sin(q * length + angle); };
+    drawing.axis.alike.insert("offset");
+  }
+}
+
+// The axis as it is in one record.
+Physics draw_in_one_record(const std::string& kind, Numbers& draw, const Drawing& drawing) {
+  const Recorder& recorder = drawing.recorder;
+  Physics own = drawing.physics;
+  const auto base = drawing.physics.smooth;
+  if (kind == "cam") {
+    const double size = draw.uniform(0.15, 0.3), f = draw.uniform(0.2, 1.0), p = draw.uniform(0.0, 2.0 * kPi);
+    own.smooth = [=](double t, double q, double v) { return base(t, q, v) + size * std::sin(2.0 * kPi * f * t + p); };
+  }
+  if (kind == "shift") {
+    const double size = draw.uniform(0.15, 0.3) * draw.sign(), at = recorder.skip + recorder.duration * draw.uniform(0.25, 0.75);
+    own.smooth = [=](double t, double q, double v) { return base(t, q, v) + (t > at ? size : 0.0); };
+  }
+  if (kind == "mass_shift") {
+    const double more = draw.uniform(0.6, 1.0), at = recorder.skip + recorder.duration * draw.uniform(0.3, 0.7);
+    own.inertia_factor = [=](double t) { return t > at ? 1.0 + more : 1.0; };
+  }
+  return own;
+}
+
+void draw_runs(const std::string& kind, Numbers& draw, Drawing& drawing) {
+  const Recorder& recorder = drawing.recorder;
+  constexpr int kFitted = 2;
+  constexpr const char* kNames[] = {"a", "b", "unseen"};
+  for (int r = 0; r < kFitted + 1; ++r) {
+    const Physics own = draw_in_one_record(kind, draw, drawing);
+    const Driver driver = make_driver(drawing.excitation, own, drawing.range, draw, recorder.duration + recorder.skip);
+    const Samples samples = integrate(own, driver, recorder, static_cast<unsigned>(draw.uniform(1.0, 4e9)));
+    NamedRun run = run_of(samples, recorder, kNames[r], drawing.length, drawing.force);
+    (r < kFitted ? drawing.axis.runs : drawing.axis.unseen).push_back(std::move(run));
+  }
+}
+
+std::string file_of(const Drawing& drawing) {
+  const bool is_linear = drawing.is_linear;
+  const double inertia = drawing.physics.inertia * drawing.force / drawing.length / (1.0 + drawing.nominal_error);
+  std::ostringstream file;
+  file.precision(17);
+  file << "kind: axis\ncoordinate: {value: " << (is_linear ? "linear" : "rotary") << ", source: drawn}\n"
+       << (is_linear ? "mass" : "inertia") << ": {value: " << inertia << ", unit: " << (is_linear ? "kg" : "kg m^2") << ", source: drawn}\n"
+       << (is_linear ? "rated_force" : "rated_torque") << ": {value: " << drawing.force << ", unit: " << (is_linear ? "N" : "N m") << ", source: drawn}\n"
+       << "top_speed: {value: " << drawing.length << ", unit: " << (is_linear ? "m/s" : "rad/s") << ", source: drawn}\n";
+  return file.str();
+}
+
+std::string conditions_of(const Drawing& drawing) {
+  const Recorder& recorder = drawing.recorder;
+  std::ostringstream said;
+  said.precision(3);
+  said << recorder.rate << " Hz, " << kExcitationNames[static_cast<int>(drawing.excitation)] << (recorder.is_measured ? ", measured torque" : "")
+       << (recorder.torque_constant != 1.0 ? ", torque constant off" : "") << ", lag " << 1e3 * drawing.physics.torque_lag << " ms, delay "
+       << 1e3 * drawing.physics.torque_delay << " ms, inertia off " << 100 * drawing.nominal_error << " %, counts " << recorder.counts / drawing.range
+       << " of the range" << (recorder.skip > 0 ? ", begun in motion" : "");
+  return said.str();
+}
+
 }  // namespace
 
 const std::vector<std::string>& drawn_kinds() {
@@ -235,175 +481,14 @@ DrawnAxis drawn_axis(const std::string& kind, unsigned seed) {
   unsigned mixed = seed * 2654435761u;
   for (const char letter : kind) mixed = mixed * 31u + static_cast<unsigned>(letter);
   Numbers draw(mixed);
-  DrawnAxis axis;
-  axis.kind = kind;
-  Physics physics;
-  Recorder recorder;
-  constexpr double kRates[] = {50.0, 100.0, 150.0, 250.0, 500.0, 1000.0, 5000.0};
-  recorder.rate = kRates[draw.below(7)];
-  recorder.duration = recorder.rate > 2000.0 ? draw.uniform(6.0, 9.0) : draw.uniform(12.0, 25.0);
-  physics.inertia = std::max(draw.logarithmic(0.15, 1.2), 15.0 / recorder.rate);
-  auto excitation = static_cast<Excitation>(draw.below(6));
-  const bool is_gravity = kind == "gravity" || kind == "spring";
-  if (is_gravity && draw.chance(0.7)) excitation = draw.chance(0.5) ? Excitation::positioning : Excitation::speed_profile;
-  const double inertia_off = draw.chance(0.6) ? draw.uniform(-0.05, 0.05) : draw.uniform(0.2, 0.5) * draw.sign();
-  double nominal_error = kind == "nothing" ? draw.uniform(-0.03, 0.03) : kind == "inertia" ? draw.uniform(0.25, 0.5) * draw.sign() : inertia_off;
-  const double range = draw.uniform(0.5, 2.0) * physics.inertia + 0.3;
-
-  const double dry = draw.uniform(0.05, 0.2), viscous = draw.uniform(0.08, 0.35);
-  const auto constant_dry = [dry](double, double, double) { return dry; };
-  const auto line = [viscous](double, double, double v) { return viscous * v; };
-  physics.dry_asymmetry = draw.uniform(-0.05, 0.05);
-  const auto bases = [&] { physics.dry = constant_dry; physics.smooth = line; axis.laws = {"dry", "viscous"}; };
-  if (kind == "nothing" || kind == "inertia") {
-    physics.dry_asymmetry = 0.0;
-  } else if (kind == "dry") {
-    physics.dry = constant_dry;
-    axis.laws = {"dry"};
-  } else if (kind == "viscous") {
-    physics.smooth = line;
-    axis.laws = {"viscous"};
-  } else if (kind == "asymmetric") {
-    bases();
-    physics.dry_asymmetry = draw.uniform(0.1, 0.25) * draw.sign();
-    const double lean = draw.uniform(0.1, 0.25) * draw.sign();
-    physics.smooth = [=](double, double, double v) { return viscous * (1.0 + (v > 0 ? lean : -lean)) * v; };
-    axis.alike.insert("offset");
-  } else if (kind == "offset") {
-    bases();
-    const double constant = draw.uniform(0.04, 0.15) * draw.sign();
-    physics.smooth = [=](double, double, double v) { return viscous * v + constant; };
-    axis.laws.insert("offset");
-  } else if (kind == "stribeck" || kind == "lugre") {
-    const double excess = dry * draw.uniform(0.3, 1.0), speed = draw.logarithmic(0.02, 0.2), power = draw.chance(0.5) ? 2.0 : 1.0;
-    physics.dry = [=](double, double, double v) { return dry + excess * std::exp(-std::pow(std::fabs(v) / speed, power)); };
-    physics.smooth = line;
-    axis.laws = {"dry", "viscous", "stribeck"};
-    if (kind == "lugre") physics.bristle_stiffness = dry / draw.logarithmic(1e-4, 3e-3);
-  } else if (kind == "rising") {
-    const double rise = draw.uniform(0.1, 0.3), speed = draw.logarithmic(0.05, 0.4), floor = draw.chance(0.5) ? 0.0 : 0.4 * dry;
-    const bool is_arc = draw.chance(0.5);
-    physics.dry = [=](double, double, double) { return floor; };
-    physics.smooth = [=](double, double, double v) { return rise * (is_arc ? std::atan(v / speed) / (0.5 * kPi) : std::tanh(v / speed)); };
-    axis.laws = {"rising"};
-    axis.alike.insert({"dry", "viscous"});
-  } else if (kind == "drag") {  // a power of speed between one and two, with dry friction
-    const double power = draw.uniform(1.3, 1.7);
-    physics.dry = constant_dry;
-    physics.smooth = [=](double, double, double v) { return viscous * std::copysign(std::pow(std::fabs(v), power), v); };
-    axis.laws = {"dry"};
-    axis.alike.insert({"viscous", "quadratic"});
-  } else if (kind == "quadratic") {
-    physics.dry = constant_dry;
-    physics.smooth = [=](double, double, double v) { return 1.3 * viscous * v * std::fabs(v); };
-    axis.laws = {"dry", "quadratic"};
-  } else if (kind == "warming") {
-    bases();
-    const double fall = dry * draw.uniform(0.5, 1.0), time = recorder.duration * draw.uniform(0.2, 1.0);
-    physics.dry = [=](double t, double, double) { return dry + fall * std::exp(-t / time); };
-    axis.laws.insert("warming");
-  } else if (kind == "gravity") {
-    bases();
-    axis.laws.insert("gravity");
-  } else if (kind == "spring") {
-    bases();
-    const double stiffness = draw.uniform(0.1, 0.3) / range;
-    physics.smooth = [=](double, double q, double v) { return viscous * v + stiffness * q; };
-    axis.laws.insert("spring");
-    axis.alike.insert("offset");  // its middle is the axis's zero, the law's that of the range
-  } else if (kind == "uneven") {
-    bases();
-    const double lean = draw.uniform(0.3, 0.8) * draw.sign();
-    physics.dry = [=](double, double q, double) { return dry * std::max(0.1, 1.0 + lean * q / range); };
-    axis.laws.insert("position_friction");
-  } else if (kind == "late") {
-    bases();
-    physics.torque_lag = std::max(draw.logarithmic(0.02, 0.08), 3.0 / recorder.rate);
-    axis.laws.insert("lag");
-  } else if (kind == "three") {
-    bases();
-    const double constant = draw.uniform(0.04, 0.15) * draw.sign(), excess = dry * draw.uniform(0.5, 1.0), speed = draw.logarithmic(0.03, 0.2);
-    physics.dry = [=](double, double, double v) { return dry + excess * std::exp(-std::pow(std::fabs(v) / speed, 2)); };
-    physics.smooth = [=](double, double, double v) { return viscous * v + constant; };
-    axis.laws = {"dry", "viscous", "stribeck", "offset"};
-    nominal_error = draw.uniform(0.2, 0.5) * draw.sign();
-  } else if (kind == "elastic" || kind == "play") {
-    bases();
-    physics.load_share = draw.uniform(0.2, 0.6);
-    physics.frequency = draw.logarithmic(8.0, 40.0);
-    if (kind == "play") physics.play = draw.logarithmic(1e-3, 1e-2) * range;
-  } else if (kind == "cogging") {
-    bases();
-    const double size = draw.uniform(0.1, 0.25), waves = draw.uniform(3.0, 12.0) / range;
-    physics.smooth = [=](double, double q, double v) { return viscous * v + size * std::sin(waves * q + 0.3); };
-    axis.is_unknown = true;
-  } else if (kind == "cam" || kind == "mass_shift") {  // a cam: a torque of time alone, another one in each record
-    bases();
-    axis.is_unknown = true;
-  } else if (kind == "shift") {  // a load that shifts: another constant torque from some instant on
-    bases();
-    axis.is_unknown = true;
-    axis.alike.insert("offset");
-  }
-  if (kind == "dry_viscous") bases();
-  // Dry friction with a value of its own in each direction is a constant torque as well.
-  if (axis.laws.contains("dry")) axis.alike.insert("offset");
-  if (kind == "shift" || kind == "cam" || kind == "cogging" || kind == "mass_shift") axis.alike.insert({"dry", "viscous"});
-
-  // Drives and recorders as they are.
-  if (kind != "late" && draw.chance(0.5)) physics.torque_lag = draw.logarithmic(0.5e-3, 4e-3);
-  if (draw.chance(0.2)) physics.torque_delay = draw.uniform(0.5, 2.0) * 1e-3;
-  recorder.counts = draw.chance(0.3) ? range * draw.logarithmic(2e-4, 1e-3) : range * draw.logarithmic(1e-6, 5e-5);
-  recorder.noise = draw.chance(0.4) ? recorder.counts * draw.uniform(0.2, 1.0) : 0.0;
-  recorder.torque_constant = draw.chance(0.3) && kind != "nothing" && kind != "inertia" ? draw.uniform(0.9, 1.1) : 1.0;
-  recorder.is_measured = kind != "late" && draw.chance(0.3);
-  recorder.torque_noise = recorder.is_measured ? draw.uniform(0.003, 0.02) : 0.0;
-  recorder.skip = draw.chance(0.3) ? draw.uniform(1.0, 3.0) : 0.0;
-  const bool is_linear = kind != "gravity" && draw.chance(0.4);
-  const double length = is_linear ? draw.logarithmic(0.05, 2.0) : kind == "gravity" ? 1.5 / range * draw.uniform(0.7, 1.6) : draw.logarithmic(0.3, 300.0);
-  const double force = draw.logarithmic(1e-2, 1e4);
-  if (kind == "gravity") {
-    const double weight = draw.uniform(0.15, 0.4), angle = draw.uniform(-kPi, kPi);
-    physics.smooth = [=](double, double q, double v) { return viscous * v + weight * std::sin(q * length + angle); };
-    axis.alike.insert("offset");
-  }
-  const double shaft_force = force;  // effort 1 on the axis
-  const int count = 2;
-  for (int r = 0; r < count + 1; ++r) {
-    Physics own = physics;
-    const auto base = physics.smooth;
-    if (kind == "cam") {
-      const double size = draw.uniform(0.15, 0.3), f = draw.uniform(0.2, 1.0), p = draw.uniform(0.0, 2.0 * kPi);
-      own.smooth = [=](double t, double q, double v) { return base(t, q, v) + size * std::sin(2.0 * kPi * f * t + p); };
-    }
-    if (kind == "shift") {
-      const double size = draw.uniform(0.15, 0.3) * draw.sign(), at = recorder.skip + recorder.duration * draw.uniform(0.25, 0.75);
-      own.smooth = [=](double t, double q, double v) { return base(t, q, v) + (t > at ? size : 0.0); };
-    }
-    if (kind == "mass_shift") {
-      const double more = draw.uniform(0.6, 1.0), at = recorder.skip + recorder.duration * draw.uniform(0.3, 0.7);
-      own.inertia_factor = [=](double t) { return t > at ? 1.0 + more : 1.0; };
-    }
-    const Driver driver = make_driver(excitation, own, range, draw, recorder.duration + recorder.skip);
-    const Samples samples = integrate(own, driver, recorder, static_cast<unsigned>(draw.uniform(1.0, 4e9)));
-    NamedRun run = run_of(samples, recorder, r == 0 ? "a" : r == 1 ? "b" : "unseen", length, shaft_force);
-    (r < count ? axis.runs : axis.unseen).push_back(std::move(run));
-  }
-  const double inertia = physics.inertia * force / length / (1.0 + nominal_error);
-  std::ostringstream file;
-  file.precision(17);
-  file << "kind: axis\ncoordinate: {value: " << (is_linear ? "linear" : "rotary") << ", source: drawn}\n"
-       << (is_linear ? "mass" : "inertia") << ": {value: " << inertia << ", unit: " << (is_linear ? "kg" : "kg m^2") << ", source: drawn}\n"
-       << (is_linear ? "rated_force" : "rated_torque") << ": {value: " << force << ", unit: " << (is_linear ? "N" : "N m") << ", source: drawn}\n"
-       << "top_speed: {value: " << length << ", unit: " << (is_linear ? "m/s" : "rad/s") << ", source: drawn}\n";
-  axis.machine = file.str();
-  std::ostringstream said;
-  said.precision(3);
-  said << recorder.rate << " Hz, " << kExcitationNames[static_cast<int>(excitation)] << (recorder.is_measured ? ", measured torque" : "")
-       << (recorder.torque_constant != 1.0 ? ", torque constant off" : "") << ", lag " << 1e3 * physics.torque_lag << " ms, delay " << 1e3 * physics.torque_delay
-       << " ms, inertia off " << 100 * nominal_error << " %, counts " << recorder.counts / range << " of the range" << (recorder.skip > 0 ? ", begun in motion" : "");
-  axis.conditions = said.str();
-  return axis;
+  Drawing drawing = draw_excitation(kind, draw);
+  drawing.axis.kind = kind;
+  draw_laws(kind, draw, drawing);
+  draw_recorder(kind, draw, drawing);
+  draw_runs(kind, draw, drawing);
+  drawing.axis.machine = file_of(drawing);
+  drawing.axis.conditions = conditions_of(drawing);
+  return std::move(drawing.axis);
 }
 
 }  // namespace slewlab::diagnosis

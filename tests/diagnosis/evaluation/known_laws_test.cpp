@@ -83,7 +83,7 @@ TEST(KnownLaws, ALawInNoCatalogueIsNotKnown) {
   }
 }
 
-// The plant and the reference are the same machine: what is left between them are the finer mesh, the integrator's tolerance and the lag of the
+// The plant and the reference are the same machine: they differ by the finer mesh, the integrator's tolerance and the lag of the
 // tracking loop, 2 / (2 pi 100 Hz) of the acceleration. Less than is called visible.
 TEST(KnownLaws, WithoutAnyLawItIsTheWithheldMachine) {
   const DrawnCase drawn = drawn_with({});

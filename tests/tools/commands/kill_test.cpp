@@ -186,7 +186,17 @@ class KillTest : public testing::Test {
   }
   ~KillTest() override { ::unsetenv("TMPDIR"); }
 
+  struct Struck {
+    bool was_running = false;  // the victim
+    std::int64_t seen = -1;    // newest ENCODER on the bus
+  };
+
   void strike(const Moment& moment, Tally& tally);
+  Struck strike_at_its_moment(const Moment& moment, RunningProgram& run);
+  bool expect_readable_log(const Moment& moment, const Struck& struck, Tally& tally);
+  void expect_result(const Moment& moment, const Struck& struck, bool whole, int result, const std::string& complaints);
+  fs::path out_folder() const { return folder_.path() / "out"; }
+  fs::path logger_file() const { return folder_.path() / "logger.lcmlog"; }
 
   static std::vector<pid_t> children_of(pid_t parent) {
     std::ifstream list("/proc/" + std::to_string(parent) + "/task/" + std::to_string(parent) + "/children");
@@ -216,75 +226,74 @@ class KillTest : public testing::Test {
   TemporaryFolder temporary_;
 };
 
-void KillTest::strike(const Moment& moment, Tally& tally) {
-  const fs::path out = folder_.path() / "out";
-  const fs::path logger_file = folder_.path() / "logger.lcmlog";
-  fs::remove_all(out);
-  fs::remove(logger_file);
-  ++tally.moments;
-  std::int64_t seen = -1;  // newest ENCODER on the bus
-  int result = 0;
-  bool struck = false;
-  std::string complaints;
-  {
-    RunningProgram run(command_of(moment, out));
-    if (moment.victim == Victim::launcher && moment.when == When::at_start) {
-      ASSERT_TRUE(wait_for([&] { return !children_of(run.pid()).empty(); }));
-      struck = ::kill(run.pid(), SIGKILL) == 0;
-    } else {
-      const std::string started = run.wait_for_line("plant is process ");
-      ASSERT_NE(started, "");
-      const std::string url = started.substr(started.find("udpm://"));
-      std::optional<RunningProgram> logger;
-      pid_t target = 0;
-      switch (moment.victim) {
-        case Victim::plant: target = number_after(started, "plant is process "); break;
-        case Victim::controller: break;  // found when its time has come
-        case Victim::launcher: target = run.pid(); break;
-        case Victim::logger:
-          logger.emplace(std::vector<std::string>{"lcm-logger", "--quiet", "--flush-interval=1", "--lcm-url=" + url,
-                                                  logger_file.string()});
-          target = logger->pid();
-          break;
-      }
-      if (moment.when == When::at_end) {
-        ASSERT_TRUE(wait_for([&] { return fs::exists(out / "run.lcmlog"); }));
-      } else if (moment.when == When::at_count && moment.victim == Victim::logger) {
-        ASSERT_TRUE(wait_for([&] {
-          std::error_code none_yet;
-          const auto size = fs::file_size(logger_file, none_yet);
-          return (!none_yet && size >= static_cast<std::uintmax_t>(moment.count)) || fs::exists(out / "summary.json");
-        }));
-      } else if (moment.when == When::at_count) {
-        const auto bus = msgs::open_lcm_bus(url);
-        bus->subscribe(msgs::kEncoderChannel, [&](msgs::Bytes bytes) {
-          msgs::Encoder encoder;
-          if (msgs::decode(bytes, encoder) == msgs::DecodeStatus::ok) seen = std::max(seen, encoder.sequence);
-        });
-        ASSERT_TRUE(wait_for([&] {
-          while (seen < moment.count && bus->handle_one(std::chrono::milliseconds{1})) {
-          }
-          return seen >= moment.count || fs::exists(out / "summary.json");
-        }));
-      }
-      if (moment.victim == Victim::controller) {
-        ASSERT_TRUE(wait_for([&] {
-          target = controller_of(run.pid());
-          return target != 0 || fs::exists(out / "summary.json");
-        }));
-      }
-      struck = target != 0 && !fs::exists(out / "summary.json") && ::kill(target, SIGKILL) == 0;
-      if (logger) {
-        if (!struck) ::kill(target, SIGKILL);
-        EXPECT_EQ(logger->wait_for_end(), -SIGKILL);
-      }
+// Waits until the bus has carried so many ENCODER, or the run has ended; gives the newest.
+std::int64_t wait_for_encoder(const std::string& url, std::int64_t count, const fs::path& out) {
+  std::int64_t seen = -1;
+  const auto bus = msgs::open_lcm_bus(url);
+  bus->subscribe(msgs::kEncoderChannel, [&](msgs::Bytes bytes) {
+    msgs::Encoder encoder;
+    if (msgs::decode(bytes, encoder) == msgs::DecodeStatus::ok) seen = std::max(seen, encoder.sequence);
+  });
+  EXPECT_TRUE(wait_for([&] {
+    while (seen < count && bus->handle_one(std::chrono::milliseconds{1})) {
     }
-    result = run.wait_for_end();
-    complaints = run.complaints();
-  }
-  expect_nothing_left();
-  tally.struck += struck;
+    return seen >= count || fs::exists(out / "summary.json");
+  }));
+  return seen;
+}
 
+KillTest::Struck KillTest::strike_at_its_moment(const Moment& moment, RunningProgram& run) {
+  const fs::path out = out_folder();
+  const auto has_ended = [&] { return fs::exists(out / "summary.json"); };
+  Struck struck;
+  if (moment.victim == Victim::launcher && moment.when == When::at_start) {
+    EXPECT_TRUE(wait_for([&] { return !children_of(run.pid()).empty(); }));
+    struck.was_running = ::kill(run.pid(), SIGKILL) == 0;
+    return struck;
+  }
+  const std::string started = run.wait_for_line("plant is process ");
+  EXPECT_NE(started, "");
+  if (started.empty()) return struck;
+  const std::string url = started.substr(started.find("udpm://"));
+  std::optional<RunningProgram> logger;
+  pid_t target = 0;
+  switch (moment.victim) {
+    case Victim::plant: target = number_after(started, "plant is process "); break;
+    case Victim::controller: break;  // found when its time has come
+    case Victim::launcher: target = run.pid(); break;
+    case Victim::logger:
+      logger.emplace(std::vector<std::string>{"lcm-logger", "--quiet", "--flush-interval=1", "--lcm-url=" + url, logger_file().string()});
+      target = logger->pid();
+      break;
+  }
+  if (moment.when == When::at_end) {
+    EXPECT_TRUE(wait_for([&] { return fs::exists(out / "run.lcmlog"); }));
+  } else if (moment.when == When::at_count && moment.victim == Victim::logger) {
+    EXPECT_TRUE(wait_for([&] {
+      std::error_code none_yet;
+      const auto size = fs::file_size(logger_file(), none_yet);
+      return (!none_yet && size >= static_cast<std::uintmax_t>(moment.count)) || has_ended();
+    }));
+  } else if (moment.when == When::at_count) {
+    struck.seen = wait_for_encoder(url, moment.count, out);
+  }
+  if (moment.victim == Victim::controller) {
+    EXPECT_TRUE(wait_for([&] {
+      target = controller_of(run.pid());
+      return target != 0 || has_ended();
+    }));
+  }
+  struck.was_running = target != 0 && !has_ended() && ::kill(target, SIGKILL) == 0;
+  if (logger) {
+    if (!struck.was_running) ::kill(target, SIGKILL);
+    EXPECT_EQ(logger->wait_for_end(), -SIGKILL);
+  }
+  return struck;
+}
+
+// Whether the log is whole.
+bool KillTest::expect_readable_log(const Moment& moment, const Struck& struck, Tally& tally) {
+  const fs::path out = out_folder();
   const bool whole = fs::exists(out / "run.lcmlog");
   const bool partial = fs::exists(out / "run.lcmlog.partial");
   if (whole) {
@@ -293,7 +302,7 @@ void KillTest::strike(const Moment& moment, Tally& tally) {
   } else if (partial) {
     ++tally.partial;
     const LogFindings log = read_log(out / "run.lcmlog.partial");
-    const std::int64_t lost = seen - log.last_encoder;
+    const std::int64_t lost = struck.seen - log.last_encoder;
     tally.most_lost = std::max(tally.most_lost, lost);
     // Only a plant that is killed itself takes along what it has not yet handed to the system.
     if (moment.victim != Victim::plant) {
@@ -304,10 +313,13 @@ void KillTest::strike(const Moment& moment, Tally& tally) {
     EXPECT_EQ(moment.when, When::at_start) << "no log at all";
   }
   EXPECT_FALSE(whole && partial);
+  return whole;
+}
 
+void KillTest::expect_result(const Moment& moment, const Struck& struck, bool whole, int result, const std::string& complaints) {
   switch (moment.victim) {
     case Victim::launcher:
-      EXPECT_EQ(result, struck ? -SIGKILL : 0);
+      EXPECT_EQ(result, struck.was_running ? -SIGKILL : 0);
       break;
     case Victim::plant:
     case Victim::controller:
@@ -325,13 +337,33 @@ void KillTest::strike(const Moment& moment, Tally& tally) {
     case Victim::logger:
       EXPECT_EQ(result, 0) << "a logger beside the run is no part of it: " << complaints;
       EXPECT_TRUE(whole);
-      if (fs::exists(logger_file)) read_log(logger_file);
+      if (fs::exists(logger_file())) read_log(logger_file());
       break;
   }
+}
 
-  RunningProgram again({kSlewlab, "run", kScenarios + "thesis_slew.yaml", "--set", "duration=0.1", "--out", out.string()});
+void KillTest::strike(const Moment& moment, Tally& tally) {
+  fs::remove_all(out_folder());
+  fs::remove(logger_file());
+  ++tally.moments;
+  Struck struck;
+  int result = 0;
+  std::string complaints;
+  {
+    RunningProgram run(command_of(moment, out_folder()));
+    struck = strike_at_its_moment(moment, run);
+    ASSERT_FALSE(HasFailure());
+    result = run.wait_for_end();
+    complaints = run.complaints();
+  }
+  expect_nothing_left();
+  tally.struck += struck.was_running;
+  const bool whole = expect_readable_log(moment, struck, tally);
+  expect_result(moment, struck, whole, result, complaints);
+
+  RunningProgram again({kSlewlab, "run", kScenarios + "thesis_slew.yaml", "--set", "duration=0.1", "--out", out_folder().string()});
   EXPECT_EQ(again.wait_for_end(), 0) << "the folder takes no other run: " << again.complaints();
-  EXPECT_FALSE(fs::exists(out / "run.lcmlog.partial"));
+  EXPECT_FALSE(fs::exists(out_folder() / "run.lcmlog.partial"));
 }
 
 std::uint64_t from_environment(const char* name, std::uint64_t usual) {
