@@ -23,6 +23,7 @@ constexpr double kNearTheNoise = 10.0;  // mean square, beyond which parameters 
 constexpr int kIdleRounds = 2;         // in a row, that end a fit of the nuisances alone, and behind which no fit is gone on with
 constexpr std::array<double, 4> kShortenings{0.0, 1.0, 3.0, 7.0};  // dampings that halve a step along an axis of the curvature, and again
 constexpr double kAtTheBound = 1.9;     // [standard deviations]
+constexpr double kBeginningStep = 0.03;  // the same for how a record begins: machines answer linearly to it until teeth leave their flank
 constexpr double kEffectStep = 0.05;   // [standard deviations] the same for effects, around a fitted size
 constexpr double kSpellStep = 0.05;    // of the time in which a spell fades: its beginning and end are as sharp as that
 constexpr double kStepDeviations = 2.0;  // the step where it is known how well the records tell the parameter, in what they leave open
@@ -103,10 +104,12 @@ bool is_held(const Problem& problem, const Point& point, std::size_t k) {
                      [&](const common::EffectInstance& effect) { return is_said_by(problem.nuisances, problem.catalogue.at(effect.name), k); });
 }
 
-Eigen::VectorXd first_steps(const common::EffectCatalogue& catalogue, const Point& point) {
-  const auto nuisances = static_cast<Eigen::Index>(point.nuisance.size());
+Eigen::VectorXd first_steps(const Problem& problem, const Point& point) {
+  const common::EffectCatalogue& catalogue = problem.catalogue;
+  const auto nuisances = static_cast<Eigen::Index>(point.nuisance.size()), common = static_cast<Eigen::Index>(problem.nuisances.common_count());
   Eigen::VectorXd steps = Eigen::VectorXd::Constant(nuisances + effect_coordinates(catalogue, point.effects).size(), kEffectStep);
-  steps.head(nuisances).setConstant(kNuisanceStep);
+  steps.head(common).setConstant(kNuisanceStep);
+  steps.segment(common, nuisances - common).setConstant(kBeginningStep);
   Eigen::Index first = nuisances;
   for (const common::EffectInstance& effect : point.effects) {
     const common::EffectAbout& about = catalogue.at(effect.name);
@@ -139,7 +142,7 @@ namespace {
 // taken for its slope.
 Eigen::VectorXd steps_at(const Problem& problem, const Point& point, const Eigen::VectorXd& difference, const Eigen::MatrixXd& columns) {
   const Eigen::VectorXd variance = covariance(problem, point, difference, columns).diagonal();
-  Eigen::VectorXd steps = first_steps(problem.catalogue, point);
+  Eigen::VectorXd steps = first_steps(problem, point);
   for (Eigen::Index i = 0; i < steps.size(); ++i) {
     const double open = kStepDeviations * std::sqrt(variance(i));
     const double smallest = i < static_cast<Eigen::Index>(point.nuisance.size()) ? kSmallestNuisanceStep : kSmallestEffectStep;
@@ -415,6 +418,14 @@ FitResult fit_nuisances(Problem& problem, const FitResult& nominal) {
     forget_columns(again);
     settle_nuisances(problem, again);
     if (again.cost < best.cost) best = std::move(again);
+  }
+  // Parameters that went along with a beginning that was not found yet do not come back from there either, once it is.
+  if (mean_square(best.difference) > 1.0) {
+    std::optional<FitResult> begun = nominal_with_beginnings(problem, best);
+    if (begun && begun->cost < best.cost) {
+      settle_nuisances(problem, *begun);
+      best = std::move(*begun);
+    }
   }
   conclude(problem, best);
   return best;

@@ -3,6 +3,9 @@
 // all else where sensors are quiet.
 #pragma once
 
+#include <optional>
+
+#include "diagnosis/fit.h"
 #include "diagnosis/problem.h"
 #include "diagnosis/whitening.h"
 
@@ -12,5 +15,11 @@ namespace slewlab::diagnosis {
 // records are whitened anew, with `admitted` the nominal machine that they were admitted with. Gives the share of all records that the stretches
 // take. 0: nothing has changed, as where too little of a record would be left to judge. Assumes that the problem owns its records.
 double take_out_impacts(Problem& problem, const sim::MachineSettings& admitted, const WhiteningSettings& settings, const Point& cause);
+
+// The nominal machine as records begin on it that begin on a machine that has moved before, told by what lies before its first impacts. Load and boom
+// may swing otherwise than the nominal machine is taken to, and no fit finds that through impacts that come at other moments; the impacts of the
+// machine found are those to take out. Nothing where all begin unmoved, where no impact follows, or where too little lies before it. The problem is
+// left as it was.
+std::optional<FitResult> begun_before_impacts(Problem& problem, const sim::MachineSettings& admitted, const WhiteningSettings& settings);
 
 }  // namespace slewlab::diagnosis

@@ -93,9 +93,19 @@ void take_beginnings(Problem& problem, const FitResult& fitted, double most, Fit
   if (begun && begun->mean_square <= most) nominal_machine = std::move(*begun);
 }
 
+// Where fits of the nominal machine start: with the beginnings `begun` of its records, where these make its residual smaller than those of a machine that has not moved.
+FitResult begin_there(Problem& problem, const std::optional<Point>& begun, const FitResult& nominal) {
+  if (!begun) return nominal;
+  FitResult there;
+  there.point = *begun;
+  there.difference = differences(problem, there.point);
+  there.mean_square = mean_square(there.difference);
+  return there.mean_square < nominal.mean_square ? there : nominal;
+}
+
 // The search on the machine as its records show it to be built: as parameters alone show it, as the best single effect does, or the best fit, and then again.
 // `take_out` takes what lies near a cause's impacts out of what is judged; where it did, the search ends.
-Searched search_as_shown(Problem& problem, int as_cut, FitResult& nominal_machine, std::vector<common::EffectInstance>& of_every_machine, const Asked& asked,
+Searched search_as_shown(Problem& problem, int as_cut, const std::optional<Point>& begun, FitResult& nominal_machine, std::vector<common::EffectInstance>& of_every_machine, const Asked& asked,
                          const std::function<bool(const Point&)>& take_out, const Progress& tell) {
   std::vector<common::EffectInstance> of_all;
   if (nominal_machine.mean_square > 1.0) of_all = what_all_do(problem, asked.without);
@@ -109,9 +119,9 @@ Searched search_as_shown(Problem& problem, int as_cut, FitResult& nominal_machin
     if (take_out(fitted.point)) return Shown::judged_elsewhere;
     return take_of(false, fitted) ? Shown::built_otherwise : Shown::nothing;
   };
-  const auto search_from = [&](const FitResult& start) {
+  const auto search_from = [&](const FitResult& nominal) {
     tell(kFitParameters.from, "fitting the parameters alone");
-    FitResult base = fit_nuisances(problem, start);
+    FitResult base = fit_nuisances(problem, begin_there(problem, begun, nominal));
     take_of(false, base);
     if (nominal_machine.mean_square > 1.0) take_beginnings(problem, base, 1.0, nominal_machine);
     return search_all(problem, std::move(base), asked, shows, tell);
@@ -172,17 +182,29 @@ Searched search_as_built(Problem& problem, WhiteningSettings& whitening, const s
     remarks.push_back(fmt::format("the gears of a machine with a smaller residual than the nominal one strike where those of the nominal machine do not: {:.0f} % of the records lie near these impacts and are not judged either", 100.0 * share));
     return true;
   };
+  std::optional<Point> begun;
+  bool is_beginning_asked = false;
+  const auto ask_for_the_beginning = [&] {
+    if (std::exchange(is_beginning_asked, true)) return;
+    const std::optional<FitResult> found = begun_before_impacts(problem, admitted, whitening);
+    if (!found || found->mean_square > kNoiseAlone) return;
+    begun = found->point;
+    if (take_out(*begun)) nominal_machine = nominal_fit(problem);
+  };
   const auto search_here = [&] {
     problem.nominal = admitted;
     of_every_machine.clear();
     nominal_machine = nominal_fit(problem);
     const auto may_be_cut_finer = [&] { return nominal_machine.mean_square > 1.0 && as_cut > 0 && as_cut < kBoomElements; };
-    if (may_be_cut_finer() && !all_begin_unmoved(problem)) take_beginnings(problem, fit_nuisances(problem, nominal_machine), kOwnLogBegun, nominal_machine);
+    if (nominal_machine.mean_square > 1.0 && !all_begin_unmoved(problem)) {
+      ask_for_the_beginning();
+      if (may_be_cut_finer()) take_beginnings(problem, fit_nuisances(problem, begin_there(problem, begun, nominal_machine)), kOwnLogBegun, nominal_machine);
+    }
     if (may_be_cut_finer()) {
       problem.nominal = with_boom_elements(problem.nominal, kBoomElements);
       nominal_machine = nominal_fit(problem);
     }
-    return search_as_shown(problem, as_cut, nominal_machine, of_every_machine, {without, settings}, take_out, tell);
+    return search_as_shown(problem, as_cut, begun, nominal_machine, of_every_machine, {without, settings}, take_out, tell);
   };
   const auto search_judged = [&] {
     while (true) {

@@ -262,6 +262,28 @@ TEST(Fit, FindsTheSwingThatMovesBeforeTheRecordHaveLeft) {
   }
 }
 
+// A log of slewlab's own that begins in mid-slew, without noise: the machine answers linearly to how it begins, as long as no tooth leaves its flank.
+TEST(Fit, FindsHowALogWithoutNoiseBeginsInMotion) {
+  constexpr double kPeriod = 0.01, kFrom = 18.0;  // [s]
+  const std::vector<Move> moves{{2.0, 0.3}, {11.0, 0.0}, {17.0, 0.15}, {26.0, 0.0}, {32.0, -0.3}, {41.0, 0.0}};
+  sim::MachineSettings truth;
+  truth.crane = sim::load_machine_file(SLEWLAB_SOURCE_DIR "/config/cranes/harbour_5t.yaml").parameters;
+  const controller::ControllerSettings controller = controller::load_controller_file(SLEWLAB_SOURCE_DIR "/config/controllers/harbour_5t.yaml").settings;
+  msgs::RunLog log = quiet_log(truth, controller, moves, 55.0, kPeriod);
+  leave_out_beginning(log, std::lround(kFrom / kPeriod));
+  std::vector<Record> records{make_record(log, "a", thresholds_of(sim::describe(truth.crane)).admission)};
+  Problem problem;
+  std::vector<std::string> remarks;
+  set_machine(truth, records, problem);
+  admit(std::move(records), whitening_for(problem.thresholds, false), problem, remarks);
+  const FitResult nominal = nominal_fit(problem), fitted = fit_nuisances(problem, nominal);
+  const std::optional<FitResult> begun = nominal_with_beginnings(problem, fitted);
+  ASSERT_TRUE(begun);
+  EXPECT_GT(nominal.mean_square, 100.0);
+  EXPECT_LT(begun->mean_square, 0.2);
+  EXPECT_LE(fitted.cost, begun->cost);  // parameters beside it have no larger cost than none
+}
+
 // A pendulum let go from an angle, or passing its lowest point, while the crane stands and then moves.
 TEST(Fit, FindsTheSwingThatALoadHasWhenTheRecordBegins) {
   const sim::LoadParameters& load = bench().crane.load;

@@ -2,9 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <optional>
 #include <vector>
 
+#include "controller/controller_file.h"
 #include "diagnosis/fit.h"
+#include "sim/machine/machine_file.h"
 #include "tests/diagnosis/admitted.h"
 
 namespace slewlab::diagnosis {
@@ -64,6 +68,43 @@ TEST(ImpactsOfCause, LeaveWhatLiesElsewhereAsItIs) {
     EXPECT_EQ(record.problem.whitening[0].window, window);
     EXPECT_TRUE(record.problem.records[0].impacts_of_cause.empty());
   }
+}
+
+// A crane cut out of a slew, without noise: its load swings by no one's doing, and what it does to the gears comes at moments that a machine whose load
+// hangs still does not have. What lies before them tells the swing to the rounding of the log, and the fit of the whole record starts there.
+TEST(ImpactsOfCause, AreThoseOfALoadThatSwingsWhenTheRecordBegins) {
+  sim::MachineSettings truth;
+  truth.crane = sim::load_machine_file(SLEWLAB_SOURCE_DIR "/config/cranes/harbour_5t.yaml").parameters;
+  const controller::ControllerSettings controller = controller::load_controller_file(SLEWLAB_SOURCE_DIR "/config/controllers/harbour_5t.yaml").settings;
+  const std::vector<Move> moves{{2.0, 1.0}, {16.0, 0.0}, {25.0, -1.0}, {38.0, 0.0}};
+  msgs::RunLog log = quiet_log(truth, controller, moves, 50.0, kPeriod);
+  leave_out_beginning(log, std::lround(10.0 / kPeriod));
+  Admitted record({log}, truth.crane);
+  Problem& problem = record.problem;
+  const sim::MachineSettings admitted = problem.nominal;
+  const std::vector<double> window = problem.whitening[0].window;
+  const std::optional<FitResult> begun = begun_before_impacts(problem, admitted, record.whitening);
+  ASSERT_TRUE(begun);
+  EXPECT_LT(begun->mean_square, 0.1);
+  EXPECT_EQ(problem.whitening[0].window, window);
+  EXPECT_TRUE(problem.records[0].impacts_of_cause.empty());
+  const auto there = [&] {
+    FitResult start;
+    start.point = begun->point;
+    start.difference = differences(problem, start.point);
+    start.mean_square = mean_square(start.difference);
+    return start;
+  };
+  const double before = there().mean_square;
+  EXPECT_GT(before, 1.0) << "its impacts must outweigh the rest for the test to say anything";
+  EXPECT_GT(take_out_impacts(problem, admitted, record.whitening, begun->point), 0.0);
+  EXPECT_LT(there().mean_square, 0.1 * before);
+  EXPECT_LT(fit_nuisances(problem, there()).mean_square, 0.1);
+}
+
+TEST(ImpactsOfCause, OfABeginningThatNothingMovedBeforeAreNotAskedFor) {
+  AdmittedWith record({kLag, kHeavierLoad});
+  EXPECT_FALSE(begun_before_impacts(record.problem, record.admitted, record.whitening));
 }
 
 }  // namespace
