@@ -23,7 +23,7 @@ constexpr double kNearTheNoise = 10.0;  // mean square, beyond which parameters 
 constexpr int kIdleRounds = 2;         // in a row, that end a fit of the nuisances alone, and behind which no fit is gone on with
 constexpr std::array<double, 4> kShortenings{0.0, 1.0, 3.0, 7.0};  // dampings that halve a step along an axis of the curvature, and again
 constexpr double kAtTheBound = 1.9;     // [standard deviations]
-constexpr double kBeginningStep = 0.03;  // the same for how a record begins: machines answer linearly to it until teeth leave their flank
+constexpr double kBeginningStep = 0.03;  // the same for how a record begins on a machine that has moved before: it answers linearly until teeth leave their flank
 constexpr double kEffectStep = 0.05;   // [standard deviations] the same for effects, around a fitted size
 constexpr double kSpellStep = 0.05;    // of the time in which a spell fades: its beginning and end are as sharp as that
 constexpr double kStepDeviations = 2.0;  // the step where it is known how well the records tell the parameter, in what they leave open
@@ -106,10 +106,13 @@ bool is_held(const Problem& problem, const Point& point, std::size_t k) {
 
 Eigen::VectorXd first_steps(const Problem& problem, const Point& point) {
   const common::EffectCatalogue& catalogue = problem.catalogue;
-  const auto nuisances = static_cast<Eigen::Index>(point.nuisance.size()), common = static_cast<Eigen::Index>(problem.nuisances.common_count());
+  const auto nuisances = static_cast<Eigen::Index>(point.nuisance.size()), own = static_cast<Eigen::Index>(problem.nuisances.per_record());
   Eigen::VectorXd steps = Eigen::VectorXd::Constant(nuisances + effect_coordinates(catalogue, point.effects).size(), kEffectStep);
-  steps.head(common).setConstant(kNuisanceStep);
-  steps.segment(common, nuisances - common).setConstant(kBeginningStep);
+  steps.head(nuisances).setConstant(kNuisanceStep);
+  for (std::size_t r = 0; r < problem.records.size(); ++r) {
+    const auto first = static_cast<Eigen::Index>(problem.nuisances.count(r));
+    if (problem.nuisances.begin_of(r) != RecordBegins::unmoved && first + own <= nuisances) steps.segment(first, own).setConstant(kBeginningStep);
+  }
   Eigen::Index first = nuisances;
   for (const common::EffectInstance& effect : point.effects) {
     const common::EffectAbout& about = catalogue.at(effect.name);
