@@ -93,7 +93,8 @@ void take_beginnings(Problem& problem, const FitResult& fitted, double most, Fit
   if (begun && begun->mean_square <= most) nominal_machine = std::move(*begun);
 }
 
-// Where fits of the nominal machine start: with the beginnings `begun` of its records, where these make its residual smaller than those of a machine that has not moved.
+// Where fits of the nominal machine start: with the beginnings `begun` of its records, where its residual is smaller with them than on a machine that
+// has not moved.
 FitResult begin_there(Problem& problem, const std::optional<Point>& begun, const FitResult& nominal) {
   if (!begun) return nominal;
   FitResult there;
